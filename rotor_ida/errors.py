@@ -1,0 +1,53 @@
+"""The exceptions a user can meet, each with one line that says what to do about it."""
+
+from __future__ import annotations
+
+
+class RotorError(Exception):
+    """Base of every error that this package raises on purpose."""
+
+
+class InputError(RotorError, ValueError):
+    """A value that cannot be used: the message names it, shows it and says what is allowed."""
+
+
+class SimulationError(RotorError, RuntimeError):
+    """An integration that failed, with the place where it did.
+
+    Parameters
+    ----------
+    message : str
+        What happened, in the solver's or the invariant's own words.
+    time : float
+        Dimensionless time [1] of the last good state.
+    state : tuple of float
+        The state ``(x, y, vx, vy)`` [1] at that time.
+    """
+
+    def __init__(self, message: str, *, time: float, state: tuple[float, float, float, float]):
+        shown = ", ".join(f"{value:.17g}" for value in state)
+        super().__init__(f"{message} (at t = {time:.17g}, state (x, y, vx, vy) = ({shown}))")
+        self.reason = message
+        self.time = time
+        self.state = state
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Keep time and state when the error crosses a process boundary."""
+        return _rebuild_simulation_error, (type(self), self.reason, self.time, self.state)
+
+
+class InvariantError(SimulationError):
+    """A result that contradicts the mechanics: it is raised, never returned."""
+
+
+class ArchiveError(RotorError, OSError):
+    """A file that cannot be read or written as an archive of this package."""
+
+
+def _rebuild_simulation_error(
+    kind: type[SimulationError],
+    message: str,
+    time: float,
+    state: tuple[float, float, float, float],
+) -> SimulationError:
+    return kind(message, time=time, state=state)
