@@ -1,0 +1,193 @@
+"""Motion inside the clearance, which is linear and so known exactly."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.checks import check_real, check_state
+from rotor_ida.closed_forms.double_double import DoubleDouble
+from rotor_ida.errors import InputError
+from rotor_ida.parameters import Rotor
+
+Values = npt.NDArray[np.float64]
+ComplexValues = npt.NDArray[np.complex128]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ContactFreeWhirl:
+    """The family of whirls that do not reach into the ring.
+
+    Parameters
+    ----------
+    amplitude : float
+        Radius A_f of the whirl about its own centre [1].
+    phase_lag : float
+        Phase by which it lags the unbalance [rad].
+    largest_centre_offset : float
+        How far the centre may lie from the bearing axis, ``delta0 - A_f`` [1]; NaN where the
+        clearance is too small for the whirl.
+
+    Examples
+    --------
+    >>> contact_free_whirl(Rotor(omega=3.0, zeta=2.0, delta0=1.0)).exists
+    True
+    """
+
+    amplitude: float
+    phase_lag: float
+    largest_centre_offset: float
+
+    @property
+    def exists(self) -> bool:
+        """Whether the whirl fits into the clearance."""
+        return not math.isnan(self.largest_centre_offset)
+
+
+def contact_free_whirl(rotor: Rotor) -> ContactFreeWhirl:
+    """Return the neutral family of contact-free whirls.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        Parameters of the rotor.
+
+    Returns
+    -------
+    ContactFreeWhirl
+        Its amplitude, phase lag and the largest offset of its centre.
+
+    Notes
+    -----
+    ``z = c + A_f exp(i (omega t - theta))`` for every ``|c| + A_f <= delta0``, with
+    ``A_f = omega/sqrt(omega**2 + 4 zeta**2)`` and ``theta = atan2(2 zeta, -omega)``. At
+    omega = 0 the rotor rests: amplitude and phase lag are 0.
+
+    References
+    ----------
+    Eq. (10) of the paper, Mechanika 25(6), 2019, with f = 0.
+
+    Examples
+    --------
+    >>> whirl = contact_free_whirl(Rotor(omega=3.0, zeta=2.0, delta0=1.0))
+    >>> round(whirl.amplitude, 12), round(whirl.largest_centre_offset, 12)
+    (0.6, 0.4)
+    """
+    if rotor.omega == 0.0:
+        return ContactFreeWhirl(
+            amplitude=0.0, phase_lag=0.0, largest_centre_offset=rotor.delta0
+        )
+    amplitude = rotor.omega / math.hypot(rotor.omega, 2.0 * rotor.zeta)
+    room = rotor.delta0 - amplitude
+    return ContactFreeWhirl(
+        amplitude=amplitude,
+        phase_lag=math.atan2(2.0 * rotor.zeta, -rotor.omega),
+        largest_centre_offset=room if room >= 0.0 else math.nan,
+    )
+
+
+def flight(
+    time: npt.ArrayLike, *, rotor: Rotor, start: object, start_time: float = 0.0
+) -> Values:
+    """Return the motion inside the clearance, as if the ring were not there.
+
+    Parameters
+    ----------
+    time : array_like, shape (...)
+        Times [1], none before `start_time`.
+    rotor : Rotor
+        Parameters of the rotor; the clearance is not used.
+    start : tuple of four floats
+        ``(x, y, vx, vy)`` at `start_time` [1].
+    start_time : float
+        Time of the start [1]: it sets the direction of the unbalance.
+
+    Returns
+    -------
+    ndarray, shape (4, ...)
+        ``x, y, vx, vy`` at `time` [1].
+
+    Raises
+    ------
+    InputError
+        If a number is not finite, a time lies before `start_time`, or `start` is not four
+        numbers.
+
+    Notes
+    -----
+    With tau = t - t0, z0 and v0 the start, ``phi = (1 - exp(-2 zeta tau))/(2 zeta)`` and
+    ``a = -omega/(omega - 2 i zeta)``::
+
+        z = z0 + v0 phi + a exp(i omega t0) [exp(i omega tau) - 1 - i omega phi]
+        v = v0 exp(-2 zeta tau) + i omega a exp(i omega t0) [exp(i omega tau) - exp(-2 zeta tau)]
+
+    Written with ``expm1`` these hold for every zeta and omega, zero included, where phi = tau.
+    Phases ``omega t`` are formed with 32 digits, so late times lose nothing.
+
+    References
+    ----------
+    Eq. (10) of the paper, Mechanika 25(6), 2019, with f = 0.
+
+    Examples
+    --------
+    >>> still = Rotor(omega=0.0, zeta=0.0, delta0=1.0)
+    >>> flight([0.0, 2.0], rotor=still, start=(0.0, 0.0, 0.25, 0.0))
+    array([[0.  , 0.5 ],
+           [0.  , 0.  ],
+           [0.25, 0.25],
+           [0.  , 0.  ]])
+    """
+    began = check_real("start_time", start_time)
+    x, y, vx, vy = check_state("start", start)
+    times = _checked_times(time, began)
+    omega, zeta = rotor.omega, rotor.zeta
+
+    elapsed = DoubleDouble.of(times) - DoubleDouble.of(began)
+    reach = _reach(elapsed.high, zeta)
+    turn_less_one = _turn_less_one(omega, elapsed)
+    decay_less_one = np.expm1(-2.0 * zeta * elapsed.high)
+    whirl = -omega / complex(omega, -2.0 * zeta) if omega > 0.0 else 0.0
+    whirl = whirl * (1.0 + _turn_less_one(omega, DoubleDouble.of(began)))
+
+    start_velocity = complex(vx, vy)
+    position = complex(x, y) + start_velocity * reach
+    position = position + whirl * (turn_less_one - 1j * omega * reach)
+    velocity = start_velocity * (1.0 + decay_less_one)
+    velocity = velocity + 1j * omega * whirl * (turn_less_one - decay_less_one)
+    return np.stack([position.real, position.imag, velocity.real, velocity.imag])
+
+
+def _checked_times(time: npt.ArrayLike, began: float) -> Values:
+    """Return the times, all finite and none before the start."""
+    try:
+        times = np.asarray(time, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"time must be numbers, got {time!r}") from None
+    bad = times[~(np.isfinite(times) & (times >= began))]
+    if bad.size:
+        raise InputError(
+            f"time must be finite and not before start_time = {began!r}, got {float(bad[0])!r}"
+        )
+    return times
+
+
+def _reach(elapsed: Values, zeta: float) -> Values:
+    """Return ``(1 - exp(-2 zeta tau))/(2 zeta)``: how far unit velocity carries in tau."""
+    exponent = 2.0 * zeta * elapsed
+    shrinking = np.divide(
+        -np.expm1(-exponent), exponent, out=np.ones_like(exponent), where=exponent > 1e-300
+    )
+    return np.asarray(elapsed * shrinking)
+
+
+def _turn_less_one(omega: float, elapsed: DoubleDouble) -> ComplexValues:
+    """Return ``exp(i omega tau) - 1`` without cancellation at small angles."""
+    angle = DoubleDouble.of(np.full_like(elapsed.high, omega)) * elapsed
+    sine, cosine = np.sin(angle.high), np.cos(angle.high)
+    half = np.sin(0.5 * angle.high)
+    return np.asarray(
+        (-2.0 * half * half - sine * angle.low) + 1j * (sine + cosine * angle.low)
+    )

@@ -1,0 +1,175 @@
+"""Periods of free, undamped vibration: the nonlinearity seen on its own."""
+
+from __future__ import annotations
+
+import math
+
+from scipy.special import beta
+
+from rotor_ida.checks import check_nonnegative, check_real
+from rotor_ida.errors import InputError
+
+# Time in which a rotor released at indentation 1 leaves the contact: (1/sqrt 5) B(2/5, 1/2).
+_LEAVING_TIME = float(beta(0.4, 0.5)) / math.sqrt(5.0)
+
+
+def circular_period(amplitude: float, delta0: float = 0.0) -> float:
+    """Return the period of a free whirl on a circle round the bearing axis.
+
+    Parameters
+    ----------
+    amplitude : float
+        Radius A of the circle [1], above `delta0`.
+    delta0 : float
+        Clearance [1].
+
+    Returns
+    -------
+    float
+        Period [1].
+
+    Raises
+    ------
+    InputError
+        If `amplitude` is not finite and above `delta0`, or `delta0` is negative.
+
+    Notes
+    -----
+    ``T = 2 pi sqrt(A/f(A))``, which is ``2 pi A**(-1/4)`` without clearance: the larger the
+    circle, the shorter the period.
+
+    References
+    ----------
+    Eq. (17) of the paper, Mechanika 25(6), 2019.
+
+    Examples
+    --------
+    >>> round(circular_period(2.0), 5), round(circular_period(8.0), 5)
+    (5.28351, 3.736)
+    """
+    depth = _checked_depth(amplitude, delta0)
+    return 2.0 * math.pi * math.sqrt(float(amplitude)) / depth**0.75
+
+
+def planar_period(amplitude: float, delta0: float = 0.0) -> float:
+    """Return the period of free vibration on a straight line through the bearing axis.
+
+    Parameters
+    ----------
+    amplitude : float
+        Largest distance A from the axis [1], above `delta0`.
+    delta0 : float
+        Clearance [1].
+
+    Returns
+    -------
+    float
+        Period [1].
+
+    Raises
+    ------
+    InputError
+        If `amplitude` is not finite and above `delta0`, or `delta0` is negative.
+
+    Notes
+    -----
+    A quarter of it is the time to leave the contact,
+    ``(1/sqrt 5) B(2/5, 1/2) (A - delta0)**(-1/4)``, and the flight across `delta0` at the
+    speed ``sqrt(4/5) (A - delta0)**(5/4)`` of `centre_speed`.
+
+    References
+    ----------
+    Energy, eq. (13) of the paper, Mechanika 25(6), 2019, with ``|z'|**2/2``.
+
+    Examples
+    --------
+    >>> round(planar_period(1.0), 12)
+    6.581363388638
+    """
+    depth = _checked_depth(amplitude, delta0)
+    return 4.0 * (_LEAVING_TIME * depth**-0.25 + float(delta0) / _speed(depth))
+
+
+def centre_speed(amplitude: float, delta0: float = 0.0) -> float:
+    """Return the speed with which a planar vibration crosses the bearing axis.
+
+    Parameters
+    ----------
+    amplitude : float
+        Largest distance A from the axis [1], above `delta0`.
+    delta0 : float
+        Clearance [1].
+
+    Returns
+    -------
+    float
+        Speed ``sqrt(4/5) (A - delta0)**(5/4)`` [1].
+
+    Raises
+    ------
+    InputError
+        If `amplitude` is not finite and above `delta0`, or `delta0` is negative.
+
+    References
+    ----------
+    Energy, eq. (13) of the paper, Mechanika 25(6), 2019, with ``|z'|**2/2``.
+
+    Examples
+    --------
+    >>> round(centre_speed(1.5, delta0=0.5), 12)
+    0.894427191
+    """
+    return _speed(_checked_depth(amplitude, delta0))
+
+
+def amplitude_from_speed(speed: float, delta0: float = 0.0) -> float:
+    """Return how far a rotor comes that leaves the bearing axis with some speed.
+
+    Parameters
+    ----------
+    speed : float
+        Speed at the axis [1].
+    delta0 : float
+        Clearance [1].
+
+    Returns
+    -------
+    float
+        Amplitude ``delta0 + (1.25 speed**2)**0.4`` [1].
+
+    Raises
+    ------
+    InputError
+        If a value is not finite or `delta0` is negative, or `speed` is zero and so the
+        rotor never reaches the ring.
+
+    References
+    ----------
+    Energy, eq. (13) of the paper, Mechanika 25(6), 2019, with ``|z'|**2/2``.
+
+    Examples
+    --------
+    >>> round(amplitude_from_speed(2.0), 12)
+    1.903653938716
+    """
+    leaving = abs(check_real("speed", speed))
+    clearance = check_nonnegative("delta0", delta0)
+    if leaving == 0.0:
+        raise InputError(f"speed must not be zero, got {speed!r}: the rotor would stay where it is")
+    return clearance + (math.sqrt(1.25) * leaving) ** 0.8
+
+
+def _checked_depth(amplitude: float, delta0: float) -> float:
+    """Return the largest indentation, which must be positive."""
+    clearance = check_nonnegative("delta0", delta0)
+    depth = check_real("amplitude", amplitude) - clearance
+    if depth <= 0.0:
+        raise InputError(
+            f"amplitude must be above delta0 = {clearance!r} for the rotor to touch, "
+            f"got {float(amplitude)!r}"
+        )
+    return depth
+
+
+def _speed(depth: float) -> float:
+    return math.sqrt(0.8) * depth**1.25

@@ -1,0 +1,131 @@
+"""Stability of a synchronous whirl, in closed form.
+
+Seen in the frame that turns with the unbalance, a whirl is an equilibrium, and its four
+eigenvalues follow from two quadratic equations, one inside the other.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.contact import contact_stiffness, secant_stiffness
+
+Values = npt.NDArray[np.float64]
+ComplexValues = npt.NDArray[np.complex128]
+
+
+def stability_determinant(
+    amplitude: npt.ArrayLike, *, omega: npt.ArrayLike, zeta: npt.ArrayLike, delta0: npt.ArrayLike
+) -> Values:
+    """Return the determinant that decides whether a contacting whirl is stable.
+
+    Parameters
+    ----------
+    amplitude : array_like
+        Amplitude A of the whirl [1].
+    omega, zeta, delta0 : array_like
+        Spin speed, damping ratio and clearance [1]; all four broadcast.
+
+    Returns
+    -------
+    ndarray
+        D [1]: positive for a stable whirl, negative for an unstable one, zero at a fold.
+
+    Notes
+    -----
+    ``D = (f'(A) - q)(s(A) - q) + 4 zeta**2 q`` with ``q = omega**2`` and ``s(A) = f(A)/A``. It
+    is the determinant of the stiffness matrix in the rotating frame.
+
+    References
+    ----------
+    Linearisation of eq. (10) of the paper, Mechanika 25(6), 2019, in the rotating frame.
+
+    Examples
+    --------
+    >>> round(float(stability_determinant(4.0, omega=1.0, zeta=0.5, delta0=0.0)), 12)
+    3.0
+    """
+    q = np.square(np.asarray(omega, dtype=np.float64))
+    tangent, secant = contact_stiffness(amplitude, delta0), secant_stiffness(amplitude, delta0)
+    return np.asarray((tangent - q) * (secant - q) + 4.0 * np.square(zeta) * q)
+
+
+def eigenvalues(
+    amplitude: npt.ArrayLike, *, omega: npt.ArrayLike, zeta: npt.ArrayLike, delta0: npt.ArrayLike
+) -> ComplexValues:
+    """Return the four eigenvalues of a synchronous whirl in the rotating frame.
+
+    Parameters
+    ----------
+    amplitude : array_like
+        Amplitude A of the whirl [1].
+    omega, zeta, delta0 : array_like
+        Spin speed, damping ratio and clearance [1]; all four broadcast.
+
+    Returns
+    -------
+    ndarray of complex, shape (..., 4)
+        Growth rates (real parts) and frequencies (imaginary parts) [1].
+
+    Notes
+    -----
+    ``lambda = -zeta +- sqrt(zeta**2 + sigma)`` with
+    ``sigma**2 + (f' + s + 2 q) sigma + D = 0``.
+
+    References
+    ----------
+    Linearisation of eq. (10) of the paper, Mechanika 25(6), 2019, in the rotating frame.
+
+    Examples
+    --------
+    >>> rates = eigenvalues(6.1932109611, omega=1.7, zeta=0.07, delta0=0.0).real
+    >>> round(float(rates.max()), 5)
+    0.0983
+    """
+    determinant = stability_determinant(amplitude, omega=omega, zeta=zeta, delta0=delta0)
+    return _eigenvalues(determinant, amplitude, omega, zeta, delta0)
+
+
+def growth_rate(
+    amplitude: Values, determinant: Values, omega: Values, zeta: Values, delta0: Values
+) -> Values:
+    """Return the largest real part of the eigenvalues of a whirl whose D is known already.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> parts = (np.array([number]) for number in (4.0, 3.0, 1.0, 0.5, 0.0))
+    >>> growth_rate(*parts)
+    array([-0.5])
+    """
+    rates = _eigenvalues(determinant, amplitude, omega, zeta, delta0).real
+    return np.asarray(rates.max(axis=-1))
+
+
+def _eigenvalues(
+    determinant: Values,
+    amplitude: npt.ArrayLike,
+    omega: npt.ArrayLike,
+    zeta: npt.ArrayLike,
+    delta0: npt.ArrayLike,
+) -> ComplexValues:
+    """Return the eigenvalues in forms that keep the small ones accurate."""
+    q = np.square(np.asarray(omega, dtype=np.float64))
+    damping = np.asarray(zeta, dtype=np.float64)
+    tangent, secant = contact_stiffness(amplitude, delta0), secant_stiffness(amplitude, delta0)
+    # (f' + s + 2 q)**2 - 4 D, with the large terms cancelled by hand
+    discriminant = (tangent - secant) ** 2 + 8.0 * q * (tangent + secant)
+    discriminant = discriminant - 16.0 * damping**2 * q
+    total = tangent + secant + 2.0 * q + np.sqrt(discriminant.astype(np.complex128))
+    zero = np.zeros_like(total)
+    sigmas = (
+        np.divide(-2.0 * determinant, total, out=zero.copy(), where=total != 0.0),
+        -0.5 * total,
+    )
+    found = []
+    for sigma in sigmas:
+        root = np.sqrt(damping**2 + sigma)
+        sum_ = damping + root
+        found += [np.divide(sigma, sum_, out=zero.copy(), where=sum_ != 0.0), -damping - root]
+    return np.stack(found, axis=-1)

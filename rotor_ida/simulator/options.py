@@ -1,0 +1,56 @@
+"""How a simulation is to be carried out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, cast
+
+from rotor_ida.checks import check_choice, check_positive
+from rotor_ida.errors import InputError
+
+Method = Literal["adams", "bdf", "ida"]
+Flight = Literal["exact", "cvode"]
+Backend = Literal["auto", "python"]
+
+METHODS: tuple[Method, ...] = ("adams", "bdf", "ida")
+FLIGHTS: tuple[Flight, ...] = ("exact", "cvode")
+BACKENDS: tuple[Backend, ...] = ("auto", "python")
+
+TIGHTEST_RTOL = 1e-14
+LOOSEST_RTOL = 1e-3
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Options:
+    """Method and tolerances of a simulation; a bad value raises `InputError`.
+
+    Parameters
+    ----------
+    rtol, atol : float
+        Relative and absolute tolerance of the integrator, per step [1].
+    method : {"adams", "bdf", "ida"}
+        CVODE with Adams or BDF, or IDA.
+    flight : {"exact", "cvode"}
+        Motion inside the clearance in closed form, or integrated by the same solver as the
+        contact.
+    backend : {"auto", "python"}
+        How the solver is called: through the public interface of scikit-sundae.
+    """
+
+    rtol: float = 1e-10
+    atol: float = 1e-12
+    method: Method = "adams"
+    flight: Flight = "exact"
+    backend: Backend = "auto"
+
+    def __post_init__(self) -> None:
+        rtol = check_positive("rtol", self.rtol)
+        if not TIGHTEST_RTOL <= rtol <= LOOSEST_RTOL:
+            raise InputError(f"rtol must lie from {TIGHTEST_RTOL} to {LOOSEST_RTOL}, got {rtol!r}")
+        object.__setattr__(self, "rtol", rtol)
+        object.__setattr__(self, "atol", check_positive("atol", self.atol))
+        check_choice("method", self.method, METHODS)
+        check_choice("flight", self.flight, FLIGHTS)
+        check_choice("backend", self.backend, BACKENDS)
+        if self.backend == "auto":
+            object.__setattr__(self, "backend", cast(Backend, "python"))
