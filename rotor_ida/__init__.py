@@ -1,0 +1,70 @@
+"""Rotors in clearances: Hertz contact simulated event by event, held against closed forms.
+
+>>> from rotor_ida import Rotor, simulate, synchronous_response
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rotor_ida.archive import load, save
+    from rotor_ida.closed_forms import folds, synchronous_response
+    from rotor_ida.comparison import compare
+    from rotor_ida.errors import (
+        ArchiveError,
+        InputError,
+        InvariantError,
+        RotorError,
+        SimulationError,
+    )
+    from rotor_ida.parameters import DimensionalRotor, Rotor
+    from rotor_ida.simulation import simulate
+    from rotor_ida.sweeps import sweep
+
+# Each name is imported when it is first asked for: the command line answers --help, and an
+# archive can be read and drawn, without loading a solver.
+_HOMES = {
+    "ArchiveError": "errors",
+    "DimensionalRotor": "parameters",
+    "InputError": "errors",
+    "InvariantError": "errors",
+    "Rotor": "parameters",
+    "RotorError": "errors",
+    "SimulationError": "errors",
+    "compare": "comparison",
+    "folds": "closed_forms",
+    "load": "archive",
+    "save": "archive",
+    "simulate": "simulation",
+    "sweep": "sweeps",
+    "synchronous_response": "closed_forms",
+}
+
+__all__ = [
+    "ArchiveError",
+    "DimensionalRotor",
+    "InputError",
+    "InvariantError",
+    "Rotor",
+    "RotorError",
+    "SimulationError",
+    "compare",
+    "folds",
+    "load",
+    "save",
+    "simulate",
+    "sweep",
+    "synchronous_response",
+]
+
+
+def __getattr__(name: str) -> object:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'rotor_ida' has no attribute {name!r}")
+    return getattr(importlib.import_module(f"rotor_ida.{_HOMES[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -3,3 +3,33 @@
 Nothing here knows the simulator, and the simulator knows nothing of this: each is the
 other's independent witness.
 """
+
+from rotor_ida.closed_forms.contact_free import ContactFreeWhirl, contact_free_whirl, flight
+from rotor_ida.closed_forms.curve import backbone, curve, peak_amplitude
+from rotor_ida.closed_forms.folds import critical_damping, folds
+from rotor_ida.closed_forms.free_vibration import (
+    amplitude_from_speed,
+    centre_speed,
+    circular_period,
+    planar_period,
+)
+from rotor_ida.closed_forms.stability import eigenvalues, stability_determinant
+from rotor_ida.closed_forms.synchronous import synchronous_response
+
+__all__ = [
+    "ContactFreeWhirl",
+    "amplitude_from_speed",
+    "backbone",
+    "centre_speed",
+    "circular_period",
+    "contact_free_whirl",
+    "critical_damping",
+    "curve",
+    "eigenvalues",
+    "flight",
+    "folds",
+    "peak_amplitude",
+    "planar_period",
+    "stability_determinant",
+    "synchronous_response",
+]

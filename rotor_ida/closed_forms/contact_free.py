@@ -77,9 +77,7 @@ def contact_free_whirl(rotor: Rotor) -> ContactFreeWhirl:
     (0.6, 0.4)
     """
     if rotor.omega == 0.0:
-        return ContactFreeWhirl(
-            amplitude=0.0, phase_lag=0.0, largest_centre_offset=rotor.delta0
-        )
+        return ContactFreeWhirl(amplitude=0.0, phase_lag=0.0, largest_centre_offset=rotor.delta0)
     amplitude = rotor.omega / math.hypot(rotor.omega, 2.0 * rotor.zeta)
     room = rotor.delta0 - amplitude
     return ContactFreeWhirl(
@@ -89,9 +87,7 @@ def contact_free_whirl(rotor: Rotor) -> ContactFreeWhirl:
     )
 
 
-def flight(
-    time: npt.ArrayLike, *, rotor: Rotor, start: object, start_time: float = 0.0
-) -> Values:
+def flight(time: npt.ArrayLike, *, rotor: Rotor, start: object, start_time: float = 0.0) -> Values:
     """Return the motion inside the clearance, as if the ring were not there.
 
     Parameters
@@ -149,8 +145,8 @@ def flight(
     reach = _reach(elapsed.high, zeta)
     turn_less_one = _turn_less_one(omega, elapsed)
     decay_less_one = np.expm1(-2.0 * zeta * elapsed.high)
-    whirl = -omega / complex(omega, -2.0 * zeta) if omega > 0.0 else 0.0
-    whirl = whirl * (1.0 + _turn_less_one(omega, DoubleDouble.of(began)))
+    response = -omega / complex(omega, -2.0 * zeta) if omega > 0.0 else 0.0
+    whirl = response * (1.0 + _turn_less_one(omega, DoubleDouble.of(began)))
 
     start_velocity = complex(vx, vy)
     position = complex(x, y) + start_velocity * reach
@@ -188,6 +184,4 @@ def _turn_less_one(omega: float, elapsed: DoubleDouble) -> ComplexValues:
     angle = DoubleDouble.of(np.full_like(elapsed.high, omega)) * elapsed
     sine, cosine = np.sin(angle.high), np.cos(angle.high)
     half = np.sin(0.5 * angle.high)
-    return np.asarray(
-        (-2.0 * half * half - sine * angle.low) + 1j * (sine + cosine * angle.low)
-    )
+    return np.asarray((-2.0 * half * half - sine * angle.low) + 1j * (sine + cosine * angle.low))

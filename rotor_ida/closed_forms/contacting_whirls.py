@@ -124,9 +124,12 @@ def contacting_whirls(omega: Values, zeta: Values, delta0: Values) -> Contacting
     # The direction in which P crosses zero is certain; the sign of a rounded D near 0 is not.
     size = np.maximum(np.abs(slope) / (4.0 * u.high * amplitude), np.finfo(np.float64).tiny)
     determinant = np.where(rising[rows, columns], size, -size)
+    shape = estimate.shape
     return ContactingWhirls(
-        *(_packed(values, rows, columns, estimate.shape) for values in (amplitude, lag, determinant)),
-        contact_free,
+        amplitude=_packed(amplitude, rows, shape),
+        phase_lag=_packed(lag, rows, shape),
+        determinant=_packed(determinant, rows, shape),
+        contact_free=contact_free,
     )
 
 
@@ -135,9 +138,14 @@ def _extrema(q: Values, stiffness: Values, delta0: Values) -> Values:
 
     ``stiffness`` is ``q (q + 4 zeta**2)``. Extrema that do not exist repeat the bound.
     """
-    bound = q + np.cbrt(q * (delta0 + 1.0))
-    bound = bound * 1.000001
-    quartic = (2.0 * delta0 * stiffness, -3.0 * q * delta0, 2.0 * stiffness, -5.0 * q, 3.0 + 0.0 * q)
+    bound = 1.000001 * (q + np.cbrt(q * (delta0 + 1.0)))
+    quartic = (
+        2.0 * delta0 * stiffness,
+        -3.0 * q * delta0,
+        2.0 * stiffness,
+        -5.0 * q,
+        3.0 + 0.0 * q,
+    )
     cubic = _derivative(quartic)
     quadratic = _derivative(cubic)
     root = np.sqrt(np.maximum(quadratic[1] ** 2 - 4.0 * quadratic[2] * quadratic[0], 0.0))
@@ -177,9 +185,7 @@ def _roots_of(coefficients: tuple[Values, ...], breakpoints: Values) -> Values:
     return roots
 
 
-def _signs(
-    equation: _Equation, breakpoints: Values, contact_free: npt.NDArray[np.bool_]
-) -> Values:
+def _signs(equation: _Equation, breakpoints: Values, contact_free: npt.NDArray[np.bool_]) -> Values:
     """Return the sign of P at 0, at its extrema and at the bound (where it is positive)."""
     signs = np.ones_like(breakpoints)
     signs[:, 0] = np.where(contact_free, 1.0, -1.0)
@@ -214,7 +220,7 @@ def _polished(
     return DoubleDouble.of(u) + DoubleDouble.of(correction)
 
 
-def _packed(values: Values, rows: Rows, columns: Rows, shape: tuple[int, ...]) -> Values:
+def _packed(values: Values, rows: Rows, shape: tuple[int, ...]) -> Values:
     """Return the `values` of each row moved to its front, NaN behind them."""
     packed = np.full(shape, np.nan)
     first = np.searchsorted(rows, rows)  # rows are sorted: how many came before this row

@@ -1,17 +1,18 @@
 """Where folds lie: one curve for each clearance, from which each damping picks its folds.
 
-Let theta be the phase lag, ``t = cos(theta)``, ``A = delta0 + u**2`` and ``q = omega**2``. A
-contacting whirl obeys ``u**3 = q (A + t)`` and ``2 zeta A = omega sin(theta)``. With these the
-condition of a fold, D = 0, loses both q and zeta and becomes
+Let theta be the phase lag, ``A = delta0 + u**2``, ``q = omega**2``, ``a = -cos(theta)`` and
+``b = A - a``. A contacting whirl obeys ``u**3 = q b`` and ``2 zeta A = omega sin(theta)``. With
+these the condition of a fold, D = 0, loses both q and zeta and becomes
 
-    (A + 2 delta0) (t**2 + A t) + 2 u**2 = 0,                                       (locus)
+    (A + 2 delta0) a b = 2 u**2,    a + b = A:                                      (locus)
 
-a quadratic in t, whose two roots in (-1, 0) are the two `sides` of the locus. They meet where
-``A**2 (A + 2 delta0) = 8 u**2``, and at t = -1 the locus ends, at A = 3 - 2 delta0. Along it
+a and b are the two roots of one quadratic. On side 0 of the locus a is the smaller one, on
+side 1 the larger; the sides meet where ``A**2 (A + 2 delta0) = 8 u**2``, and at a = 1 the locus
+ends, at A = 3 - 2 delta0. Along it
 
-    4 zeta**2 = (1 - t**2) u**3 / (A**2 (A + t))                                  (damping)
+    4 zeta**2 = (1 - a**2) u**3 / (A**2 b)                                        (damping)
 
-rises and falls; each crossing of the given damping is a fold.
+rises and falls; each crossing of the given damping is a fold, with ``omega**2 = u**3/b``.
 """
 
 from __future__ import annotations
@@ -25,100 +26,133 @@ from rotor_ida.closed_forms.double_double import DoubleDouble
 
 Values = npt.NDArray[np.float64]
 
-SIDES = (0, 1)  # the root t nearer to 0, and the one nearer to -1
+SIDES = (0, 1)
 _NODES_PER_DECADE = 24
-_BISECTIONS = 80
+_BISECTIONS = 120
+_ROUNDING = 1e-14
 
 
 @dataclass(frozen=True, slots=True)
-class LocusPiece:
-    """A stretch of the locus along which ``4 zeta**2`` only rises or only falls.
+class LocusSide:
+    """One side of the locus of one clearance, cut so finely that the damping is monotone.
 
     Parameters
     ----------
+    delta0 : float
+        Clearance [1].
     side : int
-        Which root t of the locus it follows.
-    u : tuple of float
-        ``sqrt(A - delta0)`` at its two ends [1].
-    damping : tuple of float
-        ``4 zeta**2`` at its two ends [1].
+        0 where ``a`` is the smaller root, 1 where it is the larger.
+    u : ndarray, shape (n,)
+        Ascending ``sqrt(A - delta0)`` [1], with every turning point of the damping.
+    damping : ndarray, shape (n,)
+        ``4 zeta**2`` there [1]; NaN where the locus is not.
     """
 
+    delta0: float
     side: int
-    u: tuple[float, float]
-    damping: tuple[float, float]
+    u: Values
+    damping: Values
 
 
-def cosine_on_locus(u: npt.ArrayLike, delta0: npt.ArrayLike, side: int) -> Values:
-    """Return ``t = cos(theta)`` on one side of the locus; NaN where the locus is not.
+@dataclass(frozen=True, slots=True)
+class LocusPoints:
+    """Points of a locus.
 
-    Examples
-    --------
-    >>> float(cosine_on_locus(3.0**0.5, 0.0, 0))
-    -1.0
+    Parameters
+    ----------
+    a, b : ndarray
+        ``-cos(theta)`` and ``A + cos(theta)`` [1]; NaN where the locus is not.
+    damping : ndarray
+        ``4 zeta**2`` [1].
+    slope : ndarray
+        A quantity with the sign of the derivative of the damping by u.
     """
-    depth = np.square(np.asarray(u, dtype=np.float64))
-    amplitude = np.asarray(delta0 + depth)
-    product = 2.0 * depth / (amplitude + 2.0 * np.asarray(delta0))
-    discriminant = amplitude**2 - 4.0 * product
-    meets = np.abs(discriminant) < 1e-14 * amplitude**2
-    real = np.where(meets, 0.0, np.where(discriminant < 0.0, np.nan, discriminant))
-    nearer_minus_one = -0.5 * (amplitude + np.sqrt(real))
-    cosine = product / nearer_minus_one if side == 0 else nearer_minus_one
-    cosine = np.where(np.abs(cosine + 1.0) < 1e-14, -1.0, cosine)
-    return np.asarray(np.where(cosine >= -1.0, cosine, np.nan))
+
+    a: Values
+    b: Values
+    damping: Values
+    slope: Values
 
 
-def damping_on_locus(u: npt.ArrayLike, delta0: npt.ArrayLike, side: int) -> Values:
-    """Return ``4 zeta**2`` of the fold at `u`; NaN where the locus is not.
+def locus_points(u: npt.ArrayLike, delta0: float, side: int) -> LocusPoints:
+    """Return the points of one side of the locus at some u.
+
+    Parameters
+    ----------
+    u : array_like
+        ``sqrt(A - delta0)`` [1], above zero.
+    delta0 : float
+        Clearance [1].
+    side : int
+        Side of the locus, 0 or 1.
+
+    Returns
+    -------
+    LocusPoints
+        What is known there.
 
     Examples
     --------
-    >>> float(damping_on_locus(3.0**0.5, 0.0, 0))
-    0.0
+    >>> end = locus_points(3.0**0.5, 0.0, 0)
+    >>> float(end.a), float(end.damping)
+    (1.0, 0.0)
     """
     root = np.asarray(u, dtype=np.float64)
-    amplitude = delta0 + root * root
-    cosine = cosine_on_locus(root, delta0, side)
-    excess = _amplitude_plus_cosine(root, amplitude, delta0, cosine)
-    return np.asarray((1.0 - cosine) * (1.0 + cosine) * (root / amplitude) ** 2 * (root / excess))
+    square = root * root
+    A = delta0 + square
+    wide = A + 2.0 * delta0
+    discriminant = A * A - 8.0 * square / wide
+    meets = np.abs(discriminant) < _ROUNDING * A * A
+    exists = meets | (discriminant > 0.0)
+    larger = 0.5 * (A + np.sqrt(np.where(meets | ~exists, 0.0, discriminant)))
+    smaller = 2.0 * square / (wide * larger)
+    a, b = (smaller, larger) if side == 0 else (larger, smaller)
+    a = np.where(np.abs(a - 1.0) < _ROUNDING, 1.0, a)
+    exists &= a <= 1.0
+    a, b = np.where(exists, a, np.nan), np.where(exists, b, np.nan)
+
+    sine_squared = (1.0 - a) * (1.0 + a)
+    damping = sine_squared * (root / A) ** 2 * (root / b)
+    # d log(damping)/dA times (1 - a**2) b (b - a), where (b - a) da/dA = 6 delta0/wide**2 - a
+    drift = 6.0 * delta0 / wide**2 - a
+    slope = drift * (sine_squared - 2.0 * a * b)
+    slope = slope + (b - a) * sine_squared * (b * (1.5 / square - 2.0 / A) - 1.0)
+    return LocusPoints(a, b, damping, np.asarray(slope if side == 0 else -slope))
 
 
-def _amplitude_plus_cosine(u: Values, amplitude: Values, delta0: npt.ArrayLike, t: Values) -> Values:
-    """Return ``A + t``, minus the other root of the locus, without cancellation."""
-    return np.asarray(-2.0 * u * u / ((amplitude + 2.0 * np.asarray(delta0)) * t))
-
-
-def locus_pieces(delta0: float, smallest_damping: float) -> list[LocusPiece]:
-    """Return the monotone pieces of the locus that can hold a fold.
+def fold_locus(delta0: float, smallest_damping: float) -> list[LocusSide]:
+    """Return the locus of folds of one clearance.
 
     Parameters
     ----------
     delta0 : float
         Clearance [1].
     smallest_damping : float
-        Smallest ``4 zeta**2`` asked for [1]: the locus runs to u = 0 and to infinity, where
-        the damping vanishes, and is followed that far.
+        Smallest ``4 zeta**2`` that will be asked for [1]. The damping vanishes where the locus
+        runs to u = 0 and to infinity; it is followed far enough for this one.
 
     Returns
     -------
-    list of LocusPiece
-        Its pieces.
+    list of LocusSide
+        Its two sides.
 
     Examples
     --------
-    >>> [piece.side for piece in locus_pieces(0.0, 1e-3)]
-    [0, 0]
+    >>> nearer, farther = fold_locus(0.0, 1e-3)
+    >>> round(float((max(nearer.damping[nearer.damping >= 0.0]) / 4.0) ** 0.5), 8)
+    0.15604517
     """
     special = _meeting_points(delta0)
     if delta0 < 1.0:
-        special.append(np.sqrt(3.0 * (1.0 - delta0)))
-    lowest = 0.1 * min(smallest_damping, delta0 * np.cbrt(smallest_damping) or np.inf)
+        special.append(float(np.sqrt(3.0 * (1.0 - delta0))))
+    beside = 10.0 ** -np.arange(2.0, 15.0, 2.0)
+    near = np.outer(special, np.concatenate([[1.0], 1.0 - beside, 1.0 + beside])).ravel()
+    first_touch = delta0 * np.cbrt(smallest_damping) or np.inf
+    lowest = 0.1 * min(smallest_damping, first_touch)
     highest = 10.0 * (1.0 + np.sqrt(delta0) + np.cbrt(1.0 / smallest_damping))
     count = int(_NODES_PER_DECADE * np.log10(highest / lowest)) + 2
-    near = [point * (1.0 + sign * 10.0**-k) for point in special for k in range(2, 15, 2) for sign in (-1, 1)]
-    nodes = np.unique([*np.geomspace(lowest, highest, count), *special, *near])
-    return [piece for side in SIDES for piece in _pieces_on_side(nodes, delta0, side)]
+    nodes = np.unique(np.concatenate([np.geomspace(lowest, highest, count), near]))
+    return [_side(nodes, delta0, side) for side in SIDES]
 
 
 def _meeting_points(delta0: float) -> list[float]:
@@ -128,130 +162,98 @@ def _meeting_points(delta0: float) -> list[float]:
     depths = roots.real[(np.abs(roots.imag) < 1e-9) & (roots.real > 0.0)]
     for _ in range(3):
         slope = np.polyval(np.polyder(cubic), depths)
-        depths = depths - np.divide(
-            np.polyval(cubic, depths), slope, out=np.zeros_like(depths), where=slope != 0.0
-        )
+        step = np.polyval(cubic, depths)
+        depths = depths - np.divide(step, slope, out=np.zeros_like(depths), where=slope != 0.0)
     return [float(np.sqrt(depth)) for depth in depths if depth > 0.0]
 
 
-def _pieces_on_side(nodes: Values, delta0: float, side: int) -> list[LocusPiece]:
-    """Return the pieces of one side, cut at its ends and where the damping turns."""
-    damping = damping_on_locus(nodes, delta0, side)
-    turning = _damping_slope(nodes, delta0, side)
-    pieces = []
-    for left, right in zip(range(nodes.size - 1), range(1, nodes.size), strict=True):
-        if not np.isfinite(damping[left] + damping[right]):
-            continue
-        ends = [float(nodes[left]), float(nodes[right])]
-        if turning[left] * turning[right] < 0.0:
-            ends.insert(1, _turning_point(ends[0], ends[1], delta0, side))
-        values = [float(damping_on_locus(end, delta0, side)) for end in ends]
-        pieces += [
-            LocusPiece(side, (ends[k], ends[k + 1]), (values[k], values[k + 1]))
-            for k in range(len(ends) - 1)
-        ]
-    return pieces
-
-
-def _damping_slope(u: npt.ArrayLike, delta0: float, side: int) -> Values:
-    """Return a quantity with the sign of ``d(4 zeta**2)/dA`` along one side of the locus."""
-    root = np.asarray(u, dtype=np.float64)
-    amplitude = delta0 + root * root
-    t = cosine_on_locus(root, delta0, side)
-    excess = _amplitude_plus_cosine(root, amplitude, delta0, t)
-    drift = t + 6.0 * delta0 / (amplitude + 2.0 * delta0) ** 2
-    spread = t + excess  # 2 t + A: of one sign on each side, zero where the sides meet
-    shape = 2.0 * t * excess + (1.0 - t) * (1.0 + t)  # over (1 - t**2) (A + t)
-    remainder = (1.5 / (root * root) - 2.0 / amplitude) * excess - 1.0
-    slope = drift * shape + spread * remainder * (1.0 - t) * (1.0 + t)
-    return np.asarray(slope if side == 0 else -slope)
-
-
-def _turning_point(low: float, high: float, delta0: float, side: int) -> float:
-    """Return where the damping turns between two nodes, by bisection."""
-    sign = np.sign(_damping_slope(low, delta0, side))
+def _side(nodes: Values, delta0: float, side: int) -> LocusSide:
+    """Return one side, its turning points found by bisection and put among the nodes."""
+    slope = locus_points(nodes, delta0, side).slope
+    before = np.nonzero(slope[:-1] * slope[1:] < 0.0)[0]
+    low, high, rising = nodes[before], nodes[before + 1], slope[before] > 0.0
     for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
-        if np.sign(_damping_slope(middle, delta0, side)) == sign:
-            low = middle
-        else:
-            high = middle
-    return 0.5 * (low + high)
+        still = (locus_points(middle, delta0, side).slope > 0.0) == rising
+        low, high = np.where(still, middle, low), np.where(still, high, middle)
+    u = np.unique(np.concatenate([nodes, low]))
+    return LocusSide(delta0, side, u, locus_points(u, delta0, side).damping)
 
 
-def folds_on_pieces(
-    pieces: list[LocusPiece], damping: Values, zeta: Values, delta0: float
-) -> tuple[npt.NDArray[np.int_], Values, Values]:
-    """Return every crossing of the given dampings.
+def folds_on_side(locus: LocusSide, zeta: Values) -> tuple[npt.NDArray[np.int_], Values, Values]:
+    """Return every fold on one side of the locus, for each of the given dampings.
 
     Parameters
     ----------
-    pieces : list of LocusPiece
-        The locus of one clearance.
-    damping, zeta : ndarray, shape (m,)
-        ``4 zeta**2`` and zeta itself [1].
-    delta0 : float
-        Clearance [1].
+    locus : LocusSide
+        One side of the locus of a clearance.
+    zeta : ndarray, shape (m,)
+        Damping ratios [1].
 
     Returns
     -------
     row : ndarray of int, shape (n,)
-        Which damping the fold belongs to.
-    u, cosine : ndarray, shape (n,)
-        ``sqrt(A - delta0)`` and ``cos(theta)`` at the fold [1].
+        Which damping a fold belongs to.
+    omega, amplitude : ndarray, shape (n,)
+        Speed and amplitude at the fold [1].
 
     Examples
     --------
     >>> import numpy as np
-    >>> zeta = np.array([0.07])
-    >>> pieces = locus_pieces(0.0, 0.0196)
-    >>> row, u, cosine = folds_on_pieces(pieces, 4.0 * zeta**2, zeta, 0.0)
-    >>> (u**3 / (u**2 + cosine)) ** 0.5
-    array([1.932754..., 1.597821...])
+    >>> row, omega, amplitude = folds_on_side(fold_locus(0.0, 0.01)[0], np.array([0.07]))
+    >>> omega.round(6)
+    array([1.597821, 1.932754])
     """
-    ends = np.array([piece.damping for piece in pieces]).reshape(-1, 2) - 0.0
-    above_left = ends[None, :, 0] > damping[:, None]
-    above_right = ends[None, :, 1] > damping[:, None]
-    row, which = np.nonzero(above_left != above_right)
-    low = np.array([piece.u[0] for piece in pieces])[which]
-    high = np.array([piece.u[1] for piece in pieces])[which]
-    side = np.array([piece.side for piece in pieces], dtype=int)[which]
-    falling = above_left[row, which]
-
-    def on_side(function_of: Values, *, cosine: bool) -> Values:
-        evaluate = cosine_on_locus if cosine else damping_on_locus
-        return np.where(side == 0, evaluate(function_of, delta0, 0), evaluate(function_of, delta0, 1))
-
+    damping = 4.0 * zeta * zeta
+    above = locus.damping > damping[:, None]
+    exists = np.isfinite(locus.damping[:-1] + locus.damping[1:])
+    row, node = np.nonzero((above[:, :-1] != above[:, 1:]) & exists)
+    low, high, falling = locus.u[node], locus.u[node + 1], above[row, node]
     for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
-        before = (on_side(middle, cosine=False) > damping[row]) == falling
+        at_middle = locus_points(middle, locus.delta0, locus.side).damping
+        before = (at_middle > damping[row]) == falling
         low, high = np.where(before, middle, low), np.where(before, high, middle)
-    u = 0.5 * (low + high)
-    return row, *_polished(u, on_side(u, cosine=True), zeta[row], delta0)
+    points = locus_points(low, locus.delta0, locus.side)
+    smaller = points.a if locus.side == 0 else points.b
+    bounds = (locus.u[node], locus.u[node + 1])
+    u, smaller = _polished(np.stack([low, smaller]), bounds, zeta[row], locus)
+    amplitude = locus.delta0 + u * u
+    b = amplitude - smaller if locus.side == 0 else smaller
+    return row, np.sqrt(u**3 / b), amplitude
 
 
-def _polished(u: Values, t: Values, zeta: Values, delta0: float) -> tuple[Values, Values]:
-    """Return `u` and `t` after Newton steps in both, with 32-digit residuals."""
-    clearance, one = DoubleDouble.of(np.full_like(u, delta0)), DoubleDouble.of(np.ones_like(u))
-    double_zeta = DoubleDouble.of(2.0 * zeta)
-    damping = double_zeta * double_zeta
-    for _ in range(3):
-        root, cosine = DoubleDouble.of(u), DoubleDouble.of(t)
+def _polished(
+    start: Values, bounds: tuple[Values, Values], zeta: Values, locus: LocusSide
+) -> Values:
+    """Return u and the smaller of a and b after Newton steps with 32-digit residuals."""
+    u, smaller = start
+    delta0, one, two_zeta = (
+        DoubleDouble.of(values) for values in (0.0 * u + locus.delta0, 0.0 * u + 1.0, 2.0 * zeta)
+    )
+    for _ in range(4):
+        root, y = DoubleDouble.of(u), DoubleDouble.of(smaller)
         square = root * root
-        amplitude = clearance + square
-        wide = amplitude + clearance + clearance
-        excess = amplitude + cosine
-        locus = wide * (cosine * excess) + square + square
-        cube = square * root
-        loss = damping * (amplitude * amplitude)
-        matching = (one - cosine * cosine) * cube - loss * excess
-        A, m = amplitude.high, damping.high
-        locus_u = 2.0 * u * (t * excess.high + wide.high * t + 2.0)
-        locus_t = wide.high * (2.0 * t + A)
-        matching_u = 3.0 * (1.0 - t * t) * u * u - 2.0 * u * m * A * (2.0 * excess.high + A)
-        matching_t = -2.0 * t * cube.high - loss.high
-        determinant = locus_u * matching_t - locus_t * matching_u
-        step_u = (locus.high * matching_t - locus_t * matching.high) / determinant
-        step_t = (locus_u * matching.high - locus.high * matching_u) / determinant
-        u, t = u - step_u, t - step_t
-    return u, t
+        A = delta0 + square
+        wide = A + delta0 + delta0
+        a, b = (y, A - y) if locus.side == 0 else (A - y, y)
+        sine_squared, loss, cube = one - a * a, two_zeta * two_zeta * (A * A), square * root
+        on_locus = (wide * (a * b) - square - square).high
+        on_damping = (sine_squared * cube - loss * b).high
+
+        da, db = (0.0, 2.0 * u) if locus.side == 0 else (2.0 * u, 0.0)  # by u, at fixed y
+        locus_u = 2.0 * u * a.high * b.high + wide.high * 2.0 * u * y.high - 4.0 * u
+        locus_y = wide.high * (A.high - 2.0 * y.high)
+        damping_u = 3.0 * sine_squared.high * u * u - 2.0 * a.high * da * cube.high
+        damping_u = damping_u - loss.high * (4.0 * u * b.high / A.high + db)
+        damping_y = 2.0 * a.high * cube.high - loss.high
+        damping_y = -damping_y if locus.side == 0 else damping_y
+
+        determinant = locus_u * damping_y - locus_y * damping_u
+        usable = determinant != 0.0
+        step_u = on_locus * damping_y - locus_y * on_damping
+        step_y = locus_u * on_damping - on_locus * damping_u
+        zero = np.zeros_like(u)
+        u = np.clip(u - np.divide(step_u, determinant, out=zero.copy(), where=usable), *bounds)
+        smaller = smaller - np.divide(step_y, determinant, out=zero.copy(), where=usable)
+    return np.stack([u, smaller])

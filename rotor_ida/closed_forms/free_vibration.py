@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from scipy.special import beta
+from scipy.special import beta  # type: ignore[import-untyped]
 
 from rotor_ida.checks import check_nonnegative, check_real
 from rotor_ida.errors import InputError
@@ -48,7 +48,7 @@ def circular_period(amplitude: float, delta0: float = 0.0) -> float:
     (5.28351, 3.736)
     """
     depth = _checked_depth(amplitude, delta0)
-    return 2.0 * math.pi * math.sqrt(float(amplitude)) / depth**0.75
+    return 2.0 * math.pi * math.sqrt(float(amplitude)) / math.pow(depth, 0.75)
 
 
 def planar_period(amplitude: float, delta0: float = 0.0) -> float:
@@ -87,7 +87,7 @@ def planar_period(amplitude: float, delta0: float = 0.0) -> float:
     6.581363388638
     """
     depth = _checked_depth(amplitude, delta0)
-    return 4.0 * (_LEAVING_TIME * depth**-0.25 + float(delta0) / _speed(depth))
+    return 4.0 * (_LEAVING_TIME * math.pow(depth, -0.25) + float(delta0) / _speed(depth))
 
 
 def centre_speed(amplitude: float, delta0: float = 0.0) -> float:
@@ -156,7 +156,7 @@ def amplitude_from_speed(speed: float, delta0: float = 0.0) -> float:
     clearance = check_nonnegative("delta0", delta0)
     if leaving == 0.0:
         raise InputError(f"speed must not be zero, got {speed!r}: the rotor would stay where it is")
-    return clearance + (math.sqrt(1.25) * leaving) ** 0.8
+    return clearance + math.pow(math.sqrt(1.25) * leaving, 0.8)
 
 
 def _checked_depth(amplitude: float, delta0: float) -> float:
@@ -172,4 +172,4 @@ def _checked_depth(amplitude: float, delta0: float) -> float:
 
 
 def _speed(depth: float) -> float:
-    return math.sqrt(0.8) * depth**1.25
+    return math.sqrt(0.8) * math.pow(depth, 1.25)

@@ -22,7 +22,7 @@ class Quantity:
     long_name : str
         What it is, in words.
     units : str
-        Its unit; ``"1"`` where dimensionless.
+        Its unit; ``"1"`` where dimensionless, empty for text.
     flags : mapping of str to int
         For a category: the number that stands for each word.
     """
@@ -33,7 +33,9 @@ class Quantity:
 
     def attributes(self) -> dict[str, object]:
         """Return the attributes of a variable that holds this quantity."""
-        attributes: dict[str, object] = {"long_name": self.long_name, "units": self.units}
+        attributes: dict[str, object] = {"long_name": self.long_name}
+        if self.units:
+            attributes["units"] = self.units
         if self.flags:
             attributes["flag_values"] = np.array(list(self.flags.values()), dtype=np.int8)
             attributes["flag_meanings"] = " ".join(self.flags)
@@ -51,7 +53,7 @@ RESPONSE = {
 }
 EVENT_KIND = {"exit": -1, "entry": 1}
 STATUS = {"done": 0, "failed": 1}
-DIRECTION = {"down": -1, "each_from_its_start": 0, "up": 1}
+DIRECTION = {"down": -1, "from_start": 0, "up": 1}
 NO_YES = {"no": 0, "yes": 1}
 
 QUANTITIES: dict[str, Quantity] = {
@@ -80,8 +82,8 @@ QUANTITIES: dict[str, Quantity] = {
     # closed forms
     "branch": Quantity("number of the synchronous whirl, in order of amplitude"),
     "fold": Quantity("number of the fold, in order of speed"),
-    "amplitude": Quantity("amplitude of the synchronous whirl"),
-    "phase_lag": Quantity("phase by which the whirl lags the unbalance", "radian"),
+    "amplitude": Quantity("amplitude of the motion at the spin speed"),
+    "phase_lag": Quantity("phase by which the motion at the spin speed lags the unbalance", "radian"),
     "stability": Quantity("stability of the synchronous whirl", flags=STABILITY),
     "in_contact": Quantity("whether the synchronous whirl touches the ring", flags=NO_YES),
     "growth_rate": Quantity("largest real part of the whirl's eigenvalues"),
@@ -95,18 +97,16 @@ QUANTITIES: dict[str, Quantity] = {
     "start_vy": Quantity("vertical velocity at the start"),
     "direction": Quantity("direction in which the speed is swept", flags=DIRECTION),
     "response": Quantity("kind of response over the final window", flags=RESPONSE),
-    "harmonic_amplitude": Quantity("amplitude of the part of the motion at the spin speed"),
-    "harmonic_phase_lag": Quantity(
-        "phase by which the part of the motion at the spin speed lags the unbalance", "radian"
-    ),
     "radius_min": Quantity("smallest distance from the bearing axis over the final window"),
     "radius_max": Quantity("largest distance from the bearing axis over the final window"),
-    "settling_time": Quantity("time given to the motion before the final window"),
+    "window_start": Quantity("time at which the final window begins"),
+    "window_end": Quantity("time at which the final window and the run end"),
     "end_x": Quantity("horizontal displacement at the end"),
     "end_y": Quantity("vertical displacement at the end"),
     "end_vx": Quantity("horizontal velocity at the end"),
     "end_vy": Quantity("vertical velocity at the end"),
     "status": Quantity("whether the run was done", flags=STATUS),
+    "message": Quantity("why the run failed", ""),
     "event_count": Quantity("number of contact events of the run"),
     # comparison
     "matched_branch": Quantity("number of the branch that the response is on, -1 where on none"),
@@ -120,9 +120,6 @@ QUANTITIES: dict[str, Quantity] = {
     "exact_phase_lag": Quantity("phase lag of each exact synchronous whirl", "radian"),
     "digits": Quantity("decimal digits to which simulated and exact response agree"),
 }
-
-MESSAGE = "message"
-
 
 def labelled(
     name: str, dims: Hashable | Sequence[Hashable], values: npt.ArrayLike

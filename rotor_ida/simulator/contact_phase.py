@@ -149,8 +149,8 @@ def _set_on_its_way(rotor: Rotor, start: Values, options: Options) -> Integratio
     def field(state: Values, rate: Values) -> None:
         contact_field(state, rate, omega, zeta, delta0)
 
-    atol = np.full(6, options.atol)
-    atol[[Q, P]] = min(options.atol, options.rtol * max(start[Q], abs(start[P])))
+    atol = np.full(6, options.step_atol)
+    atol[[Q, P]] = min(options.step_atol, options.step_rtol * max(start[Q], abs(start[P])))
     return integrate(field, start, options, atol=atol)
 
 

@@ -115,11 +115,14 @@ def integrate(
     options : Options
         Method and tolerances.
     atol : array_like, shape (n,), optional
-        Absolute tolerances in place of ``options.atol``.
+        Absolute tolerances of one step in place of ``options.step_atol``.
     jacobian : callable, optional
         ``jacobian(values, matrix)`` writes the derivative of the rate. IDA makes its own.
     """
-    tolerances = {"rtol": options.rtol, "atol": options.atol if atol is None else atol}
+    tolerances = {
+        "rtol": options.step_rtol,
+        "atol": options.step_atol if atol is None else atol,
+    }
     if options.method == "ida":
         solver = _ida(field, start, tolerances)
     else:

@@ -1,0 +1,112 @@
+"""The one door to the netCDF and HDF5 libraries: their lock, and what HDF5 says of a file's parts.
+
+netCDF4-python and HDF5 are not thread-safe: every call into them is made under `LOCK`.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+LOCK = threading.Lock()
+
+_Id = ctypes.c_int64
+_Status = ctypes.c_int
+# The kind of a link is the first member of the structure that HDF5 hands over.
+_Visitor = ctypes.CFUNCTYPE(
+    _Status, _Id, ctypes.c_char_p, ctypes.POINTER(ctypes.c_int), ctypes.c_void_p
+)
+_SIGNATURES = {
+    "H5Fopen": (_Id, ctypes.c_char_p, ctypes.c_uint, _Id),
+    "H5Fclose": (_Status, _Id),
+    "H5Literate2": (
+        *(_Status, _Id, ctypes.c_int, ctypes.c_int),
+        *(ctypes.c_void_p, _Visitor, ctypes.c_void_p),
+    ),
+    "H5Dopen2": (_Id, _Id, ctypes.c_char_p, _Id),
+    "H5Dget_create_plist": (_Id, _Id),
+    "H5Dclose": (_Status, _Id),
+    "H5Pget_external_count": (ctypes.c_int, _Id),
+    "H5Pget_layout": (ctypes.c_int, _Id),
+    "H5Pclose": (_Status, _Id),
+}
+_HARD_LINK = 0
+_BY_NAME, _NATIVE_ORDER = 0, 2
+_OWN_LAYOUTS = range(3)  # compact, contiguous, chunked; then comes virtual
+
+
+def what_reaches_outside(path: Path) -> str:
+    """Say which part of the HDF5 file at `path` is more than a variable kept in it.
+
+    netCDF follows links while it opens a file, so this is asked of HDF5 before. Call it under
+    `LOCK`.
+
+    Returns
+    -------
+    str
+        Empty if every part is a variable whose data are in the file, or where netCDF4-python
+        does not let its HDF5 library be called (Windows).
+    """
+    hdf5 = _hdf5()
+    if hdf5 is None:
+        return ""
+    kinds: dict[bytes, int] = {}
+
+    @_Visitor
+    def note(_group: int, name: bytes, kind: ctypes._Pointer[ctypes.c_int], _data: object) -> int:
+        kinds[name] = kind[0]
+        return 0
+
+    with _opened(hdf5, path) as file:
+        if file < 0 or hdf5.H5Literate2(file, _BY_NAME, _NATIVE_ORDER, None, note, None) < 0:
+            return "no list of contents"
+        for name, kind in kinds.items():
+            shown = ascii(name.decode(errors="replace"))
+            if kind != _HARD_LINK:
+                return f"{shown}, a link"
+            if reason := _outside_storage(hdf5, file, name):
+                return f"{shown}, {reason}"
+    return ""
+
+
+def _outside_storage(hdf5: ctypes.CDLL, file: int, name: bytes) -> str:
+    dataset = hdf5.H5Dopen2(file, name, 0)
+    if dataset < 0:
+        return "which is not a variable"
+    creation = hdf5.H5Dget_create_plist(dataset)
+    try:
+        if hdf5.H5Pget_external_count(creation) != 0:
+            return "whose data are in another file"
+        if hdf5.H5Pget_layout(creation) not in _OWN_LAYOUTS:
+            return "which is put together from other variables"
+    finally:
+        hdf5.H5Pclose(creation)
+        hdf5.H5Dclose(dataset)
+    return ""
+
+
+@contextmanager
+def _opened(hdf5: ctypes.CDLL, path: Path) -> Iterator[int]:
+    file = hdf5.H5Fopen(os.fsencode(path), 0, 0)
+    try:
+        yield file
+    finally:
+        if file >= 0:
+            hdf5.H5Fclose(file)
+
+
+def _hdf5() -> ctypes.CDLL | None:
+    """Return the HDF5 library that netCDF4-python has loaded, if it can be called."""
+    import netCDF4  # noqa: PLC0415 - not needed to import the package
+
+    library = ctypes.CDLL(netCDF4._netCDF4.__file__)
+    for name, (result, *arguments) in _SIGNATURES.items():
+        function = getattr(library, name, None)
+        if function is None:
+            return None
+        function.restype, function.argtypes = result, arguments
+    return library

@@ -1,0 +1,176 @@
+"""Writing an archive: to a temporary file beside it, then published in one step."""
+
+from __future__ import annotations
+
+import errno
+import os
+import secrets
+import shutil
+from pathlib import Path
+
+import xarray as xr
+
+from rotor_ida.archive.content import NUMERIC, archived_form
+from rotor_ida.archive.library import LOCK
+from rotor_ida.errors import ArchiveError, InputError
+
+_NO_LINKS_HERE = {errno.EPERM, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK}
+_NO_SYNC_HERE = {errno.EINVAL, errno.ENOTSUP, errno.EOPNOTSUPP, errno.EACCES}
+
+
+def save(dataset: xr.Dataset, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
+    """Write `dataset` to a netCDF file at `path`, wholly or not at all.
+
+    Parameters
+    ----------
+    dataset : xr.Dataset
+        Variables of integers, float32, float64 or strings; attributes that are strings, numbers
+        or one-dimensional numeric arrays. It is left as it was.
+    path : path-like
+        Where to write. The folder must exist.
+    overwrite : bool
+        Whether a file that is there may be replaced.
+
+    Returns
+    -------
+    Path
+        `path`.
+
+    Raises
+    ------
+    InputError
+        If the folder does not exist, `path` is a folder, or a file is there and `overwrite` is
+        false, even one that appeared during the writing; or for a name, dtype or attribute that
+        an archive cannot keep.
+    ArchiveError
+        If the system does not let the file be written: a full disk, a missing permission.
+
+    Notes
+    -----
+    The file gets four global attributes, which `load` shows: ``Conventions``,
+    ``rotor_ida_format``, ``rotor_ida_version`` (unless `dataset` has one: it says what computed
+    the data) and ``content_sha256``, the checksum of
+    `rotor_ida.archive.content.content_sha256`, which `load` verifies. It describes the file: a
+    dataset that was changed since it was loaded carries the old one until it is saved again.
+
+    netCDF makes no difference between an attribute that is an array of one number and the number:
+    both come back as the number. Nor does it keep the width of a string, or encodings. Compressed
+    variables carry HDF5's own checksum beside.
+
+    A process that is killed while it writes leaves `path` as it was, and perhaps a file
+    ``.*.rotor_ida-part`` beside it, which can be deleted. On a file system without hard links the
+    moment of publishing without `overwrite` can leave an empty file in such a case.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> run = xr.Dataset({"x": ("time", [0.0, 1.0])}, attrs={"omega": 1.7})
+    >>> save(run, folder.name + "/run.nc").name
+    'run.nc'
+    >>> save(run, folder.name + "/run.nc")
+    Traceback (most recent call last):
+    ...
+    rotor_ida.errors.InputError: path must not exist unless overwrite is true, got '.../run.nc'
+    >>> folder.cleanup()
+    """
+    shown = _check_path(path)
+    # Through a symbolic link the file that it names is replaced, not the link.
+    target = Path(os.path.realpath(shown))
+    _check_target(shown, target, overwrite)
+    kept = archived_form(dataset)
+    part = target.with_name(f".{secrets.token_hex(8)}.rotor_ida-part")
+    try:
+        _write(kept, part)
+        _publish(part, target, overwrite)
+        _sync_folder(target.parent)
+    except FileExistsError:
+        raise _exists(shown) from None
+    except (OSError, RuntimeError) as error:
+        raise ArchiveError(f"cannot write {shown}: {_reason(error, target.parent)}") from error
+    finally:
+        part.unlink(missing_ok=True)
+    return shown
+
+
+def _check_path(path: object) -> Path:
+    if not isinstance(path, (str, os.PathLike)) or "\0" in str(path) or not str(path):
+        raise InputError(f"path must be the path of a file, got {path!r}")
+    return Path(path)
+
+
+def _check_target(shown: Path, target: Path, overwrite: object) -> None:
+    if not isinstance(overwrite, bool):
+        raise InputError(f"overwrite must be true or false, got {overwrite!r}")
+    if target.is_dir():
+        raise InputError(f"path must be a file, got the folder {str(shown)!r}")
+    if not target.parent.is_dir():
+        raise InputError(f"path must be in a folder that exists, got {str(shown)!r}")
+    if target.exists() and not target.is_file():
+        raise InputError(f"path must be a file, got the device or pipe {str(shown)!r}")
+    if target.exists() and not overwrite:
+        raise _exists(shown)
+
+
+def _exists(shown: Path) -> InputError:
+    return InputError(f"path must not exist unless overwrite is true, got {str(shown)!r}")
+
+
+def _write(kept: xr.Dataset, part: Path) -> None:
+    # Created here, the file gets the permissions that the user's umask grants.
+    file = os.open(part, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666)
+    try:
+        with LOCK:
+            kept.to_netcdf(
+                part,
+                format="NETCDF4",
+                engine="netcdf4",
+                encoding={name: _encoding(variable) for name, variable in kept.variables.items()},
+                unlimited_dims=[],
+            )
+        os.fsync(file)
+    finally:
+        os.close(file)
+
+
+def _encoding(variable: xr.Variable) -> dict[str, object]:
+    # Strings of any length go past HDF5's filters; the checksum of the content covers them.
+    if variable.ndim == 0 or variable.size == 0 or variable.dtype not in NUMERIC:
+        return {"_FillValue": None}
+    return {"_FillValue": None, "zlib": True, "complevel": 4, "shuffle": True, "fletcher32": True}
+
+
+def _publish(part: Path, target: Path, overwrite: bool) -> None:
+    """Give the finished file its name; without `overwrite`, only if nothing has that name."""
+    if overwrite:
+        part.replace(target)
+        return
+    try:
+        os.link(part, target)
+    except OSError as error:
+        if error.errno not in _NO_LINKS_HERE:
+            raise
+        os.close(os.open(target, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
+        part.replace(target)
+
+
+def _sync_folder(folder: Path) -> None:
+    """Make the new name outlast a power failure, where folders can be synchronised."""
+    if os.name == "nt":
+        return
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    except OSError as error:
+        if error.errno not in _NO_SYNC_HERE:
+            raise
+    finally:
+        os.close(descriptor)
+
+
+def _reason(error: Exception, folder: Path) -> str:
+    """Return one line; the netCDF library hides a full disk, so it also says how full it is."""
+    if isinstance(error, OSError) and error.strerror:
+        return error.strerror
+    free = shutil.disk_usage(folder).free
+    return f"{' '.join(str(error).split())} ({free / 2**20:.0f} MiB are free on the disk)"

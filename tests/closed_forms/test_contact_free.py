@@ -1,0 +1,131 @@
+"""Contact-free motion against its textbook solution, evaluated with 80 digits."""
+
+from __future__ import annotations
+
+import math
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rotor_ida.closed_forms import contact_free_whirl, flight, synchronous_response
+from rotor_ida.errors import InputError
+from rotor_ida.parameters import Rotor
+
+
+def reference_flight(time, rotor, start, start_time=0.0) -> list:
+    """``z = c + d exp(-2 zeta t) + a exp(i omega t)``, written naively with 700 digits."""
+    with mpmath.workdps(700):
+        omega, zeta = mpmath.mpf(rotor.omega), mpmath.mpf(rotor.zeta)
+        t, t0 = mpmath.mpf(time), mpmath.mpf(start_time)
+        z0, v0 = mpmath.mpc(*start[:2]), mpmath.mpc(*start[2:])
+        a = -omega / (omega - 2j * zeta) if omega else mpmath.mpf(0)
+        z0_free = z0 - a * mpmath.expj(omega * t0)
+        v0_free = v0 - 1j * omega * a * mpmath.expj(omega * t0)
+        turning = mpmath.expj(omega * t)
+        if zeta:
+            decay = mpmath.exp(-2 * zeta * (t - t0))
+            z = z0_free + v0_free * (1 - decay) / (2 * zeta) + a * turning
+            v = v0_free * decay + 1j * omega * a * turning
+        else:
+            z = z0_free + v0_free * (t - t0) + a * turning
+            v = v0_free + 1j * omega * a * turning
+        return [z.real, z.imag, v.real, v.imag]
+
+
+@pytest.mark.parametrize("zeta", [0.0, 5e-324, 1e-300, 1e-8, 0.07, 5.0])
+@pytest.mark.parametrize("omega", [0.0, 1e-300, 1e-8, 1.7, 50.0])
+@pytest.mark.parametrize("start_time", [0.0, 123.456])
+def test_flight_holds_to_rounding(omega, zeta, start_time):
+    rotor, start = Rotor(omega=omega, zeta=zeta, delta0=2.0), (0.3, -0.4, 0.11, 0.07)
+    elapsed = np.array([0.0, 1e-9, 0.3, 7.0, 1000.0])
+    times = start_time + elapsed
+    found = flight(times, rotor=rotor, start=start, start_time=start_time)
+    for k, time in enumerate(times):
+        expected = reference_flight(time, rotor, start, start_time)
+        # a few roundings of the distance travelled, and of the speeds that make it up
+        scale = [1.0 + 0.2 * elapsed[k] + omega * elapsed[k]] * 2 + [0.2 + omega] * 2
+        for value, exact, size in zip(found[:, k], expected, scale, strict=True):
+            assert abs(value - exact) < 1e-15 * size
+
+
+@settings(max_examples=80, deadline=None)
+@given(
+    omega=st.floats(0.0, 20.0),
+    zeta=st.floats(0.0, 5.0),
+    start=st.tuples(*[st.floats(-3.0, 3.0)] * 4),
+    first=st.floats(0.0, 10.0),
+    second=st.floats(0.0, 10.0),
+)
+def test_flying_on_is_flying_once(omega, zeta, start, first, second):
+    rotor = Rotor(omega=omega, zeta=zeta, delta0=1.0)
+    halfway = flight(first, rotor=rotor, start=start)
+    end = flight(first + second, rotor=rotor, start=start)
+    resumed = flight(first + second, rotor=rotor, start=tuple(halfway), start_time=first)
+    np.testing.assert_allclose(resumed, end, rtol=0.0, atol=1e-12 * (1.0 + omega) * 20.0)
+
+
+def test_flight_obeys_the_equation_of_motion():
+    rotor, step = Rotor(omega=1.7, zeta=0.3, delta0=5.0), 1e-3
+    times = 2.0 + step * np.arange(-2, 3)
+    x, y, vx, vy = flight(times, rotor=rotor, start=(0.1, 0.2, -0.3, 0.4))
+    weights = np.array([1.0, -8.0, 0.0, 8.0, -1.0]) / (12.0 * step)
+    z, v = x + 1j * y, vx + 1j * vy
+    assert abs(weights @ z - v[2]) < 1e-11
+    forcing = rotor.omega**2 * np.exp(1j * rotor.omega * times[2])
+    assert abs(weights @ v + 2 * rotor.zeta * v[2] - forcing) < 1e-11
+
+
+def test_a_contact_free_whirl_keeps_its_radius_and_its_centre():
+    rotor = Rotor(omega=1.7, zeta=0.07, delta0=2.0)
+    whirl = contact_free_whirl(rotor)
+    centre = 0.6 + 0.5j
+    place = whirl.amplitude * np.exp(-1j * whirl.phase_lag)
+    start = centre + place, 1j * rotor.omega * place
+    state = tuple(part for number in start for part in (number.real, number.imag))
+    x, y, _, _ = flight(np.linspace(0.0, 500.0, 1001), rotor=rotor, start=state)
+    np.testing.assert_allclose(np.abs(x + 1j * y - centre), whirl.amplitude, rtol=1e-13)
+    assert whirl.exists
+    assert abs(centre) <= whirl.largest_centre_offset
+
+
+def test_contact_free_whirl_is_the_branch_of_the_response():
+    for omega, zeta, delta0 in [
+        (1.7, 0.07, 1.0),
+        (3.0, 0.0, 1.0),
+        (1.0, 2.0, 0.5),
+        (0.0, 1.0, 0.0),
+    ]:
+        whirl = contact_free_whirl(Rotor(omega=omega, zeta=zeta, delta0=delta0))
+        branch = synchronous_response(omega=omega, zeta=zeta, delta0=delta0).isel(branch=0)
+        assert int(branch.in_contact.item()) == 0
+        assert whirl.amplitude == pytest.approx(branch.amplitude.item(), rel=1e-15)
+        assert whirl.phase_lag == branch.phase_lag.item()
+    assert contact_free_whirl(Rotor(omega=1.7, zeta=0.07, delta0=1.0)).amplitude == pytest.approx(
+        0.996626148, abs=5e-10
+    )
+
+
+def test_no_contact_free_whirl_without_room():
+    whirl = contact_free_whirl(Rotor(omega=1.7, zeta=0.07, delta0=0.5))
+    assert not whirl.exists
+    assert math.isnan(whirl.largest_centre_offset)
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"time": [1.0, 0.4]}, r"not before start_time = 0\.5, got 0\.4"),
+        ({"time": [math.nan]}, "time must be finite"),
+        ({"time": "soon"}, "time must be numbers, got 'soon'"),
+        ({"start": (0.0, 1.0)}, "start must be four numbers"),
+        ({"start_time": math.inf}, "start_time must be a finite real number"),
+    ],
+)
+def test_impossible_flights_are_refused(changed, message):
+    rotor = Rotor(omega=1.0, zeta=0.1, delta0=1.0)
+    given_values = {"time": 1.0, "start": (0.0, 0.0, 0.0, 0.0), "start_time": 0.5, **changed}
+    with pytest.raises(InputError, match=message):
+        flight(given_values.pop("time"), rotor=rotor, **given_values)

@@ -1,0 +1,89 @@
+"""Free periods against quadrature of the energy, with 30 digits."""
+
+from __future__ import annotations
+
+import math
+
+import mpmath
+import pytest
+
+from rotor_ida.closed_forms import (
+    amplitude_from_speed,
+    backbone,
+    centre_speed,
+    circular_period,
+    planar_period,
+)
+from rotor_ida.errors import InputError
+
+
+def quadrature_period(amplitude: float, delta0: float) -> mpmath.mpf:
+    """Four times the integral of dr/speed(r) from the axis to the turning point."""
+    with mpmath.workdps(30):
+        depth = mpmath.mpf(amplitude) - delta0
+        energy = mpmath.mpf(2) / 5 * depth**2.5
+
+        # r = A - depth p**2 removes the singularity at the turning point
+        def slowness(p):
+            indentation = depth * (1 - p**2)
+            speed = mpmath.sqrt(2 * (energy - mpmath.mpf(2) / 5 * indentation**2.5))
+            return 2 * depth * p / speed
+
+        inside = mpmath.quad(slowness, [0, 0.5, 1]) if depth else mpmath.mpf(0)
+        return 4 * (inside + delta0 / mpmath.sqrt(2 * energy))
+
+
+@pytest.mark.parametrize("delta0", [0.0, 0.25, 1.0, 40.0])
+@pytest.mark.parametrize("depth", [1e-3, 0.5, 2.0, 64.0])
+def test_planar_period_is_the_integral_over_the_energy(depth, delta0):
+    amplitude = delta0 + depth
+    expected = quadrature_period(amplitude, delta0)
+    assert abs(planar_period(amplitude, delta0) / expected - 1) < 1e-14
+
+
+def test_planar_period_without_clearance_has_the_constant_of_the_design():
+    assert planar_period(1.0) == pytest.approx(6.581363388638263, rel=2e-16)
+    assert planar_period(16.0) == pytest.approx(6.581363388638263 / 2.0, rel=2e-16)
+
+
+def test_planar_period_is_longer_than_the_circular_by_4_746_percent():
+    assert planar_period(3.0) / circular_period(3.0) - 1.0 == pytest.approx(0.04746, abs=5e-6)
+
+
+def test_larger_amplitudes_have_shorter_periods():
+    assert round(circular_period(2.0), 5) == 5.28351
+    assert round(circular_period(8.0), 5) == 3.73600
+    assert planar_period(2.0, 0.5) > planar_period(8.0, 0.5)
+
+
+def test_circular_period_is_that_of_the_backbone():
+    for amplitude, delta0 in [(1.5, 0.0), (1.5, 0.5), (10.0, 2.0)]:
+        speed = float(backbone(amplitude, delta0)[0])
+        assert circular_period(amplitude, delta0) == pytest.approx(2 * math.pi / speed, rel=1e-15)
+
+
+def test_speed_and_amplitude_are_inverse_to_each_other():
+    for amplitude, delta0 in [(0.3, 0.0), (1.5, 0.5), (100.0, 2.0)]:
+        speed = centre_speed(amplitude, delta0)
+        assert amplitude_from_speed(speed, delta0) == pytest.approx(amplitude, rel=1e-14)
+    # a start (0, 0, 0, y0') reaches (1.25 y0'**2)**0.4, in either direction
+    assert amplitude_from_speed(-3.0) == pytest.approx((1.25 * 9.0) ** 0.4, rel=1e-15)
+
+
+@pytest.mark.parametrize("period", [circular_period, planar_period, centre_speed])
+@pytest.mark.parametrize(
+    ("amplitude", "delta0", "message"),
+    [
+        (0.5, 0.5, r"amplitude must be above delta0 = 0\.5 for the rotor to touch, got 0\.5"),
+        (math.nan, 0.0, "amplitude must be a finite real number, got nan"),
+        (1.0, -0.5, r"delta0 must be zero or positive, got -0\.5"),
+    ],
+)
+def test_no_period_without_contact(period, amplitude, delta0, message):
+    with pytest.raises(InputError, match=message):
+        period(amplitude, delta0)
+
+
+def test_a_rotor_at_rest_reaches_nothing():
+    with pytest.raises(InputError, match="speed must not be zero"):
+        amplitude_from_speed(0.0)
