@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from rotor_ida.archive import load, save
     from rotor_ida.closed_forms import folds, synchronous_response
     from rotor_ida.comparison import compare
+    from rotor_ida.dataset.dimensional import dimensional
     from rotor_ida.errors import (
         ArchiveError,
         InputError,
@@ -34,6 +35,7 @@ _HOMES = {
     "RotorError": "errors",
     "SimulationError": "errors",
     "compare": "comparison",
+    "dimensional": "dataset.dimensional",
     "folds": "closed_forms",
     "load": "archive",
     "save": "archive",
@@ -51,6 +53,7 @@ __all__ = [
     "RotorError",
     "SimulationError",
     "compare",
+    "dimensional",
     "folds",
     "load",
     "save",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from numbers import Integral, Real
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -74,9 +75,9 @@ def check_choice(name: str, value: object, allowed: Sequence[str]) -> str:
 
 def check_state(name: str, value: object) -> State:
     """Return `value` as the four finite floats ``(x, y, vx, vy)``."""
-    numbers: list[object]
+    given: Any = value
     try:
-        numbers = list(value)  # type: ignore[call-overload]
+        numbers = list(given)
     except TypeError:
         numbers = []
     if len(numbers) != 4 or isinstance(value, (str, bytes, dict)):
@@ -90,11 +91,11 @@ def check_state(name: str, value: object) -> State:
 
 def check_axis(name: str, values: object) -> npt.NDArray[np.float64]:
     """Return `values`, a scalar or a sequence, as a 1-D array of finite numbers >= 0."""
-    listed = values.tolist() if isinstance(values, np.ndarray) else values
+    listed: Any = values.tolist() if isinstance(values, np.ndarray) else values
     if isinstance(listed, (str, bytes, dict)):
         raise InputError(f"{name} must be a number or a sequence of numbers, got {values!r}")
     try:
-        numbers = list(listed)  # type: ignore[call-overload]
+        numbers = list(listed)
     except TypeError:
         numbers = [listed]
     if not numbers:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
-
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
@@ -151,7 +149,7 @@ def _relative_distance(
     """Return the distance of complex amplitudes, as a part of the exact one."""
     simulated = amplitude * np.exp(-1j * lag)
     expected = exact["amplitude"] * np.exp(-1j * exact["phase_lag"])
-    distance: xr.DataArray = np.abs(simulated - expected)
+    distance = abs(simulated - expected)
     # A rotor at rest is exactly on its branch of amplitude 0.
     scale = exact["amplitude"].where(exact["amplitude"] != 0.0, 1.0)
     return distance / scale
@@ -168,10 +166,10 @@ def _at(errors: xr.DataArray, branch: xr.DataArray) -> xr.DataArray:
 
 def _digits(distance: xr.DataArray) -> xr.DataArray:
     floor = 10.0**-ALL_DIGITS
-    return -np.log10(np.maximum(distance, floor))
+    return xr.DataArray(-np.log10(np.maximum(distance, floor)))
 
 
-def _exact_variables(exact: xr.Dataset) -> dict[Hashable, xr.Variable]:
+def _exact_variables(exact: xr.Dataset) -> dict[str, xr.Variable]:
     dims = (*PARAMETERS, "branch")
     return {
         "exact_amplitude": labelled("exact_amplitude", dims, exact["amplitude"].values),

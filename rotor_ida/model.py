@@ -70,7 +70,7 @@ def field(time: float, state: npt.ArrayLike, rotor: Rotor) -> Values:
 
 
 def jacobian(state: npt.ArrayLike, rotor: Rotor) -> Values:
-    """Derivative of `field` by the state, shape (4, 4) [1]; it does not depend on time.
+    """Return the derivative of `field` by the state, shape (4, 4) [1], the same at all times.
 
     Examples
     --------
@@ -108,7 +108,7 @@ def rotating_field(state: npt.ArrayLike, rotor: Rotor) -> Values:
 
 
 def rotating_jacobian(state: npt.ArrayLike, rotor: Rotor) -> Values:
-    """Derivative of `rotating_field` by the state, shape (4, 4) [1].
+    """Return the derivative of `rotating_field` by the state, shape (4, 4) [1].
 
     Its eigenvalues at a synchronous whirl are the whirl's own.
 
@@ -186,7 +186,8 @@ def energy(states: npt.ArrayLike, delta0: float) -> Values:
     2.4
     """
     x, y, vx, vy = np.moveaxis(np.asarray(states, dtype=np.float64), -1, 0)
-    return 0.5 * (vx**2 + vy**2) + contact_potential(np.hypot(x, y), delta0)
+    kinetic: Values = 0.5 * (vx**2 + vy**2)
+    return kinetic + contact_potential(np.hypot(x, y), delta0)
 
 
 def angular_momentum(states: npt.ArrayLike) -> Values:

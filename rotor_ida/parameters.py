@@ -131,7 +131,7 @@ class DimensionalRotor:
     @property
     def force_scale(self) -> float:
         """Newtons in one dimensionless unit of force: ``k D**1.5`` [N]."""
-        return self.contact_stiffness * self.eccentricity**1.5
+        return self.contact_stiffness * self.eccentricity * math.sqrt(self.eccentricity)
 
     def rotor(self) -> Rotor:
         """Return the dimensionless rotor that moves like this machine."""

@@ -1,4 +1,4 @@
-"""Sweep speed, damping and clearance: on which response does the rotor settle?"""
+"""Sweep speed, damping and clearance, and see on which response the rotor settles."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from multiprocessing import get_context
 from typing import Literal
 
+import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
@@ -149,7 +150,7 @@ def _chains(sizes: Sequence[int], starts: int, directions: Sequence[int]) -> Ite
 
 
 def _job(
-    chain: _Chain, axes: dict[str, npt.NDArray], starts: list[State], options: Options
+    chain: _Chain, axes: dict[str, npt.NDArray[np.float64]], starts: list[State], options: Options
 ) -> _Job:
     rotors = [
         Rotor(

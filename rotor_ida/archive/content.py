@@ -28,8 +28,18 @@ NUMERIC = frozenset(
 # or which tell a reader to alter the data.
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,199}")
 _RESERVED = frozenset(
-    "CLASS NAME DIMENSION_LIST DIMENSION_LABELS REFERENCE_LIST "
-    "coordinates missing_value scale_factor add_offset dtype".split()
+    [
+        "CLASS",
+        "NAME",
+        "DIMENSION_LIST",
+        "DIMENSION_LABELS",
+        "REFERENCE_LIST",
+        "coordinates",
+        "missing_value",
+        "scale_factor",
+        "add_offset",
+        "dtype",
+    ]
 )
 _INSTEAD = {
     "b": "; keep it as int8 with flag_values",
@@ -104,7 +114,7 @@ def content_sha256(dataset: xr.Dataset) -> str:
             _add_line(digest, values.ravel().tolist())
         elif values.size:
             stored = np.ascontiguousarray(values, dtype=kind)
-            digest.update(stored.reshape(-1).view(np.uint8))
+            digest.update(stored.reshape(-1).view(np.uint8).data)
         _add_attributes(digest, variable.attrs)
     return digest.hexdigest()
 
@@ -138,8 +148,8 @@ def _kept_values(name: str, values: npt.NDArray[np.generic]) -> npt.NDArray[np.g
     native = values.dtype.newbyteorder("=")
     if native in NUMERIC:
         return values.astype(native, copy=False)
-    texts = values.ravel().tolist() if values.dtype.kind in "UOT" else [None]
-    if not all(isinstance(text, str) for text in texts):
+    texts = values.ravel().tolist()
+    if values.dtype.kind not in "UOT" or not all(isinstance(text, str) for text in texts):
         held = "objects that are not strings" if values.dtype.kind == "O" else values.dtype.name
         raise InputError(
             f"variable {name!r} must hold integers, float32, float64 or strings, got {held}"

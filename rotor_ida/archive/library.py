@@ -6,6 +6,7 @@ netCDF4-python and HDF5 are not thread-safe: every call into them is made under 
 from __future__ import annotations
 
 import ctypes
+import importlib
 import os
 import threading
 from collections.abc import Iterator
@@ -56,13 +57,13 @@ def what_reaches_outside(path: Path) -> str:
         return ""
     kinds: dict[bytes, int] = {}
 
-    @_Visitor
     def note(_group: int, name: bytes, kind: ctypes._Pointer[ctypes.c_int], _data: object) -> int:
         kinds[name] = kind[0]
         return 0
 
+    visitor = _Visitor(note)
     with _opened(hdf5, path) as file:
-        if file < 0 or hdf5.H5Literate2(file, _BY_NAME, _NATIVE_ORDER, None, note, None) < 0:
+        if file < 0 or hdf5.H5Literate2(file, _BY_NAME, _NATIVE_ORDER, None, visitor, None) < 0:
             return "no list of contents"
         for name, kind in kinds.items():
             shown = ascii(name.decode(errors="replace"))
@@ -101,9 +102,8 @@ def _opened(hdf5: ctypes.CDLL, path: Path) -> Iterator[int]:
 
 def _hdf5() -> ctypes.CDLL | None:
     """Return the HDF5 library that netCDF4-python has loaded, if it can be called."""
-    import netCDF4  # noqa: PLC0415 - not needed to import the package
-
-    library = ctypes.CDLL(netCDF4._netCDF4.__file__)
+    # A library's handle also finds the names in the libraries that it was linked against.
+    library = ctypes.CDLL(importlib.import_module("netCDF4._netCDF4").__file__)
     for name, (result, *arguments) in _SIGNATURES.items():
         function = getattr(library, name, None)
         if function is None:

@@ -92,12 +92,12 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
 
 
 def _check_source(path: object) -> Path:
-    if not isinstance(path, (str, os.PathLike)) or "\0" in str(path):
+    if not isinstance(path, (str, os.PathLike)) or not str(path):
         raise InputError(f"path must be the path of a file, got {path!r}")
     source = Path(path)
-    if source.is_dir():
+    if os.path.isdir(source):
         raise InputError(f"path must be a file, got the folder {str(source)!r}")
-    if not source.is_file():
+    if not os.path.isfile(source):
         raise InputError(f"path must be a file that exists, got {str(source)!r}")
     return source
 
@@ -138,7 +138,7 @@ def _read(source: Path) -> xr.Dataset:
             its_own = _attributes(stored)
             coordinates.update(str(its_own.pop("coordinates", "")).split())
             variables[name] = xr.Variable(stored.dimensions, _values(stored, source), its_own)
-    coordinates.update(file.dimensions)
+        coordinates.update(file.dimensions)
     return xr.Dataset(
         {name: variable for name, variable in variables.items() if name not in coordinates},
         {name: variable for name, variable in variables.items() if name in coordinates},
@@ -146,11 +146,11 @@ def _read(source: Path) -> xr.Dataset:
     )
 
 
-def _attributes(owner: netCDF4.Dataset | netCDF4.Variable) -> dict[str, Any]:
+def _attributes(owner: netCDF4.Dataset | netCDF4.Variable[Any]) -> dict[str, Any]:
     return {name: owner.getncattr(name) for name in owner.ncattrs()}
 
 
-def _values(stored: netCDF4.Variable, source: Path) -> npt.NDArray[np.generic]:
+def _values(stored: netCDF4.Variable[Any], source: Path) -> npt.NDArray[np.generic]:
     values = np.asarray(stored[...])
     if stored.dtype is not str:
         return values

@@ -102,13 +102,13 @@ def _check_path(path: object) -> Path:
 def _check_target(shown: Path, target: Path, overwrite: object) -> None:
     if not isinstance(overwrite, bool):
         raise InputError(f"overwrite must be true or false, got {overwrite!r}")
-    if target.is_dir():
+    if os.path.isdir(target):
         raise InputError(f"path must be a file, got the folder {str(shown)!r}")
-    if not target.parent.is_dir():
+    if not os.path.isdir(target.parent):
         raise InputError(f"path must be in a folder that exists, got {str(shown)!r}")
-    if target.exists() and not target.is_file():
+    if os.path.exists(target) and not os.path.isfile(target):
         raise InputError(f"path must be a file, got the device or pipe {str(shown)!r}")
-    if target.exists() and not overwrite:
+    if os.path.exists(target) and not overwrite:
         raise _exists(shown)
 
 

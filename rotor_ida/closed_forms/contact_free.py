@@ -16,6 +16,8 @@ from rotor_ida.parameters import Rotor
 Values = npt.NDArray[np.float64]
 ComplexValues = npt.NDArray[np.complex128]
 
+_LARGEST_PHASE = 1e15  # the double nearest to a time then still tells one turn from the next
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ContactFreeWhirl:
@@ -109,8 +111,8 @@ def flight(time: npt.ArrayLike, *, rotor: Rotor, start: object, start_time: floa
     Raises
     ------
     InputError
-        If a number is not finite, a time lies before `start_time`, or `start` is not four
-        numbers.
+        If a number is not finite, a time lies before `start_time`, `start` is not four
+        numbers, or ``omega t`` exceeds 1e15.
 
     Notes
     -----
@@ -140,6 +142,8 @@ def flight(time: npt.ArrayLike, *, rotor: Rotor, start: object, start_time: floa
     x, y, vx, vy = check_state("start", start)
     times = _checked_times(time, began)
     omega, zeta = rotor.omega, rotor.zeta
+    if omega * max(abs(began), np.max(np.abs(times), initial=0.0)) > _LARGEST_PHASE:
+        raise InputError(f"omega * time must be at most {_LARGEST_PHASE:g}, got omega = {omega!r}")
 
     elapsed = DoubleDouble.of(times) - DoubleDouble.of(began)
     reach = _reach(elapsed.high, zeta)
@@ -180,8 +184,13 @@ def _reach(elapsed: Values, zeta: float) -> Values:
 
 
 def _turn_less_one(omega: float, elapsed: DoubleDouble) -> ComplexValues:
-    """Return ``exp(i omega tau) - 1`` without cancellation at small angles."""
+    """Return ``exp(i omega tau) - 1``, with the low part of the angle turned as well."""
     angle = DoubleDouble.of(np.full_like(elapsed.high, omega)) * elapsed
-    sine, cosine = np.sin(angle.high), np.cos(angle.high)
-    half = np.sin(0.5 * angle.high)
-    return np.asarray((-2.0 * half * half - sine * angle.low) + 1j * (sine + cosine * angle.low))
+    most, rest = _circle_less_one(angle.high), _circle_less_one(angle.low)
+    return np.asarray(most + rest + most * rest)
+
+
+def _circle_less_one(angle: Values) -> ComplexValues:
+    """Return ``exp(i angle) - 1 = -2 sin(angle/2)**2 + i sin(angle)``."""
+    half = np.sin(0.5 * angle)
+    return np.asarray(-2.0 * half * half + 1j * np.sin(angle))

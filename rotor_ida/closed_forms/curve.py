@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import brentq  # type: ignore[import-untyped]
+from scipy.optimize import brentq
 
 from rotor_ida.checks import check_axis, check_nonnegative, check_positive
 from rotor_ida.contact import secant_stiffness

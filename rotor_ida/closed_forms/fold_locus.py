@@ -147,9 +147,10 @@ def fold_locus(delta0: float, smallest_damping: float) -> list[LocusSide]:
         special.append(float(np.sqrt(3.0 * (1.0 - delta0))))
     beside = 10.0 ** -np.arange(2.0, 15.0, 2.0)
     near = np.outer(special, np.concatenate([[1.0], 1.0 - beside, 1.0 + beside])).ravel()
-    first_touch = delta0 * np.cbrt(smallest_damping) or np.inf
-    lowest = 0.1 * min(smallest_damping, first_touch)
-    highest = 10.0 * (1.0 + np.sqrt(delta0) + np.cbrt(1.0 / smallest_damping))
+    least = min(smallest_damping, 1.0)
+    first_touch = delta0 * np.cbrt(least) or np.inf
+    lowest = 0.1 * min(least, first_touch)
+    highest = 10.0 * (1.0 + np.sqrt(delta0) + np.cbrt(1.0 / least))
     count = int(_NODES_PER_DECADE * np.log10(highest / lowest)) + 2
     nodes = np.unique(np.concatenate([np.geomspace(lowest, highest, count), near]))
     return [_side(nodes, delta0, side) for side in SIDES]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from scipy.special import beta  # type: ignore[import-untyped]
+from scipy.special import beta
 
 from rotor_ida.checks import check_nonnegative, check_real
 from rotor_ida.errors import InputError

@@ -90,7 +90,21 @@ def eigenvalues(
 def growth_rate(
     amplitude: Values, determinant: Values, omega: Values, zeta: Values, delta0: Values
 ) -> Values:
-    """Return the largest real part of the eigenvalues of a whirl whose D is known already.
+    """Return the largest real part of the eigenvalues of whirls whose D is known already.
+
+    Parameters
+    ----------
+    amplitude, determinant, omega, zeta, delta0 : ndarray, shape (n,)
+        Amplitude A, determinant D, spin speed, damping ratio and clearance [1].
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Growth rates [1]: negative where the whirl is stable.
+
+    References
+    ----------
+    See `eigenvalues`.
 
     Examples
     --------

@@ -36,4 +36,3 @@ def versions() -> dict[str, object]:
     found["sundials_version"] = str(SUNDIALS_VERSION)
     found["python_version"] = platform.python_version()
     return found
-

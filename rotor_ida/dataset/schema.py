@@ -25,10 +25,13 @@ class Quantity:
         Its unit; ``"1"`` where dimensionless, empty for text.
     flags : mapping of str to int
         For a category: the number that stands for each word.
+    scale : {"", "length", "time", "velocity", "force"}
+        By which scale of a machine it becomes a quantity in SI units; "" where by none.
     """
 
     long_name: str
     units: str = "1"
+    scale: str = ""
     flags: Mapping[str, int] = field(default_factory=dict)
 
     def attributes(self) -> dict[str, object]:
@@ -62,49 +65,51 @@ QUANTITIES: dict[str, Quantity] = {
     "zeta": Quantity("damping ratio"),
     "delta0": Quantity("radial clearance over eccentricity"),
     # a run
-    "time": Quantity("dimensionless time"),
-    "x": Quantity("horizontal displacement"),
-    "y": Quantity("vertical displacement"),
-    "vx": Quantity("horizontal velocity"),
-    "vy": Quantity("vertical velocity"),
+    "time": Quantity("dimensionless time", scale="time"),
+    "x": Quantity("horizontal displacement", scale="length"),
+    "y": Quantity("vertical displacement", scale="length"),
+    "vx": Quantity("horizontal velocity", scale="velocity"),
+    "vy": Quantity("vertical velocity", scale="velocity"),
     "starts_in_contact": Quantity("whether the run starts in contact", flags=NO_YES),
-    "event_time": Quantity("time of contact entry or exit"),
+    "event_time": Quantity("time of contact entry or exit", scale="time"),
     "event_kind": Quantity("kind of contact event", flags=EVENT_KIND),
-    "event_x": Quantity("horizontal displacement at the event"),
-    "event_y": Quantity("vertical displacement at the event"),
-    "event_vx": Quantity("horizontal velocity at the event"),
-    "event_vy": Quantity("vertical velocity at the event"),
-    "entry_time": Quantity("time at which the contact begins"),
-    "exit_time": Quantity("time at which the contact ends"),
-    "peak_time": Quantity("time of largest indentation in the contact"),
-    "peak_indentation": Quantity("largest indentation in the contact"),
-    "peak_force": Quantity("largest contact force in the contact"),
+    "event_x": Quantity("horizontal displacement at the event", scale="length"),
+    "event_y": Quantity("vertical displacement at the event", scale="length"),
+    "event_vx": Quantity("horizontal velocity at the event", scale="velocity"),
+    "event_vy": Quantity("vertical velocity at the event", scale="velocity"),
+    "entry_time": Quantity("time at which the contact begins", scale="time"),
+    "exit_time": Quantity("time at which the contact ends", scale="time"),
+    "peak_time": Quantity("time of largest indentation in the contact", scale="time"),
+    "peak_indentation": Quantity("largest indentation in the contact", scale="length"),
+    "peak_force": Quantity("largest contact force in the contact", scale="force"),
     # closed forms
     "branch": Quantity("number of the synchronous whirl, in order of amplitude"),
     "fold": Quantity("number of the fold, in order of speed"),
-    "amplitude": Quantity("amplitude of the motion at the spin speed"),
-    "phase_lag": Quantity("phase by which the motion at the spin speed lags the unbalance", "radian"),
+    "amplitude": Quantity("amplitude of the motion at the spin speed", scale="length"),
+    "phase_lag": Quantity(
+        "phase by which the motion at the spin speed lags the unbalance", "radian"
+    ),
     "stability": Quantity("stability of the synchronous whirl", flags=STABILITY),
     "in_contact": Quantity("whether the synchronous whirl touches the ring", flags=NO_YES),
     "growth_rate": Quantity("largest real part of the whirl's eigenvalues"),
     "fold_omega": Quantity("spin speed of the fold over the reference frequency"),
-    "fold_amplitude": Quantity("amplitude of the synchronous whirl at the fold"),
+    "fold_amplitude": Quantity("amplitude of the synchronous whirl at the fold", scale="length"),
     # sweeps
     "start": Quantity("number of the start"),
-    "start_x": Quantity("horizontal displacement at the start"),
-    "start_y": Quantity("vertical displacement at the start"),
-    "start_vx": Quantity("horizontal velocity at the start"),
-    "start_vy": Quantity("vertical velocity at the start"),
+    "start_x": Quantity("horizontal displacement at the start", scale="length"),
+    "start_y": Quantity("vertical displacement at the start", scale="length"),
+    "start_vx": Quantity("horizontal velocity at the start", scale="velocity"),
+    "start_vy": Quantity("vertical velocity at the start", scale="velocity"),
     "direction": Quantity("direction in which the speed is swept", flags=DIRECTION),
     "response": Quantity("kind of response over the final window", flags=RESPONSE),
-    "radius_min": Quantity("smallest distance from the bearing axis over the final window"),
-    "radius_max": Quantity("largest distance from the bearing axis over the final window"),
-    "window_start": Quantity("time at which the final window begins"),
-    "window_end": Quantity("time at which the final window and the run end"),
-    "end_x": Quantity("horizontal displacement at the end"),
-    "end_y": Quantity("vertical displacement at the end"),
-    "end_vx": Quantity("horizontal velocity at the end"),
-    "end_vy": Quantity("vertical velocity at the end"),
+    "radius_min": Quantity("smallest distance from the bearing axis over the final window", scale="length"),
+    "radius_max": Quantity("largest distance from the bearing axis over the final window", scale="length"),
+    "window_start": Quantity("time at which the final window begins", scale="time"),
+    "window_end": Quantity("time at which the final window and the run end", scale="time"),
+    "end_x": Quantity("horizontal displacement at the end", scale="length"),
+    "end_y": Quantity("vertical displacement at the end", scale="length"),
+    "end_vx": Quantity("horizontal velocity at the end", scale="velocity"),
+    "end_vy": Quantity("vertical velocity at the end", scale="velocity"),
     "status": Quantity("whether the run was done", flags=STATUS),
     "message": Quantity("why the run failed", ""),
     "event_count": Quantity("number of contact events of the run"),
@@ -116,14 +121,13 @@ QUANTITIES: dict[str, Quantity] = {
         "simulated minus exact amplitude on each branch, relative to the exact one"
     ),
     "branch_phase_error": Quantity("simulated minus exact phase lag on each branch", "radian"),
-    "exact_amplitude": Quantity("amplitude of each exact synchronous whirl"),
+    "exact_amplitude": Quantity("amplitude of each exact synchronous whirl", scale="length"),
     "exact_phase_lag": Quantity("phase lag of each exact synchronous whirl", "radian"),
     "digits": Quantity("decimal digits to which simulated and exact response agree"),
 }
 
-def labelled(
-    name: str, dims: Hashable | Sequence[Hashable], values: npt.ArrayLike
-) -> xr.Variable:
+
+def labelled(name: str, dims: Hashable | Sequence[Hashable], values: npt.ArrayLike) -> xr.Variable:
     """Return `values` as a variable that carries the long name and units of `name`.
 
     Examples

@@ -102,9 +102,7 @@ def follow(
         if touched or end >= duration:
             taken = np.array(rows) if rows else np.empty((0, 4))
             state = motion.at(end)
-            return Passage(
-                end, state, touched, taken, peak_time, peak_radius, motion.evaluations
-            )
+            return Passage(end, state, touched, taken, peak_time, peak_radius, motion.evaluations)
 
 
 def _set_on_its_way(rotor: Rotor, start: Values, options: Options) -> Integration:

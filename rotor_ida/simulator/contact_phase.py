@@ -154,9 +154,7 @@ def _set_on_its_way(rotor: Rotor, start: Values, options: Options) -> Integratio
     return integrate(field, start, options, atol=atol)
 
 
-def _end_of_step(
-    motion: Integration, duration: float, slack: float
-) -> tuple[float, Values, bool]:
+def _end_of_step(motion: Integration, duration: float, slack: float) -> tuple[float, Values, bool]:
     """Return where the motion stands after a step: at its end, at an exit, or at the end time."""
     end, reached, left = motion.point, motion.values, False
     if reached[Q] <= 0.0:

@@ -54,9 +54,7 @@ def turn_less_one(angle: float) -> complex:
 
 
 @compiled
-def fly(
-    z0: complex, w0: complex, tau: float, omega: float, zeta: float
-) -> tuple[complex, complex]:
+def fly(z0: complex, w0: complex, tau: float, omega: float, zeta: float) -> tuple[complex, complex]:
     """Return displacement and velocity after `tau`, read on the rotating axes of that moment."""
     a = unbalance_whirl(omega, zeta)
     w = w0 - 1j * omega * a

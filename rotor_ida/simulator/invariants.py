@@ -28,14 +28,14 @@ def check_orbit(orbit: Orbit) -> None:
 
 def _check_finite(orbit: Orbit) -> None:
     for times, states in ((orbit.times, orbit.states), (orbit.event_times, orbit.event_states)):
-        wrong = ~np.isfinite(states).all(axis=1)
+        wrong = np.asarray(~np.isfinite(states).all(axis=1))
         if wrong.any():
             _fail("the state is not finite", wrong, times, states)
 
 
 def _check_events(orbit: Orbit) -> None:
     times, kinds, states = orbit.event_times, orbit.event_kinds, orbit.event_states
-    backwards = np.diff(times, prepend=-np.inf) <= 0.0
+    backwards = np.asarray(np.diff(times, prepend=-np.inf) <= 0.0)
     if backwards.any():
         _fail("event times do not increase", backwards, times, states)
     expected = np.where(np.arange(kinds.size) % 2 == orbit.starts_in_contact, ENTRY, -ENTRY)
@@ -73,6 +73,4 @@ def _check_contacts(orbit: Orbit) -> None:
 
 def _fail(message: str, wrong: npt.NDArray[np.bool_], times: Values, states: Values) -> None:
     place = int(np.argmax(wrong))
-    raise InvariantError(
-        message, time=float(times[place]), state=tuple(states[place].tolist())
-    )
+    raise InvariantError(message, time=float(times[place]), state=tuple(states[place].tolist()))

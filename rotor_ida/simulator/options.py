@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, cast
+from typing import Literal
 
 from rotor_ida.checks import check_choice, check_positive
 from rotor_ida.errors import InputError
@@ -55,7 +55,7 @@ class Options:
         check_choice("flight", self.flight, FLIGHTS)
         check_choice("backend", self.backend, BACKENDS)
         if self.backend == "auto":
-            object.__setattr__(self, "backend", cast(Backend, "python"))
+            object.__setattr__(self, "backend", "python")
 
     @property
     def step_rtol(self) -> float:

@@ -40,7 +40,7 @@ def reference_flight(time, rotor, start, start_time=0.0) -> list:
 @pytest.mark.parametrize("start_time", [0.0, 123.456])
 def test_flight_holds_to_rounding(omega, zeta, start_time):
     rotor, start = Rotor(omega=omega, zeta=zeta, delta0=2.0), (0.3, -0.4, 0.11, 0.07)
-    elapsed = np.array([0.0, 1e-9, 0.3, 7.0, 1000.0])
+    elapsed = np.array([0.0, 1e-9, 0.3, 7.0, 1000.0, 1e9])
     times = start_time + elapsed
     found = flight(times, rotor=rotor, start=start, start_time=start_time)
     for k, time in enumerate(times):
@@ -120,6 +120,7 @@ def test_no_contact_free_whirl_without_room():
         ({"time": [1.0, 0.4]}, r"not before start_time = 0\.5, got 0\.4"),
         ({"time": [math.nan]}, "time must be finite"),
         ({"time": "soon"}, "time must be numbers, got 'soon'"),
+        ({"time": 1e300}, r"omega \* time must be at most 1e\+15"),
         ({"start": (0.0, 1.0)}, "start must be four numbers"),
         ({"start_time": math.inf}, "start_time must be a finite real number"),
     ],

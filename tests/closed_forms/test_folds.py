@@ -246,7 +246,7 @@ def test_peak_amplitude_is_the_largest_on_a_dense_curve():
         (0.07, 0.0),
         (0.2, 0.0),
         (0.2, 0.5),
-        (0.22, 0.9),
+        (0.1, 0.9),
         (0.1, 1.5),
         (0.19, 0.95),
     ]:
@@ -256,6 +256,17 @@ def test_peak_amplitude_is_the_largest_on_a_dense_curve():
         assert float(contacting.max()) == pytest.approx(
             peak_amplitude(zeta=zeta, delta0=delta0), rel=1e-5
         )
+
+
+@pytest.mark.parametrize("delta0", [1.0, 1.5, 3.0, 50.0])
+def test_peak_of_an_isola_vanishes_with_its_folds(delta0):
+    critical = critical_damping(delta0)
+    just_below = peak_amplitude(zeta=critical * (1.0 - 1e-10), delta0=delta0)
+    (_, low), (_, high) = found_at(critical * (1.0 - 1e-10), delta0)
+    # the isola has shrunk to 1e-5, the root of 1e-10
+    assert just_below == pytest.approx(low, rel=1e-4)
+    assert just_below == pytest.approx(high, rel=1e-4)
+    assert np.isnan(peak_amplitude(zeta=critical * (1.0 + 1e-10), delta0=delta0))
 
 
 def test_flanks_of_the_curve_lie_on_either_side_of_the_backbone():

@@ -1,0 +1,214 @@
+"""The event loop: known event times, starts of every kind, conservation and convergence."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.special import beta
+
+from rotor_ida import InputError, Rotor, SimulationError, simulate
+from rotor_ida.model import angular_momentum, energy
+from rotor_ida.simulator import contact_phase, loop
+from rotor_ida.simulator.solver import SolverFailure
+
+LEAVING = beta(0.4, 0.5) / math.sqrt(5.0)  # time from rest at A to the ring, times (A-delta0)^1/4
+REST = (0.0, 0.0, 0.0, 0.0)
+HARD = Rotor(omega=0.6, zeta=0.07, delta0=2.0)
+
+
+def planar_events(amplitude, delta0, duration):
+    """Exact events of free planar vibration with clearance, from rest at `amplitude`."""
+    leaving = LEAVING * (amplitude - delta0) ** -0.25
+    crossing = 2.0 * delta0 / (math.sqrt(0.8) * (amplitude - delta0) ** 1.25)
+    times, time = [], leaving
+    while time < duration:
+        times += [time, time + crossing]
+        time += crossing + 2.0 * leaving
+    return np.array([time for time in times if time < duration])
+
+
+def sensitivity(rotor, start, duration=200.0, step=1e-11):
+    """Largest change of each event time with the start, by central differences."""
+    rows = []
+    for number in range(4):
+        moved = []
+        for sign in (1.0, -1.0):
+            shifted = list(start)
+            shifted[number] += sign * step
+            run = simulate(rotor, start=tuple(shifted), duration=duration, rtol=1e-13, atol=1e-15)
+            moved.append(run.event_time.values)
+        rows.append(np.abs(moved[0] - moved[1]) / (2.0 * step))
+    return np.max(rows, axis=0)
+
+
+@pytest.mark.parametrize(
+    ("method", "flight"), [("adams", "exact"), ("bdf", "cvode"), ("ida", "exact")]
+)
+def test_event_times_of_planar_vibration_are_the_exact_ones(method, flight):
+    rotor = Rotor(omega=0.0, zeta=0.0, delta0=1.0)
+    run = simulate(
+        rotor,
+        start=(2.0, 0, 0, 0),
+        duration=60.0,
+        rtol=1e-12,
+        atol=1e-14,
+        method=method,
+        flight=flight,
+    )
+    exact = planar_events(2.0, 1.0, 60.0)
+    assert run.starts_in_contact == 1
+    assert run.event_kind.values.tolist() == [-1, 1] * (exact.size // 2) + [-1] * (exact.size % 2)
+    # Errors grow linearly in conservative motion; 100 rtol a unit of time is ample.
+    assert np.abs(run.event_time.values - exact).max() < 100 * 1e-12 * 60.0
+
+
+def test_event_time_error_falls_with_the_tolerance():
+    """From 1e-6 to 1e-12 by tenfold steps of a hundred; the slope is near one."""
+    rotor = Rotor(omega=0.0, zeta=0.0, delta0=1.0)
+    exact = planar_events(2.0, 1.0, 40.0)
+    tolerances = [1e-6, 1e-8, 1e-10, 1e-12]
+    errors = []
+    for rtol in tolerances:
+        run = simulate(rotor, start=(2.0, 0, 0, 0), duration=40.0, rtol=rtol, atol=rtol / 100)
+        errors.append(np.abs(run.event_time.values - exact).max())
+    slope = np.polyfit(np.log10(tolerances), np.log10(errors), 1)[0]
+    assert (np.diff(errors) < 0.0).all()
+    assert slope == pytest.approx(1.0, abs=0.3)
+
+
+def test_the_hard_case_has_32_events():
+    """DESIGN's hard case: omega 0.6, zeta 0.07, delta0 2 from rest, last event at 162.2477."""
+    runs = [
+        simulate(HARD, start=REST, duration=200.0, rtol=1e-12, atol=1e-14, method=method)
+        for method in ("adams", "bdf", "ida")
+    ]
+    for run in runs:
+        assert run.sizes["event"] == 32
+        assert run.event_time.values[-1] == pytest.approx(162.2477, abs=2e-4)
+    # The touches grow slighter, and their times ever more sensitive to what came before.
+    allowed = 100.0 * 1e-12 * runs[0].event_time.values * np.maximum(sensitivity(HARD, REST), 1.0)
+    for other in runs[1:]:
+        difference = np.abs(runs[0].event_time.values - other.event_time.values)
+        assert (difference < allowed).all()
+
+
+@pytest.mark.parametrize("start", [(0.3, 0.0, 1.0, 0.4), (2.0, 0.0, 0.0, 0.0)])
+def test_energy_and_angular_momentum_are_conserved_over_a_thousand_contacts(start):
+    rotor = Rotor(omega=0.0, zeta=0.0, delta0=1.0)
+    run = simulate(rotor, start=start, duration=5600.0, samples=5001, rtol=1e-12, atol=1e-14)
+    states = np.stack([run[name].values for name in ("x", "y", "vx", "vy")], axis=-1)
+    assert run.sizes["contact"] > 1000
+    assert np.ptp(energy(states, 1.0)) < 1e-8
+    assert np.ptp(angular_momentum(states)) < 1e-8
+
+
+def test_a_start_on_the_ring_goes_where_it_moves():
+    still = Rotor(omega=0.0, zeta=0.0, delta0=1.0)
+    outwards = simulate(still, start=(1.0, 0, 0.5, 0), duration=1.0)
+    inwards = simulate(still, start=(1.0, 0, -0.5, 0), duration=1.0)
+    assert outwards.starts_in_contact == 1
+    assert outwards.sizes["event"] == 0
+    assert inwards.starts_in_contact == 0
+    assert inwards.sizes["event"] == 0
+
+
+def test_a_tangential_start_on_the_ring_is_decided_by_the_radial_acceleration():
+    """Along the ring only the unbalance, omega**2 cos, competes with the centrifugal pull."""
+    free = Rotor(omega=0.0, zeta=0.0, delta0=1.0)
+    pulled_out = simulate(free, start=(1.0, 0, 0, 0.5), duration=3.0)
+    assert pulled_out.starts_in_contact == 1
+    assert pulled_out.peak_indentation.values[0] > 0.01
+    pushed_in = simulate(
+        Rotor(omega=1.0, zeta=0.0, delta0=1.0), start=(-1.0, 0, 0, 0.5), duration=0.5
+    )
+    assert pushed_in.starts_in_contact == 0
+    at_rest = simulate(free, start=(1.0, 0, 0, 0), duration=9.0)
+    assert at_rest.starts_in_contact == 0
+    assert (at_rest.x.values == 1.0).all()
+
+
+def test_an_event_at_the_end_time_belongs_to_the_run():
+    rotor = Rotor(omega=0.0, zeta=0.0, delta0=1.0)
+    leaving = LEAVING * 1.0
+    run = simulate(rotor, start=(2.0, 0, 0, 0), duration=leaving)
+    assert run.event_kind.values.tolist() == [-1]
+    assert run.event_time.item() == pytest.approx(leaving, abs=1e-9)
+    touching = simulate(rotor, start=(0.0, 0, 0.5, 0), duration=2.0)
+    assert touching.event_kind.values.tolist() == [1]
+    assert touching.event_time.item() == 2.0
+
+
+def test_without_clearance_there_are_no_events():
+    run = simulate(Rotor(omega=1.7, zeta=0.07, delta0=0.0), start=REST, duration=50.0)
+    assert run.starts_in_contact == 1
+    assert run.sizes["event"] == 0
+    assert run.sizes["contact"] == 1
+    radius = np.hypot(run.x, run.y)
+    assert run.peak_indentation.item() == pytest.approx(radius.max().item(), rel=1e-3)
+    assert run.peak_indentation.item() >= radius.max().item() - 1e-12
+
+
+def test_a_clearance_never_reached_gives_no_events():
+    run = simulate(Rotor(omega=1.0, zeta=0.1, delta0=15.0), start=REST, duration=500.0)
+    assert run.sizes["event"] == 0
+    assert run.sizes["contact"] == 0
+    assert run.starts_in_contact == 0
+
+
+@pytest.mark.parametrize("flight", ["exact", "cvode"])
+def test_event_states_lie_on_the_ring_to_rounding(flight):
+    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+    run = simulate(rotor, start=REST, duration=100.0, flight=flight)
+    radius = np.hypot(run.event_x.values, run.event_y.values)
+    assert run.sizes["event"] > 30
+    assert radius == pytest.approx(2.0, rel=4e-16)
+    radial = run.event_x * run.event_vx + run.event_y * run.event_vy
+    assert (np.sign(radial) == run.event_kind).all()
+
+
+def test_samples_do_not_depend_on_how_many_there_are():
+    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+    few = simulate(rotor, start=REST, duration=20.0, samples=[5.0, 20.0])
+    many = simulate(rotor, start=REST, duration=20.0, samples=2001)
+    picked = many.sel(time=[5.0, 20.0])
+    assert np.abs(few.x - picked.x).max() < 1e-12
+    assert (few.event_time.values == many.event_time.values).all()
+
+
+def test_a_solver_that_gives_up_raises_with_time_and_state(monkeypatch):
+    def give_up(*_):
+        raise SolverFailure("corrector failed", 0.25, np.array([0.1, 0.2, 0.0, 1.0, 0.0, 0.25]))
+
+    monkeypatch.setattr(contact_phase, "follow_contact", give_up)
+    with pytest.raises(SimulationError, match=r"corrector failed \(at t = 0.25, state") as caught:
+        simulate(Rotor(omega=0.0, zeta=0.0, delta0=1.0), start=(2.0, 0, 0, 0), duration=1.0)
+    assert caught.value.time == 0.25
+    assert caught.value.state == pytest.approx((1.01, 0.0, 0.2, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"start": (0, 0, 0)}, r"start must be four numbers \(x, y, vx, vy\), got \(0, 0, 0\)"),
+        ({"start": (0, 0, 0, math.nan)}, "start vy must be a finite real number, got nan"),
+        ({"duration": -1.0}, "duration must be positive, got -1.0"),
+        ({"duration": math.inf}, "duration must be a finite real number, got inf"),
+        ({"samples": 1}, "samples must be at least 2, got 1"),
+        ({"samples": [0.0, 2.0, 1.0]}, "samples must be increasing times"),
+        ({"samples": [0.0, 11.0]}, "samples must lie from 0 to the duration 10.0, got 11.0"),
+        ({"rtol": 1.0}, "rtol must lie from 1e-13 to 0.001, got 1.0"),
+        ({"atol": 0.0}, "atol must be positive, got 0.0"),
+        ({"method": "rk4"}, "method must be one of 'adams', 'bdf', 'ida', got 'rk4'"),
+        ({"flight": "none"}, "flight must be one of 'exact', 'cvode', got 'none'"),
+        ({"backend": "gpu"}, "backend must be one of 'auto', 'python', got 'gpu'"),
+    ],
+)
+def test_bad_input_gets_one_clear_line(changes, message):
+    arguments = {"start": REST, "duration": 10.0, **changes}
+    with pytest.raises(InputError, match=f"^{message}$"):
+        simulate(HARD, **arguments)
+
+
+def test_the_mode_at_the_start_is_a_function_of_its_own():
+    assert loop.starts_in_contact(HARD, 2.1 + 0j, 0j)
+    assert not loop.starts_in_contact(HARD, 1.9 + 0j, 5 + 0j)
