@@ -434,6 +434,26 @@ def test_threads_may_save_and_load(tmp_path: Path) -> None:
     assert len(leftovers(tmp_path)) == 9
 
 
+def test_file_replaced_while_it_is_read_is_read_again(
+    archive: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    read = reading._read
+    replacements = [a_run(7)]
+
+    def read_late(source: Path) -> xr.Dataset:
+        if replacements:
+            save_unlocked(replacements.pop(), source)
+            raise RuntimeError("half of one file and half of the other")
+        return read(source)
+
+    def save_unlocked(dataset: xr.Dataset, path: Path) -> None:
+        monkeypatch.setattr(writing, "LOCK", threading.Lock())
+        save(dataset, path, overwrite=True)
+
+    monkeypatch.setattr(reading, "_read", read_late)
+    assert load(archive).sizes["time"] == 7
+
+
 def test_one_of_many_writers_wins(tmp_path: Path) -> None:
     def work(number: int) -> int:
         try:
@@ -475,7 +495,10 @@ def test_files_of_another_kind_are_refused(tmp_path: Path) -> None:
         (b"", "is not an archive of rotor_ida: it is empty"),
         (b"time,x\n0,1\n", "is not an archive of rotor_ida: it is not a netCDF-4 file"),
         (b"\x89HDF\r\n\x1a\n", "is truncated or damaged"),
-        (b"\x89HDF\r\n\x1a\n" + bytes(100), "cannot read|list of contents"),
+        (
+            b"\x89HDF\r\n\x1a\n" + bytes(100),
+            "cannot read .*, which may be damaged: HDF5 cannot list its contents",
+        ),
     ]:
         path.write_bytes(data)
         refused(path, message)
@@ -520,7 +543,7 @@ def alter(path: Path, change: str) -> None:
         ("name", "is damaged or was altered"),
         ("coordinates", "is damaged or was altered"),
         ("no checksum", "is damaged or was altered"),
-        ("group", "holds 'hidden', which is not a variable"),
+        ("group", "is not a sound archive: it holds 'hidden', which is not a variable"),
         ("complex", "holds 'complex', which is not a variable"),
         ("char", "is not an archive of rotor_ida: see variable 'extra'"),
         ("newer", "has format 2, but this version of rotor_ida reads formats up to 1"),
@@ -631,8 +654,8 @@ def add_outside_part(path: Path, kind: str, other: Path) -> None:
 @pytest.mark.parametrize(
     ("kind", "message"),
     [
-        ("external link", "holds 'outside', a link: an archive holds its own variables only"),
-        ("soft link", "holds 'outside', a link"),
+        ("external link", "is not a sound archive: it holds 'outside', which is a link"),
+        ("soft link", "holds 'outside', which is a link"),
         ("external storage", "holds 'outside', whose data are in another file"),
         ("virtual", "holds 'outside', which is put together from other variables"),
     ],

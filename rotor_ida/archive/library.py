@@ -40,8 +40,8 @@ _BY_NAME, _NATIVE_ORDER = 0, 2
 _OWN_LAYOUTS = range(3)  # compact, contiguous, chunked; then comes virtual
 
 
-def what_reaches_outside(path: Path) -> str:
-    """Say which part of the HDF5 file at `path` is more than a variable kept in it.
+def what_is_no_variable(path: Path) -> str:
+    """Say which part of the HDF5 file at `path` is not a variable with its data in that file.
 
     netCDF follows links while it opens a file, so this is asked of HDF5 before. Call it under
     `LOCK`.
@@ -49,8 +49,13 @@ def what_reaches_outside(path: Path) -> str:
     Returns
     -------
     str
-        Empty if every part is a variable whose data are in the file, or where netCDF4-python
-        does not let its HDF5 library be called (Windows).
+        Empty if every part is such a variable, or where netCDF4-python does not let its HDF5
+        library be called (Windows).
+
+    Raises
+    ------
+    OSError
+        If HDF5 cannot make sense of the file.
     """
     hdf5 = _hdf5()
     if hdf5 is None:
@@ -64,11 +69,11 @@ def what_reaches_outside(path: Path) -> str:
     visitor = _Visitor(note)
     with _opened(hdf5, path) as file:
         if file < 0 or hdf5.H5Literate2(file, _BY_NAME, _NATIVE_ORDER, None, visitor, None) < 0:
-            return "no list of contents"
+            raise OSError("HDF5 cannot list its contents")
         for name, kind in kinds.items():
             shown = ascii(name.decode(errors="replace"))
             if kind != _HARD_LINK:
-                return f"{shown}, a link"
+                return f"{shown}, which is a link"
             if reason := _outside_storage(hdf5, file, name):
                 return f"{shown}, {reason}"
     return ""
@@ -77,12 +82,15 @@ def what_reaches_outside(path: Path) -> str:
 def _outside_storage(hdf5: ctypes.CDLL, file: int, name: bytes) -> str:
     dataset = hdf5.H5Dopen2(file, name, 0)
     if dataset < 0:
-        return "which is not a variable"
+        return "which is not a variable or is damaged"
     creation = hdf5.H5Dget_create_plist(dataset)
     try:
-        if hdf5.H5Pget_external_count(creation) != 0:
+        files, layout = hdf5.H5Pget_external_count(creation), hdf5.H5Pget_layout(creation)
+        if files < 0 or layout < 0:
+            return "which is damaged"
+        if files > 0:
             return "whose data are in another file"
-        if hdf5.H5Pget_layout(creation) not in _OWN_LAYOUTS:
+        if layout not in _OWN_LAYOUTS:
             return "which is put together from other variables"
     finally:
         hdf5.H5Pclose(creation)

@@ -12,7 +12,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.archive.content import CHECKSUM, FORMAT, NUMERIC, content_sha256
-from rotor_ida.archive.library import LOCK, what_reaches_outside
+from rotor_ida.archive.library import LOCK, what_is_no_variable
 from rotor_ida.dataset import schema
 from rotor_ida.errors import ArchiveError, InputError
 
@@ -68,20 +68,38 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
     rotor_ida.errors.InputError: path must be a file that exists, got '.../walk.nc'
     >>> folder.cleanup()
     """
-    source = _check_source(path)
+    while True:
+        source = _check_source(path)
+        before = _identity(source)
+        try:
+            return _load_as_it_stands(source)
+        except ArchiveError:
+            # Replaced in the midst of reading by another process: read the new one.
+            if _identity(source) == before:
+                raise
+
+
+def _identity(source: Path) -> tuple[int, int, int, int] | None:
+    try:
+        found = source.stat()
+    except OSError:
+        return None
+    return found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns
+
+
+def _load_as_it_stands(source: Path) -> xr.Dataset:
     try:
         with LOCK:
             _refuse_other_kinds(source)
-            if outside := what_reaches_outside(source):
-                raise ArchiveError(
-                    f"{source} holds {outside}: an archive holds its own variables only"
-                )
+            if other := what_is_no_variable(source):
+                raise ArchiveError(f"{source} is not a sound archive: it holds {other}")
             dataset = _read(source)
         computed = content_sha256(dataset)
     except ArchiveError:
         raise
     except Exception as error:  # a damaged file can make the libraries raise anything
-        reason = " ".join(str(error).split()) or type(error).__name__
+        told = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        reason = " ".join(told.split()) or type(error).__name__
         raise ArchiveError(f"cannot read {source}, which may be damaged: {reason}") from error
     if computed != dataset.attrs.get(CHECKSUM):
         raise ArchiveError(
@@ -104,10 +122,10 @@ def _check_source(path: object) -> Path:
 
 def _refuse_other_kinds(source: Path) -> None:
     """Refuse what the first bytes show not to be a whole HDF5 file."""
-    length = source.stat().st_size
     try:
         with source.open("rb") as file:
             head = file.read(64)
+            length = os.fstat(file.fileno()).st_size
     except OSError as error:
         raise ArchiveError(f"cannot read {source}: {error.strerror}") from error
     if not head.startswith(_HDF5_SIGNATURE):

@@ -54,7 +54,8 @@ def save(dataset: xr.Dataset, path: str | os.PathLike[str], *, overwrite: bool =
     dataset that was changed since it was loaded carries the old one until it is saved again.
 
     netCDF makes no difference between an attribute that is an array of one number and the number:
-    both come back as the number. Nor does it keep the width of a string, or encodings. Compressed
+    both come back as the number. It has no fixed dimension of length zero: such a one is unlimited
+    in the file, the others are fixed. The width of strings and encodings are not kept. Compressed
     variables carry HDF5's own checksum beside.
 
     A process that is killed while it writes leaves `path` as it was, and perhaps a file

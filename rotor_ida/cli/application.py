@@ -1,0 +1,37 @@
+"""The table of commands."""
+
+from __future__ import annotations
+
+from importlib.metadata import version
+from typing import TextIO
+
+from cyclopts import App
+from rich.console import Console
+
+from rotor_ida.cli.commands.archived import show
+from rotor_ida.cli.commands.compared import compare
+from rotor_ida.cli.commands.doctor import doctor
+from rotor_ida.cli.commands.reproduced import reproduce
+from rotor_ida.cli.commands.response import response
+from rotor_ida.cli.commands.simulated import simulate
+from rotor_ida.cli.commands.swept import sweep
+
+HELP = """Rotors in clearances: Hertz contact simulated event by event, held against closed forms.
+
+Results go to standard output, everything else to standard error. Exit status: 0 done, 1 the
+run or the check failed, 2 bad input.
+"""
+
+
+def application(results: TextIO) -> App:
+    """Return the commands, with their help going to `results`."""
+    app = App(
+        name="rotor-ida",
+        help=HELP,
+        help_format="plaintext",
+        version=version("rotor-ida"),
+        console=Console(file=results, highlight=False),
+    )
+    for command in (reproduce, simulate, response, sweep, compare, show, doctor):
+        app.command(command)
+    return app

@@ -1,0 +1,98 @@
+"""From the words of a command line to numbers, ranges and starts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rotor_ida.checks import State, check_count, check_real, check_state
+from rotor_ida.errors import InputError
+
+LARGEST_RANGE = 1_000_000
+
+
+def number(name: str, word: str) -> float:
+    """Return a word as a finite number.
+
+    Examples
+    --------
+    >>> number("omega", "1.7")
+    1.7
+    >>> number("omega", "1,7")
+    Traceback (most recent call last):
+    ...
+    rotor_ida.errors.InputError: omega must be a finite real number, got '1,7'
+    """
+    return check_real(name, _float(word))
+
+
+def whole_number(name: str, word: str, minimum: int = 1) -> int:
+    """Return a word as a whole number of at least `minimum`.
+
+    Examples
+    --------
+    >>> whole_number("workers", "2")
+    2
+    >>> whole_number("workers", "2.5")
+    Traceback (most recent call last):
+    ...
+    rotor_ida.errors.InputError: workers must be a whole number, got '2.5'
+    """
+    return check_count(name, _int(word), minimum)
+
+
+def numbers(name: str, words: Sequence[str]) -> list[float]:
+    """Return numbers and ranges ``START:STOP:COUNT``, both ends included, as numbers.
+
+    Examples
+    --------
+    >>> numbers("omega", ["0.5", "1:2:3"])
+    [0.5, 1.0, 1.5, 2.0]
+    >>> numbers("omega", ["1:2"])
+    Traceback (most recent call last):
+    ...
+    rotor_ida.errors.InputError: omega must be numbers or START:STOP:COUNT, got '1:2'
+    """
+    if not words:
+        raise InputError(f"{name} must hold at least one number, got none")
+    listed: list[float] = []
+    for word in words:
+        listed += _range(name, word) if ":" in word else [number(name, word)]
+    return listed
+
+
+def state(name: str, words: Sequence[str]) -> State:
+    """Return the words of one start as ``(x, y, vx, vy)``.
+
+    Examples
+    --------
+    >>> state("start", ["10", "0", "0", "-1e-3"])
+    (10.0, 0.0, 0.0, -0.001)
+    """
+    return check_state(name, [_float(word) for word in words])
+
+
+def _range(name: str, word: str) -> list[float]:
+    parts = word.split(":")
+    if len(parts) != 3:
+        raise InputError(f"{name} must be numbers or START:STOP:COUNT, got {word!r}")
+    start, stop = number(name, parts[0]), number(name, parts[1])
+    count = whole_number(f"COUNT of {name}", parts[2], minimum=2)
+    if count > LARGEST_RANGE:
+        raise InputError(f"COUNT of {name} must be at most {LARGEST_RANGE}, got {count}")
+    step = (stop - start) / (count - 1)
+    return [*(start + place * step for place in range(count - 1)), stop]
+
+
+def _float(word: str) -> object:
+    """Return a word as a float, or as it is; "1_7" is more likely a slip than seventeen."""
+    try:
+        return word if "_" in word else float(word)
+    except ValueError:
+        return word
+
+
+def _int(word: str) -> object:
+    try:
+        return word if "_" in word else int(word)
+    except ValueError:
+        return word

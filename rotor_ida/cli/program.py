@@ -1,0 +1,86 @@
+"""The program: read the words, run the command, answer, and say with a number how it went."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from typing import TextIO
+
+from cyclopts import CycloptsError
+
+from rotor_ida.cli.application import application
+from rotor_ida.cli.report import Report, print_report
+from rotor_ida.cli.streams import results_only
+from rotor_ida.errors import InputError, RotorError
+
+DONE, FAILED, BAD_INPUT = 0, 1, 2
+INTERRUPTED, PIPE_CLOSED = 130, 141
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run one command.
+
+    Parameters
+    ----------
+    words : sequence of str, optional
+        The words after the program's name; those of the process by default.
+
+    Returns
+    -------
+    int
+        0 done, 1 the run or the check failed, 2 bad input, 130 interrupted, 141 if the reader
+        of the results went away.
+
+    Examples
+    --------
+    >>> main(["simulate", "--omega", "nan"])
+    2
+    """
+    with results_only() as results:
+        try:
+            return _run(list(sys.argv[1:] if words is None else words), results)
+        except BrokenPipeError:
+            return PIPE_CLOSED
+        except KeyboardInterrupt:
+            return _complain("interrupted", INTERRUPTED)
+        except CycloptsError as error:
+            return _complain(_misread(error), BAD_INPUT)
+        except InputError as error:
+            return _complain(str(error), BAD_INPUT)
+        except RotorError as error:
+            return _complain(str(error), FAILED)
+        except MemoryError:
+            return _complain("not enough memory for this much data", FAILED)
+        except OSError as error:
+            return _complain(str(error), FAILED)
+
+
+def _run(words: list[str], results: TextIO) -> int:
+    command, bound, _ = application(results).parse_args(
+        words, print_error=False, exit_on_error=False
+    )[:3]
+    answer = command(*bound.args, **bound.kwargs)
+    results.flush()
+    if isinstance(answer, Report):
+        print_report(answer, results)
+        return _complain(answer.trouble, FAILED) if answer.trouble else DONE
+    return answer if isinstance(answer, int) else DONE
+
+
+def _misread(error: CycloptsError) -> str:
+    """Return in one line what could not be read."""
+    error.verbose = False
+    unused = getattr(error, "unused_tokens", None)
+    if type(error).__name__ == "UnusedCliTokensError" and unused:
+        return f"unexpected argument {unused[0]!r}"
+    argument = getattr(error, "argument", None)
+    if type(error).__name__ == "MissingArgumentError" and argument is not None:
+        return f"{argument.name} must be given a value"
+    message = str(error)
+    return message[:1].lower() + message[1:].rstrip(".")
+
+
+def _complain(message: str, status: int) -> int:
+    if sys.stderr is not None:
+        print("rotor-ida:", " ".join(message.split()), file=sys.stderr)
+    return status

@@ -1,0 +1,66 @@
+"""What a command answers, and how it is put on standard output."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TextIO
+
+from rich.console import Console, RenderableType
+
+# Wide enough that no number is ever cut when the output is a file or a pipe.
+NO_TERMINAL_WIDTH = 10_000
+
+
+@dataclass(frozen=True, kw_only=True)
+class Report:
+    """The answer of a command.
+
+    Parameters
+    ----------
+    record : mapping
+        The answer for programs: what JSON can hold, and NaN.
+    parts : sequence of renderable
+        The answer for people: lines and tables.
+    as_json : bool
+        Which of the two is wanted.
+    trouble : str
+        One line for standard error if the run or the check failed; the exit status is then 1.
+    """
+
+    record: Mapping[str, object]
+    parts: Sequence[RenderableType]
+    as_json: bool = False
+    trouble: str = ""
+
+
+def print_report(report: Report, stream: TextIO) -> None:
+    """Write a report, all of it: an error of the stream is met here."""
+    if report.as_json:
+        stream.write(json.dumps(plain(report.record), allow_nan=False, indent=2) + "\n")
+    else:
+        console = Console(file=stream, highlight=False, markup=False, emoji=False)
+        if not console.is_terminal:
+            console.width = NO_TERMINAL_WIDTH
+        for part in report.parts:
+            console.print(part)
+    stream.flush()
+
+
+def plain(value: object) -> object:
+    """Return what JSON can hold; a number that is not finite becomes null.
+
+    Examples
+    --------
+    >>> plain({"exit_time": float("nan"), "start": (1, 0.5)})
+    {'exit_time': None, 'start': [1, 0.5]}
+    """
+    if isinstance(value, Mapping):
+        return {str(key): plain(entry) for key, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(entry) for entry in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,194 @@
+"""How the pictures look: one style, colours that stay apart, panels and legends."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+
+import matplotlib as mpl
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.legend import Legend
+
+from rotor_ida.checks import check_count
+from rotor_ida.errors import InputError
+
+# From matplotlib's petroff10, chosen so that the greys differ too.
+BLUE, ORANGE, RED, PURPLE, GREY = "#3f90da", "#e76300", "#bd1f01", "#832db6", "#94a4a2"
+INK = "#1a1a1a"
+SHADE = "#ffe3c4"
+
+LABELS = {
+    "omega": r"spin speed $\omega$",
+    "amplitude": r"amplitude $A$",
+    "phase_lag": r"phase lag $\theta$",
+    "time": r"time $t$",
+    "x": r"displacement $x$",
+    "y": r"displacement $y$",
+    "radius": r"radius $|z|$",
+    "peak_force": r"peak force $f$",
+    "zeta": r"damping ratio $\zeta$",
+    "delta0": r"clearance $\delta_0$",
+}
+SYMBOLS = {"omega": r"\omega", "zeta": r"\zeta", "delta0": r"\delta_0"}
+
+_SETTINGS = {
+    "font.family": "STIXGeneral",
+    "mathtext.fontset": "stix",
+    "font.size": 9.5,
+    "axes.labelsize": 10.0,
+    "axes.titlesize": 10.0,
+    "axes.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "axes.grid": True,
+    "grid.color": "#e4e4e4",
+    "grid.linewidth": 0.5,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.labelsize": 9.0,
+    "ytick.labelsize": 9.0,
+    "legend.fontsize": 8.5,
+    "legend.frameon": False,
+    "lines.linewidth": 1.2,
+    "lines.solid_capstyle": "round",
+    "figure.facecolor": "white",
+    "savefig.facecolor": "white",
+    "svg.hashsalt": "rotor_ida",
+    "svg.fonttype": "path",
+}
+
+
+@contextmanager
+def style() -> Iterator[None]:
+    """Draw in the style of this package while the context lasts.
+
+    Examples
+    --------
+    >>> with style():
+    ...     mpl.rcParams["font.family"]
+    ['STIXGeneral']
+    """
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(_SETTINGS)
+        yield
+
+
+def panels(
+    rows: int, columns: int, *, width: float = 7.2, height: float = 5.6
+) -> tuple[Figure, list[Axes]]:
+    """Return a figure with lettered panels that share their axes.
+
+    Parameters
+    ----------
+    rows, columns : int
+        Number of panels down and across.
+    width, height : float
+        Size of the figure [inch].
+
+    Returns
+    -------
+    figure : Figure
+        The figure.
+    axes : list of Axes
+        Its panels, row by row.
+
+    Examples
+    --------
+    >>> figure, axes = panels(2, 2)
+    >>> len(axes)
+    4
+    """
+    check_count("rows", rows)
+    check_count("columns", columns)
+    with style():
+        figure = Figure(figsize=(width, height), layout="constrained")
+        grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+        axes = list(grid.ravel())
+        if len(axes) > 1:
+            for number, ax in enumerate(axes):
+                ax.set_title(chr(ord("a") + number), loc="left", fontweight="bold")
+    return figure, axes
+
+
+def shared_legend(figure: Figure, axes: Sequence[Axes], *, columns: int = 4) -> Legend:
+    """Put one legend, without duplicates, under the panels; label the outer axes only.
+
+    Parameters
+    ----------
+    figure : Figure
+        The figure.
+    axes : sequence of Axes
+        Its panels; their own legends are taken away.
+    columns : int
+        Number of columns of the legend.
+    """
+    with style():
+        legend = figure.legend(
+            *_entries(axes), loc="outside lower center", ncols=columns, handlelength=2.4
+        )
+        for ax in axes:
+            own = ax.get_legend()
+            if own is not None:
+                own.remove()
+            ax.label_outer()
+    return legend
+
+
+def own_legend(ax: Axes) -> Legend:
+    """Give `ax` a legend without duplicates, in place of the one that it has."""
+    return ax.legend(*_entries([ax]), handlelength=2.4)
+
+
+def axes_or_new(ax: Axes | None, *, width: float = 5.0, height: float = 3.6) -> Axes:
+    """Return `ax`, or the axes of a new figure."""
+    if ax is None:
+        return Figure(figsize=(width, height), layout="constrained").subplots()
+    if not isinstance(ax, Axes):
+        raise InputError(f"ax must be matplotlib Axes, got {type(ax).__name__}")
+    return ax
+
+
+def check_dataset(name: str, dataset: object, needed: Sequence[str]) -> xr.Dataset:
+    """Return `dataset` if it is one and has the variables that are needed."""
+    if not isinstance(dataset, xr.Dataset):
+        raise InputError(f"{name} must be a Dataset, got {type(dataset).__name__}")
+    missing = [variable for variable in needed if variable not in dataset.variables]
+    if missing:
+        wanted = ", ".join(needed)
+        raise InputError(f"{name} must hold {wanted}; it lacks {', '.join(missing)}")
+    return dataset
+
+
+def one_value(name: str, dataset: xr.Dataset, parameter: str) -> float:
+    """Return the one value of a parameter that a picture can show."""
+    values = np.atleast_1d(dataset[parameter].values)
+    if values.size != 1:
+        raise InputError(
+            f"{name} must hold one {parameter}, got {values.size}: choose with "
+            f".sel({parameter}=...)"
+        )
+    return float(values[0])
+
+
+def parameter_text(**values: float) -> str:
+    """Return parameters as the title of a panel.
+
+    Examples
+    --------
+    >>> parameter_text(zeta=0.07)
+    '$\\\\zeta = 0.07$'
+    """
+    return ",  ".join(f"${SYMBOLS[name]} = {value:g}$" for name, value in values.items())
+
+
+def _entries(axes: Sequence[Axes]) -> tuple[list[object], list[str]]:
+    found: dict[str, object] = {}
+    for ax in axes:
+        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
+            found.setdefault(label, handle)
+    return list(found.values()), list(found)

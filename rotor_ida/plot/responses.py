@@ -1,0 +1,291 @@
+"""Response curves over the spin speed: the exact branches, and what simulations do beside them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+from matplotlib.axes import Axes
+
+from rotor_ida.dataset.schema import flags_of
+from rotor_ida.errors import InputError
+from rotor_ida.plot.appearance import (
+    BLUE,
+    GREY,
+    INK,
+    LABELS,
+    ORANGE,
+    PURPLE,
+    axes_or_new,
+    check_dataset,
+    one_value,
+    own_legend,
+    parameter_text,
+    style,
+)
+from rotor_ida.plot.branches import trace_branches
+
+Values = npt.NDArray[np.float64]
+
+PARAMETERS = ("omega", "zeta", "delta0")
+LINES = {
+    "stable": ("stable whirl", "-", 1.3),
+    "unstable": ("unstable whirl", (0, (4, 2)), 1.0),
+    "neutral": ("contact-free whirl", (0, (7, 1.6, 1.2, 1.6)), 1.0),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """How one kind of response is drawn."""
+
+    words: str
+    colour: str
+    filled: bool
+    is_range: bool
+
+
+KINDS = {
+    "contact_free": Look("contact-free", BLUE, False, False),
+    "synchronous": Look("synchronous", BLUE, True, False),
+    "bouncing": Look("bouncing: range of $|z|$", ORANGE, False, True),
+    "full_contact": Look("full contact: range of $|z|$", PURPLE, True, True),
+    "unresolved": Look("unresolved: range of $|z|$", GREY, False, True),
+}
+DIRECTIONS = {0: ("o", 4.6), 1: ("^", 3.6), -1: ("v", 3.6)}
+DIRECTION_WORDS = {1: "speed going up", -1: "speed going down"}
+
+
+def plot_amplitude(
+    exact: xr.Dataset,
+    *,
+    simulated: xr.Dataset | None = None,
+    fold_points: xr.Dataset | None = None,
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw the amplitude of every whirl over the spin speed.
+
+    Parameters
+    ----------
+    exact : Dataset
+        What `rotor_ida.synchronous_response` returned, for one ``zeta`` and one ``delta0`` and
+        many speeds. Speeds from `rotor_ida.closed_forms.curve` among them make the tip smooth.
+    simulated : Dataset, optional
+        What `rotor_ida.sweep` returned, for the same parameters. Responses that are synchronous
+        or contact-free are marks at their amplitude, by direction of the sweep; all others are
+        bars over the range of the distance \\|z\\| from the bearing axis.
+    fold_points : Dataset, optional
+        What `rotor_ida.folds` returned, for the same parameters: the folds are marked.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        Where it was drawn.
+
+    Raises
+    ------
+    InputError
+        If a dataset is of another kind, holds several dampings or clearances, or other ones
+        than `exact`.
+
+    Examples
+    --------
+    >>> from rotor_ida import folds, synchronous_response
+    >>> ax = plot_amplitude(
+    ...     synchronous_response(omega=np.linspace(0.05, 3.0, 60), zeta=0.07, delta0=0.5),
+    ...     fold_points=folds(zeta=0.07, delta0=0.5),
+    ... )
+    >>> ax.get_ylabel()
+    'amplitude $A$'
+    """
+    return _plot("amplitude", exact, simulated, fold_points, ax)
+
+
+def plot_phase(
+    exact: xr.Dataset,
+    *,
+    simulated: xr.Dataset | None = None,
+    fold_points: xr.Dataset | None = None,
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw the phase by which every whirl lags the unbalance over the spin speed.
+
+    Parameters
+    ----------
+    exact, simulated, fold_points, ax
+        As for `plot_amplitude`. Of a simulated response that is neither synchronous nor
+        contact-free the phase of the part at the spin speed is marked.
+
+    Returns
+    -------
+    Axes
+        Where it was drawn.
+
+    Raises
+    ------
+    InputError
+        As for `plot_amplitude`.
+
+    Examples
+    --------
+    >>> from rotor_ida import synchronous_response
+    >>> ax = plot_phase(synchronous_response(omega=[1.0, 1.1, 1.2], zeta=0.5, delta0=0.0))
+    >>> ax.get_ylabel()
+    'phase lag $\\\\theta$'
+    """
+    return _plot("phase_lag", exact, simulated, fold_points, ax)
+
+
+def _plot(
+    quantity: str,
+    exact: xr.Dataset,
+    simulated: xr.Dataset | None,
+    fold_points: xr.Dataset | None,
+    ax: Axes | None,
+) -> Axes:
+    exact = check_dataset("exact", exact, (*PARAMETERS, "amplitude", "phase_lag", "stability"))
+    zeta, delta0 = (one_value("exact", exact, name) for name in ("zeta", "delta0"))
+    fold_omega, fold_value = np.empty(0), np.empty(0)
+    if fold_points is not None:
+        check_dataset("fold_points", fold_points, ("zeta", "delta0", "fold_omega"))
+        _check_same("fold_points", fold_points, exact)
+        fold_omega, fold_value = _folds(fold_points, quantity, zeta)
+    if simulated is not None:
+        needed = ("response", "amplitude", "phase_lag", "radius_min", "radius_max", "direction")
+        check_dataset("simulated", simulated, (*PARAMETERS, *needed))
+        _check_same("simulated", simulated, exact)
+    with style():
+        ax = axes_or_new(ax)
+        _draw_exact(ax, exact, quantity, fold_omega, fold_value)
+        if fold_omega.size:
+            ax.plot(
+                fold_omega, fold_value, ls="", marker="D", ms=4.0, mfc="white", mec=INK, mew=1.0,
+                label="fold", zorder=3.2,
+            )  # fmt: skip
+        if simulated is not None:
+            _draw_simulated(ax, simulated, quantity)
+        _finish(ax, quantity, np.atleast_1d(exact["omega"].values))
+        ax.set_title(parameter_text(zeta=zeta, delta0=delta0))
+        own_legend(ax)
+    return ax
+
+
+def _check_same(name: str, dataset: xr.Dataset, exact: xr.Dataset) -> None:
+    for parameter in ("zeta", "delta0"):
+        here, there = one_value(name, dataset, parameter), one_value("exact", exact, parameter)
+        if here != there:
+            raise InputError(
+                f"{name} must have the {parameter} of exact, {there!r}, got {here!r}"
+            )
+
+
+def _folds(fold_points: xr.Dataset, quantity: str, zeta: float) -> tuple[Values, Values]:
+    omega = fold_points["fold_omega"].values.ravel()
+    amplitude = fold_points["fold_amplitude"].values.ravel()
+    present = np.isfinite(omega)
+    omega, amplitude = omega[present], amplitude[present]
+    if quantity == "amplitude":
+        return omega, amplitude
+    # A = omega sin(theta)/(2 zeta), and at every fold the lag is beyond a quarter turn
+    sine = np.minimum(2.0 * zeta * amplitude / omega, 1.0)
+    return omega, math.pi - np.arcsin(sine)
+
+
+def _draw_exact(
+    ax: Axes, exact: xr.Dataset, quantity: str, fold_omega: Values, fold_value: Values
+) -> None:
+    table = exact.squeeze(["zeta", "delta0"]) if "zeta" in exact.dims else exact
+    table = table.squeeze([name for name in ("zeta", "delta0") if name in table.dims])
+    if "omega" not in table.dims:
+        table = table.expand_dims("omega")
+    table = table.transpose("omega", "branch", ...).sortby("omega")
+    flags = flags_of(exact["stability"])
+    branches = trace_branches(
+        table["omega"].values,
+        table["amplitude"].values,
+        table[quantity].values,
+        table["stability"].values,
+        unstable=flags["unstable"],
+        fold_omega=fold_omega,
+        fold_value=fold_value,
+    )
+    words = {flag: word for word, flag in flags.items()}
+    for stability in sorted({branch.stability for branch in branches}):
+        label, line, width = LINES[words[stability]]
+        omega: list[float] = []
+        value: list[float] = []
+        for branch in branches:
+            if branch.stability == stability:
+                omega += [*branch.omega, math.nan]
+                value += [*branch.value, math.nan]
+        ax.plot(omega, value, ls=line, lw=width, color=INK, label=label, zorder=2.5)
+
+
+def _draw_simulated(ax: Axes, simulated: xr.Dataset, quantity: str) -> None:
+    names = ("omega", "direction", "response", "radius_min", "radius_max", "amplitude", "phase_lag")
+    flat = {
+        name: values.values.ravel()
+        for name, values in zip(
+            names, xr.broadcast(*(simulated[name] for name in names)), strict=True
+        )
+    }
+    flags = flags_of(simulated["response"])
+    for kind, look in KINDS.items():
+        of_kind = flat["response"] == flags[kind]
+        if not of_kind.any():
+            continue
+        if look.is_range and quantity == "amplitude":
+            _draw_ranges(ax, look, {name: values[of_kind] for name, values in flat.items()})
+            continue
+        ax.plot([], [], ls="", marker="s", ms=4.5, color=look.colour,
+                mfc=look.colour if look.filled else "white", mew=0.9,
+                label=look.words.partition(":")[0])  # fmt: skip
+        for direction, (marker, size) in DIRECTIONS.items():
+            here = of_kind & (flat["direction"] == direction)
+            ax.plot(
+                flat["omega"][here], flat[quantity][here], ls="", marker=marker, ms=size,
+                mec=look.colour, mfc=look.colour if look.filled else "white", mew=0.7,
+                zorder=3.5 - 0.1 * (direction == 0),
+            )  # fmt: skip
+    for direction in np.unique(flat["direction"]):
+        marker, size = DIRECTIONS[int(direction)]
+        ax.plot([], [], ls="", marker=marker, ms=size, mec=INK, mfc="none", mew=0.8,
+                label=DIRECTION_WORDS.get(int(direction), _start_words(simulated)))  # fmt: skip
+
+
+def _draw_ranges(ax: Axes, look: Look, points: dict[str, Values]) -> None:
+    ax.vlines(
+        points["omega"], points["radius_min"], points["radius_max"], color=look.colour,
+        lw=2.0 if look.filled else 1.0, zorder=3.0, label=look.words,
+    )  # fmt: skip
+    for direction, (marker, size) in DIRECTIONS.items():
+        here = points["direction"] == direction
+        for end in ("radius_min", "radius_max"):
+            ax.plot(
+                points["omega"][here], points[end][here], ls="", marker=marker, ms=0.75 * size,
+                mec=look.colour, mfc=look.colour if look.filled else "white", mew=0.7,
+                zorder=3.3 - 0.1 * (direction == 0),
+            )  # fmt: skip
+
+
+def _start_words(simulated: xr.Dataset) -> str:
+    starts = [f"start_{name}" for name in ("x", "y", "vx", "vy")]
+    at_rest = all(name in simulated and not simulated[name].values.any() for name in starts)
+    return "each speed from rest" if at_rest else "each speed from its start"
+
+
+def _finish(ax: Axes, quantity: str, omega: Values) -> None:
+    ax.set_xlabel(LABELS["omega"])
+    ax.set_ylabel(LABELS[quantity])
+    if omega.size > 1:
+        ax.set_xlim(0.0, float(omega.max()))
+    if quantity == "amplitude":
+        ax.set_ylim(bottom=0.0)
+    else:
+        ax.set_ylim(0.0, math.pi * 1.03)
+        ax.set_yticks([0.0, 0.5 * math.pi, math.pi], ["0", r"$\pi/2$", r"$\pi$"])
