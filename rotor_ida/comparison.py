@@ -7,7 +7,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.closed_forms import synchronous_response
-from rotor_ida.dataset.schema import CONVENTIONS, RESPONSE, labelled
+from rotor_ida.schema import CONVENTIONS, RESPONSE, labelled
 from rotor_ida.errors import InputError
 
 Values = npt.NDArray[np.float64]

@@ -29,7 +29,9 @@ def test_each_exact_whirl_matches_itself(branch):
     assert compared.matched_branch.item() == branch
     assert compared.amplitude_error.item() == pytest.approx(1e-9, rel=1e-5)
     assert compared.digits.item() == pytest.approx(9.0, abs=1e-4)
-    assert compared.branch_amplitude_error.isel(branch=branch).item() == pytest.approx(1e-9, rel=1e-5)
+    assert compared.branch_amplitude_error.isel(branch=branch).item() == pytest.approx(
+        1e-9, rel=1e-5
+    )
 
 
 def test_a_whirl_between_branches_is_on_none():

@@ -20,7 +20,11 @@ def states_from(position):
 
 def window(position, rotor, touches=0, *, in_contact):
     return window_of(
-        rotor, TIMES, states_from(position), np.zeros(touches), ends_in_contact=in_contact,
+        rotor,
+        TIMES,
+        states_from(position),
+        np.zeros(touches),
+        ends_in_contact=in_contact,
         steady=1e-9,
     )
 

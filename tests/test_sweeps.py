@@ -41,7 +41,9 @@ def test_dimensions_labels_and_events():
     assert int(responses.event_count.sum()) == responses.sizes["event"]
     place = {"omega": 1, "zeta": 1, "delta0": 2, "start": 1}
     alone = sweep(omega=2.0, zeta=0.5, delta0=1.0, starts=[starts[1]])
-    assert events_of(responses, place).event_time.values.tolist() == alone.event_time.values.tolist()
+    assert (
+        events_of(responses, place).event_time.values.tolist() == alone.event_time.values.tolist()
+    )
     assert alone.event_kind.values[0] == -1
     for name, variable in responses.variables.items():
         assert variable.attrs["long_name"], name

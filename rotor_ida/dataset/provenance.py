@@ -7,7 +7,7 @@ from importlib.metadata import version
 
 from sksundae import SUNDIALS_VERSION
 
-from rotor_ida.dataset.schema import CONVENTIONS
+from rotor_ida.schema import CONVENTIONS
 from rotor_ida.simulator.options import Options
 
 SOURCE = "rotor_ida: rotor with Hertz contact and clearance, simulated event by event"

@@ -9,7 +9,7 @@ import xarray as xr
 from rotor_ida.checks import State
 from rotor_ida.contact import contact_force
 from rotor_ida.dataset.provenance import provenance
-from rotor_ida.dataset.schema import labelled
+from rotor_ida.schema import labelled
 from rotor_ida.simulator.orbit import Orbit
 
 

@@ -11,7 +11,7 @@ import xarray as xr
 from rotor_ida.checks import State
 from rotor_ida.dataset.provenance import provenance
 from rotor_ida.dataset.run import event_variables
-from rotor_ida.dataset.schema import RESPONSE, STATUS, labelled
+from rotor_ida.schema import RESPONSE, STATUS, labelled
 from rotor_ida.settling import FAILED, Settled
 from rotor_ida.simulator.options import Options
 

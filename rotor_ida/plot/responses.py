@@ -199,8 +199,7 @@ def _folds(fold_points: xr.Dataset, quantity: str, zeta: float) -> tuple[Values,
 def _draw_exact(
     ax: Axes, exact: xr.Dataset, quantity: str, fold_omega: Values, fold_value: Values
 ) -> None:
-    table = exact.squeeze(["zeta", "delta0"]) if "zeta" in exact.dims else exact
-    table = table.squeeze([name for name in ("zeta", "delta0") if name in table.dims])
+    table = exact.squeeze([name for name in ("zeta", "delta0") if name in exact.dims])
     if "omega" not in table.dims:
         table = table.expand_dims("omega")
     table = table.transpose("omega", "branch", ...).sortby("omega")

@@ -1,0 +1,185 @@
+"""What a dataset says: its kind, a record of it for programs and tables for people."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+import xarray as xr
+from rich.console import RenderableType
+
+from rotor_ida.cli.records import Record, attributes_of, rows_of, value_of
+from rotor_ida.cli.tables import pairs, table
+from rotor_ida.comparison import summarise
+
+Kind = Literal["run", "sweep", "comparison", "whirls", "folds", "other"]
+Description = tuple[Record, list[RenderableType]]
+
+PARAMETERS = ("omega", "zeta", "delta0")
+EVENT = ("event_time", "event_kind", "event_x", "event_y", "event_vx", "event_vy")
+CONTACT = ("entry_time", "exit_time", "peak_time", "peak_indentation", "peak_force")
+WHIRL = ("amplitude", *PARAMETERS, "branch", "phase_lag", "stability", "growth_rate", "in_contact")
+FOLD = ("fold_omega", "fold_amplitude", "zeta", "delta0", "fold")
+STARTS = ("start_x", "start_y", "start_vx", "start_vy")
+POINT = (
+    *("response", *PARAMETERS, "start", "direction", "amplitude", "phase_lag"),
+    *("radius_min", "radius_max", "event_count", "status", "message"),
+)
+MATCH = (
+    *("matched_branch", *PARAMETERS, "start", "direction", "response", "amplitude"),
+    *("amplitude_error", "phase_error", "digits"),
+)
+
+
+def kind_of(dataset: xr.Dataset) -> Kind:
+    """Return what a dataset holds, as its variables tell."""
+    if "matched_branch" in dataset:
+        return "comparison"
+    if "response" in dataset and set(PARAMETERS) <= set(dataset.dims):
+        return "sweep"
+    if "event_time" in dataset and "time" in dataset.dims:
+        return "run"
+    if "amplitude" in dataset and "branch" in dataset.dims:
+        return "whirls"
+    return "folds" if "fold_omega" in dataset else "other"
+
+
+def describe(dataset: xr.Dataset, *, most: int | None = None) -> Description:
+    """Return the record of a dataset and its tables, of at most so many rows each."""
+    described = {
+        "run": _run,
+        "sweep": _sweep,
+        "comparison": _comparison,
+        "whirls": _whirls,
+        "folds": _folds,
+        "other": _other,
+    }
+    return described[kind_of(dataset)](dataset, most)
+
+
+def _run(dataset: xr.Dataset, most: int | None) -> Description:
+    attributes = attributes_of(dataset)
+    parameters = {name: float(dataset[name]) for name in PARAMETERS}
+    parameters |= {name: attributes.pop(name) for name in ("start", "duration") if name in attributes}
+    events, contacts = rows_of(dataset, EVENT), rows_of(dataset, CONTACT)
+    record: Record = {
+        "kind": "run",
+        "parameters": parameters,
+        "starts_in_contact": value_of(dataset, "starts_in_contact"),
+        "events": events,
+        "contacts": contacts,
+        **{name: entry for name, entry in attributes.items() if name not in PARAMETERS},
+    }
+    deepest = dataset["peak_indentation"].max(skipna=True) if contacts else np.nan
+    hardest = dataset["peak_force"].max(skipna=True) if contacts else np.nan
+    summary = {
+        **parameters,
+        "starts_in_contact": record["starts_in_contact"],
+        "events": len(events),
+        "contacts": len(contacts),
+        "peak_indentation": float(deepest),
+        "peak_force": float(hardest),
+    }
+    parts: list[RenderableType] = [pairs("Run", summary)]
+    parts += _rows("Events", events, EVENT, most)
+    parts += _rows("Contacts", contacts, CONTACT, most)
+    return record, parts
+
+
+def _sweep(dataset: xr.Dataset, most: int | None) -> Description:
+    points = rows_of(dataset, POINT)
+    record: Record = {
+        "kind": "sweep",
+        "starts": rows_of(dataset, STARTS),
+        "responses": points,
+        **attributes_of(dataset),
+    }
+    kinds = []
+    for kind in dict.fromkeys(point["response"] for point in points):
+        part = dataset.where(dataset["response"] == _flag(dataset, kind))
+        kinds.append(
+            {
+                "response": kind,
+                "points": sum(point["response"] == kind for point in points),
+                "omega_from": min(_numbers(points, kind, "omega")),
+                "omega_to": max(_numbers(points, kind, "omega")),
+                "amplitude_from": float(part["amplitude"].min()),
+                "amplitude_to": float(part["amplitude"].max()),
+                "largest_radius": float(part["radius_max"].max()),
+            }
+        )
+    parts: list[RenderableType] = [table("Responses by kind", kinds, list(kinds[0]))]
+    if most is not None:
+        parts += _rows("Responses", points, _telling(POINT, points), most)
+    return record, parts
+
+
+def _comparison(dataset: xr.Dataset, most: int | None) -> Description:
+    names = [name for name in MATCH if name in dataset.variables]
+    summary, points = summarise(dataset), rows_of(dataset, names)
+    record: Record = {
+        "kind": "comparison",
+        "summary": summary,
+        "points": points,
+        **attributes_of(dataset),
+    }
+    parts: list[RenderableType] = [
+        table("On an exact branch, by clearance", summary, list(summary[0]))
+    ]
+    if most is not None:
+        parts += _rows("Points", points, names, most)
+    return record, parts
+
+
+def _whirls(dataset: xr.Dataset, most: int | None) -> Description:
+    whirls = [row for row in rows_of(dataset, WHIRL) if row["stability"] != "absent"]
+    ordered = (*PARAMETERS, "amplitude", "phase_lag", "stability", "growth_rate", "in_contact")
+    record: Record = {"kind": "whirls", "whirls": whirls}
+    parts = _rows("Synchronous whirls", whirls, ordered, most)
+    if "fold_omega" in dataset:
+        record["folds"], more = _fold_rows(dataset, most)
+        parts += more
+    return record | attributes_of(dataset), parts
+
+
+def _folds(dataset: xr.Dataset, most: int | None) -> Description:
+    rows, parts = _fold_rows(dataset, most)
+    return {"kind": "folds", "folds": rows, **attributes_of(dataset)}, parts
+
+
+def _fold_rows(
+    dataset: xr.Dataset, most: int | None
+) -> tuple[list[Record], list[RenderableType]]:
+    rows = [row for row in rows_of(dataset, FOLD) if row["fold_omega"] == row["fold_omega"]]
+    columns = ("zeta", "delta0", "fold_omega", "fold_amplitude")
+    return rows, _rows("Folds", rows, columns, most)
+
+
+def _other(dataset: xr.Dataset, most: int | None) -> Description:
+    variables = [
+        {
+            "name": str(name),
+            "long_name": str(variable.attrs.get("long_name", "")),
+            "units": str(variable.attrs.get("units", "")),
+            "dimensions": " ".join(str(dim) for dim in variable.dims),
+        }
+        for name, variable in dataset.variables.items()
+    ]
+    record: Record = {"kind": "other", "variables": variables, **attributes_of(dataset)}
+    return record, _rows("Variables", variables, list(variables[0]) if variables else (), most)
+
+
+def _rows(
+    title: str, rows: Sequence[Record], columns: Sequence[str], most: int | None
+) -> list[RenderableType]:
+    if not rows:
+        return [f"{title}: none"]
+    if most is None or len(rows) <= most:
+        return [table(f"{title}: {len(rows)}", rows, columns)]
+    return [table(f"{title}: first {most} of {len(rows)}", rows[:most], columns)]
+
+
+def _telling(names: Sequence[str], rows: Sequence[Record]) -> list[str]:
+    """Return the columns that say anything: not those that are empty throughout."""
+    return [name for name in names if any(row[name] not in {"", "done", "from_start"} for row in rows)]

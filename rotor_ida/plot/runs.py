@@ -1,0 +1,304 @@
+"""One run: its motion, its contacts, its orbit."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle
+
+from rotor_ida.dataset.schema import flags_of
+from rotor_ida.plot.appearance import (
+    BLUE,
+    INK,
+    LABELS,
+    RED,
+    SHADE,
+    axes_or_new,
+    check_dataset,
+    one_value,
+    own_legend,
+    parameter_text,
+    style,
+)
+
+Values = npt.NDArray[np.float64]
+
+PARAMETERS = ("omega", "zeta", "delta0")
+NEEDED = (*PARAMETERS, "time", "x", "y", "vx", "vy", "starts_in_contact", "event_time",
+          "event_kind", "event_x", "event_y", "entry_time", "exit_time")  # fmt: skip
+# Between outputs the motion is drawn as the cubic that has its velocities too, but only where
+# they lie closer than this part of a revolution; farther apart it would be an invention.
+SMOOTH_BELOW = 0.2
+POINTS_A_REVOLUTION = 90
+# Above these numbers of events their marks get smaller, and then would only hide the motion.
+FEW_EVENTS, MANY_EVENTS = 40, 400
+
+
+@dataclass(frozen=True, slots=True)
+class _Path:
+    """The motion, drawn densely enough to look as smooth as it is."""
+
+    time: Values
+    x: Values
+    y: Values
+    in_contact: npt.NDArray[np.bool_]
+
+    @property
+    def radius(self) -> Values:
+        return np.hypot(self.x, self.y)
+
+
+def plot_run(run: xr.Dataset) -> Figure:
+    """Draw one run: displacements, radius, contact forces and orbit.
+
+    Parameters
+    ----------
+    run : Dataset
+        What `rotor_ida.simulate` returned.
+
+    Returns
+    -------
+    Figure
+        The figure. Its axes are x, y, radius and peak force over time, and the orbit. Contact
+        is shaded, and entries and exits are marked on the radius.
+
+    Raises
+    ------
+    InputError
+        If the dataset is no run.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, simulate
+    >>> rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
+    >>> figure = plot_run(simulate(rotor, start=(0, 0, 0, 0), duration=20, samples=401))
+    >>> [ax.get_ylabel() for ax in figure.axes][:2]
+    ['displacement $x$', 'displacement $y$']
+    """
+    run = check_dataset("run", run, (*NEEDED, "peak_time", "peak_force"))
+    delta0 = one_value("run", run, "delta0")
+    path = _path(run)
+    with style():
+        figure = Figure(figsize=(7.2, 4.6), layout="constrained")
+        grid = figure.add_gridspec(4, 2, width_ratios=(1.25, 1.0), hspace=0.02)
+        first = figure.add_subplot(grid[0, 0])
+        history = [first] + [figure.add_subplot(grid[row, 0], sharex=first) for row in (1, 2, 3)]
+        for ax, name, values in zip(
+            history, ("x", "y", "radius"), (path.x, path.y, path.radius), strict=False
+        ):
+            _shade_contacts(ax, run)
+            ax.plot(path.time, values, color=INK, lw=_line_width(run))
+            ax.set_ylabel(LABELS[name])
+            ax.tick_params(labelbottom=False)
+        _mark_events_on_radius(history[2], run, delta0)
+        _draw_forces(history[3], run)
+        first.set_xlim(float(path.time[0]), float(path.time[-1]))
+        history[3].set_xlabel(LABELS["time"])
+        figure.align_ylabels(history)
+        orbit = figure.add_subplot(grid[:, 1])
+        _draw_orbit(orbit, run, path, delta0)
+        figure.suptitle(_title(run), fontsize=10.0)
+    return figure
+
+
+def plot_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+    """Draw the orbit in the plane, with the ring of the clearance.
+
+    Parameters
+    ----------
+    run : Dataset
+        What `rotor_ida.simulate` returned.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        Where it was drawn.
+
+    Raises
+    ------
+    InputError
+        If the dataset is no run.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, simulate
+    >>> rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
+    >>> ax = plot_orbit(simulate(rotor, start=(0, 0, 0, 0), duration=20, samples=401))
+    >>> ax.get_xlabel()
+    'displacement $x$'
+    """
+    run = check_dataset("run", run, NEEDED)
+    with style():
+        ax = axes_or_new(ax, width=4.0, height=4.4)
+        _draw_orbit(ax, run, _path(run), one_value("run", run, "delta0"))
+        ax.set_title(_title(run))
+    return ax
+
+
+def _path(run: xr.Dataset) -> _Path:
+    """Return outputs and events in one sequence, with points between where they lie close."""
+    names = ("x", "y", "vx", "vy")
+    times = np.concatenate([run["time"].values, run["event_time"].values])
+    table = np.concatenate(
+        [
+            np.stack([run[name].values for name in names], axis=1),
+            np.stack([run[f"event_{name}"].values for name in names], axis=1),
+        ]
+    )
+    times, first = np.unique(times, return_index=True)
+    states = table[first]
+    steps = np.diff(times)
+    revolutions = max(1.0, one_value("run", run, "omega")) / (2.0 * math.pi)
+    points = np.clip(np.ceil(steps * revolutions * POINTS_A_REVOLUTION), 1, None).astype(int)
+    points[steps * revolutions > SMOOTH_BELOW] = 1
+    fine, x, y = [times[:1]], [states[:1, 0]], [states[:1, 1]]
+    for number in np.unique(points):
+        rows = np.nonzero(points == number)[0]
+        part = np.arange(1, number + 1) / number
+        fine.append((times[rows, None] + part * steps[rows, None]).ravel())
+        for out, place, speed in ((x, 0, 2), (y, 1, 3)):
+            out.append(
+                _cubic(
+                    part, steps[rows, None], states[rows, place], states[rows + 1, place],
+                    states[rows, speed], states[rows + 1, speed],
+                ).ravel()
+            )  # fmt: skip
+    time = np.concatenate(fine)
+    order = np.argsort(time, kind="stable")
+    time = time[order]
+    return _Path(time, np.concatenate(x)[order], np.concatenate(y)[order], _in_contact(run, time))
+
+
+def _cubic(part: Values, step: Values, a: Values, b: Values, va: Values, vb: Values) -> Values:
+    """Return the Hermite cubic between places `a` and `b` with velocities `va` and `vb`."""
+    rise = part * part * (3.0 - 2.0 * part)
+    bend_a, bend_b = part * (1.0 - part) ** 2, part * part * (part - 1.0)
+    ends = a[:, None] * (1.0 - rise) + b[:, None] * rise
+    return np.asarray(ends + step * (va[:, None] * bend_a + vb[:, None] * bend_b))
+
+
+def _in_contact(run: xr.Dataset, time: Values) -> npt.NDArray[np.bool_]:
+    """Return whether the stretch that begins at each time is in contact."""
+    passed = np.searchsorted(run["event_time"].values, time, side="right")
+    entry = flags_of(run["event_kind"])["entry"]
+    after = np.concatenate(
+        [[bool(run["starts_in_contact"].values)], run["event_kind"].values == entry]
+    )
+    return np.asarray(after[passed], dtype=bool)
+
+
+def _contacts(run: xr.Dataset) -> list[tuple[float, float]]:
+    """Return begin and length of each contact, as far as the run shows it."""
+    first, last = float(run["time"].values[0]), float(run["time"].values[-1])
+    entries = np.nan_to_num(run["entry_time"].values, nan=first)
+    exits = np.nan_to_num(run["exit_time"].values, nan=last)
+    return [(float(a), float(b - a)) for a, b in zip(entries, exits, strict=True)]
+
+
+def _shade_contacts(ax: Axes, run: xr.Dataset) -> None:
+    ax.grid(visible=False, axis="x")
+    spans = _contacts(run)
+    if spans:
+        ax.broken_barh(
+            spans, (0.0, 1.0), transform=ax.get_xaxis_transform(), facecolor=SHADE,
+            linewidth=0.0, zorder=0.5, label="contact",
+        )  # fmt: skip
+
+
+def _mark_events_on_radius(ax: Axes, run: xr.Dataset, delta0: float) -> None:
+    ax.axhline(delta0, color=INK, lw=0.7, ls=(0, (4, 2)), zorder=2.1)
+    ax.set_ylim(bottom=0.0)
+    for times, marker, face, label in _events(run):
+        ax.plot(
+            times, np.full(times.shape, delta0), ls="", marker=marker, ms=_mark_size(run),
+            mec=RED, mfc=face, mew=0.7, label=label, zorder=3.0,
+        )  # fmt: skip
+
+
+def _events(run: xr.Dataset) -> list[tuple[Values, str, str, str]]:
+    """Return times, mark, filling and name of the entries and of the exits."""
+    flags, kinds = flags_of(run["event_kind"]), run["event_kind"].values
+    times = run["event_time"].values
+    looks = (("entry", "^", RED), ("exit", "v", "white"))
+    return [(times[kinds == flags[name]], marker, face, name) for name, marker, face in looks]
+
+
+def _draw_forces(ax: Axes, run: xr.Dataset) -> None:
+    _shade_contacts(ax, run)
+    times, forces = run["peak_time"].values, run["peak_force"].values
+    ax.vlines(times, 0.0, forces, color=RED, lw=0.8)
+    ax.plot(times, forces, ls="", marker="o", ms=max(2.0, 0.7 * _mark_size(run)), color=RED)
+    ax.set_ylim(bottom=0.0)
+    ax.set_ylabel(LABELS["peak_force"])
+    if not times.size:
+        ax.set_ylim(0.0, 1.0)
+        ax.text(0.5, 0.5, "no contact", transform=ax.transAxes, ha="center", va="center")
+
+
+def _draw_orbit(ax: Axes, run: xr.Dataset, path: _Path, delta0: float) -> None:
+    if delta0 > 0.0:
+        ax.add_patch(
+            Circle((0.0, 0.0), delta0, fill=False, ec=INK, lw=0.8, ls=(0, (4, 2)), zorder=2.2,
+                   label="clearance")
+        )  # fmt: skip
+    width = _line_width(run)
+    flight = ~path.in_contact
+    if flight.any():
+        ax.plot(*_stretches(path, flight), color=BLUE, lw=width, label="flight", zorder=2.0)
+    if path.in_contact.any():
+        ax.plot(*_stretches(path, path.in_contact), color=RED, lw=1.5 * width, label="contact",
+                zorder=2.1)  # fmt: skip
+    kinds, flags = run["event_kind"].values, flags_of(run["event_kind"])
+    if kinds.size <= MANY_EVENTS:
+        for name, marker, face in (("entry", "^", RED), ("exit", "v", "white")):
+            of_kind = kinds == flags[name]
+            if of_kind.any():
+                ax.plot(
+                    run["event_x"].values[of_kind], run["event_y"].values[of_kind], ls="",
+                    marker=marker, ms=_mark_size(run), mec=RED, mfc=face, mew=0.7, label=name,
+                    zorder=3.0,
+                )  # fmt: skip
+    ax.plot(path.x[0], path.y[0], ls="", marker="s", ms=4.5, color=INK, label="start", zorder=3.1)
+    ax.set_xlabel(LABELS["x"])
+    ax.set_ylabel(LABELS["y"])
+    ax.set_aspect("equal", adjustable="datalim")
+    ax.autoscale_view()
+    own_legend(ax)
+
+
+def _stretches(path: _Path, chosen: npt.NDArray[np.bool_]) -> tuple[Values, Values]:
+    """Return the chosen stretches of the path, parted by NaN."""
+    begins = chosen[:-1]
+    points = np.stack([path.x, path.y], axis=1)
+    shown = np.zeros(len(points), dtype=bool)
+    shown[:-1] |= begins
+    shown[1:] |= begins
+    # a point that ends one stretch without beginning the next is followed by a gap
+    last = np.nonzero(shown[:-1] & ~begins)[0] + 1
+    gapped = np.insert(np.where(shown[:, None], points, np.nan), last, np.nan, axis=0)
+    return gapped[:, 0], gapped[:, 1]
+
+
+def _line_width(run: xr.Dataset) -> float:
+    revolutions = _duration(run) * max(1.0, one_value("run", run, "omega")) / (2.0 * math.pi)
+    return 1.1 if revolutions < 15 else 0.7 if revolutions < 60 else 0.45
+
+
+def _mark_size(run: xr.Dataset) -> float:
+    return 4.0 if run.sizes["event"] <= FEW_EVENTS else 2.2
+
+
+def _duration(run: xr.Dataset) -> float:
+    return float(run["time"].values[-1] - run["time"].values[0])
+
+
+def _title(run: xr.Dataset) -> str:
+    return parameter_text(**{name: one_value("run", run, name) for name in PARAMETERS})

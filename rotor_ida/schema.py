@@ -1,0 +1,151 @@
+"""The one table of variables: name, long name, units and flags of all that a dataset can hold."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+CONVENTIONS = "CF-1.11"
+FORMAT_VERSION = 1
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What one variable of a dataset is.
+
+    Parameters
+    ----------
+    long_name : str
+        What it is, in words.
+    units : str
+        Its unit; ``"1"`` where dimensionless, empty for text.
+    flags : mapping of str to int
+        For a category: the number that stands for each word.
+    scale : {"", "length", "time", "velocity", "force"}
+        By which scale of a machine it becomes a quantity in SI units; "" where by none.
+    """
+
+    long_name: str
+    units: str = "1"
+    scale: str = ""
+    flags: Mapping[str, int] = field(default_factory=dict)
+
+    def attributes(self) -> dict[str, object]:
+        """Return the attributes of a variable that holds this quantity."""
+        attributes: dict[str, object] = {"long_name": self.long_name}
+        if self.units:
+            attributes["units"] = self.units
+        if self.flags:
+            attributes["flag_values"] = np.array(list(self.flags.values()), dtype=np.int8)
+            attributes["flag_meanings"] = " ".join(self.flags)
+        return attributes
+
+
+STABILITY = {"absent": -1, "stable": 0, "unstable": 1, "neutral": 2}
+RESPONSE = {
+    "unresolved": 0,
+    "contact_free": 1,
+    "synchronous": 2,
+    "bouncing": 3,
+    "full_contact": 4,
+    "failed": -1,
+}
+EVENT_KIND = {"exit": -1, "entry": 1}
+STATUS = {"done": 0, "failed": 1}
+DIRECTION = {"down": -1, "from_start": 0, "up": 1}
+NO_YES = {"no": 0, "yes": 1}
+
+QUANTITIES: dict[str, Quantity] = {
+    # parameters
+    "omega": Quantity("spin speed over the reference frequency"),
+    "zeta": Quantity("damping ratio"),
+    "delta0": Quantity("radial clearance over eccentricity"),
+    # a run
+    "time": Quantity("dimensionless time", scale="time"),
+    "x": Quantity("horizontal displacement", scale="length"),
+    "y": Quantity("vertical displacement", scale="length"),
+    "vx": Quantity("horizontal velocity", scale="velocity"),
+    "vy": Quantity("vertical velocity", scale="velocity"),
+    "starts_in_contact": Quantity("whether the run starts in contact", flags=NO_YES),
+    "event_time": Quantity("time of contact entry or exit", scale="time"),
+    "event_kind": Quantity("kind of contact event", flags=EVENT_KIND),
+    "event_x": Quantity("horizontal displacement at the event", scale="length"),
+    "event_y": Quantity("vertical displacement at the event", scale="length"),
+    "event_vx": Quantity("horizontal velocity at the event", scale="velocity"),
+    "event_vy": Quantity("vertical velocity at the event", scale="velocity"),
+    "entry_time": Quantity("time at which the contact begins", scale="time"),
+    "exit_time": Quantity("time at which the contact ends", scale="time"),
+    "peak_time": Quantity("time of largest indentation in the contact", scale="time"),
+    "peak_indentation": Quantity("largest indentation in the contact", scale="length"),
+    "peak_force": Quantity("largest contact force in the contact", scale="force"),
+    # closed forms
+    "branch": Quantity("number of the synchronous whirl, in order of amplitude"),
+    "fold": Quantity("number of the fold, in order of speed"),
+    "amplitude": Quantity("amplitude of the motion at the spin speed", scale="length"),
+    "phase_lag": Quantity(
+        "phase by which the motion at the spin speed lags the unbalance", "radian"
+    ),
+    "stability": Quantity("stability of the synchronous whirl", flags=STABILITY),
+    "in_contact": Quantity("whether the synchronous whirl touches the ring", flags=NO_YES),
+    "growth_rate": Quantity("largest real part of the whirl's eigenvalues"),
+    "fold_omega": Quantity("spin speed of the fold over the reference frequency"),
+    "fold_amplitude": Quantity("amplitude of the synchronous whirl at the fold", scale="length"),
+    # sweeps
+    "start": Quantity("number of the start"),
+    "start_x": Quantity("horizontal displacement at the start", scale="length"),
+    "start_y": Quantity("vertical displacement at the start", scale="length"),
+    "start_vx": Quantity("horizontal velocity at the start", scale="velocity"),
+    "start_vy": Quantity("vertical velocity at the start", scale="velocity"),
+    "direction": Quantity("direction in which the speed is swept", flags=DIRECTION),
+    "response": Quantity("kind of response over the final window", flags=RESPONSE),
+    "radius_min": Quantity("smallest distance from the bearing axis over the final window", scale="length"),
+    "radius_max": Quantity("largest distance from the bearing axis over the final window", scale="length"),
+    "window_start": Quantity("time at which the final window begins", scale="time"),
+    "window_end": Quantity("time at which the final window and the run end", scale="time"),
+    "end_x": Quantity("horizontal displacement at the end", scale="length"),
+    "end_y": Quantity("vertical displacement at the end", scale="length"),
+    "end_vx": Quantity("horizontal velocity at the end", scale="velocity"),
+    "end_vy": Quantity("vertical velocity at the end", scale="velocity"),
+    "status": Quantity("whether the run was done", flags=STATUS),
+    "message": Quantity("why the run failed", ""),
+    "event_count": Quantity("number of contact events of the run"),
+    # comparison
+    "matched_branch": Quantity("number of the branch that the response is on, -1 where on none"),
+    "amplitude_error": Quantity("simulated minus exact amplitude, relative to the exact one"),
+    "phase_error": Quantity("simulated minus exact phase lag", "radian"),
+    "branch_amplitude_error": Quantity(
+        "simulated minus exact amplitude on each branch, relative to the exact one"
+    ),
+    "branch_phase_error": Quantity("simulated minus exact phase lag on each branch", "radian"),
+    "exact_amplitude": Quantity("amplitude of each exact synchronous whirl", scale="length"),
+    "exact_phase_lag": Quantity("phase lag of each exact synchronous whirl", "radian"),
+    "digits": Quantity("decimal digits to which simulated and exact response agree"),
+}
+
+
+def labelled(name: str, dims: Hashable | Sequence[Hashable], values: npt.ArrayLike) -> xr.Variable:
+    """Return `values` as a variable that carries the long name and units of `name`.
+
+    Examples
+    --------
+    >>> labelled("omega", "omega", [1.7]).attrs["units"]
+    '1'
+    """
+    return xr.Variable(dims, np.asarray(values), QUANTITIES[name].attributes())
+
+
+def flags_of(variable: xr.DataArray) -> dict[str, int]:
+    """Return the words and numbers of a flag variable, as its own attributes tell them.
+
+    Examples
+    --------
+    >>> flags_of(xr.DataArray(labelled("event_kind", "event", [1])))
+    {'exit': -1, 'entry': 1}
+    """
+    words = str(variable.attrs["flag_meanings"]).split()
+    numbers = np.atleast_1d(variable.attrs["flag_values"]).tolist()
+    return dict(zip(words, numbers, strict=True))
