@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from rotor_ida.archive import load, save
     from rotor_ida.closed_forms import folds, synchronous_response
     from rotor_ida.comparison import compare
+    from rotor_ida.dataset.contacts import contact_summary
     from rotor_ida.dataset.dimensional import dimensional
     from rotor_ida.errors import (
         ArchiveError,
@@ -35,6 +36,7 @@ _HOMES = {
     "RotorError": "errors",
     "SimulationError": "errors",
     "compare": "comparison",
+    "contact_summary": "dataset.contacts",
     "dimensional": "dataset.dimensional",
     "folds": "closed_forms",
     "load": "archive",
@@ -53,6 +55,7 @@ __all__ = [
     "RotorError",
     "SimulationError",
     "compare",
+    "contact_summary",
     "dimensional",
     "folds",
     "load",

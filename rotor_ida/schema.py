@@ -25,7 +25,7 @@ class Quantity:
         Its unit; ``"1"`` where dimensionless, empty for text.
     flags : mapping of str to int
         For a category: the number that stands for each word.
-    scale : {"", "length", "time", "velocity", "force"}
+    scale : {"", "length", "time", "velocity", "force", "impulse", "energy"}
         By which scale of a machine it becomes a quantity in SI units; "" where by none.
     """
 
@@ -58,6 +58,7 @@ EVENT_KIND = {"exit": -1, "entry": 1}
 STATUS = {"done": 0, "failed": 1}
 DIRECTION = {"down": -1, "from_start": 0, "up": 1}
 NO_YES = {"no": 0, "yes": 1}
+WHIRL_DIRECTION = {"backward": -1, "none": 0, "forward": 1}
 
 QUANTITIES: dict[str, Quantity] = {
     # parameters
@@ -73,6 +74,8 @@ QUANTITIES: dict[str, Quantity] = {
     "starts_in_contact": Quantity("whether the run starts in contact", flags=NO_YES),
     "event_time": Quantity("time of contact entry or exit", scale="time"),
     "event_kind": Quantity("kind of contact event", flags=EVENT_KIND),
+    "event_time_error": Quantity("estimated error of the event time", scale="time"),
+    "horizon": Quantity("time up to which the start determines the orbit", scale="time"),
     "event_x": Quantity("horizontal displacement at the event", scale="length"),
     "event_y": Quantity("vertical displacement at the event", scale="length"),
     "event_vx": Quantity("horizontal velocity at the event", scale="velocity"),
@@ -82,6 +85,26 @@ QUANTITIES: dict[str, Quantity] = {
     "peak_time": Quantity("time of largest indentation in the contact", scale="time"),
     "peak_indentation": Quantity("largest indentation in the contact", scale="length"),
     "peak_force": Quantity("largest contact force in the contact", scale="force"),
+    "contact_duration": Quantity("time from entry to exit", scale="time"),
+    "impulse": Quantity("impulse of the contact force", scale="impulse"),
+    "entry_speed": Quantity("speed at entry", scale="velocity"),
+    "entry_angle": Quantity("angle from the ring's normal to the velocity at entry", "radian"),
+    "energy_lost": Quantity("kinetic energy at entry less that at exit", scale="energy"),
+    "whirl_direction": Quantity(
+        "sense of the motion round the bearing axis at the peak", flags=WHIRL_DIRECTION
+    ),
+    # a summary of contacts
+    "contact_count": Quantity("number of contacts"),
+    "contacts_per_revolution": Quantity("number of contacts in one revolution"),
+    "contact_share": Quantity("part of the time spent in contact"),
+    "largest_force": Quantity("largest contact force", scale="force"),
+    "mean_peak_force": Quantity("mean of the largest forces of the contacts", scale="force"),
+    "total_impulse": Quantity("impulse of all whole contacts", scale="impulse"),
+    "impulse_per_revolution": Quantity("impulse of whole contacts per revolution", scale="impulse"),
+    "energy_lost_per_revolution": Quantity(
+        "kinetic energy lost in whole contacts per revolution", scale="energy"
+    ),
+    "forward_share": Quantity("part of the contacts passed in forward whirl"),
     # closed forms
     "branch": Quantity("number of the synchronous whirl, in order of amplitude"),
     "fold": Quantity("number of the fold, in order of speed"),
@@ -102,8 +125,12 @@ QUANTITIES: dict[str, Quantity] = {
     "start_vy": Quantity("vertical velocity at the start", scale="velocity"),
     "direction": Quantity("direction in which the speed is swept", flags=DIRECTION),
     "response": Quantity("kind of response over the final window", flags=RESPONSE),
-    "radius_min": Quantity("smallest distance from the bearing axis over the final window", scale="length"),
-    "radius_max": Quantity("largest distance from the bearing axis over the final window", scale="length"),
+    "radius_min": Quantity(
+        "smallest distance from the bearing axis over the final window", scale="length"
+    ),
+    "radius_max": Quantity(
+        "largest distance from the bearing axis over the final window", scale="length"
+    ),
     "window_start": Quantity("time at which the final window begins", scale="time"),
     "window_end": Quantity("time at which the final window and the run end", scale="time"),
     "end_x": Quantity("horizontal displacement at the end", scale="length"),

@@ -12,6 +12,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulator.loop import run
 from rotor_ida.simulator.options import Backend, Flight, Method, Options
+from rotor_ida.simulator.trust import trust
 
 Values = npt.NDArray[np.float64]
 
@@ -53,10 +54,11 @@ def simulate(
     Returns
     -------
     Dataset
-        ``x y vx vy`` on ``time``; ``event_time event_kind event_x event_y event_vx event_vy``
-        on ``event``; ``entry_time exit_time peak_time peak_indentation peak_force`` on
-        ``contact``, with NaN where the run began or ended inside the contact; the scalar
-        ``starts_in_contact``; ``omega zeta delta0`` as coordinates.
+        ``x y vx vy`` on ``time``; ``event_time event_kind event_time_error event_x event_y
+        event_vx event_vy`` on ``event``; on ``contact`` ``entry_time exit_time peak_time
+        peak_indentation peak_force contact_duration impulse entry_speed entry_angle
+        energy_lost whirl_direction``, NaN where the run began or ended inside the contact; the
+        scalars ``starts_in_contact`` and ``horizon``; ``omega zeta delta0`` as coordinates.
 
     Raises
     ------
@@ -72,7 +74,9 @@ def simulate(
     ``z'' + 2 zeta z' + max(|z| - delta0, 0)**1.5 z/|z| = omega**2 exp(i omega t)``. An event
     within ``100 rtol max(1, duration)`` of the end counts as being at it. A start exactly on
     the ring is in contact if it moves outwards, or is about to. Touches with an indentation
-    below about 1e-14 of the lengths involved are not told from misses.
+    below about 1e-14 of the lengths involved are not told from misses. ``event_time_error``
+    comes from a second run with looser tolerances; it is infinite beyond ``horizon``, from
+    where on the start no longer determines the orbit at these tolerances.
 
     References
     ----------
@@ -93,7 +97,8 @@ def simulate(
     end = check_positive("duration", duration)
     times = _sample_times(samples, end)
     options = Options(rtol=rtol, atol=atol, method=method, flight=flight, backend=backend)
-    return run_dataset(run(rotor, first, end, times, options), first)
+    orbit = run(rotor, first, end, times, options)
+    return run_dataset(orbit, first, trust(orbit, first))
 
 
 def _sample_times(samples: object, duration: float) -> Values:

@@ -16,10 +16,10 @@ from rotor_ida.cli.commands.response import response
 from rotor_ida.cli.commands.simulated import simulate
 from rotor_ida.cli.commands.swept import sweep
 
-HELP = """Rotors in clearances: Hertz contact simulated event by event, held against closed forms.
+HELP = """Rotors in clearances: Hertz contact, event by event, held against closed forms.
 
-Results go to standard output, everything else to standard error. Exit status: 0 done, 1 the
-run or the check failed, 2 bad input.
+Results go to standard output, everything else to standard error.
+Exit status: 0 done, 1 the run or the check failed, 2 bad input.
 """
 
 

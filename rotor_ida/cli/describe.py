@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from rich.console import RenderableType
 
-from rotor_ida.cli.records import Record, attributes_of, rows_of, value_of
+from rotor_ida.cli.records import Record, attributes_of, names_on, rows_of, value_of
 from rotor_ida.cli.tables import pairs, table
 from rotor_ida.comparison import summarise
 
@@ -17,8 +17,6 @@ Kind = Literal["run", "sweep", "comparison", "whirls", "folds", "other"]
 Description = tuple[Record, list[RenderableType]]
 
 PARAMETERS = ("omega", "zeta", "delta0")
-EVENT = ("event_time", "event_kind", "event_x", "event_y", "event_vx", "event_vy")
-CONTACT = ("entry_time", "exit_time", "peak_time", "peak_indentation", "peak_force")
 WHIRL = ("amplitude", *PARAMETERS, "branch", "phase_lag", "stability", "growth_rate", "in_contact")
 FOLD = ("fold_omega", "fold_amplitude", "zeta", "delta0", "fold")
 STARTS = ("start_x", "start_y", "start_vx", "start_vy")
@@ -58,11 +56,26 @@ def describe(dataset: xr.Dataset, *, most: int | None = None) -> Description:
     return described[kind_of(dataset)](dataset, most)
 
 
+def origin(dataset: xr.Dataset) -> RenderableType:
+    """Return a table of what an archive is and where it came from."""
+    attributes = attributes_of(dataset)
+    versions = attributes.pop("versions", {})
+    method = attributes.pop("method", {})
+    sizes = "  ".join(f"{dim} {size}" for dim, size in dataset.sizes.items())
+    shown = {"kind": kind_of(dataset), **attributes, "dimensions": sizes}
+    for entries in (method, versions):
+        shown |= entries if isinstance(entries, dict) else {}
+    return pairs("Archive", shown)
+
+
 def _run(dataset: xr.Dataset, most: int | None) -> Description:
     attributes = attributes_of(dataset)
-    parameters = {name: float(dataset[name]) for name in PARAMETERS}
-    parameters |= {name: attributes.pop(name) for name in ("start", "duration") if name in attributes}
-    events, contacts = rows_of(dataset, EVENT), rows_of(dataset, CONTACT)
+    parameters: Record = {name: float(dataset[name]) for name in PARAMETERS}
+    parameters |= {
+        name: attributes.pop(name) for name in ("start", "duration") if name in attributes
+    }
+    events = rows_of(dataset, names_on(dataset, "event"))
+    contacts = rows_of(dataset, names_on(dataset, "contact"))
     record: Record = {
         "kind": "run",
         "parameters": parameters,
@@ -82,8 +95,8 @@ def _run(dataset: xr.Dataset, most: int | None) -> Description:
         "peak_force": float(hardest),
     }
     parts: list[RenderableType] = [pairs("Run", summary)]
-    parts += _rows("Events", events, EVENT, most)
-    parts += _rows("Contacts", contacts, CONTACT, most)
+    parts += _rows("Events", events, names_on(dataset, "event"), most)
+    parts += _rows("Contacts", contacts, names_on(dataset, "contact"), most)
     return record, parts
 
 
@@ -95,24 +108,23 @@ def _sweep(dataset: xr.Dataset, most: int | None) -> Description:
         "responses": points,
         **attributes_of(dataset),
     }
-    kinds = []
-    for kind in dict.fromkeys(point["response"] for point in points):
-        part = dataset.where(dataset["response"] == _flag(dataset, kind))
-        kinds.append(
-            {
-                "response": kind,
-                "points": sum(point["response"] == kind for point in points),
-                "omega_from": min(_numbers(points, kind, "omega")),
-                "omega_to": max(_numbers(points, kind, "omega")),
-                "amplitude_from": float(part["amplitude"].min()),
-                "amplitude_to": float(part["amplitude"].max()),
-                "largest_radius": float(part["radius_max"].max()),
-            }
-        )
+    kinds = [_of_kind(kind, points) for kind in dict.fromkeys(row["response"] for row in points)]
     parts: list[RenderableType] = [table("Responses by kind", kinds, list(kinds[0]))]
     if most is not None:
         parts += _rows("Responses", points, _telling(POINT, points), most)
     return record, parts
+
+
+def _of_kind(kind: object, points: Sequence[Record]) -> Record:
+    """Return how many points there are of a kind, and the ranges that they cover."""
+    rows = [point for point in points if point["response"] == kind]
+    record: Record = {"response": kind, "points": len(rows)}
+    for name in ("omega", "amplitude", "radius_max"):
+        values = np.array([row[name] for row in rows], dtype=np.float64)
+        known = values[np.isfinite(values)]
+        record[f"{name}_from"] = float(known.min()) if known.size else np.nan
+        record[f"{name}_to"] = float(known.max()) if known.size else np.nan
+    return record
 
 
 def _comparison(dataset: xr.Dataset, most: int | None) -> Description:
@@ -148,16 +160,14 @@ def _folds(dataset: xr.Dataset, most: int | None) -> Description:
     return {"kind": "folds", "folds": rows, **attributes_of(dataset)}, parts
 
 
-def _fold_rows(
-    dataset: xr.Dataset, most: int | None
-) -> tuple[list[Record], list[RenderableType]]:
+def _fold_rows(dataset: xr.Dataset, most: int | None) -> tuple[list[Record], list[RenderableType]]:
     rows = [row for row in rows_of(dataset, FOLD) if row["fold_omega"] == row["fold_omega"]]
     columns = ("zeta", "delta0", "fold_omega", "fold_amplitude")
     return rows, _rows("Folds", rows, columns, most)
 
 
 def _other(dataset: xr.Dataset, most: int | None) -> Description:
-    variables = [
+    variables: list[Record] = [
         {
             "name": str(name),
             "long_name": str(variable.attrs.get("long_name", "")),
@@ -182,4 +192,5 @@ def _rows(
 
 def _telling(names: Sequence[str], rows: Sequence[Record]) -> list[str]:
     """Return the columns that say anything: not those that are empty throughout."""
-    return [name for name in names if any(row[name] not in {"", "done", "from_start"} for row in rows)]
+    silent = {"", "done", "from_start"}
+    return [name for name in names if any(row[name] not in silent for row in rows)]

@@ -53,6 +53,13 @@ Starts = Annotated[
     ),
 ]
 
+Duration = Annotated[str, Parameter(help="Time to simulate.")]
+Samples = Annotated[str, Parameter(help="Number of times at which the motion is kept.")]
+Direction = Annotated[
+    str | None,
+    Parameter(help="Follow the response from speed to speed: up, down or both."),
+]
+Workers = Annotated[str | None, Parameter(help="Number of processes; by default all cores.")]
 Rtol = Annotated[str, Parameter(help="Relative tolerance.")]
 Atol = Annotated[str, Parameter(help="Absolute tolerance.")]
 Method = Annotated[str, Parameter(help="Solver of the contact: adams, bdf or ida.")]
@@ -62,7 +69,7 @@ Backend = Annotated[str, Parameter(help="How the solver is called: auto or pytho
 File = Annotated[str, Parameter(name="FILE", help="An archive that this program wrote.")]
 Out = Annotated[str | None, Parameter(help="Write the result to this new netCDF file.")]
 Figure = Annotated[
-    str | None, Parameter(help="Draw the result into this new file: .png, .svg or .pdf.")
+    str | None, Parameter(help="Draw the result into NAME.png and NAME.svg; give either name.")
 ]
 AsJson = Annotated[
     bool, Parameter(name="--json", help="Print one JSON object, not tables.", negative=())

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from rotor_ida.checks import State, check_count, check_real, check_state
 from rotor_ida.errors import InputError
 
 LARGEST_RANGE = 1_000_000
+MOST_POINTS = 5_000_000
 
 
 def number(name: str, word: str) -> float:
@@ -96,3 +98,11 @@ def _int(word: str) -> object:
         return word if "_" in word else int(word)
     except ValueError:
         return word
+
+
+def check_points(*axes: Sequence[object]) -> int:
+    """Return the number of points of a grid, if it is not absurdly large."""
+    points = math.prod(len(axis) for axis in axes)
+    if points > MOST_POINTS:
+        raise InputError(f"the grid must have at most {MOST_POINTS} points, got {points}")
+    return points

@@ -41,18 +41,8 @@ def main(words: Sequence[str] | None = None) -> int:
             return _run(list(sys.argv[1:] if words is None else words), results)
         except BrokenPipeError:
             return PIPE_CLOSED
-        except KeyboardInterrupt:
-            return _complain("interrupted", INTERRUPTED)
-        except CycloptsError as error:
-            return _complain(_misread(error), BAD_INPUT)
-        except InputError as error:
-            return _complain(str(error), BAD_INPUT)
-        except RotorError as error:
-            return _complain(str(error), FAILED)
-        except MemoryError:
-            return _complain("not enough memory for this much data", FAILED)
-        except OSError as error:
-            return _complain(str(error), FAILED)
+        except (CycloptsError, RotorError, OSError, MemoryError, KeyboardInterrupt) as error:
+            return _complain(_words_for(error), _status_of(error))
 
 
 def _run(words: list[str], results: TextIO) -> int:
@@ -65,6 +55,22 @@ def _run(words: list[str], results: TextIO) -> int:
         print_report(answer, results)
         return _complain(answer.trouble, FAILED) if answer.trouble else DONE
     return answer if isinstance(answer, int) else DONE
+
+
+def _status_of(error: BaseException) -> int:
+    if isinstance(error, (CycloptsError, InputError)):
+        return BAD_INPUT
+    return INTERRUPTED if isinstance(error, KeyboardInterrupt) else FAILED
+
+
+def _words_for(error: BaseException) -> str:
+    if isinstance(error, CycloptsError):
+        return _misread(error)
+    if isinstance(error, KeyboardInterrupt):
+        return "interrupted"
+    if isinstance(error, MemoryError):
+        return "not enough memory for this much data"
+    return str(error)
 
 
 def _misread(error: CycloptsError) -> str:

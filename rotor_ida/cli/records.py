@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rotor_ida.dataset.schema import NO_YES, flags_of
+from rotor_ida.schema import NO_YES, flags_of
 
 Record = dict[str, object]
 
@@ -16,6 +16,11 @@ METHOD = ("method", "flight", "backend", "rtol", "atol")
 VERSION = "_version"
 # What an archive adds for its own use.
 HOUSEKEEPING = ("Conventions", "content_sha256", "rotor_ida_format")
+
+
+def names_on(dataset: xr.Dataset, dim: str) -> list[str]:
+    """Return the variables of the table that stands on one dimension."""
+    return [str(name) for name, variable in dataset.data_vars.items() if variable.dims == (dim,)]
 
 
 def rows_of(dataset: xr.Dataset, names: Sequence[str]) -> list[Record]:

@@ -26,10 +26,9 @@ def results_only() -> Iterator[TextIO]:
     _fill_closed_descriptors()
     kept = os.dup(OUTPUT)
     stream, ours = _stream_of(kept)
-    aside = sys.stderr if sys.stderr is not None else open(os.devnull, "w", encoding="utf-8")
     os.dup2(ERRORS, OUTPUT)
     try:
-        with redirect_stdout(aside):
+        with redirect_stdout(sys.stderr):
             yield stream
     finally:
         if ours:
@@ -38,8 +37,6 @@ def results_only() -> Iterator[TextIO]:
         _flush_c_library()
         os.dup2(kept, OUTPUT)
         os.close(kept)
-        if aside is not sys.stderr:
-            aside.close()
 
 
 def _stream_of(descriptor: int) -> tuple[TextIO, bool]:
@@ -54,9 +51,7 @@ def _stream_of(descriptor: int) -> tuple[TextIO, bool]:
         captured = True
     if captured:
         return current, False
-    return open(
-        os.dup(descriptor), "w", encoding=current.encoding, errors="backslashreplace"
-    ), True
+    return open(os.dup(descriptor), "w", encoding=current.encoding, errors="backslashreplace"), True
 
 
 def _fill_closed_descriptors() -> None:

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rotor_ida.errors import ArchiveError, InputError
+from rotor_ida.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
 
-FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
+FIGURE_ENDINGS = (".png", ".svg")
+MOST_PANELS = 12
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,7 +25,7 @@ class Targets:
     out : Path or None
         The netCDF archive.
     figure : Path or None
-        The figure.
+        The figure, without its ending.
     force : bool
         Whether a file that is there may be replaced.
     """
@@ -43,13 +44,19 @@ class Targets:
             rotor_ida.save(dataset, self.out, overwrite=self.force)
             written.append(f"wrote {self.out}")
         if self.figure is not None:
-            draw(dataset, self.figure)
-            written.append(f"wrote {self.figure}")
+            files = draw(dataset, self.figure, overwrite=self.force)
+            written += [f"wrote {file}" for file in files]
         return written
 
 
-def check_targets(*, out: str | None = None, figure: str | None = None, force: bool) -> Targets:
+def check_targets(
+    *, out: str | None = None, figure: str | None = None, panels: int = 1, force: bool = False
+) -> Targets:
     """Return the files to be written, refusing what cannot be."""
+    if figure is not None and panels > MOST_PANELS:
+        raise InputError(
+            f"figure can show at most {MOST_PANELS} pairs of zeta and delta0, got {panels}"
+        )
     return Targets(
         out=None if out is None else _check("out", out, force),
         figure=None if figure is None else _check_figure(figure, force),
@@ -58,16 +65,18 @@ def check_targets(*, out: str | None = None, figure: str | None = None, force: b
 
 
 def _check_figure(word: str, force: bool) -> Path:
-    path = _check("figure", word, force)
-    if path.suffix not in FIGURE_SUFFIXES:
-        raise InputError(f"figure must end in {', '.join(FIGURE_SUFFIXES)}, got {word!r}")
-    return path
+    path = Path(word)
+    if path.suffix not in FIGURE_ENDINGS:
+        raise InputError(f"figure must end in {' or '.join(FIGURE_ENDINGS)}, got {word!r}")
+    for ending in FIGURE_ENDINGS:
+        _check("figure", str(path.with_suffix(ending)), force)
+    return path.with_suffix("")
 
 
 def _check(name: str, word: str, force: bool) -> Path:
-    path = Path(word)
     if not word or "\0" in word:
         raise InputError(f"{name} must be the path of a file, got {word!r}")
+    path = Path(word)
     if os.path.isdir(path):
         raise InputError(f"{name} must be a file, got the folder {word!r}")
     if not os.path.isdir(path.parent):
@@ -75,7 +84,7 @@ def _check(name: str, word: str, force: bool) -> Path:
     if os.path.exists(path) and not os.path.isfile(path):
         raise InputError(f"{name} must be a file, got the device or pipe {word!r}")
     if os.path.exists(path) and not force:
-        raise InputError(f"{name} exists already, got {word!r}; --force replaces it")
+        raise InputError(f"{name} must not exist unless --force is given, got {word!r}")
     if not os.access(path.parent, os.W_OK):
-        raise ArchiveError(f"{name} must be in a folder that can be written to, got {word!r}")
+        raise InputError(f"{name} must be in a folder that can be written to, got {word!r}")
     return path

@@ -8,7 +8,14 @@ from rotor_ida.schema import QUANTITIES
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import DimensionalRotor
 
-UNITS = {"length": "m", "time": "s", "velocity": "m s-1", "force": "N"}
+UNITS = {
+    "length": "m",
+    "time": "s",
+    "velocity": "m s-1",
+    "force": "N",
+    "impulse": "N s",
+    "energy": "J",
+}
 
 
 def dimensional(dataset: xr.Dataset, machine: DimensionalRotor) -> xr.Dataset:
@@ -55,6 +62,8 @@ def dimensional(dataset: xr.Dataset, machine: DimensionalRotor) -> xr.Dataset:
         "time": machine.time_scale,
         "velocity": machine.velocity_scale,
         "force": machine.force_scale,
+        "impulse": machine.force_scale * machine.time_scale,
+        "energy": machine.force_scale * machine.length_scale,
     }
     converted = {}
     for name, variable in dataset.variables.items():

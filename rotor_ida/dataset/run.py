@@ -7,13 +7,14 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.checks import State
-from rotor_ida.contact import contact_force
+from rotor_ida.dataset.contacts import contact_variables
 from rotor_ida.dataset.provenance import provenance
 from rotor_ida.schema import labelled
 from rotor_ida.simulator.orbit import Orbit
+from rotor_ida.simulator.trust import Trust
 
 
-def run_dataset(orbit: Orbit, start: State) -> xr.Dataset:
+def run_dataset(orbit: Orbit, start: State, trust: Trust) -> xr.Dataset:
     """Return a simulated orbit as a labelled dataset.
 
     Parameters
@@ -22,13 +23,17 @@ def run_dataset(orbit: Orbit, start: State) -> xr.Dataset:
         The orbit.
     start : tuple of float
         Its start ``(x, y, vx, vy)`` [1].
+    trust : Trust
+        What is known of its error.
     """
     rotor = orbit.rotor
     variables = {
         **_columns(("x", "y", "vx", "vy"), "time", orbit.states),
         "starts_in_contact": labelled("starts_in_contact", (), np.int8(orbit.starts_in_contact)),
         **event_variables(orbit.event_times, orbit.event_kinds, orbit.event_states),
-        **_contact_variables(orbit.contacts),
+        "event_time_error": labelled("event_time_error", "event", trust.event_time_errors),
+        "horizon": labelled("horizon", (), trust.horizon),
+        **contact_variables(orbit),
     }
     parameters = {"omega": rotor.omega, "zeta": rotor.zeta, "delta0": rotor.delta0}
     coordinates = {name: labelled(name, (), value) for name, value in parameters.items()}
@@ -54,13 +59,6 @@ def event_variables(
         "event_kind": labelled("event_kind", "event", kinds),
         **_columns(("event_x", "event_y", "event_vx", "event_vy"), "event", states),
     }
-
-
-def _contact_variables(contacts: npt.NDArray[np.float64]) -> dict[str, xr.Variable]:
-    names = ("entry_time", "exit_time", "peak_time", "peak_indentation")
-    variables = _columns(names, "contact", contacts)
-    force = contact_force(contacts[:, 3], 0.0)
-    return {**variables, "peak_force": labelled("peak_force", "contact", force)}
 
 
 def _columns(

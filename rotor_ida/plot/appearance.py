@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
@@ -34,7 +36,21 @@ LABELS = {
 }
 SYMBOLS = {"omega": r"\omega", "zeta": r"\zeta", "delta0": r"\delta_0"}
 
-_SETTINGS = {
+# Legends list what they hold in this order, whatever was drawn first.
+STABLE, UNSTABLE, NEUTRAL, FOLD = "stable whirl", "unstable whirl", "contact-free whirl", "fold"
+KIND_WORDS = {
+    "synchronous": "synchronous response",
+    "contact_free": "contact-free response",
+    "bouncing": "bouncing",
+    "full_contact": "full contact",
+    "unresolved": "unresolved",
+}
+FROM_REST, FROM_START = "each speed from rest", "each speed from its start"
+GOING_UP, GOING_DOWN = "speed going up", "speed going down"
+_ORDER = [STABLE, UNSTABLE, NEUTRAL, FOLD, *KIND_WORDS.values(), FROM_REST, FROM_START, GOING_UP,
+          GOING_DOWN]  # fmt: skip
+
+_SETTINGS: Any = {
     "font.family": "STIXGeneral",
     "mathtext.fontset": "stix",
     "font.size": 9.5,
@@ -115,8 +131,10 @@ def panels(
     return figure, axes
 
 
-def shared_legend(figure: Figure, axes: Sequence[Axes], *, columns: int = 4) -> Legend:
-    """Put one legend, without duplicates, under the panels; label the outer axes only.
+def shared_legend(
+    figure: Figure, axes: Sequence[Axes], *, columns: int = 4, outer: bool = True
+) -> Legend:
+    """Put one legend, without duplicates, under the panels.
 
     Parameters
     ----------
@@ -126,6 +144,15 @@ def shared_legend(figure: Figure, axes: Sequence[Axes], *, columns: int = 4) -> 
         Its panels; their own legends are taken away.
     columns : int
         Number of columns of the legend.
+    outer : bool
+        Whether to label the axes of the outer panels only.
+
+    Examples
+    --------
+    >>> figure, axes = panels(1, 2)
+    >>> lines = [ax.plot([0, 1], label="same") for ax in axes]
+    >>> [text.get_text() for text in shared_legend(figure, axes).get_texts()]
+    ['same']
     """
     with style():
         legend = figure.legend(
@@ -135,13 +162,22 @@ def shared_legend(figure: Figure, axes: Sequence[Axes], *, columns: int = 4) -> 
             own = ax.get_legend()
             if own is not None:
                 own.remove()
-            ax.label_outer()
+            if outer:
+                ax.label_outer()
     return legend
 
 
 def own_legend(ax: Axes) -> Legend:
     """Give `ax` a legend without duplicates, in place of the one that it has."""
     return ax.legend(*_entries([ax]), handlelength=2.4)
+
+
+def legend_below(ax: Axes, *, columns: int = 3) -> Legend:
+    """Give `ax` a legend under it, where it hides nothing."""
+    return ax.legend(
+        *_entries([ax]), loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=columns,
+        handlelength=2.0, borderaxespad=0.0,
+    )  # fmt: skip
 
 
 def axes_or_new(ax: Axes | None, *, width: float = 5.0, height: float = 3.6) -> Axes:
@@ -176,19 +212,26 @@ def one_value(name: str, dataset: xr.Dataset, parameter: str) -> float:
 
 
 def parameter_text(**values: float) -> str:
-    """Return parameters as the title of a panel.
+    r"""Return parameters as the title of a panel.
 
     Examples
     --------
     >>> parameter_text(zeta=0.07)
-    '$\\\\zeta = 0.07$'
+    '$\\zeta = 0.07$'
     """
     return ",  ".join(f"${SYMBOLS[name]} = {value:g}$" for name, value in values.items())
 
 
-def _entries(axes: Sequence[Axes]) -> tuple[list[object], list[str]]:
-    found: dict[str, object] = {}
+def _entries(axes: Sequence[Axes]) -> tuple[list[Artist], list[str]]:
+    found: dict[str, Artist] = {}
     for ax in axes:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             found.setdefault(label, handle)
-    return list(found.values()), list(found)
+    labels = sorted(found, key=_place)
+    return [found[label] for label in labels], labels
+
+
+def _place(label: str) -> int:
+    """Return the place of a label in a legend; what follows a colon does not count."""
+    word = label.partition(":")[0]
+    return _ORDER.index(word) if word in _ORDER else len(_ORDER)

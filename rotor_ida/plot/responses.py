@@ -14,11 +14,20 @@ from rotor_ida.dataset.schema import flags_of
 from rotor_ida.errors import InputError
 from rotor_ida.plot.appearance import (
     BLUE,
+    FOLD,
+    FROM_REST,
+    FROM_START,
+    GOING_DOWN,
+    GOING_UP,
     GREY,
     INK,
+    KIND_WORDS,
     LABELS,
+    NEUTRAL,
     ORANGE,
     PURPLE,
+    STABLE,
+    UNSTABLE,
     axes_or_new,
     check_dataset,
     one_value,
@@ -32,31 +41,29 @@ Values = npt.NDArray[np.float64]
 
 PARAMETERS = ("omega", "zeta", "delta0")
 LINES = {
-    "stable": ("stable whirl", "-", 1.3),
-    "unstable": ("unstable whirl", (0, (4, 2)), 1.0),
-    "neutral": ("contact-free whirl", (0, (7, 1.6, 1.2, 1.6)), 1.0),
+    "stable": (STABLE, "-", 1.3),
+    "unstable": (UNSTABLE, (0, (4, 2)), 1.0),
+    "neutral": (NEUTRAL, (0, (7, 1.6, 1.2, 1.6)), 1.0),
 }
 
 
 @dataclass(frozen=True, slots=True)
-class Look:
+class _Look:
     """How one kind of response is drawn."""
 
-    words: str
     colour: str
     filled: bool
     is_range: bool
 
 
 KINDS = {
-    "contact_free": Look("contact-free", BLUE, False, False),
-    "synchronous": Look("synchronous", BLUE, True, False),
-    "bouncing": Look("bouncing: range of $|z|$", ORANGE, False, True),
-    "full_contact": Look("full contact: range of $|z|$", PURPLE, True, True),
-    "unresolved": Look("unresolved: range of $|z|$", GREY, False, True),
+    "synchronous": _Look(BLUE, True, False),
+    "contact_free": _Look(BLUE, False, False),
+    "bouncing": _Look(ORANGE, False, True),
+    "full_contact": _Look(PURPLE, True, True),
+    "unresolved": _Look(GREY, False, True),
 }
-DIRECTIONS = {0: ("o", 4.6), 1: ("^", 3.6), -1: ("v", 3.6)}
-DIRECTION_WORDS = {1: "speed going up", -1: "speed going down"}
+DIRECTIONS = {0: ("o", 4.2), 1: ("^", 3.4), -1: ("v", 3.4)}
 
 
 def plot_amplitude(
@@ -76,7 +83,7 @@ def plot_amplitude(
     simulated : Dataset, optional
         What `rotor_ida.sweep` returned, for the same parameters. Responses that are synchronous
         or contact-free are marks at their amplitude, by direction of the sweep; all others are
-        bars over the range of the distance \\|z\\| from the bearing axis.
+        bars over the range of the distance from the bearing axis.
     fold_points : Dataset, optional
         What `rotor_ida.folds` returned, for the same parameters: the folds are marked.
     ax : Axes, optional
@@ -113,7 +120,7 @@ def plot_phase(
     fold_points: xr.Dataset | None = None,
     ax: Axes | None = None,
 ) -> Axes:
-    """Draw the phase by which every whirl lags the unbalance over the spin speed.
+    r"""Draw the phase by which every whirl lags the unbalance over the spin speed.
 
     Parameters
     ----------
@@ -136,7 +143,7 @@ def plot_phase(
     >>> from rotor_ida import synchronous_response
     >>> ax = plot_phase(synchronous_response(omega=[1.0, 1.1, 1.2], zeta=0.5, delta0=0.0))
     >>> ax.get_ylabel()
-    'phase lag $\\\\theta$'
+    'phase lag $\\theta$'
     """
     return _plot("phase_lag", exact, simulated, fold_points, ax)
 
@@ -159,17 +166,21 @@ def _plot(
         needed = ("response", "amplitude", "phase_lag", "radius_min", "radius_max", "direction")
         check_dataset("simulated", simulated, (*PARAMETERS, *needed))
         _check_same("simulated", simulated, exact)
+    shown = (
+        [exact["amplitude"]] if simulated is None else [exact["amplitude"], simulated["radius_max"]]
+    )
+    highest = max(float(values.max()) for values in shown)
     with style():
         ax = axes_or_new(ax)
         _draw_exact(ax, exact, quantity, fold_omega, fold_value)
         if fold_omega.size:
             ax.plot(
                 fold_omega, fold_value, ls="", marker="D", ms=4.0, mfc="white", mec=INK, mew=1.0,
-                label="fold", zorder=3.2,
+                label=FOLD, zorder=3.7,
             )  # fmt: skip
         if simulated is not None:
             _draw_simulated(ax, simulated, quantity)
-        _finish(ax, quantity, np.atleast_1d(exact["omega"].values))
+        _finish(ax, quantity, np.atleast_1d(exact["omega"].values), highest)
         ax.set_title(parameter_text(zeta=zeta, delta0=delta0))
         own_legend(ax)
     return ax
@@ -179,9 +190,7 @@ def _check_same(name: str, dataset: xr.Dataset, exact: xr.Dataset) -> None:
     for parameter in ("zeta", "delta0"):
         here, there = one_value(name, dataset, parameter), one_value("exact", exact, parameter)
         if here != there:
-            raise InputError(
-                f"{name} must have the {parameter} of exact, {there!r}, got {here!r}"
-            )
+            raise InputError(f"{name} must have the {parameter} of exact, {there!r}, got {here!r}")
 
 
 def _folds(fold_points: xr.Dataset, quantity: str, zeta: float) -> tuple[Values, Values]:
@@ -238,53 +247,60 @@ def _draw_simulated(ax: Axes, simulated: xr.Dataset, quantity: str) -> None:
         of_kind = flat["response"] == flags[kind]
         if not of_kind.any():
             continue
+        points = {name: values[of_kind] for name, values in flat.items()}
         if look.is_range and quantity == "amplitude":
-            _draw_ranges(ax, look, {name: values[of_kind] for name, values in flat.items()})
+            _draw_ranges(ax, look, points, f"{KIND_WORDS[kind]}: range of $|z|$")
             continue
-        ax.plot([], [], ls="", marker="s", ms=4.5, color=look.colour,
-                mfc=look.colour if look.filled else "white", mew=0.9,
-                label=look.words.partition(":")[0])  # fmt: skip
-        for direction, (marker, size) in DIRECTIONS.items():
-            here = of_kind & (flat["direction"] == direction)
-            ax.plot(
-                flat["omega"][here], flat[quantity][here], ls="", marker=marker, ms=size,
-                mec=look.colour, mfc=look.colour if look.filled else "white", mew=0.7,
-                zorder=3.5 - 0.1 * (direction == 0),
-            )  # fmt: skip
+        _draw_marks(ax, look, points, points[quantity], 1.0)
+        ax.plot([], [], ls="", marker="s", ms=4.5, mec=look.colour, mew=0.9,
+                mfc=_face(look), label=KIND_WORDS[kind])  # fmt: skip
+    words = {0: _start_words(simulated), 1: GOING_UP, -1: GOING_DOWN}
     for direction in np.unique(flat["direction"]):
         marker, size = DIRECTIONS[int(direction)]
         ax.plot([], [], ls="", marker=marker, ms=size, mec=INK, mfc="none", mew=0.8,
-                label=DIRECTION_WORDS.get(int(direction), _start_words(simulated)))  # fmt: skip
+                label=words[int(direction)])  # fmt: skip
 
 
-def _draw_ranges(ax: Axes, look: Look, points: dict[str, Values]) -> None:
+def _draw_ranges(ax: Axes, look: _Look, points: dict[str, Values], words: str) -> None:
     ax.vlines(
         points["omega"], points["radius_min"], points["radius_max"], color=look.colour,
-        lw=2.0 if look.filled else 1.0, zorder=3.0, label=look.words,
+        lw=1.8 if look.filled else 0.9, zorder=3.0, label=words,
     )  # fmt: skip
+    for end in ("radius_min", "radius_max"):
+        _draw_marks(ax, look, points, points[end], 0.75)
+
+
+def _draw_marks(
+    ax: Axes, look: _Look, points: dict[str, Values], heights: Values, scale: float
+) -> None:
+    """Mark points by the direction of their sweep, triangles over the larger circles."""
     for direction, (marker, size) in DIRECTIONS.items():
         here = points["direction"] == direction
-        for end in ("radius_min", "radius_max"):
-            ax.plot(
-                points["omega"][here], points[end][here], ls="", marker=marker, ms=0.75 * size,
-                mec=look.colour, mfc=look.colour if look.filled else "white", mew=0.7,
-                zorder=3.3 - 0.1 * (direction == 0),
-            )  # fmt: skip
+        ax.plot(
+            points["omega"][here], heights[here], ls="", marker=marker, ms=scale * size,
+            mec=look.colour, mfc=_face(look), mew=0.7, zorder=3.2 if direction else 3.1,
+        )  # fmt: skip
+
+
+def _face(look: _Look) -> str:
+    return look.colour if look.filled else "white"
 
 
 def _start_words(simulated: xr.Dataset) -> str:
     starts = [f"start_{name}" for name in ("x", "y", "vx", "vy")]
     at_rest = all(name in simulated and not simulated[name].values.any() for name in starts)
-    return "each speed from rest" if at_rest else "each speed from its start"
+    return FROM_REST if at_rest else FROM_START
 
 
-def _finish(ax: Axes, quantity: str, omega: Values) -> None:
+def _finish(ax: Axes, quantity: str, omega: Values, highest: float) -> None:
     ax.set_xlabel(LABELS["omega"])
     ax.set_ylabel(LABELS[quantity])
     if omega.size > 1:
-        ax.set_xlim(0.0, float(omega.max()))
+        ax.set_xlim(0.0, 1.02 * float(omega.max()))
     if quantity == "amplitude":
-        ax.set_ylim(bottom=0.0)
+        # panels may share this axis with taller ones
+        before = 0.0 if ax.get_autoscaley_on() else ax.get_ylim()[1]
+        ax.set_ylim(0.0, max(before, 1.06 * highest))
     else:
-        ax.set_ylim(0.0, math.pi * 1.03)
+        ax.set_ylim(0.0, 1.06 * math.pi)
         ax.set_yticks([0.0, 0.5 * math.pi, math.pi], ["0", r"$\pi/2$", r"$\pi$"])

@@ -10,7 +10,7 @@ import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from rotor_ida.dataset.schema import flags_of
 from rotor_ida.plot.appearance import (
@@ -21,9 +21,10 @@ from rotor_ida.plot.appearance import (
     SHADE,
     axes_or_new,
     check_dataset,
+    legend_below,
     one_value,
-    own_legend,
     parameter_text,
+    shared_legend,
     style,
 )
 
@@ -36,8 +37,10 @@ NEEDED = (*PARAMETERS, "time", "x", "y", "vx", "vy", "starts_in_contact", "event
 # they lie closer than this part of a revolution; farther apart it would be an invention.
 SMOOTH_BELOW = 0.2
 POINTS_A_REVOLUTION = 90
-# Above these numbers of events their marks get smaller, and then would only hide the motion.
-FEW_EVENTS, MANY_EVENTS = 40, 400
+# Above these numbers of events their marks get smaller, and then are left out: they would hide
+# the motion, and the colours of contact and flight say the same.
+FEW_EVENTS, MANY_EVENTS = 40, 120
+DASHES = (0, (4, 2))
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +69,7 @@ def plot_run(run: xr.Dataset) -> Figure:
     -------
     Figure
         The figure. Its axes are x, y, radius and peak force over time, and the orbit. Contact
-        is shaded, and entries and exits are marked on the radius.
+        is shaded; entries and exits are marked while they are few enough to tell apart.
 
     Raises
     ------
@@ -85,8 +88,9 @@ def plot_run(run: xr.Dataset) -> Figure:
     delta0 = one_value("run", run, "delta0")
     path = _path(run)
     with style():
-        figure = Figure(figsize=(7.2, 4.6), layout="constrained")
-        grid = figure.add_gridspec(4, 2, width_ratios=(1.25, 1.0), hspace=0.02)
+        layout = ConstrainedLayoutEngine(h_pad=0.03, hspace=0.0)
+        figure = Figure(figsize=(7.2, 4.8), layout=layout)
+        grid = figure.add_gridspec(4, 2, width_ratios=(1.0, 1.0))
         first = figure.add_subplot(grid[0, 0])
         history = [first] + [figure.add_subplot(grid[row, 0], sharex=first) for row in (1, 2, 3)]
         for ax, name, values in zip(
@@ -103,6 +107,7 @@ def plot_run(run: xr.Dataset) -> Figure:
         figure.align_ylabels(history)
         orbit = figure.add_subplot(grid[:, 1])
         _draw_orbit(orbit, run, path, delta0)
+        shared_legend(figure, [history[2], orbit], columns=7, outer=False)
         figure.suptitle(_title(run), fontsize=10.0)
     return figure
 
@@ -137,8 +142,9 @@ def plot_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     """
     run = check_dataset("run", run, NEEDED)
     with style():
-        ax = axes_or_new(ax, width=4.0, height=4.4)
+        ax = axes_or_new(ax, width=4.0, height=4.9)
         _draw_orbit(ax, run, _path(run), one_value("run", run, "delta0"))
+        legend_below(ax)
         ax.set_title(_title(run))
     return ax
 
@@ -209,13 +215,15 @@ def _shade_contacts(ax: Axes, run: xr.Dataset) -> None:
     if spans:
         ax.broken_barh(
             spans, (0.0, 1.0), transform=ax.get_xaxis_transform(), facecolor=SHADE,
-            linewidth=0.0, zorder=0.5, label="contact",
+            linewidth=0.0, zorder=0.5, label="in contact",
         )  # fmt: skip
 
 
 def _mark_events_on_radius(ax: Axes, run: xr.Dataset, delta0: float) -> None:
-    ax.axhline(delta0, color=INK, lw=0.7, ls=(0, (4, 2)), zorder=2.1)
+    ax.axhline(delta0, color=INK, lw=0.7, ls=DASHES, zorder=2.6)
     ax.set_ylim(bottom=0.0)
+    if run.sizes["event"] > MANY_EVENTS:
+        return
     for times, marker, face, label in _events(run):
         ax.plot(
             times, np.full(times.shape, delta0), ls="", marker=marker, ms=_mark_size(run),
@@ -236,25 +244,23 @@ def _draw_forces(ax: Axes, run: xr.Dataset) -> None:
     times, forces = run["peak_time"].values, run["peak_force"].values
     ax.vlines(times, 0.0, forces, color=RED, lw=0.8)
     ax.plot(times, forces, ls="", marker="o", ms=max(2.0, 0.7 * _mark_size(run)), color=RED)
-    ax.set_ylim(bottom=0.0)
+    ax.set_ylim(0.0, 1.12 * float(forces.max(initial=0.0)) or 1.0)
     ax.set_ylabel(LABELS["peak_force"])
     if not times.size:
-        ax.set_ylim(0.0, 1.0)
         ax.text(0.5, 0.5, "no contact", transform=ax.transAxes, ha="center", va="center")
 
 
 def _draw_orbit(ax: Axes, run: xr.Dataset, path: _Path, delta0: float) -> None:
     if delta0 > 0.0:
-        ax.add_patch(
-            Circle((0.0, 0.0), delta0, fill=False, ec=INK, lw=0.8, ls=(0, (4, 2)), zorder=2.2,
-                   label="clearance")
-        )  # fmt: skip
+        turn = np.linspace(0.0, 2.0 * math.pi, 361)
+        ax.plot(delta0 * np.cos(turn), delta0 * np.sin(turn), color=INK, lw=0.9, ls=DASHES,
+                label="clearance", zorder=2.6)  # fmt: skip
     width = _line_width(run)
     flight = ~path.in_contact
     if flight.any():
         ax.plot(*_stretches(path, flight), color=BLUE, lw=width, label="flight", zorder=2.0)
     if path.in_contact.any():
-        ax.plot(*_stretches(path, path.in_contact), color=RED, lw=1.5 * width, label="contact",
+        ax.plot(*_stretches(path, path.in_contact), color=RED, lw=1.2 * width, label="contact",
                 zorder=2.1)  # fmt: skip
     kinds, flags = run["event_kind"].values, flags_of(run["event_kind"])
     if kinds.size <= MANY_EVENTS:
@@ -271,7 +277,6 @@ def _draw_orbit(ax: Axes, run: xr.Dataset, path: _Path, delta0: float) -> None:
     ax.set_ylabel(LABELS["y"])
     ax.set_aspect("equal", adjustable="datalim")
     ax.autoscale_view()
-    own_legend(ax)
 
 
 def _stretches(path: _Path, chosen: npt.NDArray[np.bool_]) -> tuple[Values, Values]:

@@ -39,8 +39,10 @@ class Passage:
         Whether it ended with a touch.
     samples : ndarray, shape (n, 4)
         States at the sample times inside it.
-    peak_time, peak_radius : float
-        Where it was farthest from the bearing axis, and how far [1].
+    peak_time : float
+        When it was farthest from the bearing axis [1].
+    peak : ndarray, shape (4,)
+        The state there.
     evaluations : int
         Evaluations of the right-hand side.
     """
@@ -50,7 +52,7 @@ class Passage:
     touched: bool
     samples: Values
     peak_time: float
-    peak_radius: float
+    peak: Values
     evaluations: int
 
 
@@ -87,14 +89,14 @@ def follow(
         If the solver gives up.
     """
     motion = _set_on_its_way(rotor, start, options)
-    peak_time, peak_radius = 0.0, _radius(start)
+    peak_time, peak = 0.0, start
     rows: list[Values] = []
     while True:
         motion.advance()
         touch = _touch_in_step(motion, rotor.delta0) if rotor.delta0 > 0.0 else NEVER
         touched = touch <= duration + slack
         end = min(touch, motion.point, duration)
-        peak_time, peak_radius = _peak_in_step(motion, end, peak_time, peak_radius)
+        peak_time, peak = _peak_in_step(motion, end, peak_time, peak)
         for time in samples[len(rows) :]:
             if time > end:
                 break
@@ -102,7 +104,7 @@ def follow(
         if touched or end >= duration:
             taken = np.array(rows) if rows else np.empty((0, 4))
             state = motion.at(end)
-            return Passage(end, state, touched, taken, peak_time, peak_radius, motion.evaluations)
+            return Passage(end, state, touched, taken, peak_time, peak, motion.evaluations)
 
 
 def _set_on_its_way(rotor: Rotor, start: Values, options: Options) -> Integration:
@@ -142,9 +144,9 @@ def _touch_in_step(motion: Integration, delta0: float) -> float:
 
 
 def _peak_in_step(
-    motion: Integration, end: float, time: float, radius: float
-) -> tuple[float, float]:
-    """Return the time and radius of the largest radius so far.
+    motion: Integration, end: float, time: float, peak: Values
+) -> tuple[float, Values]:
+    """Return when the radius was largest so far, and the state then.
 
     On a whirl of constant radius the radial velocity is rounding noise; there is nothing to
     look for.
@@ -152,11 +154,10 @@ def _peak_in_step(
     reached = motion.at(end)
     rising = _radial(motion.before)
     could_reach = _radius(motion.before) ** 2 + 2.0 * rising * (end - motion.low)
-    if rising > 0.0 > _radial(reached) and could_reach > radius**2 * (1.0 + NOISE):
+    if rising > 0.0 > _radial(reached) and could_reach > _radius(peak) ** 2 * (1.0 + NOISE):
         end = motion.root(_radial, motion.low, end)
         reached = motion.at(end)
-    here = _radius(reached)
-    return (end, here) if here > radius else (time, radius)
+    return (end, reached) if _radius(reached) > _radius(peak) else (time, peak)
 
 
 def _radius(state: Values) -> float:

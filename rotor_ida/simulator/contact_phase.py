@@ -9,6 +9,7 @@ analytic through entry and exit, and the exit is a simple root of q:
     h' = -q (2 zeta h + omega**2 r s)                            r     delta0 + q**2
     c' = -q s (h/r**2 - omega),  s' = q c (h/r**2 - omega)       c, s  direction on rotating axes
     t' = q                                                       t     time since the start
+    j' = q**4                                                    j     impulse of the force
 
 A graze is half a swing of a harmonic oscillator in these variables, however slight it is, and
 a departure is a passage of q from + to - that does not come back: no step can hide one.
@@ -29,7 +30,8 @@ from rotor_ida.simulator.solver import Integration, SolverFailure, integrate
 
 Values = npt.NDArray[np.float64]
 
-Q, P, H, C, S, T = range(6)
+Q, P, H, C, S, T, J = range(7)
+SIZE = 7
 # Internal steps without progress in time after which a contact counts as stuck.
 PATIENCE = 10_000
 # A rise of q by less than this part of it is rounding.
@@ -42,13 +44,13 @@ class Contact:
 
     Parameters
     ----------
-    end : ndarray, shape (6,)
+    end : ndarray, shape (7,)
         Regularised state at the exit, where q is 0, or at the end of the run.
     left : bool
         Whether it ended with an exit.
-    peak : ndarray, shape (6,)
+    peak : ndarray, shape (7,)
         Regularised state at the largest indentation inside the run.
-    samples : ndarray, shape (n, 6)
+    samples : ndarray, shape (n, 7)
         Regularised states at the sample times inside the contact.
     evaluations : int
         Evaluations of the right-hand side.
@@ -74,6 +76,7 @@ def contact_field(state: Values, rate: Values, omega: float, zeta: float, delta0
     rate[3] = -q * s * (spin - omega)
     rate[4] = q * c * (spin - omega)
     rate[5] = q
+    rate[6] = q * force_of_root(q)
 
 
 def regularised(position: complex, velocity: complex, root: float) -> Values:
@@ -81,12 +84,12 @@ def regularised(position: complex, velocity: complex, root: float) -> Values:
     direction = position / abs(position)
     along = velocity * direction.conjugate()
     moment = (position.conjugate() * velocity).imag
-    return np.array([root, along.real, moment, direction.real, direction.imag, 0.0])
+    return np.array([root, along.real, moment, direction.real, direction.imag, 0.0, 0.0])
 
 
 def cartesian(states: Values, delta0: float) -> Values:
-    """Return ``(x, y, vx, vy)`` on the rotating axes of regularised states, shape (..., 6)."""
-    q, p, h, c, s, _ = np.moveaxis(states, -1, 0)
+    """Return ``(x, y, vx, vy)`` on the rotating axes of regularised states, shape (..., 7)."""
+    q, p, h, c, s, _, _ = np.moveaxis(states, -1, 0)
     length = np.hypot(c, s)
     c, s = c / length, s / length
     radius = delta0 + q * q
@@ -108,7 +111,7 @@ def follow_contact(
     ----------
     rotor : Rotor
         The rotor, with ``delta0 > 0``.
-    start : ndarray, shape (6,)
+    start : ndarray, shape (7,)
         Regularised state at time 0, with ``q > 0``, or ``q = 0`` and ``p > 0``.
     duration : float
         Longest time to follow it [1].
@@ -135,7 +138,7 @@ def follow_contact(
                 break
             rows.append(_at_time(motion, end, float(time)))
         if left or reached[T] >= duration:
-            taken = np.array(rows) if rows else np.empty((0, 6))
+            taken = np.array(rows) if rows else np.empty((0, SIZE))
             return Contact(reached, left, peak, taken, motion.evaluations)
         idle = idle + 1 if reached[T] <= motion.before[T] else 0
         if idle > PATIENCE:
@@ -149,7 +152,7 @@ def _set_on_its_way(rotor: Rotor, start: Values, options: Options) -> Integratio
     def field(state: Values, rate: Values) -> None:
         contact_field(state, rate, omega, zeta, delta0)
 
-    atol = np.full(6, options.step_atol)
+    atol = np.full(SIZE, options.step_atol)
     atol[[Q, P]] = min(options.step_atol, options.step_rtol * max(start[Q], abs(start[P])))
     return integrate(field, start, options, atol=atol)
 

@@ -60,7 +60,7 @@ def _check_sides(orbit: Orbit) -> None:
 
 
 def _check_contacts(orbit: Orbit) -> None:
-    entry, leaving, peak_time, _ = orbit.contacts.T
+    entry, leaving, peak_time = orbit.contacts.T[:3]
     wrong = (peak_time < entry) | (peak_time > leaving)
     if wrong.any():
         row = int(np.argmax(wrong))

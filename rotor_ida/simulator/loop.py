@@ -127,7 +127,9 @@ def _integrated_flight(record: Record) -> bool:
 def _stay_in_contact(record: Record) -> None:
     """Follow a rotor without clearance, which has no events, to the end."""
     passage = _integrate(record)
-    record.contacts.append([math.nan, math.nan, passage.peak_time, passage.peak_radius])
+    x, y, vx, vy = passage.peak
+    moment = float(x * vy - y * vx)
+    record.add_contact(math.nan, math.nan, passage.peak_time, math.hypot(x, y), math.nan, moment)
 
 
 def _integrate(record: Record) -> cartesian_phase.Passage:
@@ -152,7 +154,8 @@ def _contact(record: Record, entry: float) -> None:
     """Follow one contact, write its row, and mark its exit if it has one."""
     began = record.time
     if record.left <= 0.0:
-        record.contacts.append([entry, math.nan, began, 0.0])
+        moment = (record.position.conjugate() * record.velocity).imag
+        record.add_contact(entry, math.nan, began, 0.0, math.nan, moment)
         return
     times = record.waiting(record.left)
     start = _contact_start(record)
@@ -168,10 +171,16 @@ def _contact(record: Record, entry: float) -> None:
     _move_to(record, contact.end)
     if contact.left:
         record.mark(EXIT)
-    peak_time = began + float(contact.peak[contact_phase.T])
-    indentation = float(contact.peak[contact_phase.Q]) ** 2
-    leaving = record.time if contact.left else math.nan
-    record.contacts.append([entry, leaving, peak_time, indentation])
+    root, _, moment, _, _, until_peak, _ = contact.peak.tolist()
+    whole = contact.left and not math.isnan(entry)
+    record.add_contact(
+        entry,
+        record.time if contact.left else math.nan,
+        began + until_peak,
+        root**2,
+        float(contact.end[contact_phase.J]) if whole else math.nan,
+        moment,
+    )
 
 
 def _move_to(record: Record, state: Values) -> None:

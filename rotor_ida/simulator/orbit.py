@@ -38,9 +38,10 @@ class Orbit:
         When contact begins (1) and ends (-1) [1].
     event_states : ndarray, shape (m, 4)
         ``(x, y, vx, vy)`` at the events, fixed frame [1].
-    contacts : ndarray, shape (k, 4)
-        Entry, exit and peak time and peak indentation of each contact [1]; the entry or exit
-        is NaN where the run began or ended inside the contact.
+    contacts : ndarray, shape (k, 6)
+        Entry, exit and peak time, peak indentation, impulse, and angular momentum at the peak
+        of each contact [1]; entry or exit, and the impulse, are NaN where the run began or
+        ended inside the contact.
     end : ndarray, shape (4,)
         State at the end, fixed frame [1].
     evaluations : int

@@ -82,6 +82,18 @@ class Record:
         self.event_kinds.append(kind)
         self.event_states.append(self.state)
 
+    def add_contact(
+        self,
+        entry: float,
+        leaving: float,
+        peak_time: float,
+        indentation: float,
+        impulse: float,
+        moment: float,
+    ) -> None:
+        """Write down a contact that is over, or that the run begins or ends in."""
+        self.contacts.append([entry, leaving, peak_time, indentation, impulse, moment])
+
     def fixed_state(self) -> State:
         """Return ``(x, y, vx, vy)`` now, in the fixed frame."""
         x, y, vx, vy = turned(self.state, self.rotor.omega * self.time).tolist()
@@ -103,7 +115,7 @@ class Record:
             event_times=event_times,
             event_kinds=np.array(self.event_kinds, dtype=np.int8),
             event_states=turned(event_states, omega * event_times),
-            contacts=np.array(self.contacts).reshape(-1, 4),
+            contacts=np.array(self.contacts).reshape(-1, 6),
             end=np.array(self.fixed_state()),
             evaluations=self.evaluations,
         )

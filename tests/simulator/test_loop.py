@@ -177,7 +177,9 @@ def test_samples_do_not_depend_on_how_many_there_are():
 
 def test_a_solver_that_gives_up_raises_with_time_and_state(monkeypatch):
     def give_up(*_):
-        raise SolverFailure("corrector failed", 0.25, np.array([0.1, 0.2, 0.0, 1.0, 0.0, 0.25]))
+        raise SolverFailure(
+            "corrector failed", 0.25, np.array([0.1, 0.2, 0.0, 1.0, 0.0, 0.25, 0.0])
+        )
 
     monkeypatch.setattr(contact_phase, "follow_contact", give_up)
     with pytest.raises(SimulationError, match=r"corrector failed \(at t = 0.25, state") as caught:

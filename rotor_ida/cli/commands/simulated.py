@@ -34,12 +34,12 @@ def simulate(
     as_json: options.AsJson = False,
     force: options.Force = False,
 ) -> Report:
-    """Simulate one rotor from one start, with every contact entry and exit.
+    r"""Simulate one rotor from one start, with every contact entry and exit.
 
-    For example, from rest; then the same into a file:
+    From rest, with the result kept in a file:
 
-    rotor-ida simulate --omega 1.2 --zeta 0.07 --delta0 0.5
-    --start 0 0 0 0 --duration 20
+        rotor-ida simulate --omega 1.2 --zeta 0.07 --delta0 0.5 \
+            --start 0 0 0 0 --duration 20 --out run.nc
     """
     from rotor_ida.cli.describe import describe  # noqa: PLC0415 - heavy, and not for --help
 

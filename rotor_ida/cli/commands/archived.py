@@ -1,0 +1,36 @@
+"""The command show."""
+
+from __future__ import annotations
+
+from rotor_ida.cli import options
+from rotor_ida.cli.archives import read
+from rotor_ida.cli.report import Report
+from rotor_ida.cli.targets import check_targets
+
+FIRST_ROWS = 10
+
+
+def show(
+    file: options.File,
+    *,
+    figure: options.Figure = None,
+    as_json: options.AsJson = False,
+    force: options.Force = False,
+) -> Report:
+    """Say what an archive holds: its kind, where it came from, its first rows.
+
+    Of the run that the example of simulate wrote:
+
+        rotor-ida show run.nc --figure run.png
+    """
+    from rotor_ida.cli.describe import describe, origin  # noqa: PLC0415 - heavy, not for --help
+
+    targets = check_targets(figure=figure, force=force)
+    dataset = read(file)
+    record, parts = describe(dataset, most=FIRST_ROWS)
+    sizes = {str(dim): size for dim, size in dataset.sizes.items()}
+    return Report(
+        record={"file": file, **record, "dimensions": sizes},
+        parts=[origin(dataset), *parts, *targets.write(dataset)],
+        as_json=as_json,
+    )

@@ -1,0 +1,113 @@
+"""The command sweep."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, cast
+
+import rotor_ida
+from rotor_ida.cli import options, parsing
+from rotor_ida.cli.report import Report
+from rotor_ida.cli.targets import check_targets
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from rotor_ida.simulator.options import Backend, Flight, Method
+    from rotor_ida.sweeps import Direction
+
+
+def sweep(
+    *,
+    omega: options.Omegas,
+    zeta: options.Zetas,
+    delta0: options.Delta0s,
+    start: options.Starts = ["0 0 0 0"],  # noqa: B006 - never changed
+    direction: options.Direction = None,
+    workers: options.Workers = None,
+    rtol: options.Rtol = "1e-10",
+    atol: options.Atol = "1e-12",
+    method: options.Method = "adams",
+    flight: options.Flight = "exact",
+    backend: options.Backend = "auto",
+    out: options.Out = None,
+    figure: options.Figure = None,
+    as_json: options.AsJson = False,
+    force: options.Force = False,
+) -> Report:
+    r"""Follow the rotor at every speed, damping and clearance until it has settled.
+
+    From rest and from far out, at three speeds and two clearances:
+
+        rotor-ida sweep --omega 1.2:2:3 --zeta 0.5 --delta0 0 0.5 \
+            --start 0 0 0 0 --start 10 0 0 0 --workers 1 --out sweep.nc
+    """
+    from rotor_ida.cli.describe import describe  # noqa: PLC0415 - heavy, and not for --help
+
+    axes = [
+        parsing.numbers(name, words)
+        for name, words in (("omega", omega), ("zeta", zeta), ("delta0", delta0))
+    ]
+    starts = [parsing.state("start", words.split()) for words in start]
+    points = parsing.check_points(*axes, starts) * (2 if direction == "both" else 1)
+    processes = _cores() if workers is None else parsing.whole_number("workers", workers)
+    panels = len(axes[1]) * len(axes[2])
+    targets = check_targets(out=out, figure=figure, panels=panels, force=force)
+    with _progress() as progress:
+        dataset = rotor_ida.sweep(
+            omega=axes[0],
+            zeta=axes[1],
+            delta0=axes[2],
+            starts=starts,
+            direction=cast("Direction | None", direction),
+            rtol=parsing.number("rtol", rtol),
+            atol=parsing.number("atol", atol),
+            method=cast("Method", method),
+            flight=cast("Flight", flight),
+            backend=cast("Backend", backend),
+            # More processes than points would only take time to start.
+            workers=min(processes, points),
+            progress=progress,
+        )
+    record, parts = describe(dataset)
+    return Report(
+        record=record,
+        parts=[*parts, *targets.write(dataset)],
+        as_json=as_json,
+        trouble=_failures(dataset),
+    )
+
+
+def _failures(dataset: xr.Dataset) -> str:
+    failed = dataset["status"].values != 0
+    if not failed.any():
+        return ""
+    first = dataset["message"].values[failed][0]
+    return f"{failed.sum()} of {failed.size} points failed; the first: {first}"
+
+
+def _cores() -> int:
+    """Return the number of cores that this process may use."""
+    allowed = getattr(os, "sched_getaffinity", None)  # not on every system
+    return len(allowed(0)) if allowed else os.cpu_count() or 1
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[int, int], None] | None]:
+    """Show a bar on standard error, if someone is there to see it."""
+    if sys.stderr is None or not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console  # noqa: PLC0415 - only a terminal needs it
+    from rich.progress import Progress  # noqa: PLC0415
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("points", total=None)
+
+        def show(done: int, total: int) -> None:
+            bar.update(task, completed=done, total=total)
+
+        yield show

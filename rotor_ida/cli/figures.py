@@ -1,0 +1,67 @@
+"""The figure that suits a dataset."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+import rotor_ida
+from rotor_ida import plot
+from rotor_ida.cli.describe import kind_of
+from rotor_ida.errors import InputError
+
+# Spacing of the speeds at which the exact curve behind a sweep is computed.
+CURVE_POINTS = 600
+
+
+def draw(dataset: xr.Dataset, stem: Path, *, overwrite: bool) -> list[Path]:
+    """Draw a dataset into files whose names begin with `stem`."""
+    return plot.save_figure(figure_of(dataset), stem, overwrite=overwrite)
+
+
+def figure_of(dataset: xr.Dataset) -> Figure:
+    """Return the figure of a run, of whirls or of a sweep with the exact curve behind it."""
+    kind = kind_of(dataset)
+    if kind == "run":
+        return plot.plot_run(dataset)
+    if kind not in {"whirls", "sweep"}:
+        raise InputError(f"figure must be of a run, of whirls or of a sweep, got {kind!r}")
+    pairs = [
+        (float(zeta), float(delta0))
+        for zeta in dataset["zeta"].values
+        for delta0 in dataset["delta0"].values
+    ]
+    columns = math.ceil(math.sqrt(len(pairs)))
+    rows = math.ceil(len(pairs) / columns)
+    figure, axes = plot.panels(rows, columns, width=2.4 + 2.4 * columns, height=1.6 + 2.0 * rows)
+    for ax, (zeta, delta0) in zip(axes, pairs, strict=False):
+        part = dataset.sel(zeta=[zeta], delta0=[delta0])
+        plot.plot_amplitude(
+            part if kind == "whirls" else _curve_behind(part, zeta, delta0),
+            simulated=part if kind == "sweep" else None,
+            fold_points=_folds(zeta, delta0),
+            ax=ax,
+        )
+    for ax in axes[len(pairs) :]:
+        ax.set_axis_off()
+    plot.shared_legend(figure, axes)
+    return figure
+
+
+def _folds(zeta: float, delta0: float) -> xr.Dataset | None:
+    """Return the folds, or nothing where the parameters are too extreme for them."""
+    try:
+        return rotor_ida.folds(zeta=zeta, delta0=delta0)
+    except InputError:
+        return None
+
+
+def _curve_behind(sweep: xr.Dataset, zeta: float, delta0: float) -> xr.Dataset:
+    speeds = sweep["omega"].values
+    dense = np.linspace(speeds.min(), speeds.max(), CURVE_POINTS)
+    omega = np.union1d(speeds, dense)
+    return rotor_ida.synchronous_response(omega=omega, zeta=zeta, delta0=delta0)

@@ -1,0 +1,59 @@
+"""Run an archived simulation again, from its own attributes, and hold the events against it."""
+
+from __future__ import annotations
+
+from typing import cast
+
+import numpy as np
+import xarray as xr
+
+from rotor_ida.checks import State
+from rotor_ida.errors import InputError
+from rotor_ida.parameters import Rotor
+from rotor_ida.simulation import simulate
+from rotor_ida.simulator.options import Flight, Method
+
+NEEDED = ("omega", "zeta", "delta0", "start", "duration", "rtol", "atol", "method", "flight")
+
+
+def rerun(dataset: xr.Dataset) -> xr.Dataset:
+    """Simulate a run again, as its own attributes say.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        A run of `rotor_ida.simulate`, for instance one that was loaded from an archive.
+
+    Returns
+    -------
+    Dataset
+        The same run, made anew.
+
+    Raises
+    ------
+    InputError
+        If the dataset is not a run, or its attributes cannot be used.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, simulate
+    >>> from rotor_ida.testing import assert_events_close
+    >>> rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+    >>> run = simulate(rotor, start=(0, 0, 0, 0), duration=20.0)
+    >>> assert_events_close(rerun(run), run)
+    """
+    missing = [name for name in NEEDED if name not in dataset.attrs]
+    missing += [name for name in ("event_time", "time") if name not in dataset.variables]
+    if missing:
+        raise InputError(f"only a simulated run can be verified; it lacks {', '.join(missing)}")
+    settings = dataset.attrs
+    return simulate(
+        Rotor(**{name: settings[name] for name in ("omega", "zeta", "delta0")}),
+        start=cast(State, tuple(np.atleast_1d(settings["start"]).tolist())),
+        duration=settings["duration"],
+        samples=dataset["time"].values,
+        rtol=settings["rtol"],
+        atol=settings["atol"],
+        method=cast(Method, settings["method"]),
+        flight=cast(Flight, settings["flight"]),
+    )

@@ -1,0 +1,68 @@
+"""The stated error of an event time covers the true one, and is not absurdly larger."""
+
+import numpy as np
+import pytest
+
+from rotor_ida import Rotor, simulate
+
+REST = (0.0, 0.0, 0.0, 0.0)
+
+
+def random_runs(count, rtol, duration=60.0):
+    rng = np.random.default_rng(11)
+    for _ in range(count):
+        delta0 = float(np.exp(rng.uniform(np.log(0.1), np.log(3.0))))
+        rotor = Rotor(
+            omega=float(rng.uniform(0.2, 4.0)),
+            zeta=float(rng.choice([0.0, 1e-8, 0.02, 0.2])),
+            delta0=delta0,
+        )
+        start = tuple((rng.uniform(-2, 2, 4) * delta0).tolist())
+        run, best = (
+            simulate(rotor, start=start, duration=duration, samples=2, rtol=r, atol=r / 100)
+            for r in (rtol, 1e-13)
+        )
+        yield run, best
+
+
+@pytest.mark.parametrize("rtol", [1e-6, 1e-9])
+def test_stated_errors_cover_the_true_ones(rtol):
+    """Held against the tightest tolerance: at least 95 % covered, less than 100 x in the median."""
+    covered, ratios = [], []
+    for run, best in random_runs(40, rtol):
+        count = min(run.sizes["event"], best.sizes["event"])
+        stated = run.event_time_error.values[:count]
+        true = np.abs(run.event_time.values[:count] - best.event_time.values[:count])
+        covered += (true <= stated).tolist()
+        usual = np.isfinite(stated) & (true > 0.0)
+        ratios += (stated[usual] / true[usual]).tolist()
+    assert len(covered) > 200
+    assert np.mean(covered) >= 0.95
+    assert np.median(ratios) < 100.0
+
+
+def test_stated_errors_fall_with_the_tolerance():
+    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+    worst = [
+        float(simulate(rotor, start=REST, duration=60.0, rtol=rtol).event_time_error.max())
+        for rtol in (1e-6, 1e-8, 1e-10)
+    ]
+    assert worst[0] > 10.0 * worst[1] > 100.0 * worst[2]
+
+
+def test_beyond_the_horizon_no_event_time_is_claimed():
+    """Undamped forced motion that grazes: a loose tolerance loses it within the run."""
+    rotor = Rotor(omega=1.37, zeta=0.0, delta0=1.0)
+    run = simulate(rotor, start=(0.3, 0, 0.4, 0.2), duration=800.0, rtol=1e-5, atol=1e-7)
+    assert run.horizon < 800.0
+    assert np.isinf(run.event_time_error.where(run.event_time > run.horizon, drop=True)).all()
+    settled = simulate(Rotor(omega=1.2, zeta=0.5, delta0=0.5), start=REST, duration=100.0)
+    assert settled.horizon == 100.0
+
+
+def test_the_loosest_tolerance_still_states_an_error():
+    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+    run = simulate(rotor, start=REST, duration=20.0, rtol=1e-3, atol=1e-5)
+    best = simulate(rotor, start=REST, duration=20.0, rtol=1e-13, atol=1e-15)
+    assert run.sizes["event"] == best.sizes["event"]
+    assert (np.abs(run.event_time - best.event_time) <= run.event_time_error).all()
