@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from importlib.metadata import version
-from typing import TextIO
 
 from cyclopts import App
 from rich.console import Console
@@ -23,14 +22,14 @@ Exit status: 0 done, 1 the run or the check failed, 2 bad input.
 """
 
 
-def application(results: TextIO) -> App:
-    """Return the commands, with their help going to `results`."""
+def application(console: Console) -> App:
+    """Return the commands, with their help going to `console`."""
     app = App(
         name="rotor-ida",
         help=HELP,
         help_format="plaintext",
         version=version("rotor-ida"),
-        console=Console(file=results, highlight=False),
+        console=console,
     )
     for command in (reproduce, simulate, response, sweep, compare, show, doctor):
         app.command(command)

@@ -187,7 +187,7 @@ def _rows(
         return [f"{title}: none"]
     if most is None or len(rows) <= most:
         return [table(f"{title}: {len(rows)}", rows, columns)]
-    return [table(f"{title}: first {most} of {len(rows)}", rows[:most], columns)]
+    return [table(f"{title}: first {most} of {len(rows)} (all with --json)", rows[:most], columns)]
 
 
 def _telling(names: Sequence[str], rows: Sequence[Record]) -> list[str]:

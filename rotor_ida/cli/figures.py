@@ -12,9 +12,11 @@ from matplotlib.figure import Figure
 import rotor_ida
 from rotor_ida import plot
 from rotor_ida.cli.describe import kind_of
+from rotor_ida.cli.targets import check_panels
 from rotor_ida.errors import InputError
+from rotor_ida.scenario import speeds_of_curves
 
-# Spacing of the speeds at which the exact curve behind a sweep is computed.
+# Number of speeds of the exact curve where it has no tip.
 CURVE_POINTS = 600
 
 
@@ -35,7 +37,7 @@ def figure_of(dataset: xr.Dataset) -> Figure:
         for zeta in dataset["zeta"].values
         for delta0 in dataset["delta0"].values
     ]
-    columns = math.ceil(math.sqrt(len(pairs)))
+    columns = math.ceil(math.sqrt(check_panels(len(pairs))))
     rows = math.ceil(len(pairs) / columns)
     figure, axes = plot.panels(rows, columns, width=2.4 + 2.4 * columns, height=1.6 + 2.0 * rows)
     for ax, (zeta, delta0) in zip(axes, pairs, strict=False):
@@ -62,6 +64,10 @@ def _folds(zeta: float, delta0: float) -> xr.Dataset | None:
 
 def _curve_behind(sweep: xr.Dataset, zeta: float, delta0: float) -> xr.Dataset:
     speeds = sweep["omega"].values
-    dense = np.linspace(speeds.min(), speeds.max(), CURVE_POINTS)
+    lowest, highest = float(speeds.min()), float(speeds.max())
+    if zeta > 0.0 and 0.0 < lowest < highest:
+        dense = speeds_of_curves(zeta=zeta, delta0=delta0, lowest=lowest, highest=highest)
+    else:
+        dense = np.linspace(lowest, highest, CURVE_POINTS)
     omega = np.union1d(speeds, dense)
     return rotor_ida.synchronous_response(omega=omega, zeta=zeta, delta0=delta0)

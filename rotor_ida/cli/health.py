@@ -41,10 +41,10 @@ def versions() -> dict[str, object]:
     found: dict[str, object] = {"python": platform.python_version()}
     found |= {name: _version(name) for name in PACKAGES}
     try:
-        found["SUNDIALS"] = str(importlib.import_module("sksundae").SUNDIALS_VERSION)
-    except (ImportError, AttributeError):
-        found["SUNDIALS"] = None
-    return found
+        solver = importlib.import_module("rotor_ida.dataset.provenance").versions()
+    except ImportError:
+        solver = {}
+    return found | {"SUNDIALS": solver.get("sundials_version")}
 
 
 def backends() -> list[str]:

@@ -10,6 +10,8 @@ from rotor_ida.errors import InputError
 
 LARGEST_RANGE = 1_000_000
 MOST_POINTS = 5_000_000
+MOST_SAMPLES = 10_000_000
+MOST_WORKERS = 512
 
 
 def number(name: str, word: str) -> float:
@@ -27,19 +29,32 @@ def number(name: str, word: str) -> float:
     return check_real(name, _float(word))
 
 
-def whole_number(name: str, word: str, minimum: int = 1) -> int:
-    """Return a word as a whole number of at least `minimum`.
+def whole_number(name: str, word: str, minimum: int, maximum: int) -> int:
+    """Return a word as a whole number between two limits.
 
     Examples
     --------
-    >>> whole_number("workers", "2")
+    >>> whole_number("workers", "2", 1, 512)
     2
-    >>> whole_number("workers", "2.5")
+    >>> whole_number("workers", "2.5", 1, 512)
     Traceback (most recent call last):
     ...
     rotor_ida.errors.InputError: workers must be a whole number, got '2.5'
     """
-    return check_count(name, _int(word), minimum)
+    count = check_count(name, _int(word), minimum)
+    if count > maximum:
+        raise InputError(f"{name} must be at most {maximum}, got {count}")
+    return count
+
+
+def samples(word: str) -> int:
+    """Return a number of samples that fits into the memory of most machines."""
+    return whole_number("samples", word, 2, MOST_SAMPLES)
+
+
+def workers(word: str | None) -> int | None:
+    """Return a number of processes; None if none was given."""
+    return None if word is None else whole_number("workers", word, 1, MOST_WORKERS)
 
 
 def numbers(name: str, words: Sequence[str]) -> list[float]:
@@ -78,9 +93,7 @@ def _range(name: str, word: str) -> list[float]:
     if len(parts) != 3:
         raise InputError(f"{name} must be numbers or START:STOP:COUNT, got {word!r}")
     start, stop = number(name, parts[0]), number(name, parts[1])
-    count = whole_number(f"COUNT of {name}", parts[2], minimum=2)
-    if count > LARGEST_RANGE:
-        raise InputError(f"COUNT of {name} must be at most {LARGEST_RANGE}, got {count}")
+    count = whole_number(f"COUNT of {name}", parts[2], 2, LARGEST_RANGE)
     step = (stop - start) / (count - 1)
     return [*(start + place * step for place in range(count - 1)), stop]
 

@@ -9,7 +9,7 @@ from typing import TextIO
 from cyclopts import CycloptsError
 
 from rotor_ida.cli.application import application
-from rotor_ida.cli.report import Report, print_report
+from rotor_ida.cli.report import Report, console_on, text_of
 from rotor_ida.cli.streams import results_only
 from rotor_ida.errors import InputError, RotorError
 
@@ -46,15 +46,23 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 def _run(words: list[str], results: TextIO) -> int:
-    command, bound, _ = application(results).parse_args(
-        words, print_error=False, exit_on_error=False
-    )[:3]
-    answer = command(*bound.args, **bound.kwargs)
+    console = console_on(results)
+    command, bound = application(console).parse_args(words, print_error=False, exit_on_error=False)[
+        :2
+    ]
+    with console.capture() as help_text:
+        answer = command(*bound.args, **bound.kwargs)
+    if not isinstance(answer, Report):
+        _write(help_text.get(), results)
+        return answer if isinstance(answer, int) else DONE
+    _write(text_of(answer, console), results)
+    return _complain(answer.trouble, FAILED) if answer.trouble else DONE
+
+
+def _write(text: str, results: TextIO) -> None:
+    """Write all of it, so that an error of the stream is met here."""
+    results.write(text)
     results.flush()
-    if isinstance(answer, Report):
-        print_report(answer, results)
-        return _complain(answer.trouble, FAILED) if answer.trouble else DONE
-    return answer if isinstance(answer, int) else DONE
 
 
 def _status_of(error: BaseException) -> int:
@@ -70,17 +78,27 @@ def _words_for(error: BaseException) -> str:
         return "interrupted"
     if isinstance(error, MemoryError):
         return "not enough memory for this much data"
+    if isinstance(error, OSError) and error.strerror:
+        return f"{error.filename or 'standard output'}: {error.strerror}"
     return str(error)
 
 
 def _misread(error: CycloptsError) -> str:
-    """Return in one line what could not be read."""
+    """Return in one line what could not be read; the classes differ between versions."""
     error.verbose = False
-    unused = getattr(error, "unused_tokens", None)
-    if type(error).__name__ == "UnusedCliTokensError" and unused:
+    kind, unused = type(error).__name__, error.unused_tokens or []
+    token, argument = getattr(error, "token", None), error.argument
+    if kind == "UnknownOptionError" and token is not None:
+        return f"unknown option {token.keyword or token.value!r}"
+    if kind == "UnusedCliTokensError" and unused:
         return f"unexpected argument {unused[0]!r}"
-    argument = getattr(error, "argument", None)
-    if type(error).__name__ == "MissingArgumentError" and argument is not None:
+    if kind in {"UnknownCommandError", "InvalidCommandError"} and error.root_input_tokens:
+        return f"unknown command {error.root_input_tokens[0]!r}: see rotor-ida --help"
+    if kind == "MissingArgumentError" and argument is not None:
+        # An option that is misspelt is the likelier cause.
+        misspelt = [word for word in unused if word.startswith("--")]
+        if misspelt and argument.name not in unused:
+            return f"unknown option {misspelt[0]!r}"
         return f"{argument.name} must be given a value"
     message = str(error)
     return message[:1].lower() + message[1:].rstrip(".")

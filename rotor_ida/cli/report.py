@@ -36,17 +36,24 @@ class Report:
     trouble: str = ""
 
 
-def print_report(report: Report, stream: TextIO) -> None:
-    """Write a report, all of it: an error of the stream is met here."""
+def console_on(stream: TextIO) -> Console:
+    """Return a console that shows words as they are."""
+    return Console(file=stream, highlight=False, markup=False, emoji=False)
+
+
+def text_of(report: Report, console: Console) -> str:
+    """Return what is to be printed of a report.
+
+    rich writes nothing itself: it would end the program when the reader of a pipe goes away.
+    """
     if report.as_json:
-        stream.write(json.dumps(plain(report.record), allow_nan=False, indent=2) + "\n")
-    else:
-        console = Console(file=stream, highlight=False, markup=False, emoji=False)
-        if not console.is_terminal:
-            console.width = NO_TERMINAL_WIDTH
+        return json.dumps(plain(report.record), allow_nan=False, indent=2) + "\n"
+    if not console.is_terminal:
+        console.width = NO_TERMINAL_WIDTH
+    with console.capture() as shown:
         for part in report.parts:
             console.print(part)
-    stream.flush()
+    return shown.get()
 
 
 def plain(value: object) -> object:

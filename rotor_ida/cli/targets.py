@@ -5,13 +5,10 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from rotor_ida.errors import InputError
 
-if TYPE_CHECKING:
-    import xarray as xr
-
+OUT_ENDING = ".nc"
 FIGURE_ENDINGS = (".png", ".svg")
 MOST_PANELS = 12
 
@@ -34,34 +31,33 @@ class Targets:
     figure: Path | None = None
     force: bool = False
 
-    def write(self, dataset: xr.Dataset) -> list[str]:
-        """Write what is wanted; return a line for each file."""
-        import rotor_ida  # noqa: PLC0415
-        from rotor_ida.cli.figures import draw  # noqa: PLC0415
-
-        written = []
-        if self.out is not None:
-            rotor_ida.save(dataset, self.out, overwrite=self.force)
-            written.append(f"wrote {self.out}")
-        if self.figure is not None:
-            files = draw(dataset, self.figure, overwrite=self.force)
-            written += [f"wrote {file}" for file in files]
-        return written
-
 
 def check_targets(
     *, out: str | None = None, figure: str | None = None, panels: int = 1, force: bool = False
 ) -> Targets:
     """Return the files to be written, refusing what cannot be."""
-    if figure is not None and panels > MOST_PANELS:
-        raise InputError(
-            f"figure can show at most {MOST_PANELS} pairs of zeta and delta0, got {panels}"
-        )
+    if figure is not None:
+        check_panels(panels)
     return Targets(
-        out=None if out is None else _check("out", out, force),
+        out=None if out is None else _check_out(out, force),
         figure=None if figure is None else _check_figure(figure, force),
         force=force,
     )
+
+
+def check_panels(panels: int) -> int:
+    """Return a number of panels that can still be read."""
+    if panels > MOST_PANELS:
+        raise InputError(
+            f"figure can show at most {MOST_PANELS} pairs of zeta and delta0, got {panels}"
+        )
+    return panels
+
+
+def _check_out(word: str, force: bool) -> Path:
+    if word and Path(word).suffix != OUT_ENDING:
+        raise InputError(f"out must end in {OUT_ENDING}, got {word!r}")
+    return _check("out", word, force)
 
 
 def _check_figure(word: str, force: bool) -> Path:

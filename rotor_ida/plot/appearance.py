@@ -37,7 +37,8 @@ LABELS = {
 SYMBOLS = {"omega": r"\omega", "zeta": r"\zeta", "delta0": r"\delta_0"}
 
 # Legends list what they hold in this order, whatever was drawn first.
-STABLE, UNSTABLE, NEUTRAL, FOLD = "stable whirl", "unstable whirl", "contact-free whirl", "fold"
+STABLE, UNSTABLE, NEUTRAL = "stable whirl", "unstable whirl", "neutral whirl"
+CONTACT_FREE, FOLD = "contact-free whirl", "fold"
 KIND_WORDS = {
     "synchronous": "synchronous response",
     "contact_free": "contact-free response",
@@ -47,8 +48,18 @@ KIND_WORDS = {
 }
 FROM_REST, FROM_START = "each speed from rest", "each speed from its start"
 GOING_UP, GOING_DOWN = "speed going up", "speed going down"
-_ORDER = [STABLE, UNSTABLE, NEUTRAL, FOLD, *KIND_WORDS.values(), FROM_REST, FROM_START, GOING_UP,
-          GOING_DOWN]  # fmt: skip
+_ORDER = [
+    STABLE,
+    UNSTABLE,
+    NEUTRAL,
+    CONTACT_FREE,
+    FOLD,
+    *KIND_WORDS.values(),
+    FROM_REST,
+    FROM_START,
+    GOING_UP,
+    GOING_DOWN,
+]
 
 _SETTINGS: Any = {
     "font.family": "STIXGeneral",

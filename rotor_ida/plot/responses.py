@@ -14,6 +14,7 @@ from rotor_ida.dataset.schema import flags_of
 from rotor_ida.errors import InputError
 from rotor_ida.plot.appearance import (
     BLUE,
+    CONTACT_FREE,
     FOLD,
     FROM_REST,
     FROM_START,
@@ -54,6 +55,7 @@ class _Look:
     colour: str
     filled: bool
     is_range: bool
+    dotted: bool = False
 
 
 KINDS = {
@@ -61,7 +63,7 @@ KINDS = {
     "contact_free": _Look(BLUE, False, False),
     "bouncing": _Look(ORANGE, False, True),
     "full_contact": _Look(PURPLE, True, True),
-    "unresolved": _Look(GREY, False, True),
+    "unresolved": _Look(GREY, False, True, dotted=True),
 }
 DIRECTIONS = {0: ("o", 4.2), 1: ("^", 3.4), -1: ("v", 3.4)}
 
@@ -155,7 +157,9 @@ def _plot(
     fold_points: xr.Dataset | None,
     ax: Axes | None,
 ) -> Axes:
-    exact = check_dataset("exact", exact, (*PARAMETERS, "amplitude", "phase_lag", "stability"))
+    exact = check_dataset(
+        "exact", exact, (*PARAMETERS, "amplitude", "phase_lag", "stability", "in_contact")
+    )
     zeta, delta0 = (one_value("exact", exact, name) for name in ("zeta", "delta0"))
     fold_omega, fold_value = np.empty(0), np.empty(0)
     if fold_points is not None:
@@ -223,8 +227,12 @@ def _draw_exact(
         fold_value=fold_value,
     )
     words = {flag: word for word, flag in flags.items()}
+    neutral = exact["stability"] == flags["neutral"]
     for stability in sorted({branch.stability for branch in branches}):
         label, line, width = LINES[words[stability]]
+        # without damping contacting whirls are neutral too
+        if label == NEUTRAL and not (neutral & (exact["in_contact"] == 1)).any():
+            label = CONTACT_FREE
         omega: list[float] = []
         value: list[float] = []
         for branch in branches:
@@ -264,7 +272,8 @@ def _draw_simulated(ax: Axes, simulated: xr.Dataset, quantity: str) -> None:
 def _draw_ranges(ax: Axes, look: _Look, points: dict[str, Values], words: str) -> None:
     ax.vlines(
         points["omega"], points["radius_min"], points["radius_max"], color=look.colour,
-        lw=1.8 if look.filled else 0.9, zorder=3.0, label=words,
+        lw=1.8 if look.filled else 0.9,
+        ls=(0, (1, 1.6)) if look.dotted else "-", zorder=3.0, label=words,
     )  # fmt: skip
     for end in ("radius_min", "radius_max"):
         _draw_marks(ax, look, points, points[end], 0.75)

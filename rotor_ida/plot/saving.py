@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -63,9 +65,23 @@ def save_figure(
     for path in paths:
         if path.exists() and not overwrite:
             raise InputError(f"stem must not exist unless overwrite is true, got {str(path)!r}")
-    for path in paths:
-        _write(figure, path)
+    with style(), _settled_layout(figure):
+        for path in paths:
+            _write(figure, path)
     return paths
+
+
+@contextmanager
+def _settled_layout(figure: Figure) -> Iterator[None]:
+    """Lay the figure out and hold that, so that no file depends on what was drawn before it."""
+    for _ in range(2):
+        figure.draw_without_rendering()
+    engine = figure.get_layout_engine()
+    figure.set_layout_engine("none")
+    try:
+        yield
+    finally:
+        figure.set_layout_engine(engine)
 
 
 def _write(figure: Figure, path: Path) -> None:
@@ -74,7 +90,7 @@ def _write(figure: Figure, path: Path) -> None:
     canvas = FigureCanvasAgg if ending == "png" else FigureCanvasSVG
     before = figure.canvas
     try:
-        with style(), part.open("wb") as file:
+        with part.open("wb") as file:
             canvas(figure).print_figure(
                 file, format=ending, dpi=_DOTS_PER_INCH, metadata=_METADATA[ending]
             )

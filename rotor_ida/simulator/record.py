@@ -63,7 +63,9 @@ class Record:
 
     def waiting(self, span: float) -> Values:
         """Return the sample times of the next `span`, counted from now."""
-        last = int(np.searchsorted(self.sample_times, self.time + span, side="right"))
+        # time + left may fall short of the duration by rounding; its sample must not be lost.
+        until = self.duration if span >= self.left else self.time + span
+        last = int(np.searchsorted(self.sample_times, until, side="right"))
         return np.clip(self.sample_times[self.sampled : last] - self.time, 0.0, span)
 
     def take(self, rows: Values) -> None:

@@ -9,6 +9,8 @@ from scipy.special import beta
 from rotor_ida import InputError, Rotor, SimulationError, simulate
 from rotor_ida.model import angular_momentum, energy
 from rotor_ida.simulator import contact_phase, loop
+from rotor_ida.simulator.options import Options
+from rotor_ida.simulator.record import Record
 from rotor_ida.simulator.solver import SolverFailure
 
 LEAVING = beta(0.4, 0.5) / math.sqrt(5.0)  # time from rest at A to the ring, times (A-delta0)^1/4
@@ -214,3 +216,15 @@ def test_bad_input_gets_one_clear_line(changes, message):
 def test_the_mode_at_the_start_is_a_function_of_its_own():
     assert loop.starts_in_contact(HARD, 2.1 + 0j, 0j)
     assert not loop.starts_in_contact(HARD, 1.9 + 0j, 5 + 0j)
+
+
+def test_no_sample_is_lost_to_rounding_at_the_end():
+    """time + (duration - time) may fall short of the duration by an ulp."""
+    rng = np.random.default_rng(0)
+    times, durations = rng.uniform(0.0, 60.0, (2, 100_000))
+    short = np.flatnonzero((times < durations) & (times + (durations - times) < durations))
+    assert short.size > 10
+    for number in short[:10]:
+        time, duration = float(times[number]), float(durations[number])
+        record = Record(HARD, Options(), duration, np.array([duration]), 0j, 0j, time=time)
+        assert record.waiting(record.left).size == 1

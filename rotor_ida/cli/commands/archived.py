@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from rotor_ida.cli import options
 from rotor_ida.cli.archives import read
 from rotor_ida.cli.report import Report
@@ -12,6 +14,7 @@ FIRST_ROWS = 10
 
 def show(
     file: options.File,
+    /,
     *,
     figure: options.Figure = None,
     as_json: options.AsJson = False,
@@ -23,14 +26,15 @@ def show(
 
         rotor-ida show run.nc --figure run.png
     """
-    from rotor_ida.cli.describe import describe, origin  # noqa: PLC0415 - heavy, not for --help
+    from rotor_ida.cli.answer import answer  # noqa: PLC0415 - heavy, and not for --help
+    from rotor_ida.cli.describe import origin  # noqa: PLC0415
 
     targets = check_targets(figure=figure, force=force)
     dataset = read(file)
-    record, parts = describe(dataset, most=FIRST_ROWS)
+    report = answer(dataset, targets, as_json=as_json, most=FIRST_ROWS)
     sizes = {str(dim): size for dim, size in dataset.sizes.items()}
-    return Report(
-        record={"file": file, **record, "dimensions": sizes},
-        parts=[origin(dataset), *parts, *targets.write(dataset)],
-        as_json=as_json,
+    return replace(
+        report,
+        record={"file": file, **report.record, "dimensions": sizes},
+        parts=[origin(dataset), *report.parts],
     )

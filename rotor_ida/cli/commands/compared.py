@@ -14,6 +14,7 @@ from rotor_ida.errors import InputError
 
 def compare(
     file: options.File,
+    /,
     *,
     out: options.Out = None,
     as_json: options.AsJson = False,
@@ -25,11 +26,10 @@ def compare(
 
         rotor-ida compare sweep.nc --out compared.nc
     """
-    from rotor_ida.cli.describe import describe  # noqa: PLC0415 - heavy, and not for --help
+    from rotor_ida.cli.answer import answer  # noqa: PLC0415 - heavy, and not for --help
 
     targets = check_targets(out=out, force=force)
     if targets.out is not None and os.path.realpath(targets.out) == os.path.realpath(file):
         raise InputError(f"out must not be the file that is compared, got {out!r}")
     compared = rotor_ida.compare(read(file))
-    record, parts = describe(compared)
-    return Report(record=record, parts=[*parts, *targets.write(compared)], as_json=as_json)
+    return answer(compared, targets, as_json=as_json)

@@ -2,29 +2,33 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
 from rotor_ida.cli import options, parsing
 
+Only = Annotated[
+    list[str] | None,
+    Parameter(help="Names of the scenarios to run.", consume_multiple=True, negative=()),
+]
+
 
 def reproduce(
     *,
     out: Annotated[str, Parameter(help="Folder for archives and figures.")] = "results",
     quick: Annotated[bool, Parameter(help="Coarser and faster.", negative=())] = False,
-    only: Annotated[str | None, Parameter(help="Name of the one scenario to run.")] = None,
+    only: Only = None,
     workers: options.Workers = None,
     force: options.Force = False,
 ) -> int:
     """Compute every figure of the paper and every study again.
 
-    All of them, quickly:
+    One of them, coarse but quick:
 
-        rotor-ida reproduce --quick --out results
+        rotor-ida reproduce --only fig10_11_amplitude --quick --out results
     """
     from rotor_ida import reproduction  # noqa: PLC0415 - heavy, and not for --help
 
-    processes = None if workers is None else parsing.whole_number("workers", workers)
-    return reproduction.reproduce(Path(out), quick=quick, only=only, workers=processes, force=force)
+    processes = parsing.workers(workers)
+    return reproduction.reproduce(out, quick=quick, only=only, workers=processes, force=force)

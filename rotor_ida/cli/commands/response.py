@@ -15,6 +15,9 @@ from rotor_ida.errors import InputError
 if TYPE_CHECKING:
     import xarray as xr
 
+# More rows are for programs, with --json or --out.
+MOST_ROWS = 1000
+
 WithFolds = Annotated[
     bool, Parameter(help="Also list the folds; alone if no --omega is given.", negative=())
 ]
@@ -40,7 +43,7 @@ def response(
         rotor-ida response --omega 0.5:3:251 --zeta 0.07 --delta0 0 2 \
             --out whirls.nc --figure whirls.png
     """
-    from rotor_ida.cli.describe import describe  # noqa: PLC0415 - heavy, and not for --help
+    from rotor_ida.cli.answer import answer  # noqa: PLC0415 - heavy, and not for --help
 
     dampings, clearances = parsing.numbers("zeta", zeta), parsing.numbers("delta0", delta0)
     speeds = [] if omega is None and folds else parsing.numbers("omega", omega or [])
@@ -49,12 +52,11 @@ def response(
         raise InputError("figure must be of whirls: give --omega")
     panels = len(dampings) * len(clearances)
     targets = check_targets(out=out, figure=figure, panels=panels, force=force)
-    dataset = _answer(speeds, dampings, clearances, folds)
-    record, parts = describe(dataset)
-    return Report(record=record, parts=[*parts, *targets.write(dataset)], as_json=as_json)
+    dataset = _computed(speeds, dampings, clearances, folds)
+    return answer(dataset, targets, as_json=as_json, most=MOST_ROWS)
 
 
-def _answer(
+def _computed(
     speeds: list[float], dampings: list[float], clearances: list[float], with_folds: bool
 ) -> xr.Dataset:
     """Return whirls, folds, or whirls with their folds beside them."""

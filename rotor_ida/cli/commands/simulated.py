@@ -41,7 +41,7 @@ def simulate(
         rotor-ida simulate --omega 1.2 --zeta 0.07 --delta0 0.5 \
             --start 0 0 0 0 --duration 20 --out run.nc
     """
-    from rotor_ida.cli.describe import describe  # noqa: PLC0415 - heavy, and not for --help
+    from rotor_ida.cli.answer import answer  # noqa: PLC0415 - heavy, and not for --help
 
     targets = check_targets(out=out, figure=figure, force=force)
     if len(start) > 1:
@@ -54,12 +54,11 @@ def simulate(
         ),
         start=parsing.state("start", " ".join(start).split()),
         duration=parsing.number("duration", duration),
-        samples=parsing.whole_number("samples", samples, minimum=2),
+        samples=parsing.samples(samples),
         rtol=parsing.number("rtol", rtol),
         atol=parsing.number("atol", atol),
         method=cast("Method", method),
         flight=cast("Flight", flight),
         backend=cast("Backend", backend),
     )
-    record, parts = describe(run, most=FIRST_ROWS)
-    return Report(record=record, parts=[*parts, *targets.write(run)], as_json=as_json)
+    return answer(run, targets, as_json=as_json, most=FIRST_ROWS)

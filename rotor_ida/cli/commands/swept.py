@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import os
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING, cast
 
 import rotor_ida
@@ -45,7 +44,8 @@ def sweep(
         rotor-ida sweep --omega 1.2:2:3 --zeta 0.5 --delta0 0 0.5 \
             --start 0 0 0 0 --start 10 0 0 0 --workers 1 --out sweep.nc
     """
-    from rotor_ida.cli.describe import describe  # noqa: PLC0415 - heavy, and not for --help
+    from rotor_ida.cli.answer import answer  # noqa: PLC0415 - heavy, and not for --help
+    from rotor_ida.scenario import count_workers  # noqa: PLC0415
 
     axes = [
         parsing.numbers(name, words)
@@ -53,7 +53,7 @@ def sweep(
     ]
     starts = [parsing.state("start", words.split()) for words in start]
     points = parsing.check_points(*axes, starts) * (2 if direction == "both" else 1)
-    processes = _cores() if workers is None else parsing.whole_number("workers", workers)
+    processes = count_workers(parsing.workers(workers))
     panels = len(axes[1]) * len(axes[2])
     targets = check_targets(out=out, figure=figure, panels=panels, force=force)
     with _progress() as progress:
@@ -72,13 +72,7 @@ def sweep(
             workers=min(processes, points),
             progress=progress,
         )
-    record, parts = describe(dataset)
-    return Report(
-        record=record,
-        parts=[*parts, *targets.write(dataset)],
-        as_json=as_json,
-        trouble=_failures(dataset),
-    )
+    return answer(dataset, targets, as_json=as_json, trouble=_failures(dataset))
 
 
 def _failures(dataset: xr.Dataset) -> str:
@@ -89,25 +83,10 @@ def _failures(dataset: xr.Dataset) -> str:
     return f"{failed.sum()} of {failed.size} points failed; the first: {first}"
 
 
-def _cores() -> int:
-    """Return the number of cores that this process may use."""
-    allowed = getattr(os, "sched_getaffinity", None)  # not on every system
-    return len(allowed(0)) if allowed else os.cpu_count() or 1
-
-
-@contextmanager
-def _progress() -> Iterator[Callable[[int, int], None] | None]:
+def _progress() -> AbstractContextManager[Callable[[int, int], None] | None]:
     """Show a bar on standard error, if someone is there to see it."""
+    from rotor_ida.scenario import progress_bar  # noqa: PLC0415 - heavy, and not for --help
+
     if sys.stderr is None or not sys.stderr.isatty():
-        yield None
-        return
-    from rich.console import Console  # noqa: PLC0415 - only a terminal needs it
-    from rich.progress import Progress  # noqa: PLC0415
-
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("points", total=None)
-
-        def show(done: int, total: int) -> None:
-            bar.update(task, completed=done, total=total)
-
-        yield show
+        return nullcontext()
+    return progress_bar("sweep")

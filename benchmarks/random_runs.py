@@ -1,0 +1,95 @@
+"""Simulate random rotors from random starts: none may raise, break an invariant or not end.
+
+Parameters are log-uniform over omega 0.05 .. 8, zeta 0 .. 2 (a tenth of them exactly 0) and
+delta0 0 .. 20 (a tenth exactly 0), starts uniform up to 3 delta0, some of them at rest, on the
+ring or in contact. The events of a part of the runs are confirmed by a second method, BDF with
+integrated flight, within the errors that the two runs state.
+
+    python benchmarks/random_runs.py --runs 10000 --confirm 200
+"""
+
+import argparse
+import math
+import sys
+import time
+
+import numpy as np
+
+from rotor_ida import Rotor, RotorError, simulate
+from rotor_ida.testing import assert_events_close
+
+
+def random_case(rng):
+    """Return a random rotor, start and duration."""
+    omega = math.exp(rng.uniform(math.log(0.05), math.log(8.0)))
+    zeta = 0.0 if rng.random() < 0.1 else math.exp(rng.uniform(math.log(1e-8), math.log(2.0)))
+    delta0 = 0.0 if rng.random() < 0.1 else math.exp(rng.uniform(math.log(1e-3), math.log(20.0)))
+    start = rng.uniform(-1.0, 1.0, 4) * 3.0 * (delta0 or 1.0) / math.sqrt(2.0)
+    kind = rng.integers(10)
+    if kind == 0:
+        start[:] = 0.0
+    elif kind == 1:
+        start[:3] = delta0, 0.0, 0.0
+    elif kind == 2:
+        start[:2] = delta0, 0.0
+    duration = min(max(20.0, 10 * 2.0 * math.pi / omega), 60.0)
+    return Rotor(omega=omega, zeta=zeta, delta0=delta0), tuple(start.tolist()), duration
+
+
+def confirmed(rotor, start, duration, run):
+    """Return whether BDF with integrated flight finds the same events, up to the horizons."""
+    other = simulate(
+        rotor,
+        start=start,
+        duration=duration,
+        samples=2,
+        rtol=1e-11,
+        atol=1e-13,
+        method="bdf",
+        flight="cvode",
+    )
+    sure = np.isfinite(run.event_time_error.values)
+    count = int(np.argmin(sure)) if not sure.all() else sure.size
+    if not np.isfinite(other.event_time_error.values[:count]).all():
+        count = int(np.argmin(np.isfinite(other.event_time_error.values[:count])))
+    try:
+        assert_events_close(run.isel(event=slice(count)), other.isel(event=slice(count)))
+    except AssertionError as error:
+        print(f"not confirmed: {rotor} {start}\n{error}")
+        return False
+    return True
+
+
+def main():
+    """Run the study and print what came of it; exit 1 if anything did go wrong."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--runs", type=int, default=1000)
+    parser.add_argument("--confirm", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=1)
+    arguments = parser.parse_args()
+    rng = np.random.default_rng(arguments.seed)
+    failed = unconfirmed = events = 0
+    slowest = 0.0
+    for number in range(arguments.runs):
+        rotor, start, duration = random_case(rng)
+        began = time.perf_counter()
+        try:
+            run = simulate(rotor, start=start, duration=duration, samples=101)
+        except RotorError as error:
+            failed += 1
+            print(f"failed: {rotor} {start}\n{error}")
+            continue
+        slowest = max(slowest, time.perf_counter() - began)
+        events += run.sizes["event"]
+        if number < arguments.confirm:
+            unconfirmed += not confirmed(rotor, start, duration, run)
+    print(
+        f"{arguments.runs} runs, {events} events: {failed} failed; "
+        f"{min(arguments.confirm, arguments.runs)} held against BDF with integrated flight: "
+        f"{unconfirmed} not confirmed; slowest run {slowest:.2f} s"
+    )
+    return 1 if failed or unconfirmed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,57 @@
+"""The program called inside this process, and archives for it to read."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+import rotor_ida
+from rotor_ida.cli import main
+
+
+@dataclass(frozen=True)
+class Answer:
+    status: int
+    out: str
+    err: str
+
+
+Program = Callable[..., Answer]
+
+
+@pytest.fixture
+def program(
+    capfd: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> Program:
+    """Return the program; it runs in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*words: object) -> Answer:
+        capfd.readouterr()
+        status = main([str(word) for word in words])
+        shown = capfd.readouterr()
+        return Answer(status, shown.out, shown.err)
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def archives(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with a run, a sweep and whirls, and files that are no archives."""
+    folder = tmp_path_factory.mktemp("archives")
+    rotor = rotor_ida.Rotor(omega=1.2, zeta=0.07, delta0=2.0)
+    run = rotor_ida.simulate(rotor, start=(0, 0, 0, 0), duration=60.0)
+    rotor_ida.save(run, folder / "run.nc")
+    sweep = rotor_ida.sweep(omega=[1.2, 2.0], zeta=0.5, delta0=[0.0, 0.5])
+    rotor_ida.save(sweep, folder / "sweep.nc")
+    whirls = rotor_ida.synchronous_response(omega=[1.2, 1.7], zeta=0.07, delta0=[0.0, 0.5])
+    rotor_ida.save(whirls, folder / "whirls.nc")
+    rotor_ida.save(rotor_ida.folds(zeta=0.07, delta0=0.5), folder / "folds.nc")
+    rotor_ida.save(rotor_ida.compare(sweep), folder / "compared.nc")
+    (folder / "text.nc").write_text("no archive")
+    (folder / "empty.nc").write_bytes(b"")
+    (folder / "cut.nc").write_bytes((folder / "run.nc").read_bytes()[:2000])
+    return folder

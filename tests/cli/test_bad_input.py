@@ -1,0 +1,159 @@
+"""Every mistake gets exactly one line on standard error, status 2, and leaves nothing behind."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+Program = Callable[..., Any]
+
+GOOD = {
+    "--omega": "1.2", "--zeta": "0.07", "--delta0": "0.5", "--start": "0 0 0 0",
+    "--duration": "1",
+}  # fmt: skip
+
+
+def simulate(**changes: str) -> str:
+    """Return a line that is right but for the changes."""
+    words = GOOD | {f"--{name}": value for name, value in changes.items()}
+    return " ".join(["simulate", *(f"{name} {value}" for name, value in words.items())])
+
+
+def sweep(**changes: str) -> str:
+    words = {"omega": "1", "zeta": "0.5", "delta0": "0"} | changes
+    return " ".join(["sweep", *(f"--{name} {value}" for name, value in words.items())])
+
+
+FINITE = "must be a finite real number, got"
+MISTAKES = [
+    # values
+    (simulate(omega="nan"), f"omega {FINITE} nan"),
+    (simulate(omega="inf"), f"omega {FINITE} inf"),
+    (simulate(omega="-inf"), f"omega {FINITE} -inf"),
+    (simulate(omega="-1"), "omega must be zero or positive, got -1.0"),
+    (simulate(omega="fast"), f"omega {FINITE} 'fast'"),
+    (simulate(omega="1,2"), f"omega {FINITE} '1,2'"),
+    (simulate(omega="1 2"), "unexpected argument '2'"),
+    (simulate(zeta="-1e-3"), "zeta must be zero or positive, got -0.001"),
+    (simulate(delta0="nan"), f"delta0 {FINITE} nan"),
+    (simulate(start="1 2 3"), "start must be four numbers (x, y, vx, vy), got [1.0, 2.0, 3.0]"),
+    (simulate(start="1 2 3 4 5"), "start must be four numbers"),
+    (simulate(start=""), "start must be four numbers"),
+    (simulate(start="1 2 3 nan"), f"start vy {FINITE} nan"),
+    (simulate(start="1 -x 3 4"), "unknown option '-x'"),
+    (simulate(start="0 0 0 0 --start 1 0 0 0"), "start must be given once, got 2 starts"),
+    (simulate(duration="0"), "duration must be positive, got 0.0"),
+    (simulate(duration="-5"), "duration must be positive, got -5.0"),
+    (simulate(samples="1"), "samples must be at least 2, got 1"),
+    (simulate(samples="10.5"), "samples must be a whole number, got '10.5'"),
+    (simulate(samples="1000000000000"), "samples must be at most 10000000"),
+    (simulate(rtol="0"), "rtol must be positive, got 0.0"),
+    (simulate(rtol="0.5"), "rtol must lie from"),
+    (simulate(atol="nan"), f"atol {FINITE} nan"),
+    (simulate(method="rk4"), "method must be one of 'adams', 'bdf', 'ida', got 'rk4'"),
+    (simulate(flight="up"), "flight must be one of 'exact', 'cvode', got 'up'"),
+    (simulate(backend="gpu"), "backend must be one of"),
+    # ranges and grids
+    ("response --omega 1:2 --zeta 0 --delta0 0", "omega must be numbers or START:STOP:COUNT"),
+    ("response --omega 1:2:1 --zeta 0 --delta0 0", "COUNT of omega must be at least 2, got 1"),
+    ("response --omega 1:2:x --zeta 0 --delta0 0", "COUNT of omega must be a whole number"),
+    ("response --omega 1:nan:3 --zeta 0 --delta0 0", f"omega {FINITE} nan"),
+    ("response --omega -1:2:3 --zeta 0 --delta0 0", "omega must be zero or positive, got -1.0"),
+    ("response --omega 1:2:9999999 --zeta 0 --delta0 0", "must be at most 1000000, got 9999999"),
+    ("response --omega 0:1:9999 --zeta 0:1:9999 --delta0 0", "at most 5000000 points"),
+    ("response --omega 1 -1 --zeta 0 --delta0 0", "omega must be zero or positive, got -1.0"),
+    ("response --omega 1e300 --zeta 0 --delta0 0", "omega must be 0 or between"),
+    ("response --zeta 0 --delta0 0", "omega must hold at least one number"),
+    ("response --omega --zeta 0 --delta0 0", "omega must"),
+    # sweeps
+    (sweep(direction="sideways"), "direction must be one of 'up', 'down', 'both'"),
+    (sweep(omega="2 1", direction="up"), "omega must increase"),
+    (sweep(workers="0"), "workers must be at least 1, got 0"),
+    (sweep(workers="two"), "workers must be a whole number, got 'two'"),
+    (sweep(workers="100000"), "workers must be at most 512"),
+    (sweep(start="1 0 0 --start 1 0 0 0 0"), "start must be four numbers"),
+    (sweep(method="rk4"), "method must be one of"),
+    # words
+    ("fly", "unknown command 'fly'"),
+    ("--fly", "unknown command '--fly'"),
+    ("basin", "unknown command 'basin'"),
+    ("simulate", "--omega must be given a value"),
+    ("simulate --omega", "--omega must be given a value"),
+    ("simulate --omga 1", "unknown option '--omga'"),
+    (simulate(colour="red"), "unknown option '--colour'"),
+    (simulate() + " --omega 2", "--omega specified multiple times"),
+    (simulate() + " --json yes", "unexpected argument 'yes'"),
+    ("doctor now", "unexpected argument 'now'"),
+    ("compare", "FILE must be given a value"),
+    # files to write
+    (simulate(out="taken.nc"), "out must not exist unless --force is given, got 'taken.nc'"),
+    (simulate(out="nowhere/run.nc"), "out must be in a folder that exists, got 'nowhere/run.nc'"),
+    (simulate(out="folder.nc"), "out must be a file, got the folder 'folder.nc'"),
+    (simulate(out="run.png"), "out must end in .nc, got 'run.png'"),
+    (simulate(out=""), "--out must be given a value"),
+    (simulate(figure="taken.png"), "figure must not exist unless --force is given"),
+    (simulate(figure="taken.svg"), "figure must not exist unless --force is given"),
+    (simulate(figure="nowhere/run.png"), "figure must be in a folder that exists"),
+    (simulate(figure="run.gif"), "figure must end in .png or .svg, got 'run.gif'"),
+    (
+        "response --omega 1 --zeta 0:1:4 --delta0 0:1:4 --figure a.png",
+        "at most 12 pairs of zeta and delta0, got 16",
+    ),
+    ("response --zeta 0.1 --delta0 0 --folds --figure a.png", "figure must be of whirls"),
+    (sweep(out="taken.nc"), "out must not exist unless --force is given"),
+    # files to read
+    ("show nothing.nc", "must be a file that exists, got 'nothing.nc'"),
+    ("show .", "must be a file, got the folder '.'"),
+    ("show {text}", "is not an archive of rotor_ida"),
+    ("show {empty}", "is not an archive of rotor_ida: it is empty"),
+    ("show {cut}", "truncated or damaged"),
+    ("show {run} --figure nowhere/a.png", "figure must be in a folder that exists"),
+    ("show {folds} --figure a.png", "figure must be of a run, of whirls or of a sweep"),
+    ("compare {run}", "compare needs a sweep"),
+    ("compare {text}", "is not an archive of rotor_ida"),
+    ("compare {sweep} --out {sweep} --force", "out must not be the file that is compared"),
+    ("compare {sweep} --out taken.nc", "out must not exist unless --force is given"),
+    # reproduce
+    ("reproduce --workers -1", "workers must be at least 1, got -1"),
+    ("reproduce --only nothing", "must be one of"),
+    ("reproduce --fast", "unknown option '--fast'"),
+]
+
+
+@pytest.mark.parametrize(("line", "message"), MISTAKES, ids=[line for line, _ in MISTAKES])
+def test_a_mistake_gets_one_line(program: Program, archives: Path, line: str, message: str):
+    Path("taken.nc").write_text("mine")
+    Path("taken.png").write_text("mine")
+    Path("folder.nc").mkdir()
+    before = sorted(Path().rglob("*"))
+    names = ("run", "sweep", "folds", "text", "empty", "cut")
+    answer = program(*line.format(**{name: archives / f"{name}.nc" for name in names}).split())
+    assert answer.status == 2
+    assert answer.out == ""
+    assert re.fullmatch(r"rotor-ida: [^\n]+\n", answer.err)
+    assert message in answer.err
+    assert sorted(Path().rglob("*")) == before
+    assert Path("taken.nc").read_text() == Path("taken.png").read_text() == "mine"
+
+
+def test_an_empty_word_is_no_number_and_no_path(program: Program):
+    assert "got ''" in program("response", "--omega", "", "--zeta", 0, "--delta0", 0).err
+    assert "out must be the path of a file, got ''" in (
+        program("response", "--omega", 1, "--zeta", 0, "--delta0", 0, "--out", "").err
+    )
+
+
+def test_what_can_be_written_is_asked_before_anything_is_computed(
+    program: Program, monkeypatch: pytest.MonkeyPatch
+):
+    def never(*_args: object, **_options: object) -> None:
+        raise AssertionError("it was computed")
+
+    monkeypatch.setattr("rotor_ida.simulation.simulate", never)
+    monkeypatch.setattr("rotor_ida.sweeps.sweep", never)
+    for command in (simulate(out="nowhere/a.nc"), sweep(figure="nowhere/a.png")):
+        assert program(*command.split()).status == 2

@@ -1,0 +1,260 @@
+"""Each command answers what the library answers, in words and in full precision."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import rotor_ida
+
+Program = Callable[..., Any]
+
+RUN = ("--omega", 1.2, "--zeta", 0.07, "--delta0", 2, "--start", 0, 0, 0, 0, "--duration", 60)
+SWEEP = ("--omega", 1.2, 2, "--zeta", 0.5, "--delta0", 0, 0.5)
+
+
+@pytest.fixture(scope="module")
+def run() -> xr.Dataset:
+    rotor = rotor_ida.Rotor(omega=1.2, zeta=0.07, delta0=2.0)
+    return rotor_ida.simulate(rotor, start=(0, 0, 0, 0), duration=60.0)
+
+
+def column(rows: list[dict[str, float]], name: str) -> list[float]:
+    return [np.nan if row[name] is None else row[name] for row in rows]
+
+
+def test_simulate_prints_json_in_full_precision(program: Program, run: xr.Dataset):
+    answer = program("simulate", *RUN, "--json")
+    assert (answer.status, answer.err) == (0, "")
+    record = json.loads(answer.out)
+    assert record["parameters"] == {
+        "omega": 1.2, "zeta": 0.07, "delta0": 2.0, "start": [0, 0, 0, 0], "duration": 60.0
+    }  # fmt: skip
+    assert run.sizes["event"] > 3
+    assert column(record["events"], "event_time") == run["event_time"].values.tolist()
+    assert record["events"][0]["event_kind"] == "entry"
+    assert record["starts_in_contact"] is False
+    for name in ("entry_time", "exit_time", "peak_time", "peak_indentation", "peak_force"):
+        np.testing.assert_array_equal(column(record["contacts"], name), run[name].values)
+    assert record["method"]["rtol"] == 1e-10
+
+
+def test_a_contact_without_exit_is_null_in_json(program: Program):
+    answer = program("simulate", *RUN[:-1], 4, "--json")
+    assert json.loads(answer.out)["contacts"][-1]["exit_time"] is None
+
+
+def test_simulate_prints_a_summary(program: Program, run: xr.Dataset):
+    answer = program("simulate", *RUN)
+    assert (answer.status, answer.err) == (0, "")
+    assert f"Events: {run.sizes['event']}" in answer.out or "first 10 of" in answer.out
+    assert f"{float(run['peak_force'].max()):.10g}" in answer.out
+    assert f"{float(run['event_time'][0]):.10g}" in answer.out
+
+
+def test_simulate_passes_every_option_on(program: Program):
+    options = (
+        *("--samples", 11, "--rtol", 1e-7, "--atol", 1e-9, "--method", "bdf"),
+        *("--flight", "cvode", "--backend", "python", "--out", "run.nc"),
+    )
+    answer = program("simulate", *RUN, *options)
+    assert answer.status == 0
+    assert "wrote run.nc" in answer.out
+    kept = rotor_ida.load("run.nc")
+    assert kept.sizes["time"] == 11
+    assert [kept.attrs[name] for name in ("rtol", "atol", "method", "flight", "backend")] == [
+        1e-7, 1e-9, "bdf", "cvode", "python"
+    ]  # fmt: skip
+
+
+def test_negative_components_of_a_start_are_read(program: Program):
+    start = ("--start", -1, "-1e-3", "-.5", -0.0)
+    words = ("--omega", 1, "--zeta", 0.1, "--delta0", 3, *start, "--duration", 1, "--json")
+    assert json.loads(program("simulate", *words).out)["parameters"]["start"] == [
+        -1.0, -0.001, -0.5, 0.0
+    ]  # fmt: skip
+
+
+def test_a_file_is_replaced_only_by_force(program: Program):
+    Path("run.nc").write_text("mine")
+    refused = program("simulate", *RUN, "--out", "run.nc")
+    assert refused.status == 2
+    assert Path("run.nc").read_text() == "mine"
+    assert program("simulate", *RUN, "--out", "run.nc", "--force").status == 0
+    assert "event_time" in rotor_ida.load("run.nc")
+
+
+def test_response_lists_the_known_whirls(program: Program):
+    words = ("response", "--omega", 1.7, "--zeta", 0.07, "--delta0", 0)
+    record = json.loads(program(*words, "--json").out)
+    exact = rotor_ida.synchronous_response(omega=1.7, zeta=0.07, delta0=0.0).squeeze()
+    for name in ("amplitude", "phase_lag", "growth_rate"):
+        assert column(record["whirls"], name) == exact[name].values.tolist()
+    assert [whirl["stability"] for whirl in record["whirls"]] == ["stable", "unstable", "stable"]
+    assert [whirl["in_contact"] for whirl in record["whirls"]] == [True, True, True]
+    answer = program(*words)
+    assert "6.193210961" in answer.out
+    assert "unstable" in answer.out
+
+
+def test_branches_that_are_absent_are_left_out(program: Program):
+    words = ("response", "--omega", 1.2, 1.7, "--zeta", 0.07, "--delta0", 0.5, "--json")
+    whirls = json.loads(program(*words).out)["whirls"]
+    assert [whirl["omega"] for whirl in whirls] == [1.2, 1.7, 1.7, 1.7]
+
+
+def test_response_lists_folds_alone_or_beside_the_whirls(program: Program):
+    words = ("response", "--zeta", 0.07, "--delta0", 0, "--folds")
+    alone = json.loads(program(*words, "--json").out)
+    exact = rotor_ida.folds(zeta=0.07, delta0=0.0)["fold_omega"].values.ravel()
+    assert column(alone["folds"], "fold_omega") == exact.tolist()
+    beside = program(*words, "--omega", 1.7, "--out", "both.nc", "--json")
+    assert json.loads(beside.out)["folds"] == alone["folds"]
+    assert {"amplitude", "fold_omega"} <= set(rotor_ida.load("both.nc").data_vars)
+    assert "Folds: 2" in program(*words).out
+
+
+def test_no_fold_is_said_in_words(program: Program):
+    answer = program("response", "--zeta", 0.5, "--delta0", 0, "--folds")
+    assert (answer.status, answer.out) == (0, "Folds: none\n")
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_sweep_answers_as_the_library_does(program: Program, archives: Path, workers: int):
+    answer = program("sweep", *SWEEP, "--workers", workers, "--out", "sweep.nc", "--json")
+    assert (answer.status, answer.err) == (0, "")
+    record, expected = json.loads(answer.out), rotor_ida.load(archives / "sweep.nc")
+    for name in ("amplitude", "phase_lag", "radius_min", "event_count"):
+        np.testing.assert_array_equal(
+            column(record["responses"], name), expected[name].values.ravel()
+        )
+    np.testing.assert_array_equal(rotor_ida.load("sweep.nc")["amplitude"], expected["amplitude"])
+
+
+def test_sweep_takes_several_starts_and_a_direction(program: Program):
+    words = (
+        *("sweep", "--omega", "1.2:1.4:2", "--zeta", 0.5, "--delta0", 0, "--workers", 1),
+        *("--start", 1, 0, 0, 0, "--start", -1, 0, 0, -2, "--direction", "both"),
+    )
+    record = json.loads(program(*words, "--json").out)
+    assert [start["start_x"] for start in record["starts"]] == [1.0, -1.0]
+    assert [start["start_vy"] for start in record["starts"]] == [0.0, -2.0]
+    assert {point["direction"] for point in record["responses"]} == {"up", "down"}
+    assert len(record["responses"]) == 8
+    assert "synchronous" in program(*words).out
+
+
+def test_a_sweep_with_failed_points_keeps_them_and_says_so(
+    program: Program, archives: Path, monkeypatch: pytest.MonkeyPatch
+):
+    swept = rotor_ida.load(archives / "sweep.nc").copy(deep=True)
+    swept["status"][1] = 1
+    swept["message"] = swept["message"].astype("<U20")
+    swept["message"][1] = "the solver gave up"
+    monkeypatch.setattr("rotor_ida.sweeps.sweep", lambda **_: swept)
+    answer = program("sweep", *SWEEP, "--out", "sweep.nc")
+    assert answer.status == 1
+    assert answer.err == "rotor-ida: 2 of 4 points failed; the first: the solver gave up\n"
+    assert Path("sweep.nc").exists()
+
+
+def test_compare_counts_by_clearance(program: Program, archives: Path):
+    answer = program("compare", archives / "sweep.nc", "--out", "compared.nc", "--json")
+    assert (answer.status, answer.err) == (0, "")
+    record = json.loads(answer.out)
+    assert [row["on_branch"] for row in record["summary"]] == [2, 2]
+    expected = rotor_ida.load(archives / "compared.nc")
+    assert column(record["points"], "digits") == expected["digits"].values.ravel().tolist()
+    np.testing.assert_array_equal(rotor_ida.load("compared.nc")["digits"], expected["digits"])
+    assert "on branch" in program("compare", archives / "sweep.nc").out
+
+
+@pytest.mark.parametrize("kind", ["run", "sweep", "whirls", "folds", "compared"])
+def test_show_tells_every_kind(program: Program, archives: Path, kind: str):
+    path = archives / f"{kind}.nc"
+    record = json.loads(program("show", path, "--json").out)
+    assert record["kind"] == {"compared": "comparison"}.get(kind, kind)
+    assert record["dimensions"] == dict(rotor_ida.load(path).sizes)
+    answer = program("show", path)
+    assert (answer.status, answer.err) == (0, "")
+    assert record["kind"] in answer.out
+
+
+def test_show_tells_what_else_an_archive_holds(program: Program):
+    rotor_ida.save(xr.Dataset({"height": ("place", [1.0], {"units": "m"})}), "other.nc")
+    assert "height" in program("show", "other.nc").out
+
+
+def test_show_repeats_what_simulate_said(program: Program):
+    said = json.loads(program("simulate", *RUN, "--out", "run.nc", "--json").out)
+    shown = json.loads(program("show", "run.nc", "--json").out)
+    assert {name: shown[name] for name in ("events", "contacts", "parameters")} == {
+        name: said[name] for name in ("events", "contacts", "parameters")
+    }
+    assert shown["versions"]["sundials"]
+
+
+@pytest.mark.parametrize("kind", ["run", "sweep", "whirls"])
+def test_show_draws(program: Program, archives: Path, kind: str):
+    answer = program("show", archives / f"{kind}.nc", "--figure", "drawn.svg")
+    assert (answer.status, answer.err) == (0, "")
+    assert Path("drawn.png").read_bytes().startswith(b"\x89PNG")
+    assert b"<svg" in Path("drawn.svg").read_bytes()[:1000]
+
+
+def test_doctor_finds_this_installation_well(program: Program):
+    answer = program("doctor", "--json")
+    assert (answer.status, answer.err) == (0, "")
+    record = json.loads(answer.out)
+    assert "python" in record["backends"]
+    assert all(record["versions"].values())
+    assert {check["result"] for check in record["checks"]} == {"ok"}
+
+
+def test_doctor_finds_a_solver_that_is_wrong(program: Program, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("rotor_ida.closed_forms.planar_period", lambda _depth: 6.0)
+    answer = program("doctor")
+    assert answer.status == 1
+    assert "event times are wrong by" in answer.out
+    assert "Backends that can be used: none" in answer.out
+    assert answer.err == "rotor-ida: 2 of 3 checks failed\n"
+
+
+def test_doctor_finds_a_solver_that_is_missing(program: Program, monkeypatch: pytest.MonkeyPatch):
+    def missing(*_args: object, **_options: object) -> None:
+        raise ImportError("no module named sksundae")
+
+    monkeypatch.setattr("rotor_ida.simulation.simulate", missing)
+    answer = program("doctor")
+    assert answer.status == 1
+    assert "ImportError: no module named sksundae" in answer.out
+
+
+@pytest.mark.parametrize("status", [0, 1])
+def test_reproduce_passes_its_options_on(
+    program: Program, monkeypatch: pytest.MonkeyPatch, status: int
+):
+    calls: list[object] = []
+
+    def reproduce(folder: object, **options: object) -> int:
+        calls.append((folder, options))
+        print("going on")
+        return status
+
+    monkeypatch.setattr("rotor_ida.reproduction.reproduce", reproduce)
+    answer = program("reproduce", "--out", "x", "--quick", "--only", "a", "b", "--workers", 3)
+    assert (answer.status, answer.out, answer.err) == (status, "", "going on\n")
+    options = {"quick": True, "only": ["a", "b"], "workers": 3, "force": False}
+    assert calls == [("x", options)]
+
+
+def test_a_long_table_is_cut_and_says_so(program: Program):
+    words = ("response", "--omega", "0.5:1:1001", "--zeta", 0.5, "--delta0", 0)
+    assert "first 1000 of 1001 (all with --json)" in program(*words).out
+    assert len(json.loads(program(*words, "--json").out)["whirls"]) == 1001

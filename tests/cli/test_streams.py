@@ -1,0 +1,162 @@
+"""Standard output holds the result and nothing else, whatever the solver and the shell do."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rotor_ida.cli import main
+from rotor_ida.errors import ArchiveError, SimulationError
+
+Program = Callable[..., Any]
+
+RESPONSE = ["response", "--omega", "1.7", "--zeta", "0.07", "--delta0", "0.5", "--json"]
+ROTOR = ["--omega", "1", "--zeta", "0.1", "--delta0", "0.5"]
+RUN = ["simulate", *ROTOR, "--start", "0", "0", "0", "0", "--duration", "1"]
+
+
+def python(code: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=False
+    )
+
+
+def test_what_the_solver_writes_to_descriptor_1_is_not_in_the_result(
+    program: Program, monkeypatch: pytest.MonkeyPatch
+):
+    from rotor_ida import simulation
+
+    quiet = simulation.simulate
+
+    def noisy(*args: object, **options: object) -> object:
+        os.write(1, b"[WARNING][rank 0] from C\n")
+        print("from Python")
+        return quiet(*args, **options)  # type: ignore[arg-type]
+
+    monkeypatch.setattr("rotor_ida.simulation.simulate", noisy)
+    answer = program(*RUN, "--json")
+    assert json.loads(answer.out)["kind"] == "run"
+    assert sorted(answer.err.splitlines()) == ["[WARNING][rank 0] from C", "from Python"]
+
+
+def test_descriptor_1_is_given_back(program: Program, capfd: pytest.CaptureFixture[str]):
+    program(*RUN)
+    os.write(1, b"mine again")
+    assert capfd.readouterr().out == "mine again"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="calls the C library by its POSIX name")
+def test_what_c_has_buffered_does_not_follow_the_result():
+    code = """
+import ctypes, sys
+from rotor_ida import simulation
+from rotor_ida.cli import main
+quiet = simulation.simulate
+def noisy(*args, **options):
+    ctypes.CDLL(None).printf(b"late words from C\\n")
+    return quiet(*args, **options)
+simulation.simulate = noisy
+sys.exit(main())
+"""
+    ended = python(code, *RUN, "--json")
+    assert ended.returncode == 0
+    assert json.loads(ended.stdout)["kind"] == "run"
+    assert ended.stderr == "late words from C\n"
+
+
+def test_a_solver_that_gives_up_is_status_1_and_one_line(
+    program: Program, monkeypatch: pytest.MonkeyPatch
+):
+    def fail(*_args: object, **_options: object) -> None:
+        os.write(1, b"[ERROR][rank 0] mxstep steps taken before reaching tout\n")
+        raise SimulationError("too much work", time=1.5, state=(0.0, 1.0, 2.0, 3.0))
+
+    monkeypatch.setattr("rotor_ida.simulation.simulate", fail)
+    answer = program(*RUN, "--out", "run.nc")
+    assert (answer.status, answer.out) == (1, "")
+    assert answer.err.splitlines()[1] == (
+        "rotor-ida: too much work (at t = 1.5, state (x, y, vx, vy) = (0, 1, 2, 3))"
+    )
+    assert not Path("run.nc").exists()
+
+
+@pytest.mark.parametrize(
+    ("error", "status", "line"),
+    [
+        (KeyboardInterrupt(), 130, "interrupted"),
+        (MemoryError(), 1, "not enough memory for this much data"),
+        (ArchiveError("cannot write run.nc: the disk is full"), 1, "cannot write run.nc: the disk"),
+        (OSError(28, "No space left on device", "a.png"), 1, "a.png: No space left on device"),
+    ],
+)
+def test_what_stops_a_command_gets_one_line(
+    program: Program,
+    monkeypatch: pytest.MonkeyPatch,
+    error: BaseException,
+    status: int,
+    line: str,
+):
+    def stop(*_args: object, **_options: object) -> None:
+        raise error
+
+    monkeypatch.setattr("rotor_ida.simulation.simulate", stop)
+    answer = program(*RUN)
+    assert (answer.status, answer.out) == (status, "")
+    assert answer.err.startswith(f"rotor-ida: {line}")
+    assert answer.err.count("\n") == 1
+
+
+def test_a_stream_that_replaces_standard_output_gets_the_result(
+    capsys: pytest.CaptureFixture[str],
+):
+    assert main(RESPONSE) == 0
+    assert json.loads(capsys.readouterr().out)["kind"] == "whirls"
+
+
+def test_no_number_is_cut_in_a_pipe(program: Program):
+    words = ["response", "--omega", "1.7", "--zeta", "0.0700001", "--delta0", "0.5000001"]
+    out = program(*words).out
+    assert "…" not in out
+    assert "0.0700001" in out
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a shell of POSIX")
+@pytest.mark.parametrize(
+    ("redirection", "status", "complaint"),
+    [
+        ("| head -c 9 > /dev/null; exit ${PIPESTATUS[0]}", 141, ""),
+        (">&-", 0, ""),
+        ("2>&- >&- <&-", 0, ""),
+        ("> /dev/full", 1, "rotor-ida: standard output: No space left on device\n"),
+    ],
+)
+def test_a_stream_that_is_closed_or_full(redirection: str, status: int, complaint: str):
+    if "/dev/full" in redirection and not Path("/dev/full").exists():
+        pytest.skip("no /dev/full here")
+    words = "response --omega 0.5:3:1500 --zeta 0.07 --delta0 0.5 --json"
+    program = f"{sys.executable} -c 'import sys; from rotor_ida.cli import main; sys.exit(main())'"
+    ended = subprocess.run(
+        ["bash", "-c", f"{program} {words} {redirection}"],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert (ended.returncode, ended.stderr) == (status, complaint)
+
+
+def test_what_was_computed_is_printed_even_if_it_cannot_be_kept(
+    program: Program, monkeypatch: pytest.MonkeyPatch
+):
+    def full(*_args: object, **_options: object) -> None:
+        raise ArchiveError("cannot write run.nc: No space left on device")
+
+    monkeypatch.setattr("rotor_ida.archive.save", full)
+    answer = program(*RUN, "--out", "run.nc", "--json")
+    assert answer.status == 1
+    assert json.loads(answer.out)["kind"] == "run"
+    assert answer.err == "rotor-ida: cannot write run.nc: No space left on device\n"

@@ -1,0 +1,53 @@
+import numpy as np
+import pytest
+import xarray as xr
+
+from rotor_ida import Rotor, folds, simulate, synchronous_response
+from rotor_ida.dataset.schema import RESPONSE, labelled
+from rotor_ida.scenario import speeds_of_curves
+
+ZETA, DELTA0 = 0.07, 0.5
+
+
+@pytest.fixture(scope="session")
+def exact():
+    omega = speeds_of_curves(zeta=ZETA, delta0=DELTA0, lowest=0.05, highest=3.0, points=80)
+    return synchronous_response(omega=omega, zeta=ZETA, delta0=DELTA0)
+
+
+@pytest.fixture(scope="session")
+def fold_points():
+    return folds(zeta=ZETA, delta0=DELTA0)
+
+
+@pytest.fixture(scope="session")
+def run():
+    rotor = Rotor(omega=1.7, zeta=ZETA, delta0=DELTA0)
+    return simulate(rotor, start=(0.0, 0.0, 0.0, 0.0), duration=20.0, samples=201)
+
+
+@pytest.fixture
+def simulated():
+    """One response of each kind, at five speeds, going up and down; not a simulation."""
+    kinds = ["contact_free", "synchronous", "bouncing", "full_contact", "unresolved"]
+    dims = ("omega", "zeta", "delta0", "start", "direction")
+    shape = (5, 1, 1, 1, 2)
+    flags = np.array([RESPONSE[kind] for kind in kinds], dtype=np.int8)
+    spread = np.array([0.0, 0.0, 1.0, 0.5, 0.2])
+    columns = {
+        "response": flags,
+        "amplitude": np.full(5, 1.2),
+        "phase_lag": np.full(5, 2.9),
+        "radius_min": 1.2 - spread,
+        "radius_max": 1.2 + spread,
+    }
+    variables = {
+        name: labelled(name, dims, np.broadcast_to(column.reshape(5, 1, 1, 1, 1), shape).copy())
+        for name, column in columns.items()
+    }
+    axes = {"omega": np.linspace(0.5, 2.5, 5), "zeta": [ZETA], "delta0": [DELTA0]}
+    coordinates = {name: labelled(name, name, values) for name, values in axes.items()}
+    coordinates["direction"] = labelled("direction", "direction", np.array([1, -1], np.int8))
+    for name in ("x", "y", "vx", "vy"):
+        coordinates[f"start_{name}"] = labelled(f"start_{name}", "start", [0.0])
+    return xr.Dataset(variables, coordinates)

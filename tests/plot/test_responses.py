@@ -1,0 +1,140 @@
+import math
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from rotor_ida import InputError, synchronous_response
+from rotor_ida.plot import panels, plot_amplitude, plot_phase, shared_legend
+
+
+def line(ax, label):
+    (found,) = (each for each in ax.lines if each.get_label() == label)
+    return found
+
+
+def legend_texts(ax):
+    return [text.get_text() for text in ax.get_legend().get_texts()]
+
+
+def test_axes_are_labelled_with_name_and_symbol(exact):
+    ax = plot_amplitude(exact)
+    assert ax.get_xlabel() == r"spin speed $\omega$"
+    assert ax.get_ylabel() == "amplitude $A$"
+    assert plot_phase(exact).get_ylabel() == r"phase lag $\theta$"
+
+
+def test_stable_unstable_and_neutral_whirls_differ_without_colour(exact):
+    ax = plot_amplitude(exact)
+    styles = {
+        repr(line(ax, label)._unscaled_dash_pattern)
+        for label in ("stable whirl", "unstable whirl", "contact-free whirl")
+    }
+    assert len(styles) == 3
+
+
+def test_lines_hold_the_whirls_of_their_stability(exact):
+    ax = plot_amplitude(exact)
+    unstable = exact["amplitude"].where(exact["stability"] == 1).values
+    shown = line(ax, "unstable whirl").get_ydata()
+    assert np.isin(unstable[np.isfinite(unstable)], shown).all()
+    assert np.nanmax(line(ax, "stable whirl").get_ydata()) == exact["amplitude"].max()
+
+
+def test_whole_resonance_is_inside_the_panel(exact):
+    ax = plot_amplitude(exact)
+    assert ax.get_ylim()[1] > exact["amplitude"].max() > 13.2
+
+
+def test_folds_are_marked_where_they_are(exact, fold_points):
+    marks = line(plot_amplitude(exact, fold_points=fold_points), "fold")
+    assert marks.get_linestyle() == "None"
+    np.testing.assert_array_equal(marks.get_xdata(), fold_points["fold_omega"].values.ravel())
+    np.testing.assert_array_equal(marks.get_ydata(), fold_points["fold_amplitude"].values.ravel())
+
+
+def test_folds_lie_on_the_phase_curve(exact, fold_points):
+    """Two branches of the phase close in on it from the last speed before it."""
+    marks = line(plot_phase(exact, fold_points=fold_points), "fold")
+    lags = marks.get_ydata()
+    assert ((lags > 0.5 * math.pi) & (lags < math.pi)).all()
+    last = exact.sel(omega=slice(0.0, marks.get_xdata()[-1] - 1e-9)).isel(omega=-1).squeeze()
+    below, above = sorted(np.sort(last["phase_lag"].values - lags[-1])[:2])
+    assert -0.1 < below <= 0.0 <= above < 0.1
+
+
+def test_responses_that_no_curve_shows_are_bars_over_their_radius(exact, simulated):
+    ax = plot_amplitude(exact, simulated=simulated)
+    bars = {each.get_label(): each for each in ax.collections}
+    bouncing = bars["bouncing: range of $|z|$"].get_segments()[0]
+    np.testing.assert_allclose(bouncing, [[1.5, 0.2], [1.5, 2.2]])
+    assert {"full contact: range of $|z|$", "unresolved: range of $|z|$"} <= set(bars)
+
+
+def test_legend_names_every_kind_and_direction_once(exact, simulated, fold_points):
+    ax = plot_amplitude(exact, simulated=simulated, fold_points=fold_points)
+    assert legend_texts(ax) == [
+        "stable whirl",
+        "unstable whirl",
+        "contact-free whirl",
+        "fold",
+        "synchronous response",
+        "contact-free response",
+        "bouncing: range of $|z|$",
+        "full contact: range of $|z|$",
+        "unresolved: range of $|z|$",
+        "speed going up",
+        "speed going down",
+    ]
+
+
+def test_directions_have_marks_of_their_own(exact, simulated):
+    ax = plot_phase(exact, simulated=simulated)
+    assert line(ax, "speed going up").get_marker() != line(ax, "speed going down").get_marker()
+
+
+def test_draws_on_the_axes_given(exact):
+    ax = Figure().subplots()
+    assert plot_amplitude(exact, ax=ax) is ax
+
+
+def test_panels_share_the_tallest_range_and_one_legend(exact):
+    figure, axes = panels(1, 2)
+    flat = synchronous_response(omega=np.linspace(0.1, 3.0, 30), zeta=1.0, delta0=0.0)
+    plot_amplitude(exact, ax=axes[0])
+    plot_amplitude(flat, ax=axes[1])
+    shared_legend(figure, axes)
+    assert axes[0].get_ylim()[1] > 13.2
+    assert [ax.get_legend() for ax in axes] == [None, None]
+    assert [ax.get_title(loc="left") for ax in axes] == ["a", "b"]
+    assert len(figure.legends) == 1
+
+
+def test_several_clearances_are_refused():
+    several = synchronous_response(omega=[1.0, 2.0], zeta=0.07, delta0=[0.0, 1.0])
+    with pytest.raises(InputError, match=r"exact must hold one delta0, got 2.*\.sel\(delta0"):
+        plot_amplitude(several)
+    assert plot_amplitude(several.sel(delta0=1.0)).lines
+
+
+def test_other_parameters_than_those_of_the_curve_are_refused(exact, simulated):
+    with pytest.raises(InputError, match=r"simulated must have the zeta of exact, 0\.07"):
+        plot_amplitude(exact, simulated=simulated.assign_coords(zeta=[0.1]))
+
+
+@pytest.mark.parametrize("plot", [plot_amplitude, plot_phase])
+def test_another_dataset_is_refused(plot, run, exact, fold_points):
+    with pytest.raises(InputError, match=r"exact must hold .* it lacks amplitude"):
+        plot(run)
+    with pytest.raises(InputError, match="exact must be a Dataset, got int"):
+        plot(3)
+    with pytest.raises(InputError, match="simulated must hold"):
+        plot(exact, simulated=fold_points)
+    with pytest.raises(InputError, match="ax must be matplotlib Axes, got str"):
+        plot(exact, ax="here")
+
+
+def test_contacting_whirls_without_damping_are_not_called_contact_free():
+    undamped = synchronous_response(omega=np.linspace(0.1, 3.0, 30), zeta=0.0, delta0=0.5)
+    assert "neutral whirl" in legend_texts(plot_amplitude(undamped))
+    assert "contact-free whirl" not in legend_texts(plot_amplitude(undamped))

@@ -1,0 +1,82 @@
+import subprocess
+import sys
+
+import matplotlib as mpl
+import pytest
+
+from rotor_ida import InputError
+from rotor_ida.plot import panels, plot_amplitude, plot_run, save_figure, shared_legend, style
+
+
+def test_figures_are_the_same_to_the_byte(tmp_path, run, exact, fold_points, simulated):
+    def draw(stem):
+        figure, axes = panels(1, 2)
+        for ax in axes:
+            plot_amplitude(exact, fold_points=fold_points, simulated=simulated, ax=ax)
+        shared_legend(figure, axes)
+        return [
+            *save_figure(figure, tmp_path / stem),
+            *save_figure(plot_run(run), tmp_path / f"{stem}_run"),
+        ]
+
+    for first, second in zip(draw("one"), draw("two"), strict=True):
+        assert first.read_bytes() == second.read_bytes()
+
+
+def test_saving_twice_gives_the_same_file(tmp_path, run):
+    figure = plot_run(run)
+    for first, second in zip(
+        save_figure(figure, tmp_path / "a"), save_figure(figure, tmp_path / "b"), strict=True
+    ):
+        assert first.read_bytes() == second.read_bytes()
+
+
+def test_writes_png_at_200_dots_per_inch_and_svg_without_a_date(tmp_path):
+    figure, _ = panels(1, 1, width=2.0, height=1.0)
+    png, svg = save_figure(figure, tmp_path / "v1.5")
+    assert [png.name, svg.name] == ["v1.5.png", "v1.5.svg"]
+    # width and height stand in the header of a PNG
+    assert int.from_bytes(png.read_bytes()[16:20], "big") == 400
+    assert "dc:date" not in svg.read_text()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["v1.5.png", "v1.5.svg"]
+
+
+def test_existing_files_are_kept_unless_asked(tmp_path):
+    figure, _ = panels(1, 1, width=1.0, height=1.0)
+    (tmp_path / "kept.svg").write_text("mine")
+    with pytest.raises(InputError, match=r"must not exist unless overwrite is true.*kept\.svg"):
+        save_figure(figure, tmp_path / "kept")
+    assert (tmp_path / "kept.svg").read_text() == "mine"
+    save_figure(figure, tmp_path / "kept", overwrite=True)
+    assert (tmp_path / "kept.svg").read_text() != "mine"
+
+
+def test_folder_must_exist(tmp_path):
+    figure, _ = panels(1, 1, width=1.0, height=1.0)
+    with pytest.raises(InputError, match="folder that exists"):
+        save_figure(figure, tmp_path / "none" / "stem")
+    with pytest.raises(InputError, match="must be a matplotlib Figure, got str"):
+        save_figure("figure", tmp_path / "stem")
+
+
+def test_style_of_the_user_is_left_alone(exact):
+    before = dict(mpl.rcParams)
+    with mpl.rc_context({"axes.labelsize": 40.0, "font.size": 30.0}):
+        ax = plot_amplitude(exact)
+        assert mpl.rcParams["font.size"] == 30.0
+    assert ax.xaxis.label.get_fontsize() == 10.0
+    assert dict(mpl.rcParams) == before
+    with style():
+        pass
+    assert dict(mpl.rcParams) == before
+
+
+def test_plots_need_no_solver():
+    code = (
+        "import sys, rotor_ida.plot\n"
+        "barred = ('sksundae', 'rotor_ida.simul', 'rotor_ida.sweeps', 'rotor_ida.settling', "
+        "'matplotlib.pyplot')\n"
+        "print([name for name in sys.modules if name.startswith(barred)])"
+    )
+    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert shown.stdout.strip() == "[]"
