@@ -42,7 +42,7 @@ def main(settings: Settings) -> None:
     save(exact, settings.folder / "fig10.nc", overwrite=settings.force)
     draw("fig10", exact, None, settings)
 
-    speeds = np.linspace(LOWEST, HIGHEST, 13 if settings.quick else 60)
+    speeds = np.linspace(LOWEST, HIGHEST, 9 if settings.quick else 60)
     with progress_bar("each speed from rest") as progress:
         from_rest = sweep(omega=speeds, **parameters, workers=settings.workers, progress=progress)
     save(from_rest, settings.folder / "fig11_from_rest.nc", overwrite=settings.force)

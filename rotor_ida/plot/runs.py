@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -27,34 +26,18 @@ from rotor_ida.plot.appearance import (
     shared_legend,
     style,
 )
+from rotor_ida.plot.paths import Path, path_of
 
 Values = npt.NDArray[np.float64]
 
 PARAMETERS = ("omega", "zeta", "delta0")
 NEEDED = (*PARAMETERS, "time", "x", "y", "vx", "vy", "starts_in_contact", "event_time",
-          "event_kind", "event_x", "event_y", "entry_time", "exit_time")  # fmt: skip
-# Between outputs the motion is drawn as the cubic that has its velocities too, but only where
-# they lie closer than this part of a revolution; farther apart it would be an invention.
-SMOOTH_BELOW = 0.2
-POINTS_A_REVOLUTION = 90
+          "event_kind", "event_x", "event_y", "event_vx", "event_vy", "entry_time",
+          "exit_time")  # fmt: skip
 # Above these numbers of events their marks get smaller, and then are left out: they would hide
 # the motion, and the colours of contact and flight say the same.
 FEW_EVENTS, MANY_EVENTS = 40, 120
 DASHES = (0, (4, 2))
-
-
-@dataclass(frozen=True, slots=True)
-class _Path:
-    """The motion, drawn densely enough to look as smooth as it is."""
-
-    time: Values
-    x: Values
-    y: Values
-    in_contact: npt.NDArray[np.bool_]
-
-    @property
-    def radius(self) -> Values:
-        return np.hypot(self.x, self.y)
 
 
 def plot_run(run: xr.Dataset) -> Figure:
@@ -86,7 +69,7 @@ def plot_run(run: xr.Dataset) -> Figure:
     """
     run = check_dataset("run", run, (*NEEDED, "peak_time", "peak_force"))
     delta0 = one_value("run", run, "delta0")
-    path = _path(run)
+    path = path_of(run)
     with style():
         layout = ConstrainedLayoutEngine(h_pad=0.03, hspace=0.0)
         figure = Figure(figsize=(7.2, 4.8), layout=layout)
@@ -143,62 +126,10 @@ def plot_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     run = check_dataset("run", run, NEEDED)
     with style():
         ax = axes_or_new(ax, width=4.0, height=4.9)
-        _draw_orbit(ax, run, _path(run), one_value("run", run, "delta0"))
+        _draw_orbit(ax, run, path_of(run), one_value("run", run, "delta0"))
         legend_below(ax)
         ax.set_title(_title(run))
     return ax
-
-
-def _path(run: xr.Dataset) -> _Path:
-    """Return outputs and events in one sequence, with points between where they lie close."""
-    names = ("x", "y", "vx", "vy")
-    times = np.concatenate([run["time"].values, run["event_time"].values])
-    table = np.concatenate(
-        [
-            np.stack([run[name].values for name in names], axis=1),
-            np.stack([run[f"event_{name}"].values for name in names], axis=1),
-        ]
-    )
-    times, first = np.unique(times, return_index=True)
-    states = table[first]
-    steps = np.diff(times)
-    revolutions = max(1.0, one_value("run", run, "omega")) / (2.0 * math.pi)
-    points = np.clip(np.ceil(steps * revolutions * POINTS_A_REVOLUTION), 1, None).astype(int)
-    points[steps * revolutions > SMOOTH_BELOW] = 1
-    fine, x, y = [times[:1]], [states[:1, 0]], [states[:1, 1]]
-    for number in np.unique(points):
-        rows = np.nonzero(points == number)[0]
-        part = np.arange(1, number + 1) / number
-        fine.append((times[rows, None] + part * steps[rows, None]).ravel())
-        for out, place, speed in ((x, 0, 2), (y, 1, 3)):
-            out.append(
-                _cubic(
-                    part, steps[rows, None], states[rows, place], states[rows + 1, place],
-                    states[rows, speed], states[rows + 1, speed],
-                ).ravel()
-            )  # fmt: skip
-    time = np.concatenate(fine)
-    order = np.argsort(time, kind="stable")
-    time = time[order]
-    return _Path(time, np.concatenate(x)[order], np.concatenate(y)[order], _in_contact(run, time))
-
-
-def _cubic(part: Values, step: Values, a: Values, b: Values, va: Values, vb: Values) -> Values:
-    """Return the Hermite cubic between places `a` and `b` with velocities `va` and `vb`."""
-    rise = part * part * (3.0 - 2.0 * part)
-    bend_a, bend_b = part * (1.0 - part) ** 2, part * part * (part - 1.0)
-    ends = a[:, None] * (1.0 - rise) + b[:, None] * rise
-    return np.asarray(ends + step * (va[:, None] * bend_a + vb[:, None] * bend_b))
-
-
-def _in_contact(run: xr.Dataset, time: Values) -> npt.NDArray[np.bool_]:
-    """Return whether the stretch that begins at each time is in contact."""
-    passed = np.searchsorted(run["event_time"].values, time, side="right")
-    entry = flags_of(run["event_kind"])["entry"]
-    after = np.concatenate(
-        [[bool(run["starts_in_contact"].values)], run["event_kind"].values == entry]
-    )
-    return np.asarray(after[passed], dtype=bool)
 
 
 def _contacts(run: xr.Dataset) -> list[tuple[float, float]]:
@@ -250,7 +181,7 @@ def _draw_forces(ax: Axes, run: xr.Dataset) -> None:
         ax.text(0.5, 0.5, "no contact", transform=ax.transAxes, ha="center", va="center")
 
 
-def _draw_orbit(ax: Axes, run: xr.Dataset, path: _Path, delta0: float) -> None:
+def _draw_orbit(ax: Axes, run: xr.Dataset, path: Path, delta0: float) -> None:
     if delta0 > 0.0:
         turn = np.linspace(0.0, 2.0 * math.pi, 361)
         ax.plot(delta0 * np.cos(turn), delta0 * np.sin(turn), color=INK, lw=0.9, ls=DASHES,
@@ -258,9 +189,9 @@ def _draw_orbit(ax: Axes, run: xr.Dataset, path: _Path, delta0: float) -> None:
     width = _line_width(run)
     flight = ~path.in_contact
     if flight.any():
-        ax.plot(*_stretches(path, flight), color=BLUE, lw=width, label="flight", zorder=2.0)
+        ax.plot(*path.stretches(flight), color=BLUE, lw=width, label="flight", zorder=2.0)
     if path.in_contact.any():
-        ax.plot(*_stretches(path, path.in_contact), color=RED, lw=1.2 * width, label="contact",
+        ax.plot(*path.stretches(path.in_contact), color=RED, lw=1.2 * width, label="contact",
                 zorder=2.1)  # fmt: skip
     kinds, flags = run["event_kind"].values, flags_of(run["event_kind"])
     if kinds.size <= MANY_EVENTS:
@@ -277,19 +208,6 @@ def _draw_orbit(ax: Axes, run: xr.Dataset, path: _Path, delta0: float) -> None:
     ax.set_ylabel(LABELS["y"])
     ax.set_aspect("equal", adjustable="datalim")
     ax.autoscale_view()
-
-
-def _stretches(path: _Path, chosen: npt.NDArray[np.bool_]) -> tuple[Values, Values]:
-    """Return the chosen stretches of the path, parted by NaN."""
-    begins = chosen[:-1]
-    points = np.stack([path.x, path.y], axis=1)
-    shown = np.zeros(len(points), dtype=bool)
-    shown[:-1] |= begins
-    shown[1:] |= begins
-    # a point that ends one stretch without beginning the next is followed by a gap
-    last = np.nonzero(shown[:-1] & ~begins)[0] + 1
-    gapped = np.insert(np.where(shown[:, None], points, np.nan), last, np.nan, axis=0)
-    return gapped[:, 0], gapped[:, 1]
 
 
 def _line_width(run: xr.Dataset) -> float:

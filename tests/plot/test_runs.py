@@ -4,7 +4,7 @@ from matplotlib.figure import Figure
 
 from rotor_ida import InputError, Rotor, simulate
 from rotor_ida.plot import plot_orbit, plot_run
-from rotor_ida.plot.runs import _path
+from rotor_ida.plot.paths import path_of
 
 
 def labels(ax):
@@ -60,14 +60,14 @@ def test_points_between_outputs_lie_on_the_motion(run):
         Rotor(omega=1.7, zeta=0.07, delta0=0.5),
         start=(0.0, 0.0, 0.0, 0.0), duration=20.0, samples=2001,
     )  # fmt: skip
-    path = _path(run)
+    path = path_of(run)
     error = np.interp(fine["time"].values, path.time, path.x) - fine["x"].values
     assert np.abs(error).max() < 2e-3
 
 
 def test_sparse_outputs_are_not_smoothed(run):
     sparse = run.isel(time=slice(None, None, 50), event=slice(0, 0))
-    assert _path(sparse).time.size == sparse.sizes["time"]
+    assert path_of(sparse).time.size == sparse.sizes["time"]
 
 
 def test_run_without_contact_says_so():

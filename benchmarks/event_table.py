@@ -1,0 +1,191 @@
+"""Events found and worst time error: this program beside other ways to look for contacts.
+
+Every case of ``tests/data`` is integrated with the same tolerances, 1e-12 and 1e-14:
+
+- this program: exact flight, CVODE-Adams in contact;
+- scikit-sundae used plainly: CVODE-Adams in x, y, vx, vy, its own root finding of
+  |z| = delta0, stopped and started again at each event;
+- SciPy: ``solve_ivp`` with DOP853 and an event function, straight through;
+- heyoka: its Taylor integrator with event detection, straight through, the force switched by
+  ``select`` (needs the extra ``bench``).
+
+    pip install -e '.[bench]' && python benchmarks/event_table.py
+"""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+from scipy.integrate import solve_ivp
+from sksundae.cvode import CVODE
+
+from rotor_ida import Rotor, simulate
+
+RTOL, ATOL = 1e-12, 1e-14
+DATA = Path(__file__).resolve().parent.parent / "tests" / "data"
+
+
+def ours(case):
+    """Return event times and kinds found by this program."""
+    rotor = Rotor(**{name: case[name] for name in ("omega", "zeta", "delta0")})
+    run = simulate(
+        rotor,
+        start=tuple(case["start"]),
+        duration=case["duration"],
+        samples=2,
+        rtol=RTOL,
+        atol=ATOL,
+    )
+    return run.event_time.values, run.event_kind.values
+
+
+def right_hand_side(case):
+    """Return the equation of motion as scikit-sundae and SciPy want it."""
+    omega, zeta, delta0 = case["omega"], case["zeta"], case["delta0"]
+
+    def rhs(time, state, rate):
+        x, y, vx, vy = state
+        radius = math.hypot(x, y)
+        restoring = max(radius - delta0, 0.0) ** 1.5 / radius if radius > 0.0 else 0.0
+        rate[0], rate[1] = vx, vy
+        rate[2] = omega**2 * math.cos(omega * time) - 2 * zeta * vx - restoring * x
+        rate[3] = omega**2 * math.sin(omega * time) - 2 * zeta * vy - restoring * y
+
+    return rhs
+
+
+def plain_sundae(case):
+    """Return what CVODE's own root finding sees, started again at each event."""
+    delta0, end = case["delta0"], case["duration"]
+    time, state = 0.0, np.array(case["start"], dtype=float)
+    inside = not case["starts_in_contact"]
+    times, kinds = [], []
+    while time < end:
+
+        def gap(_time, values, events):
+            events[0] = math.hypot(values[0], values[1]) - delta0
+
+        gap.terminal, gap.direction = [True], [1 if inside else -1]
+        solver = CVODE(
+            right_hand_side(case),
+            method="Adams",
+            rtol=RTOL,
+            atol=ATOL,
+            eventsfn=gap,
+            num_events=1,
+            max_num_steps=1_000_000,
+        )
+        found = solver.solve([time, end], state)
+        if not found.success or found.t_events is None:
+            break
+        time, state = float(found.t_events[-1]), found.y_events[-1]
+        times.append(time)
+        kinds.append(1 if inside else -1)
+        inside = not inside
+    return np.array(times), np.array(kinds)
+
+
+def scipy_dop853(case):
+    """Return what SciPy's event function sees on the way."""
+    rhs, delta0 = right_hand_side(case), case["delta0"]
+
+    def fun(time, state):
+        rate = np.empty(4)
+        rhs(time, state, rate)
+        return rate
+
+    def gap(_time, state):
+        return math.hypot(state[0], state[1]) - delta0
+
+    found = solve_ivp(
+        fun,
+        (0.0, case["duration"]),
+        case["start"],
+        method="DOP853",
+        rtol=RTOL,
+        atol=ATOL,
+        events=gap,
+    )
+    states = found.y_events[0]
+    kinds = [1 if x * vx + y * vy > 0 else -1 for x, y, vx, vy in states]
+    return found.t_events[0], np.array(kinds)
+
+
+def heyoka_taylor(case):
+    """Return what heyoka's event detection sees on the way."""
+    import heyoka as hy
+
+    x, y, vx, vy = hy.make_vars("x", "y", "vx", "vy")
+    omega, zeta, delta0 = case["omega"], case["zeta"], case["delta0"]
+    square = x**2 + y**2
+    gap = square - delta0**2
+    radius = hy.sqrt(square)
+    # The branch that is not taken must stay a number too.
+    depth = hy.select(hy.gt(gap, 0.0), radius - delta0, 0.0)
+    restoring = hy.select(hy.gt(gap, 0.0), depth * hy.sqrt(depth) / radius, 0.0)
+    times, kinds = [], []
+
+    def seen(_integrator, time, sign):
+        times.append(time)
+        kinds.append(sign)
+
+    integrator = hy.taylor_adaptive(
+        [
+            (x, vx),
+            (y, vy),
+            (vx, omega**2 * hy.cos(omega * hy.time) - 2 * zeta * vx - restoring * x),
+            (vy, omega**2 * hy.sin(omega * hy.time) - 2 * zeta * vy - restoring * y),
+        ],
+        list(map(float, case["start"])),
+        tol=RTOL,
+        nt_events=[hy.nt_event(gap, seen)],
+    )
+    integrator.propagate_until(case["duration"], max_steps=200_000)
+    return np.array(times), np.array(kinds)
+
+
+WAYS = {
+    "rotor_ida": ours,
+    "scikit-sundae, plainly": plain_sundae,
+    "SciPy DOP853": scipy_dop853,
+    "heyoka": heyoka_taylor,
+}
+
+
+def judged(way, case):
+    """Return the number of events found and the worst time error, or None where they differ."""
+    try:
+        times, kinds = way(case)
+    except Exception as error:
+        return type(error).__name__, None
+    wanted = np.array([float(time) for _, time, _ in case["events"]])
+    right = [kind for kind, _, _ in case["events"]]
+    if times.size != wanted.size or list(kinds) != right:
+        return times.size, None
+    return times.size, float(np.abs(times - wanted).max(initial=0.0))
+
+
+def main():
+    """Print the table, a line for each case, as Markdown."""
+    cases = [case for path in sorted(DATA.glob("events*.json")) for case in load(path)]
+    print("| case | events | " + " | ".join(WAYS) + " |")
+    print("|---|---|" + "---|" * len(WAYS))
+    right = dict.fromkeys(WAYS, 0)
+    for case in cases:
+        cells = []
+        for name, way in WAYS.items():
+            found, error = judged(way, case)
+            right[name] += error is not None
+            cells.append(f"{found}, wrong" if error is None else f"{error:.0e}")
+        print(f"| {case['name']} | {len(case['events'])} | " + " | ".join(cells) + " |", flush=True)
+    print(f"| right | {len(cases)} | " + " | ".join(str(n) for n in right.values()) + " |")
+
+
+def load(path):
+    """Return the cases of one file of reference tables."""
+    return json.loads(path.read_text(encoding="utf-8"))["cases"]
+
+
+if __name__ == "__main__":
+    main()
