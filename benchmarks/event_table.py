@@ -114,7 +114,7 @@ def scipy_dop853(case):
 
 def heyoka_taylor(case):
     """Return what heyoka's event detection sees on the way."""
-    import heyoka as hy
+    import heyoka as hy  # noqa: PLC0415 - an optional extra
 
     x, y, vx, vy = hy.make_vars("x", "y", "vx", "vy")
     omega, zeta, delta0 = case["omega"], case["zeta"], case["delta0"]

@@ -7,8 +7,8 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.closed_forms import synchronous_response
-from rotor_ida.schema import CONVENTIONS, RESPONSE, labelled
 from rotor_ida.errors import InputError
+from rotor_ida.schema import CONVENTIONS, RESPONSE, labelled
 
 Values = npt.NDArray[np.float64]
 

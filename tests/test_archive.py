@@ -20,8 +20,8 @@ import pytest
 import xarray as xr
 
 from rotor_ida.archive import content, load, reading, save, writing
-from rotor_ida.dataset.schema import CONVENTIONS, FORMAT_VERSION, labelled
 from rotor_ida.errors import ArchiveError, InputError
+from rotor_ida.schema import CONVENTIONS, FORMAT_VERSION, labelled
 
 ADDED = ("Conventions", "rotor_ida_format", "rotor_ida_version", "content_sha256")
 

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.dataset import schema
+from rotor_ida import schema
 from rotor_ida.errors import InputError
 
 FORMAT = "rotor_ida_format"

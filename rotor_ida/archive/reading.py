@@ -11,9 +11,9 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida import schema
 from rotor_ida.archive.content import CHECKSUM, FORMAT, NUMERIC, content_sha256
 from rotor_ida.archive.library import LOCK, what_is_no_variable
-from rotor_ida.dataset import schema
 from rotor_ida.errors import ArchiveError, InputError
 
 if TYPE_CHECKING:

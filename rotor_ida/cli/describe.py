@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterable, Sequence
 from typing import Literal
 
-import numpy as np
 import xarray as xr
 from rich.console import RenderableType
 
 from rotor_ida.cli.records import Record, attributes_of, names_on, rows_of, value_of
 from rotor_ida.cli.tables import pairs, table
 from rotor_ida.comparison import summarise
+from rotor_ida.schema import RESPONSE
 
 Kind = Literal["run", "sweep", "comparison", "whirls", "folds", "other"]
 Description = tuple[Record, list[RenderableType]]
 
 PARAMETERS = ("omega", "zeta", "delta0")
+CONTACT = ("entry_time", "exit_time", "peak_time", "peak_indentation", "peak_force")
 WHIRL = ("amplitude", *PARAMETERS, "branch", "phase_lag", "stability", "growth_rate", "in_contact")
 FOLD = ("fold_omega", "fold_amplitude", "zeta", "delta0", "fold")
 STARTS = ("start_x", "start_y", "start_vx", "start_vy")
@@ -24,6 +26,7 @@ POINT = (
     *("response", *PARAMETERS, "start", "direction", "amplitude", "phase_lag"),
     *("radius_min", "radius_max", "event_count", "status", "message"),
 )
+RANGES = ("omega", "amplitude", "radius_min", "radius_max")
 MATCH = (
     *("matched_branch", *PARAMETERS, "start", "direction", "response", "amplitude"),
     *("amplitude_error", "phase_error", "digits"),
@@ -84,20 +87,23 @@ def _run(dataset: xr.Dataset, most: int | None) -> Description:
         "contacts": contacts,
         **{name: entry for name, entry in attributes.items() if name not in PARAMETERS},
     }
-    deepest = dataset["peak_indentation"].max(skipna=True) if contacts else np.nan
-    hardest = dataset["peak_force"].max(skipna=True) if contacts else np.nan
     summary = {
         **parameters,
         "starts_in_contact": record["starts_in_contact"],
         "events": len(events),
         "contacts": len(contacts),
-        "peak_indentation": float(deepest),
-        "peak_force": float(hardest),
+        "peak_indentation": _largest(row["peak_indentation"] for row in contacts),
+        "peak_force": _largest(row["peak_force"] for row in contacts),
     }
     parts: list[RenderableType] = [pairs("Run", summary)]
     parts += _rows("Events", events, names_on(dataset, "event"), most)
-    parts += _rows("Contacts", contacts, names_on(dataset, "contact"), most)
+    parts += _rows("Contacts", contacts, CONTACT, most)
     return record, parts
+
+
+def _largest(values: Iterable[object]) -> float:
+    known = [value for value in values if isinstance(value, float) and math.isfinite(value)]
+    return max(known, default=math.nan)
 
 
 def _sweep(dataset: xr.Dataset, most: int | None) -> Description:
@@ -118,13 +124,13 @@ def _sweep(dataset: xr.Dataset, most: int | None) -> Description:
 def _of_kind(kind: object, points: Sequence[Record]) -> Record:
     """Return how many points there are of a kind, and the ranges that they cover."""
     rows = [point for point in points if point["response"] == kind]
-    record: Record = {"response": kind, "points": len(rows)}
-    for name in ("omega", "amplitude", "radius_max"):
-        values = np.array([row[name] for row in rows], dtype=np.float64)
-        known = values[np.isfinite(values)]
-        record[f"{name}_from"] = float(known.min()) if known.size else np.nan
-        record[f"{name}_to"] = float(known.max()) if known.size else np.nan
-    return record
+    ranges = {name: _range(row[name] for row in rows) for name in RANGES}
+    return {"response": kind, "points": len(rows), **ranges}
+
+
+def _range(values: Iterable[object]) -> str:
+    known = [value for value in values if isinstance(value, float) and math.isfinite(value)]
+    return f"{min(known):.6g} to {max(known):.6g}" if known else ""
 
 
 def _comparison(dataset: xr.Dataset, most: int | None) -> Description:
@@ -137,11 +143,20 @@ def _comparison(dataset: xr.Dataset, most: int | None) -> Description:
         **attributes_of(dataset),
     }
     parts: list[RenderableType] = [
-        table("On an exact branch, by clearance", summary, list(summary[0]))
+        table("On an exact branch, by clearance", summary, _summary_columns(summary))
     ]
     if most is not None:
         parts += _rows("Points", points, names, most)
     return record, parts
+
+
+def _summary_columns(summary: Sequence[Record]) -> list[str]:
+    """Return the columns to show: of the kinds of response only those that there are."""
+    return [
+        name
+        for name in summary[0]
+        if name not in RESPONSE or any(row[name] != 0 for row in summary)
+    ]
 
 
 def _whirls(dataset: xr.Dataset, most: int | None) -> Description:

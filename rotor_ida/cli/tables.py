@@ -35,7 +35,7 @@ def pairs(title: str, entries: Row) -> Table:
 
 
 def shown(value: object) -> str:
-    """Return a value as a person reads it: ten digits, and a dash for what there is not.
+    """Return a value as a person reads it: eight digits, and a dash for what there is not.
 
     Examples
     --------
@@ -45,7 +45,7 @@ def shown(value: object) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
-        return "-" if math.isnan(value) else f"{value:.10g}"
+        return "-" if math.isnan(value) else f"{value:.8g}"
     if isinstance(value, (list, tuple)):
         return " ".join(shown(entry) for entry in value)
     return "-" if value is None or value == "" else str(value)
@@ -62,5 +62,7 @@ def _empty(title: str, *, header: bool = True) -> Table:
         title_style="bold",
         show_header=header,
         box=box.SIMPLE_HEAD if header else None,
+        show_edge=False,
         pad_edge=False,
+        padding=(0, 1, 0, 0),
     )

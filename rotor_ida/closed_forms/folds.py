@@ -10,8 +10,8 @@ import xarray as xr
 
 from rotor_ida.checks import check_axis, check_nonnegative
 from rotor_ida.closed_forms.fold_locus import fold_locus, folds_on_side
-from rotor_ida.schema import CONVENTIONS, labelled
 from rotor_ida.errors import InputError
+from rotor_ida.schema import CONVENTIONS, labelled
 
 Values = npt.NDArray[np.float64]
 

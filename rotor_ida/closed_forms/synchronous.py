@@ -9,8 +9,8 @@ import xarray as xr
 from rotor_ida.checks import check_axis
 from rotor_ida.closed_forms.contacting_whirls import contacting_whirls
 from rotor_ida.closed_forms.stability import growth_rate
-from rotor_ida.schema import CONVENTIONS, STABILITY, labelled
 from rotor_ida.errors import InputError
+from rotor_ida.schema import CONVENTIONS, STABILITY, labelled
 
 Values = npt.NDArray[np.float64]
 Columns = dict[str, npt.NDArray[np.generic]]

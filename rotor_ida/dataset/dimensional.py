@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import xarray as xr
 
-from rotor_ida.schema import QUANTITIES
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import DimensionalRotor
+from rotor_ida.schema import QUANTITIES
 
 UNITS = {
     "length": "m",

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.dataset.schema import flags_of
+from rotor_ida.schema import flags_of
 
 Values = npt.NDArray[np.float64]
 

@@ -9,7 +9,6 @@ import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
 
-from rotor_ida.dataset.schema import flags_of
 from rotor_ida.errors import InputError
 from rotor_ida.plot.appearance import (
     CONTACT_FREE,
@@ -28,6 +27,7 @@ from rotor_ida.plot.appearance import (
 )
 from rotor_ida.plot.branches import trace_branches
 from rotor_ida.plot.simulated import draw_simulated
+from rotor_ida.schema import flags_of
 
 Values = npt.NDArray[np.float64]
 

@@ -11,7 +11,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from rotor_ida.dataset.schema import flags_of
 from rotor_ida.plot.appearance import (
     BLUE,
     INK,
@@ -27,6 +26,7 @@ from rotor_ida.plot.appearance import (
     style,
 )
 from rotor_ida.plot.paths import Path, path_of
+from rotor_ida.schema import flags_of
 
 Values = npt.NDArray[np.float64]
 

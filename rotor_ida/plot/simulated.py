@@ -9,7 +9,6 @@ import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
 
-from rotor_ida.dataset.schema import flags_of
 from rotor_ida.plot.appearance import (
     BLUE,
     FROM_REST,
@@ -22,6 +21,7 @@ from rotor_ida.plot.appearance import (
     ORANGE,
     PURPLE,
 )
+from rotor_ida.schema import flags_of
 
 Values = npt.NDArray[np.float64]
 

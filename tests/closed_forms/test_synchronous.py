@@ -17,8 +17,8 @@ from scipy.optimize import brentq
 
 from rotor_ida import contact
 from rotor_ida.closed_forms import folds, stability_determinant, synchronous_response
-from rotor_ida.schema import STABILITY
 from rotor_ida.errors import InputError
+from rotor_ida.schema import STABILITY
 
 # A few rounding errors of a double: what is left when the roots themselves are exact.
 ROUNDING = 1e-14

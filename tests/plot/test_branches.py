@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from rotor_ida import synchronous_response
-from rotor_ida.dataset.schema import STABILITY
 from rotor_ida.plot.branches import trace_branches
+from rotor_ida.schema import STABILITY
 
 NO_FOLDS = (np.empty(0), np.empty(0))
 

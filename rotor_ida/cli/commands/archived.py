@@ -26,10 +26,10 @@ def show(
 
         rotor-ida show run.nc --figure run.png
     """
+    targets = check_targets(figure=figure, force=force)
     from rotor_ida.cli.answer import answer  # noqa: PLC0415 - heavy, and not for --help
     from rotor_ida.cli.describe import origin  # noqa: PLC0415
 
-    targets = check_targets(figure=figure, force=force)
     dataset = read(file)
     report = answer(dataset, targets, as_json=as_json, most=FIRST_ROWS)
     sizes = {str(dim): size for dim, size in dataset.sizes.items()}

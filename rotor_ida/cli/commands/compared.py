@@ -26,10 +26,10 @@ def compare(
 
         rotor-ida compare sweep.nc --out compared.nc
     """
-    from rotor_ida.cli.answer import answer  # noqa: PLC0415 - heavy, and not for --help
-
     targets = check_targets(out=out, force=force)
     if targets.out is not None and os.path.realpath(targets.out) == os.path.realpath(file):
         raise InputError(f"out must not be the file that is compared, got {out!r}")
+    from rotor_ida.cli.answer import answer  # noqa: PLC0415 - heavy, and not for --help
+
     compared = rotor_ida.compare(read(file))
     return answer(compared, targets, as_json=as_json)

@@ -43,8 +43,6 @@ def response(
         rotor-ida response --omega 0.5:3:251 --zeta 0.07 --delta0 0 2 \
             --out whirls.nc --figure whirls.png
     """
-    from rotor_ida.cli.answer import answer  # noqa: PLC0415 - heavy, and not for --help
-
     dampings, clearances = parsing.numbers("zeta", zeta), parsing.numbers("delta0", delta0)
     speeds = [] if omega is None and folds else parsing.numbers("omega", omega or [])
     parsing.check_points(speeds or [0.0], dampings, clearances)
@@ -52,6 +50,8 @@ def response(
         raise InputError("figure must be of whirls: give --omega")
     panels = len(dampings) * len(clearances)
     targets = check_targets(out=out, figure=figure, panels=panels, force=force)
+    from rotor_ida.cli.answer import answer  # noqa: PLC0415 - heavy, and not for --help
+
     dataset = _computed(speeds, dampings, clearances, folds)
     return answer(dataset, targets, as_json=as_json, most=MOST_ROWS)
 

@@ -41,11 +41,11 @@ def simulate(
         rotor-ida simulate --omega 1.2 --zeta 0.07 --delta0 0.5 \
             --start 0 0 0 0 --duration 20 --out run.nc
     """
-    from rotor_ida.cli.answer import answer  # noqa: PLC0415 - heavy, and not for --help
-
     targets = check_targets(out=out, figure=figure, force=force)
     if len(start) > 1:
         raise InputError(f"start must be given once, got {len(start)} starts")
+    from rotor_ida.cli.answer import answer  # noqa: PLC0415 - heavy, and not for --help
+
     run = rotor_ida.simulate(
         rotor_ida.Rotor(
             omega=parsing.number("omega", omega),

@@ -44,18 +44,18 @@ def sweep(
         rotor-ida sweep --omega 1.2:2:3 --zeta 0.5 --delta0 0 0.5 \
             --start 0 0 0 0 --start 10 0 0 0 --workers 1 --out sweep.nc
     """
-    from rotor_ida.cli.answer import answer  # noqa: PLC0415 - heavy, and not for --help
-    from rotor_ida.scenario import count_workers  # noqa: PLC0415
-
     axes = [
         parsing.numbers(name, words)
         for name, words in (("omega", omega), ("zeta", zeta), ("delta0", delta0))
     ]
     starts = [parsing.state("start", words.split()) for words in start]
     points = parsing.check_points(*axes, starts) * (2 if direction == "both" else 1)
-    processes = count_workers(parsing.workers(workers))
+    processes = parsing.workers(workers)
     panels = len(axes[1]) * len(axes[2])
     targets = check_targets(out=out, figure=figure, panels=panels, force=force)
+    from rotor_ida.cli.answer import answer  # noqa: PLC0415 - heavy, and not for --help
+    from rotor_ida.scenario import count_workers  # noqa: PLC0415
+
     with _progress() as progress:
         dataset = rotor_ida.sweep(
             omega=axes[0],
@@ -69,7 +69,7 @@ def sweep(
             flight=cast("Flight", flight),
             backend=cast("Backend", backend),
             # More processes than points would only take time to start.
-            workers=min(processes, points),
+            workers=min(count_workers(processes), points),
             progress=progress,
         )
     return answer(dataset, targets, as_json=as_json, trouble=_failures(dataset))
