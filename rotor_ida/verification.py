@@ -12,6 +12,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation import simulate
 from rotor_ida.simulator.options import Flight, Method
+from rotor_ida.testing import assert_events_close
 
 NEEDED = ("omega", "zeta", "delta0", "start", "duration", "rtol", "atol", "method", "flight")
 
@@ -43,7 +44,9 @@ def rerun(dataset: xr.Dataset) -> xr.Dataset:
     >>> assert_events_close(rerun(run), run)
     """
     missing = [name for name in NEEDED if name not in dataset.attrs]
-    missing += [name for name in ("event_time", "time") if name not in dataset.variables]
+    missing += [
+        name for name in ("event_time", "event_time_error", "time") if name not in dataset.variables
+    ]
     if missing:
         raise InputError(f"only a simulated run can be verified; it lacks {', '.join(missing)}")
     settings = dataset.attrs
@@ -57,3 +60,42 @@ def rerun(dataset: xr.Dataset) -> xr.Dataset:
         method=cast(Method, settings["method"]),
         flight=cast(Flight, settings["flight"]),
     )
+
+
+def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
+    """Hold the events of a run made again against those of the archive.
+
+    Parameters
+    ----------
+    again, archived : Dataset
+        The two runs.
+
+    Returns
+    -------
+    dict
+        ``agrees``, the numbers of events, the largest difference of two event times and the
+        largest error stated for one [1], and ``trouble``: the first difference in words.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, simulate
+    >>> run = simulate(Rotor(omega=2.0, zeta=0.07, delta0=2.0), start=(0, 0, 0, 0), duration=20.0)
+    >>> differences(rerun(run), run)["agrees"]
+    True
+    """
+    trouble = ""
+    try:
+        assert_events_close(again, archived)
+    except AssertionError as difference:
+        trouble = "; ".join(str(difference).splitlines()[1:])
+    common = min(again.sizes["event"], archived.sizes["event"])
+    apart = again["event_time"].values[:common] - archived["event_time"].values[:common]
+    stated = archived["event_time_error"].values[:common]
+    return {
+        "agrees": not trouble,
+        "events": int(again.sizes["event"]),
+        "archived_events": int(archived.sizes["event"]),
+        "largest_difference": float(np.abs(apart).max(initial=0.0)),
+        "largest_stated_error": float(stated.max(initial=0.0)),
+        "trouble": trouble,
+    }

@@ -18,6 +18,7 @@ Kind = Literal["run", "sweep", "comparison", "whirls", "folds", "other"]
 Description = tuple[Record, list[RenderableType]]
 
 PARAMETERS = ("omega", "zeta", "delta0")
+EVENT = ("event_time", "event_kind", "event_x", "event_y", "event_time_error")
 CONTACT = ("entry_time", "exit_time", "peak_time", "peak_indentation", "peak_force")
 WHIRL = ("amplitude", *PARAMETERS, "branch", "phase_lag", "stability", "growth_rate", "in_contact")
 FOLD = ("fold_omega", "fold_amplitude", "zeta", "delta0", "fold")
@@ -26,7 +27,7 @@ POINT = (
     *("response", *PARAMETERS, "start", "direction", "amplitude", "phase_lag"),
     *("radius_min", "radius_max", "event_count", "status", "message"),
 )
-RANGES = ("omega", "amplitude", "radius_min", "radius_max")
+RANGES = ("omega", "amplitude", "radius_max")
 MATCH = (
     *("matched_branch", *PARAMETERS, "start", "direction", "response", "amplitude"),
     *("amplitude_error", "phase_error", "digits"),
@@ -77,26 +78,28 @@ def _run(dataset: xr.Dataset, most: int | None) -> Description:
     parameters |= {
         name: attributes.pop(name) for name in ("start", "duration") if name in attributes
     }
+    scalars = {name: value_of(dataset, name) for name in names_on(dataset)}
     events = rows_of(dataset, names_on(dataset, "event"))
     contacts = rows_of(dataset, names_on(dataset, "contact"))
     record: Record = {
         "kind": "run",
         "parameters": parameters,
-        "starts_in_contact": value_of(dataset, "starts_in_contact"),
+        **scalars,
         "events": events,
         "contacts": contacts,
         **{name: entry for name, entry in attributes.items() if name not in PARAMETERS},
     }
     summary = {
         **parameters,
-        "starts_in_contact": record["starts_in_contact"],
+        **scalars,
         "events": len(events),
         "contacts": len(contacts),
         "peak_indentation": _largest(row["peak_indentation"] for row in contacts),
         "peak_force": _largest(row["peak_force"] for row in contacts),
     }
     parts: list[RenderableType] = [pairs("Run", summary)]
-    parts += _rows("Events", events, names_on(dataset, "event"), most)
+    named = [name for name in EVENT if name in dataset]
+    parts += _rows("Events", events, named, most, prefix="event_")
     parts += _rows("Contacts", contacts, CONTACT, most)
     return record, parts
 
@@ -117,7 +120,7 @@ def _sweep(dataset: xr.Dataset, most: int | None) -> Description:
     kinds = [_of_kind(kind, points) for kind in dict.fromkeys(row["response"] for row in points)]
     parts: list[RenderableType] = [table("Responses by kind", kinds, list(kinds[0]))]
     if most is not None:
-        parts += _rows("Responses", points, _telling(POINT, points), most)
+        parts += _rows("Responses", points, _telling(points), most, digits=6)
     return record, parts
 
 
@@ -146,7 +149,7 @@ def _comparison(dataset: xr.Dataset, most: int | None) -> Description:
         table("On an exact branch, by clearance", summary, _summary_columns(summary))
     ]
     if most is not None:
-        parts += _rows("Points", points, names, most)
+        parts += _rows("Points", points, names, most, digits=6)
     return record, parts
 
 
@@ -196,16 +199,24 @@ def _other(dataset: xr.Dataset, most: int | None) -> Description:
 
 
 def _rows(
-    title: str, rows: Sequence[Record], columns: Sequence[str], most: int | None
+    title: str,
+    rows: Sequence[Record],
+    columns: Sequence[str],
+    most: int | None,
+    *,
+    prefix: str = "",
+    digits: int = 8,
 ) -> list[RenderableType]:
     if not rows:
         return [f"{title}: none"]
-    if most is None or len(rows) <= most:
-        return [table(f"{title}: {len(rows)}", rows, columns)]
-    return [table(f"{title}: first {most} of {len(rows)} (all with --json)", rows[:most], columns)]
+    counted = f"{title}: {len(rows)}"
+    if most is not None and len(rows) > most:
+        counted = f"{title}: first {most} of {len(rows)} (all with --json)"
+    return [table(counted, rows[:most], columns, prefix=prefix, digits=digits)]
 
 
-def _telling(names: Sequence[str], rows: Sequence[Record]) -> list[str]:
-    """Return the columns that say anything: not those that are empty throughout."""
+def _telling(points: Sequence[Record]) -> list[str]:
+    """Return the columns of a sweep to show: words only where they say anything."""
     silent = {"", "done", "from_start"}
-    return [name for name in names if any(row[name] not in silent for row in rows)]
+    said = {name for name in POINT if any(point[name] not in silent for point in points)}
+    return [name for name in POINT if name in said - {"phase_lag", "event_count"}]

@@ -18,9 +18,9 @@ VERSION = "_version"
 HOUSEKEEPING = ("Conventions", "content_sha256", "rotor_ida_format")
 
 
-def names_on(dataset: xr.Dataset, dim: str) -> list[str]:
-    """Return the variables of the table that stands on one dimension."""
-    return [str(name) for name, variable in dataset.data_vars.items() if variable.dims == (dim,)]
+def names_on(dataset: xr.Dataset, *dims: str) -> list[str]:
+    """Return the variables that stand on just these dimensions."""
+    return [str(name) for name, variable in dataset.data_vars.items() if variable.dims == dims]
 
 
 def rows_of(dataset: xr.Dataset, names: Sequence[str]) -> list[Record]:

@@ -11,16 +11,21 @@ from rich.table import Table
 Row = Mapping[str, object]
 
 
-def table(title: str, rows: Sequence[Row], columns: Sequence[str]) -> Table:
-    """Return the named columns of `rows`, numbers to the right."""
+def table(
+    title: str, rows: Sequence[Row], columns: Sequence[str], *, prefix: str = "", digits: int = 8
+) -> Table:
+    """Return the named columns of `rows`, numbers to the right, headed without the prefix."""
     drawn = _empty(title)
     for name in columns:
         numeric = all(_is_number(row[name]) for row in rows)
         drawn.add_column(
-            name.replace("_", " "), justify="right" if numeric else "left", overflow="fold"
+            name.removeprefix(prefix).replace("_", " "),
+            justify="right" if numeric else "left",
+            overflow="fold",
+            no_wrap=not numeric and name != "message",
         )
     for row in rows:
-        drawn.add_row(*(shown(row[name]) for name in columns))
+        drawn.add_row(*(shown(row[name], digits) for name in columns))
     return drawn
 
 
@@ -34,8 +39,8 @@ def pairs(title: str, entries: Row) -> Table:
     return drawn
 
 
-def shown(value: object) -> str:
-    """Return a value as a person reads it: eight digits, and a dash for what there is not.
+def shown(value: object, digits: int = 8) -> str:
+    """Return a value as a person reads it: some digits, and a dash for what there is not.
 
     Examples
     --------
@@ -45,9 +50,9 @@ def shown(value: object) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
-        return "-" if math.isnan(value) else f"{value:.8g}"
+        return "-" if math.isnan(value) else f"{value:.{digits}g}"
     if isinstance(value, (list, tuple)):
-        return " ".join(shown(entry) for entry in value)
+        return " ".join(shown(entry, digits) for entry in value)
     return "-" if value is None or value == "" else str(value)
 
 
