@@ -114,7 +114,7 @@ def rotating_jacobian(state: npt.ArrayLike, rotor: Rotor) -> Values:
 
     Examples
     --------
-    >>> rotating_jacobian((0.0, 0.0, 0.0, 0.0), Rotor(omega=2.0, zeta=0.5, delta0=1.0))[2]
+    >>> rotating_jacobian((0.0, 0.0, 0.0, 0.0), Rotor(omega=2.0, zeta=0.5, delta0=1.0))[2] + 0.0
     array([ 0.,  0., -1.,  2.])
     """
     matrix = np.zeros((4, 4))

@@ -10,6 +10,7 @@ from rotor_ida.checks import State, check_axis, check_count, check_positive, che
 from rotor_ida.dataset.run import run_dataset
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import Rotor
+from rotor_ida.simulator.limits import check_can_be_followed
 from rotor_ida.simulator.loop import run
 from rotor_ida.simulator.options import Backend, Flight, Method, Options
 from rotor_ida.simulator.trust import trust
@@ -94,6 +95,7 @@ def simulate(
     if not isinstance(rotor, Rotor):
         raise InputError(f"rotor must be a Rotor, got {rotor!r}")
     first = check_state("start", start)
+    check_can_be_followed(rotor, first)
     end = check_positive("duration", duration)
     times = _sample_times(samples, end)
     options = Options(rtol=rtol, atol=atol, method=method, flight=flight, backend=backend)

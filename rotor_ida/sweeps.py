@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from contextlib import contextmanager
 from dataclasses import dataclass
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context
 from typing import Literal
 
 import numpy as np
@@ -17,6 +19,7 @@ from rotor_ida.dataset.sweep import sweep_dataset
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import Rotor
 from rotor_ida.settling import FAILED, Settled, settle
+from rotor_ida.simulator.limits import check_can_be_followed
 from rotor_ida.simulator.options import Backend, Flight, Method, Options
 
 Direction = Literal["up", "down", "both"]
@@ -84,7 +87,7 @@ def sweep(
     --------
     >>> responses = sweep(omega=[1.2, 1.7], zeta=0.5, delta0=0.5)
     >>> responses.amplitude.squeeze().values.round(8)
-    array([1.26774935, 1.13064671])
+    array([0.84973087, 0.93446294])
     """
     axes = {
         name: check_axis(name, values)
@@ -100,6 +103,9 @@ def sweep(
     sizes = [axes[name].size for name in ("omega", "zeta", "delta0")]
     chains = list(_chains(sizes, len(checked), directions))
     jobs = [_job(chain, axes, checked, options) for chain in chains]
+    for job in jobs:
+        for rotor in job.rotors:
+            check_can_be_followed(rotor, job.start)
     total = sum(len(chain.indices) for chain in chains)
     points: dict[tuple[int, ...], Settled] = {}
     for number, settled in _follow_all(jobs, check_count("workers", workers)):
@@ -181,11 +187,28 @@ def _follow_all(jobs: list[_Job], workers: int) -> Iterator[tuple[int, list[Sett
             yield number, _follow(job)
         return
     order = sorted(range(len(jobs)), key=lambda number: -len(jobs[number].rotors))
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        futures = {pool.submit(_follow, jobs[number]): number for number in order}
-        try:
-            for future in as_completed(futures):
-                yield futures[future], future.result()
-        except BaseException:
-            pool.shutdown(wait=True, cancel_futures=True)
-            raise
+    pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
+    try:
+        with _deaf_to_interrupts():
+            futures = {pool.submit(_follow, jobs[number]): number for number in order}
+        for future in as_completed(futures):
+            yield futures[future], future.result()
+    except BaseException:
+        for process in active_children():
+            process.terminate()
+        raise
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+@contextmanager
+def _deaf_to_interrupts() -> Iterator[None]:
+    """Start processes that leave an interrupt from the keyboard to their parent."""
+    if not hasattr(signal, "pthread_sigmask"):  # not on Windows
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

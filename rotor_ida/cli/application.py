@@ -14,6 +14,7 @@ from rotor_ida.cli.commands.reproduced import reproduce
 from rotor_ida.cli.commands.response import response
 from rotor_ida.cli.commands.simulated import simulate
 from rotor_ida.cli.commands.swept import sweep
+from rotor_ida.cli.commands.verified import verify
 
 HELP = """Rotors in clearances: Hertz contact, event by event, held against closed forms.
 
@@ -31,6 +32,6 @@ def application(console: Console) -> App:
         version=version("rotor-ida"),
         console=console,
     )
-    for command in (reproduce, simulate, response, sweep, compare, show, doctor):
+    for command in (reproduce, simulate, response, sweep, compare, verify, show, doctor):
         app.command(command)
     return app

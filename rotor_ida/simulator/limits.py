@@ -1,0 +1,21 @@
+"""What can be simulated at all."""
+
+from __future__ import annotations
+
+from rotor_ida.checks import State
+from rotor_ida.errors import InputError
+from rotor_ida.parameters import Rotor
+
+# Dimensionless parameters and starts beyond this leave nothing for a tolerance to hold on to.
+LARGEST = 1e6
+
+
+def check_can_be_followed(rotor: Rotor, start: State) -> None:
+    """Raise `InputError` for a rotor or a start that no tolerance could follow."""
+    for name in ("omega", "zeta", "delta0"):
+        value = getattr(rotor, name)
+        if value > LARGEST:
+            raise InputError(f"{name} must be at most {LARGEST:g} to be simulated, got {value!r}")
+    for name, value in zip(("x", "y", "vx", "vy"), start, strict=True):
+        if abs(value) > LARGEST:
+            raise InputError(f"start {name} must lie within {LARGEST:g} of zero, got {value!r}")
