@@ -18,7 +18,7 @@ from rotor_ida.cli.commands.swept import sweep
 
 Program = Callable[..., Any]
 
-COMMANDS = ["reproduce", "simulate", "response", "sweep", "compare", "show", "doctor"]
+COMMANDS = ["reproduce", "simulate", "response", "sweep", "compare", "verify", "show", "doctor"]
 
 
 def examples(text: str) -> list[list[str]]:
