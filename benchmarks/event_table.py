@@ -168,7 +168,7 @@ def judged(way, case):
 
 def main():
     """Print the table, a line for each case, as Markdown."""
-    cases = [case for path in sorted(DATA.glob("events*.json")) for case in load(path)]
+    cases = [case for path in sorted(DATA.glob("contact_events.json")) for case in load(path)]
     print("| case | events | " + " | ".join(WAYS) + " |")
     print("|---|---|" + "---|" * len(WAYS))
     right = dict.fromkeys(WAYS, 0)

@@ -36,23 +36,23 @@ def test_anything_else_is_refused_and_shown(value):
 
 def test_signs():
     assert math.copysign(1.0, check_nonnegative("zeta", -0.0)) == 1.0
-    with pytest.raises(InputError, match="zeta must be zero or positive, got -1.0"):
+    with pytest.raises(InputError, match=r"zeta must be zero or positive, got -1.0"):
         check_nonnegative("zeta", -1)
-    with pytest.raises(InputError, match="mass must be positive, got 0.0"):
+    with pytest.raises(InputError, match=r"mass must be positive, got 0.0"):
         check_positive("mass", 0)
 
 
 @pytest.mark.parametrize("value", [2.0, True, "2", None])
 def test_counts_are_whole_numbers(value):
     assert check_count("samples", np.int64(2), 2) == 2
-    with pytest.raises(InputError, match="samples must be a whole number, got"):
+    with pytest.raises(InputError, match=r"samples must be a whole number, got"):
         check_count("samples", value)
-    with pytest.raises(InputError, match="samples must be at least 2, got 1"):
+    with pytest.raises(InputError, match=r"samples must be at least 2, got 1"):
         check_count("samples", 1, 2)
 
 
 def test_choices_are_listed():
-    with pytest.raises(InputError, match="method must be one of 'a', 'b', got 3"):
+    with pytest.raises(InputError, match=r"method must be one of 'a', 'b', got 3"):
         check_choice("method", 3, ("a", "b"))
 
 
@@ -67,7 +67,7 @@ def test_an_axis_is_a_number_or_a_sequence():
     assert check_axis("omega", 2).tolist() == [2.0]
     assert check_axis("omega", np.array([1.0, 2.0])).tolist() == [1.0, 2.0]
     assert check_axis("omega", range(3)).tolist() == [0.0, 1.0, 2.0]
-    with pytest.raises(InputError, match="omega must be zero or positive, got -1.0"):
+    with pytest.raises(InputError, match=r"omega must be zero or positive, got -1.0"):
         check_axis("omega", [1.0, -1.0])
-    with pytest.raises(InputError, match="omega must be a finite real number, got"):
+    with pytest.raises(InputError, match=r"omega must be a finite real number, got"):
         check_axis("omega", np.ones((2, 2)))

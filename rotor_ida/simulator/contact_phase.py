@@ -34,6 +34,8 @@ Q, P, H, C, S, T, J = range(7)
 SIZE = 7
 # Internal steps without progress in time after which a contact counts as stuck.
 PATIENCE = 10_000
+# On a steady whirl rounding alone moves q and p by so much: no step can be asked for less.
+BELOW_ROUNDING = 1e-16
 # A rise of q by less than this part of it is rounding.
 NOISE = 1e-13
 
@@ -153,7 +155,8 @@ def _set_on_its_way(rotor: Rotor, start: Values, options: Options) -> Integratio
         contact_field(state, rate, omega, zeta, delta0)
 
     atol = np.full(SIZE, options.step_atol)
-    atol[[Q, P]] = min(options.step_atol, options.step_rtol * max(start[Q], abs(start[P])))
+    slight = options.step_rtol * max(start[Q], abs(start[P]))
+    atol[[Q, P]] = min(options.step_atol, max(slight, BELOW_ROUNDING))
     return integrate(field, start, options, atol=atol)
 
 

@@ -18,6 +18,7 @@ BACKENDS: tuple[Backend, ...] = ("auto", "python")
 
 TIGHTEST_RTOL = 1e-13
 LOOSEST_RTOL = 1e-3
+TIGHTEST_ATOL = 1e-30
 # The solver controls the error of a step; a contact takes some hundred of them.
 STEP_SAFETY = 0.1
 
@@ -50,7 +51,10 @@ class Options:
         if not TIGHTEST_RTOL <= rtol <= LOOSEST_RTOL:
             raise InputError(f"rtol must lie from {TIGHTEST_RTOL} to {LOOSEST_RTOL}, got {rtol!r}")
         object.__setattr__(self, "rtol", rtol)
-        object.__setattr__(self, "atol", check_positive("atol", self.atol))
+        atol = check_positive("atol", self.atol)
+        if atol < TIGHTEST_ATOL:
+            raise InputError(f"atol must be at least {TIGHTEST_ATOL}, got {atol!r}")
+        object.__setattr__(self, "atol", atol)
         check_choice("method", self.method, METHODS)
         check_choice("flight", self.flight, FLIGHTS)
         check_choice("backend", self.backend, BACKENDS)

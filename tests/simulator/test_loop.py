@@ -202,6 +202,7 @@ def test_a_solver_that_gives_up_raises_with_time_and_state(monkeypatch):
         ({"samples": [0.0, 11.0]}, "samples must lie from 0 to the duration 10.0, got 11.0"),
         ({"rtol": 1.0}, "rtol must lie from 1e-13 to 0.001, got 1.0"),
         ({"atol": 0.0}, "atol must be positive, got 0.0"),
+        ({"atol": 1e-99}, "atol must be at least 1e-30, got 1e-99"),
         ({"method": "rk4"}, "method must be one of 'adams', 'bdf', 'ida', got 'rk4'"),
         ({"flight": "none"}, "flight must be one of 'exact', 'cvode', got 'none'"),
         ({"backend": "gpu"}, "backend must be one of 'auto', 'python', got 'gpu'"),
@@ -228,3 +229,32 @@ def test_no_sample_is_lost_to_rounding_at_the_end():
         time, duration = float(times[number]), float(durations[number])
         record = Record(HARD, Options(), duration, np.array([duration]), 0j, 0j, time=time)
         assert record.waiting(record.left).size == 1
+
+
+@pytest.mark.parametrize("inside", [1e-3, 1e-7, 1e-9, 1e-11])
+@pytest.mark.parametrize("flight", ["exact", "cvode"])
+def test_a_steady_whirl_near_the_ring_has_no_events(inside, flight):
+    """The contact-free whirl, with the ring on it, just outside it and just inside it."""
+    omega, zeta = 1.7, 0.07
+    whirl = -omega / complex(omega, -2.0 * zeta)
+    spin = 1j * omega * whirl
+    start = (whirl.real, whirl.imag, spin.real, spin.imag)
+    for delta0, contact in (
+        (abs(whirl), 0),
+        (abs(whirl) * (1.0 + inside), 0),
+        (abs(whirl) * (1.0 - inside), 1),
+    ):
+        rotor = Rotor(omega=omega, zeta=zeta, delta0=delta0)
+        run = simulate(rotor, start=start, duration=60.0, samples=2, flight=flight)
+        assert run.sizes["event"] == 0
+        assert run.starts_in_contact == contact
+
+
+def test_a_start_on_the_ring_need_not_lie_on_an_axis():
+    rotor = Rotor(omega=0.0, zeta=0.0, delta0=0.3)
+    for angle in np.linspace(0.1, 6.2, 23):
+        x, y = 0.3 * math.cos(angle), 0.3 * math.sin(angle)
+        out = simulate(rotor, start=(x, y, x, y), duration=4.0, samples=2)
+        back = simulate(rotor, start=(x, y, -x, -y), duration=4.0, samples=2)
+        assert (out.starts_in_contact, back.starts_in_contact) == (1, 0)
+        assert back.event_time.values[0] == pytest.approx(2.0, rel=1e-14)
