@@ -11,6 +11,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from dataclasses import dataclass
 
@@ -18,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import CubicHermiteSpline
 
+from rotor_ida.contact import secant_stiffness
 from rotor_ida.model import turned
 from rotor_ida.parameters import Rotor
 
@@ -29,9 +31,15 @@ BOUNCING = "bouncing"
 FULL_CONTACT = "full_contact"
 UNRESOLVED = "unresolved"
 
+# A whirl is one that the equation of motion allows when what is left over of its terms is less
+# than this part of the largest; close to a fold the rotor creeps at nearly constant radius where
+# there is no whirl.
+RESIDUAL = 1e-6
 # A motion that is not steady counts as lasting when its swing stays within this factor from
-# one window to the next, which lies a whole run later.
+# one window to the next, which lies a whole run later, after transients have had so many times
+# 1/zeta to die away.
 LASTING = 0.8
+PATIENCE = 10.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +54,8 @@ class Window:
         Amplitude [1] and phase lag [rad] of the part of the motion at the spin speed.
     radius_min, radius_max : float
         Smallest and largest distance from the bearing axis [1].
+    turns : int
+        Number of times at which the radius turns from growing to shrinking.
     wander : float
         Largest distance of the rotor, seen on the rotating axes, from its mean there [1].
     drift : float
@@ -65,6 +75,7 @@ class Window:
     phase_lag: float
     radius_min: float
     radius_max: float
+    turns: int
     wander: float
     drift: float
     reach: float
@@ -82,8 +93,21 @@ class Window:
     @property
     def is_steady(self) -> bool:
         """Whether it is a synchronous whirl in contact."""
-        settled = self.wander <= self.steady * max(self.amplitude, self.steady)
+        settled = self.wander <= self.steady * self.amplitude and self._obeys_the_equation()
         return self.touches == 0 and self.ends_in_contact and settled
+
+    @property
+    def is_at_rest(self) -> bool:
+        """Whether it has come to rest at the centre, which takes a rotor that does not turn."""
+        return self.rotor.omega == 0.0 and self.radius_max <= self.steady
+
+    def _obeys_the_equation(self) -> bool:
+        """Return whether the mean whirl makes ``(s - omega**2 + 2 i zeta omega) A = omega**2``."""
+        omega, zeta = self.rotor.omega, self.rotor.zeta
+        stiffness = float(secant_stiffness(self.amplitude, self.rotor.delta0))
+        whirl = cmath.rect(self.amplitude, -self.phase_lag)
+        terms = (stiffness * whirl, -(omega**2) * whirl, 2j * zeta * omega * whirl, -(omega**2))
+        return abs(sum(terms)) <= max(RESIDUAL, self.steady) * max(map(abs, terms)) and omega > 0.0
 
     @property
     def stays_free(self) -> bool:
@@ -123,6 +147,7 @@ def window_of(
     position = rotating[:, 0] + 1j * rotating[:, 1]
     mean = complex(position[:-1].mean())
     radius_min, radius_max = _radius_range(times, states)
+    rate = states[:, 0] * states[:, 2] + states[:, 1] * states[:, 3]
     x, y, vx, vy = rotating[-1]
     drift, reach = _future_if_free(rotor, complex(x, y), complex(vx, vy))
     return Window(
@@ -131,6 +156,7 @@ def window_of(
         phase_lag=math.atan2(-mean.imag, mean.real) if mean != 0.0 else 0.0,
         radius_min=radius_min,
         radius_max=radius_max,
+        turns=int(((rate[:-1] > 0.0) & (rate[1:] <= 0.0)).sum()),
         wander=float(np.abs(position - mean).max()),
         drift=drift,
         reach=reach,
@@ -140,7 +166,7 @@ def window_of(
     )
 
 
-def classify(earlier: Window | None, later: Window) -> str:
+def classify(earlier: Window | None, later: Window, *, time: float) -> str:
     """Return the kind of response that two windows, a whole run apart, give away.
 
     Parameters
@@ -150,23 +176,28 @@ def classify(earlier: Window | None, later: Window) -> str:
         nor free then stays unresolved.
     later : Window
         The final window.
+    time : float
+        Time since the start at which the final window begins [1].
     """
     if later.is_steady:
         return SYNCHRONOUS
-    if later.stays_free:
+    if later.stays_free or later.is_at_rest:
         return CONTACT_FREE
-    if earlier is None or not _lasts(earlier, later):
+    had_time = later.rotor.zeta * time >= PATIENCE
+    if earlier is None or not had_time or not _lasts(earlier, later):
         return UNRESOLVED
     if later.touches:
         return BOUNCING
-    return FULL_CONTACT if later.ends_in_contact else UNRESOLVED
+    return FULL_CONTACT if later.ends_in_contact and later.turns else UNRESOLVED
 
 
 def _lasts(earlier: Window, later: Window) -> bool:
     """Return whether the swing of a motion has neither died away nor grown."""
     if bool(earlier.touches) != bool(later.touches):
         return False
-    ratio = later.swing / earlier.swing if earlier.swing > 0.0 else math.inf
+    if later.swing <= later.steady * later.radius_max or earlier.swing == 0.0:
+        return False
+    ratio = later.swing / earlier.swing
     return LASTING <= ratio <= 1.0 / LASTING
 
 

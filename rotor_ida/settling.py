@@ -148,7 +148,7 @@ def settle(rotor: Rotor, start: State, options: Options, *, doublings: int = 3) 
                 ends_in_contact=ends_in_contact,
                 steady=max(STEADY, STEADY_TOLERANCES * options.rtol),
             )
-            response = classify(earlier, window)
+            response = classify(earlier, window, time=began)
             if response != UNRESOLVED:
                 break
             earlier = window

@@ -17,6 +17,10 @@ from rotor_ida.simulator.trust import trust
 
 Values = npt.NDArray[np.float64]
 
+# An event so many tolerances behind the end of a run may as well lie at it, and belongs to it.
+END_SLACK = 100.0
+MOST_SLACK = 1e-8
+
 
 def simulate(
     rotor: Rotor,
@@ -73,11 +77,11 @@ def simulate(
     Notes
     -----
     ``z'' + 2 zeta z' + max(|z| - delta0, 0)**1.5 z/|z| = omega**2 exp(i omega t)``. An event
-    within ``100 rtol max(1, duration)`` of the end counts as being at it. A start exactly on
-    the ring is in contact if it moves outwards, or is about to. Touches with an indentation
-    below about 1e-14 of the lengths involved are not told from misses. ``event_time_error``
-    comes from a second run with looser tolerances; it is infinite beyond ``horizon``, from
-    where on the start no longer determines the orbit at these tolerances.
+    within ``min(100 rtol, 1e-8) duration`` behind the end belongs to the run. A start
+    exactly on the ring is in contact if it moves outwards, or is about to. Touches with an
+    indentation below about 1e-14 of the lengths involved are not told from misses.
+    ``event_time_error`` comes from a second run with looser tolerances; it is infinite beyond
+    ``horizon``, from where on the start no longer determines the orbit at these tolerances.
 
     References
     ----------
@@ -99,8 +103,9 @@ def simulate(
     end = check_positive("duration", duration)
     times = _sample_times(samples, end)
     options = Options(rtol=rtol, atol=atol, method=method, flight=flight, backend=backend)
-    orbit = run(rotor, first, end, times, options)
-    return run_dataset(orbit, first, trust(orbit, first))
+    slack = min(END_SLACK * options.rtol, MOST_SLACK) * end
+    orbit = run(rotor, first, end, times, options, slack=slack)
+    return run_dataset(orbit, first, trust(orbit, first, slack=slack))
 
 
 def _sample_times(samples: object, duration: float) -> Values:

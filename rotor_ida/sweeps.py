@@ -105,7 +105,7 @@ def sweep(
     jobs = [_job(chain, axes, checked, options) for chain in chains]
     for job in jobs:
         for rotor in job.rotors:
-            check_can_be_followed(rotor, job.start)
+            check_can_be_followed(rotor, job.start, settling=True)
     total = sum(len(chain.indices) for chain in chains)
     points: dict[tuple[int, ...], Settled] = {}
     for number, settled in _follow_all(jobs, check_count("workers", workers)):

@@ -95,7 +95,7 @@ def follow(
         motion.advance()
         touch = _touch_in_step(motion, rotor.delta0) if rotor.delta0 > 0.0 else NEVER
         touched = touch <= duration + slack
-        end = min(touch, motion.point, duration)
+        end = touch if touched else min(motion.point, duration)
         peak_time, peak = _peak_in_step(motion, end, peak_time, peak)
         for time in samples[len(rows) :]:
             if time > end:
@@ -124,13 +124,14 @@ def _touch_in_step(motion: Integration, delta0: float) -> float:
 
     A rise and fall inside the step shows in the radial velocity: it changes from + to - there,
     and the radius at its root tells. A fall and rise, which is how a step that starts on the
-    ring may look, shows likewise.
+    ring may look, shows likewise; where rounding hides the fall, the turn itself is the touch.
     """
 
     def outside(state: Values) -> float:
         return _radius(state) - delta0
 
     low, high = motion.low, motion.point
+    turn = low
     rising = _radial(motion.before)
     if rising * _radial(motion.values) < 0.0:
         turn = motion.root(_radial, low, high)
@@ -138,8 +139,11 @@ def _touch_in_step(motion: Integration, delta0: float) -> float:
             high = turn
         elif outside(motion.at(turn)) < 0.0:
             low = turn
-    if outside(motion.at(high)) <= 0.0 or outside(motion.at(low)) >= 0.0:
+    if outside(motion.at(high)) <= 0.0:
         return NEVER
+    if outside(motion.at(low)) >= 0.0:
+        leaves = _radial(motion.at(high)) > 0.0
+        return max(turn, 0.5 * (low + high)) if leaves else NEVER
     return motion.root(outside, low, high)
 
 

@@ -25,7 +25,7 @@ import numpy.typing as npt
 from rotor_ida.compiling import compiled
 from rotor_ida.contact import force_of_root
 from rotor_ida.parameters import Rotor
-from rotor_ida.simulator.options import Options
+from rotor_ida.simulator.options import TIGHTEST_ATOL, Options
 from rotor_ida.simulator.solver import Integration, SolverFailure, integrate
 
 Values = npt.NDArray[np.float64]
@@ -154,10 +154,19 @@ def _set_on_its_way(rotor: Rotor, start: Values, options: Options) -> Integratio
     def field(state: Values, rate: Values) -> None:
         contact_field(state, rate, omega, zeta, delta0)
 
-    atol = np.full(SIZE, options.step_atol)
     slight = options.step_rtol * max(start[Q], abs(start[P]))
-    atol[[Q, P]] = min(options.step_atol, max(slight, BELOW_ROUNDING))
+    brief = options.step_rtol * _least_duration(start)
+    atol = np.full(SIZE, options.step_atol)
+    atol[[Q, P]] = max(min(options.step_atol, slight), BELOW_ROUNDING)
+    atol[[T, J]] = max(min(options.step_atol, brief), TIGHTEST_ATOL)
     return integrate(field, start, options, atol=atol)
+
+
+def _least_duration(start: Values) -> float:
+    """Return a time below which a contact from `start` cannot end: that of a straight way out."""
+    if start[Q] > 0.0 > start[P]:
+        return float(start[Q] ** 2 / -start[P])
+    return float(max(start[Q], abs(start[P])))
 
 
 def _end_of_step(motion: Integration, duration: float, slack: float) -> tuple[float, Values, bool]:
@@ -172,7 +181,7 @@ def _end_of_step(motion: Integration, duration: float, slack: float) -> tuple[fl
         reached, left = motion.at(end).copy(), False
         reached[T] = duration
     elif left:
-        reached[T] = min(reached[T], duration)
+        reached[T] = max(reached[T], motion.before[T])
     return end, reached, left
 
 

@@ -8,14 +8,20 @@ from rotor_ida.parameters import Rotor
 
 # Dimensionless parameters and starts beyond this leave nothing for a tolerance to hold on to.
 LARGEST = 1e6
+# The final window holds whole revolutions; those of slower rotors take too long.
+SLOWEST_TO_SETTLE = 1e-3
 
 
-def check_can_be_followed(rotor: Rotor, start: State) -> None:
-    """Raise `InputError` for a rotor or a start that no tolerance could follow."""
+def check_can_be_followed(rotor: Rotor, start: State, *, settling: bool = False) -> None:
+    """Raise `InputError` for a rotor or a start that cannot be followed, or not until it settles."""
     for name in ("omega", "zeta", "delta0"):
         value = getattr(rotor, name)
         if value > LARGEST:
             raise InputError(f"{name} must be at most {LARGEST:g} to be simulated, got {value!r}")
+    if 0.0 < rotor.omega < SLOWEST_TO_SETTLE and settling:
+        raise InputError(
+            f"omega must be 0 or at least {SLOWEST_TO_SETTLE} to settle, got {rotor.omega!r}"
+        )
     for name, value in zip(("x", "y", "vx", "vy"), start, strict=True):
         if abs(value) > LARGEST:
             raise InputError(f"start {name} must lie within {LARGEST:g} of zero, got {value!r}")

@@ -20,14 +20,19 @@ from rotor_ida.simulator.options import Options
 from rotor_ida.simulator.orbit import ENTRY, EXIT, Orbit
 from rotor_ida.simulator.record import Record
 from rotor_ida.simulator.solver import SolverFailure
+from rotor_ida.simulator.start import contact_start, starts_in_contact
 
 Values = npt.NDArray[np.float64]
 
-ROUNDING = 2.0**-52
-
 
 def run(
-    rotor: Rotor, start: State, duration: float, sample_times: Values, options: Options
+    rotor: Rotor,
+    start: State,
+    duration: float,
+    sample_times: Values,
+    options: Options,
+    *,
+    slack: float = 0.0,
 ) -> Orbit:
     """Simulate a rotor from `start` at time 0 over `duration`.
 
@@ -43,6 +48,9 @@ def run(
         Times to report [1], increasing, from 0 to `duration`.
     options : Options
         Method, tolerances and treatment of flight.
+    slack : float
+        How far behind `duration` an event may lie and still belong to the run [1]. It keeps
+        its own time.
 
     Raises
     ------
@@ -52,7 +60,7 @@ def run(
         If the result contradicts the mechanics.
     """
     x, y, vx, vy = start
-    record = Record(rotor, options, duration, sample_times, complex(x, y), complex(vx, vy))
+    record = Record(rotor, options, duration, slack, sample_times, complex(x, y), complex(vx, vy))
     in_contact = starts_in_contact(rotor, record.position, record.velocity)
     try:
         if rotor.delta0 == 0.0:
@@ -66,32 +74,6 @@ def run(
     orbit = record.orbit(starts_in_contact=in_contact)
     check_orbit(orbit)
     return orbit
-
-
-def starts_in_contact(rotor: Rotor, position: complex, velocity: complex) -> bool:
-    """Decide the mode at a start.
-
-    On the ring the radial velocity decides, and where that is zero the radial acceleration:
-    outwards means contact; inwards, or none at all, means flight.
-    """
-    if rotor.delta0 == 0.0:
-        return True
-    radius = abs(position)
-    if abs(radius - rotor.delta0) > 4.0 * ROUNDING * radius:
-        return radius > rotor.delta0
-    along = (position.conjugate() * velocity).real / radius
-    if abs(along) > 4.0 * ROUNDING * abs(velocity):
-        return along > 0.0
-    return _radial_acceleration(rotor, position, velocity) > 0.0
-
-
-def _radial_acceleration(rotor: Rotor, position: complex, velocity: complex) -> float:
-    """Return r'' of a rotor at rest radially on the ring; 0 where rounding hides its sign."""
-    direction = position / abs(position)
-    centrifugal = (direction.conjugate() * velocity).imag ** 2 / abs(position)
-    unbalance = rotor.omega**2
-    total = centrifugal + unbalance * direction.real
-    return total if abs(total) > 16.0 * ROUNDING * (centrifugal + unbalance) else 0.0
 
 
 def _go_from_event_to_event(record: Record, in_contact: bool) -> None:
@@ -111,11 +93,12 @@ def _exact_flight(record: Record) -> bool:
     omega, zeta, delta0 = record.rotor.omega, record.rotor.zeta, record.rotor.delta0
     limit = record.left + record.slack
     touch = flight.first_touch(record.position, record.velocity, omega, zeta, delta0, limit)
-    span = min(touch, record.left)
+    touched = touch <= limit
+    span = touch if touched else record.left
     times = record.waiting(span)
     record.take(flight.fly_over(record.position, record.velocity, times, omega, zeta))
     record.move(span, *flight.fly(record.position, record.velocity, span, omega, zeta))
-    return touch <= limit
+    return touched
 
 
 def _integrated_flight(record: Record) -> bool:
@@ -158,7 +141,7 @@ def _contact(record: Record, entry: float) -> None:
         record.add_contact(entry, math.nan, began, 0.0, math.nan, moment)
         return
     times = record.waiting(record.left)
-    start = _contact_start(record)
+    start = contact_start(record.rotor, record.position, record.velocity, record.left)
     try:
         contact = contact_phase.follow_contact(
             record.rotor, start, record.left, record.slack, times, record.options
@@ -176,7 +159,7 @@ def _contact(record: Record, entry: float) -> None:
     record.add_contact(
         entry,
         record.time if contact.left else math.nan,
-        began + until_peak,
+        min(began + until_peak, record.time),
         root**2,
         float(contact.end[contact_phase.J]) if whole else math.nan,
         moment,
@@ -187,35 +170,3 @@ def _move_to(record: Record, state: Values) -> None:
     """Go on to a regularised state, which lies on the ring to the last digit where q is 0."""
     x, y, vx, vy = contact_phase.cartesian(state, record.rotor.delta0).tolist()
     record.move(float(state[contact_phase.T]), complex(x, y), complex(vx, vy))
-
-
-def _contact_start(record: Record) -> Values:
-    """Return the regularised state at the start of a contact."""
-    delta0 = record.rotor.delta0
-    position, velocity = record.position, record.velocity
-    depth = abs(position) - delta0
-    root = math.sqrt(depth) if depth > 4.0 * ROUNDING * delta0 else 0.0
-    state = contact_phase.regularised(position, velocity, root)
-    if root == 0.0 and state[contact_phase.P] <= 4.0 * ROUNDING * abs(velocity):
-        return _pushed_off(record, state)
-    return state
-
-
-def _pushed_off(record: Record, state: Values) -> Values:
-    """Return the state a moment after a start at radial rest that is drawn outwards.
-
-    q = p = 0 is an equilibrium of the regularised equations. The motion leaves it along
-    ``q = sqrt(r''/2) t``, unhindered so far by a force that is of order t**3.
-    """
-    rotor = record.rotor
-    outwards = _radial_acceleration(rotor, record.position, record.velocity)
-    if outwards <= 0.0:
-        return state
-    moment = min(1e-8 * math.sqrt(rotor.delta0 / outwards), 1e-3 * record.left)
-    position, velocity = flight.fly(
-        record.position, record.velocity, moment, rotor.omega, rotor.zeta
-    )
-    pushed = contact_phase.regularised(position, velocity, math.sqrt(0.5 * outwards) * moment)
-    pushed[contact_phase.P] = outwards * moment
-    pushed[contact_phase.T] = moment
-    return pushed

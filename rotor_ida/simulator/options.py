@@ -19,6 +19,8 @@ BACKENDS: tuple[Backend, ...] = ("auto", "python")
 TIGHTEST_RTOL = 1e-13
 LOOSEST_RTOL = 1e-3
 TIGHTEST_ATOL = 1e-30
+LOOSEST_ATOL = 1e-2
+TIGHTEST_RTOL_OF_IDA = 1e-12
 # The solver controls the error of a step; a contact takes some hundred of them.
 STEP_SAFETY = 0.1
 
@@ -52,10 +54,12 @@ class Options:
             raise InputError(f"rtol must lie from {TIGHTEST_RTOL} to {LOOSEST_RTOL}, got {rtol!r}")
         object.__setattr__(self, "rtol", rtol)
         atol = check_positive("atol", self.atol)
-        if atol < TIGHTEST_ATOL:
-            raise InputError(f"atol must be at least {TIGHTEST_ATOL}, got {atol!r}")
+        if not TIGHTEST_ATOL <= atol <= LOOSEST_ATOL:
+            raise InputError(f"atol must lie from {TIGHTEST_ATOL} to {LOOSEST_ATOL}, got {atol!r}")
         object.__setattr__(self, "atol", atol)
         check_choice("method", self.method, METHODS)
+        if self.method == "ida" and rtol < TIGHTEST_RTOL_OF_IDA:
+            raise InputError(f"rtol must be at least {TIGHTEST_RTOL_OF_IDA} with ida, got {rtol!r}")
         check_choice("flight", self.flight, FLIGHTS)
         check_choice("backend", self.backend, BACKENDS)
         if self.backend == "auto":

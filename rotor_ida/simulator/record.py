@@ -15,9 +15,6 @@ from rotor_ida.simulator.orbit import Orbit
 
 Values = npt.NDArray[np.float64]
 
-# An event within this many tolerances of the end time counts as being at it.
-END_SLACK = 100.0
-
 
 @dataclass(slots=True)
 class Record:
@@ -30,6 +27,7 @@ class Record:
     rotor: Rotor
     options: Options
     duration: float
+    slack: float
     sample_times: Values
     position: complex
     velocity: complex
@@ -56,11 +54,6 @@ class Record:
         """Time still to go."""
         return self.duration - self.time
 
-    @property
-    def slack(self) -> float:
-        """How far behind the end an event may lie and still count as being at it."""
-        return END_SLACK * self.options.rtol * max(1.0, self.duration)
-
     def waiting(self, span: float) -> Values:
         """Return the sample times of the next `span`, counted from now."""
         # time + left may fall short of the duration by rounding; its sample must not be lost.
@@ -75,7 +68,7 @@ class Record:
 
     def move(self, span: float, position: complex, velocity: complex) -> None:
         """Go on by `span` to a new position and velocity."""
-        self.time = self.duration if span >= self.left else self.time + span
+        self.time = self.duration if span == self.left else self.time + span
         self.position, self.velocity = position, velocity
 
     def mark(self, kind: int) -> None:

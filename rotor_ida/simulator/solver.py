@@ -84,7 +84,10 @@ class Integration:
         The function must differ in sign at the two points, or vanish at one.
         """
         tolerance = 2.0 * ROUNDING * high
-        return float(brentq(lambda point: function(self.at(point)), low, high, xtol=tolerance))
+        try:
+            return float(brentq(lambda point: function(self.at(point)), low, high, xtol=tolerance))
+        except ValueError as error:
+            raise SolverFailure("a step holds no root", self.low, self.before) from error
 
     def _read(self, goal: float, mode: str) -> tuple[float, Values]:
         result = self._solver.step(goal, mode)

@@ -21,7 +21,7 @@ import numpy.typing as npt
 from rotor_ida.checks import State
 from rotor_ida.errors import SimulationError
 from rotor_ida.simulator.loop import run
-from rotor_ida.simulator.options import LOOSEST_RTOL, Options
+from rotor_ida.simulator.options import LOOSEST_ATOL, LOOSEST_RTOL, TIGHTEST_ATOL, Options
 from rotor_ida.simulator.orbit import Orbit
 
 Values = npt.NDArray[np.float64]
@@ -56,7 +56,7 @@ class Trust:
     horizon: float
 
 
-def trust(orbit: Orbit, start: State) -> Trust:
+def trust(orbit: Orbit, start: State, *, slack: float = 0.0) -> Trust:
     """Estimate the error of an orbit by simulating it again with looser tolerances.
 
     Parameters
@@ -65,11 +65,14 @@ def trust(orbit: Orbit, start: State) -> Trust:
         The orbit.
     start : tuple of float
         Its start ``(x, y, vx, vy)``, fixed frame [1].
+    slack : float
+        As for `run` [1].
     """
     can_be_looser = APART * orbit.options.rtol <= LOOSEST_RTOL
     factor = APART if can_be_looser else 1.0 / APART
     try:
-        other = run(orbit.rotor, start, orbit.duration, orbit.times, _scaled(orbit, factor))
+        looser = _scaled(orbit, factor)
+        other = run(orbit.rotor, start, orbit.duration, orbit.times, looser, slack=2.0 * slack)
     except SimulationError as error:
         return Trust(np.full(orbit.event_times.size, np.inf), error.time)
     partners = _partners(orbit, other)
@@ -79,13 +82,15 @@ def trust(orbit: Orbit, start: State) -> Trust:
     errors = _remembered(differences) * (1.0 if can_be_looser else WIDENING) + _rounding(orbit)
     errors[~found] = np.inf
     horizon = _horizon(orbit, other, partners)
-    errors[orbit.event_times > horizon] = np.inf
+    if horizon < orbit.duration:
+        errors[orbit.event_times > horizon] = np.inf
     return Trust(errors, horizon)
 
 
 def _scaled(orbit: Orbit, factor: float) -> Options:
     options = orbit.options
-    return replace(options, rtol=factor * options.rtol, atol=factor * options.atol)
+    atol = min(max(factor * options.atol, TIGHTEST_ATOL), LOOSEST_ATOL)
+    return replace(options, rtol=factor * options.rtol, atol=atol)
 
 
 def _partners(orbit: Orbit, other: Orbit) -> npt.NDArray[np.intp]:
@@ -140,7 +145,9 @@ def _rounding(orbit: Orbit) -> Values:
     x, y, vx, vy = orbit.event_states.T
     delta0 = orbit.rotor.delta0
     rate = np.abs(x * vx + y * vy) / delta0 if delta0 > 0.0 else np.ones_like(x)
-    radius = 8.0 * ROUNDING * (1.0 + delta0)
+    turned = orbit.rotor.omega * orbit.event_times
+    moved = np.hypot(vx, vy) * orbit.event_times
+    radius = 4.0 * ROUNDING * (2.0 + 2.0 * delta0 + turned + moved)
     with np.errstate(divide="ignore"):
         return np.asarray(4.0 * ROUNDING * orbit.event_times + radius / rate)
 
