@@ -13,7 +13,7 @@ SLOWEST_TO_SETTLE = 1e-3
 
 
 def check_can_be_followed(rotor: Rotor, start: State, *, settling: bool = False) -> None:
-    """Raise `InputError` for a rotor or a start that cannot be followed, or not until it settles."""
+    """Raise `InputError` for a rotor or start that cannot be followed, or not until it settles."""
     for name in ("omega", "zeta", "delta0"):
         value = getattr(rotor, name)
         if value > LARGEST:

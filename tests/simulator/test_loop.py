@@ -259,3 +259,47 @@ def test_a_start_on_the_ring_need_not_lie_on_an_axis():
         back = simulate(rotor, start=(x, y, -x, -y), duration=4.0, samples=2)
         assert (out.starts_in_contact, back.starts_in_contact) == (1, 0)
         assert back.event_time.values[0] == pytest.approx(2.0, rel=1e-14)
+
+
+def test_an_event_behind_the_end_keeps_its_own_time_and_moves_nothing():
+    """Within 1e-8 of the duration it belongs to the run; the motion up to the end is untouched."""
+    free = Rotor(omega=0.0, zeta=0.0, delta0=1000.0)
+    run = simulate(free, start=(0, 0, 1, 0), duration=1000.0 - 9e-6, samples=[0.0, 1000.0 - 9e-6])
+    assert run.event_time.values == pytest.approx([1000.0], rel=1e-15)
+    assert run.event_time_error.values[0] < 1e-11
+    assert run.x.values[-1] == pytest.approx(1000.0 - 9e-6, rel=1e-15)
+    early = simulate(free, start=(0, 0, 1, 0), duration=999.0)
+    assert early.sizes["event"] == 0
+    bouncing = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+    simulate(bouncing, start=REST, duration=80.8513707, samples=11)
+
+
+@pytest.mark.parametrize("flight", ["exact", "cvode"])
+@pytest.mark.parametrize("inwards", [1e-9, 1e-12])
+def test_a_start_on_the_ring_that_dips_inwards_comes_out_again(flight, inwards):
+    """Inwards at 1e-9 against a centrifugal pull of one: back on the ring after 2e-9."""
+    rotor = Rotor(omega=0.0, zeta=0.0, delta0=1.0)
+    run = simulate(rotor, start=(1.0, 0, -inwards, 1.0), duration=2.0, samples=9, flight=flight)
+    assert run.event_kind.values.tolist()[:1] == [1]
+    assert run.event_time.values[0] < 1e-4
+    assert run.peak_indentation.values[0] > 0.1
+
+
+@pytest.mark.parametrize("method", ["adams", "bdf", "ida"])
+@pytest.mark.parametrize("depth", [1e-14, 1e-11, 1e-8])
+def test_a_start_in_contact_that_is_over_at_once(method, depth):
+    rotor = Rotor(omega=1.7, zeta=0.07, delta0=1.0)
+    run = simulate(rotor, start=(1.0 + depth, 0, -1.0, 0), duration=0.05, method=method)
+    true_depth = (1.0 + depth) - 1.0
+    assert run.starts_in_contact == 1
+    assert run.event_time.values == pytest.approx([true_depth], rel=1e-4)
+
+
+@pytest.mark.parametrize("flight", ["exact", "cvode"])
+def test_where_velocity_and_acceleration_vanish_the_jerk_decides(flight):
+    """At rest on the ring at a right angle to the unbalance: r''' = omega**3 delta0 / delta0."""
+    for y, contact in ((0.5, 1), (-0.5, 0)):
+        rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
+        run = simulate(rotor, start=(0, y, 0, 0), duration=0.3, samples=5, flight=flight)
+        assert run.starts_in_contact == contact
+        assert run.sizes["event"] == 0
