@@ -1,0 +1,96 @@
+"""The tables of reference events in tests/data: well-formed, and right where a formula exists."""
+
+import json
+from decimal import Decimal
+from pathlib import Path
+
+import pytest
+from mpmath import beta, mp, mpf
+
+TABLE = json.loads(
+    (Path(__file__).parent / "data" / "contact_events.json").read_text(encoding="utf-8")
+)
+CASES = {case["name"]: case for case in TABLE["cases"]}
+WITH_EVENTS = [case for case in CASES.values() if case["events"]]
+
+
+def named(case):
+    return case["name"]
+
+
+def test_the_table_says_where_it_came_from():
+    assert "python -m tests.references" in TABLE["source"]
+    assert TABLE["command"] == "python -m tests.references"
+    assert len(TABLE["cases"]) == len(CASES) >= 24
+
+
+@pytest.mark.parametrize("case", CASES.values(), ids=named)
+def test_a_case_is_well_formed(case):
+    assert case["tests"]
+    assert case["method"]
+    assert case["omega"] >= 0.0
+    assert case["zeta"] >= 0.0
+    assert case["delta0"] > 0.0
+    assert case["duration"] > 0.0
+    assert len(case["start"]) == 4
+    assert case["starts_in_contact"] in (0, 1)
+    assert (case["digits"] is None) == (not case["events"])
+
+
+@pytest.mark.parametrize("case", WITH_EVENTS, ids=named)
+def test_two_methods_agree_to_twenty_digits(case):
+    assert case["digits"] >= 20
+    for _, time, _ in case["events"]:
+        assert len(time.replace(".", "").lstrip("0")) >= 24  # a last 0 is not printed
+
+
+@pytest.mark.parametrize("case", WITH_EVENTS, ids=named)
+def test_entries_and_exits_alternate_from_the_mode_at_the_start(case):
+    kinds = [kind for kind, _, _ in case["events"]]
+    first = -1 if case["starts_in_contact"] else 1
+    assert kinds == [first * (-1) ** number for number in range(len(kinds))]
+
+
+@pytest.mark.parametrize("case", WITH_EVENTS, ids=named)
+def test_times_increase_within_the_run(case):
+    times = [Decimal(time) for _, time, _ in case["events"]]
+    assert all(a < b for a, b in zip([Decimal(0), *times], times, strict=False))
+    assert times[-1] < Decimal(case["duration"])
+    # No event is so near the end that rounding decides whether it belongs to the run.
+    sensitivity = case["events"][-1][2]
+    assert Decimal(case["duration"]) - times[-1] > Decimal(1e-9 * max(1.0, sensitivity))
+
+
+@pytest.mark.parametrize("case", WITH_EVENTS, ids=named)
+def test_doubles_can_follow(case):
+    """K eps is the least error of a time; 1e8 leaves seven digits."""
+    assert all(0.0 < K < 1e8 for _, _, K in case["events"])
+
+
+def test_free_planar_vibration_is_the_closed_form():
+    """To the ring in B(2/5, 1/2)/sqrt(5) (A-delta0)^-1/4, across at sqrt(4/5) (A-delta0)^5/4."""
+    case = CASES["free_planar"]
+    with mp.workdps(40):
+        reach = mpf(case["start"][0]) - mpf(case["delta0"])
+        leaving = beta(mpf(2) / 5, mpf(1) / 2) / mp.sqrt(5) * reach ** (-mpf(1) / 4)
+        crossing = 2 * mpf(case["delta0"]) / (mp.sqrt(mpf(4) / 5) * reach ** (mpf(5) / 4))
+        for number, (_, time, _) in enumerate(case["events"]):
+            flights = (number + 1) // 2
+            exact = (2 * (number // 2) + 1) * leaving + flights * crossing
+            assert abs(mpf(time) / exact - 1) < mpf(10) ** -20
+
+
+def test_the_hard_case_has_32_events():
+    times = [float(time) for _, time, _ in CASES["hard_case"]["events"]]
+    assert len(times) == 32
+    assert times[-1] == pytest.approx(162.2477, abs=1e-4)
+
+
+@pytest.mark.parametrize("depth", ["1e-3", "1e-5", "1e-7", "1e-9", "1e-11"])
+def test_a_graze_is_a_pair_of_events_that_the_miss_lacks(depth):
+    """A touch of depth e lasts about sqrt(8 e/|r''|)."""
+    graze, miss = CASES[f"graze_{depth}"]["events"], CASES[f"miss_{depth}"]["events"]
+    assert len(graze) == len(miss) + 2
+    lasts = Decimal(graze[1][1]) - Decimal(graze[0][1])
+    assert Decimal(miss[0][1]) > Decimal(graze[1][1])
+    assert 1.0 < float(lasts) / float(depth) ** 0.5 < 10.0
