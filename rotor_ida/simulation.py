@@ -79,7 +79,7 @@ def simulate(
     ``z'' + 2 zeta z' + max(|z| - delta0, 0)**1.5 z/|z| = omega**2 exp(i omega t)``. An event
     within ``min(100 rtol, 1e-8) duration`` behind the end belongs to the run. A start
     exactly on the ring is in contact if it moves outwards, or is about to. Touches with an
-    indentation below about 1e-14 of the lengths involved are not told from misses.
+    indentation below about 1e-13 of the lengths involved are not told from misses.
     ``event_time_error`` comes from a second run with looser tolerances; it is infinite beyond
     ``horizon``, from where on the start no longer determines the orbit at these tolerances.
 

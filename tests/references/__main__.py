@@ -138,7 +138,7 @@ def lay_out(rows):
         "source": SOURCE,
         "command": "python -m tests.references",
         "method": METHOD,
-        "shallowest": "least of the greatest indentations of the contacts that end in the run; absent without one",
+        "shallowest": "least of the greatest indentations of complete contacts; absent if none",
         "event": ["kind: 1 entry, -1 exit", "time", "K"],
     }
     lines = ["{"] + [f" {json.dumps(key)}: {json.dumps(value)}," for key, value in head.items()]
