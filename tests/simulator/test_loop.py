@@ -88,7 +88,7 @@ def test_the_hard_case_has_32_events():
     for run in runs:
         assert run.sizes["event"] == 32
         assert run.event_time.values[-1] == pytest.approx(162.2477, abs=2e-4)
-    # The touches grow slighter, and their times ever more sensitive to what came before.
+    # Each event is more sensitive than the ones before it: K reaches 1.4e7.
     allowed = 100.0 * 1e-12 * runs[0].event_time.values * np.maximum(sensitivity(HARD, REST), 1.0)
     for other in runs[1:]:
         difference = np.abs(runs[0].event_time.values - other.event_time.values)
