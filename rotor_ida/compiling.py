@@ -1,11 +1,15 @@
-"""One typed name for numba's compiler, so that every kernel is built and cached alike."""
+"""One typed name for each way in which numba takes a function, so that all are built alike."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import ParamSpec, TypeVar
+from dataclasses import fields
+from typing import Any, ParamSpec, TypeVar
 
 import numba
+from numba.core import types
+from numba.experimental import structref
+from numba.extending import register_jitable
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -15,3 +19,43 @@ def compiled(function: Callable[P, R]) -> Callable[P, R]:
     """Compile `function` on first call, keep the machine code on disk, and release the GIL."""
     kernel: Callable[P, R] = numba.njit(cache=True, nogil=True, error_model="numpy")(function)
     return kernel
+
+
+def shared(function: Callable[P, R]) -> Callable[P, R]:
+    """Leave `function` as it is, and let compiled code take it in as well.
+
+    What is written once in this way runs in Python over one kind of object and in compiled code
+    over its compiled counterpart: one algorithm, two ways to run it.
+    """
+    both: Callable[P, R] = register_jitable(error_model="numpy")(function)
+    return both
+
+
+def inlined(function: Callable[P, R]) -> Callable[P, R]:
+    """Do as `shared` does, and let compiled code take the function into its caller.
+
+    That saves the counting of references to what is passed, and pays in an inner loop only.
+    """
+    both: Callable[P, R] = register_jitable(inline="always", error_model="numpy")(function)
+    return both
+
+
+def structure(dataclass: type) -> Any:
+    """Let the name of a dataclass stand, in compiled code, for a structure with its fields.
+
+    Returns
+    -------
+    type
+        The type of that structure, to which numba's `overload_method` can give methods.
+    """
+
+    class Structure(types.StructRef):
+        def preprocess_fields(self, given: tuple[tuple[str, types.Type], ...]) -> object:
+            return tuple((name, types.unliteral(kind)) for name, kind in given)
+
+    Structure.__name__ = Structure.__qualname__ = f"{dataclass.__name__}Type"
+    Structure.__module__ = dataclass.__module__
+    structref.register(Structure)
+    names = [field.name for field in fields(dataclass)]
+    structref.define_constructor(dataclass, Structure, names)
+    return Structure

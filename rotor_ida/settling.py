@@ -13,9 +13,9 @@ from rotor_ida.errors import SimulationError
 from rotor_ida.model import turned
 from rotor_ida.parameters import Rotor
 from rotor_ida.response import UNRESOLVED, Window, classify, window_of
-from rotor_ida.simulator.loop import run
 from rotor_ida.simulator.options import Options
 from rotor_ida.simulator.orbit import Orbit
+from rotor_ida.simulator.run import run
 
 Values = npt.NDArray[np.float64]
 

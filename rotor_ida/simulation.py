@@ -10,10 +10,13 @@ from rotor_ida.checks import State, check_axis, check_count, check_positive, che
 from rotor_ida.dataset.run import run_dataset
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import Rotor
+from rotor_ida.simulator.interruptible import interruptible
 from rotor_ida.simulator.limits import check_can_be_followed
-from rotor_ida.simulator.loop import run
 from rotor_ida.simulator.options import Backend, Flight, Method, Options
-from rotor_ida.simulator.trust import trust
+from rotor_ida.simulator.orbit import Orbit
+from rotor_ida.simulator.record import Stop
+from rotor_ida.simulator.run import run
+from rotor_ida.simulator.trust import Trust, trust
 
 Values = npt.NDArray[np.float64]
 
@@ -53,8 +56,10 @@ def simulate(
         CVODE with Adams (nonstiff) or BDF (stiff), or IDA as a second opinion.
     flight : {"exact", "cvode"}
         Whether motion inside the clearance is solved in closed form or integrated.
-    backend : {"auto", "python"}
-        How the solver is called.
+    backend : {"auto", "python", "compiled"}
+        How the solver is called: from Python through scikit-sundae, or from compiled code, which
+        takes the same steps many times faster. ``"auto"`` is ``"compiled"`` wherever it can be had;
+        IDA is called from Python only.
 
     Returns
     -------
@@ -104,8 +109,13 @@ def simulate(
     times = _sample_times(samples, end)
     options = Options(rtol=rtol, atol=atol, method=method, flight=flight, backend=backend)
     slack = min(END_SLACK * options.rtol, MOST_SLACK) * end
-    orbit = run(rotor, first, end, times, options, slack=slack)
-    return run_dataset(orbit, first, trust(orbit, first, slack=slack))
+
+    def run_twice(stop: Stop) -> tuple[Orbit, Trust]:
+        orbit = run(rotor, first, end, times, options, slack=slack, stop=stop)
+        return orbit, trust(orbit, first, slack=slack, stop=stop)
+
+    orbit, trusted = interruptible(run_twice)
+    return run_dataset(orbit, first, trusted)
 
 
 def _sample_times(samples: object, duration: float) -> Values:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import platform
+from functools import cache
 from importlib.metadata import version
 
 from sksundae import SUNDIALS_VERSION
@@ -28,6 +29,7 @@ def provenance(title: str, options: Options) -> dict[str, object]:
     }
 
 
+@cache
 def versions() -> dict[str, object]:
     """Return the versions of all that computes, as attributes."""
     names = {"rotor_ida": "rotor-ida", "scikit_sundae": "scikit-sundae"}

@@ -17,16 +17,16 @@ a departure is a passage of q from + to - that does not come back: no step can h
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
 
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.compiling import compiled
+from rotor_ida.compiling import compiled, inlined, shared
 from rotor_ida.contact import force_of_root
-from rotor_ida.parameters import Rotor
-from rotor_ida.simulator.options import TIGHTEST_ATOL, Options
-from rotor_ida.simulator.solver import Integration, SolverFailure, integrate
+from rotor_ida.simulator.motion import GOES_ON, NO_ROOT, STOPPED, STUCK, Motion, root
+from rotor_ida.simulator.options import TIGHTEST_ATOL
+from rotor_ida.simulator.record import Record, next_sample, take, time_left
 
 Values = npt.NDArray[np.float64]
 
@@ -38,31 +38,6 @@ PATIENCE = 10_000
 BELOW_ROUNDING = 1e-16
 # A rise of q by less than this part of it is rounding.
 NOISE = 1e-13
-
-
-@dataclass(frozen=True, slots=True)
-class Contact:
-    """One contact, or the part of it that lies inside the run.
-
-    Parameters
-    ----------
-    end : ndarray, shape (7,)
-        Regularised state at the exit, where q is 0, or at the end of the run.
-    left : bool
-        Whether it ended with an exit.
-    peak : ndarray, shape (7,)
-        Regularised state at the largest indentation inside the run.
-    samples : ndarray, shape (n, 7)
-        Regularised states at the sample times inside the contact.
-    evaluations : int
-        Evaluations of the right-hand side.
-    """
-
-    end: Values
-    left: bool
-    peak: Values
-    samples: Values
-    evaluations: int
 
 
 @compiled
@@ -81,103 +56,102 @@ def contact_field(state: Values, rate: Values, omega: float, zeta: float, delta0
     rate[6] = q * force_of_root(q)
 
 
-def regularised(position: complex, velocity: complex, root: float) -> Values:
-    """Return the regularised state, time 0, of a rotor with contact root `root`."""
+@shared
+def regularised(position: complex, velocity: complex, contact_root: float) -> Values:
+    """Return the regularised state, time 0, of a rotor with contact root `contact_root`."""
     direction = position / abs(position)
     along = velocity * direction.conjugate()
     moment = (position.conjugate() * velocity).imag
-    return np.array([root, along.real, moment, direction.real, direction.imag, 0.0, 0.0])
+    return np.array([contact_root, along.real, moment, direction.real, direction.imag, 0.0, 0.0])
 
 
-def cartesian(states: Values, delta0: float) -> Values:
-    """Return ``(x, y, vx, vy)`` on the rotating axes of regularised states, shape (..., 7)."""
-    q, p, h, c, s, _, _ = np.moveaxis(states, -1, 0)
-    length = np.hypot(c, s)
-    c, s = c / length, s / length
-    radius = delta0 + q * q
-    around = h / radius
-    return np.stack([radius * c, radius * s, p * c - around * s, p * s + around * c], axis=-1)
+@shared
+def cartesian(state: Values, delta0: float) -> tuple[complex, complex]:
+    """Return displacement and velocity on the rotating axes of a regularised state."""
+    direction = complex(state[C], state[S]) / math.hypot(state[C], state[S])
+    radius = delta0 + state[Q] * state[Q]
+    return radius * direction, complex(state[P], state[H] / radius) * direction
 
 
+@shared
 def follow_contact(
-    rotor: Rotor,
-    start: Values,
-    duration: float,
-    slack: float,
-    samples: Values,
-    options: Options,
-) -> Contact:
-    """Integrate one contact until q falls through 0 or `duration` has passed.
+    record: Record, motion: Motion, start: Values
+) -> tuple[int, bool, Values, Values]:
+    """Integrate one contact until q falls through 0 or the run is at its end.
+
+    Samples inside the contact are taken on the way.
 
     Parameters
     ----------
-    rotor : Rotor
-        The rotor, with ``delta0 > 0``.
+    record : Record
+        The run, with ``delta0 > 0``.
+    motion : Motion
+        The integration of `contact_field`.
     start : ndarray, shape (7,)
         Regularised state at time 0, with ``q > 0``, or ``q = 0`` and ``p > 0``.
-    duration : float
-        Longest time to follow it [1].
-    slack : float
-        How far behind `duration` an exit may lie and still count as being at it [1].
-    samples : ndarray, shape (n,)
-        Times to report [1], increasing.
-    options : Options
-        Method and tolerances.
 
-    Raises
-    ------
-    SolverFailure
-        If the solver gives up.
+    Returns
+    -------
+    status : int
+        0, or why the contact could not be followed.
+    left : bool
+        Whether it ended with an exit.
+    end, peak : ndarray, shape (7,)
+        Regularised state at the exit, where q is 0, or at the end of the run; and at the largest
+        indentation.
     """
-    motion = _set_on_its_way(rotor, start, options)
-    peak, rows, idle = start, list[Values](), 0
-    while True:
-        motion.advance()
-        end, reached, left = _end_of_step(motion, duration, slack)
-        peak = _highest(peak, _peak_of_step(motion, end, reached, peak))
-        for time in samples[len(rows) :]:
-            if time > reached[T]:
-                break
-            rows.append(_at_time(motion, end, float(time)))
+    duration = time_left(record)
+    peak, reached, left, idle = start.copy(), start, False, 0
+    status = motion.restart(start, _tolerances(record, start))
+    while status == GOES_ON:
+        status = STOPPED if record.stop[0] else motion.advance()
+        if status != GOES_ON:
+            break
+        end, reached, left = _end_of_step(motion, duration, record.slack)
+        if math.isnan(end):
+            status, reached = NO_ROOT, motion.before
+            break
+        _raise_peak(motion, end, reached, peak)
+        while next_sample(record, duration) <= reached[T]:
+            _take_at(record, motion, end, next_sample(record, duration))
         if left or reached[T] >= duration:
-            taken = np.array(rows) if rows else np.empty((0, SIZE))
-            return Contact(reached, left, peak, taken, motion.evaluations)
+            break
         idle = idle + 1 if reached[T] <= motion.before[T] else 0
         if idle > PATIENCE:
-            raise SolverFailure("time no longer advances in contact", end, reached)
+            status = STUCK
+    record.evaluations += motion.evaluations()
+    return status, left, reached.copy(), peak
 
 
-def _set_on_its_way(rotor: Rotor, start: Values, options: Options) -> Integration:
-    """Start the integration, with tolerances that still resolve a very slight touch."""
-    omega, zeta, delta0 = rotor.omega, rotor.zeta, rotor.delta0
-
-    def field(state: Values, rate: Values) -> None:
-        contact_field(state, rate, omega, zeta, delta0)
-
-    slight = options.step_rtol * max(start[Q], abs(start[P]))
-    brief = options.step_rtol * _least_duration(start)
-    atol = np.full(SIZE, options.step_atol)
-    atol[[Q, P]] = max(min(options.step_atol, slight), BELOW_ROUNDING)
-    atol[[T, J]] = max(min(options.step_atol, brief), TIGHTEST_ATOL)
-    return integrate(field, start, options, atol=atol)
+@shared
+def _tolerances(record: Record, start: Values) -> Values:
+    """Return absolute tolerances that still resolve a very slight touch."""
+    slight = record.rtol * max(start[Q], abs(start[P]))
+    brief = record.rtol * _least_duration(start)
+    atol = np.full(SIZE, record.atol)
+    atol[Q] = atol[P] = max(min(record.atol, slight), BELOW_ROUNDING)
+    atol[T] = atol[J] = max(min(record.atol, brief), TIGHTEST_ATOL)
+    return atol
 
 
+@shared
 def _least_duration(start: Values) -> float:
     """Return a time below which a contact from `start` cannot end: that of a straight way out."""
-    if start[Q] > 0.0 > start[P]:
+    if start[P] < 0.0 < start[Q]:
         return float(start[Q] ** 2 / -start[P])
     return float(max(start[Q], abs(start[P])))
 
 
-def _end_of_step(motion: Integration, duration: float, slack: float) -> tuple[float, Values, bool]:
+@inlined
+def _end_of_step(motion: Motion, duration: float, slack: float) -> tuple[float, Values, bool]:
     """Return where the motion stands after a step: at its end, at an exit, or at the end time."""
     end, reached, left = motion.point, motion.values, False
     if reached[Q] <= 0.0:
-        end, left = motion.root(_contact_root, _inside(motion), end), True
+        end, left = root(motion, contact_root_of, 0.0, _inside(motion), end), True
         reached = motion.at(end).copy()
         reached[Q] = 0.0
     if reached[T] > duration + (slack if left else 0.0):
-        end = motion.root(lambda state: float(state[T] - duration), motion.low, end)
+        end = root(motion, time_of, duration, motion.low, end)
         reached, left = motion.at(end).copy(), False
         reached[T] = duration
     elif left:
@@ -185,11 +159,26 @@ def _end_of_step(motion: Integration, duration: float, slack: float) -> tuple[fl
     return end, reached, left
 
 
-def _contact_root(state: Values) -> float:
+@shared
+def contact_root_of(state: Values) -> float:
+    """Return q."""
     return float(state[Q])
 
 
-def _inside(motion: Integration) -> float:
+@shared
+def radial_velocity_of(state: Values) -> float:
+    """Return p."""
+    return float(state[P])
+
+
+@shared
+def time_of(state: Values) -> float:
+    """Return t."""
+    return float(state[T])
+
+
+@shared
+def _inside(motion: Motion) -> float:
     """Return a point of the last step at which the rotor is in contact."""
     point = motion.low
     length = motion.point - motion.low
@@ -199,34 +188,54 @@ def _inside(motion: Integration) -> float:
     return point
 
 
-def _highest(one: Values, other: Values) -> Values:
-    return other if other[Q] > one[Q] else one
+@inlined
+def _raise_peak(motion: Motion, end: float, reached: Values, peak: Values) -> None:
+    """Write the state of largest q in a step into `peak`, if it is higher.
 
-
-def _peak_of_step(motion: Integration, end: float, reached: Values, peak: Values) -> Values:
-    """Return the state of largest q in a step: at its end, or where p vanishes inside it.
-
-    On a whirl of constant radius p is rounding noise; there is nothing to look for.
+    It lies at the end of the step, or where p vanishes inside it. On a whirl of constant radius
+    p is rounding noise; there is nothing to look for.
     """
     before = motion.before
     could_reach = before[Q] + before[P] * (end - motion.low)
     if before[P] > 0.0 > reached[P] and could_reach > peak[Q] * (1.0 + NOISE):
-        return motion.at(motion.root(lambda state: float(state[P]), motion.low, end))
-    return reached
+        summit = root(motion, radial_velocity_of, 0.0, motion.low, end)
+        if not math.isnan(summit):
+            reached = motion.at(summit)
+    if reached[Q] > peak[Q]:
+        peak[:] = reached
 
 
-def _at_time(motion: Integration, end: float, time: float) -> Values:
-    """Return the state at a time inside the last step: Newton's method, kept in a bracket."""
+@shared
+def _take_at(record: Record, motion: Motion, end: float, time: float) -> None:
+    """Take the sample at a time inside the last step: Newton's method, kept in a bracket."""
     low, high = motion.low, end
-    span = float(motion.values[T] - motion.before[T]) or 1.0
-    point = low + (high - low) * min(1.0, max(0.0, (time - motion.before[T]) / span))
+    point = _guess_of_time(motion, low, high, time)
     state = motion.at(point)
     for _ in range(60):
         late = state[T] - time
         if abs(late) <= 4e-16 * max(1.0, time) or high - low <= 4e-16 * high:
             break
-        low, high = (low, point) if late > 0.0 else (point, high)
+        if late > 0.0:
+            high = point
+        else:
+            low = point
         new = point - late / state[Q] if state[Q] > 0.0 else low
         point = new if low < new < high else 0.5 * (low + high)
         state = motion.at(point)
-    return state
+    position, velocity = cartesian(state, record.delta0)
+    take(record, position.real, position.imag, velocity.real, velocity.imag)
+
+
+@shared
+def _guess_of_time(motion: Motion, low: float, high: float, time: float) -> float:
+    """Return about where a time lies in the last step: u as a cubic of t, du = dt/q."""
+    before, after, length = motion.before, motion.values, motion.point - motion.low
+    span = float(after[T] - before[T])
+    if span <= 0.0:
+        return 0.5 * (low + high)
+    part = (time - before[T]) / span
+    point = low + length * part
+    if before[Q] > 0.0 < after[Q]:
+        start, end = span / before[Q] - length, length - span / after[Q]
+        point += part * (1.0 - part) * (start * (1.0 - part) + end * part)
+    return float(min(max(point, low), high))

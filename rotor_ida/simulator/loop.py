@@ -8,165 +8,114 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-import numpy.typing as npt
-
-from rotor_ida.checks import State
-from rotor_ida.errors import SimulationError
-from rotor_ida.parameters import Rotor
-from rotor_ida.simulator import cartesian_phase, contact_phase, flight
-from rotor_ida.simulator.invariants import check_orbit
-from rotor_ida.simulator.options import Options
-from rotor_ida.simulator.orbit import ENTRY, EXIT, Orbit
-from rotor_ida.simulator.record import Record
-from rotor_ida.simulator.solver import SolverFailure
+from rotor_ida.compiling import shared
+from rotor_ida.simulator import flight
+from rotor_ida.simulator.cartesian_phase import follow
+from rotor_ida.simulator.contact_phase import H, J, Q, T, cartesian, follow_contact
+from rotor_ida.simulator.motion import GOES_ON, Motion
+from rotor_ida.simulator.orbit import ENTRY, EXIT
+from rotor_ida.simulator.record import Record, add_contact, mark, move, next_sample, take, time_left
 from rotor_ida.simulator.start import contact_start, starts_in_contact
 
-Values = npt.NDArray[np.float64]
 
-
-def run(
-    rotor: Rotor,
-    start: State,
-    duration: float,
-    sample_times: Values,
-    options: Options,
-    *,
-    slack: float = 0.0,
-) -> Orbit:
-    """Simulate a rotor from `start` at time 0 over `duration`.
+@shared
+def go(record: Record, contact: Motion, free: Motion) -> int:
+    """Carry a run from its start to its end, and write down what happens on the way.
 
     Parameters
     ----------
-    rotor : Rotor
-        The rotor.
-    start : tuple of float
-        ``(x, y, vx, vy)`` at time 0, fixed frame [1].
-    duration : float
-        Time to simulate [1], positive.
-    sample_times : ndarray, shape (n,)
-        Times to report [1], increasing, from 0 to `duration`.
-    options : Options
-        Method, tolerances and treatment of flight.
-    slack : float
-        How far behind `duration` an event may lie and still belong to the run [1]. It keeps
-        its own time.
+    record : Record
+        The run, at its start.
+    contact, free : Motion
+        Integrations of a contact in its regularised variables, and of any motion in displacement
+        and velocity.
 
-    Raises
-    ------
-    SimulationError
-        If the solver gives up.
-    InvariantError
-        If the result contradicts the mechanics.
+    Returns
+    -------
+    int
+        0, or why the run ended early.
     """
-    x, y, vx, vy = start
-    record = Record(rotor, options, duration, slack, sample_times, complex(x, y), complex(vx, vy))
-    in_contact = starts_in_contact(rotor, record.position, record.velocity)
-    try:
-        if rotor.delta0 == 0.0:
-            _stay_in_contact(record)
+    if record.next_time == 0.0:
+        here, moving = record.position, record.velocity
+        take(record, here.real, here.imag, moving.real, moving.imag)
+    if record.delta0 == 0.0:
+        return _stay_in_contact(record, free)
+    omega, zeta, delta0 = record.omega, record.zeta, record.delta0
+    status = GOES_ON
+    if starts_in_contact(record.position, record.velocity, omega, zeta, delta0):
+        status = _contact(record, contact, math.nan)
+    while status == GOES_ON and time_left(record) > 0.0:
+        if record.exact:
+            touched = _exact_flight(record)
         else:
-            _go_from_event_to_event(record, in_contact)
-    except SolverFailure as failure:
-        raise SimulationError(
-            failure.message, time=record.time, state=record.fixed_state()
-        ) from failure
-    orbit = record.orbit(starts_in_contact=in_contact)
-    check_orbit(orbit)
-    return orbit
+            status, touched = _integrated_flight(record, free)
+        if touched:
+            record.position *= delta0 / abs(record.position)
+            mark(record, ENTRY)
+            status = _contact(record, contact, record.time)
+    return status
 
 
-def _go_from_event_to_event(record: Record, in_contact: bool) -> None:
-    """Alternate flight and contact until the time is up."""
-    if in_contact:
-        _contact(record, entry=math.nan)
-    while record.left > 0.0:
-        fly = _exact_flight if record.options.flight == "exact" else _integrated_flight
-        if fly(record):
-            record.position *= record.rotor.delta0 / abs(record.position)
-            record.mark(ENTRY)
-            _contact(record, entry=record.time)
-
-
+@shared
 def _exact_flight(record: Record) -> bool:
     """Fly to the next touch, or to the end, in closed form; return whether it is a touch."""
-    omega, zeta, delta0 = record.rotor.omega, record.rotor.zeta, record.rotor.delta0
-    limit = record.left + record.slack
-    touch = flight.first_touch(record.position, record.velocity, omega, zeta, delta0, limit)
+    omega, zeta, left = record.omega, record.zeta, time_left(record)
+    here, moving, limit = record.position, record.velocity, left + record.slack
+    touch = flight.first_touch(here, moving, omega, zeta, record.delta0, limit)
     touched = touch <= limit
-    span = touch if touched else record.left
-    times = record.waiting(span)
-    record.take(flight.fly_over(record.position, record.velocity, times, omega, zeta))
-    record.move(span, *flight.fly(record.position, record.velocity, span, omega, zeta))
+    span = touch if touched else left
+    while next_sample(record, span) <= span:
+        there, then = flight.fly(here, moving, next_sample(record, span), omega, zeta)
+        take(record, there.real, there.imag, then.real, then.imag)
+    there, then = flight.fly(here, moving, span, omega, zeta)
+    move(record, span, there, then)
     return touched
 
 
-def _integrated_flight(record: Record) -> bool:
+@shared
+def _integrated_flight(record: Record, free: Motion) -> tuple[int, bool]:
     """Fly to the next touch, or to the end, with the solver; return whether it is a touch."""
-    passage = _integrate(record)
-    return passage.touched
+    status, touched, time, end, _, _ = follow(record, free)
+    move(record, time, complex(end[0], end[1]), complex(end[2], end[3]))
+    return status, touched and status == GOES_ON
 
 
-def _stay_in_contact(record: Record) -> None:
+@shared
+def _stay_in_contact(record: Record, free: Motion) -> int:
     """Follow a rotor without clearance, which has no events, to the end."""
-    passage = _integrate(record)
-    x, y, vx, vy = passage.peak
-    moment = float(x * vy - y * vx)
-    record.add_contact(math.nan, math.nan, passage.peak_time, math.hypot(x, y), math.nan, moment)
+    status, _, time, end, peak_time, peak = follow(record, free)
+    move(record, time, complex(end[0], end[1]), complex(end[2], end[3]))
+    moment = float(peak[0] * peak[3] - peak[1] * peak[2])
+    highest = math.hypot(peak[0], peak[1])
+    add_contact(record, math.nan, math.nan, peak_time, highest, math.nan, moment)
+    return status
 
 
-def _integrate(record: Record) -> cartesian_phase.Passage:
-    """Integrate displacement and velocity to a touch of the ring, or to the end."""
-    times = record.waiting(record.left)
-    try:
-        passage = cartesian_phase.follow(
-            record.rotor, np.array(record.state), record.left, record.slack, times, record.options
-        )
-    except SolverFailure as failure:
-        x, y, vx, vy = failure.values.tolist()
-        record.move(failure.point, complex(x, y), complex(vx, vy))
-        raise
-    record.evaluations += passage.evaluations
-    record.take(passage.samples)
-    x, y, vx, vy = passage.end.tolist()
-    record.move(passage.time, complex(x, y), complex(vx, vy))
-    return passage
-
-
-def _contact(record: Record, entry: float) -> None:
+@shared
+def _contact(record: Record, contact: Motion, entry: float) -> int:
     """Follow one contact, write its row, and mark its exit if it has one."""
-    began = record.time
-    if record.left <= 0.0:
+    began, left = record.time, time_left(record)
+    if left <= 0.0:
         moment = (record.position.conjugate() * record.velocity).imag
-        record.add_contact(entry, math.nan, began, 0.0, math.nan, moment)
-        return
-    times = record.waiting(record.left)
-    start = contact_start(record.rotor, record.position, record.velocity, record.left)
-    try:
-        contact = contact_phase.follow_contact(
-            record.rotor, start, record.left, record.slack, times, record.options
-        )
-    except SolverFailure as failure:
-        _move_to(record, failure.values)
-        raise
-    record.evaluations += contact.evaluations
-    record.take(contact_phase.cartesian(contact.samples, record.rotor.delta0))
-    _move_to(record, contact.end)
-    if contact.left:
-        record.mark(EXIT)
-    root, _, moment, _, _, until_peak, _ = contact.peak.tolist()
-    whole = contact.left and not math.isnan(entry)
-    record.add_contact(
+        add_contact(record, entry, math.nan, began, 0.0, math.nan, moment)
+        return GOES_ON
+    omega, zeta, delta0 = record.omega, record.zeta, record.delta0
+    start = contact_start(record.position, record.velocity, left, omega, zeta, delta0)
+    status, leaves, end, peak = follow_contact(record, contact, start)
+    there, moving = cartesian(end, delta0)
+    move(record, float(end[T]), there, moving)
+    if status != GOES_ON:
+        return status
+    if leaves:
+        mark(record, EXIT)
+    whole = leaves and not math.isnan(entry)
+    add_contact(
+        record,
         entry,
-        record.time if contact.left else math.nan,
-        min(began + until_peak, record.time),
-        root**2,
-        float(contact.end[contact_phase.J]) if whole else math.nan,
-        moment,
+        record.time if leaves else math.nan,
+        min(began + float(peak[T]), record.time),
+        float(peak[Q]) ** 2,
+        float(end[J]) if whole else math.nan,
+        float(peak[H]),
     )
-
-
-def _move_to(record: Record, state: Values) -> None:
-    """Go on to a regularised state, which lies on the ring to the last digit where q is 0."""
-    x, y, vx, vy = contact_phase.cartesian(state, record.rotor.delta0).tolist()
-    record.move(float(state[contact_phase.T]), complex(x, y), complex(vx, vy))
+    return GOES_ON

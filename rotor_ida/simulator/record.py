@@ -1,116 +1,224 @@
-"""The motion so far: where it stands, and all that has been seen on the way."""
+"""The motion so far: where it stands, and all that has been seen on the way.
+
+`Record` is filled by the event loop. In compiled code the same name stands for a structure with
+the same fields.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import math
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.checks import State
-from rotor_ida.model import turned
-from rotor_ida.parameters import Rotor
-from rotor_ida.simulator.options import Options
-from rotor_ida.simulator.orbit import Orbit
+from rotor_ida.compiling import shared, structure
 
 Values = npt.NDArray[np.float64]
+Kinds = npt.NDArray[np.int8]
+Stop = npt.NDArray[np.int8]
+
+# Time, state, samples, events' times, kinds and states, contacts, evaluations.
+Harvest = tuple[float, Values, Values, Values, Kinds, Values, Values, int]
+
+FIRST_ROOM = 64
 
 
 @dataclass(slots=True)
 class Record:
     """A run in the making.
 
-    `position` and `velocity` are complex and read on the rotating axes, as are all samples and
-    event states until `orbit` turns them back.
+    Position, velocity, samples and event states are read on the rotating axes. The tables grow
+    as they fill; only their first `sampled`, `events` and `contacts` rows are part of the run.
+
+    Parameters
+    ----------
+    omega, zeta, delta0 : float
+        The rotor [1].
+    rtol, atol : float
+        Tolerances of one step of the solver [1].
+    exact : bool
+        Whether flight is solved in closed form.
+    duration, slack : float
+        Time to simulate, and how far behind it an event may lie [1].
+    position, velocity : complex
+        Where the rotor is, and how fast it moves, now [1].
+    time : float
+        Now [1].
+    sample_times : ndarray, shape (n,)
+        Times to report [1].
+    states : ndarray, shape (n, 4)
+        ``(x, y, vx, vy)`` at those times [1].
+    event_times, event_kinds, event_states : ndarray
+        The events [1].
+    contact_rows : ndarray, shape (k, 6)
+        Entry, exit and peak time, peak indentation, impulse, angular momentum at the peak [1].
+    next_time : float
+        The first of those times that has not been reported; infinite if none is left [1].
+    sampled, events, contacts, evaluations : int
+        How many there are so far.
+    stop : ndarray, shape (1,)
+        Anything but 0 asks the run to stop.
     """
 
-    rotor: Rotor
-    options: Options
+    omega: float
+    zeta: float
+    delta0: float
+    rtol: float
+    atol: float
+    exact: bool
     duration: float
     slack: float
-    sample_times: Values
     position: complex
     velocity: complex
-    time: float = 0.0
-    samples: list[Values] = field(default_factory=list)
-    sampled: int = 0
-    event_times: list[float] = field(default_factory=list)
-    event_kinds: list[int] = field(default_factory=list)
-    event_states: list[list[float]] = field(default_factory=list)
-    contacts: list[list[float]] = field(default_factory=list)
-    evaluations: int = 0
+    time: float
+    sample_times: Values
+    states: Values
+    event_times: Values
+    event_kinds: Kinds
+    event_states: Values
+    contact_rows: Values
+    next_time: float
+    sampled: int
+    events: int
+    contacts: int
+    evaluations: int
+    stop: Stop
 
-    def __post_init__(self) -> None:
-        if self.sample_times.size and self.sample_times[0] == 0.0:
-            self.take(np.array([self.state]))
 
-    @property
-    def state(self) -> list[float]:
-        """``(x, y, vx, vy)`` now, on the rotating axes."""
-        return [self.position.real, self.position.imag, self.velocity.real, self.velocity.imag]
+RecordType = structure(Record)
 
-    @property
-    def left(self) -> float:
-        """Time still to go."""
-        return self.duration - self.time
 
-    def waiting(self, span: float) -> Values:
-        """Return the sample times of the next `span`, counted from now."""
-        # time + left may fall short of the duration by rounding; its sample must not be lost.
-        until = self.duration if span >= self.left else self.time + span
-        last = int(np.searchsorted(self.sample_times, until, side="right"))
-        return np.clip(self.sample_times[self.sampled : last] - self.time, 0.0, span)
+@shared
+def new_record(
+    omega: float,
+    zeta: float,
+    delta0: float,
+    rtol: float,
+    atol: float,
+    exact: bool,
+    start: Values,
+    duration: float,
+    slack: float,
+    sample_times: Values,
+    stop: Stop,
+) -> Record:
+    """Return the record of a run that is about to begin."""
+    return Record(
+        omega,
+        zeta,
+        delta0,
+        rtol,
+        atol,
+        exact,
+        duration,
+        slack,
+        complex(start[0], start[1]),
+        complex(start[2], start[3]),
+        0.0,
+        sample_times,
+        np.empty((sample_times.size, 4)),
+        np.empty(FIRST_ROOM),
+        np.empty(FIRST_ROOM, np.int8),
+        np.empty((FIRST_ROOM, 4)),
+        np.empty((FIRST_ROOM, 6)),
+        sample_times[0] if sample_times.size else math.inf,
+        0,
+        0,
+        0,
+        0,
+        stop,
+    )
 
-    def take(self, rows: Values) -> None:
-        """Add the next samples."""
-        self.samples.append(rows)
-        self.sampled += len(rows)
 
-    def move(self, span: float, position: complex, velocity: complex) -> None:
-        """Go on by `span` to a new position and velocity."""
-        self.time = self.duration if span == self.left else self.time + span
-        self.position, self.velocity = position, velocity
+@shared
+def time_left(record: Record) -> float:
+    """Return the time still to go."""
+    return record.duration - record.time
 
-    def mark(self, kind: int) -> None:
-        """Write down an event here and now."""
-        self.event_times.append(self.time)
-        self.event_kinds.append(kind)
-        self.event_states.append(self.state)
 
-    def add_contact(
-        self,
-        entry: float,
-        leaving: float,
-        peak_time: float,
-        indentation: float,
-        impulse: float,
-        moment: float,
-    ) -> None:
-        """Write down a contact that is over, or that the run begins or ends in."""
-        self.contacts.append([entry, leaving, peak_time, indentation, impulse, moment])
+@shared
+def next_sample(record: Record, span: float) -> float:
+    """Return the next sample time, counted from now and kept within the next `span`.
 
-    def fixed_state(self) -> State:
-        """Return ``(x, y, vx, vy)`` now, in the fixed frame."""
-        x, y, vx, vy = turned(self.state, self.rotor.omega * self.time).tolist()
-        return (x, y, vx, vy)
+    It is infinite where none is left, or none lies within `span`.
+    """
+    # time + left may fall short of the duration by rounding; its sample must not be lost.
+    until = record.duration if span >= time_left(record) else record.time + span
+    if record.next_time > until:
+        return math.inf
+    return min(max(record.next_time - record.time, 0.0), span)
 
-    def orbit(self, *, starts_in_contact: bool) -> Orbit:
-        """Return the finished run, in the fixed frame."""
-        omega = self.rotor.omega
-        samples = np.concatenate([*self.samples, np.empty((0, 4))])
-        event_times = np.array(self.event_times)
-        event_states = np.array(self.event_states).reshape(-1, 4)
-        return Orbit(
-            rotor=self.rotor,
-            options=self.options,
-            duration=self.duration,
-            times=self.sample_times,
-            states=turned(samples, omega * self.sample_times),
-            starts_in_contact=starts_in_contact,
-            event_times=event_times,
-            event_kinds=np.array(self.event_kinds, dtype=np.int8),
-            event_states=turned(event_states, omega * event_times),
-            contacts=np.array(self.contacts).reshape(-1, 6),
-            end=np.array(self.fixed_state()),
-            evaluations=self.evaluations,
+
+@shared
+def take(record: Record, x: float, y: float, vx: float, vy: float) -> None:
+    """Add the next sample."""
+    row = record.states[record.sampled]
+    row[0], row[1], row[2], row[3] = x, y, vx, vy
+    record.sampled += 1
+    more = record.sampled < record.sample_times.size
+    record.next_time = record.sample_times[record.sampled] if more else math.inf
+
+
+@shared
+def move(record: Record, span: float, position: complex, velocity: complex) -> None:
+    """Go on by `span` to a new position and velocity."""
+    record.time = record.duration if span == time_left(record) else record.time + span
+    record.position = position
+    record.velocity = velocity
+
+
+@shared
+def mark(record: Record, kind: int) -> None:
+    """Write down an event here and now."""
+    here = record.events
+    if here == record.event_times.size:
+        record.event_times = np.concatenate((record.event_times, np.empty_like(record.event_times)))
+        record.event_kinds = np.concatenate((record.event_kinds, np.empty_like(record.event_kinds)))
+        record.event_states = np.concatenate(
+            (record.event_states, np.empty_like(record.event_states))
         )
+    record.event_times[here] = record.time
+    record.event_kinds[here] = kind
+    row = record.event_states[here]
+    row[0], row[1] = record.position.real, record.position.imag
+    row[2], row[3] = record.velocity.real, record.velocity.imag
+    record.events = here + 1
+
+
+@shared
+def add_contact(
+    record: Record,
+    entry: float,
+    leaving: float,
+    peak_time: float,
+    indentation: float,
+    impulse: float,
+    moment: float,
+) -> None:
+    """Write down a contact that is over, or that the run begins or ends in."""
+    here = record.contacts
+    if here == record.contact_rows.shape[0]:
+        record.contact_rows = np.concatenate(
+            (record.contact_rows, np.empty_like(record.contact_rows))
+        )
+    row = record.contact_rows[here]
+    row[0], row[1], row[2] = entry, leaving, peak_time
+    row[3], row[4], row[5] = indentation, impulse, moment
+    record.contacts = here + 1
+
+
+@shared
+def harvest(record: Record) -> Harvest:
+    """Return what a run has come to; every state is read on the rotating axes."""
+    here, moving = record.position, record.velocity
+    return (
+        record.time,
+        np.array([here.real, here.imag, moving.real, moving.imag]),
+        record.states,
+        record.event_times[: record.events].copy(),
+        record.event_kinds[: record.events].copy(),
+        record.event_states[: record.events].copy(),
+        record.contact_rows[: record.contacts].copy(),
+        record.evaluations,
+    )

@@ -1,11 +1,8 @@
 """The wrapper round scikit-sundae: one internal step at a time, and any point inside the last.
 
-The quirks stop here. Above this module an integration advances, can be read anywhere inside
-its last step to the solver's own order, and fails with `SolverFailure`; nothing else.
-
-scikit-sundae's `step` takes one internal step with ``"onestep"``, and reads the solver's own
-interpolant with ``"normal"`` at a point that lies inside that step. After such a reading the
-next ``"onestep"`` returns the end of the step once more, which `advance` passes over.
+The quirks stop here. scikit-sundae's `step` takes one internal step with ``"onestep"``, and reads
+the solver's own interpolant with ``"normal"`` at a point that lies inside that step. After such a
+reading the next ``"onestep"`` returns the end of the step once more, which `advance` passes over.
 """
 
 from __future__ import annotations
@@ -15,123 +12,83 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import brentq
 from sksundae.cvode import CVODE
 from sksundae.ida import IDA
 
+from rotor_ida.simulator.motion import FAR_GOAL, GOES_ON, MESSAGES, NOT_FINITE
 from rotor_ida.simulator.options import Options
 
 Values = npt.NDArray[np.float64]
 Field = Callable[[Values, Values], None]
 Jacobian = Callable[[Values, Values], None]
 
-# The solver looks at the goal only to choose its first step.
-FAR_GOAL = 1e9
-ROUNDING = 2.0**-52
-
-
-class SolverFailure(Exception):  # noqa: N818 - always caught and turned into SimulationError
-    """The solver gave up: its message, and the last good point and the values there."""
-
-    def __init__(self, message: str, point: float, values: Values):
-        super().__init__(message)
-        self.message = message
-        self.point = point
-        self.values = values
-
 
 class Integration:
-    """An autonomous system on its way from a start, led one internal step at a time.
+    """A `Motion` led through the public interface of scikit-sundae.
 
     Parameters
     ----------
-    solver : CVODE or IDA
-        A scikit-sundae solver that has been initialised at point 0.
-    start : ndarray
-        The values there.
+    options : Options
+        Method and tolerances.
+    field : callable
+        ``field(values, rate)`` writes the rate of change.
+    jacobian : callable, optional
+        ``jacobian(values, matrix)`` writes the derivative of the rate. IDA makes its own.
 
     Attributes
     ----------
-    low, point : float
-        Ends of the last step.
-    before, values : ndarray
-        Values at those ends.
-    evaluations : int
-        Evaluations of the right-hand side so far.
+    message : str
+        What the solver said when it gave up.
     """
 
-    def __init__(self, solver: Any, start: Values):
-        self._solver = solver
+    def __init__(self, options: Options, field: Field, jacobian: Jacobian | None = None):
+        self._options, self._field, self._jacobian = options, field, jacobian
+        self._solver: Any = None
+        self._count = 0
+        self.low = self.point = 0.0
+        self.before = self.values = np.empty(0)
+        self.message = ""
+
+    def restart(self, start: Values, atol: Values) -> int:
+        """Begin anew from `start` at point 0, with absolute tolerances `atol`."""
+        settings = {"rtol": self._options.step_rtol, "atol": atol}
+        if self._options.method == "ida":
+            self._solver = _ida(self._field, start, settings)
+        else:
+            settings["method"] = {"adams": "Adams", "bdf": "BDF"}[self._options.method]
+            self._solver = _cvode(self._field, self._jacobian, start, settings)
         self.low = self.point = 0.0
         self.before = self.values = start
-        self.evaluations = 0
+        self._count = 0
+        return GOES_ON
 
-    def advance(self) -> None:
-        """Take one internal step."""
+    def advance(self) -> int:
+        """Take one internal step; return 0, or why it could not be taken."""
         self.low, self.before = self.point, self.values
         while self.point <= self.low:
-            self.point, self.values = self._read(FAR_GOAL, "onestep")
+            result = self._solver.step(FAR_GOAL, "onestep")
+            if not result.success:
+                self.message = str(result.message).strip()
+                return int(result.status)
+            if not np.isfinite(result.y).all():
+                self.message = MESSAGES[NOT_FINITE]
+                return NOT_FINITE
+            self.point, self.values, self._count = float(result.t), result.y, int(result.nfev)
+        return GOES_ON
 
     def at(self, point: float) -> Values:
-        """Return the values at a point of the last step."""
+        """Return the values at a point of the last step; NaN where they cannot be read."""
         if point >= self.point:
             return self.values
-        return self.before if point <= self.low else self._read(point, "normal")[1]
+        if point <= self.low:
+            return self.before
+        result = self._solver.step(point, "normal")
+        values: Values = result.y if result.success else np.full_like(self.values, np.nan)
+        return values
 
-    def root(self, function: Callable[[Values], float], low: float, high: float) -> float:
-        """Return a root of `function` of the values between two points of the last step.
-
-        The function must differ in sign at the two points, or vanish at one.
-        """
-        tolerance = 2.0 * ROUNDING * high
-        try:
-            return float(brentq(lambda point: function(self.at(point)), low, high, xtol=tolerance))
-        except ValueError as error:
-            raise SolverFailure("a step holds no root", self.low, self.before) from error
-
-    def _read(self, goal: float, mode: str) -> tuple[float, Values]:
-        result = self._solver.step(goal, mode)
-        if not result.success:
-            raise SolverFailure(str(result.message).strip(), self.point, self.values)
-        if not np.isfinite(result.y).all():
-            raise SolverFailure("the state is no longer finite", self.point, self.values)
-        self.evaluations = int(result.nfev)
-        return float(result.t), result.y
-
-
-def integrate(
-    field: Field,
-    start: Values,
-    options: Options,
-    *,
-    atol: npt.ArrayLike | None = None,
-    jacobian: Jacobian | None = None,
-) -> Integration:
-    """Set an integration on its way from `start`, at point 0.
-
-    Parameters
-    ----------
-    field : callable
-        ``field(values, rate)`` writes the rate of change.
-    start : ndarray, shape (n,)
-        Values at the start.
-    options : Options
-        Method and tolerances.
-    atol : array_like, shape (n,), optional
-        Absolute tolerances of one step in place of ``options.step_atol``.
-    jacobian : callable, optional
-        ``jacobian(values, matrix)`` writes the derivative of the rate. IDA makes its own.
-    """
-    tolerances = {
-        "rtol": options.step_rtol,
-        "atol": options.step_atol if atol is None else atol,
-    }
-    if options.method == "ida":
-        solver = _ida(field, start, tolerances)
-    else:
-        method = {"adams": "Adams", "bdf": "BDF"}[options.method]
-        solver = _cvode(field, jacobian, start, {"method": method, **tolerances})
-    return Integration(solver, start)
+    def evaluations(self) -> int:
+        """Return the number of evaluations of the right-hand side since the start."""
+        return self._count
 
 
 def _cvode(

@@ -20,9 +20,10 @@ import numpy.typing as npt
 
 from rotor_ida.checks import State
 from rotor_ida.errors import SimulationError
-from rotor_ida.simulator.loop import run
 from rotor_ida.simulator.options import LOOSEST_ATOL, LOOSEST_RTOL, TIGHTEST_ATOL, Options
 from rotor_ida.simulator.orbit import Orbit
+from rotor_ida.simulator.record import Stop
+from rotor_ida.simulator.run import run
 
 Values = npt.NDArray[np.float64]
 
@@ -56,7 +57,7 @@ class Trust:
     horizon: float
 
 
-def trust(orbit: Orbit, start: State, *, slack: float = 0.0) -> Trust:
+def trust(orbit: Orbit, start: State, *, slack: float = 0.0, stop: Stop | None = None) -> Trust:
     """Estimate the error of an orbit by simulating it again with looser tolerances.
 
     Parameters
@@ -65,14 +66,22 @@ def trust(orbit: Orbit, start: State, *, slack: float = 0.0) -> Trust:
         The orbit.
     start : tuple of float
         Its start ``(x, y, vx, vy)``, fixed frame [1].
-    slack : float
-        As for `run` [1].
+    slack, stop
+        As for `run`.
     """
     can_be_looser = APART * orbit.options.rtol <= LOOSEST_RTOL
     factor = APART if can_be_looser else 1.0 / APART
     try:
         looser = _scaled(orbit, factor)
-        other = run(orbit.rotor, start, orbit.duration, orbit.times, looser, slack=2.0 * slack)
+        other = run(
+            orbit.rotor,
+            start,
+            orbit.duration,
+            orbit.times,
+            looser,
+            slack=2.0 * slack,
+            stop=stop,
+        )
     except SimulationError as error:
         return Trust(np.full(orbit.event_times.size, np.inf), error.time)
     partners = _partners(orbit, other)
