@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import fields
+from functools import cache
+from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
 import numba
 from numba.core import types
+from numba.core.ccallback import CFunc
 from numba.experimental import structref
 from numba.extending import register_jitable
 
@@ -18,7 +21,37 @@ R = TypeVar("R")
 def compiled(function: Callable[P, R]) -> Callable[P, R]:
     """Compile `function` on first call, keep the machine code on disk, and release the GIL."""
     kernel: Callable[P, R] = numba.njit(cache=True, nogil=True, error_model="numpy")(function)
+    _heed_all_sources(kernel)
     return kernel
+
+
+def callback(signature: Any, function: Callable[..., Any]) -> Any:
+    """Compile `function` for C to call, and keep the machine code; it has an ``address``."""
+    made = CFunc(
+        function, numba.core.sigutils.normalize_signature(signature), {}, {"error_model": "numpy"}
+    )
+    made.enable_caching()
+    _heed_all_sources(made)
+    made.compile()
+    return made
+
+
+def _heed_all_sources(kernel: Any) -> None:
+    """Let kept machine code count as stale when any source that may be part of it has changed.
+
+    numba heeds the file of the kernel alone, not those of what it calls.
+    """
+    file = getattr(getattr(kernel, "_cache", None), "_cache_file", None)
+    if hasattr(file, "_source_stamp"):
+        file._source_stamp = (file._source_stamp, _newest_source())
+
+
+@cache
+def _newest_source() -> int:
+    """Return when the newest of the sources that kernels are made of was changed."""
+    package = Path(__file__).parent
+    sources = [package / f"{name}.py" for name in ("compiling", "contact", "model")]
+    return max(path.stat().st_mtime_ns for path in [*sources, *package.glob("simulator/*.py")])
 
 
 def shared(function: Callable[P, R]) -> Callable[P, R]:

@@ -71,7 +71,7 @@ def follow(record: Record, motion: Motion) -> tuple[int, bool, float, Values, fl
         end = touch if touched else min(motion.point, duration)
         peak_time = _raise_peak(motion, end, peak_time, peak)
         while next_sample(record, duration) <= end:
-            sample = motion.at(next_sample(record, duration))
+            sample = motion.glance_at(next_sample(record, duration))
             take(record, sample[0], sample[1], sample[2], sample[3])
         if touched or end >= duration:
             state = motion.at(end).copy()
@@ -127,8 +127,8 @@ def _raise_peak(motion: Motion, end: float, time: float, peak: Values) -> float:
 
 @shared
 def radius(state: Values) -> float:
-    """Return ``|z|``."""
-    return math.hypot(state[0], state[1])
+    """Return ``|z|``; square root and not hypot, whose last digit differs in compiled code."""
+    return math.sqrt(state[0] * state[0] + state[1] * state[1])
 
 
 @shared

@@ -68,9 +68,11 @@ def regularised(position: complex, velocity: complex, contact_root: float) -> Va
 @shared
 def cartesian(state: Values, delta0: float) -> tuple[complex, complex]:
     """Return displacement and velocity on the rotating axes of a regularised state."""
-    direction = complex(state[C], state[S]) / math.hypot(state[C], state[S])
+    length = math.sqrt(state[C] * state[C] + state[S] * state[S])
+    c, s = state[C] / length, state[S] / length
     radius = delta0 + state[Q] * state[Q]
-    return radius * direction, complex(state[P], state[H] / radius) * direction
+    along, around = state[P], state[H] / radius
+    return complex(radius * c, radius * s), complex(along * c - around * s, along * s + around * c)
 
 
 @shared
@@ -210,7 +212,7 @@ def _take_at(record: Record, motion: Motion, end: float, time: float) -> None:
     """Take the sample at a time inside the last step: Newton's method, kept in a bracket."""
     low, high = motion.low, end
     point = _guess_of_time(motion, low, high, time)
-    state = motion.at(point)
+    state = motion.glance_at(point)
     for _ in range(60):
         late = state[T] - time
         if abs(late) <= 4e-16 * max(1.0, time) or high - low <= 4e-16 * high:
@@ -221,7 +223,7 @@ def _take_at(record: Record, motion: Motion, end: float, time: float) -> None:
             low = point
         new = point - late / state[Q] if state[Q] > 0.0 else low
         point = new if low < new < high else 0.5 * (low + high)
-        state = motion.at(point)
+        state = motion.glance_at(point)
     position, velocity = cartesian(state, record.delta0)
     take(record, position.real, position.imag, velocity.real, velocity.imag)
 

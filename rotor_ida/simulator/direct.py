@@ -1,7 +1,7 @@
 """A `Motion` that calls CVODE from compiled code, without Python on the way.
 
 It makes the same calls with the same settings as scikit-sundae does: Adams or BDF, Newton's
-method, a dense linear solver. Only the reading inside a step differs, by rounding: the solver's
+method, a dense linear solver. Only samples may differ, by rounding: where a step holds many, the solver's
 interpolant is fetched once as a polynomial and evaluated here.
 """
 
@@ -13,14 +13,15 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from numba import carray, cfunc, farray
+from numba import carray, farray
 from numba.core import types
 from numba.core.typing import signature
 from numba.extending import overload_method
 
-from rotor_ida.compiling import compiled, structure
+from rotor_ida.compiling import callback, compiled, structure
+from rotor_ida.errors import InputError
 from rotor_ida.model import rotating_field_into, rotating_jacobian_into
-from rotor_ida.simulator import cartesian_phase, contact_phase
+from rotor_ida.simulator import cartesian_phase, contact_phase, sundials
 from rotor_ida.simulator.contact_phase import contact_field
 from rotor_ida.simulator.motion import FAR_GOAL, GOES_ON, NOT_FINITE, Motion
 
@@ -251,11 +252,16 @@ def _at(motion: Direct, point: float) -> Values:
         return motion.values
     if point <= motion.low:
         return motion.before
+    _derivative(motion.memory, point, 0, motion.handles[_DERIVATIVE])
+    return motion.derivative
+
+
+@compiled
+def _glance_at(motion: Direct, point: float) -> Values:
     if motion.degree < 0:
-        if motion.looks < FEW_LOOKS:
+        if motion.looks < FEW_LOOKS or point >= motion.point or point <= motion.low:
             motion.looks += 1
-            _derivative(motion.memory, point, 0, motion.handles[_DERIVATIVE])
-            return motion.derivative
+            return _at(motion, point)
         _fetch(motion)
     back = (point - motion.point) / (motion.point - motion.low)
     reading, polynomial = motion.reading, motion.polynomial
@@ -294,6 +300,14 @@ def _method_advance(motion: Any) -> Any:  # noqa: ARG001 - types
 def _method_at(motion: Any, point: Any) -> Any:  # noqa: ARG001 - types
     def call(motion: Any, point: Any) -> Any:
         return _at(motion, point)
+
+    return call
+
+
+@overload_method(DirectType, "glance_at")
+def _method_glance_at(motion: Any, point: Any) -> Any:  # noqa: ARG001 - types
+    def call(motion: Any, point: Any) -> Any:
+        return _glance_at(motion, point)
 
     return call
 
@@ -348,12 +362,17 @@ def _free_jacobian(
 def callbacks() -> tuple[Any, Any, Any]:
     """Return both right-hand sides and the Jacobian, compiled; each has an ``address``.
 
-    SUNDIALS must have been loaded.
+    Raises
+    ------
+    InputError
+        If SUNDIALS cannot be called from compiled code.
     """
+    if reason := sundials.why_not():
+        raise InputError(f"backend 'compiled' cannot be used: {reason}")
     rhs = signature(_FLAG, _REAL, _PLACE, _PLACE, _REALS)
     derivative = signature(_FLAG, _REAL, _PLACE, _PLACE, _PLACE, _REALS, _PLACE, _PLACE, _PLACE)
     return (
-        cfunc(rhs, cache=True, error_model="numpy")(_contact_rhs),
-        cfunc(rhs, cache=True, error_model="numpy")(_free_rhs),
-        cfunc(derivative, cache=True, error_model="numpy")(_free_jacobian),
+        callback(rhs, _contact_rhs),
+        callback(rhs, _free_rhs),
+        callback(derivative, _free_jacobian),
     )

@@ -68,6 +68,9 @@ class Motion(Protocol):
     def at(self, point: float) -> Values:
         """Return the values at a point of the last step; good until the next reading."""
 
+    def glance_at(self, point: float) -> Values:
+        """Do as `at` does, faster and to rounding: for what does not act on the motion."""
+
     def evaluations(self) -> int:
         """Return the number of evaluations of the right-hand side since the start."""
 

@@ -86,6 +86,10 @@ class Integration:
         values: Values = result.y if result.success else np.full_like(self.values, np.nan)
         return values
 
+    def glance_at(self, point: float) -> Values:
+        """Do as `at` does."""
+        return self.at(point)
+
     def evaluations(self) -> int:
         """Return the number of evaluations of the right-hand side since the start."""
         return self._count
