@@ -42,7 +42,7 @@ def _heed_all_sources(kernel: Any) -> None:
     numba heeds the file of the kernel alone, not those of what it calls.
     """
     file = getattr(getattr(kernel, "_cache", None), "_cache_file", None)
-    if hasattr(file, "_source_stamp"):
+    if file is not None and hasattr(file, "_source_stamp"):
         file._source_stamp = (file._source_stamp, _newest_source())
 
 

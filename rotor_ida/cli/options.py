@@ -64,7 +64,7 @@ Rtol = Annotated[str, Parameter(help="Relative tolerance.")]
 Atol = Annotated[str, Parameter(help="Absolute tolerance.")]
 Method = Annotated[str, Parameter(help="Solver of the contact: adams, bdf or ida.")]
 Flight = Annotated[str, Parameter(help="Motion inside the clearance: exact or cvode.")]
-Backend = Annotated[str, Parameter(help="How the solver is called: auto or python.")]
+Backend = Annotated[str, Parameter(help="How the solver is called: auto, python or compiled.")]
 
 File = Annotated[str, Parameter(name="FILE", help="An archive that this program wrote.")]
 Out = Annotated[str | None, Parameter(help="Write the result to this new netCDF file.")]

@@ -1,8 +1,8 @@
 """A `Motion` that calls CVODE from compiled code, without Python on the way.
 
 It makes the same calls with the same settings as scikit-sundae does: Adams or BDF, Newton's
-method, a dense linear solver. Only samples may differ, by rounding: where a step holds many, the solver's
-interpolant is fetched once as a polynomial and evaluated here.
+method, a dense linear solver. Only samples may differ, by rounding: where a step holds many, the
+solver's interpolant is fetched once as a polynomial and evaluated here.
 """
 
 from __future__ import annotations

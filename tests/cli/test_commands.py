@@ -212,7 +212,7 @@ def test_doctor_finds_this_installation_well(program: Program):
     answer = program("doctor", "--json")
     assert (answer.status, answer.err) == (0, "")
     record = json.loads(answer.out)
-    assert "python" in record["backends"]
+    assert record["backends"] == ["python", "compiled"]
     assert all(record["versions"].values())
     assert {check["result"] for check in record["checks"]} == {"ok"}
 
@@ -223,7 +223,17 @@ def test_doctor_finds_a_solver_that_is_wrong(program: Program, monkeypatch: pyte
     assert answer.status == 1
     assert "event times are wrong by" in answer.out
     assert "Backends that can be used: none" in answer.out
-    assert answer.err == "rotor-ida: 2 of 3 checks failed\n"
+    assert answer.err == "rotor-ida: 4 of 5 checks failed\n"
+
+
+def test_doctor_says_why_a_backend_is_absent(program: Program, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("rotor_ida.simulator.sundials.why_not", lambda: "no such library")
+    answer = program("doctor", "--json")
+    assert (answer.status, answer.err) == (0, "")
+    record = json.loads(answer.out)
+    assert record["backends"] == ["python"]
+    absent = [check for check in record["checks"] if check["result"] == "absent"]
+    assert [check["seen"] for check in absent] == ["no such library"]
 
 
 def test_doctor_finds_a_solver_that_is_missing(program: Program, monkeypatch: pytest.MonkeyPatch):

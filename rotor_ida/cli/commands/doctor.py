@@ -19,9 +19,13 @@ def doctor(*, as_json: options.AsJson = False) -> Report:
     by_backend = {name: health.check_backend(name) for name in health.backends()}
     checks = [*(check for checks in by_backend.values() for check in checks)]
     checks.append(health.check_archive())
-    usable = [name for name, checks in by_backend.items() if all(check.ok for check in checks)]
+    usable = [
+        name
+        for name, found in by_backend.items()
+        if all(check.result == health.OK for check in found)
+    ]
     versions, rows = health.versions(), [check.record() for check in checks]
-    failed = sum(not check.ok for check in checks)
+    failed = sum(check.result == health.FAILED for check in checks)
     return Report(
         record={"versions": versions, "backends": usable, "checks": rows},
         parts=[
