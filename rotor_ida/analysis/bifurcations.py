@@ -76,7 +76,8 @@ def bifurcation(
 
     Notes
     -----
-    An extremum is a root of ``r r' = x vx + y vy``, found to about 1e-11 of the radius. On a
+    An extremum is a root of ``r r' = x vx + y vy``, found to about 1e-10 of the radius,
+    or to 1e-8 where the rotor passes through the centre without clearance. On a
     synchronous whirl ``r r'`` vanishes throughout; its radius is given once. Periodic motions
     are few values, chaotic and quasi-periodic ones fill ranges.
 

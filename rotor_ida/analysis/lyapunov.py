@@ -86,9 +86,11 @@ def lyapunov_exponent(
     the sum of the exponents misses the divergence is added. A transient that was left too short
     is not covered.
 
-    Three witnesses: the four exponents add up to the divergence of the flow, ``-4 zeta``; on a
-    motion that is no synchronous whirl one exponent is zero, that of a shift in time; on a
-    synchronous whirl they are the real parts of its eigenvalues.
+    Witnesses: the four exponents add up to the divergence of the flow, ``-4 zeta``, the first
+    and the last, like the two between them, to ``-2 zeta``; on a motion that is no synchronous
+    whirl one exponent is zero, that of a shift in time; on a synchronous whirl they are the
+    real parts of its eigenvalues. A chaotic motion may be a long transient: a run that leaves
+    it half way shows by a large error.
 
     References
     ----------
@@ -96,6 +98,8 @@ def lyapunov_exponent(
     for smooth dynamical systems", Meccanica 15, 1980.
     S. Das, Y. Saiki, E. Sander, J. A. Yorke, "Quantitative quasiperiodicity", Nonlinearity 30,
     2017: the weights.
+    U. Dressler, "Symmetry property of the Lyapunov spectra of a class of dissipative dynamical
+    systems with viscous damping", Physical Review A 38, 1988: the pairs.
     P. C. Müller, Chaos, Solitons & Fractals 5, 1995: the jump at discontinuities.
 
     Examples

@@ -12,7 +12,7 @@ exit, so that no step runs across the ring.
 References
 ----------
 .. [1] E. Hairer, S. P. Nørsett, G. Wanner, "Solving Ordinary Differential Equations I", 2nd ed.,
-   Springer, 1993, section II.10: DOP853 and its error estimate.
+   Springer, 1993, section II.10: DOP853 and its error estimates.
 .. [2] P. C. Müller, "Calculation of Lyapunov exponents for dynamic systems with
    discontinuities", Chaos, Solitons & Fractals 5, 1995: the jump, which vanishes here.
 """
@@ -36,9 +36,9 @@ DONE, STUCK = 0, 1
 
 _A = np.ascontiguousarray(DOP853.A)
 _B = np.ascontiguousarray(DOP853.B)
-_E3 = np.ascontiguousarray(DOP853.E3)
 _E5 = np.ascontiguousarray(DOP853.E5)
 _STAGES = 12
+_ORDER = -1.0 / 6.0
 _SAFETY, _MOST_GROWTH, _LEAST_GROWTH = 0.9, 6.0, 0.2
 _ROUNDING = 2.0**-52
 _PATIENCE = 200_000
@@ -243,7 +243,9 @@ def _step(
 ) -> float:
     """Write the bundle after one step into `trial`; return its error in tolerances.
 
-    ``rates[0]`` holds the rate at the beginning of the step.
+    ``rates[0]`` holds the rate at the beginning of the step. The error is the estimate of order
+    five alone: the smaller one that [1]_ makes of it trusts in derivatives that the force of a
+    rotor without clearance lacks at the centre, where it let through errors of 1e4 tolerances.
     """
     for stage in range(1, _STAGES + 1):
         for i in range(5):
@@ -257,18 +259,15 @@ def _step(
     worst = 0.0
     for i in range(5):
         scale = 0.0
-        fifth, third = 0.0, 0.0
+        square = 0.0
         for j in range(4):
             scale = max(scale, abs(bundle[i, j]), abs(trial[i, j]))
-            error5, error3 = 0.0, 0.0
+            error = 0.0
             for k in range(_STAGES + 1):
-                error5 += _E5[k] * rates[k, i, j]
-                error3 += _E3[k] * rates[k, i, j]
-            fifth += error5**2
-            third += error3**2
-        if fifth > 0.0:
-            norm = abs(size) * fifth / math.sqrt(4.0 * (fifth + 0.01 * third))
-            worst = max(worst, norm / (rtol * scale))
+                error += _E5[k] * rates[k, i, j]
+            square += error**2
+        if square > 0.0:
+            worst = max(worst, 0.5 * size * math.sqrt(square) / (rtol * scale))
     return worst
 
 
@@ -293,11 +292,11 @@ def _stay_in_contact(
         length = left - passed if last else size
         error = _step(bundle, length, rates, trial, matrix, rotor, rtol)
         if not error <= 1.0:
-            size = length * max(_LEAST_GROWTH, _SAFETY * error**-0.125)
+            size = length * max(_LEAST_GROWTH, _SAFETY * error**_ORDER)
             if not size > _ROUNDING * left:
                 return -1.0
             continue
-        growth = _SAFETY * error**-0.125 if error > 0.0 else _MOST_GROWTH
+        growth = _SAFETY * error**_ORDER if error > 0.0 else _MOST_GROWTH
         if not last or growth < 1.0:
             size = length * min(_MOST_GROWTH, max(_LEAST_GROWTH, growth))
         leaves = math.hypot(trial[0, 0], trial[0, 1]) < delta0

@@ -116,9 +116,9 @@ def style() -> Iterator[None]:
 
 
 def panels(
-    rows: int, columns: int, *, width: float = 7.2, height: float = 5.6
+    rows: int, columns: int, *, width: float = 7.2, height: float = 5.6, shared: bool = True
 ) -> tuple[Figure, list[Axes]]:
-    """Return a figure with lettered panels that share their axes.
+    """Return a figure with lettered panels.
 
     Parameters
     ----------
@@ -126,6 +126,8 @@ def panels(
         Number of panels down and across.
     width, height : float
         Size of the figure [inch].
+    shared : bool
+        Whether all panels have the same axes.
 
     Returns
     -------
@@ -144,7 +146,7 @@ def panels(
     check_count("columns", columns)
     with style():
         figure = Figure(figsize=(width, height), layout="constrained")
-        grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+        grid = figure.subplots(rows, columns, sharex=shared, sharey=shared, squeeze=False)
         axes = list(grid.ravel())
         if len(axes) > 1:
             for number, ax in enumerate(axes):

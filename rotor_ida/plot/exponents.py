@@ -62,7 +62,11 @@ def plot_exponents(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         ax.set_xlim(0.0, float(found["time"].values[-1]))
         ax.set_xlabel(LABELS["time"])
         ax.set_ylabel(LABELS["running_exponent"])
-        ax.legend(handlelength=2.4)
+        low, high = float(found["lyapunov_exponent"].min()), float(found["lyapunov_exponent"].max())
+        room = max(high - low, abs(high), abs(low)) or 1.0
+        # the first, still unsettled means may lie outside
+        ax.set_ylim(low - 0.3 * room, high + 0.9 * room)
+        ax.legend(handlelength=2.4, ncols=2, loc="upper center")
     return ax
 
 

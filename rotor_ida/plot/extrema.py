@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from rotor_ida.errors import InputError
 from rotor_ida.plot.appearance import (
     BLUE,
+    GREY,
     LABELS,
     ORANGE,
     PURPLE,
@@ -22,12 +23,15 @@ from rotor_ida.plot.appearance import (
 from rotor_ida.plot.responses import plot_amplitude
 from rotor_ida.schema import flags_of
 
+FREE = "extremum in contact-free whirl"
 LOOKS = {
-    "constant": ("constant radius", BLUE, "o", 3.4),
-    "maximum": ("local maximum of $|z|$", ORANGE, ".", 1.6),
-    "minimum": ("local minimum of $|z|$", PURPLE, ".", 1.6),
+    "constant": ("constant radius", BLUE),
+    "maximum": ("local maximum of $|z|$", ORANGE),
+    "minimum": ("local minimum of $|z|$", PURPLE),
 }
-NEEDED = ("omega", "zeta", "delta0", "extremum_count", "extremum_radius", "extremum_kind")
+FEW = 3000
+NEEDED = ("omega", "zeta", "delta0", "response", "extremum_count", "extremum_radius",
+          "extremum_kind")  # fmt: skip
 
 
 def plot_extrema(
@@ -78,11 +82,13 @@ def plot_extrema(
     if delta0 not in found["delta0"].values:
         raise InputError(f"found must hold the delta0 of exact, {delta0!r}, it does not")
     counts = found["extremum_count"]
-    places = xr.broadcast(found["omega"], found["delta0"], counts)
-    omega, clearance = (
+    places = xr.broadcast(found["omega"], found["delta0"], found["response"], counts)
+    omega, clearance, response = (
         np.repeat(place.transpose(*counts.dims).values.ravel(), counts.values.ravel())
-        for place in places[:2]
+        for place in places[:3]
     )
+    here = clearance == delta0
+    free = response == flags_of(found["response"])["contact_free"]
     radius, kinds = found["extremum_radius"].values, found["extremum_kind"].values
     flags = flags_of(found["extremum_kind"])
     with style():
@@ -91,15 +97,24 @@ def plot_extrema(
             ax.set_title(parameter_text(zeta=one_value("found", found, "zeta"), delta0=delta0))
         else:
             ax = plot_amplitude(exact, fold_points=fold_points, ax=ax)
-        for kind, (words, colour, marker, size) in LOOKS.items():
-            chosen = (kinds == flags[kind]) & (clearance == delta0)
-            if chosen.any():
-                ax.plot(
-                    omega[chosen], radius[chosen], ls="", marker=marker, ms=size,
-                    mec=colour if kind == "constant" else "none",
-                    mfc="none" if kind == "constant" else colour, mew=0.7, label=words,
-                    rasterized=True, zorder=3.0,
-                )  # fmt: skip
+        size = 2.6 if here.sum() < FEW else 1.2
+        kind_of = {kind: here & (kinds == flags[kind]) for kind in LOOKS}
+        swinging = free & ~kind_of["constant"]
+        shown = {
+            words: (colour, kind_of[kind] & ~swinging) for kind, (words, colour) in LOOKS.items()
+        }
+        shown[FREE] = (GREY, here & swinging)
+        for words, (colour, chosen) in shown.items():
+            if not chosen.any():
+                continue
+            steady = words == LOOKS["constant"][0]
+            face = "none" if steady else colour
+            ax.plot(
+                omega[chosen], radius[chosen], ls="", marker="o", ms=3.4 if steady else size,
+                mec=colour if steady else "none", mfc=face, mew=0.7, rasterized=True,
+                zorder=2.4 if words == FREE else 3.0,
+            )  # fmt: skip
+            ax.plot([], [], ls="", marker="o", ms=3.4, mec=colour, mfc=face, mew=0.7, label=words)
         ax.set_xlabel(LABELS["omega"])
         ax.set_ylabel(LABELS["radius"])
         own_legend(ax)

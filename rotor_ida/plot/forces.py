@@ -88,17 +88,19 @@ def plot_force_peaks(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     'peak force $f$'
     """
     forces = check_dataset("forces", forces, ("peak_force", "peak_share"))
-    order = np.argsort(forces["peak_force"].values, kind="stable")
-    peaks, share = forces["peak_force"].values[order], forces["peak_share"].values[order]
+    peaks, share = forces["peak_force"].values, forces["peak_share"].values
+    whole = np.flatnonzero(np.isfinite(share))
+    order = whole[np.argsort(peaks[whole], kind="stable")]
+    peaks, share = peaks[order], share[order]
     with style():
         ax = axes_or_new(ax)
         if peaks.size > 1:
-            ax.step(np.append(peaks, peaks[-1]), np.append(0.0, share), where="pre", color=RED)
+            ax.step(np.append(peaks[0], peaks), np.append(0.0, share), where="post", color=RED)
+            ax.set_xlim(0.0, 1.08 * float(peaks[-1]))
         else:
-            words = "one contact without end" if peaks.size else "no contact"
+            words = "fewer than two whole contacts"
             ax.text(0.5, 0.5, words, transform=ax.transAxes, ha="center", va="center")
         ax.set_ylim(0.0, 1.02)
-        ax.set_xlim(left=0.0)
         ax.set_xlabel(LABELS["peak_force"])
         ax.set_ylabel(LABELS["peak_share"])
     return ax

@@ -21,6 +21,7 @@ from rotor_ida.plot.appearance import (
 
 PARAMETERS = ("omega", "zeta", "delta0")
 NEEDED = (*PARAMETERS, "rotating_x", "rotating_y", "rotating_vx", "rotating_vy")
+LEAST_SPAN = 0.2
 WORDS = {
     "revolution": "once a revolution",
     "entry": "at each entry",
@@ -81,10 +82,20 @@ def plot_section(section: xr.Dataset, *, ax: Axes | None = None) -> Axes:
             ax.set_ylabel(LABELS["rotating_y"])
             ax.set_aspect("equal", adjustable="datalim")
         ax.plot(across, up, ls="", marker="o", ms=size, mec="none", mfc=BLUE, zorder=3.0)
+        _leave_room(ax)
         if not z.size:
             ax.text(0.5, 0.5, "no crossing", transform=ax.transAxes, ha="center", va="center")
         ax.set_title(WORDS.get(at, _title(section)))
     return ax
+
+
+def _leave_room(ax: Axes) -> None:
+    """Widen limits that would blow rounding up to the size of the panel."""
+    for low, high, widen in ((*ax.get_xlim(), ax.set_xlim), (*ax.get_ylim(), ax.set_ylim)):
+        least = LEAST_SPAN * max(1.0, abs(low), abs(high))
+        if high - low < least:
+            middle = 0.5 * (low + high)
+            widen(middle - 0.5 * least, middle + 0.5 * least)
 
 
 def _title(section: xr.Dataset) -> str:
