@@ -5,7 +5,7 @@ ever with an oscillating radius at omega = 3, delta0 = 0.5. Both are limit cycle
 turn with the unbalance: closed curves there, a section on a curve, lines beside the spin speed and
 backward ones in the spectrum, and a largest Lyapunov exponent of zero. With little damping, at
 omega = 1.5, zeta = 0.01, delta0 = 1.4, the rotor bounces chaotically: the largest exponent is
-positive.
+positive. That may be a transient, but a long one: it lasts tens of thousands of units of time.
 
 Writes for each case the run, its section, spectrum, forces and Lyapunov exponents (netCDF), and one
 figure of all as PNG and SVG.

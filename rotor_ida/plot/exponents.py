@@ -66,7 +66,10 @@ def plot_exponents(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         room = max(high - low, abs(high), abs(low)) or 1.0
         # the first, still unsettled means may lie outside
         ax.set_ylim(low - 0.3 * room, high + 0.9 * room)
-        ax.legend(handlelength=2.4, ncols=2, loc="upper center")
+        ax.legend(
+            ncols=2, loc="upper center", fontsize=8.0, handlelength=2.0, columnspacing=1.0,
+            borderaxespad=0.2,
+        )  # fmt: skip
     return ax
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
 
@@ -66,7 +67,7 @@ def plot_section(section: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     w = section["rotating_vx"].values + 1j * section["rotating_vy"].values
     with style():
         ax = axes_or_new(ax, width=4.0, height=4.0)
-        size = 3.0 if z.size <= 200 else 1.6
+        size = _mark_size(z)
         if at in ("entry", "exit"):
             across, up = np.angle(z), (w * z.conj()).real / np.abs(z)
             ax.set_xlabel(LABELS["angle"])
@@ -87,6 +88,13 @@ def plot_section(section: xr.Dataset, *, ax: Axes | None = None) -> Axes:
             ax.text(0.5, 0.5, "no crossing", transform=ax.transAxes, ha="center", va="center")
         ax.set_title(WORDS.get(at, _title(section)))
     return ax
+
+
+def _mark_size(z: npt.NDArray[np.complex128]) -> float:
+    """Return a size of the marks by the number of points that can be told apart."""
+    coarse = np.round(z / (np.abs(z).max(initial=0.0) or 1.0), 3)
+    distinct = np.unique(coarse).size
+    return 4.5 if distinct <= 20 else 3.0 if distinct <= 200 else 1.6
 
 
 def _leave_room(ax: Axes) -> None:
