@@ -18,6 +18,7 @@ from rotor_ida.analysis.tangent import DONE, follow_from, follow_on
 from rotor_ida.checks import State
 from rotor_ida.contact import secant_stiffness
 from rotor_ida.errors import SimulationError
+from rotor_ida.model import turned
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulator.start import starts_in_contact
 
@@ -86,7 +87,9 @@ def radius_extrema(rotor: Rotor, start: State, duration: float, rtol: float) -> 
         kinds = np.array([CONSTANT], dtype=np.int8)
         return Extrema(times[:1], radius.mean(keepdims=True), kinds, states[:1])
     knots, offsets = _guesses(rotor, times, states)
-    reached, offsets, good = _polished(rotor, states[knots], in_contact[knots], offsets, step, rtol)
+    reached, offsets, good = _polished(
+        rotor, times[knots], states[knots], in_contact[knots], offsets, step, rtol
+    )
     g, slope = _radial(rotor, reached)
     keep = np.flatnonzero(good)
     found = times[knots] + offsets
@@ -104,12 +107,13 @@ def _knots(
 ) -> tuple[Values, npt.NDArray[np.bool_]]:
     """Return states at equally spaced times, and whether each is in contact."""
     x, y, vx, vy = start
-    states, in_contact = np.empty((count, 4)), np.empty(count, dtype=np.bool_)
+    states, in_contact = np.full((count, 4), np.nan), np.empty(count, dtype=np.bool_)
     states[0] = start
     in_contact[0] = starts_in_contact(rotor, complex(x, y), complex(vx, vy))
     done = follow_on(states, in_contact, step, rotor.omega, rotor.zeta, rotor.delta0, rtol)
     if done != DONE:
-        raise SimulationError("the extrema could not be found", time=math.nan, state=start)
+        last = int(np.isfinite(states).all(axis=1).sum()) - 1
+        raise _failure(rotor, last * step, states[last])
     return states, in_contact
 
 
@@ -124,6 +128,7 @@ def _guesses(rotor: Rotor, times: Values, states: Values) -> tuple[npt.NDArray[n
 
 def _polished(
     rotor: Rotor,
+    times: Values,
     states: Values,
     in_contact: npt.NDArray[np.bool_],
     offsets: Values,
@@ -131,16 +136,15 @@ def _polished(
     rtol: float,
 ) -> tuple[Values, Values, npt.NDArray[np.bool_]]:
     """Return states near the extrema, the times from their knots to them, and which are found."""
-    reached = np.empty_like(states)
+    reached = np.full_like(states, np.nan)
     change = np.zeros_like(offsets)
     for _ in range(ATTEMPTS):
         done = follow_from(
             states, in_contact, offsets, reached, rotor.omega, rotor.zeta, rotor.delta0, rtol
         )
         if done != DONE:
-            raise SimulationError(
-                "an extremum could not be polished", time=math.nan, state=tuple(states[0].tolist())
-            )
+            row = int(np.argmin(np.isfinite(reached).all(axis=1)))
+            raise _failure(rotor, float(times[row]), states[row])
         g, slope = _radial(rotor, reached)
         change = -np.divide(g, slope, out=np.full_like(g, np.inf), where=slope != 0.0)
         if (np.abs(change) <= CLOSE).all():
@@ -149,6 +153,12 @@ def _polished(
         offsets = np.clip(offsets + np.clip(change, -step, step), 0.0, step)
     found = np.abs(change) <= CLOSE
     return reached, offsets + np.where(found, change, 0.0), found
+
+
+def _failure(rotor: Rotor, time: float, state: Values) -> SimulationError:
+    x, y, vx, vy = turned(state, rotor.omega * time).tolist()
+    message = "the motion could not be followed to its extrema"
+    return SimulationError(message, time=time, state=(x, y, vx, vy))
 
 
 def _radial(rotor: Rotor, states: Values) -> tuple[Values, Values]:

@@ -13,6 +13,7 @@ from rotor_ida.analysis.tangent import DONE, follow_stretches
 from rotor_ida.checks import State, check_count, check_positive, check_state
 from rotor_ida.dataset.provenance import SOURCE, versions
 from rotor_ida.errors import InputError, SimulationError
+from rotor_ida.model import turned
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulator.limits import check_can_be_followed
 from rotor_ida.simulator.start import starts_in_contact
@@ -155,16 +156,16 @@ def _stretches(
     # Not along the axes: these are special directions of a rotor that starts at rest.
     bundle[1:] = np.linalg.qr(np.vander([1.0, 0.7, -0.4, -0.9]))[0]
     in_contact = starts_in_contact(rotor, complex(x, y), complex(vx, vy))
-    stretches = np.empty((lead + count, 4))
+    stretches = np.full((lead + count, 4), np.nan)
     done = follow_stretches(
         bundle, in_contact, span, stretches, rotor.omega, rotor.zeta, rotor.delta0, rtol
     )
     if done != DONE or not np.isfinite(stretches).all():
-        x, y, vx, vy = bundle[0].tolist()
+        time = span * int(np.isfinite(stretches).all(axis=1).sum())
+        x, y, vx, vy = turned(bundle[0], rotor.omega * time).tolist()
         raise SimulationError(
-            "the tangent vectors could not be followed; the state is on the rotating axes",
-            time=math.nan, state=(x, y, vx, vy),
-        )  # fmt: skip
+            "the tangent vectors could not be followed", time=time, state=(x, y, vx, vy)
+        )
     return stretches[lead:]
 
 

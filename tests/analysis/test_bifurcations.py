@@ -5,8 +5,17 @@ import math
 import numpy as np
 import pytest
 
-from rotor_ida import InputError, Rotor, bifurcation, simulate, synchronous_response
+from rotor_ida import (
+    InputError,
+    Rotor,
+    SimulationError,
+    bifurcation,
+    simulate,
+    synchronous_response,
+)
+from rotor_ida.analysis import extrema
 from rotor_ida.analysis.extrema import CONSTANT, MAXIMUM, MINIMUM, radius_extrema
+from rotor_ida.analysis.tangent import STUCK
 from rotor_ida.closed_forms import planar_period
 from rotor_ida.schema import RESPONSE
 
@@ -122,3 +131,13 @@ def test_random_starts_come_from_the_seed():
 def test_bad_input_is_refused(wrong, message):
     with pytest.raises(InputError, match=message):
         bifurcation(**{"omega": 1.0, "zeta": 0.5, "delta0": 0.0, **wrong})
+
+
+def test_failure_says_where(monkeypatch):
+    def stuck(states, in_contact, step, *rotor):
+        states[1] = states[0]
+        return STUCK
+
+    monkeypatch.setattr(extrema, "follow_on", stuck)
+    with pytest.raises(SimulationError, match=r"followed to its extrema \(at t = 0\.04"):
+        radius_extrema(BOUNCING, REST, 10.0, 1e-10)

@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
-from rotor_ida import InputError, Rotor, lyapunov_exponent, synchronous_response
+from rotor_ida import InputError, Rotor, SimulationError, lyapunov_exponent, synchronous_response
+from rotor_ida.analysis import lyapunov
+from rotor_ida.analysis.tangent import STUCK
 from rotor_ida.closed_forms import eigenvalues
 
 REST = (0.0, 0.0, 0.0, 0.0)
@@ -101,3 +103,15 @@ def test_bad_input_is_refused(wrong, message):
         lyapunov_exponent(BOUNCING, **{"start": REST, **wrong})
     with pytest.raises(InputError, match="rotor must be a Rotor, got 2"):
         lyapunov_exponent(2, start=REST)
+
+
+def test_failure_says_where(monkeypatch):
+    """A motion that cannot be followed raises; no number is made of what there is."""
+
+    def stuck(bundle, in_contact, span, stretches, *rotor):
+        stretches[:3] = 0.0
+        return STUCK
+
+    monkeypatch.setattr(lyapunov, "follow_stretches", stuck)
+    with pytest.raises(SimulationError, match=r"could not be followed \(at t = 1.5, state"):
+        lyapunov_exponent(BOUNCING, start=REST)
