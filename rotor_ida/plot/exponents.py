@@ -34,7 +34,8 @@ def plot_exponents(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     Returns
     -------
     Axes
-        Where it was drawn.
+        Where it was drawn. The legend has each exponent with the standard error of its last
+        digits in brackets.
 
     Raises
     ------
@@ -74,16 +75,16 @@ def plot_exponents(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
 
 
 def _rounded(value: float, error: float) -> str:
-    r"""Return a value to the digit that its error reaches, five decimals at most.
+    """Return a value with the error of its last digits in brackets, five decimals at most.
 
     Examples
     --------
     >>> _rounded(0.17123, 0.0098)
-    '0.171 \\pm 0.010'
+    '0.171(10)'
     """
     digits = next((digits for digits in range(1, 5) if error >= 0.5 * 10.0**-digits), 5)
     digits = min(digits + 1, 5)
-    shown = f"{value:.{digits}f}"
+    shown, last = f"{value:.{digits}f}", round(error * 10.0**digits)
     if float(shown) == 0.0:
         shown = shown.lstrip("-")
-    return shown if error < 0.5 * 10.0**-digits else f"{shown} \\pm {error:.{digits}f}"
+    return f"{shown}({last})" if last else shown
