@@ -11,9 +11,7 @@ exit, so that no step runs across the ring.
 
 References
 ----------
-.. [1] E. Hairer, S. P. Nørsett, G. Wanner, "Solving Ordinary Differential Equations I", 2nd ed.,
-   Springer, 1993, section II.10: DOP853 and its error estimates.
-.. [2] P. C. Müller, "Calculation of Lyapunov exponents for dynamic systems with
+.. [1] P. C. Müller, "Calculation of Lyapunov exponents for dynamic systems with
    discontinuities", Chaos, Solitons & Fractals 5, 1995: the jump, which vanishes here.
 """
 
@@ -24,21 +22,15 @@ import math
 
 import numpy as np
 import numpy.typing as npt
-from scipy.integrate import DOP853
 
+from rotor_ida.analysis.stepping import ERROR_POWER, STAGES, step, write_rate
 from rotor_ida.compiling import compiled
-from rotor_ida.model import rotating_field_into, rotating_jacobian_into
 from rotor_ida.simulator.flight import drift, first_touch, fly
 
 Values = npt.NDArray[np.float64]
 
 DONE, STUCK = 0, 1
 
-_A = np.ascontiguousarray(DOP853.A)
-_B = np.ascontiguousarray(DOP853.B)
-_E5 = np.ascontiguousarray(DOP853.E5)
-_STAGES = 12
-_ORDER = -1.0 / 6.0
 _SAFETY, _MOST_GROWTH, _LEAST_GROWTH = 0.9, 6.0, 0.2
 _ROUNDING = 2.0**-52
 _PATIENCE = 200_000
@@ -218,60 +210,6 @@ def _put_on_the_ring(bundle: Values, delta0: float) -> None:
 
 
 @compiled
-def _rate(bundle: Values, rate: Values, matrix: Values, rotor: tuple[float, float, float]) -> None:
-    """Write the rate of change of the state and of its tangent vectors."""
-    omega, zeta, delta0 = rotor
-    rotating_field_into(bundle[0], rate[0], omega, zeta, delta0)
-    rotating_jacobian_into(bundle[0], matrix, omega, zeta, delta0)
-    for i in range(1, 5):
-        for j in range(4):
-            total = 0.0
-            for k in range(4):
-                total += matrix[j, k] * bundle[i, k]
-            rate[i, j] = total
-
-
-@compiled
-def _step(
-    bundle: Values,
-    size: float,
-    rates: Values,
-    trial: Values,
-    matrix: Values,
-    rotor: tuple[float, float, float],
-    rtol: float,
-) -> float:
-    """Write the bundle after one step into `trial`; return its error in tolerances.
-
-    ``rates[0]`` holds the rate at the beginning of the step. The error is the estimate of order
-    five alone: the smaller one that [1]_ makes of it trusts in derivatives that the force of a
-    rotor without clearance lacks at the centre, where it let through errors of 1e4 tolerances.
-    """
-    for stage in range(1, _STAGES + 1):
-        for i in range(5):
-            for j in range(4):
-                total = 0.0
-                for k in range(stage):
-                    weight = _A[stage, k] if stage < _STAGES else _B[k]
-                    total += weight * rates[k, i, j]
-                trial[i, j] = bundle[i, j] + size * total
-        _rate(trial, rates[stage], matrix, rotor)
-    worst = 0.0
-    for i in range(5):
-        scale = 0.0
-        square = 0.0
-        for j in range(4):
-            scale = max(scale, abs(bundle[i, j]), abs(trial[i, j]))
-            error = 0.0
-            for k in range(_STAGES + 1):
-                error += _E5[k] * rates[k, i, j]
-            square += error**2
-        if square > 0.0:
-            worst = max(worst, 0.5 * size * math.sqrt(square) / (rtol * scale))
-    return worst
-
-
-@compiled
 def _stay_in_contact(
     bundle: Values,
     mode: Values,
@@ -283,20 +221,20 @@ def _stay_in_contact(
 ) -> float:
     """Integrate until the exit or for `left`; return the time passed, negative if stuck."""
     rotor = (omega, zeta, delta0)
-    rates = np.empty((_STAGES + 1, 5, 4))
+    rates = np.empty((STAGES + 1, 5, 4))
     trial, matrix = np.empty((5, 4)), np.zeros((4, 4))
-    _rate(bundle, rates[0], matrix, rotor)
+    write_rate(bundle, rates[0], matrix, rotor)
     passed, size = 0.0, mode[1]
     for _ in range(_PATIENCE):
         last = size >= left - passed
         length = left - passed if last else size
-        error = _step(bundle, length, rates, trial, matrix, rotor, rtol)
+        error = step(bundle, length, rates, trial, matrix, rotor, rtol)
         if not error <= 1.0:
-            size = length * max(_LEAST_GROWTH, _SAFETY * error**_ORDER)
+            size = length * max(_LEAST_GROWTH, _SAFETY * error**ERROR_POWER)
             if not size > _ROUNDING * left:
                 return -1.0
             continue
-        growth = _SAFETY * error**_ORDER if error > 0.0 else _MOST_GROWTH
+        growth = _SAFETY * error**ERROR_POWER if error > 0.0 else _MOST_GROWTH
         if not last or growth < 1.0:
             size = length * min(_MOST_GROWTH, max(_LEAST_GROWTH, growth))
         leaves = math.hypot(trial[0, 0], trial[0, 1]) < delta0
@@ -310,7 +248,7 @@ def _stay_in_contact(
                 _put_on_the_ring(bundle, delta0)
             mode[1] = max(min(size, 1.0), 1e-6)
             return passed
-        rates[0] = rates[_STAGES]
+        rates[0] = rates[STAGES]
     return -1.0
 
 
@@ -339,7 +277,7 @@ def _land_on_exit(
         speed = _radial(trial) / radius
         new = size + late / speed if speed < 0.0 else low
         size = new if low < new < high else 0.5 * (low + high)
-        _step(bundle, size, rates, trial, matrix, rotor, rtol)
+        step(bundle, size, rates, trial, matrix, rotor, rtol)
     return size
 
 
