@@ -9,6 +9,12 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from rotor_ida.analysis.axes import rotating
+    from rotor_ida.analysis.bifurcations import bifurcation
+    from rotor_ida.analysis.forces import contact_forces
+    from rotor_ida.analysis.lyapunov import lyapunov_exponent
+    from rotor_ida.analysis.sections import poincare_section
+    from rotor_ida.analysis.spectra import spectrum
     from rotor_ida.archive import load, save
     from rotor_ida.closed_forms import folds, synchronous_response
     from rotor_ida.comparison import compare
@@ -35,13 +41,19 @@ _HOMES = {
     "Rotor": "parameters",
     "RotorError": "errors",
     "SimulationError": "errors",
+    "bifurcation": "analysis.bifurcations",
     "compare": "comparison",
+    "contact_forces": "analysis.forces",
     "contact_summary": "dataset.contacts",
     "dimensional": "dataset.dimensional",
     "folds": "closed_forms",
     "load": "archive",
+    "lyapunov_exponent": "analysis.lyapunov",
+    "poincare_section": "analysis.sections",
+    "rotating": "analysis.axes",
     "save": "archive",
     "simulate": "simulation",
+    "spectrum": "analysis.spectra",
     "sweep": "sweeps",
     "synchronous_response": "closed_forms",
 }
@@ -54,13 +66,19 @@ __all__ = [
     "Rotor",
     "RotorError",
     "SimulationError",
+    "bifurcation",
     "compare",
+    "contact_forces",
     "contact_summary",
     "dimensional",
     "folds",
     "load",
+    "lyapunov_exponent",
+    "poincare_section",
+    "rotating",
     "save",
     "simulate",
+    "spectrum",
     "sweep",
     "synchronous_response",
 ]

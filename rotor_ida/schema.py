@@ -25,7 +25,7 @@ class Quantity:
         Its unit; ``"1"`` where dimensionless, empty for text.
     flags : mapping of str to int
         For a category: the number that stands for each word.
-    scale : {"", "length", "time", "velocity", "force", "impulse", "energy"}
+    scale : {"", "length", "time", "velocity", "force", "impulse", "energy", "rate"}
         By which scale of a machine it becomes a quantity in SI units; "" where by none.
     """
 
@@ -59,6 +59,7 @@ STATUS = {"done": 0, "failed": 1}
 DIRECTION = {"down": -1, "from_start": 0, "up": 1}
 NO_YES = {"no": 0, "yes": 1}
 WHIRL_DIRECTION = {"backward": -1, "none": 0, "forward": 1}
+EXTREMUM = {"minimum": -1, "constant": 0, "maximum": 1}
 
 QUANTITIES: dict[str, Quantity] = {
     # parameters
@@ -105,6 +106,38 @@ QUANTITIES: dict[str, Quantity] = {
         "kinetic energy lost in whole contacts per revolution", scale="energy"
     ),
     "forward_share": Quantity("part of the contacts passed in forward whirl"),
+    # a run on axes that turn with the unbalance
+    "rotating_x": Quantity("displacement along the unbalance", scale="length"),
+    "rotating_y": Quantity("displacement across the unbalance", scale="length"),
+    "rotating_vx": Quantity("velocity along the unbalance", scale="velocity"),
+    "rotating_vy": Quantity("velocity across the unbalance", scale="velocity"),
+    "event_rotating_x": Quantity("displacement along the unbalance at the event", scale="length"),
+    "event_rotating_y": Quantity("displacement across the unbalance at the event", scale="length"),
+    "event_rotating_vx": Quantity("velocity along the unbalance at the event", scale="velocity"),
+    "event_rotating_vy": Quantity("velocity across the unbalance at the event", scale="velocity"),
+    # sections, spectra and forces
+    "crossing": Quantity("number of the point of the section"),
+    "crossing_time": Quantity("time at which the motion crosses the section", scale="time"),
+    "frequency": Quantity("circular frequency, positive for forward whirl", scale="rate"),
+    "frequency_over_omega": Quantity("frequency over spin speed, positive for forward whirl"),
+    "whirl_amplitude": Quantity("amplitude of the whirl at the frequency", scale="length"),
+    "force": Quantity("contact force", scale="force"),
+    "force_x": Quantity("horizontal contact force on the rotor", scale="force"),
+    "force_y": Quantity("vertical contact force on the rotor", scale="force"),
+    "peak_share": Quantity("part of the contacts whose largest force is no larger"),
+    # Lyapunov exponents
+    "exponent": Quantity("number of the Lyapunov exponent, the largest first"),
+    "lyapunov_exponent": Quantity("Lyapunov exponent", scale="rate"),
+    "lyapunov_error": Quantity("standard error of the Lyapunov exponent", scale="rate"),
+    "running_exponent": Quantity("mean rate of stretching up to the time", scale="rate"),
+    "exponent_sum": Quantity("sum of the four Lyapunov exponents", scale="rate"),
+    "divergence": Quantity(
+        "divergence of the flow, minus four times the damping ratio", scale="rate"
+    ),
+    # extrema of the radius
+    "extremum_count": Quantity("number of extrema of the distance from the bearing axis"),
+    "extremum_radius": Quantity("distance from the bearing axis at its extremum", scale="length"),
+    "extremum_kind": Quantity("kind of the extremum", flags=EXTREMUM),
     # closed forms
     "branch": Quantity("number of the synchronous whirl, in order of amplitude"),
     "fold": Quantity("number of the fold, in order of speed"),

@@ -15,6 +15,7 @@ UNITS = {
     "force": "N",
     "impulse": "N s",
     "energy": "J",
+    "rate": "s-1",
 }
 
 
@@ -64,6 +65,7 @@ def dimensional(dataset: xr.Dataset, machine: DimensionalRotor) -> xr.Dataset:
         "force": machine.force_scale,
         "impulse": machine.force_scale * machine.time_scale,
         "energy": machine.force_scale * machine.length_scale,
+        "rate": machine.reference_frequency,
     }
     converted = {}
     for name, variable in dataset.variables.items():

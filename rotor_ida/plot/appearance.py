@@ -30,6 +30,16 @@ LABELS = {
     "x": r"displacement $x$",
     "y": r"displacement $y$",
     "radius": r"radius $|z|$",
+    "rotating_x": r"displacement along the unbalance $\operatorname{Re} Z$",
+    "rotating_y": r"displacement across it $\operatorname{Im} Z$",
+    "angle": r"angle from the unbalance $\arg Z$ [rad]",
+    "radial_velocity": r"radial velocity $\dot r$",
+    "frequency_over_omega": r"frequency over spin speed $\Omega/\omega$",
+    "frequency": r"frequency $\Omega$",
+    "whirl_amplitude": r"whirl amplitude $|c|$",
+    "force": r"contact force $f$",
+    "peak_share": r"share of contacts with no larger peak",
+    "running_exponent": r"Lyapunov exponent $\lambda$",
     "peak_force": r"peak force $f$",
     "zeta": r"damping ratio $\zeta$",
     "delta0": r"clearance $\delta_0$",
@@ -106,9 +116,9 @@ def style() -> Iterator[None]:
 
 
 def panels(
-    rows: int, columns: int, *, width: float = 7.2, height: float = 5.6
+    rows: int, columns: int, *, width: float = 7.2, height: float = 5.6, shared: bool = True
 ) -> tuple[Figure, list[Axes]]:
-    """Return a figure with lettered panels that share their axes.
+    """Return a figure with lettered panels.
 
     Parameters
     ----------
@@ -116,6 +126,8 @@ def panels(
         Number of panels down and across.
     width, height : float
         Size of the figure [inch].
+    shared : bool
+        Whether all panels have the same axes.
 
     Returns
     -------
@@ -134,7 +146,7 @@ def panels(
     check_count("columns", columns)
     with style():
         figure = Figure(figsize=(width, height), layout="constrained")
-        grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+        grid = figure.subplots(rows, columns, sharex=shared, sharey=shared, squeeze=False)
         axes = list(grid.ravel())
         if len(axes) > 1:
             for number, ax in enumerate(axes):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -130,6 +131,59 @@ def plot_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         legend_below(ax)
         ax.set_title(_title(run))
     return ax
+
+
+def plot_rotating_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+    r"""Draw the orbit as seen on axes that turn with the unbalance, with the ring.
+
+    A synchronous whirl is a point there; what is left moving is what the response curve of one
+    harmonic cannot show.
+
+    Parameters
+    ----------
+    run : Dataset
+        What `rotor_ida.simulate` or `rotor_ida.rotating` returned.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        Where it was drawn.
+
+    Raises
+    ------
+    InputError
+        If the dataset is no run.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, simulate
+    >>> rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
+    >>> ax = plot_rotating_orbit(simulate(rotor, start=(0, 0, 0, 0), duration=20, samples=401))
+    >>> ax.get_ylabel()
+    'displacement across it $\\operatorname{Im} Z$'
+    """
+    run = check_dataset("run", run, NEEDED)
+    omega = one_value("run", run, "omega")
+    path = path_of(run)
+    x, y = _turned_back(path.x, path.y, omega * path.time)
+    angle = omega * run["event_time"].values
+    event_x, event_y = _turned_back(run["event_x"].values, run["event_y"].values, angle)
+    seen = run.assign(event_x=("event", event_x), event_y=("event", event_y))
+    with style():
+        ax = axes_or_new(ax, width=4.0, height=4.9)
+        _draw_orbit(ax, seen, replace(path, x=x, y=y), one_value("run", run, "delta0"))
+        ax.set_xlabel(LABELS["rotating_x"])
+        ax.set_ylabel(LABELS["rotating_y"])
+        legend_below(ax)
+        ax.set_title(_title(run))
+    return ax
+
+
+def _turned_back(x: Values, y: Values, angle: Values) -> tuple[Values, Values]:
+    turned = (x + 1j * y) * np.exp(-1j * angle)
+    return turned.real, turned.imag
 
 
 def _contacts(run: xr.Dataset) -> list[tuple[float, float]]:

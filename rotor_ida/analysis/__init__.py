@@ -1,0 +1,1 @@
+"""What the response curve cannot show: axes, sections, spectra, forces, exponents, extrema."""

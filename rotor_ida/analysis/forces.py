@@ -1,0 +1,68 @@
+"""The contact force along a run, and how its peaks are distributed."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from scipy.stats import rankdata
+
+from rotor_ida.analysis.labels import check_run, result, rotor_of
+from rotor_ida.contact import contact_force, secant_stiffness
+
+
+def contact_forces(run: xr.Dataset) -> xr.Dataset:
+    """Return the force of the ring on the rotor along a run, and its peaks.
+
+    Parameters
+    ----------
+    run : Dataset
+        A run of `rotor_ida.simulate`.
+
+    Returns
+    -------
+    Dataset
+        ``force force_x force_y`` on ``time``: the magnitude and the components in the fixed
+        frame [1]. On ``contact``: ``peak_time`` and ``peak_force``, the largest force of each
+        contact, found between the samples too, and ``peak_share``, the part of the whole
+        contacts whose peak is no larger: over ``peak_force`` it is the distribution of the
+        peaks. It is NaN for a contact that the run begins or ends inside.
+
+    Raises
+    ------
+    InputError
+        If the dataset is no run.
+
+    Notes
+    -----
+    ``F = -f(|z|) z/|z|`` with ``f(r) = max(r - delta0, 0)**1.5``.
+
+    References
+    ----------
+    Eq. (10) of the paper, Mechanika 25(6), 2019.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, simulate
+    >>> run = simulate(Rotor(omega=2.0, zeta=0.07, delta0=2.0), start=(0, 0, 0, 0), duration=20.0)
+    >>> forces = contact_forces(run)
+    >>> forces.peak_force.values.round(6)
+    array([3.338337, 3.263644, 3.889012, 4.715582])
+    """
+    run = check_run(run, ("time", "x", "y", "entry_time", "exit_time", "peak_time", "peak_force"))
+    x, y, delta0 = run["x"].values, run["y"].values, float(run["delta0"])
+    radius = np.hypot(x, y)
+    stiffness = secant_stiffness(radius, delta0)
+    peaks = run["peak_force"].values
+    whole = np.isfinite(run["entry_time"].values) & np.isfinite(run["exit_time"].values)
+    share = np.full(peaks.shape, np.nan)
+    share[whole] = rankdata(peaks[whole], method="max") / max(int(whole.sum()), 1)
+    columns = {
+        "force": ("time", contact_force(radius, delta0)),
+        "force_x": ("time", -stiffness * x),
+        "force_y": ("time", -stiffness * y),
+        "peak_time": ("contact", run["peak_time"].values),
+        "peak_force": ("contact", peaks),
+        "peak_share": ("contact", share),
+    }
+    coordinates = {"time": ("time", run["time"].values)}
+    return result("Contact forces of one run", rotor_of(run), columns, coordinates, run.attrs)

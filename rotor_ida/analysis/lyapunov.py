@@ -1,0 +1,192 @@
+"""Lyapunov exponents: how fast neighbouring motions part, or come together."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.analysis.labels import check_rotor, result
+from rotor_ida.analysis.tangent import DONE, follow_stretches
+from rotor_ida.checks import State, check_count, check_positive, check_state
+from rotor_ida.dataset.provenance import SOURCE, versions
+from rotor_ida.errors import InputError, SimulationError
+from rotor_ida.model import turned
+from rotor_ida.parameters import Rotor
+from rotor_ida.simulator.limits import check_can_be_followed
+from rotor_ida.simulator.start import starts_in_contact
+
+Values = npt.NDArray[np.float64]
+
+# Time after which tangent vectors are made orthonormal again.
+SPAN = 0.5
+SPANS_A_BATCH = 20
+FEWEST_BATCHES = 4
+TIGHTEST_RTOL, LOOSEST_RTOL = 1e-13, 1e-4
+SHOWN = 400
+
+
+def lyapunov_exponent(
+    rotor: Rotor,
+    *,
+    start: State,
+    transient: float = 500.0,
+    duration: float = 5000.0,
+    batches: int = 20,
+    rtol: float = 1e-10,
+) -> xr.Dataset:
+    """Return the four Lyapunov exponents of the motion that a start leads to.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        The rotor.
+    start : tuple of float
+        ``(x, y, vx, vy)`` at time 0 [1].
+    transient : float
+        Time to settle before the mean is taken [1]; the tangent vectors turn into their
+        directions in it too.
+    duration : float
+        Time over which the mean is taken [1], at least 10 for each batch.
+    batches : int
+        Number of parts of `duration`, at least 4, whose scatter gives the error.
+    rtol : float
+        Tolerance of one step, relative to the size of the state and of each tangent vector [1].
+
+    Returns
+    -------
+    Dataset
+        ``lyapunov_exponent`` and ``lyapunov_error`` on ``exponent``, the largest first [1];
+        their sum ``exponent_sum`` beside the exact ``divergence`` of the flow;
+        ``running_exponent`` on ``time`` and ``exponent``, the plain mean so far.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used.
+    SimulationError
+        If the integration was stuck.
+
+    Notes
+    -----
+    On the rotating axes the motion is autonomous, with state s = (Z, W). The variational
+    equation ``M' = J(s) M`` is integrated along the orbit; no neighbouring orbit is used. J is
+    continuous, as the slope of the Hertz force leaves the ring like ``indentation**0.5``: M
+    passes entries and exits without a jump (no saltation). Every half unit of time M is made
+    orthonormal by Gram and Schmidt; the mean rates at which its columns were stretched are the
+    exponents.
+
+    The mean is weighted by ``exp(-1/(u (1 - u)))``, u from 0 to 1 along `duration`. On a
+    periodic or quasi-periodic motion it converges faster than any power of the time, where a
+    plain mean is off by its last unfinished oscillation; on a chaotic one it is a mean like
+    others. Each batch gives such a mean too. The error is the standard deviation of the batches
+    over the square root of their number, enlarged where neighbouring batches are correlated, or
+    the difference of their mean from that of the whole, if that is larger; and that by which
+    the sum of the exponents misses the divergence is added. A transient that was left too short
+    is not covered.
+
+    Witnesses: the four exponents add up to the divergence of the flow, ``-4 zeta``, the first
+    and the last, like the two between them, to ``-2 zeta``; on a motion that is no synchronous
+    whirl one exponent is zero, that of a shift in time; on a synchronous whirl they are the
+    real parts of its eigenvalues. A chaotic motion may be a long transient: a run that leaves
+    it half way shows by a large error.
+
+    References
+    ----------
+    G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, "Lyapunov characteristic exponents
+    for smooth dynamical systems", Meccanica 15, 1980.
+    S. Das, Y. Saiki, E. Sander, J. A. Yorke, "Quantitative quasiperiodicity", Nonlinearity 30,
+    2017: the weights.
+    U. Dressler, "Symmetry property of the Lyapunov spectra of a class of dissipative dynamical
+    systems with viscous damping", Physical Review A 38, 1988: the pairs.
+    P. C. Müller, Chaos, Solitons & Fractals 5, 1995: the jump at discontinuities.
+
+    Examples
+    --------
+    >>> found = lyapunov_exponent(Rotor(omega=1.7, zeta=0.07, delta0=0.0), start=(0, 0, 0, 0),
+    ...                           duration=1000.0)
+    >>> found.lyapunov_exponent.values.round(5)
+    array([-0.07, -0.07, -0.07, -0.07])
+    """
+    rotor = check_rotor(rotor)
+    first = check_state("start", start)
+    check_can_be_followed(rotor, first)
+    lead, length = check_positive("transient", transient), check_positive("duration", duration)
+    count = check_count("batches", batches, FEWEST_BATCHES)
+    each = int(length / (count * SPAN))
+    if each < SPANS_A_BATCH:
+        raise InputError(
+            f"duration must be at least {SPANS_A_BATCH * SPAN:g} for each of {count} batches, "
+            f"got {length!r}"
+        )
+    tolerance = check_positive("rtol", rtol)
+    if not TIGHTEST_RTOL <= tolerance <= LOOSEST_RTOL:
+        raise InputError(f"rtol must lie from {TIGHTEST_RTOL} to {LOOSEST_RTOL}, got {tolerance!r}")
+    span = length / (count * each)
+    stretches = _stretches(rotor, first, math.ceil(lead / span), count * each, span, tolerance)
+    exponents, errors = _means(stretches / span, count, -4.0 * rotor.zeta)
+    order = np.argsort(-exponents, kind="stable")
+    shown = np.unique(np.linspace(1, count * each, min(SHOWN, count * each)).astype(int))
+    running = np.cumsum(stretches, axis=0)[shown - 1] / (span * shown[:, None])
+    columns = {
+        "lyapunov_exponent": ("exponent", exponents[order]),
+        "lyapunov_error": ("exponent", errors[order]),
+        "exponent_sum": ((), exponents.sum()),
+        "divergence": ((), -4.0 * rotor.zeta),
+        "running_exponent": (("time", "exponent"), running[:, order]),
+    }
+    coordinates = {"exponent": ("exponent", np.arange(4)), "time": ("time", span * shown)}
+    attributes = {
+        "source": SOURCE, "method": "dop853 with tangent vectors", "flight": "exact",
+        "rtol": tolerance, "start": np.array(first), "transient": lead, "duration": length,
+        "batches": count, **versions(),
+    }  # fmt: skip
+    title = "Lyapunov exponents of one motion"
+    return result(title, rotor, columns, coordinates, attributes)
+
+
+def _stretches(
+    rotor: Rotor, start: State, lead: int, count: int, span: float, rtol: float
+) -> Values:
+    """Return the logarithms of the stretching over each span after the transient."""
+    x, y, vx, vy = start
+    bundle = np.vstack([start, np.eye(4)])
+    # Not along the axes: these are special directions of a rotor that starts at rest.
+    bundle[1:] = np.linalg.qr(np.vander([1.0, 0.7, -0.4, -0.9]))[0]
+    in_contact = starts_in_contact(rotor, complex(x, y), complex(vx, vy))
+    stretches = np.full((lead + count, 4), np.nan)
+    done = follow_stretches(
+        bundle, in_contact, span, stretches, rotor.omega, rotor.zeta, rotor.delta0, rtol
+    )
+    if done != DONE or not np.isfinite(stretches).all():
+        time = span * int(np.isfinite(stretches).all(axis=1).sum())
+        x, y, vx, vy = turned(bundle[0], rotor.omega * time).tolist()
+        raise SimulationError(
+            "the tangent vectors could not be followed", time=time, state=(x, y, vx, vy)
+        )
+    return stretches[lead:]
+
+
+def _means(rates: Values, count: int, divergence: float) -> tuple[Values, Values]:
+    """Return the mean of rates, shape (n, 4), and its standard error from `count` batches."""
+    means = _weighted(rates.reshape(count, -1, 4))
+    centred = means - means.mean(axis=0)
+    variance = (centred**2).sum(axis=0)
+    following = (centred[1:] * centred[:-1]).sum(axis=0)
+    # rounding alone may make all batches alike
+    correlation = np.divide(following, variance, out=np.zeros(4), where=variance > 0.0)
+    widening = np.sqrt(np.maximum((1.0 + correlation) / (1.0 - correlation), 1.0))
+    scatter = widening * np.sqrt(variance / (count - 1) / count)
+    exponents = _weighted(rates)
+    defect = abs(float(exponents.sum()) - divergence)
+    return exponents, np.maximum(scatter, np.abs(exponents - means.mean(axis=0))) + defect
+
+
+def _weighted(rates: Values) -> Values:
+    """Return the means of rates, shape (..., n, 4), over n, with weights 0 at its ends."""
+    place = (np.arange(rates.shape[-2]) + 0.5) / rates.shape[-2]
+    weights = np.exp(-1.0 / (place * (1.0 - place)))
+    mean: Values = np.einsum("n,...ne->...e", weights / weights.sum(), rates)
+    return mean

@@ -1,0 +1,90 @@
+"""Lyapunov exponents: how their means come to rest."""
+
+from __future__ import annotations
+
+import xarray as xr
+from matplotlib.axes import Axes
+
+from rotor_ida.plot.appearance import (
+    BLUE,
+    GREY,
+    INK,
+    LABELS,
+    ORANGE,
+    PURPLE,
+    axes_or_new,
+    check_dataset,
+    style,
+)
+
+LINES = ((BLUE, "-"), (ORANGE, "--"), (PURPLE, "-."), (INK, ":"))
+NEEDED = ("time", "running_exponent", "lyapunov_exponent", "lyapunov_error")
+
+
+def plot_exponents(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+    r"""Draw the mean rates of stretching over the time of the mean, with the exponents.
+
+    Parameters
+    ----------
+    found : Dataset
+        What `rotor_ida.lyapunov_exponent` returned.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        Where it was drawn. The legend has each exponent with the standard error of its last
+        digits in brackets.
+
+    Raises
+    ------
+    InputError
+        If the dataset holds no exponents.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, lyapunov_exponent
+    >>> found = lyapunov_exponent(Rotor(omega=1.7, zeta=0.07, delta0=0.0), start=(0, 0, 0, 0),
+    ...                           batches=4)
+    >>> plot_exponents(found).get_legend_handles_labels()[1][0]
+    '$\\lambda_1 = -0.07000$'
+    """
+    found = check_dataset("found", found, NEEDED)
+    with style():
+        ax = axes_or_new(ax)
+        ax.axhline(0.0, color=GREY, lw=0.7, zorder=1.5)
+        for number, (colour, dashes) in enumerate(LINES):
+            part = found.isel(exponent=number)
+            value, error = part["lyapunov_exponent"].item(), part["lyapunov_error"].item()
+            words = f"$\\lambda_{number + 1} = {_rounded(value, error)}$"
+            ax.plot(part["time"], part["running_exponent"], color=colour, ls=dashes, lw=1.1,
+                    label=words)  # fmt: skip
+        ax.set_xlim(0.0, float(found["time"].values[-1]))
+        ax.set_xlabel(LABELS["time"])
+        ax.set_ylabel(LABELS["running_exponent"])
+        low, high = float(found["lyapunov_exponent"].min()), float(found["lyapunov_exponent"].max())
+        room = max(high - low, abs(high), abs(low)) or 1.0
+        # the first, still unsettled means may lie outside
+        ax.set_ylim(low - 0.3 * room, high + 0.9 * room)
+        ax.legend(
+            ncols=2, loc="upper center", fontsize=8.0, handlelength=2.0, columnspacing=1.0,
+            borderaxespad=0.2,
+        )  # fmt: skip
+    return ax
+
+
+def _rounded(value: float, error: float) -> str:
+    """Return a value with the error of its last digits in brackets, five decimals at most.
+
+    Examples
+    --------
+    >>> _rounded(0.17123, 0.0098)
+    '0.171(10)'
+    """
+    digits = next((digits for digits in range(1, 5) if error >= 0.5 * 10.0**-digits), 5)
+    digits = min(digits + 1, 5)
+    shown, last = f"{value:.{digits}f}", round(error * 10.0**digits)
+    if float(shown) == 0.0:
+        shown = shown.lstrip("-")
+    return f"{shown}({last})" if last else shown

@@ -1,0 +1,72 @@
+"""Two-sided spectra: backward whirl on the left, forward whirl on the right."""
+
+from __future__ import annotations
+
+import xarray as xr
+from matplotlib.axes import Axes
+
+from rotor_ida.checks import check_positive
+from rotor_ida.plot.appearance import (
+    BLUE,
+    GREY,
+    LABELS,
+    ORANGE,
+    axes_or_new,
+    check_dataset,
+    own_legend,
+    style,
+)
+
+FLOOR = 1e-6
+
+
+def plot_spectrum(lines: xr.Dataset, *, span: float = 4.0, ax: Axes | None = None) -> Axes:
+    """Draw the amplitude of forward and backward whirl over the frequency.
+
+    Parameters
+    ----------
+    lines : Dataset
+        What `rotor_ida.spectrum` returned.
+    span : float
+        Largest frequency shown, over the spin speed; over one if the rotor does not turn [1].
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        Where it was drawn. The amplitude, on a logarithmic scale, is shown down to 1e-6 of the
+        largest.
+
+    Raises
+    ------
+    InputError
+        If the dataset is no spectrum.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, simulate, spectrum
+    >>> run = simulate(Rotor(omega=1.7, zeta=0.07, delta0=0.5), start=(0, 0, 0, 0), duration=60)
+    >>> plot_spectrum(spectrum(run)).get_yscale()
+    'log'
+    """
+    lines = check_dataset("lines", lines, ("frequency", "whirl_amplitude"))
+    limit = check_positive("span", span)
+    over = "frequency_over_omega" if "frequency_over_omega" in lines.variables else "frequency"
+    frequency, height = lines[over].values, lines["whirl_amplitude"].values
+    highest = float(height.max(initial=0.0)) or 1.0
+    with style():
+        ax = axes_or_new(ax)
+        for words, colour, chosen in (
+            ("backward whirl", ORANGE, frequency <= 0.0),
+            ("forward whirl", BLUE, frequency >= 0.0),
+        ):
+            ax.semilogy(frequency[chosen], height[chosen], color=colour, lw=0.9, label=words)
+        if over == "frequency_over_omega":
+            ax.axvline(1.0, color=GREY, lw=0.7, ls=(0, (4, 2)), zorder=1.5, label="spin speed")
+        ax.set_xlim(-limit, limit)
+        ax.set_ylim(FLOOR * highest, 3.0 * highest)
+        ax.set_xlabel(LABELS[over])
+        ax.set_ylabel(LABELS["whirl_amplitude"])
+        own_legend(ax)
+    return ax

@@ -1,0 +1,117 @@
+"""Lyapunov exponents against closed forms, conserved sums and each other."""
+
+import numpy as np
+import pytest
+
+from rotor_ida import InputError, Rotor, SimulationError, lyapunov_exponent, synchronous_response
+from rotor_ida.analysis import lyapunov
+from rotor_ida.analysis.tangent import STUCK
+from rotor_ida.closed_forms import eigenvalues
+
+REST = (0.0, 0.0, 0.0, 0.0)
+BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+FULL_CONTACT = Rotor(omega=3.0, zeta=0.07, delta0=0.5)
+CHAOTIC = Rotor(omega=1.5, zeta=0.01, delta0=1.4)
+
+
+@pytest.mark.parametrize(
+    ("rotor", "digits"),
+    [
+        (Rotor(omega=1.7, zeta=0.07, delta0=0.0), 7),
+        (Rotor(omega=1.2, zeta=0.07, delta0=0.5), 7),
+        (Rotor(omega=0.3, zeta=2.0, delta0=0.0), 6),
+    ],
+)
+def test_of_a_synchronous_whirl_are_the_real_parts_of_its_eigenvalues(rotor, digits):
+    """Two spirals, and an overdamped node whose four rates differ."""
+    found = lyapunov_exponent(rotor, start=REST)
+    parameters = {"omega": rotor.omega, "zeta": rotor.zeta, "delta0": rotor.delta0}
+    amplitude = synchronous_response(**parameters).amplitude.values.ravel()
+    # the stable whirls that rest leads to are the smallest here, where there are several
+    rates = eigenvalues(np.nanmin(amplitude), **parameters).real
+    expected = np.sort(rates)[::-1]
+    np.testing.assert_allclose(found.lyapunov_exponent, expected, rtol=0.0, atol=10.0**-digits)
+
+
+def test_contact_free_whirl_is_neutral():
+    """Its centre may be anywhere: 0 twice, and -2 zeta twice."""
+    found = lyapunov_exponent(Rotor(omega=1.0, zeta=0.1, delta0=3.0), start=REST)
+    np.testing.assert_allclose(found.lyapunov_exponent, [0.0, 0.0, -0.2, -0.2], atol=1e-9)
+
+
+@pytest.mark.parametrize("rotor", [BOUNCING, FULL_CONTACT])
+def test_limit_cycles_on_rotating_axes_have_one_exponent_of_zero(rotor):
+    found = lyapunov_exponent(rotor, start=REST)
+    value, error = found.lyapunov_exponent.values, found.lyapunov_error.values
+    assert abs(value[0]) <= 3.0 * error[0]
+    assert error[0] < 1e-6
+    assert (value[1:] < -0.05).all()
+
+
+@pytest.mark.parametrize("rotor", [BOUNCING, FULL_CONTACT, CHAOTIC])
+def test_sums_are_those_of_the_damping(rotor):
+    """Liouville for all four, and the pairs of a system with uniform damping (Dressler 1988)."""
+    found = lyapunov_exponent(rotor, start=REST, duration=2000.0)
+    assert found.divergence.item() == -4.0 * rotor.zeta
+    assert found.exponent_sum.item() == pytest.approx(-4.0 * rotor.zeta, abs=1e-9)
+    first, second, third, last = found.lyapunov_exponent.values
+    assert first + last == pytest.approx(-2.0 * rotor.zeta, abs=1e-6)
+    assert second + third == pytest.approx(-2.0 * rotor.zeta, abs=1e-6)
+
+
+def test_chaos_has_a_positive_exponent_that_two_starts_agree_on():
+    starts = (REST, (0.3, 0.1, 1.0, 0.0))
+    found = [lyapunov_exponent(CHAOTIC, start=start, duration=8000.0) for start in starts]
+    values = np.array([one.lyapunov_exponent.values for one in found])
+    errors = np.array([one.lyapunov_error.values for one in found])
+    assert (values[:, 0] > 10.0 * errors[:, 0]).all()
+    assert (errors[:, 0] < 0.02).all()
+    assert abs(values[0, 0] - values[1, 0]) < 4.0 * np.hypot(*errors[:, 0])
+    assert (np.abs(values[:, 1]) < 4.0 * errors[:, 1] + 1e-3).all()
+
+
+def test_stated_error_falls_with_the_square_root_of_the_time_in_chaos():
+    """Sixteen times the time, a quarter of the error: between an eighth and a half."""
+    short, long = (
+        lyapunov_exponent(CHAOTIC, start=REST, duration=duration).lyapunov_error.values[0]
+        for duration in (1000.0, 16000.0)
+    )
+    assert 0.125 < long / short < 0.5
+
+
+def test_running_mean_ends_near_the_exponent():
+    found = lyapunov_exponent(FULL_CONTACT, start=REST, duration=1000.0)
+    assert found.running_exponent.dims == ("time", "exponent")
+    assert found.time.values[-1] == pytest.approx(1000.0)
+    # a plain mean is off by an unfinished oscillation over the time
+    difference = found.running_exponent.values[-1] - found.lyapunov_exponent.values
+    assert np.abs(difference).max() < 5.0 / 1000.0
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"duration": 10.0}, "duration must be at least 10 for each of 20 batches, got 10.0"),
+        ({"batches": 3}, "batches must be at least 4, got 3"),
+        ({"rtol": 1.0}, "rtol must lie from 1e-13 to 0.0001, got 1.0"),
+        ({"transient": -1.0}, "transient must be positive, got -1.0"),
+        ({"start": (0, 0, 0)}, "start must be four numbers"),
+    ],
+)
+def test_bad_input_is_refused(wrong, message):
+    with pytest.raises(InputError, match=message):
+        lyapunov_exponent(BOUNCING, **{"start": REST, **wrong})
+    with pytest.raises(InputError, match="rotor must be a Rotor, got 2"):
+        lyapunov_exponent(2, start=REST)
+
+
+def test_failure_says_where(monkeypatch):
+    """A motion that cannot be followed raises; no number is made of what there is."""
+
+    def stuck(bundle, in_contact, span, stretches, *rotor):
+        stretches[:3] = 0.0
+        return STUCK
+
+    monkeypatch.setattr(lyapunov, "follow_stretches", stuck)
+    with pytest.raises(SimulationError, match=r"could not be followed \(at t = 1.5, state"):
+        lyapunov_exponent(BOUNCING, start=REST)

@@ -1,0 +1,89 @@
+"""The variational equation through flight, entries and exits, against the simulator."""
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from rotor_ida import Rotor
+from rotor_ida.analysis.tangent import DONE, follow_stretches
+from rotor_ida.model import rotating_jacobian, turned
+from rotor_ida.simulator.loop import run
+from rotor_ida.simulator.options import Options
+from rotor_ida.simulator.start import starts_in_contact
+
+BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+START = np.array([0.3, 0.2, 0.1, -0.4])
+TIGHT = Options(rtol=1e-13, atol=1e-15)
+
+
+def followed(rotor, start, duration, rtol):
+    """State and product of orthonormal vectors and stretching after one span."""
+    bundle = np.vstack([start, np.eye(4)])
+    in_contact = starts_in_contact(rotor, complex(*start[:2]), complex(*start[2:]))
+    stretch = np.empty((1, 4))
+    parameters = (rotor.omega, rotor.zeta, rotor.delta0)
+    assert follow_stretches(bundle, in_contact, duration, stretch, *parameters, rtol) == DONE
+    return bundle, stretch[0]
+
+
+def simulated(rotor, start, duration):
+    """State on the rotating axes, and number of events, by the simulator."""
+    orbit = run(rotor, tuple(start), duration, np.empty(0), TIGHT)
+    return turned(orbit.end, -rotor.omega * duration), orbit.event_times.size
+
+
+@pytest.mark.parametrize(
+    ("rotor", "duration"),
+    [
+        (BOUNCING, 20.0),
+        (Rotor(omega=3.0, zeta=0.07, delta0=0.5), 20.0),
+        (Rotor(omega=1.7, zeta=0.07, delta0=0.0), 20.0),
+        (Rotor(omega=0.0, zeta=0.0, delta0=0.2), 10.0),
+    ],
+)
+def test_states_are_those_of_the_simulator(rotor, duration):
+    """Another method, other variables, other event finding."""
+    expected, _ = simulated(rotor, START, duration)
+    bundle, _ = followed(rotor, START, duration, 1e-12)
+    np.testing.assert_allclose(bundle[0], expected, rtol=0.0, atol=1e-10)
+
+
+def test_error_falls_in_proportion_to_the_tolerance_through_entries_and_exits():
+    expected, events = simulated(BOUNCING, START, 20.0)
+    assert events >= 5
+    tolerances = np.array([1e-6, 1e-8, 1e-10])
+    errors = [np.abs(followed(BOUNCING, START, 20.0, rtol)[0][0] - expected).max()
+              for rtol in tolerances]  # fmt: skip
+    slope = np.polyfit(np.log10(tolerances), np.log10(errors), 1)[0]
+    assert slope == pytest.approx(1.0, abs=0.25)
+
+
+def test_largest_stretching_is_that_of_simulated_neighbours_through_contact_events():
+    """Central differences over five events: no jump is missing at entry or exit.
+
+    The first tangent vector starts along x; its stretching is the length of the first column.
+    """
+    duration, step = 20.0, 1e-5
+    _, events = simulated(BOUNCING, START, duration)
+    assert events >= 5
+    moved = [simulated(BOUNCING, START + sign * step * np.eye(4)[0], duration)[0]
+             for sign in (1, -1)]  # fmt: skip
+    column = (moved[0] - moved[1]) / (2.0 * step)
+    bundle, stretch = followed(BOUNCING, START, duration, 1e-12)
+    # step**2 for the curvature of the flow map, which is below 1e3
+    np.testing.assert_allclose(np.exp(stretch[0]) * bundle[1], column, rtol=0.0, atol=1e-6)
+
+
+def test_volume_shrinks_by_the_damping_alone():
+    """Liouville: the determinant is exp(-4 zeta t), whatever the contacts."""
+    _, stretch = followed(BOUNCING, START, 20.0, 1e-12)
+    assert stretch.sum() == pytest.approx(-4.0 * 0.07 * 20.0, abs=1e-9)
+
+
+def test_flight_is_the_linear_map():
+    rotor = Rotor(omega=1.3, zeta=0.2, delta0=50.0)
+    bundle, stretch = followed(rotor, START, 0.7, 1e-10)
+    exact = expm(0.7 * rotating_jacobian(START, rotor))
+    expected, triangle = np.linalg.qr(exact)
+    np.testing.assert_allclose(stretch, np.log(np.abs(np.diag(triangle))), atol=1e-13)
+    np.testing.assert_allclose(np.abs(bundle[1:].T), np.abs(expected), atol=1e-13)

@@ -1,0 +1,132 @@
+"""Pictures of what no response curve shows."""
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from rotor_ida import (
+    InputError,
+    Rotor,
+    bifurcation,
+    contact_forces,
+    lyapunov_exponent,
+    poincare_section,
+    rotating,
+    simulate,
+    spectrum,
+    synchronous_response,
+)
+from rotor_ida.plot import (
+    plot_exponents,
+    plot_extrema,
+    plot_force_peaks,
+    plot_forces,
+    plot_rotating_orbit,
+    plot_section,
+    plot_spectrum,
+)
+
+REST = (0.0, 0.0, 0.0, 0.0)
+BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+
+
+def lines_of(ax):
+    return {line.get_label(): line for line in ax.lines}
+
+
+def test_orbit_on_rotating_axes_passes_through_the_turned_samples(run):
+    seen = rotating(run)
+    ax = plot_rotating_orbit(seen)
+    lines = lines_of(ax)
+    drawn = np.concatenate([lines[name].get_xydata() for name in ("flight", "contact")])
+    for x, y in zip(seen.rotating_x.values[::20], seen.rotating_y.values[::20], strict=True):
+        assert np.nanmin(np.hypot(*(drawn - [x, y]).T)) < 1e-12
+    entries = seen.event_kind.values == 1
+    np.testing.assert_allclose(lines["entry"].get_xdata(), seen.event_rotating_x[entries])
+    assert ax.get_aspect() == 1.0
+
+
+def test_entries_are_drawn_as_radial_velocity_over_the_angle():
+    section = poincare_section(BOUNCING, start=REST, revolutions=10, at="entry")
+    ax = plot_section(section)
+    angle, velocity = ax.lines[0].get_data()
+    assert (velocity > 0.0).all()
+    np.testing.assert_allclose(2.0 * np.cos(angle), section.rotating_x, atol=1e-12)
+    assert ax.get_ylabel() == r"radial velocity $\dot r$"
+
+
+def test_a_single_point_is_not_blown_up():
+    section = poincare_section(BOUNCING, start=REST, revolutions=10, skip=150, at="entry")
+    low, high = plot_section(section).get_xlim()
+    assert high - low > 0.1
+
+
+def test_sections_by_revolution_show_the_ring():
+    ax = plot_section(poincare_section(BOUNCING, start=REST, revolutions=5))
+    ring = lines_of(ax)["clearance"]
+    np.testing.assert_allclose(np.hypot(*ring.get_data()), 2.0)
+    assert ax.get_title() == "once a revolution"
+
+
+def test_empty_section_says_so():
+    rotor = Rotor(omega=1.0, zeta=0.5, delta0=9.0)
+    ax = plot_section(poincare_section(rotor, start=REST, revolutions=5, at="exit"))
+    assert [text.get_text() for text in ax.texts] == ["no crossing"]
+
+
+def test_spectrum_has_backward_whirl_on_the_left(run):
+    lines = lines_of(plot_spectrum(spectrum(run)))
+    assert (lines["backward whirl"].get_xdata() <= 0.0).all()
+    assert (lines["forward whirl"].get_xdata() >= 0.0).all()
+
+
+def test_forces_and_their_peaks():
+    forces = contact_forces(simulate(BOUNCING, start=REST, duration=30.0))
+    lines = lines_of(plot_forces(forces))
+    np.testing.assert_array_equal(lines["force"].get_ydata(), forces.force)
+    step = plot_force_peaks(forces).lines[0]
+    assert step.get_ydata()[-1] == 1.0
+    none = forces.isel(contact=slice(0, 0))
+    texts = [text.get_text() for text in plot_force_peaks(none).texts]
+    assert texts == ["fewer than two whole contacts"]
+
+
+def test_exponents_are_named_with_value_and_error():
+    found = lyapunov_exponent(BOUNCING, start=REST)
+    ax = plot_exponents(found)
+    words = ax.get_legend_handles_labels()[1]
+    assert words[0] == r"$\lambda_1 = 0.00000$"
+    assert words[1].startswith(r"$\lambda_2 = -0.0700")
+
+
+def test_extrema_lie_over_the_exact_curve_of_their_clearance():
+    found = bifurcation(omega=[1.2, 2.0], zeta=0.07, delta0=[0.5, 2.0], starts=[REST])
+    exact = synchronous_response(omega=np.linspace(0.5, 2.5, 41), zeta=0.07, delta0=2.0)
+    ax = plot_extrema(found, exact=exact)
+    words = ax.get_legend_handles_labels()[1]
+    assert "local maximum of $|z|$" in words
+    assert "stable whirl" in words
+    heights = np.concatenate([line.get_ydata() for line in ax.lines if line.get_rasterized()])
+    shown = found.extremum_radius.values[int(found.extremum_count[0, 0, 0, 0]) :]
+    assert set(heights) <= set(shown)
+    with pytest.raises(InputError, match="found must hold the delta0 of exact"):
+        plot_extrema(found.sel(delta0=[0.5]), exact=exact)
+    with pytest.raises(InputError, match="found must hold one delta0, got 2"):
+        plot_extrema(found)
+
+
+def test_draw_on_the_axes_given_and_refuse_other_datasets(run):
+    drawings = {
+        plot_rotating_orbit: run,
+        plot_section: poincare_section(BOUNCING, start=REST, revolutions=2),
+        plot_spectrum: spectrum(run),
+        plot_forces: contact_forces(run),
+        plot_force_peaks: contact_forces(run),
+        plot_exponents: lyapunov_exponent(BOUNCING, start=REST, duration=200.0),
+        plot_extrema: bifurcation(omega=1.0, zeta=1.0, delta0=0.0, starts=1),
+    }
+    for plot, dataset in drawings.items():
+        ax = Figure().subplots()
+        assert plot(dataset, ax=ax) is ax
+        with pytest.raises(InputError, match="it lacks"):
+            plot(dataset.drop_vars(list(dataset.data_vars)))
