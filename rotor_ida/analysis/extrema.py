@@ -109,7 +109,9 @@ def _knots(
     x, y, vx, vy = start
     states, in_contact = np.full((count, 4), np.nan), np.empty(count, dtype=np.bool_)
     states[0] = start
-    in_contact[0] = starts_in_contact(rotor, complex(x, y), complex(vx, vy))
+    in_contact[0] = starts_in_contact(
+        complex(x, y), complex(vx, vy), rotor.omega, rotor.zeta, rotor.delta0
+    )
     done = follow_on(states, in_contact, step, rotor.omega, rotor.zeta, rotor.delta0, rtol)
     if done != DONE:
         last = int(np.isfinite(states).all(axis=1).sum()) - 1

@@ -155,7 +155,9 @@ def _stretches(
     bundle = np.vstack([start, np.eye(4)])
     # Not along the axes: these are special directions of a rotor that starts at rest.
     bundle[1:] = np.linalg.qr(np.vander([1.0, 0.7, -0.4, -0.9]))[0]
-    in_contact = starts_in_contact(rotor, complex(x, y), complex(vx, vy))
+    in_contact = starts_in_contact(
+        complex(x, y), complex(vx, vy), rotor.omega, rotor.zeta, rotor.delta0
+    )
     stretches = np.full((lead + count, 4), np.nan)
     done = follow_stretches(
         bundle, in_contact, span, stretches, rotor.omega, rotor.zeta, rotor.delta0, rtol

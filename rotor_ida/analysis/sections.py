@@ -17,9 +17,9 @@ from rotor_ida.errors import InputError
 from rotor_ida.model import turned
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulator.limits import check_can_be_followed
-from rotor_ida.simulator.loop import run
 from rotor_ida.simulator.options import Options
 from rotor_ida.simulator.orbit import ENTRY, EXIT
+from rotor_ida.simulator.run import run
 
 Values = npt.NDArray[np.float64]
 At = Literal["revolution", "entry", "exit", "peak"]

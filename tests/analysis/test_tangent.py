@@ -7,8 +7,8 @@ from scipy.linalg import expm
 from rotor_ida import Rotor
 from rotor_ida.analysis.tangent import DONE, follow_stretches
 from rotor_ida.model import rotating_jacobian, turned
-from rotor_ida.simulator.loop import run
 from rotor_ida.simulator.options import Options
+from rotor_ida.simulator.run import run
 from rotor_ida.simulator.start import starts_in_contact
 
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
