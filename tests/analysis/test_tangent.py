@@ -19,9 +19,9 @@ TIGHT = Options(rtol=1e-13, atol=1e-15)
 def followed(rotor, start, duration, rtol):
     """State and product of orthonormal vectors and stretching after one span."""
     bundle = np.vstack([start, np.eye(4)])
-    in_contact = starts_in_contact(rotor, complex(*start[:2]), complex(*start[2:]))
-    stretch = np.empty((1, 4))
     parameters = (rotor.omega, rotor.zeta, rotor.delta0)
+    in_contact = starts_in_contact(complex(*start[:2]), complex(*start[2:]), *parameters)
+    stretch = np.empty((1, 4))
     assert follow_stretches(bundle, in_contact, duration, stretch, *parameters, rtol) == DONE
     return bundle, stretch[0]
 
