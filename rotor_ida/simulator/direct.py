@@ -8,21 +8,40 @@ solver's interpolant is fetched once as a polynomial and evaluated here.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from numba import carray, farray
-from numba.core import types
-from numba.core.typing import signature
+from numba import carray
 from numba.extending import overload_method
 
-from rotor_ida.compiling import callback, compiled, structure
-from rotor_ida.errors import InputError
-from rotor_ida.model import rotating_field_into, rotating_jacobian_into
-from rotor_ida.simulator import cartesian_phase, contact_phase, sundials
-from rotor_ida.simulator.contact_phase import contact_field
+from rotor_ida.compiling import compiled, structure
+from rotor_ida.simulator.calls import (
+    context_create,
+    context_free,
+    cvode_count,
+    cvode_create,
+    cvode_derivative,
+    cvode_free,
+    cvode_init,
+    cvode_jacobian,
+    cvode_linear,
+    cvode_order,
+    cvode_reinit,
+    cvode_solve,
+    cvode_tolerances,
+    cvode_user_data,
+    handlers_clear,
+    linear_free,
+    linear_new,
+    matrix_free,
+    matrix_new,
+    vector_data,
+    vector_free,
+    vector_fuse,
+    vector_new,
+    vector_over,
+)
 from rotor_ida.simulator.motion import FAR_GOAL, GOES_ON, NOT_FINITE, Motion
 
 Values = npt.NDArray[np.float64]
@@ -33,46 +52,6 @@ ONE_STEP = 2
 HIGHEST_ORDER = 12
 # To fetch the interpolant takes as long as so many single readings.
 FEW_LOOKS = 6
-
-_PLACE, _FLAG, _SIZE, _REAL, _NOTHING = (
-    types.intp,
-    types.intc,
-    types.int64,
-    types.float64,
-    types.void,
-)
-_REALS = types.CPointer(types.float64)
-
-
-def _external(name: str, result: types.Type, *arguments: types.Type) -> Any:
-    return types.ExternalFunction(name, signature(result, *arguments))
-
-
-_context_create = _external("SUNContext_Create", _FLAG, types.intc, _PLACE)
-_context_free = _external("SUNContext_Free", _FLAG, _PLACE)
-_clear_handlers = _external("SUNContext_ClearErrHandlers", _FLAG, _PLACE)
-_vector_new = _external("N_VNew_Serial", _PLACE, _SIZE, _PLACE)
-_vector_over = _external("N_VMake_Serial", _PLACE, _SIZE, _PLACE, _PLACE)
-_fuse = _external("N_VEnableFusedOps_Serial", _FLAG, _PLACE, types.intc)
-_vector_free = _external("N_VDestroy", _NOTHING, _PLACE)
-_vector_data = _external("N_VGetArrayPointer", _REALS, _PLACE)
-_matrix_new = _external("SUNDenseMatrix", _PLACE, _SIZE, _SIZE, _PLACE)
-_matrix_free = _external("SUNMatDestroy", _NOTHING, _PLACE)
-_matrix_data = _external("SUNDenseMatrix_Data", _REALS, _PLACE)
-_linear_new = _external("SUNLinSol_Dense", _PLACE, _PLACE, _PLACE, _PLACE)
-_linear_free = _external("SUNLinSolFree", _FLAG, _PLACE)
-_create = _external("CVodeCreate", _PLACE, types.intc, _PLACE)
-_free = _external("CVodeFree", _NOTHING, _PLACE)
-_init = _external("CVodeInit", _FLAG, _PLACE, _PLACE, _REAL, _PLACE)
-_reinit = _external("CVodeReInit", _FLAG, _PLACE, _REAL, _PLACE)
-_tolerances = _external("CVodeSVtolerances", _FLAG, _PLACE, _REAL, _PLACE)
-_user_data = _external("CVodeSetUserData", _FLAG, _PLACE, _PLACE)
-_linear_set = _external("CVodeSetLinearSolver", _FLAG, _PLACE, _PLACE, _PLACE)
-_jacobian_set = _external("CVodeSetJacFn", _FLAG, _PLACE, _PLACE)
-_solve = _external("CVode", _FLAG, _PLACE, _REAL, _PLACE, _PLACE, types.intc)
-_derivative = _external("CVodeGetDky", _FLAG, _PLACE, _REAL, types.intc, _PLACE)
-_order = _external("CVodeGetLastOrder", _FLAG, _PLACE, _PLACE)
-_count = _external("CVodeGetNumRhsEvals", _FLAG, _PLACE, _PLACE)
 
 
 @dataclass(slots=True)
@@ -142,29 +121,29 @@ def open_direct(
     The address `jacobian` may be 0. Whoever opens it must close it.
     """
     handles = np.zeros(8, np.intp)
-    _context_create(0, handles[_CONTEXT:].ctypes.data)
+    context_create(0, handles[_CONTEXT:].ctypes.data)
     context = handles[_CONTEXT]
-    _clear_handlers(context)
+    handlers_clear(context)
     rows = 6 + HIGHEST_ORDER
-    handles[_ARENA] = _vector_new(size * rows + 1, context)
-    arena = carray(_vector_data(handles[_ARENA]), size * rows + 1)
+    handles[_ARENA] = vector_new(size * rows + 1, context)
+    arena = carray(vector_data(handles[_ARENA]), size * rows + 1)
     arena[:] = 1.0
     table = arena[: size * rows].reshape(rows, size)
     values, tolerances, derivative = table[0], table[1], table[2]
-    handles[_STATE] = _vector_over(size, values.ctypes.data, context)
-    handles[_TOLERANCE] = _vector_over(size, tolerances.ctypes.data, context)
-    handles[_DERIVATIVE] = _vector_over(size, derivative.ctypes.data, context)
-    _fuse(handles[_STATE], 1)
-    memory = _create(method, context)
+    handles[_STATE] = vector_over(size, values.ctypes.data, context)
+    handles[_TOLERANCE] = vector_over(size, tolerances.ctypes.data, context)
+    handles[_DERIVATIVE] = vector_over(size, derivative.ctypes.data, context)
+    vector_fuse(handles[_STATE], 1)
+    memory = cvode_create(method, context)
     handles[_MEMORY] = memory
-    _init(memory, field, 0.0, handles[_STATE])
-    _user_data(memory, parameters.ctypes.data)
-    _tolerances(memory, rtol, handles[_TOLERANCE])
-    handles[_MATRIX] = _matrix_new(size, size, context)
-    handles[_LINEAR] = _linear_new(handles[_STATE], handles[_MATRIX], context)
-    _linear_set(memory, handles[_LINEAR], handles[_MATRIX])
+    cvode_init(memory, field, 0.0, handles[_STATE])
+    cvode_user_data(memory, parameters.ctypes.data)
+    cvode_tolerances(memory, rtol, handles[_TOLERANCE])
+    handles[_MATRIX] = matrix_new(size, size, context)
+    handles[_LINEAR] = linear_new(handles[_STATE], handles[_MATRIX], context)
+    cvode_linear(memory, handles[_LINEAR], handles[_MATRIX])
     if jacobian != 0:
-        _jacobian_set(memory, jacobian)
+        cvode_jacobian(memory, jacobian)
     return Direct(  # type: ignore[return-value] # the structure has the methods
         0.0,
         0.0,
@@ -190,12 +169,12 @@ def open_direct(
 def close_direct(motion: Any) -> None:
     """Free all that SUNDIALS holds; the arrays of reals go with it."""
     handles = motion.handles
-    _free(handles[_MEMORY:].ctypes.data)
-    _linear_free(handles[_LINEAR])
-    _matrix_free(handles[_MATRIX])
+    cvode_free(handles[_MEMORY:].ctypes.data)
+    linear_free(handles[_LINEAR])
+    matrix_free(handles[_MATRIX])
     for vector in (_STATE, _TOLERANCE, _DERIVATIVE, _ARENA):
-        _vector_free(handles[vector])
-    _context_free(handles[_CONTEXT:].ctypes.data)
+        vector_free(handles[vector])
+    context_free(handles[_CONTEXT:].ctypes.data)
 
 
 @compiled
@@ -205,9 +184,9 @@ def _restart(motion: Direct, start: Values, atol: Values) -> int:
     motion.tolerances[:] = atol
     motion.low = motion.point = 0.0
     motion.degree, motion.looks = -1, 0
-    status = _reinit(motion.memory, 0.0, motion.state)
+    status = cvode_reinit(motion.memory, 0.0, motion.state)
     if status == GOES_ON:
-        status = _tolerances(motion.memory, motion.rtol, motion.handles[_TOLERANCE])
+        status = cvode_tolerances(motion.memory, motion.rtol, motion.handles[_TOLERANCE])
     return int(status)
 
 
@@ -219,7 +198,7 @@ def _advance(motion: Direct) -> int:
     for number in range(values.size):
         before[number] = values[number]
     while motion.point <= motion.low:
-        status = _solve(motion.memory, FAR_GOAL, motion.state, reached.ctypes.data, ONE_STEP)
+        status = cvode_solve(motion.memory, FAR_GOAL, motion.state, reached.ctypes.data, ONE_STEP)
         total = 0.0
         for number in range(values.size):
             total += 0.0 * values[number]
@@ -235,12 +214,12 @@ def _fetch(motion: Direct) -> None:
     """Fetch the interpolant: its Taylor series about the end of the step, scaled by the step."""
     step, polynomial, derivative = motion.point - motion.low, motion.polynomial, motion.derivative
     motion.answer[0] = 0
-    _order(motion.memory, motion.answer.ctypes.data)
+    cvode_order(motion.memory, motion.answer.ctypes.data)
     motion.degree = motion.answer[0]
     vector = motion.handles[_DERIVATIVE]
     scale = 1.0
     for power in range(motion.degree + 1):
-        _derivative(motion.memory, motion.point, power, vector)
+        cvode_derivative(motion.memory, motion.point, power, vector)
         for number in range(derivative.size):
             polynomial[power, number] = scale * derivative[number]
         scale *= step / (power + 1.0)
@@ -252,7 +231,7 @@ def _at(motion: Direct, point: float) -> Values:
         return motion.values
     if point <= motion.low:
         return motion.before
-    _derivative(motion.memory, point, 0, motion.handles[_DERIVATIVE])
+    cvode_derivative(motion.memory, point, 0, motion.handles[_DERIVATIVE])
     return motion.derivative
 
 
@@ -276,7 +255,7 @@ def _glance_at(motion: Direct, point: float) -> Values:
 @compiled
 def _evaluations(motion: Direct) -> int:
     motion.answer[0] = 0
-    _count(motion.memory, motion.answer.ctypes.data)
+    cvode_count(motion.memory, motion.answer.ctypes.data)
     return int(motion.answer[0])
 
 
@@ -318,61 +297,3 @@ def _method_evaluations(motion: Any) -> Any:  # noqa: ARG001 - types
         return _evaluations(motion)
 
     return call
-
-
-def _contact_rhs(_time: float, state: Any, rate: Any, parameters: Any) -> int:
-    rotor = carray(parameters, 3)
-    contact_field(
-        carray(_vector_data(state), contact_phase.SIZE),
-        carray(_vector_data(rate), contact_phase.SIZE),
-        rotor[0],
-        rotor[1],
-        rotor[2],
-    )
-    return 0
-
-
-def _free_rhs(_time: float, state: Any, rate: Any, parameters: Any) -> int:
-    rotor = carray(parameters, 3)
-    rotating_field_into(
-        carray(_vector_data(state), cartesian_phase.SIZE),
-        carray(_vector_data(rate), cartesian_phase.SIZE),
-        rotor[0],
-        rotor[1],
-        rotor[2],
-    )
-    return 0
-
-
-def _free_jacobian(
-    _time: float, state: Any, _rate: Any, matrix: Any, parameters: Any, _a: Any, _b: Any, _c: Any
-) -> int:
-    rotor, size = carray(parameters, 3), cartesian_phase.SIZE
-    rotating_jacobian_into(
-        carray(_vector_data(state), size),
-        farray(_matrix_data(matrix), (size, size)),
-        rotor[0],
-        rotor[1],
-        rotor[2],
-    )
-    return 0
-
-
-@cache
-def callbacks() -> tuple[Any, Any, Any]:
-    """Return both right-hand sides and the Jacobian, compiled; each has an ``address``.
-
-    Raises
-    ------
-    InputError
-        If SUNDIALS cannot be called from compiled code.
-    """
-    if reason := sundials.why_not():
-        raise InputError(f"backend 'compiled' cannot be used: {reason}")
-    rhs = signature(_FLAG, _REAL, _PLACE, _PLACE, _REALS)
-    derivative = signature(_FLAG, _REAL, _PLACE, _PLACE, _PLACE, _REALS, _PLACE, _PLACE, _PLACE)
-    return (
-        callback(rhs, _contact_rhs),
-        callback(rhs, _free_rhs),
-        callback(derivative, _free_jacobian),
-    )

@@ -11,8 +11,9 @@ from rotor_ida.errors import SimulationError
 from rotor_ida.model import rotating_field_into, rotating_jacobian_into, turned
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulator import cartesian_phase, contact_phase
+from rotor_ida.simulator.callbacks import callbacks
 from rotor_ida.simulator.contact_phase import contact_field
-from rotor_ida.simulator.direct import METHODS, callbacks, close_direct, open_direct
+from rotor_ida.simulator.direct import METHODS, close_direct, open_direct
 from rotor_ida.simulator.invariants import check_orbit
 from rotor_ida.simulator.loop import go
 from rotor_ida.simulator.motion import GOES_ON, message_of
