@@ -5,16 +5,32 @@ installed. They return the axes that they drew on and show nothing by themselves
 """
 
 from rotor_ida.plot.appearance import panels, shared_legend, style
+from rotor_ida.plot.fields import plot_sections, plot_surface
+from rotor_ida.plot.free import plot_periods, plot_portrait
+from rotor_ida.plot.histories import plot_drawn_out, plot_history
+from rotor_ida.plot.jumps import plot_backbone, plot_by_damping, plot_jump_limit, plot_jumps
+from rotor_ida.plot.layout import mixed_panels
 from rotor_ida.plot.responses import plot_amplitude, plot_phase
 from rotor_ida.plot.runs import plot_orbit, plot_run
 from rotor_ida.plot.saving import save_figure
 
 __all__ = [
+    "mixed_panels",
     "panels",
     "plot_amplitude",
+    "plot_backbone",
+    "plot_by_damping",
+    "plot_drawn_out",
+    "plot_history",
+    "plot_jump_limit",
+    "plot_jumps",
     "plot_orbit",
+    "plot_periods",
     "plot_phase",
+    "plot_portrait",
     "plot_run",
+    "plot_sections",
+    "plot_surface",
     "save_figure",
     "shared_legend",
     "style",
