@@ -91,7 +91,7 @@ def draw_energy(run: xr.Dataset, settings: Settings) -> None:
         ax.plot(run.time, run.energy, color="#1a1a1a", label=r"$|z'|^2/2 + V$")
         ax.plot(run.time, run.printed_energy, color="#e76300", ls="--", lw=0.9,
                 label=r"$|z|^2/2 + V$, as printed")  # fmt: skip
-        ax.set(xlabel="time $t$", ylabel="energy", ylim=(0.0, None), xlim=(0.0, DURATION))
+        ax.set(xlabel="time $t$", ylabel="energy", ylim=(0.0, 4.2), xlim=(0.0, DURATION))
         ax.legend(loc="upper right", ncols=2)
     settings.show(
         figure, "eq13_energy", archives=["energy"],

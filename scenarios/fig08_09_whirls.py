@@ -13,7 +13,15 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida import Rotor, simulate, synchronous_response
-from rotor_ida.plot import mixed_panels, plot_drawn_out, plot_history, plot_orbit, shared_legend
+from rotor_ida.plot import (
+    mixed_panels,
+    parameter_text,
+    plot_drawn_out,
+    plot_history,
+    plot_orbit,
+    shared_legend,
+    style,
+)
 from rotor_ida.scenario import Settings, run_script
 
 ROTOR = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
@@ -62,16 +70,12 @@ def draw(name: str, run: xr.Dataset, archive: str, settings: Settings, **texts: 
     plot_drawn_out(shown, ax=axes[0])
     plot_orbit(shown, ax=axes[1])
     axes[1].set_title("")
-    axes[1].set_title("b", loc="left", fontweight="bold")
     plot_history(shown, "x", ax=axes[2])
     plot_history(shown, "y", ax=axes[3])
     shared_legend(figure, axes, columns=6, outer=False)
-    parameters = ("omega", "zeta", "delta0")
-    symbols = (r"\omega", r"\zeta", r"\delta_0")
-    figure.suptitle(
-        ",  ".join(f"${s} = {float(run[p]):g}$" for s, p in zip(symbols, parameters, strict=True)),
-        fontsize=10.0,
-    )
+    with style():
+        parameters = {each: float(run[each]) for each in ("omega", "zeta", "delta0")}
+        figure.suptitle(parameter_text(**parameters), fontsize=10.0)
     settings.show(figure, name, archives=[archive], **texts)
 
 

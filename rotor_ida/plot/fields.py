@@ -49,7 +49,7 @@ def plot_surface(field: xr.Dataset, name: str, *, ax: Axes | None = None) -> Axe
     --------
     >>> from rotor_ida.closed_forms import restoring_field
     >>> ax = plot_surface(restoring_field(x=[0, 1], y=[0, 1], delta0=0.5), "force_x")
-    >>> ax.get_zlabel()
+    >>> ax.get_title()[:11]
     'force $f_x$'
     """
     field = check_dataset("field", field, ("x", "y", "delta0", name))
@@ -64,11 +64,10 @@ def plot_surface(field: xr.Dataset, name: str, *, ax: Axes | None = None) -> Axe
         )  # fmt: skip
         solid.set_xlabel("$x$", labelpad=-6)
         solid.set_ylabel("$y$", labelpad=-6)
-        solid.set_zlabel(LABELS[name], labelpad=-5)
         # from where the surface is seen to rise
         solid.view_init(elev=26, azim=-148 if name == "force_x" else -58)
         finish_solid(solid)
-        solid.set_title(parameter_text(delta0=delta0), y=0.98)
+        solid.set_title(f"{LABELS[name]},  {parameter_text(delta0=delta0)}", y=0.98)
     return axes_of(solid)
 
 
@@ -137,7 +136,7 @@ def finish_solid(ax: Any) -> None:
     ax.tick_params(labelsize=7.5, pad=-2.5)
     for axis in (ax.xaxis, ax.yaxis, ax.zaxis):
         axis.pane.set_facecolor("white")
-    ax.set_box_aspect(None, zoom=0.88)
+    ax.set_box_aspect(None, zoom=0.95)
 
 
 def axes_of(ax: Any) -> Axes:

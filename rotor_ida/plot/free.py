@@ -136,9 +136,10 @@ def plot_portrait(runs: xr.Dataset, *, along: str = "x", ax: Axes | None = None)
             ax.plot(run[along].values, run[f"v{along}"].values, color=colour, ls=line)
             ax.annotate(
                 f"$T = {float(run['period']):.2f}$", (0.0, -float(abs(run[f"v{along}"]).max())),
-                xytext=(0.0, 2.5), textcoords="offset points", ha="center", va="bottom",
+                xytext=(0.0, -2.5), textcoords="offset points", ha="center", va="top",
                 fontsize=8.0,
             )  # fmt: skip
+        ax.margins(y=0.11)
         ax.set_xlabel(LABELS[along])
         ax.set_ylabel(LABELS[f"v{along}"])
     return ax

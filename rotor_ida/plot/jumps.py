@@ -135,7 +135,7 @@ def plot_by_damping(exact: xr.Dataset, quantity: str, *, ax: Axes | None = None)
     >>> exact = synchronous_response(omega=[0.5, 1.0, 1.5], zeta=[1.0, 2.0], delta0=0.0)
     >>> ax = plot_by_damping(exact, "amplitude")
     >>> [text.get_text() for text in ax.get_legend().get_texts()]
-    ['$\\\\zeta = 1$', '$\\\\zeta = 2$']
+    ['$\\zeta = 1$', '$\\zeta = 2$']
     """
     exact = check_dataset("exact", exact, ("omega", "zeta", "delta0", "amplitude", "phase_lag"))
     draw = plot_amplitude if quantity == "amplitude" else plot_phase
@@ -183,7 +183,7 @@ def plot_jump_limit(
     --------
     >>> from rotor_ida.closed_forms import jump_limit
     >>> plot_jump_limit(jump_limit(delta0=[0.0, 1.0])).get_ylabel()
-    'damping ratio $\\\\zeta$'
+    'damping ratio $\\zeta$'
     """
     limit = check_dataset("limit", limit, ("delta0", "critical_zeta"))
     with style():
