@@ -46,15 +46,12 @@ def main(settings: Settings) -> None:
 
 def draw_design(design: xr.Dataset, settings: Settings) -> None:
     figure, axes = mixed_panels(1, 3, height=2.9)
-    plot_by_clearance(design, ["peak_amplitude"], label="largest amplitude $A$", ax=axes[0])
-    plot_by_clearance(design, ["fold_omega", "peak_omega"], label=r"spin speed $\omega$",
-                      ax=axes[1])  # fmt: skip
-    for line, words in zip(axes[1].lines[::-1], ["peak"], strict=False):
-        line.set_label(words)
-    axes[1].lines[0].set_label("folds: the rotor jumps")
-    axes[1].legend()
-    plot_by_clearance(design, ["peak_contact_force"], label="contact force $f$ at the peak",
-                      ax=axes[2])  # fmt: skip
+    for ax, names, label in (
+        (axes[0], {"peak_amplitude": "peak"}, "largest amplitude $A$"),
+        (axes[1], {"peak_omega": "peak", "fold_omega": "folds"}, r"spin speed $\omega$"),
+        (axes[2], {"peak_contact_force": "peak"}, "contact force $f$ at the peak"),
+    ):
+        plot_by_clearance(design, names, label=label, ax=ax)
     for ax in (axes[0], axes[2]):
         ax.set_ylim(bottom=0.0)
     first, last = design.isel(delta0=0), design.isel(delta0=-1)
@@ -74,7 +71,6 @@ def draw_responses(exact: xr.Dataset, simulated: xr.Dataset, settings: Settings)
     figure, axes = mixed_panels(2, 2, height=5.8)
     for ax, omega in zip(axes, SPEEDS, strict=True):
         plot_over_clearance(exact.sel(omega=omega), simulated=simulated.sel(omega=omega), ax=ax)
-        ax.set_title(f"$\\omega = {omega:g}$")
     shared_legend(figure, axes, columns=3, outer=False)
     slow = synchronous_response(omega=1.2, zeta=ZETA, delta0=[0.0, 0.5, 1.0, 2.0])
     rising = ", ".join(f"{value:.3f}" for value in slow.amplitude.max("branch").values.ravel())

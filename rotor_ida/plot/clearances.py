@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
@@ -117,17 +117,17 @@ def _draw_simulated(ax: Axes, simulated: xr.Dataset) -> None:
 
 
 def plot_by_clearance(
-    table: xr.Dataset, names: list[str], *, label: str, ax: Axes | None = None
+    table: xr.Dataset, names: Mapping[str, str], *, label: str, ax: Axes | None = None
 ) -> Axes:
     """Draw some quantities over the clearance.
 
     Parameters
     ----------
     table : Dataset
-        The quantities on ``delta0``, and perhaps one more dimension whose values are drawn as
-        lines of their own.
-    names : list of str
-        Their names; each is called by its ``long_name`` where there are several.
+        The quantities on ``delta0``. One that has a further dimension, as the speeds of the
+        folds have, is drawn in points, since its values come and go.
+    names : mapping of str to str
+        What each quantity is called in the legend.
     label : str
         What the vertical axis is called.
     ax : Axes, optional
@@ -147,19 +147,21 @@ def plot_by_clearance(
     --------
     >>> from rotor_ida.closed_forms import peaks
     >>> table = peaks(zeta=0.07, delta0=[0.0, 1.0])
-    >>> plot_by_clearance(table, ["peak_amplitude"], label="peak amplitude $A$").get_ylabel()
-    'peak amplitude $A$'
+    >>> plot_by_clearance(table, {"peak_amplitude": "peak"}, label="amplitude $A$").get_ylabel()
+    'amplitude $A$'
     """
     table = check_dataset("table", table, ("delta0", *names))
     with style():
         ax = axes_or_new(ax)
-        for number, name in enumerate(names):
+        for number, (name, words) in enumerate(names.items()):
             colour, line = look(number)
-            columns = table[name].squeeze().transpose("delta0", ...)
-            values = columns.values.reshape(columns.sizes["delta0"], math.prod(columns.shape[1:]))
-            words = [str(table[name].attrs.get("long_name", name))] + ["_"] * values.shape[1]
-            for column, text in zip(values.T, words, strict=False):
-                ax.plot(table["delta0"].values, column, color=colour, ls=line, label=text)
+            column = table[name].squeeze().transpose("delta0", ...)
+            if column.ndim == 1:
+                ax.plot(table["delta0"].values, column.values, color=colour, ls=line, label=words)
+                continue
+            delta0 = np.repeat(table["delta0"].values, column.shape[1])
+            ax.plot(delta0, column.values.ravel(), ls="", marker=".", ms=2.6, mew=0.0,
+                    color=colour, label=words)  # fmt: skip
         ax.set_xlabel(LABELS["delta0"])
         ax.set_ylabel(label)
         if len(names) > 1:

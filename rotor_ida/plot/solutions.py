@@ -52,6 +52,7 @@ def plot_solutions(compared: xr.Dataset, *, ax: Axes | None = None) -> Axes:
             here = compared.sel(solution=name)
             ax.plot(here["time"].values, here["solution_x"].values, color=colour, ls=line,
                     lw=1.0, label=str(name))  # fmt: skip
+        ax.set_xlim(float(compared["time"][0]), float(compared["time"][-1]))
         ax.set_xlabel(LABELS["time"])
         ax.set_ylabel(LABELS["x"])
         own_legend(ax)
@@ -99,6 +100,7 @@ def plot_deviation(compared: xr.Dataset, *, ax: Axes | None = None) -> Axes:
             shown = np.where(values > 0.0, values, np.nan)
             ax.semilogy(compared["time"].values, shown, color=colour, ls=line, lw=1.1,
                         label=str(name))  # fmt: skip
+        ax.set_xlim(float(compared["time"][0]), float(compared["time"][-1]))
         ax.set_xlabel(LABELS["time"])
         ax.set_ylabel(r"distance from the simulated $z$")
         own_legend(ax)
