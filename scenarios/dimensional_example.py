@@ -14,13 +14,11 @@ import sys
 
 import numpy as np
 import xarray as xr
-from scipy.integrate import solve_ivp
 
-from rotor_ida import DimensionalRotor, Rotor, contact_summary, dimensional, simulate
+from rotor_ida import DimensionalRotor, contact_summary, dimensional, simulate
+from rotor_ida.errata import check_scaling, deviations
 from rotor_ida.plot import mixed_panels, plot_machine, style
-from rotor_ida.printed import reference_frequency
 from rotor_ida.scenario import Settings, run_script
-from rotor_ida.schema import labelled
 
 MACHINE = DimensionalRotor(
     mass=4.0,  # kg
@@ -50,79 +48,9 @@ def main(settings: Settings) -> None:
         f"{1e6 * float(np.hypot(machine.x, machine.y).max()):.1f} micrometres.",
     )  # fmt: skip
 
-    checked = check_scaling(20.0)
+    checked = check_scaling(MACHINE, duration=20.0)
     settings.keep(checked, "scaling")
     draw_check(checked, settings)
-
-
-def check_scaling(duration: float) -> xr.Dataset:
-    """Hold the dimensional equation against dimensionless runs with the two reference speeds."""
-    machine = MACHINE
-    frequencies = {"k sqrt(D)/m": machine.reference_frequency, "k/m": reference_frequency(machine)}
-    end = duration * machine.time_scale
-    times = np.linspace(0.0, end, 401)
-    start = (2.5e-5, 0.0, 0.0, 0.0)
-    orbit = dimensional_orbit(start, times)
-    table = []
-    for frequency in frequencies.values():
-        rotor = Rotor(
-            omega=machine.speed / frequency,
-            zeta=machine.damping / (2.0 * machine.mass * frequency),
-            delta0=machine.clearance / machine.eccentricity,
-        )
-        scaled = times * frequency
-        samples = np.append(scaled[:-1], scaled[-1])
-        run = simulate(
-            rotor, start=(start[0] / machine.eccentricity, 0.0, 0.0, 0.0),
-            duration=float(scaled[-1]), samples=samples, rtol=1e-13, atol=1e-15,
-        )  # fmt: skip
-        table.append((run.x + 1j * run.y).values * machine.eccentricity)
-    seconds = {**labelled("time", (), 0.0).attrs, "units": "s", "long_name": "time"}
-    metres = {"units": "m"}
-    dims = ("frequency", "time")
-    return xr.Dataset(
-        {
-            "X": ("time", orbit.real, {**metres, "long_name": "displacement by eq. (7)"}),
-            "Y": ("time", orbit.imag, {**metres, "long_name": "displacement by eq. (7)"}),
-            "scaled_X": (dims, np.real(table), {**metres, "long_name": "scaled displacement"}),
-            "scaled_Y": (dims, np.imag(table), {**metres, "long_name": "scaled displacement"}),
-        },
-        {"time": ("time", times, seconds), "frequency": list(frequencies)},
-        {"title": "The dimensional equation beside dimensionless runs, scaled by two rules"},
-    )
-
-
-def dimensional_orbit(start, times) -> np.ndarray:
-    """Return Z(T) of eq. (7) by SciPy, knowing nothing of scales."""
-    m, k, n = MACHINE.mass, MACHINE.contact_stiffness, MACHINE.damping
-    D, d, W = MACHINE.eccentricity, MACHINE.clearance, MACHINE.speed
-
-    def rate(time, state):
-        X, Y, VX, VY = state
-        R = math.hypot(X, Y)
-        stiffness = k * max(R - d, 0.0) ** 1.5 / max(R, d)
-        unbalance = m * D * W * W
-        return [
-            VX,
-            VY,
-            (unbalance * math.cos(W * time) - n * VX - stiffness * X) / m,
-            (unbalance * math.sin(W * time) - n * VY - stiffness * Y) / m,
-        ]
-
-    solved = solve_ivp(
-        rate, (0.0, times[-1]), start, "DOP853", times, rtol=3e-14, atol=1e-19,
-        max_step=times[-1] / 400,
-    )  # fmt: skip
-    return solved.y[0] + 1j * solved.y[1]
-
-
-def deviations(checked: xr.Dataset) -> dict[str, float]:
-    """Return the largest distance of each scaled run from eq. (7), in eccentricities."""
-    distance = np.hypot(checked.scaled_X - checked.X, checked.scaled_Y - checked.Y)
-    return {
-        str(name): float(distance.sel(frequency=name).max()) / MACHINE.eccentricity
-        for name in checked.frequency.values
-    }
 
 
 def draw_check(checked: xr.Dataset, settings: Settings) -> None:
@@ -135,7 +63,7 @@ def draw_check(checked: xr.Dataset, settings: Settings) -> None:
                     label=f"scaled with $\\omega_0^2$ = {name}")  # fmt: skip
         ax.set(xlabel="time $T$ [ms]", ylabel="displacement $X$ [µm]")
         ax.legend(loc="upper center", bbox_to_anchor=(0.5, 1.14), ncols=3)
-    apart = deviations(checked)
+    apart = deviations(checked, MACHINE)
     settings.show(
         figure, "scaling", archives=["scaling"],
         shows="Eq. (7) in SI units beside dimensionless runs, scaled with the right and with the "

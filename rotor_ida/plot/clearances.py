@@ -160,7 +160,7 @@ def plot_by_clearance(
                 ax.plot(table["delta0"].values, column.values, color=colour, ls=line, label=words)
                 continue
             delta0 = np.repeat(table["delta0"].values, column.shape[1])
-            ax.plot(delta0, column.values.ravel(), ls="", marker=".", ms=2.6, mew=0.0,
+            ax.plot(delta0, column.values.ravel(), ls="", marker=".", ms=4.0, mew=0.0,
                     color=colour, label=words)  # fmt: skip
         ax.set_xlabel(LABELS["delta0"])
         ax.set_ylabel(label)
