@@ -115,6 +115,7 @@ def write_gallery(root: Path, scripts: Mapping[str, Path], *, failed: Iterable[s
     links = "".join(f'<a href="#{escape(name)}">{escape(name)}</a> ' for name in shown)
     parts = [_HEAD, f"<nav>{links}</nav>\n"]
     parts += [_section(root, name, scripts[name], name in down) for name in shown]
+    root.mkdir(parents=True, exist_ok=True)
     page = root / PAGE
     page.write_text("".join([*parts, "</body>\n</html>\n"]), encoding="utf-8")
     return page

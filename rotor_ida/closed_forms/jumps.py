@@ -101,7 +101,7 @@ def jump_limit(*, delta0: object = None) -> xr.Dataset:
     Notes
     -----
     `critical_damping` says how it is found. The number of folds need not fall as the damping
-    grows: at ``delta0 = 0.7237`` it goes 4, 2, 4, 0. The limit is where it becomes 0 for good.
+    grows: at ``delta0 = 0.7237`` it goes 4, 2, 4, 2, 0. The limit is where it becomes 0 for good.
 
     References
     ----------
