@@ -52,9 +52,10 @@ def test_scenarios_of_the_clone_are_found():
 
 def test_goes_on_when_one_fails_and_says_which(scripts, tmp_path, capfd):
     out = tmp_path / "results"
+    scripts["c_works"].write_text(LIGHT)
     assert reproduce(out, quick=True, workers=2) == 1
     assert load(out / "a_works" / "found.nc").sizes["omega"] == 2
-    assert (out / "c_works" / "found.nc").is_file()
+    assert (out / "c_works" / "found.txt").is_file()
     shown = capfd.readouterr()
     assert "b_fails failed after 0 s with exit status 3" in shown.err
     assert "1 of 3 failed: b_fails" in shown.err
