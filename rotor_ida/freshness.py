@@ -54,15 +54,25 @@ def is_fresh(folder: Path, origin: str) -> bool:
 
 
 def is_ours(folder: Path) -> bool:
-    """Return whether a folder holds nothing but what was recorded, all as it was left."""
+    """Return whether a folder holds only what was recorded, as it was left, or was being made."""
     record = _read(folder)
-    return record is not None and record[1] == _files(folder)
+    return record is not None and (record[1] is None or record[1] == _files(folder))
+
+
+def begin(folder: Path) -> None:
+    """Note that the results in a folder are being made; what breaks off there can be redone."""
+    folder.mkdir(parents=True, exist_ok=True)
+    _write(folder, "", None)
 
 
 def record(folder: Path, origin: str) -> None:
     """Note what a folder holds and where that came from; no origin if it is not whole."""
-    noted = {"origin": origin, "files": _files(folder)}
-    (folder / RECORD).write_text(json.dumps(noted, indent=1) + "\n", encoding="utf-8")
+    _write(folder, origin, _files(folder))
+
+
+def _write(folder: Path, origin: str, files: dict[str, str] | None) -> None:
+    noted = json.dumps({"origin": origin, "files": files}, indent=1)
+    (folder / RECORD).write_text(noted + "\n", encoding="utf-8")
 
 
 def _files(folder: Path) -> dict[str, str]:
@@ -74,10 +84,11 @@ def _files(folder: Path) -> dict[str, str]:
     return found
 
 
-def _read(folder: Path) -> tuple[str, dict[str, str]] | None:
+def _read(folder: Path) -> tuple[str, dict[str, str] | None] | None:
     try:
         noted = json.loads((folder / RECORD).read_text(encoding="utf-8"))
-        return str(noted["origin"]), dict(noted["files"])
+        files = noted["files"]
+        return str(noted["origin"]), None if files is None else dict(files)
     except (OSError, ValueError, TypeError, KeyError):
         return None
 

@@ -59,7 +59,8 @@ def reproduce(
     workers : int, optional
         Number of processes of each; by default one for each core.
     force : bool
-        Whether results may be replaced that a run of this function did not leave there.
+        Whether to run what is up to date too, and to replace results that no run of this
+        function left there.
 
     Returns
     -------
@@ -84,13 +85,13 @@ def reproduce(
     processes = count_workers(workers)
     given = ["--quick"] if quick else []
     origins = {name: freshness.origin_of(script, given) for name, script in chosen.items()}
+    folders = {name: output_folder(root, name) for name in chosen}
     current = [
-        name for name in chosen if freshness.is_fresh(output_folder(root, name), origins[name])
+        name for name in chosen if not force and freshness.is_fresh(folders[name], origins[name])
     ]
     due = [name for name in chosen if name not in current]
     for name in due:
-        ours = freshness.is_ours(output_folder(root, name))
-        check_folder(output_folder(root, name), force=force or ours)
+        check_folder(folders[name], force=force or freshness.is_ours(folders[name]))
     if current:
         print(f"up to date: {', '.join(current)}", flush=True)
     command = ["--out", str(root), "--workers", str(processes), "--force", *given]
@@ -116,6 +117,8 @@ class _Job:
     def run(self, *, aside: bool) -> tuple[int, str, float]:
         """Run the script; return its exit status, what it printed if put aside, and the time."""
         begin = time.monotonic()
+        folder = output_folder(self.root, self.name)
+        freshness.begin(folder)
         line = [sys.executable, str(self.script), *self.options]
         if aside:
             ended = subprocess.run(
@@ -124,10 +127,8 @@ class _Job:
             status, printed = ended.returncode, ended.stdout
         else:
             status, printed = subprocess.run(line, check=False).returncode, ""
-        folder = output_folder(self.root, self.name)
-        if folder.is_dir():
-            shutil.copyfile(self.script, folder / f"{self.name}.py")
-            freshness.record(folder, "" if status else self.origin)
+        shutil.copyfile(self.script, folder / f"{self.name}.py")
+        freshness.record(folder, "" if status else self.origin)
         return status, printed, time.monotonic() - begin
 
 

@@ -54,3 +54,12 @@ def test_damaged_digest_is_none(made, text):
     _, folder = made
     (folder / "digest.json").write_text(text)
     assert not freshness.is_ours(folder)
+
+
+def test_run_that_broke_off_can_be_redone(made):
+    script, folder = made
+    freshness.begin(folder)
+    (folder / "half.nc").write_text("half")
+    assert freshness.is_ours(folder)
+    assert not freshness.is_fresh(folder, "")
+    assert not freshness.is_fresh(folder, freshness.origin_of(script, ["--quick"]))

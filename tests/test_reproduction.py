@@ -98,6 +98,12 @@ def test_second_run_redoes_only_what_changed(light, tmp_path, capfd):
     assert (out / "c_works" / "found.txt").read_text() == "2"
 
 
+def test_force_runs_what_is_up_to_date_too(light, tmp_path, capfd):
+    for _ in range(2):
+        assert reproduce(tmp_path / "results", only=["a_works"], workers=1, force=True) == 0
+    assert capfd.readouterr().out.count("a_works done") == 2
+
+
 def test_quick_results_are_redone_when_the_whole_is_wanted(light, tmp_path, capfd):
     reproduce(tmp_path / "results", only=["a_works"], workers=1, quick=True)
     capfd.readouterr()
