@@ -50,12 +50,13 @@ def main(settings: Settings) -> None:
     with style():
         figure, (ax,) = panels(1, 1, height=3.4)
         draw(result, ax)
-    worst = float((result.largest_error / result.rtol).max())
+    adams = result.largest_error.sel(solver="adams")
+    decades = np.log10([adams[0] / adams[-1], result.rtol[0] / result.rtol[-1]])
     settings.show(
         figure, "event_time_convergence", archives=["event_time_convergence"],
         shows="The largest error of an event time over the tolerance, for three methods.",
-        found=f"It falls with the tolerance and stays below {worst:.0f} times it: no order is lost "
-        "where contact begins and ends.",
+        found=f"Over {decades[1]:.0f} decades of tolerance that of Adams falls by {decades[0]:.1f} "
+        "decades: no order is lost where contact begins and ends.",
     )  # fmt: skip
 
 

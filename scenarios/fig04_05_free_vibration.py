@@ -128,8 +128,6 @@ def draw_portraits(portraits: xr.Dataset, settings: Settings) -> None:
         here = portraits.sel(delta0=delta0)
         plot_portrait(here.isel(start=slice(0, half)), along="x", ax=axes[2 * row])
         plot_portrait(here.isel(start=slice(half, None)), along="y", ax=axes[2 * row + 1])
-        for ax in axes[2 * row : 2 * row + 2]:
-            ax.set_title(f"$\\delta_0 = {delta0:g}$")
     settings.show(
         figure, "fig05_portraits", archives=["portraits"],
         shows="Phase portraits for starts (x0, 0, 0, 0) and (0, 0, 0, y0') with x0 and y0' "

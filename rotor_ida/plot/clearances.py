@@ -109,11 +109,11 @@ def _draw_simulated(ax: Axes, simulated: xr.Dataset) -> None:
     on_whirl = np.isin(flat["response"], [flags["synchronous"], flags["contact_free"]])
     if on_whirl.any():
         ax.plot(flat["delta0"][on_whirl], flat["amplitude"][on_whirl], ls="", marker="o", ms=4.2,
-                color=BLUE, label="simulated from rest: on a whirl", zorder=3.1)  # fmt: skip
+                color=BLUE, label="simulated: on a whirl", zorder=3.1)  # fmt: skip
     if not on_whirl.all():
         ax.vlines(flat["delta0"][~on_whirl], flat["radius_min"][~on_whirl],
                   flat["radius_max"][~on_whirl], color=ORANGE, lw=2.0, zorder=3.0,
-                  label="simulated from rest: range of $|z|$")  # fmt: skip
+                  label="simulated: range of $|z|$")  # fmt: skip
 
 
 def plot_by_clearance(
@@ -157,7 +157,8 @@ def plot_by_clearance(
             colour, line = look(number)
             column = table[name].squeeze().transpose("delta0", ...)
             if column.ndim == 1:
-                ax.plot(table["delta0"].values, column.values, color=colour, ls=line, label=words)
+                ax.plot(table["delta0"].values, column.values, color=colour, ls=line, label=words,
+                        zorder=2.6)  # fmt: skip
                 continue
             delta0 = np.repeat(table["delta0"].values, column.shape[1])
             ax.plot(delta0, column.values.ravel(), ls="", marker=".", ms=4.0, mew=0.0,

@@ -100,7 +100,7 @@ def plot_portrait(runs: xr.Dataset, *, along: str = "x", ax: Axes | None = None)
     ----------
     runs : Dataset
         ``x vx y vy`` on ``start`` and ``time``, with the ``amplitude`` and the ``period`` of
-        each start.
+        each start, and perhaps one ``delta0`` for the title.
     along : {"x", "y"}
         Which axis.
     ax : Axes, optional
@@ -140,6 +140,8 @@ def plot_portrait(runs: xr.Dataset, *, along: str = "x", ax: Axes | None = None)
                 fontsize=8.0,
             )  # fmt: skip
         ax.margins(y=0.11)
+        if "delta0" in runs.coords:
+            ax.set_title(parameter_text(delta0=one_value("runs", runs, "delta0")))
         ax.set_xlabel(LABELS[along])
         ax.set_ylabel(LABELS[f"v{along}"])
     return ax
