@@ -6,7 +6,8 @@ equation (7), integrated on its own by another program (SciPy, DOP853), lands on
 lengths are scaled with the eccentricity D and times with sqrt(m/(k sqrt(D))); with the printed k/m
 it is another orbit.
 
-Writes the run in SI units (machine.nc), the check (scaling.nc), and the figures as PNG and SVG.
+Writes the run (run.nc), the same in SI units (machine.nc), the check (scaling.nc), and the figures
+as PNG and SVG.
 """
 
 import math
@@ -36,10 +37,11 @@ def main(settings: Settings) -> None:
     start = (0.0, 0.0, 0.0, 0.0)
     run = simulate(rotor, start=start, duration=duration, samples=4001)
     machine = dimensional(run, MACHINE)
+    settings.keep(run, "run")
     settings.keep(machine, "machine")
     force = float(contact_summary(run).largest_force) * MACHINE.force_scale
     settings.show(
-        plot_machine(machine), "machine", archives=["machine"],
+        plot_machine(machine), "machine", archives=["machine", "run"],
         shows=f"A disc of {MACHINE.mass:g} kg from rest at 3,000 rpm: orbit, radius and contact "
         "force.",
         found=f"omega = {rotor.omega:.4g}, zeta = {rotor.zeta:.4g}, delta0 = {rotor.delta0:.4g}: "
