@@ -49,7 +49,7 @@ def main(settings: Settings) -> None:
     settings.keep(backbone, "backbone")
     draw("fig10", exact, None, settings, backbone)
 
-    speeds = np.linspace(LOWEST, HIGHEST, 5 if settings.quick else 60)
+    speeds = np.linspace(LOWEST, HIGHEST, 4 if settings.quick else 60)
     with progress_bar("each speed from rest") as progress:
         from_rest = sweep(omega=speeds, **parameters, workers=settings.workers, progress=progress)
     settings.keep(from_rest, "fig11_from_rest")

@@ -52,8 +52,8 @@ def dissipation() -> Numbers:
 
 
 def scaling() -> Numbers:
-    """Eq. (9): how far scaled runs are from the dimensional equation."""
-    apart = deviations(check_scaling(MACHINE, duration=20.0), MACHINE)
+    """Eq. (9): how far scaled runs are from the dimensional equation, as a part of its reach."""
+    apart = deviations(check_scaling(MACHINE, duration=20.0))
     return {"right": apart[RIGHT], "printed": apart[PRINTED]}
 
 

@@ -4,6 +4,7 @@ Nothing else in this package computes with them. Each says where it is wrong and
 """
 
 from rotor_ida.printed.energy import hamiltonian, reference_frequency
+from rotor_ida.printed.periods import natural_frequency, period
 from rotor_ida.printed.transient import general_solution
 from rotor_ida.printed.whirls import amplitudes_18, amplitudes_29, phase_23, phase_31, transfer_21
 
@@ -12,6 +13,8 @@ __all__ = [
     "amplitudes_29",
     "general_solution",
     "hamiltonian",
+    "natural_frequency",
+    "period",
     "phase_23",
     "phase_31",
     "reference_frequency",

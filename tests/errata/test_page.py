@@ -59,11 +59,17 @@ def test_rotor_with_wide_clearance_bounces_and_never_reaches_the_branch():
     assert found["with_branch"] == 4
 
 
+def test_scaling_holds_to_the_digits_that_the_integrations_have():
+    found = numbers.scaling()
+    assert found["right"] < 5e-12
+    assert found["printed"] > 1.0
+
+
 def test_error_of_the_general_solution():
     assert numbers.transient()["printed"] == pytest.approx(18.0, abs=0.01)
 
 
 def test_a_number_beyond_its_bound_is_not_printed():
     row = page.Row("(9)", "", "", "{right_bound:.0e}", lambda: {"right": 1e-3})
-    with pytest.raises(ValueError, match=r"\(9\): right must be below 1e-11, got 0\.001"):
+    with pytest.raises(ValueError, match=r"\(9\): right must be below 5e-12, got 0\.001"):
         page._line(row)
