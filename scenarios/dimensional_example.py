@@ -72,7 +72,8 @@ def draw_check(checked: xr.Dataset, settings: Settings) -> None:
         "printed reference frequency.",
         paper="omega_0^2 = k/m, above eq. (8).",
         found=f"With k sqrt(D)/m the runs differ by {apart['k sqrt(D)/m']:.0e} of the "
-        f"largest displacement, with k/m by {apart['k/m']:.2g} of it; k/m is no frequency squared, since k is in N/m^1.5.",
+        f"largest displacement, with k/m by {apart['k/m']:.2g} of it; k/m is no frequency "
+        "squared, since k is in N/m^1.5.",
     )  # fmt: skip
 
 

@@ -52,7 +52,8 @@ ROWS = (
     Row(
         "(9)", "ω₀² = k/m", "ω₀² = k √D/m, for k in N/m^1.5",
         "a machine of 4 kg with D = 1 µm, integrated in SI units: the dimensionless run differs by "
-        "less than {right_bound:.0e} of the largest displacement; with k/m by {printed:.1f} of it",
+        "less than {right_bound:.0e} of the largest displacement; with k/m by more than all "
+        "of it",
         numbers.scaling,
     ),
     Row(
