@@ -17,7 +17,7 @@ import xarray as xr
 from rotor_ida import Rotor, simulate
 from rotor_ida.closed_forms import restoring_field
 from rotor_ida.model import energy
-from rotor_ida.plot import mixed_panels, plot_sections, plot_surface, style
+from rotor_ida.plot import mixed_panels, plot_cuts, plot_surface, style
 from rotor_ida.printed import hamiltonian
 from rotor_ida.scenario import Settings, run_script
 
@@ -57,7 +57,7 @@ def draw_force(field: xr.Dataset, settings: Settings) -> None:
         here = field.sel(delta0=delta0)
         plot_surface(here, "force_x", ax=axes[3 * row])
         plot_surface(here, "force_y", ax=axes[3 * row + 1])
-        plot_sections(here, "force_x", at=[0.0, 1.0, 2.0], ax=axes[3 * row + 2])
+        plot_cuts(here, "force_x", at=[0.0, 1.0, 2.0], ax=axes[3 * row + 2])
     one, two = (restoring_field(x=1.0, y=y, delta0=0.5).force_x.item() for y in (0.0, 2.0))
     settings.show(
         figure, "fig02_force", archives=["field"],
@@ -73,7 +73,7 @@ def draw_potential(field: xr.Dataset, settings: Settings) -> None:
     for row, delta0 in enumerate(CLEARANCES):
         here = field.sel(delta0=delta0)
         plot_surface(here, "potential", ax=axes[2 * row])
-        plot_sections(here, "potential", at=[0.0, 1.0, 2.0], ax=axes[2 * row + 1])
+        plot_cuts(here, "potential", at=[0.0, 1.0, 2.0], ax=axes[2 * row + 1])
     settings.show(
         figure, "fig03_potential", archives=["field"],
         shows="The energy stored in the contact, over the plane and along x.",

@@ -106,8 +106,8 @@ def of_curves(quantity: str, exact: xr.Dataset) -> dict[str, str]:
     return {
         "shows": f"Every synchronous whirl at zeta = {ZETA}: {quantity} over speed for four "
         "clearances, with stability and folds.",
-        "paper": "Two folds in each curve; the contact-free whirl and the isola are not drawn. "
-        "Eq. (31) divides by A^2 where A is right.",
+        "paper": "The amplitude is reduced and shifted to the left by more clearance. Eq. (31) "
+        "divides by A^2 where A is right.",
         "found": f"{rows}. From delta0 = 1 on the contacting whirls are a curve of their own, an "
         "isola, beside the contact-free family.",
     }
@@ -126,8 +126,8 @@ def of_sweeps(quantity: str, compared: xr.Dataset) -> dict[str, str]:
         "shows": f"The exact {quantity} and what a simulated rotor settles on, from rest and with "
         "the speed going up and down.",
         "paper": "The numerical results are in good agreement with the theoretical ones.",
-        "found": f"From rest on a synchronous whirl: {rows}. There curve and simulation agree to "
-        f"{digits:.1f} digits or more. Elsewhere the rotor bounces, or its radius oscillates; at "
+        "found": f"From rest on one of the exact whirls: {rows}. There curve and simulation agree "
+        f"to {digits:.1f} digits or more. Elsewhere the rotor bounces, or its radius oscillates; at "
         f"delta0 = 2 it comes to the contacting branch from rest {reached} times.",
     }
 

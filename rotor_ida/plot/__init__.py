@@ -6,7 +6,7 @@ installed. They return the axes that they drew on and show nothing by themselves
 
 from rotor_ida.plot.appearance import panels, parameter_text, shared_legend, style
 from rotor_ida.plot.clearances import plot_by_clearance, plot_over_clearance
-from rotor_ida.plot.fields import plot_sections, plot_surface
+from rotor_ida.plot.fields import plot_cuts, plot_surface
 from rotor_ida.plot.free import plot_periods, plot_portrait
 from rotor_ida.plot.histories import plot_drawn_out, plot_history
 from rotor_ida.plot.jumps import plot_backbone, plot_by_damping, plot_jump_limit, plot_jumps
@@ -25,6 +25,7 @@ __all__ = [
     "plot_backbone",
     "plot_by_clearance",
     "plot_by_damping",
+    "plot_cuts",
     "plot_deviation",
     "plot_drawn_out",
     "plot_history",
@@ -37,7 +38,6 @@ __all__ = [
     "plot_phase",
     "plot_portrait",
     "plot_run",
-    "plot_sections",
     "plot_solutions",
     "plot_surface",
     "save_figure",

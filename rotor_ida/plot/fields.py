@@ -71,10 +71,8 @@ def plot_surface(field: xr.Dataset, name: str, *, ax: Axes | None = None) -> Axe
     return axes_of(solid)
 
 
-def plot_sections(
-    field: xr.Dataset, name: str, *, at: Sequence[float], ax: Axes | None = None
-) -> Axes:
-    """Draw a component of the force, or the potential, along x at a few y.
+def plot_cuts(field: xr.Dataset, name: str, *, at: Sequence[float], ax: Axes | None = None) -> Axes:
+    """Draw cuts along x, at a few y, through a component of the force or the potential.
 
     Parameters
     ----------
@@ -101,7 +99,7 @@ def plot_sections(
     --------
     >>> from rotor_ida.closed_forms import restoring_field
     >>> field = restoring_field(x=[-1, 0, 1], y=[0, 2], delta0=0.5)
-    >>> plot_sections(field, "force_x", at=[0, 2]).get_ylabel()
+    >>> plot_cuts(field, "force_x", at=[0, 2]).get_ylabel()
     'force $f_x$'
     """
     field = check_dataset("field", field, ("x", "y", "delta0", name))
