@@ -65,7 +65,7 @@ def draw_check(checked: xr.Dataset, settings: Settings) -> None:
                     label=f"scaled with $\\omega_0^2$ = {name}")  # fmt: skip
         ax.set(xlabel="time $T$ [ms]", ylabel="displacement $X$ [µm]")
         ax.legend(loc="upper center", bbox_to_anchor=(0.5, 1.14), ncols=3)
-    apart = deviations(checked, MACHINE)
+    apart = deviations(checked)
     settings.show(
         figure, "scaling", archives=["scaling"],
         shows="Eq. (7) in SI units beside dimensionless runs, scaled with the right and with the "

@@ -127,8 +127,8 @@ def of_sweeps(quantity: str, compared: xr.Dataset) -> dict[str, str]:
         "the speed going up and down.",
         "paper": "The numerical results are in good agreement with the theoretical ones.",
         "found": f"From rest on one of the exact whirls: {rows}. There curve and simulation agree "
-        f"to {digits:.1f} digits or more. Elsewhere the rotor bounces, or its radius oscillates; at "
-        f"delta0 = 2 it comes to the contacting branch from rest {reached} times.",
+        f"to {digits:.1f} digits or more. Elsewhere the rotor bounces, or its radius oscillates; "
+        f"at delta0 = 2 it comes to the contacting branch from rest {reached} times.",
     }
 
 
