@@ -94,9 +94,12 @@ def reproduce(
         check_folder(folders[name], force=force or freshness.is_ours(folders[name]))
     if current:
         print(f"up to date: {', '.join(current)}", flush=True)
-    command = ["--out", str(root), "--workers", str(processes), "--force", *given]
+    at_once = min(AT_ONCE, processes, max(1, len(due)))
+    # a quick sweep is over before further processes have started
+    each = max(1, processes // at_once) if quick else processes
+    command = ["--out", str(root), "--workers", str(each), "--force", *given]
     jobs = [_Job(name, chosen[name], command, root, origins[name]) for name in due]
-    failed = _run_all(jobs, AT_ONCE if processes > 1 else 1)
+    failed = _run_all(jobs, at_once)
     page = write_gallery(root, scripts, failed=failed)
     print(f"figures: {page}", flush=True)
     if failed:
@@ -135,7 +138,7 @@ class _Job:
 def _run_all(jobs: Sequence[_Job], at_once: int) -> list[str]:
     """Run the jobs, some at a time, and return the names of those that failed."""
     failed = []
-    aside = min(at_once, len(jobs)) > 1
+    aside = at_once > 1
     pool = ThreadPoolExecutor(at_once)
     try:
         running = {pool.submit(job.run, aside=aside): job.name for job in jobs}
