@@ -74,3 +74,16 @@ def test_scalar_and_table_agree():
 def test_bad_values_are_refused():
     with pytest.raises(InputError, match="delta0 must be zero or positive"):
         jump_limit(delta0=-0.1)
+
+
+def test_landings_with_clearance_are_whirls_that_last():
+    found = jumps(zeta=0.07, delta0=[0.5, 2.0])
+    table = zip(*(found[name].transpose("delta0", ...).values.reshape(2, -1) for name in
+                  ("fold_omega", "landing_amplitude")), found.delta0.values, strict=True)  # fmt: skip
+    for omega, landing, delta0 in table:
+        for speed, amplitude in zip(omega, landing, strict=True):
+            if np.isfinite(speed):
+                here = synchronous_response(omega=speed, zeta=0.07, delta0=delta0)
+                lasting = here.amplitude.where(here.stability != 1).values
+                assert np.nanmin(abs(lasting - amplitude)) < 1e-12
+    assert found.landing_amplitude.notnull().sum("fold").values.tolist() == [[4, 2]]
