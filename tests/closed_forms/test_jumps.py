@@ -78,8 +78,11 @@ def test_bad_values_are_refused():
 
 def test_landings_with_clearance_are_whirls_that_last():
     found = jumps(zeta=0.07, delta0=[0.5, 2.0])
-    table = zip(*(found[name].transpose("delta0", ...).values.reshape(2, -1) for name in
-                  ("fold_omega", "landing_amplitude")), found.delta0.values, strict=True)  # fmt: skip
+    columns = [
+        found[name].transpose("delta0", ...).values.reshape(2, -1)
+        for name in ("fold_omega", "landing_amplitude")
+    ]
+    table = zip(*columns, found.delta0.values, strict=True)
     for omega, landing, delta0 in table:
         for speed, amplitude in zip(omega, landing, strict=True):
             if np.isfinite(speed):
