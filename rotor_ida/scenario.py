@@ -12,6 +12,8 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
+import xarray as xr
+from matplotlib.figure import Figure
 from rich.console import Console
 from rich.progress import (
     BarColumn,
@@ -22,9 +24,12 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
+from rotor_ida.archive import save
 from rotor_ida.checks import check_axis, check_count, check_positive
 from rotor_ida.closed_forms import curve, folds, peak_amplitude
 from rotor_ida.errors import InputError, RotorError
+from rotor_ida.gallery import Entry, add_entry
+from rotor_ida.plot import save_figure
 
 Values = npt.NDArray[np.float64]
 Report = Callable[[int, int], None]
@@ -52,6 +57,38 @@ class Settings:
     quick: bool
     workers: int
     force: bool
+
+    def keep(self, dataset: xr.Dataset, name: str) -> None:
+        """Write a dataset to the archive `name`, without its ending, in the folder."""
+        save(dataset, self.folder / f"{name}.nc", overwrite=self.force)
+
+    def show(
+        self,
+        figure: Figure,
+        name: str,
+        *,
+        archives: Sequence[str],
+        shows: str,
+        found: str,
+        paper: str = "",
+    ) -> None:
+        """Write a figure as PNG and SVG, and what the gallery is to say of it.
+
+        Parameters
+        ----------
+        figure : Figure
+            The figure.
+        name : str
+            Name of its files, without the ending.
+        archives : sequence of str
+            Names of the archives that it was drawn from, without the ending.
+        shows, found, paper : str
+            What it shows, what is found, and what the paper says (empty for nothing).
+        """
+        save_figure(figure, self.folder / name, overwrite=self.force)
+        files = tuple(f"{archive}.nc" for archive in archives)
+        entry = Entry(figure=name, archives=files, shows=shows, paper=paper, found=found)
+        add_entry(self.folder, entry)
 
 
 def output_folder(out: str | os.PathLike[str], name: str) -> Path:

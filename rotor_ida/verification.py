@@ -50,6 +50,8 @@ def rerun(dataset: xr.Dataset) -> xr.Dataset:
     if missing:
         raise InputError(f"only a simulated run can be verified; it lacks {', '.join(missing)}")
     settings = dataset.attrs
+    if "time_scale" in settings:
+        raise InputError("a run in SI units cannot be verified: verify the dimensionless one")
     return simulate(
         Rotor(**{name: settings[name] for name in ("omega", "zeta", "delta0")}),
         start=cast(State, tuple(np.atleast_1d(settings["start"]).tolist())),

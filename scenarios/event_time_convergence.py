@@ -15,8 +15,8 @@ import numpy as np
 import xarray as xr
 from scipy.special import beta
 
-from rotor_ida import Rotor, save, simulate
-from rotor_ida.plot import panels, save_figure, style
+from rotor_ida import Rotor, simulate
+from rotor_ida.plot import panels, style
 from rotor_ida.scenario import Settings, run_script
 
 AMPLITUDE, CLEARANCE = 2.0, 1.0
@@ -46,11 +46,18 @@ def main(settings: Settings) -> None:
         {"rtol": ("rtol", tolerances, described("relative tolerance")), "solver": list(METHODS)},
         {"title": "Convergence of event times", "duration": duration, "events": exact.size},
     )
-    save(result, settings.folder / "event_time_convergence.nc", overwrite=settings.force)
+    settings.keep(result, "event_time_convergence")
     with style():
         figure, (ax,) = panels(1, 1, height=3.4)
         draw(result, ax)
-        save_figure(figure, settings.folder / "event_time_convergence", overwrite=settings.force)
+    adams = result.largest_error.sel(solver="adams")
+    decades = np.log10([adams[0] / adams[-1], result.rtol[0] / result.rtol[-1]])
+    settings.show(
+        figure, "event_time_convergence", archives=["event_time_convergence"],
+        shows="The largest error of an event time over the tolerance, for three methods.",
+        found=f"Over {decades[1]:.0f} decades of tolerance that of Adams falls by {decades[0]:.1f} "
+        "decades: no order is lost where contact begins and ends.",
+    )  # fmt: skip
 
 
 def exact_event_times(duration: float) -> np.ndarray:

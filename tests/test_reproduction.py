@@ -20,6 +20,16 @@ def main(settings):
 if __name__ == "__main__":
     sys.exit(run_script(main, description=__doc__, script=__file__))
 '''
+# It writes what it is, without importing anything heavy.
+LIGHT = '''
+"""A light one."""
+import sys
+from pathlib import Path
+
+folder = Path(sys.argv[sys.argv.index("--out") + 1]) / Path(__file__).stem
+folder.mkdir(parents=True, exist_ok=True)
+(folder / "found.txt").write_text("1")
+'''
 FAILING = "raise SystemExit(3)\n"
 
 
@@ -42,17 +52,81 @@ def test_scenarios_of_the_clone_are_found():
 
 def test_goes_on_when_one_fails_and_says_which(scripts, tmp_path, capfd):
     out = tmp_path / "results"
+    scripts["c_works"].write_text(LIGHT)
     assert reproduce(out, quick=True, workers=2) == 1
     assert load(out / "a_works" / "found.nc").sizes["omega"] == 2
-    assert (out / "c_works" / "found.nc").is_file()
+    assert (out / "c_works" / "found.txt").is_file()
     shown = capfd.readouterr()
     assert "b_fails failed after 0 s with exit status 3" in shown.err
     assert "1 of 3 failed: b_fails" in shown.err
 
 
-def test_runs_only_what_was_asked(scripts, tmp_path):
+@pytest.fixture
+def light(scripts):
+    """The same three, of which the first and the last are light."""
+    for name in ("a_works", "c_works"):
+        scripts[name].write_text(LIGHT)
+    return scripts
+
+
+def test_runs_only_what_was_asked(light, tmp_path):
     assert reproduce(tmp_path / "results", only=["c_works"], workers=1) == 0
-    assert [path.name for path in (tmp_path / "results").iterdir()] == ["c_works"]
+    assert {path.name for path in (tmp_path / "results").iterdir()} == {"c_works", "index.html"}
+
+
+def test_figures_of_all_are_on_one_page_and_failures_said(light, tmp_path):
+    out = tmp_path / "results"
+    assert reproduce(out, only=["c_"], workers=1) == 0
+    assert reproduce(out, only=["a_works", "b"], workers=2) == 1
+    text = (out / "index.html").read_text(encoding="utf-8")
+    assert [f'id="{name}"' in text for name in light] == [True, True, True]
+    assert text.count("The script failed") == 1
+    assert (out / "a_works" / "a_works.py").read_text() == LIGHT
+
+
+def test_second_run_redoes_only_what_changed(light, tmp_path, capfd):
+    out = tmp_path / "results"
+    assert reproduce(out, only=["a_works", "c_works"], workers=2) == 0
+    before = (out / "a_works" / "found.txt").stat().st_mtime_ns
+    light["c_works"].write_text(LIGHT.replace('"1"', '"2"'))
+    capfd.readouterr()
+    assert reproduce(out, only=["a_works", "c_works"], workers=2) == 0
+    shown = capfd.readouterr().out
+    assert "up to date: a_works\n" in shown
+    assert "[1/1] c_works done" in shown
+    assert (out / "a_works" / "found.txt").stat().st_mtime_ns == before
+    assert (out / "c_works" / "found.txt").read_text() == "2"
+
+
+def test_force_runs_what_is_up_to_date_too(light, tmp_path, capfd):
+    for _ in range(2):
+        assert reproduce(tmp_path / "results", only=["a_works"], workers=1, force=True) == 0
+    assert capfd.readouterr().out.count("a_works done") == 2
+
+
+def test_quick_results_are_redone_when_the_whole_is_wanted(light, tmp_path, capfd):
+    reproduce(tmp_path / "results", only=["a_works"], workers=1, quick=True)
+    capfd.readouterr()
+    reproduce(tmp_path / "results", only=["a_works"], workers=1)
+    assert "up to date" not in capfd.readouterr().out
+
+
+@pytest.mark.parametrize("text", [FAILING, LIGHT + "raise SystemExit(1)"])
+def test_scenario_that_failed_is_run_again(light, tmp_path, text):
+    out = tmp_path / "results"
+    light["b_fails"].write_text(text)
+    assert reproduce(out, only=["b_fails"], workers=1) == 1
+    assert reproduce(out, only=["b_fails"], workers=1) == 1
+    light["b_fails"].write_text(LIGHT)
+    assert reproduce(out, only=["b_fails"], workers=1) == 0
+
+
+def test_results_that_were_edited_are_not_replaced_unasked(light, tmp_path):
+    out = tmp_path / "results"
+    reproduce(out, only=["c_works"], workers=1)
+    (out / "c_works" / "notes.txt").write_text("mine")
+    with pytest.raises(InputError, match="c_works' holds results already"):
+        reproduce(out, only=["c_works"], workers=1)
 
 
 def test_results_that_are_there_are_not_touched(scripts, tmp_path):
@@ -68,8 +142,9 @@ def test_results_that_are_there_are_not_touched(scripts, tmp_path):
 
 
 def test_unknown_scenario_is_refused(scripts, tmp_path):
-    with pytest.raises(InputError, match=r"scenario must be one of a_works, .* got 'd'"):
-        reproduce(tmp_path, only=["d"])
+    for word in ("d", ""):
+        with pytest.raises(InputError, match=rf"scenario must be one of a_works, .* got '{word}'"):
+            reproduce(tmp_path, only=[word])
 
 
 def test_script_gets_its_settings(tmp_path, capsys):

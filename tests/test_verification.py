@@ -3,7 +3,16 @@
 import numpy as np
 import pytest
 
-from rotor_ida import InputError, Rotor, load, save, simulate, sweep
+from rotor_ida import (
+    DimensionalRotor,
+    InputError,
+    Rotor,
+    dimensional,
+    load,
+    save,
+    simulate,
+    sweep,
+)
 from rotor_ida.testing import assert_events_close
 from rotor_ida.verification import rerun
 
@@ -31,3 +40,11 @@ def test_an_archive_that_was_tampered_with_does_not_verify():
 def test_only_runs_can_be_verified():
     with pytest.raises(InputError, match="only a simulated run can be verified; it lacks omega"):
         rerun(sweep(omega=1.0, zeta=0.5, delta0=0.5))
+
+
+def test_run_in_si_units_is_refused():
+    machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6,
+                               clearance=2e-6, speed=600.0)  # fmt: skip
+    run = simulate(machine.rotor(), start=(0, 0, 0, 0), duration=5.0)
+    with pytest.raises(InputError, match="a run in SI units cannot be verified"):
+        rerun(dimensional(run, machine))

@@ -13,6 +13,10 @@ from rotor_ida.closed_forms.free_vibration import (
     circular_period,
     planar_period,
 )
+from rotor_ida.closed_forms.jumps import jump_limit, jumps
+from rotor_ida.closed_forms.peaks import peaks
+from rotor_ida.closed_forms.periods import free_periods
+from rotor_ida.closed_forms.restoring import restoring_field
 from rotor_ida.closed_forms.stability import eigenvalues, stability_determinant
 from rotor_ida.closed_forms.synchronous import synchronous_response
 
@@ -28,8 +32,13 @@ __all__ = [
     "eigenvalues",
     "flight",
     "folds",
+    "free_periods",
+    "jump_limit",
+    "jumps",
     "peak_amplitude",
+    "peaks",
     "planar_period",
+    "restoring_field",
     "stability_determinant",
     "synchronous_response",
 ]

@@ -43,6 +43,15 @@ LABELS = {
     "peak_force": r"peak force $f$",
     "zeta": r"damping ratio $\zeta$",
     "delta0": r"clearance $\delta_0$",
+    "vx": r"velocity $x'$",
+    "vy": r"velocity $y'$",
+    "force_x": r"force $f_x$",
+    "force_y": r"force $f_y$",
+    "potential": r"potential $V$",
+    "energy": r"energy $E$",
+    "period": r"period $T$",
+    "natural": r"natural frequency $\omega$",
+    "contact_force": r"contact force $f$",
 }
 SYMBOLS = {"omega": r"\omega", "zeta": r"\zeta", "delta0": r"\delta_0"}
 

@@ -10,7 +10,9 @@ from rotor_ida.cli import options, parsing
 
 Only = Annotated[
     list[str] | None,
-    Parameter(help="Names of the scenarios to run.", consume_multiple=True, negative=()),
+    Parameter(
+        help="Names of the scenarios to run, or how they begin.", consume_multiple=True, negative=()
+    ),
 ]
 
 
@@ -22,11 +24,12 @@ def reproduce(
     workers: options.Workers = None,
     force: options.Force = False,
 ) -> int:
-    """Compute every figure of the paper and every study again.
+    """Compute every figure of the paper and every study again, on a page index.html.
 
-    One of them, coarse but quick:
+    What is up to date is left alone; one that fails does not stop the others. One of them, coarse
+    but quick, named in full or by how it begins:
 
-        rotor-ida reproduce --only fig10_11_amplitude --quick --out results
+        rotor-ida reproduce --only fig06_jumps --quick --out results
     """
     from rotor_ida import reproduction  # noqa: PLC0415 - heavy, and not for --help
 

@@ -1,0 +1,75 @@
+"""The restoring force and its potential over the plane."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.checks import check_axis, check_real
+from rotor_ida.contact import contact_potential, secant_stiffness
+from rotor_ida.errors import InputError
+from rotor_ida.schema import CONVENTIONS, labelled
+
+Values = npt.NDArray[np.float64]
+
+
+def restoring_field(*, x: npt.ArrayLike, y: npt.ArrayLike, delta0: npt.ArrayLike) -> xr.Dataset:
+    """Return restoring force and potential over a grid of places.
+
+    Parameters
+    ----------
+    x, y : float or sequence of float, shapes (n,) and (m,)
+        Places [1].
+    delta0 : float or sequence of float, shape (k,)
+        Clearances [1].
+
+    Returns
+    -------
+    Dataset
+        ``force_x``, ``force_y`` and ``potential`` [1] on (delta0, y, x).
+
+    Raises
+    ------
+    InputError
+        If a value is not a finite real number, or a clearance is negative.
+
+    Notes
+    -----
+    ``f_x + i f_y = f(|z|) z/|z|``: each component depends on x and on y, and f_x never falls
+    as x grows, since the force is the gradient of the convex ``V = (2/5) (|z| - delta0)_+**2.5``.
+
+    References
+    ----------
+    Eqs (11) and (12), Figs 2 and 3 of the paper, Mechanika 25(6), 2019, which writes
+    ``f(x) + i f(y)`` and calls V concave.
+
+    Examples
+    --------
+    >>> field = restoring_field(x=1.0, y=[0.0, 2.0], delta0=0.5)
+    >>> field.force_x.values.ravel().round(4)
+    array([0.3536, 1.023 ])
+    """
+    across, up = _places("x", x), _places("y", y)
+    clearance = check_axis("delta0", delta0)
+    radius = np.hypot(across, up[:, None])
+    secant = secant_stiffness(radius, clearance[:, None, None])
+    dims = ("delta0", "y", "x")
+    variables = {
+        "force_x": labelled("force_x", dims, secant * across),
+        "force_y": labelled("force_y", dims, secant * up[:, None]),
+        "potential": labelled(
+            "potential", dims, contact_potential(radius, clearance[:, None, None])
+        ),
+    }
+    axes = {"delta0": clearance, "y": up, "x": across}
+    coordinates = {name: labelled(name, name, values) for name, values in axes.items()}
+    title = "Restoring force and potential of a ring with clearance"
+    return xr.Dataset(variables, coordinates, {"Conventions": CONVENTIONS, "title": title})
+
+
+def _places(name: str, values: npt.ArrayLike) -> Values:
+    listed = np.ravel(np.asarray(values, dtype=object)).tolist()
+    if not listed:
+        raise InputError(f"{name} must hold at least one number, got none")
+    return np.array([check_real(name, value) for value in listed])

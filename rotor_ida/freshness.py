@@ -1,0 +1,100 @@
+"""Whether the results of a scenario are those that its script would give now."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Sequence
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+RECORD = "digest.json"
+# What decides the numbers and the pictures beside this package's own sources.
+_PARTS = (
+    "rotor-ida",
+    "scikit-sundae",
+    "numpy",
+    "scipy",
+    "numba",
+    "xarray",
+    "netCDF4",
+    "matplotlib",
+)
+
+
+def origin_of(script: Path, options: Sequence[str]) -> str:
+    """Return a digest of all that the results of a script depend on.
+
+    Parameters
+    ----------
+    script : Path
+        The script.
+    options : sequence of str
+        Those of its options that change what it computes.
+
+    Returns
+    -------
+    str
+        SHA-256 of the script, of the sources and versions of what computes, and of the options.
+    """
+    digest = hashlib.sha256()
+    package = Path(__file__).parent
+    sources = [path for path in package.rglob("*.py") if package / "scenarios" not in path.parents]
+    for path in [script, *sorted(sources)]:
+        name = path.name if path == script else path.relative_to(package).as_posix()
+        digest.update(f"{name}\0".encode() + path.read_bytes() + b"\0")
+    digest.update("\0".join([*map(_version, _PARTS), *options]).encode())
+    return digest.hexdigest()
+
+
+def is_fresh(folder: Path, origin: str) -> bool:
+    """Return whether a folder holds the whole results of this origin, all as they were left."""
+    record = _read(folder)
+    return record is not None and record[0] == origin and record[1] == _files(folder)
+
+
+def is_ours(folder: Path) -> bool:
+    """Return whether a folder holds only what was recorded, as it was left, or was being made."""
+    record = _read(folder)
+    return record is not None and (record[1] is None or record[1] == _files(folder))
+
+
+def begin(folder: Path) -> None:
+    """Note that the results in a folder are being made; what breaks off there can be redone."""
+    folder.mkdir(parents=True, exist_ok=True)
+    _write(folder, "", None)
+
+
+def record(folder: Path, origin: str) -> None:
+    """Note what a folder holds and where that came from; no origin if it is not whole."""
+    _write(folder, origin, _files(folder))
+
+
+def _write(folder: Path, origin: str, files: dict[str, str] | None) -> None:
+    noted = json.dumps({"origin": origin, "files": files}, indent=1)
+    (folder / RECORD).write_text(noted + "\n", encoding="utf-8")
+
+
+def _files(folder: Path) -> dict[str, str]:
+    found = {}
+    for path in sorted(folder.rglob("*")):
+        if path.is_file() and path != folder / RECORD:
+            name = path.relative_to(folder).as_posix()
+            found[name] = hashlib.sha256(path.read_bytes()).hexdigest()
+    return found
+
+
+def _read(folder: Path) -> tuple[str, dict[str, str] | None] | None:
+    try:
+        noted = json.loads((folder / RECORD).read_text(encoding="utf-8"))
+        files = noted["files"]
+        return str(noted["origin"]), None if files is None else dict(files)
+    except (OSError, ValueError, TypeError, KeyError):
+        return None
+
+
+def _version(name: str) -> str:
+    try:
+        return f"{name} {version(name)}"
+    except PackageNotFoundError:
+        return f"{name} absent"

@@ -1,0 +1,170 @@
+"""What a clearance does: whirls at one speed over the clearance, and quantities of the design."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+
+from rotor_ida.errors import InputError
+from rotor_ida.plot.appearance import (
+    BLUE,
+    INK,
+    LABELS,
+    ORANGE,
+    STABLE,
+    UNSTABLE,
+    axes_or_new,
+    check_dataset,
+    one_value,
+    own_legend,
+    parameter_text,
+    style,
+)
+from rotor_ida.plot.branches import trace_branches
+from rotor_ida.plot.layout import look
+from rotor_ida.schema import flags_of
+
+LINES = {
+    "stable": (STABLE, "-", 1.3),
+    "unstable": (UNSTABLE, (0, (4, 2)), 1.0),
+    "neutral": ("contact-free whirl", (0, (7, 1.6, 1.2, 1.6)), 1.0),
+}
+
+
+def plot_over_clearance(
+    exact: xr.Dataset, *, simulated: xr.Dataset | None = None, ax: Axes | None = None
+) -> Axes:
+    r"""Draw the whirls at one speed over the clearance, and what a simulated rotor does there.
+
+    Parameters
+    ----------
+    exact : Dataset
+        What `rotor_ida.synchronous_response` returned, for one ``omega`` and one ``zeta`` and
+        many clearances.
+    simulated : Dataset, optional
+        What `rotor_ida.sweep` returned at the same speed and damping. Responses on a whirl are
+        marks, all others bars over the range of the distance from the bearing axis.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        Where it was drawn.
+
+    Raises
+    ------
+    InputError
+        If a dataset is of another kind or holds several speeds or dampings.
+
+    Examples
+    --------
+    >>> from rotor_ida import synchronous_response
+    >>> exact = synchronous_response(omega=1.2, zeta=0.07, delta0=[0.0, 0.1, 0.2])
+    >>> plot_over_clearance(exact).get_xlabel()
+    'clearance $\\delta_0$'
+    """
+    exact = check_dataset("exact", exact, ("omega", "zeta", "delta0", "amplitude", "stability"))
+    omega, zeta = (one_value("exact", exact, name) for name in ("omega", "zeta"))
+    table = exact.squeeze([name for name in ("omega", "zeta") if name in exact.dims])
+    if "delta0" not in table.dims:
+        raise InputError("exact must hold several clearances, got one")
+    table = table.transpose("delta0", "branch", ...)
+    flags = flags_of(exact["stability"])
+    words = {flag: word for word, flag in flags.items()}
+    nothing = np.empty(0)
+    branches = trace_branches(
+        table["delta0"].values, table["amplitude"].values, table["amplitude"].values,
+        table["stability"].values, unstable=flags["unstable"], fold_omega=nothing,
+        fold_value=nothing,
+    )  # fmt: skip
+    with style():
+        ax = axes_or_new(ax)
+        for branch in branches:
+            label, line, width = LINES[words[branch.stability]]
+            ax.plot(branch.omega, branch.value, ls=line, lw=width, color=INK, label=label)
+        if simulated is not None:
+            _draw_simulated(ax, simulated)
+        ax.set_xlabel(LABELS["delta0"])
+        ax.set_ylabel(LABELS["amplitude"])
+        ax.set_ylim(bottom=0.0)
+        ax.set_title(parameter_text(omega=omega, zeta=zeta))
+        own_legend(ax)
+    return ax
+
+
+def _draw_simulated(ax: Axes, simulated: xr.Dataset) -> None:
+    """Draw responses on a whirl as marks, the others as bars."""
+    names = ("delta0", "response", "amplitude", "radius_min", "radius_max")
+    check_dataset("simulated", simulated, names)
+    flat = {
+        name: values.values.ravel()
+        for name, values in zip(names, xr.broadcast(*(simulated[each] for each in names)),
+                                strict=True)
+    }  # fmt: skip
+    flags = flags_of(simulated["response"])
+    on_whirl = np.isin(flat["response"], [flags["synchronous"], flags["contact_free"]])
+    if on_whirl.any():
+        ax.plot(flat["delta0"][on_whirl], flat["amplitude"][on_whirl], ls="", marker="o", ms=4.2,
+                color=BLUE, label="simulated: on a whirl", zorder=3.1)  # fmt: skip
+    if not on_whirl.all():
+        ax.vlines(flat["delta0"][~on_whirl], flat["radius_min"][~on_whirl],
+                  flat["radius_max"][~on_whirl], color=ORANGE, lw=2.0, zorder=3.0,
+                  label="simulated: range of $|z|$")  # fmt: skip
+
+
+def plot_by_clearance(
+    table: xr.Dataset, names: Mapping[str, str], *, label: str, ax: Axes | None = None
+) -> Axes:
+    """Draw some quantities over the clearance.
+
+    Parameters
+    ----------
+    table : Dataset
+        The quantities on ``delta0``. One that has a further dimension, as the speeds of the
+        folds have, is drawn in points, since its values come and go.
+    names : mapping of str to str
+        What each quantity is called in the legend.
+    label : str
+        What the vertical axis is called.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        Where it was drawn.
+
+    Raises
+    ------
+    InputError
+        If a quantity is missing.
+
+    Examples
+    --------
+    >>> from rotor_ida.closed_forms import peaks
+    >>> table = peaks(zeta=0.07, delta0=[0.0, 1.0])
+    >>> plot_by_clearance(table, {"peak_amplitude": "peak"}, label="amplitude $A$").get_ylabel()
+    'amplitude $A$'
+    """
+    table = check_dataset("table", table, ("delta0", *names))
+    with style():
+        ax = axes_or_new(ax)
+        for number, (name, words) in enumerate(names.items()):
+            colour, line = look(number)
+            column = table[name].squeeze().transpose("delta0", ...)
+            if column.ndim == 1:
+                ax.plot(table["delta0"].values, column.values, color=colour, ls=line, label=words,
+                        zorder=2.6)  # fmt: skip
+                continue
+            delta0 = np.repeat(table["delta0"].values, column.shape[1])
+            ax.plot(delta0, column.values.ravel(), ls="", marker=".", ms=4.0, mew=0.0,
+                    color=colour, label=words)  # fmt: skip
+        ax.set_xlabel(LABELS["delta0"])
+        ax.set_ylabel(label)
+        if len(names) > 1:
+            own_legend(ax)
+    return ax

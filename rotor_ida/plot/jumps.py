@@ -1,0 +1,206 @@
+"""Jumps of the response curve, its backbone, and the damping above which none is left."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+
+from rotor_ida.plot.appearance import (
+    INK,
+    LABELS,
+    RED,
+    axes_or_new,
+    check_dataset,
+    one_value,
+    own_legend,
+    style,
+)
+from rotor_ida.plot.layout import look
+from rotor_ida.plot.responses import plot_amplitude, plot_phase
+
+BACKBONE = "backbone"
+
+
+def plot_jumps(jumps: xr.Dataset, *, ax: Axes) -> Axes:
+    """Draw an arrow from each fold to the whirl that is left there.
+
+    Parameters
+    ----------
+    jumps : Dataset
+        What `rotor_ida.closed_forms.jumps` returned, for one ``zeta`` and one ``delta0``.
+    ax : Axes
+        Where the amplitude is drawn over the speed.
+
+    Returns
+    -------
+    Axes
+        The same.
+
+    Raises
+    ------
+    InputError
+        If the dataset is of another kind.
+
+    Examples
+    --------
+    >>> from rotor_ida import synchronous_response
+    >>> from rotor_ida.closed_forms import jumps
+    >>> ax = plot_amplitude(synchronous_response(omega=[1.5, 2.0], zeta=0.07, delta0=0.0))
+    >>> plot_jumps(jumps(zeta=0.07, delta0=0.0), ax=ax) is ax
+    True
+    """
+    check_dataset("jumps", jumps, ("fold_omega", "fold_amplitude", "landing_amplitude"))
+    names = ("fold_omega", "fold_amplitude", "landing_amplitude")
+    columns = (jumps[name].values.ravel() for name in names)
+    with style():
+        for omega, begin, end in zip(*columns, strict=True):
+            if np.isfinite(end):
+                ax.annotate(
+                    "", (omega, end), (omega, begin),
+                    arrowprops={"arrowstyle": "-|>", "color": RED, "lw": 1.1, "shrinkA": 3.0,
+                                "shrinkB": 0.0},
+                )  # fmt: skip
+        ax.plot([], [], color=RED, lw=1.1, marker=">", ms=4.0, markevery=[-1], label="jump")
+        own_legend(ax)
+    return ax
+
+
+def plot_backbone(curve: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+    """Draw the backbone: the amplitude of a free whirl over its speed.
+
+    Parameters
+    ----------
+    curve : Dataset
+        What `rotor_ida.closed_forms.free_periods` returned, for one ``delta0``.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        Where it was drawn.
+
+    Raises
+    ------
+    InputError
+        If the dataset is of another kind.
+
+    Examples
+    --------
+    >>> from rotor_ida.closed_forms import free_periods
+    >>> plot_backbone(free_periods(amplitude=[1.0, 2.0], delta0=0.5)).get_ylabel()
+    'amplitude $A$'
+    """
+    curve = check_dataset("curve", curve, ("amplitude", "circular_period", "delta0"))
+    one_value("curve", curve, "delta0")
+    with style():
+        fresh = ax is None
+        ax = axes_or_new(ax)
+        omega = 2.0 * np.pi / curve["circular_period"].squeeze().values
+        ax.plot(omega, curve["amplitude"].values, color="#6b7673", lw=0.9, ls=(0, (1, 2)),
+                label=BACKBONE, zorder=2.2)  # fmt: skip
+        if fresh:
+            ax.set_xlabel(LABELS["omega"])
+            ax.set_ylabel(LABELS["amplitude"])
+        own_legend(ax)
+    return ax
+
+
+def plot_by_damping(exact: xr.Dataset, quantity: str, *, ax: Axes | None = None) -> Axes:
+    r"""Draw amplitude or phase over the speed for several dampings, unstable whirls thin.
+
+    Parameters
+    ----------
+    exact : Dataset
+        What `rotor_ida.synchronous_response` returned, for one ``delta0``.
+    quantity : {"amplitude", "phase_lag"}
+        What to draw.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        Where it was drawn.
+
+    Raises
+    ------
+    InputError
+        If the dataset is of another kind.
+
+    Examples
+    --------
+    >>> from rotor_ida import synchronous_response
+    >>> exact = synchronous_response(omega=[0.5, 1.0, 1.5], zeta=[1.0, 2.0], delta0=0.0)
+    >>> ax = plot_by_damping(exact, "amplitude")
+    >>> [text.get_text() for text in ax.get_legend().get_texts()]
+    ['$\\zeta = 1$', '$\\zeta = 2$']
+    """
+    exact = check_dataset("exact", exact, ("omega", "zeta", "delta0", "amplitude", "phase_lag"))
+    draw = plot_amplitude if quantity == "amplitude" else plot_phase
+    with style():
+        ax = axes_or_new(ax)
+        for number, zeta in enumerate(exact["zeta"].values):
+            before = set(ax.lines)
+            draw(exact.sel(zeta=zeta), ax=ax)
+            colour, line = look(number)
+            drawn = [each for each in ax.lines if each not in before]
+            for each in drawn:
+                unstable = each.get_label() == "unstable whirl"
+                each.set(color=colour, linestyle=line, linewidth=0.6 if unstable else 1.3)
+                each.set_label(f"$\\zeta = {zeta:g}$" if not unstable else "_unstable")
+        ax.set_title(f"$\\delta_0 = {one_value('exact', exact, 'delta0'):g}$")
+        own_legend(ax)
+    return ax
+
+
+def plot_jump_limit(
+    limit: xr.Dataset, *, highest: xr.Dataset | None = None, ax: Axes | None = None
+) -> Axes:
+    r"""Draw the damping above which no jump is left over the clearance.
+
+    Parameters
+    ----------
+    limit : Dataset
+        What `rotor_ida.closed_forms.jump_limit` returned for many clearances.
+    highest : Dataset, optional
+        What it returned without a clearance: the highest limit is marked.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        Where it was drawn.
+
+    Raises
+    ------
+    InputError
+        If a dataset is of another kind.
+
+    Examples
+    --------
+    >>> from rotor_ida.closed_forms import jump_limit
+    >>> plot_jump_limit(jump_limit(delta0=[0.0, 1.0])).get_ylabel()
+    'damping ratio $\\zeta$'
+    """
+    limit = check_dataset("limit", limit, ("delta0", "critical_zeta"))
+    with style():
+        ax = axes_or_new(ax)
+        delta0, zeta = limit["delta0"].values, limit["critical_zeta"].values
+        ax.fill_between(delta0, zeta, color="#ffe3c4", lw=0.0)
+        ax.plot(delta0, zeta, color=INK)
+        if highest is not None:
+            check_dataset("highest", highest, ("delta0", "critical_zeta"))
+            place = (highest["delta0"].item(), highest["critical_zeta"].item())
+            ax.plot(*place, ls="", marker="D", ms=4.0, mfc="white", mec=INK)
+            ax.annotate(f"$\\zeta = {place[1]:.6f}$ at $\\delta_0 = {place[0]:.4f}$", place,
+                        xytext=(8, 3), textcoords="offset points")  # fmt: skip
+        ax.text(0.3, 0.25, "jumps", transform=ax.transAxes, ha="center")
+        ax.text(0.7, 0.75, "no jumps", transform=ax.transAxes, ha="center")
+        ax.set_xlim(float(delta0.min()), float(delta0.max()))
+        ax.set_ylim(0.0, 1.2 * float(zeta.max()))
+        ax.set_xlabel(LABELS["delta0"])
+        ax.set_ylabel(LABELS["zeta"])
+    return ax

@@ -1,0 +1,78 @@
+"""Figure 6: amplitude and phase for four dampings, where they jump, and when they cannot.
+
+Without clearance and at zeta = 0.07 three whirls stand beside each other between two speeds, the
+middle one unstable; at the ends of that range the rotor jumps. The curve leans along its backbone,
+the amplitude of a free whirl over its speed. The paper's other dampings, 1.0, 1.5 and 2.0, are far
+too strong for a jump: at delta0 = 0 none is left above zeta = 0.156045, and above 0.251003 none at
+any clearance.
+
+Writes the curves (curves.nc), the folds and jumps (jumps.nc), the backbones (backbone.nc), the
+limits (jump_limit.nc), and the figures as PNG and SVG.
+"""
+
+import sys
+
+import numpy as np
+
+from rotor_ida import folds, synchronous_response
+from rotor_ida.closed_forms import free_periods, jump_limit, jumps
+from rotor_ida.plot import (
+    mixed_panels,
+    plot_amplitude,
+    plot_backbone,
+    plot_by_damping,
+    plot_jump_limit,
+    plot_jumps,
+    plot_phase,
+)
+from rotor_ida.scenario import Settings, run_script, speeds_of_curves
+
+DAMPINGS = [0.07, 1.0, 1.5, 2.0]
+LOWEST, HIGHEST = 0.02, 3.0
+
+
+def main(settings: Settings) -> None:
+    points = 150 if settings.quick else 400
+    omega = speeds_of_curves(zeta=0.07, delta0=0.0, lowest=LOWEST, highest=HIGHEST, points=points)
+    exact = synchronous_response(omega=omega, zeta=DAMPINGS, delta0=0.0)
+    found = jumps(zeta=0.07, delta0=0.0)
+    backbone = free_periods(amplitude=np.linspace(0.02, 14.0, 300), delta0=[0.0, 0.5])
+    limit = jump_limit(delta0=np.linspace(0.0, 3.0, 61 if settings.quick else 301))
+    highest = jump_limit()
+    settings.keep(exact, "curves")
+    settings.keep(found, "jumps")
+    settings.keep(backbone, "backbone")
+    settings.keep(limit.assign_attrs(highest_zeta=highest.critical_zeta.item()), "jump_limit")
+
+    figure, axes = mixed_panels(2, 2, height=5.8)
+    weak, strong = exact.sel(zeta=0.07), exact.sel(zeta=DAMPINGS[1:])
+    plot_amplitude(weak, fold_points=folds(zeta=0.07, delta0=0.0), ax=axes[0])
+    plot_backbone(backbone.sel(delta0=0.0), ax=axes[0])
+    plot_jumps(found, ax=axes[0])
+    plot_phase(weak, fold_points=folds(zeta=0.07, delta0=0.0), ax=axes[1])
+    axes[1].get_legend().remove()
+    plot_by_damping(strong, "amplitude", ax=axes[2])
+    plot_by_damping(strong, "phase_lag", ax=axes[3])
+    up, down = found.fold_omega.values.ravel()[::-1]
+    settings.show(
+        figure, "fig06_jumps", archives=["curves", "jumps", "backbone"],
+        shows="Amplitude and phase lag over the speed without clearance: weak damping above, the "
+        "strong dampings of the paper below.",
+        paper="The frequency response shows the jump bifurcation phenomenon.",
+        found=f"At zeta = 0.07 the rotor jumps down at {up:.6f} and up at {down:.6f}; the other "
+        "three dampings have no jump.",
+    )  # fmt: skip
+
+    figure, (ax,) = mixed_panels(1, 1, width=5.4, height=3.4)
+    plot_jump_limit(limit, highest=highest, ax=ax)
+    settings.show(
+        figure, "fig06_jump_limit", archives=["jump_limit"],
+        shows="The damping above which the response curve has no fold, over the clearance.",
+        found=f"{limit.critical_zeta[0].item():.9f} without clearance. It rises with the clearance "
+        f"to {highest.critical_zeta.item():.6f} at delta0 = {highest.delta0.item():.4f} and falls "
+        "from there on. Above that no rotor jumps.",
+    )  # fmt: skip
+
+
+if __name__ == "__main__":
+    sys.exit(run_script(main, description=__doc__, script=__file__))

@@ -1,0 +1,58 @@
+"""The force field is the gradient of a convex potential."""
+
+import numpy as np
+import pytest
+
+from rotor_ida import InputError
+from rotor_ida.closed_forms import restoring_field
+
+LINE = np.linspace(-3.0, 3.0, 121)
+
+
+@pytest.fixture(scope="module")
+def field():
+    return restoring_field(x=LINE, y=LINE, delta0=[0.0, 0.5])
+
+
+def test_force_is_the_gradient_of_the_potential(field):
+    step = 1e-5
+    ahead, behind = (
+        restoring_field(x=LINE + s, y=LINE, delta0=[0.0, 0.5]).potential for s in (step, -step)
+    )
+    slope = (ahead.values - behind.values) / (2.0 * step)
+    # a central difference errs by step**2 f''/6, and f'' ~ r**-0.5 at worst
+    np.testing.assert_allclose(slope, field.force_x, atol=2e-7)
+    np.testing.assert_array_equal(field.force_y.transpose("delta0", "x", "y"), field.force_x)
+
+
+def test_force_never_falls_with_x_and_depends_on_y(field):
+    assert float(field.force_x.diff("x").min()) >= 0.0
+    assert float(field.force_x.sel(delta0=0.5, x=1.0, y=0.0)) == pytest.approx(0.5**1.5)
+    here = restoring_field(x=1.0, y=[0.0, 2.0], delta0=0.5).force_x.values.ravel()
+    np.testing.assert_allclose(here, [0.3536, 1.0230], atol=5e-5)
+
+
+def test_potential_is_convex_and_flat_inside_the_clearance(field):
+    for direction in ("x", "y"):
+        assert float(field.potential.diff(direction).diff(direction).min()) > -1e-12
+    inside = np.hypot(field.x, field.y) < 0.5
+    assert float(field.potential.sel(delta0=0.5).where(inside).max()) == 0.0
+
+
+def test_everything_is_labelled(field):
+    for name in ("force_x", "force_y", "potential", "x", "y", "delta0"):
+        assert field[name].attrs["units"] == "1"
+        assert field[name].attrs["long_name"]
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"x": np.nan}, "x must be a finite real number, got nan"),
+        ({"y": []}, "y must hold at least one number"),
+        ({"delta0": -1.0}, "delta0 must be zero or positive"),
+    ],
+)
+def test_bad_values_are_refused(given, message):
+    with pytest.raises(InputError, match=message):
+        restoring_field(**{"x": 0.0, "y": 0.0, "delta0": 0.0, **given})

@@ -1,0 +1,57 @@
+import numpy as np
+import pytest
+
+from rotor_ida import InputError, synchronous_response
+from rotor_ida.closed_forms import free_periods, jump_limit, jumps
+from rotor_ida.plot import (
+    plot_amplitude,
+    plot_backbone,
+    plot_by_damping,
+    plot_jump_limit,
+    plot_jumps,
+)
+
+
+def test_an_arrow_leads_from_each_fold_to_its_landing():
+    found = jumps(zeta=0.07, delta0=0.0)
+    ax = plot_amplitude(
+        synchronous_response(omega=np.linspace(0.1, 3.0, 40), zeta=0.07, delta0=0.0)
+    )
+    plot_jumps(found, ax=ax)
+    for arrow, omega, begin, end in zip(
+        ax.texts, *(found[name].values.ravel() for name in
+                    ("fold_omega", "fold_amplitude", "landing_amplitude")), strict=True
+    ):  # fmt: skip
+        assert arrow.xy == (omega, end)
+        assert arrow.xyann == (omega, begin)
+    assert "jump" in [text.get_text() for text in ax.get_legend().get_texts()]
+
+
+def test_backbone_runs_where_free_whirls_do():
+    ax = plot_backbone(free_periods(amplitude=[4.0, 16.0], delta0=0.0))
+    np.testing.assert_allclose(ax.lines[0].get_xdata(), [4.0**0.25, 2.0])
+
+
+def test_each_damping_has_a_line_of_its_own():
+    exact = synchronous_response(omega=np.linspace(0.1, 3.0, 30), zeta=[1.0, 2.0], delta0=0.0)
+    ax = plot_by_damping(exact, "phase_lag")
+    assert len({repr(line._unscaled_dash_pattern) for line in ax.lines}) == 2
+    np.testing.assert_allclose(
+        ax.lines[0].get_ydata()[:30], exact.phase_lag.sel(zeta=1.0).values.ravel()
+    )
+
+
+def test_limit_is_drawn_over_the_clearance_and_its_top_marked():
+    limit, highest = jump_limit(delta0=np.linspace(0.0, 2.0, 21)), jump_limit()
+    ax = plot_jump_limit(limit, highest=highest)
+    np.testing.assert_array_equal(ax.lines[0].get_ydata(), limit.critical_zeta)
+    assert ax.lines[1].get_ydata()[0] == highest.critical_zeta.item()
+    assert "no jumps" in [text.get_text() for text in ax.texts]
+
+
+def test_other_datasets_are_refused():
+    limit = jump_limit(delta0=[0.0, 1.0])
+    with pytest.raises(InputError, match="jumps must hold"):
+        plot_jumps(limit, ax=plot_jump_limit(limit))
+    with pytest.raises(InputError, match="curve must hold one delta0, got 2"):
+        plot_backbone(free_periods(amplitude=[4.0], delta0=[0.0, 1.0]))
