@@ -9,8 +9,9 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+from rotor_ida.ensemble import count_workers
 from rotor_ida.errors import InputError
-from rotor_ida.scenario import check_folder, count_workers, output_folder
+from rotor_ida.scenario import check_folder, output_folder
 
 
 def scenario_scripts() -> dict[str, Path]:

@@ -54,7 +54,7 @@ def sweep(
     panels = len(axes[1]) * len(axes[2])
     targets = check_targets(out=out, figure=figure, panels=panels, force=force)
     from rotor_ida.cli.answer import answer  # noqa: PLC0415 - heavy, and not for --help
-    from rotor_ida.scenario import count_workers  # noqa: PLC0415
+    from rotor_ida.ensemble import count_workers  # noqa: PLC0415
 
     with _progress() as progress:
         dataset = rotor_ida.sweep(
