@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from rotor_ida.archive import load, save
+    from rotor_ida.basins import basin, shares
     from rotor_ida.closed_forms import folds, synchronous_response
     from rotor_ida.comparison import compare
     from rotor_ida.dataset.contacts import contact_summary
@@ -35,12 +36,14 @@ _HOMES = {
     "Rotor": "parameters",
     "RotorError": "errors",
     "SimulationError": "errors",
+    "basin": "basins",
     "compare": "comparison",
     "contact_summary": "dataset.contacts",
     "dimensional": "dataset.dimensional",
     "folds": "closed_forms",
     "load": "archive",
     "save": "archive",
+    "shares": "basins",
     "simulate": "simulation",
     "sweep": "sweeps",
     "synchronous_response": "closed_forms",
@@ -54,12 +57,14 @@ __all__ = [
     "Rotor",
     "RotorError",
     "SimulationError",
+    "basin",
     "compare",
     "contact_summary",
     "dimensional",
     "folds",
     "load",
     "save",
+    "shares",
     "simulate",
     "sweep",
     "synchronous_response",

@@ -19,8 +19,9 @@ mean of members of a convex set is a member. ``d/dt xi^T P xi = xi^T (J^T P + P 
 the box it is so throughout, with one margin: V decays exponentially. The positions of the
 ellipsoid ``xi^T P xi <= c`` are an ellipse with half-widths ``sqrt(c S)``, ``S`` the position
 block of ``P^-1``; its bounding rectangle, along and across the whirl, gives the box. The largest
-such c is found by bisection and P by a search for the largest volume. The rectangle is kept out
-of the clearance and of the centre, where DF is not what is written above.
+such c is found by bisection, and P is the form of largest volume among those that weigh the two
+modes of the linear motion differently; a free search over all P gained 5 % in width. The
+rectangle is kept out of the clearance and of the centre, where DF is not what is written above.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import minimize
+from scipy.linalg import solve_continuous_lyapunov
 
 from rotor_ida.closed_forms import synchronous_response
 from rotor_ida.contact import contact_stiffness, secant_stiffness
@@ -43,8 +44,9 @@ Values = npt.NDArray[np.float64]
 # V must fall by this part of the fastest possible rate at least, so that rounding cannot matter.
 MARGIN = 1e-6
 BISECTIONS = 40
-SEARCH_STEPS = 300
 MODE_RATIOS = np.geomspace(1e-2, 1e2, 33)
+# Modes this nearly parallel (near a double eigenvalue) are no basis for a form.
+MOST_SKEW = 1e6
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,11 +70,24 @@ class CaptureSet:
     form: Values
 
     @property
-    def factor(self) -> Values:
-        """Upper triangular R with ``P = R^T R``, shape (4, 4); infinite where there is no set."""
-        if not np.isfinite(self.form).all():
-            return np.diag(np.full(4, np.inf))
-        return np.asarray(np.linalg.cholesky(self.form).T)
+    def exists(self) -> bool:
+        """Whether a set was found: close to a fold, or to first touch, there may be none."""
+        return bool(np.isfinite(self.form).all())
+
+    @property
+    def numbers(self) -> Values:
+        """Centre and upper triangle of R, ``P = R^T R``, shape (14,), for the kernel."""
+        if not self.exists:  # with a centre at infinity it holds nothing
+            return np.concatenate([np.full(4, np.inf), np.eye(4)[np.triu_indices(4)]])
+        factor = np.linalg.cholesky(self.form).T
+        return np.concatenate([self.centre, factor[np.triu_indices(4)]])
+
+    def holds(self, states: npt.ArrayLike) -> npt.NDArray[np.bool_]:
+        """Return which of the states, shape (..., 4) on the rotating axes, lie in the set."""
+        offset = np.asarray(states, dtype=np.float64) - self.centre
+        if not self.exists:
+            return np.zeros(offset.shape[:-1], dtype=np.bool_)
+        return np.asarray(np.einsum("...i,ij,...j->...", offset, self.form, offset) <= 1.0)
 
 
 def capture_sets(rotor: Rotor) -> list[CaptureSet]:
@@ -103,26 +118,18 @@ def capture_sets(rotor: Rotor) -> list[CaptureSet]:
 
 
 def _capture_set(rotor: Rotor, amplitude: float, lag: float) -> CaptureSet:
-    """Search for the form of largest volume, from those that the linear motion suggests."""
+    """Return the largest set among those that the linear motion suggests."""
     problem = _Problem(rotor, amplitude)
-    best = max(problem.modal_forms(), key=problem.log_volume)
-    found = minimize(
-        lambda parts: -problem.log_volume(_form_of(parts)),
-        _parts_of(best),
-        method="Nelder-Mead",
-        options={"maxfev": SEARCH_STEPS, "initial_simplex": _simplex(_parts_of(best))},
-    )
-    if -found.fun > problem.log_volume(best):
-        best = _form_of(found.x)
+    best = max(problem.candidates(), key=problem.log_volume)
     level = problem.largest_level(best)
     position = amplitude * complex(math.cos(lag), -math.sin(lag))
     velocity = 1j * rotor.omega * position
     centre = np.array([position.real, position.imag, velocity.real, velocity.imag])
     if level == 0.0:
         return CaptureSet(amplitude, lag, centre, np.full((4, 4), np.inf))
+    # from offsets in the plane to offsets along and across the whirl
     turn = np.kron(np.eye(2), np.array([[math.cos(lag), -math.sin(lag)],
                                         [math.sin(lag), math.cos(lag)]]))  # fmt: skip
-    # turn takes offsets in the plane to offsets along and across the whirl
     return CaptureSet(amplitude, lag, centre, turn.T @ (best / level) @ turn)
 
 
@@ -189,35 +196,21 @@ class _Problem:
             return -1e3
         return 2.0 * math.log(level) - 0.5 * float(np.linalg.slogdet(form)[1])
 
-    def modal_forms(self) -> list[Values]:
-        """Return forms that the linear motion makes fall at its own rate, mode by mode."""
+    def candidates(self) -> list[Values]:
+        """Return forms that the linear motion makes fall, with different weights of its modes.
+
+        All eigenvalues of a stable whirl have nearly the same real part: any weighted sum of the
+        squared amplitudes of its modes falls at that rate.
+        """
         r, delta0 = self.amplitude, self.rotor.delta0
-        matrix = self.matrix(float(contact_stiffness(r, delta0)),
-                             float(secant_stiffness(r, delta0)), 0.0)  # fmt: skip
+        tangent, secant = float(contact_stiffness(r, delta0)), float(secant_stiffness(r, delta0))
+        matrix = self.matrix(tangent, secant, 0.0)
+        forms = [np.asarray(solve_continuous_lyapunov(matrix.T, -np.eye(4)))]
         values, vectors = np.linalg.eig(matrix)
-        order = np.argsort(np.abs(values.imag))
-        inverse = np.linalg.inv(vectors[:, order])
-        forms = []
+        if np.linalg.cond(vectors) > MOST_SKEW:
+            return forms
+        inverse = np.linalg.inv(vectors[:, np.argsort(np.abs(values.imag))])
         for ratio in MODE_RATIOS:
             weights = np.array([1.0, 1.0, ratio, ratio])
-            form = (inverse.conj().T * weights) @ inverse
-            forms.append(np.ascontiguousarray(form.real))
+            forms.append(np.ascontiguousarray(((inverse.conj().T * weights) @ inverse).real))
         return forms
-
-
-def _parts_of(form: Values) -> Values:
-    """Return ten numbers without constraint that describe a positive definite form."""
-    lower = np.linalg.cholesky(form / np.linalg.norm(form))
-    lower[np.diag_indices(4)] = np.log(np.diag(lower))
-    return np.asarray(lower[np.tril_indices(4)])
-
-
-def _form_of(parts: Values) -> Values:
-    lower = np.zeros((4, 4))
-    lower[np.tril_indices(4)] = parts
-    lower[np.diag_indices(4)] = np.exp(np.diag(lower))
-    return np.asarray(lower @ lower.T)
-
-
-def _simplex(first: Values) -> Values:
-    return np.vstack([first, first + 0.1 * np.eye(first.size)])
