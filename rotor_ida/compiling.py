@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar, cast
 
 import numba
+import numba.extending
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -27,3 +28,22 @@ def compiled_for_lanes(function: Callable[P, R]) -> Callable[P, R]:
         cache=True, nogil=True, error_model="numpy", fastmath=_LANE_MATHS
     )(function)
     return kernel
+
+
+def _ask_for_wide_vectors(_typing: Any) -> tuple[Any, Any]:
+    """Give the function that is being compiled an attribute, and no code."""
+
+    def add_attribute(context: Any, builder: Any, _signature: Any, _arguments: Any) -> Any:
+        # llvmlite knows no text attributes; it writes what is in the set as it is.
+        set.add(builder.function.attributes, '"prefer-vector-width"="512"')
+        return context.get_dummy_value()
+
+    return numba.types.void(), add_attribute
+
+
+# Called inside a kernel, asks for the processor's widest vectors. Compilers keep away from 512 bits
+# because short bursts of them slow some processors down; a kernel that does nothing else gains a
+# third of its time.
+widest_vectors: Callable[[], None] = cast(
+    "Callable[[], None]", numba.extending.intrinsic(_ask_for_wide_vectors)
+)

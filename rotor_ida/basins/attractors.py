@@ -91,15 +91,15 @@ def attractors_of(survey: Survey, starts: Values, options: Options) -> list[Attr
     kinds, groups = _groups(survey.ends.rotor, left, mine == UNDECIDED)
     found: list[Attractor] = []
     for kind, members in zip(kinds, groups, strict=True):
-        attractor = _described(kind, left, members)
-        if not survey.interrupted:
-            attractor = _confirm(survey.ends.rotor, attractor, left, members, options)
-        if attractor is None:
+        seen: Attractor | None = _described(kind, left, members)
+        if seen is not None and not survey.interrupted:
+            seen = _confirm(survey.ends.rotor, seen, left, members, options)
+        if seen is None:
             continue
-        number = _same(attractor, found)
+        number = _same(seen, found)
         if number is None:
             number = len(found)
-            found.append(attractor)
+            found.append(seen)
         mine[members] = len(known) + number
     survey.labels[left.numbers] = mine
     return known + found

@@ -80,7 +80,7 @@ def label(
     found = survey(rotor, starts, count, tolerance=rtol, workers=threads, progress=progress)
     options = Options()
     attractors = attractors_of(found, _witnesses(found, starts), options)
-    attributes = {"labelling_rtol": rtol, "interrupted": int(found.interrupted)}
+    attributes: dict[str, object] = {"labelling_rtol": rtol, "interrupted": int(found.interrupted)}
     return Labelled(found.labels, found.times, attractors, attributes, options)
 
 

@@ -29,7 +29,7 @@ from rotor_ida.basins.dormand_prince import (
     moved,
     size,
 )
-from rotor_ida.compiling import compiled_for_lanes
+from rotor_ida.compiling import compiled_for_lanes, widest_vectors
 
 Values = npt.NDArray[np.float64]
 
@@ -52,7 +52,7 @@ def secant(square: float, delta0: float | None) -> float:
     """
     bounded = max(square, _TINY)
     if delta0 is None:  # s = sqrt(r), from the inverse fourth root of r**2
-        y = np.float64(np.float32(1.0) / np.sqrt(np.sqrt(np.float32(bounded))))
+        y: float = np.float64(np.float32(1.0) / np.sqrt(np.sqrt(np.float32(bounded))))
         y = y * (1.25 - 0.25 * (bounded * (y * y) * (y * y)))
         return bounded * y * y * y
     y = inverse_root(bounded)
@@ -89,6 +89,7 @@ def step_lanes(
 
     The error is measured against ``tolerance * sqrt(1 + x**2 + y**2 + vx**2 + vy**2)``.
     """
+    widest_vectors()
     for i in range(LANES):
         x, y, u, v = lanes[X + i], lanes[Y + i], lanes[U + i], lanes[V + i]
         h = lanes[STEP + i]

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.basins.dormand_prince import State
+from rotor_ida.basins.dormand_prince import State, moved
 from rotor_ida.basins.lanes import LANES, U, V, X, Y, rate
-from rotor_ida.compiling import compiled_for_lanes
+from rotor_ida.compiling import compiled_for_lanes, widest_vectors
 
 Values = npt.NDArray[np.float64]
 
@@ -19,27 +19,12 @@ SUM_X, SUM_Y, LOW_X, HIGH_X, LOW_Y, HIGH_Y, LOW, HIGH, LAST, BEFORE = (
 )
 ROWS = 14
 
+# Weights of the classic Runge-Kutta method of order 4, six times.
+CLASSIC = (1.0, 2.0, 2.0, 1.0)
+
 # Columns of the result.
 RADIUS_MIN, RADIUS_MAX, MEAN_X, MEAN_Y, WANDER = range(5)
 COLUMNS = 5
-
-
-@compiled_for_lanes
-def classic_step(
-    z: State, h: float, omega: float, zeta: float, delta0: float | None
-) -> tuple[float, float, float, float]:
-    """Return the state after one step of the classic Runge-Kutta method of order 4."""
-    a = rate(z, omega, zeta, delta0)
-    b = rate(shifted(z, 0.5 * h, a), omega, zeta, delta0)
-    c = rate(shifted(z, 0.5 * h, b), omega, zeta, delta0)
-    d = rate(shifted(z, h, c), omega, zeta, delta0)
-    sixth = h / 6.0
-    return (
-        z[0] + sixth * (a[0] + 2.0 * (b[0] + c[0]) + d[0]),
-        z[1] + sixth * (a[1] + 2.0 * (b[1] + c[1]) + d[1]),
-        z[2] + sixth * (a[2] + 2.0 * (b[2] + c[2]) + d[2]),
-        z[3] + sixth * (a[3] + 2.0 * (b[3] + c[3]) + d[3]),
-    )
 
 
 @compiled_for_lanes
@@ -50,10 +35,15 @@ def shifted(z: State, h: float, k: State) -> State:
 
 @compiled_for_lanes
 def watch_step(lanes: Values, h: float, omega: float, zeta: float, delta0: float | None) -> None:
-    """Advance every lane by one step and note what it does there."""
+    """Advance every lane by a classic Runge-Kutta step and note what it does there."""
+    widest_vectors()
     for i in range(LANES):
         z = (lanes[X + i], lanes[Y + i], lanes[U + i], lanes[V + i])
-        x, y, u, v = classic_step(z, h, omega, zeta, delta0)
+        k1 = rate(z, omega, zeta, delta0)
+        k2 = rate(shifted(z, 0.5 * h, k1), omega, zeta, delta0)
+        k3 = rate(shifted(z, 0.5 * h, k2), omega, zeta, delta0)
+        k4 = rate(shifted(z, h, k3), omega, zeta, delta0)
+        x, y, u, v = moved(z, h / 6.0, CLASSIC, (k1, k2, k3, k4))
         lanes[X + i], lanes[Y + i], lanes[U + i], lanes[V + i] = x, y, u, v
         lanes[SUM_X + i] += x
         lanes[SUM_Y + i] += y

@@ -29,6 +29,8 @@ LABELS = {
     "time": r"time $t$",
     "x": r"displacement $x$",
     "y": r"displacement $y$",
+    "vx": r"velocity $v_x$",
+    "vy": r"velocity $v_y$",
     "radius": r"radius $|z|$",
     "peak_force": r"peak force $f$",
     "zeta": r"damping ratio $\zeta$",
