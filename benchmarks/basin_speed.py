@@ -117,7 +117,7 @@ def main():
     numbers, counts = np.unique(found.labels, return_counts=True)
     print(
         f"all {states.shape[1]} labels, rtol {RTOL:g}: {1e6 * core / states.shape[1]:.2f} us of "
-        f"core time a start, {wall:.2f} s; {dict(zip(numbers.tolist(), counts.tolist()))}"
+        f"core time a start, {wall:.2f} s; {dict(zip(numbers.tolist(), counts.tolist(), strict=True))}"
     )
 
 

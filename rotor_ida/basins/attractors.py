@@ -37,6 +37,9 @@ WITNESSES = 3
 # An orbit this close to a whirl, as a part of its amplitude, and closer than before, is on its way
 # there even if no capture set holds it yet.
 NEAR = 0.02
+# Indentations so slight, and mean whirls so near to the contact-free one, are of an orbit that
+# leaves the ring through ever slighter touches.
+SLIGHT = 0.01
 # Numbers from CVODE and from the kernel agree within this part.
 AGREEMENT = 0.02
 
@@ -88,7 +91,8 @@ def attractors_of(survey: Survey, starts: Values, options: Options) -> list[Attr
     left = survey.undecided
     mine = survey.labels[left.numbers]
     mine[:] = _on_their_way(survey, left)
-    kinds, groups = _groups(survey.ends.rotor, left, mine == UNDECIDED)
+    open_ = (mine == UNDECIDED) & ~_slighter_and_slighter(survey, left)
+    kinds, groups = _groups(survey.ends.rotor, left, open_)
     found: list[Attractor] = []
     for kind, members in zip(kinds, groups, strict=True):
         seen: Attractor | None = _described(kind, left, members)
@@ -101,6 +105,7 @@ def attractors_of(survey: Survey, starts: Values, options: Options) -> list[Attr
             number = len(found)
             found.append(seen)
         mine[members] = len(known) + number
+        mine[_also_in(left, members, open_ & (mine == UNDECIDED))] = len(known) + number
     survey.labels[left.numbers] = mine
     return known + found
 
@@ -139,6 +144,8 @@ def _confirm_known(
 
 def _on_their_way(survey: Survey, left: Undecided) -> npt.NDArray[np.int16]:
     """Return the labels of orbits that creep towards a stable whirl, UNDECIDED for the others."""
+    if survey.ends.rotor.omega == 0.0:  # energy only falls: everything comes to rest
+        return np.zeros(left.numbers.size, dtype=np.int16)
     labels = np.full(left.numbers.size, UNDECIDED, dtype=np.int16)
     for number, each in enumerate(survey.ends.sets):
         distance = [
@@ -150,6 +157,20 @@ def _on_their_way(survey: Survey, left: Undecided) -> npt.NDArray[np.int16]:
         still = distance[1] <= 1e-5 * each.amplitude
         labels[near | still] = number
     return labels
+
+
+def _slighter_and_slighter(survey: Survey, left: Undecided) -> Mask:
+    """Return which orbits are contact-free whirls but for the slightest touches.
+
+    Each touch pushes the centre inwards, so the next one is slighter. It goes on for ever, too
+    slowly for any window to tell it from bouncing.
+    """
+    if not survey.ends.has_free:
+        return np.zeros(left.numbers.size, dtype=np.bool_)
+    wx, wy, _ = survey.ends.free
+    strays = np.hypot(left.later[:, MEAN_X] - wx, left.later[:, MEAN_Y] - wy)
+    depth = left.later[:, RADIUS_MAX] - survey.ends.rotor.delta0
+    return np.asarray((depth <= SLIGHT) & (strays <= SLIGHT))
 
 
 def _groups(rotor: Rotor, left: Undecided, open_: Mask) -> tuple[list[str], list[Numbers]]:
@@ -199,6 +220,18 @@ def _cluster(left: Undecided, candidates: Numbers) -> list[Numbers]:
         joins = distance <= np.maximum(reach[others], reach[some[nearest]])
         group[others[joins]] = group[some[nearest[joins]]]
     return [np.flatnonzero(group == number) for number in range(int(group.max(initial=-1)) + 1)]
+
+
+def _also_in(left: Undecided, members: Numbers, open_: Mask) -> Mask:
+    """Return which orbits have both windows in the range of a group's windows.
+
+    Of a chaotic motion some windows differ so much that they do not look lasting one by one.
+    """
+    looks = [look[:, [RADIUS_MIN, RADIUS_MAX]] for look in (left.earlier, left.later)]
+    low = np.minimum(*(look[members].min(axis=0) for look in looks))
+    high = np.maximum(*(look[members].max(axis=0) for look in looks))
+    inside = [((look >= low) & (look <= high)).all(axis=1) for look in looks]
+    return np.asarray(open_ & inside[0] & inside[1])
 
 
 def _described(kind: str, left: Undecided, members: Numbers) -> Attractor:

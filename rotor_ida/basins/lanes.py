@@ -41,6 +41,7 @@ BUFFER = 7 * LANES
 SHRINK, GROW, CAUTION = 0.2, 5.0, 0.9
 # Below this a radius or a depth counts as this; its force is nothing.
 _TINY = 1e-30
+_HOPELESS = 1e30
 
 
 @compiled_for_lanes
@@ -114,6 +115,7 @@ def step_lanes(
         fifth, third = size(ERROR_5, late), size(ERROR_3, late)
         error = h * h * fifth * fifth / (fifth + 0.01 * third + 1e-300)
         error = error / ((1.0 + x * x + y * y + u * u + v * v) * (tolerance * tolerance))
+        error = error if error < _HOPELESS else _HOPELESS  # also where a long step overflowed
         good = error <= 1.0
         # the eighth root of the error itself, in single precision: it only chooses the step
         root = np.sqrt(np.sqrt(np.sqrt(np.sqrt(np.float32(error + 1e-30)))))
