@@ -115,9 +115,10 @@ def main():
         )  # fmt: skip
         wall, core = time.perf_counter() - wall, time.process_time() - core
     numbers, counts = np.unique(found.labels, return_counts=True)
+    labels = dict(zip(numbers.tolist(), counts.tolist(), strict=True))
     print(
         f"all {states.shape[1]} labels, rtol {RTOL:g}: {1e6 * core / states.shape[1]:.2f} us of "
-        f"core time a start, {wall:.2f} s; {dict(zip(numbers.tolist(), counts.tolist(), strict=True))}"
+        f"core time a start, {wall:.2f} s; {labels}"
     )
 
 

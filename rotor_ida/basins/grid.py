@@ -80,7 +80,7 @@ def basin(
     >>> found = basin(Rotor(omega=1.7, zeta=0.07, delta0=0.0), x=axis, y=axis)
     >>> found.label.dims, found.amplitude.values.round(4)
     (('x', 'y'), array([1.8796, 9.4872]))
-    >>> int(found.count.sum()), int(found.undecided_count)
+    >>> int(found["count"].sum()), int(found.undecided_count)
     (576, 0)
     """
     check_rotor(rotor)

@@ -74,7 +74,7 @@ def shares(
     >>> found = shares(Rotor(omega=1.7, zeta=0.07, delta0=0.0), x=(-15, 15), y=(-15, 15),
     ...                starts=500)
     >>> found["count"].values
-    array([ 73, 427])
+    array([ 65, 435])
     """
     check_rotor(rotor)
     given = {"x": x, "y": y, "vx": vx, "vy": vy}

@@ -35,9 +35,7 @@ def figure_of(dataset: xr.Dataset) -> Figure:
         plot.plot_basin(dataset, figure.subplots())
         return figure
     if kind not in {"whirls", "sweep"}:
-        raise InputError(
-            f"figure must be of a run, of whirls, of a sweep or of a basin, got {kind!r}"
-        )
+        raise InputError(f"figure must be of a run, of whirls or of a sweep or basin, got {kind!r}")
     pairs = [
         (float(zeta), float(delta0))
         for zeta in dataset["zeta"].values

@@ -60,7 +60,7 @@ def test_a_chaotic_motion_is_one_attractor(confirmed, count):
     earlier = windows(1.5, 4.0, count, 0.3, seed=1)
     survey = survey_of(BOUNCER, earlier, windows(1.5, 4.0, count, 0.3, seed=2))
     assert len(sort(survey)) == 2
-    assert (survey.labels == 1).mean() > 0.95
+    assert (survey.labels == 1).mean() > 0.9
 
 
 def test_motions_that_die_away_stay_undecided(confirmed):
