@@ -44,7 +44,7 @@ Values = npt.NDArray[np.float64]
 # V must fall by this part of the fastest possible rate at least, so that rounding cannot matter.
 MARGIN = 1e-6
 BISECTIONS = 40
-MODE_RATIOS = np.geomspace(1e-2, 1e2, 33)
+MODE_RATIOS = np.geomspace(1e-2, 1e2, 17)
 # Modes this nearly parallel (near a double eigenvalue) are no basis for a form.
 MOST_SKEW = 1e6
 

@@ -16,6 +16,7 @@ from rotor_ida.compiling import compiled_for_lanes
 
 Values = npt.NDArray[np.float64]
 Labels = npt.NDArray[np.int16]
+Times = npt.NDArray[np.float32]
 
 NOT_COMPUTED, UNDECIDED = -2, -1
 NOBODY = -1
@@ -59,22 +60,42 @@ def mark_free(lanes: Values, code: float, omega: float, zeta: float, free: Value
 
 
 @compiled_for_lanes
-def load(lanes: Values, i: int, states: Values, number: int) -> None:
-    """Put a start into a lane, or let the lane rest if there is none left."""
-    if number == NOBODY:
+def next_waiting(labels: Labels, number: int) -> int:
+    """Return the first start from `number` on that has no label yet, or their total."""
+    while number < labels.shape[0] and labels[number] >= 0:
+        number += 1
+    return number
+
+
+@compiled_for_lanes
+def load(lanes: Values, i: int, states: Values, number: int) -> int:
+    """Put a start into a lane and return its number; if there is none left, let the lane rest."""
+    if number >= states.shape[1]:
         lanes[X + i] = lanes[Y + i] = lanes[U + i] = lanes[V + i] = 0.0
         lanes[TIME + i], lanes[STEP + i] = 0.0, 0.0
-        return
+        return NOBODY
     lanes[X + i], lanes[Y + i] = states[0, number], states[1, number]
     lanes[U + i], lanes[V + i] = states[2, number], states[3, number]
     lanes[TIME + i], lanes[STEP + i] = 0.0, FIRST_STEP
+    return number
+
+
+@compiled_for_lanes
+def unload(
+    lanes: Values, i: int, states: Values, labels: Labels, times: Times, number: int
+) -> None:
+    """Take the outcome of a start from its lane."""
+    labels[number] = np.int16(lanes[INSIDE + i]) - 1 if lanes[INSIDE + i] > 0.0 else UNDECIDED
+    times[number] += np.float32(lanes[TIME + i])
+    states[0, number], states[1, number] = lanes[X + i], lanes[Y + i]
+    states[2, number], states[3, number] = lanes[U + i], lanes[V + i]
 
 
 @compiled_for_lanes
 def follow(
     states: Values,
     labels: Labels,
-    times: npt.NDArray[np.float32],
+    times: Times,
     rotor: tuple[float, float, float | None],
     sets: Values,
     free: Values,
@@ -107,40 +128,27 @@ def follow(
         Set to 1 by another thread to end early.
     """
     omega, zeta, delta0 = rotor
-    total = labels.shape[0]
-    lanes = np.zeros(BUFFER)
-    owner = np.full(LANES, NOBODY)
+    lanes, owner = np.zeros(BUFFER), np.full(LANES, NOBODY)
     steps = np.zeros(LANES, dtype=np.int64)
     waiting, active = 0, 0
     for i in range(LANES):
-        while waiting < total and labels[waiting] >= 0:
-            waiting += 1
-        if waiting < total:
-            owner[i] = waiting
-            waiting += 1
-            active += 1
-        load(lanes, i, states, owner[i])
+        waiting = next_waiting(labels, waiting)
+        owner[i] = load(lanes, i, states, waiting)
+        waiting += 1
+        active += owner[i] != NOBODY
     while active > 0 and stop[0] == 0:
         mark_captured(lanes, sets)
         if free[2] >= 0.0:
             mark_free(lanes, sets.shape[0] + 1.0, omega, zeta, free)
         for i in range(LANES):
             steps[i] += 1
-            inside = lanes[INSIDE + i] > 0.0
-            if owner[i] == NOBODY:
+            under_way = lanes[TIME + i] < duration and steps[i] < MOST_STEPS
+            if owner[i] == NOBODY or (under_way and lanes[INSIDE + i] == 0.0):
                 continue
-            if not inside and lanes[TIME + i] < duration and steps[i] < MOST_STEPS:
-                continue
-            done = owner[i]
-            labels[done] = np.int16(lanes[INSIDE + i]) - 1 if inside else UNDECIDED
-            times[done] += np.float32(lanes[TIME + i])
-            states[0, done], states[1, done] = lanes[X + i], lanes[Y + i]
-            states[2, done], states[3, done] = lanes[U + i], lanes[V + i]
-            while waiting < total and labels[waiting] >= 0:
-                waiting += 1
-            owner[i] = waiting if waiting < total else NOBODY
+            unload(lanes, i, states, labels, times, owner[i])
+            waiting = next_waiting(labels, waiting)
+            owner[i] = load(lanes, i, states, waiting)
             waiting += 1
             active -= owner[i] == NOBODY
             steps[i] = 0
-            load(lanes, i, states, owner[i])
         step_lanes(lanes, omega, zeta, delta0, tolerance)
