@@ -53,7 +53,7 @@ class Attractor:
     confirmed: bool = False
 
 
-def attractors_of(survey: Survey, starts: Values, options: Options) -> list[Attractor]:
+def attractors_of(survey: Survey, starts: list[Values], options: Options) -> list[Attractor]:
     """Sort the undecided starts of a survey into attractors, and confirm every attractor.
 
     Parameters
@@ -61,17 +61,17 @@ def attractors_of(survey: Survey, starts: Values, options: Options) -> list[Attr
     survey : Survey
         What became of the starts; its labels are changed to the numbers of the attractors in the
         list returned.
-    starts : ndarray, shape (m, 4)
-        For each capture set and for the contact-free whirl a start that it has captured, NaN where
-        there is none [1].
+    starts : list of ndarray, shape (m, 4)
+        For each capture set, and then for the contact-free whirl, some starts that it has
+        captured [1].
     options : Options
         How CVODE is to confirm.
     """
     known = _known(survey)
     if not survey.interrupted:
         known = [
-            _confirm_known(survey.ends.rotor, attractor, start, options)
-            for attractor, start in zip(known, starts, strict=True)
+            _confirm_known(survey.ends.rotor, attractor, captured, options)
+            for attractor, captured in zip(known, starts, strict=True)
         ]
     left = survey.undecided
     mine = survey.labels[left.numbers]
@@ -111,20 +111,19 @@ def _known(survey: Survey) -> list[Attractor]:
 
 
 def _confirm_known(
-    rotor: Rotor, attractor: Attractor, start: Values, options: Options
+    rotor: Rotor, attractor: Attractor, starts: Values, options: Options
 ) -> Attractor:
-    """Let CVODE follow one start that a capture set has caught."""
-    if not np.isfinite(start).all():
-        return attractor
-    settled = settle(rotor, _state(start), options)
-    window = settled.window
-    if window is None or settled.response != attractor.kind:
-        return attractor
-    if settled.response == CONTACT_FREE:
-        return replace(attractor, confirmed=True)
-    if abs(window.amplitude - attractor.amplitude) > AGREEMENT * attractor.amplitude:
-        return attractor
-    return _with_numbers_of(settled, attractor)
+    """Let CVODE follow starts that a capture set has caught, until one ends there."""
+    for start in starts:
+        settled = settle(rotor, _state(start), options)
+        window = settled.window
+        if window is None or settled.response != attractor.kind:
+            continue
+        if settled.response == CONTACT_FREE:
+            return replace(attractor, confirmed=True)
+        if abs(window.amplitude - attractor.amplitude) <= AGREEMENT * attractor.amplitude:
+            return _with_numbers_of(settled, attractor)
+    return attractor
 
 
 def _on_their_way(survey: Survey, left: Undecided) -> npt.NDArray[np.int16]:

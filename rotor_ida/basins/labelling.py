@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.basins.attractors import Attractor, attractors_of
+from rotor_ida.basins.attractors import WITNESSES, Attractor, attractors_of
 from rotor_ida.basins.survey import Survey, survey
 from rotor_ida.checks import check_positive
 from rotor_ida.ensemble import Progress, count_workers
@@ -79,18 +79,26 @@ def label(
     threads = count_workers(workers)
     found = survey(rotor, starts, count, tolerance=rtol, workers=threads, progress=progress)
     options = Options()
-    attractors = attractors_of(found, _witnesses(found, starts), options)
+    captured = _witnesses(found, starts)
+    try:
+        attractors = attractors_of(found, captured, options)
+    except KeyboardInterrupt:  # labels without confirmation are better than none
+        found.interrupted = True
+        attractors = attractors_of(found, captured, options)
     attributes: dict[str, object] = {"labelling_rtol": rtol, "interrupted": int(found.interrupted)}
     return Labelled(found.labels, found.times, attractors, attributes, options)
 
 
-def _witnesses(found: Survey, starts: Callable[[int, int], Values]) -> Values:
-    """Return for each attractor known beforehand the start that it captured first, or NaN."""
-    known = len(found.ends.sets) + found.ends.has_free
-    chosen = np.full((known, 4), np.nan)
-    for number in range(known):
+def _witnesses(found: Survey, starts: Callable[[int, int], Values]) -> list[Values]:
+    """Return for each attractor known beforehand the starts that it captured first.
+
+    They are the ones least likely to lie so near to the border of the basin that another
+    integrator ends elsewhere.
+    """
+    chosen = []
+    for number in range(len(found.ends.sets) + found.ends.has_free):
         members = np.flatnonzero(found.labels == number)
-        if members.size:
-            first = int(members[np.argmin(found.times[members])])
-            chosen[number] = starts(first, first + 1)[:, 0]
+        first = members[np.argsort(found.times[members], kind="stable")[:WITNESSES]].tolist()
+        states = [starts(place, place + 1)[:, 0] for place in first]
+        chosen.append(np.array(states).reshape(-1, 4))
     return chosen

@@ -42,8 +42,8 @@ def windows(low, high, count, scatter, seed=0):
 
 
 def sort(survey):
-    nowhere = np.full((len(survey.ends.sets) + survey.ends.has_free, 4), np.nan)
-    return attractors_of(survey, nowhere, Options())
+    nobody = [np.empty((0, 4))] * (len(survey.ends.sets) + survey.ends.has_free)
+    return attractors_of(survey, nobody, Options())
 
 
 def test_two_periodic_motions_are_two_attractors(confirmed):

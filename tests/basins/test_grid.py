@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rotor_ida import InputError, Rotor, basin, load, save
-from rotor_ida.basins import labelling, survey
+from rotor_ida.basins import attractors, labelling, survey
 from rotor_ida.basins.labelling import label
 from rotor_ida.dataset import basin as basin_dataset_module
 from rotor_ida.schema import FATE, RESPONSE, flags_of
@@ -129,6 +129,18 @@ def test_an_interrupt_keeps_what_is_done(monkeypatch):
     whole = basin(FIGURE_7, x=AXIS, y=AXIS)
     assert (found.label == whole.label).where(~missing, True).all()
     assert float(found.share.sum()) == pytest.approx(1.0)
+
+
+def test_an_interrupt_of_the_confirmation_keeps_the_labels(monkeypatch, figure_7):
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(attractors, "settle", interrupt)
+    found = basin(FIGURE_7, x=AXIS, y=AXIS)
+    assert found.attrs["interrupted"] == 1
+    assert found.label.equals(figure_7.label)
+    assert found.confirmed.values.tolist() == [0, 0]
+    assert found.amplitude.values == pytest.approx([1.8796312367, 9.4872069457])
 
 
 @pytest.mark.parametrize(

@@ -1,11 +1,16 @@
 """The lanes' arithmetic: the model's own force and rate, and a method of order 8."""
 
+import platform
+import re
+
+import numba
 import numpy as np
 import pytest
 
 from rotor_ida import Rotor
 from rotor_ida.basins.dormand_prince import ADVANCE, STAGE_5, STAGE_12
 from rotor_ida.basins.lanes import BUFFER, LANES, STEP, TIME, U, V, X, Y, rate, secant, step_lanes
+from rotor_ida.basins.windows import ROWS, watch_step
 from rotor_ida.contact import force_over_radius
 from rotor_ida.model import rotating_field
 from rotor_ida.simulator.loop import run
@@ -83,3 +88,20 @@ def test_a_step_that_is_too_long_is_taken_back():
     assert (lanes[TIME : TIME + LANES] == 0.0).all()
     assert (lanes[X : X + LANES] == before[X : X + LANES]).all()
     assert (lanes[STEP : STEP + LANES] < 50.0).all()
+
+
+@pytest.mark.skipif(platform.machine() not in {"x86_64", "AMD64"}, reason="reads x86 assembly")
+@pytest.mark.parametrize(("kernel", "rows"), [(step_lanes, BUFFER), (watch_step, ROWS * LANES)])
+def test_the_loop_over_lanes_is_vector_code(kernel, rows):
+    """A branch, or a function too long to be inlined, would cost a factor of four in silence."""
+    settings = {"fastmath": {"contract", "nsz", "arcp", "reassoc"}, "error_model": "numpy"}
+    fresh = numba.njit(**settings)(kernel.py_func)  # nothing is told of code from the cache
+    parameters = (1.7, 0.07, 0.5)
+    if kernel is step_lanes:
+        fresh(np.zeros(rows), *parameters, 1e-6)
+    else:
+        fresh(np.ones(rows), 0.1, *parameters)
+    (assembly,) = fresh.inspect_asm().values()
+    packed = re.findall(r"v(?:fmadd|mul|sqrt|add)\w*p[ds]\b", assembly)
+    scalar = re.findall(r"v(?:fmadd|mul|sqrt|add)\w*s[ds]\b", assembly)
+    assert len(packed) > 10 * len(scalar)
