@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from rotor_ida.analysis.sections import poincare_section
     from rotor_ida.analysis.spectra import spectrum
     from rotor_ida.archive import load, save
+    from rotor_ida.basins import basin, shares
     from rotor_ida.closed_forms import folds, synchronous_response
     from rotor_ida.comparison import compare
     from rotor_ida.dataset.contacts import contact_summary
@@ -41,6 +42,7 @@ _HOMES = {
     "Rotor": "parameters",
     "RotorError": "errors",
     "SimulationError": "errors",
+    "basin": "basins",
     "bifurcation": "analysis.bifurcations",
     "compare": "comparison",
     "contact_forces": "analysis.forces",
@@ -52,6 +54,7 @@ _HOMES = {
     "poincare_section": "analysis.sections",
     "rotating": "analysis.axes",
     "save": "archive",
+    "shares": "basins",
     "simulate": "simulation",
     "spectrum": "analysis.spectra",
     "sweep": "sweeps",
@@ -66,6 +69,7 @@ __all__ = [
     "Rotor",
     "RotorError",
     "SimulationError",
+    "basin",
     "bifurcation",
     "compare",
     "contact_forces",
@@ -77,6 +81,7 @@ __all__ = [
     "poincare_section",
     "rotating",
     "save",
+    "shares",
     "simulate",
     "spectrum",
     "sweep",

@@ -14,9 +14,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rotor_ida import freshness
+from rotor_ida.ensemble import count_workers
 from rotor_ida.errors import InputError
 from rotor_ida.gallery import write_gallery
-from rotor_ida.scenario import check_folder, count_workers, output_folder
+from rotor_ida.scenario import check_folder, output_folder
 
 # One scenario draws while the other computes.
 AT_ONCE = 2

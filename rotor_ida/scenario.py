@@ -27,6 +27,7 @@ from rich.progress import (
 from rotor_ida.archive import save
 from rotor_ida.checks import check_axis, check_count, check_positive
 from rotor_ida.closed_forms import curve, folds, peak_amplitude
+from rotor_ida.ensemble import count_workers
 from rotor_ida.errors import InputError, RotorError
 from rotor_ida.gallery import Entry, add_entry
 from rotor_ida.plot import save_figure
@@ -111,15 +112,6 @@ def check_folder(folder: Path, *, force: bool) -> None:
             f"{str(folder)!r} holds results already: choose another folder, or replace them with "
             "--force"
         )
-
-
-def count_workers(workers: int | None) -> int:
-    """Return the number of processes: `workers`, or one for each core that may be used."""
-    if workers is not None:
-        return check_count("workers", workers)
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def run_script(

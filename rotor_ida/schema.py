@@ -55,6 +55,8 @@ RESPONSE = {
     "failed": -1,
 }
 EVENT_KIND = {"exit": -1, "entry": 1}
+# What became of a start, besides the numbers of the attractors and the kinds of response.
+FATE = {"not_computed": -2, "undecided": -1}
 STATUS = {"done": 0, "failed": 1}
 DIRECTION = {"down": -1, "from_start": 0, "up": 1}
 NO_YES = {"no": 0, "yes": 1}
@@ -157,8 +159,8 @@ QUANTITIES: dict[str, Quantity] = {
     "peak_amplitude": Quantity("largest amplitude of a contacting whirl", scale="length"),
     "peak_omega": Quantity("spin speed at which the amplitude is largest"),
     "peak_contact_force": Quantity("contact force where the amplitude is largest", scale="force"),
-    "force_x": Quantity("horizontal restoring force", scale="force"),
-    "force_y": Quantity("vertical restoring force", scale="force"),
+    "restoring_x": Quantity("horizontal restoring force", scale="force"),
+    "restoring_y": Quantity("vertical restoring force", scale="force"),
     "potential": Quantity("energy stored in the contact", scale="energy"),
     "energy": Quantity("kinetic energy and energy stored in the contact", scale="energy"),
     "circular_period": Quantity("period of a free whirl on a circle", scale="time"),
@@ -186,6 +188,25 @@ QUANTITIES: dict[str, Quantity] = {
     "status": Quantity("whether the run was done", flags=STATUS),
     "message": Quantity("why the run failed", ""),
     "event_count": Quantity("number of contact events of the run"),
+    # basins
+    "attractor": Quantity("number of the attractor"),
+    "label": Quantity("number of the attractor on which the start ends"),
+    "settling_time": Quantity(
+        "time after which the end is certain, or at which following ended", scale="time"
+    ),
+    "kind": Quantity("kind of response on the attractor", flags=RESPONSE),
+    "confirmed": Quantity("whether CVODE has followed a start to the attractor", flags=NO_YES),
+    "count": Quantity("number of starts that end on the attractor"),
+    "share": Quantity("part of the computed starts that end on the attractor"),
+    "share_error": Quantity(
+        "standard error of the share, if the starts were drawn at random from their range"
+    ),
+    "undecided_count": Quantity("number of starts whose end is not known"),
+    "undecided_share": Quantity("part of the computed starts whose end is not known"),
+    "not_computed_count": Quantity("number of starts that were not followed to the end"),
+    "response_count": Quantity("number of starts that end on a response of the kind"),
+    "response_share": Quantity("part of the computed starts that end on a response of the kind"),
+    "response_share_error": Quantity("standard error of the share of the kind of response"),
     # comparison
     "matched_branch": Quantity("number of the branch that the response is on, -1 where on none"),
     "amplitude_error": Quantity("simulated minus exact amplitude, relative to the exact one"),

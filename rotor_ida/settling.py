@@ -131,7 +131,7 @@ def settle(rotor: Rotor, start: State, options: Options, *, doublings: int = 3) 
         How often the duration may be doubled.
     """
     journey = _Journey(rotor, options, start)
-    wait, length, samples = _durations(rotor)
+    wait, length, samples = durations(rotor)
     earlier: Window | None = None
     began = 0.0
     try:
@@ -157,7 +157,7 @@ def settle(rotor: Rotor, start: State, options: Options, *, doublings: int = 3) 
         return journey.settled(FAILED, None, math.nan, str(error))
 
 
-def _durations(rotor: Rotor) -> tuple[float, float, int]:
+def durations(rotor: Rotor) -> tuple[float, float, int]:
     """Return the first wait, the length of the window and its number of samples."""
     decay = DECAY_TIMES * max(1.0 / rotor.zeta, rotor.zeta) if rotor.zeta > 0.0 else math.inf
     wait = min(decay, LONGEST_FIRST_WAIT)

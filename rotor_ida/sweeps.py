@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import signal
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from contextlib import contextmanager
+from collections.abc import Iterator, Sequence
+from contextlib import closing
 from dataclasses import dataclass
-from multiprocessing import active_children, get_context
 from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.checks import State, check_axis, check_choice, check_count, check_state
+from rotor_ida.checks import State, check_axis, check_choice, check_state
 from rotor_ida.dataset.sweep import sweep_dataset
+from rotor_ida.ensemble import Progress, Stop, count_workers, run_all
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import Rotor
 from rotor_ida.settling import FAILED, Settled, settle
@@ -23,7 +21,6 @@ from rotor_ida.simulator.limits import check_can_be_followed
 from rotor_ida.simulator.options import Backend, Flight, Method, Options
 
 Direction = Literal["up", "down", "both"]
-Progress = Callable[[int, int], None]
 
 DIRECTIONS: dict[str | None, tuple[int, ...]] = {
     None: (0,),
@@ -46,7 +43,7 @@ def sweep(
     method: Method = "adams",
     flight: Flight = "exact",
     backend: Backend = "auto",
-    workers: int = 1,
+    workers: int | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Follow the rotor until it has settled, at every speed, damping and clearance.
@@ -63,9 +60,10 @@ def sweep(
         their hysteresis appear.
     rtol, atol, method, flight, backend
         As for `simulate`.
-    workers : int
-        Number of processes. With more than one, a script must guard its main part with
-        ``if __name__ == "__main__":``.
+    workers : int, optional
+        How many chains of points to follow at a time. With the compiled backend these are threads,
+        by default one for each core. With the Python backend they are processes, by default one
+        only: with more, a script must guard its main part with ``if __name__ == "__main__":``.
     progress : callable, optional
         Called with the number of points done and their total.
 
@@ -108,10 +106,13 @@ def sweep(
             check_can_be_followed(rotor, job.start, settling=True)
     total = sum(len(chain.indices) for chain in chains)
     points: dict[tuple[int, ...], Settled] = {}
-    for number, settled in _follow_all(jobs, check_count("workers", workers)):
-        points.update(zip(chains[number].indices, settled, strict=True))
-        if progress is not None:
-            progress(len(points), total)
+    threads = options.backend != "python"  # compiled code releases the interpreter's lock
+    count = min(count_workers(1 if workers is None and not threads else workers), len(jobs))
+    with closing(run_all(_follow, jobs, workers=count, threads=threads)) as ended:
+        for number, settled in ended:
+            points.update(zip(chains[number].indices, settled, strict=True))
+            if progress is not None:
+                progress(len(points), total)
     return sweep_dataset(axes, checked, directions, points, options)
 
 
@@ -169,46 +170,14 @@ def _job(
     return _Job(rotors, starts[chain.indices[0][3]], options)
 
 
-def _follow(job: _Job) -> list[Settled]:
+def _follow(job: _Job, stop: Stop) -> list[Settled]:
     """Follow one chain: each point begins where the last one that did not fail has ended."""
     state, settled = job.start, []
     for rotor in job.rotors:
+        if stop[0]:
+            break
         point = settle(rotor, state, job.options)
         if point.response != FAILED:
             state = point.end
         settled.append(point)
     return settled
-
-
-def _follow_all(jobs: list[_Job], workers: int) -> Iterator[tuple[int, list[Settled]]]:
-    """Yield the number and the outcome of each job as it ends, longest jobs first."""
-    if workers == 1 or len(jobs) == 1:
-        for number, job in enumerate(jobs):
-            yield number, _follow(job)
-        return
-    order = sorted(range(len(jobs)), key=lambda number: -len(jobs[number].rotors))
-    pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
-    try:
-        with _deaf_to_interrupts():
-            futures = {pool.submit(_follow, jobs[number]): number for number in order}
-        for future in as_completed(futures):
-            yield futures[future], future.result()
-    except BaseException:
-        for process in active_children():
-            process.terminate()
-        raise
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)
-
-
-@contextmanager
-def _deaf_to_interrupts() -> Iterator[None]:
-    """Start processes that leave an interrupt from the keyboard to their parent."""
-    if not hasattr(signal, "pthread_sigmask"):  # not on Windows
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)

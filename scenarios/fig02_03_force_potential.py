@@ -55,10 +55,10 @@ def draw_force(field: xr.Dataset, settings: Settings) -> None:
     figure, axes = mixed_panels(2, 3, height=5.2, solid=[0, 1, 3, 4])
     for row, delta0 in enumerate(CLEARANCES):
         here = field.sel(delta0=delta0)
-        plot_surface(here, "force_x", ax=axes[3 * row])
-        plot_surface(here, "force_y", ax=axes[3 * row + 1])
-        plot_cuts(here, "force_x", at=[0.0, 1.0, 2.0], ax=axes[3 * row + 2])
-    one, two = (restoring_field(x=1.0, y=y, delta0=0.5).force_x.item() for y in (0.0, 2.0))
+        plot_surface(here, "restoring_x", ax=axes[3 * row])
+        plot_surface(here, "restoring_y", ax=axes[3 * row + 1])
+        plot_cuts(here, "restoring_x", at=[0.0, 1.0, 2.0], ax=axes[3 * row + 2])
+    one, two = (restoring_field(x=1.0, y=y, delta0=0.5).restoring_x.item() for y in (0.0, 2.0))
     settings.show(
         figure, "fig02_force", archives=["field"],
         shows="The restoring force over the plane, without clearance and with delta0 = 0.5.",

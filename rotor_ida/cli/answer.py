@@ -6,7 +6,7 @@ import xarray as xr
 
 import rotor_ida
 from rotor_ida.cli.describe import describe
-from rotor_ida.cli.report import Report
+from rotor_ida.cli.report import FAILED, Report
 from rotor_ida.cli.targets import Targets
 from rotor_ida.errors import RotorError
 
@@ -18,6 +18,7 @@ def answer(
     as_json: bool,
     most: int | None = None,
     trouble: str = "",
+    status: int = FAILED,
 ) -> Report:
     """Return the report on a dataset that has been computed, and written where it is wanted.
 
@@ -31,6 +32,7 @@ def answer(
         parts=[*parts, *written],
         as_json=as_json,
         trouble="; ".join(filter(None, [trouble, *failures])),
+        status=status if trouble else FAILED,
     )
 
 

@@ -8,6 +8,7 @@ from cyclopts import App
 from rich.console import Console
 
 from rotor_ida.cli.commands.archived import show
+from rotor_ida.cli.commands.basins import basin
 from rotor_ida.cli.commands.compared import compare
 from rotor_ida.cli.commands.doctor import doctor
 from rotor_ida.cli.commands.reproduced import reproduce
@@ -32,6 +33,6 @@ def application(console: Console) -> App:
         version=version("rotor-ida"),
         console=console,
     )
-    for command in (reproduce, simulate, response, sweep, compare, verify, show, doctor):
+    for command in (reproduce, simulate, response, sweep, basin, compare, verify, show, doctor):
         app.command(command)
     return app

@@ -14,7 +14,7 @@ from rotor_ida.cli.tables import pairs, table
 from rotor_ida.comparison import summarise
 from rotor_ida.schema import RESPONSE
 
-Kind = Literal["run", "sweep", "comparison", "whirls", "folds", "other"]
+Kind = Literal["run", "sweep", "basin", "shares", "comparison", "whirls", "folds", "other"]
 Description = tuple[Record, list[RenderableType]]
 
 PARAMETERS = ("omega", "zeta", "delta0")
@@ -22,6 +22,11 @@ EVENT = ("event_time", "event_kind", "event_x", "event_y", "event_time_error")
 CONTACT = ("entry_time", "exit_time", "peak_time", "peak_indentation", "peak_force")
 WHIRL = ("amplitude", *PARAMETERS, "branch", "phase_lag", "stability", "growth_rate", "in_contact")
 FOLD = ("fold_omega", "fold_amplitude", "zeta", "delta0", "fold")
+ATTRACTOR = (
+    *("kind", "attractor", "amplitude", "phase_lag", "radius_min", "radius_max"),
+    *("confirmed", "count", "share", "share_error"),
+)
+SHARE = ("response", "response_count", "response_share", "response_share_error")
 STARTS = ("start_x", "start_y", "start_vx", "start_vy")
 POINT = (
     *("response", *PARAMETERS, "start", "direction", "amplitude", "phase_lag"),
@@ -36,15 +41,16 @@ MATCH = (
 
 def kind_of(dataset: xr.Dataset) -> Kind:
     """Return what a dataset holds, as its variables tell."""
-    if "matched_branch" in dataset:
-        return "comparison"
-    if "response" in dataset and set(PARAMETERS) <= set(dataset.dims):
-        return "sweep"
-    if "event_time" in dataset and "time" in dataset.dims:
-        return "run"
-    if "amplitude" in dataset and "branch" in dataset.dims:
-        return "whirls"
-    return "folds" if "fold_omega" in dataset else "other"
+    signs: dict[Kind, bool] = {
+        "comparison": "matched_branch" in dataset,
+        "basin": "label" in dataset and "attractor" in dataset.dims,
+        "shares": "response_share" in dataset,
+        "sweep": "response" in dataset and set(PARAMETERS) <= set(dataset.dims),
+        "run": "event_time" in dataset and "time" in dataset.dims,
+        "whirls": "amplitude" in dataset and "branch" in dataset.dims,
+        "folds": "fold_omega" in dataset,
+    }
+    return next((kind for kind, found in signs.items() if found), "other")
 
 
 def describe(dataset: xr.Dataset, *, most: int | None = None) -> Description:
@@ -52,6 +58,8 @@ def describe(dataset: xr.Dataset, *, most: int | None = None) -> Description:
     described = {
         "run": _run,
         "sweep": _sweep,
+        "basin": _attractors,
+        "shares": _attractors,
         "comparison": _comparison,
         "whirls": _whirls,
         "folds": _folds,
@@ -122,6 +130,26 @@ def _sweep(dataset: xr.Dataset, most: int | None) -> Description:
     if most is not None:
         parts += _rows("Responses", points, _telling(points), most, digits=6)
     return record, parts
+
+
+def _attractors(dataset: xr.Dataset, most: int | None) -> Description:
+    attractors = rows_of(dataset, ATTRACTOR)
+    counts = {name: value_of(dataset, name) for name in names_on(dataset)}
+    record: Record = {
+        "kind": kind_of(dataset),
+        "parameters": {name: float(dataset[name]) for name in PARAMETERS},
+        "attractors": attractors,
+        **counts,
+    }
+    parts = _rows("Attractors", attractors, ATTRACTOR, most, digits=6)
+    if "response_share" in dataset:
+        record["responses"] = rows_of(dataset, SHARE)
+        parts += _rows("Kinds of response", rows_of(dataset, SHARE), SHARE, most, digits=6)
+    else:
+        record["grid"] = {name: dataset.sizes[name] for name in dataset["label"].dims}
+    attributes = attributes_of(dataset)
+    told = {name: entry for name, entry in attributes.items() if name not in PARAMETERS}
+    return record | told, [*parts, pairs("Starts", counts)]
 
 
 def _of_kind(kind: object, points: Sequence[Record]) -> Record:

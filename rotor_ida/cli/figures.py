@@ -26,12 +26,16 @@ def draw(dataset: xr.Dataset, stem: Path, *, overwrite: bool) -> list[Path]:
 
 
 def figure_of(dataset: xr.Dataset) -> Figure:
-    """Return the figure of a run, of whirls or of a sweep with the exact curve behind it."""
+    """Return the figure of a run, a basin, whirls, or a sweep with the exact curve behind it."""
     kind = kind_of(dataset)
     if kind == "run":
         return plot.plot_run(dataset)
+    if kind == "basin":
+        figure = Figure(figsize=(4.6, 5.0), layout="constrained")
+        plot.plot_basin(dataset, figure.subplots())
+        return figure
     if kind not in {"whirls", "sweep"}:
-        raise InputError(f"figure must be of a run, of whirls or of a sweep, got {kind!r}")
+        raise InputError(f"figure must be of a run, of whirls or of a sweep or basin, got {kind!r}")
     pairs = [
         (float(zeta), float(delta0))
         for zeta in dataset["zeta"].values

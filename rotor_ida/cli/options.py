@@ -53,6 +53,7 @@ Starts = Annotated[
     ),
 ]
 
+Component = Annotated[str, Parameter(help="Component of the start: number or START:STOP:COUNT.")]
 Duration = Annotated[str, Parameter(help="Time to simulate.")]
 Samples = Annotated[str, Parameter(help="Number of times at which the motion is kept.")]
 Direction = Annotated[

@@ -77,6 +77,17 @@ def numbers(name: str, words: Sequence[str]) -> list[float]:
     return listed
 
 
+def number_or_range(name: str, word: str) -> float | list[float]:
+    """Return a word as a number, or as the numbers of a range ``START:STOP:COUNT``.
+
+    Examples
+    --------
+    >>> number_or_range("x", "-1:1:3"), number_or_range("y", "0.5")
+    ([-1.0, 0.0, 1.0], 0.5)
+    """
+    return _range(name, word) if ":" in word else number(name, word)
+
+
 def state(name: str, words: Sequence[str]) -> State:
     """Return the words of one start as ``(x, y, vx, vy)``.
 

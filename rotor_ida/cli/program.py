@@ -9,12 +9,11 @@ from typing import TextIO
 from cyclopts import CycloptsError
 
 from rotor_ida.cli.application import application
-from rotor_ida.cli.report import Report, console_on, text_of
+from rotor_ida.cli.report import FAILED, INTERRUPTED, Report, console_on, text_of
 from rotor_ida.cli.streams import results_only
 from rotor_ida.errors import InputError, RotorError
 
-DONE, FAILED, BAD_INPUT = 0, 1, 2
-INTERRUPTED, PIPE_CLOSED = 130, 141
+DONE, BAD_INPUT, PIPE_CLOSED = 0, 2, 141
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -56,7 +55,7 @@ def _run(words: list[str], results: TextIO) -> int:
         _write(help_text.get(), results)
         return answer if isinstance(answer, int) else DONE
     _write(text_of(answer, console), results)
-    return _complain(answer.trouble, FAILED) if answer.trouble else DONE
+    return _complain(answer.trouble, answer.status) if answer.trouble else DONE
 
 
 def _write(text: str, results: TextIO) -> None:

@@ -10,6 +10,7 @@ from typing import TextIO
 
 from rich.console import Console, RenderableType
 
+FAILED, INTERRUPTED = 1, 130
 # Wide enough that no number is ever cut when the output is a file or a pipe.
 NO_TERMINAL_WIDTH = 10_000
 
@@ -27,13 +28,16 @@ class Report:
     as_json : bool
         Which of the two is wanted.
     trouble : str
-        One line for standard error if the run or the check failed; the exit status is then 1.
+        One line for standard error if the run or the check failed.
+    status : int
+        The exit status if there is trouble.
     """
 
     record: Mapping[str, object]
     parts: Sequence[RenderableType]
     as_json: bool = False
     trouble: str = ""
+    status: int = FAILED
 
 
 def console_on(stream: TextIO) -> Console:

@@ -27,7 +27,7 @@ def restoring_field(*, x: npt.ArrayLike, y: npt.ArrayLike, delta0: npt.ArrayLike
     Returns
     -------
     Dataset
-        ``force_x``, ``force_y`` and ``potential`` [1] on (delta0, y, x).
+        ``restoring_x``, ``restoring_y`` and ``potential`` [1] on (delta0, y, x).
 
     Raises
     ------
@@ -47,7 +47,7 @@ def restoring_field(*, x: npt.ArrayLike, y: npt.ArrayLike, delta0: npt.ArrayLike
     Examples
     --------
     >>> field = restoring_field(x=1.0, y=[0.0, 2.0], delta0=0.5)
-    >>> field.force_x.values.ravel().round(4)
+    >>> field.restoring_x.values.ravel().round(4)
     array([0.3536, 1.023 ])
     """
     across, up = _places("x", x), _places("y", y)
@@ -56,8 +56,8 @@ def restoring_field(*, x: npt.ArrayLike, y: npt.ArrayLike, delta0: npt.ArrayLike
     secant = secant_stiffness(radius, clearance[:, None, None])
     dims = ("delta0", "y", "x")
     variables = {
-        "force_x": labelled("force_x", dims, secant * across),
-        "force_y": labelled("force_y", dims, secant * up[:, None]),
+        "restoring_x": labelled("restoring_x", dims, secant * across),
+        "restoring_y": labelled("restoring_y", dims, secant * up[:, None]),
         "potential": labelled(
             "potential", dims, contact_potential(radius, clearance[:, None, None])
         ),

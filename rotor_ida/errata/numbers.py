@@ -59,9 +59,9 @@ def scaling() -> Numbers:
 
 def force() -> Numbers:
     """Eq. (11): f_x at one x and two y, and its least slope over the plane."""
-    field = restoring_field(x=[1.0], y=[0.0, 2.0], delta0=0.5)["force_x"].values.ravel()
+    field = restoring_field(x=[1.0], y=[0.0, 2.0], delta0=0.5)["restoring_x"].values.ravel()
     line = np.linspace(-3.0, 3.0, 121)
-    rise = restoring_field(x=line, y=line, delta0=[0.0, 0.5])["force_x"].diff("x")
+    rise = restoring_field(x=line, y=line, delta0=[0.0, 0.5])["restoring_x"].diff("x")
     return {"below": field[0], "above": field[1], "least_rise": float(rise.min())}
 
 

@@ -5,6 +5,7 @@ installed. They return the axes that they drew on and show nothing by themselves
 """
 
 from rotor_ida.plot.appearance import panels, parameter_text, shared_legend, style
+from rotor_ida.plot.basins import plot_basin
 from rotor_ida.plot.clearances import plot_by_clearance, plot_over_clearance
 from rotor_ida.plot.exponents import plot_exponents
 from rotor_ida.plot.extrema import plot_extrema
@@ -28,6 +29,7 @@ __all__ = [
     "parameter_text",
     "plot_amplitude",
     "plot_backbone",
+    "plot_basin",
     "plot_by_clearance",
     "plot_by_damping",
     "plot_cuts",

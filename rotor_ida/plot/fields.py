@@ -30,7 +30,7 @@ def plot_surface(field: xr.Dataset, name: str, *, ax: Axes | None = None) -> Axe
     ----------
     field : Dataset
         What `rotor_ida.closed_forms.restoring_field` returned, for one ``delta0``.
-    name : {"force_x", "force_y", "potential"}
+    name : {"restoring_x", "restoring_y", "potential"}
         What to draw.
     ax : Axes, optional
         Three-dimensional axes to draw on; by default those of a new figure.
@@ -48,7 +48,7 @@ def plot_surface(field: xr.Dataset, name: str, *, ax: Axes | None = None) -> Axe
     Examples
     --------
     >>> from rotor_ida.closed_forms import restoring_field
-    >>> ax = plot_surface(restoring_field(x=[0, 1], y=[0, 1], delta0=0.5), "force_x")
+    >>> ax = plot_surface(restoring_field(x=[0, 1], y=[0, 1], delta0=0.5), "restoring_x")
     >>> ax.get_title()[:11]
     'force $f_x$'
     """
@@ -65,7 +65,7 @@ def plot_surface(field: xr.Dataset, name: str, *, ax: Axes | None = None) -> Axe
         solid.set_xlabel("$x$", labelpad=-6)
         solid.set_ylabel("$y$", labelpad=-6)
         # from where the surface is seen to rise
-        solid.view_init(elev=26, azim=-148 if name == "force_x" else -58)
+        solid.view_init(elev=26, azim=-148 if name == "restoring_x" else -58)
         finish_solid(solid)
         solid.set_title(f"{LABELS[name]},  {parameter_text(delta0=delta0)}", y=0.98)
     return axes_of(solid)
@@ -78,7 +78,7 @@ def plot_cuts(field: xr.Dataset, name: str, *, at: Sequence[float], ax: Axes | N
     ----------
     field : Dataset
         What `rotor_ida.closed_forms.restoring_field` returned, for one ``delta0``.
-    name : {"force_x", "force_y", "potential"}
+    name : {"restoring_x", "restoring_y", "potential"}
         What to draw.
     at : sequence of float
         The values of y, or the nearest that there are [1].
@@ -99,7 +99,7 @@ def plot_cuts(field: xr.Dataset, name: str, *, at: Sequence[float], ax: Axes | N
     --------
     >>> from rotor_ida.closed_forms import restoring_field
     >>> field = restoring_field(x=[-1, 0, 1], y=[0, 2], delta0=0.5)
-    >>> plot_cuts(field, "force_x", at=[0, 2]).get_ylabel()
+    >>> plot_cuts(field, "restoring_x", at=[0, 2]).get_ylabel()
     'force $f_x$'
     """
     field = check_dataset("field", field, ("x", "y", "delta0", name))

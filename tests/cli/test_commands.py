@@ -175,7 +175,7 @@ def test_compare_counts_by_clearance(program: Program, archives: Path):
     assert "on branch" in program("compare", archives / "sweep.nc").out
 
 
-@pytest.mark.parametrize("kind", ["run", "sweep", "whirls", "folds", "compared"])
+@pytest.mark.parametrize("kind", ["run", "sweep", "basin", "whirls", "folds", "compared"])
 def test_show_tells_every_kind(program: Program, archives: Path, kind: str):
     path = archives / f"{kind}.nc"
     record = json.loads(program("show", path, "--json").out)
@@ -200,7 +200,7 @@ def test_show_repeats_what_simulate_said(program: Program):
     assert shown["versions"]["sundials"]
 
 
-@pytest.mark.parametrize("kind", ["run", "sweep", "whirls"])
+@pytest.mark.parametrize("kind", ["run", "sweep", "basin", "whirls"])
 def test_show_draws(program: Program, archives: Path, kind: str):
     answer = program("show", archives / f"{kind}.nc", "--figure", "drawn.svg")
     assert (answer.status, answer.err) == (0, "")

@@ -13,12 +13,16 @@ from typing import Any
 import pytest
 
 import rotor_ida
+from rotor_ida.cli.commands.basins import basin
 from rotor_ida.cli.commands.simulated import simulate
 from rotor_ida.cli.commands.swept import sweep
 
 Program = Callable[..., Any]
 
-COMMANDS = ["reproduce", "simulate", "response", "sweep", "compare", "verify", "show", "doctor"]
+COMMANDS = [
+    *("reproduce", "simulate", "response", "sweep", "basin", "compare", "verify", "show"),
+    "doctor",
+]
 
 
 def examples(text: str) -> list[list[str]]:
@@ -53,7 +57,7 @@ def test_the_examples_run_one_after_the_other(program: Program, monkeypatch: pyt
             answer = program(*words)
             assert (answer.status, answer.err) == (0, ""), words
     written = {path.name for path in Path().iterdir()}
-    assert {"run.nc", "run.png", "whirls.nc", "sweep.nc", "compared.nc"} <= written
+    assert {"run.nc", "run.png", "whirls.nc", "sweep.nc", "basin.nc", "compared.nc"} <= written
 
 
 def test_the_example_of_reproduce_names_a_scenario(program: Program):
@@ -63,12 +67,21 @@ def test_the_example_of_reproduce_names_a_scenario(program: Program):
     assert words[words.index("--only") + 1] in scenario_scripts()
 
 
-@pytest.mark.parametrize(("command", "library"), [(simulate, "simulate"), (sweep, "sweep")])
+def _as_number(value: object) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+@pytest.mark.parametrize(
+    ("command", "library"), [(simulate, "simulate"), (sweep, "sweep"), (basin, "basin")]
+)
 def test_defaults_are_those_of_the_library(command: object, library: str):
     ours = inspect.signature(command).parameters  # type: ignore[arg-type]
     for name, parameter in inspect.signature(getattr(rotor_ida, library)).parameters.items():
         if name in ours and parameter.default is not inspect.Parameter.empty and name != "workers":
-            assert ours[name].default in {str(parameter.default), parameter.default}
+            assert str(ours[name].default) in {
+                str(parameter.default),
+                _as_number(parameter.default),
+            }
 
 
 def test_help_loads_nothing_heavy():

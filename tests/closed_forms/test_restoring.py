@@ -21,14 +21,16 @@ def test_force_is_the_gradient_of_the_potential(field):
     )
     slope = (ahead.values - behind.values) / (2.0 * step)
     # a central difference errs by step**2 f''/6, and f'' ~ r**-0.5 at worst
-    np.testing.assert_allclose(slope, field.force_x, atol=2e-7)
-    np.testing.assert_array_equal(field.force_y.transpose("delta0", "x", "y"), field.force_x)
+    np.testing.assert_allclose(slope, field.restoring_x, atol=2e-7)
+    np.testing.assert_array_equal(
+        field.restoring_y.transpose("delta0", "x", "y"), field.restoring_x
+    )
 
 
 def test_force_never_falls_with_x_and_depends_on_y(field):
-    assert float(field.force_x.diff("x").min()) >= 0.0
-    assert float(field.force_x.sel(delta0=0.5, x=1.0, y=0.0)) == pytest.approx(0.5**1.5)
-    here = restoring_field(x=1.0, y=[0.0, 2.0], delta0=0.5).force_x.values.ravel()
+    assert float(field.restoring_x.diff("x").min()) >= 0.0
+    assert float(field.restoring_x.sel(delta0=0.5, x=1.0, y=0.0)) == pytest.approx(0.5**1.5)
+    here = restoring_field(x=1.0, y=[0.0, 2.0], delta0=0.5).restoring_x.values.ravel()
     np.testing.assert_allclose(here, [0.3536, 1.0230], atol=5e-5)
 
 
@@ -40,7 +42,7 @@ def test_potential_is_convex_and_flat_inside_the_clearance(field):
 
 
 def test_everything_is_labelled(field):
-    for name in ("force_x", "force_y", "potential", "x", "y", "delta0"):
+    for name in ("restoring_x", "restoring_y", "potential", "x", "y", "delta0"):
         assert field[name].attrs["units"] == "1"
         assert field[name].attrs["long_name"]
 

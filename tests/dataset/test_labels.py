@@ -3,7 +3,17 @@
 import numpy as np
 import pytest
 
-from rotor_ida import Rotor, compare, contact_summary, folds, simulate, sweep, synchronous_response
+from rotor_ida import (
+    Rotor,
+    basin,
+    compare,
+    contact_summary,
+    folds,
+    shares,
+    simulate,
+    sweep,
+    synchronous_response,
+)
 from rotor_ida.schema import QUANTITIES, flags_of
 
 
@@ -18,6 +28,8 @@ def results():
         "comparison": compare(swept),
         "whirls": synchronous_response(omega=1.7, zeta=0.07, delta0=[0.0, 0.5]),
         "folds": folds(zeta=0.07, delta0=0.5),
+        "basin": basin(Rotor(omega=1.7, zeta=0.3, delta0=0.0), x=[0.0, 5.0], y=[0.0, 5.0]),
+        "shares": shares(Rotor(omega=1.7, zeta=0.3, delta0=0.0), x=(0, 5), y=0.0, starts=10),
     }
 
 
@@ -38,7 +50,7 @@ def test_flags_hold_only_what_their_meanings_list(results):
 
 
 def test_attributes_tell_how_it_was_made(results):
-    for name in ("run", "sweep", "comparison"):
+    for name in ("run", "sweep", "comparison", "basin", "shares"):
         attributes = results[name].attrs
         for key in ("method", "flight", "backend", "rtol", "atol", "Conventions", "title"):
             assert key in attributes, (name, key)

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING, cast
 
 import rotor_ida
 from rotor_ida.cli import options, parsing
+from rotor_ida.cli.progress import progress
 from rotor_ida.cli.report import Report
 from rotor_ida.cli.targets import check_targets
 
@@ -54,9 +52,9 @@ def sweep(
     panels = len(axes[1]) * len(axes[2])
     targets = check_targets(out=out, figure=figure, panels=panels, force=force)
     from rotor_ida.cli.answer import answer  # noqa: PLC0415 - heavy, and not for --help
-    from rotor_ida.scenario import count_workers  # noqa: PLC0415
+    from rotor_ida.ensemble import count_workers  # noqa: PLC0415
 
-    with _progress() as progress:
+    with progress("sweep") as told:
         dataset = rotor_ida.sweep(
             omega=axes[0],
             zeta=axes[1],
@@ -70,7 +68,7 @@ def sweep(
             backend=cast("Backend", backend),
             # More processes than points would only take time to start.
             workers=min(count_workers(processes), points),
-            progress=progress,
+            progress=told,
         )
     return answer(dataset, targets, as_json=as_json, trouble=_failures(dataset))
 
@@ -81,12 +79,3 @@ def _failures(dataset: xr.Dataset) -> str:
         return ""
     first = dataset["message"].values[failed][0]
     return f"{failed.sum()} of {failed.size} points failed; the first: {first}"
-
-
-def _progress() -> AbstractContextManager[Callable[[int, int], None] | None]:
-    """Show a bar on standard error, if someone is there to see it."""
-    from rotor_ida.scenario import progress_bar  # noqa: PLC0415 - heavy, and not for --help
-
-    if sys.stderr is None or not sys.stderr.isatty():
-        return nullcontext()
-    return progress_bar("sweep")

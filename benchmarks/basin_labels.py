@@ -1,0 +1,102 @@
+"""Hold the labels of random starts against CVODE, which follows every one of them on its own.
+
+A label may differ only within one cell of a boundary: where one of the eight starts one cell away
+(of a grid of 512 x 512 on the square) has another label too.
+
+    python benchmarks/basin_labels.py --omega 1.7 --zeta 0.07 --delta0 0 --starts 2000
+"""
+
+import argparse
+import sys
+import time
+
+import numpy as np
+
+from rotor_ida import Rotor
+from rotor_ida.basins.labelling import RTOL, label
+from rotor_ida.ensemble import count_workers, run_all
+from rotor_ida.schema import FATE
+from rotor_ida.settling import settle
+from rotor_ida.simulator.options import Options
+
+HALF_WIDTH = 15.0
+CELL = 2.0 * HALF_WIDTH / 512
+
+
+def labelled(rotor, states, rtol, workers):
+    """Return the labels of starts, shape (4, n), and the attractors."""
+    found = label(
+        rotor, lambda first, last: states[:, first:last], states.shape[1],
+        rtol=rtol, workers=workers, progress=None,
+    )  # fmt: skip
+    return found.labels, found.attractors
+
+
+def follow(job, _stop):
+    """Return what CVODE makes of one start: kind, amplitude and extreme radii."""
+    rotor, state = job
+    settled = settle(rotor, state, Options(rtol=1e-10))
+    window = settled.window
+    return settled.response, window.amplitude, window.radius_min, window.radius_max
+
+
+def label_of(outcome, attractors):
+    """Return the number of the attractor that CVODE has found, UNDECIDED if it has not settled."""
+    kind, amplitude, low, high = outcome
+    for number, each in enumerate(attractors):
+        if each.kind != kind:
+            continue
+        if kind == "contact_free":
+            return number
+        if kind == "synchronous" and abs(each.amplitude - amplitude) < 1e-3 * amplitude:
+            return number
+        if max(abs(each.radius_min - low), abs(each.radius_max - high)) < 1e-2 * high:
+            return number
+    return FATE["undecided"]
+
+
+def near_boundary(rotor, state, rtol):
+    """Return whether the labels of a start and of those one cell away are not all the same."""
+    steps = np.array([(a, b) for a in (-CELL, 0.0, CELL) for b in (-CELL, 0.0, CELL)]).T
+    around = np.tile(np.array(state)[:, None], 9)
+    around[:2] += steps
+    return np.unique(labelled(rotor, around, rtol, 1)[0]).size > 1
+
+
+def main():
+    """Compare and count; exit 1 if a label differs away from every boundary."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--omega", type=float, default=1.7)
+    parser.add_argument("--zeta", type=float, default=0.07)
+    parser.add_argument("--delta0", type=float, default=0.0)
+    parser.add_argument("--starts", type=int, default=2000)
+    parser.add_argument("--rtol", type=float, default=RTOL)
+    parser.add_argument("--workers", type=int)
+    given = parser.parse_args()
+    rotor = Rotor(omega=given.omega, zeta=given.zeta, delta0=given.delta0)
+    states = np.zeros((4, given.starts))
+    states[:2] = np.random.default_rng(1).uniform(-HALF_WIDTH, HALF_WIDTH, (2, given.starts))
+    labels, attractors = labelled(rotor, states, given.rtol, given.workers)
+    for number, each in enumerate(attractors):
+        print(number, each, int((labels == number).sum()))
+    print("undecided:", int((labels == FATE["undecided"]).sum()))
+    began = time.perf_counter()
+    jobs = ((rotor, tuple(state)) for state in states.T.tolist())
+    workers = count_workers(given.workers)
+    outcomes = dict(run_all(follow, jobs, workers=workers, threads=False))
+    wrong = 0
+    for number in range(given.starts):
+        expected = label_of(outcomes[number], attractors)
+        if expected == labels[number]:
+            continue
+        excused = near_boundary(rotor, states[:, number], given.rtol)
+        wrong += not excused
+        where = "near a boundary" if excused else "WRONG"
+        print(f"{where}: start {states[:2, number]}: {labels[number]}, CVODE {outcomes[number]}")
+    took = time.perf_counter() - began
+    print(f"{given.starts} starts, {wrong} labels wrong; CVODE took {took:.0f} s")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,126 @@
+"""Core time a start: this package's kernel beside heyoka's batch integrator.
+
+heyoka integrates the same starts on the rotating axes for 100 time units, at its default tolerance
+and at this package's, with the batch size that it recommends. The kernel does the same work, and
+then what it is for: labels every start.
+
+    python benchmarks/basin_speed.py --delta0 0 --cells 512
+"""
+
+import argparse
+import time
+
+import heyoka as hy
+import numpy as np
+
+from rotor_ida import Rotor
+from rotor_ida.basins.kernel import NOT_COMPUTED, follow
+from rotor_ida.basins.labelling import RTOL
+from rotor_ida.basins.survey import ends_of, survey
+
+HALF_WIDTH = 15.0
+SPAN = 100.0
+NOWHERE = np.array([0.0, 0.0, -1.0])
+
+
+def grid(cells):
+    """Return starts at rest on a square, shape (4, cells**2)."""
+    axis = np.linspace(-HALF_WIDTH, HALF_WIDTH, cells)
+    states = np.zeros((4, cells**2))
+    states[0], states[1] = (part.ravel() for part in np.meshgrid(axis, axis, indexing="ij"))
+    return states
+
+
+def heyoka_integrator(rotor, batch, **options):
+    """Return heyoka's integrator of so many starts at a time."""
+    x, y, u, v = hy.make_vars("x", "y", "u", "v")
+    omega, zeta, delta0 = rotor.omega, rotor.zeta, rotor.delta0
+    square = x * x + y * y
+    if delta0 == 0.0:
+        stiffness = hy.sqrt(hy.sqrt(square))
+    else:
+        radius = hy.sqrt(square)
+        depth = hy.select(hy.gt(radius, delta0), radius - delta0, hy.expression(0.0))
+        stiffness = depth * hy.sqrt(depth) / radius
+        # Taylor series of sqrt at 0 are not finite: keep the root away from it
+        depth = hy.select(hy.gt(radius, delta0 + 1e-12), radius - delta0, hy.expression(1e-12))
+        inside = hy.select(hy.gt(radius, delta0 + 1e-12), hy.expression(1.0), hy.expression(0.0))
+        stiffness = inside * depth * hy.sqrt(depth) / radius
+    system = [
+        (x, u + omega * y),
+        (y, v - omega * x),
+        (u, omega**2 - 2.0 * zeta * u + omega * v - stiffness * x),
+        (v, -2.0 * zeta * v - omega * u - stiffness * y),
+    ]
+    return hy.taylor_adaptive_batch(system, state=np.ones((4, batch)), **options)
+
+
+def time_of_heyoka(rotor, states, batch, **options):
+    """Return core time a start [s] of heyoka over SPAN."""
+    integrator = heyoka_integrator(rotor, batch, **options)
+    count = states.shape[1] // batch * batch
+    began = time.process_time()
+    for first in range(0, count, batch):
+        integrator.set_time(0.0)
+        integrator.state[:] = states[:, first : first + batch]
+        integrator.propagate_until(SPAN)
+    return (time.process_time() - began) / count
+
+
+def time_of_kernel(rotor, states, tolerance):
+    """Return core time a start [s] of the kernel over the same span, with nothing to capture."""
+    ends = ends_of(rotor)
+    arguments = (rotor.omega, rotor.zeta, ends.clearance), np.empty((0, 14)), NOWHERE
+    for _ in range(2):  # the first compiles
+        copy = states.copy()
+        labels = np.full(states.shape[1], NOT_COMPUTED, dtype=np.int16)
+        times = np.zeros(states.shape[1], dtype=np.float32)
+        began = time.process_time()
+        follow(copy, labels, times, *arguments, SPAN, tolerance, np.zeros(1, dtype=np.uint8))
+        took = time.process_time() - began
+    return took / states.shape[1]
+
+
+def main():
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--omega", type=float, default=1.7)
+    parser.add_argument("--zeta", type=float, default=0.07)
+    parser.add_argument("--delta0", type=float, default=0.0)
+    parser.add_argument("--cells", type=int, default=512)
+    parser.add_argument("--heyoka-starts", type=int, default=4096)
+    parser.add_argument("--workers", type=int, default=1)
+    given = parser.parse_args()
+    rotor = Rotor(omega=given.omega, zeta=given.zeta, delta0=given.delta0)
+    states = grid(given.cells)
+    some = states[:, np.random.default_rng(0).permutation(states.shape[1])[: given.heyoka_starts]]
+    some = np.ascontiguousarray(some)
+    for tolerance in (1e-5, 1e-6, 1e-7, 1e-10):
+        took = 1e6 * time_of_kernel(rotor, some, tolerance)
+        print(
+            f"kernel, {SPAN:g} time units, rtol {tolerance:g}: {took:.2f} us of core time a start"
+        )
+    best = hy.recommended_simd_size()
+    for batch in sorted({1, best, 2 * best}):
+        for tolerance in (None, RTOL):
+            options = {} if tolerance is None else {"tol": tolerance}
+            took = 1e6 * time_of_heyoka(rotor, some, batch, **options)
+            name = "default tolerance (2e-16)" if tolerance is None else f"tolerance {tolerance:g}"
+            print(f"heyoka, batch {batch}, {name}: {took:.2f} us")
+    for _ in range(2):
+        wall, core = time.perf_counter(), time.process_time()
+        found = survey(
+            rotor, lambda a, b: states[:, a:b], states.shape[1],
+            tolerance=RTOL, workers=given.workers, progress=None,
+        )  # fmt: skip
+        wall, core = time.perf_counter() - wall, time.process_time() - core
+    numbers, counts = np.unique(found.labels, return_counts=True)
+    labels = dict(zip(numbers.tolist(), counts.tolist(), strict=True))
+    print(
+        f"all {states.shape[1]} labels, rtol {RTOL:g}: {1e6 * core / states.shape[1]:.2f} us of "
+        f"core time a start, {wall:.2f} s; {labels}"
+    )
+
+
+if __name__ == "__main__":
+    main()

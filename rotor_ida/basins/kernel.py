@@ -1,0 +1,154 @@
+"""Many starts followed side by side, each until its end is certain or its time is up.
+
+All orbits of one rotor are integrated on the rotating axes in lockstep: every quantity is a row of
+`LANES` numbers in one flat array, one orbit in each lane. A step advances all lanes with one loop
+that the compiler turns into vector instructions; each lane keeps its own time and step. A lane
+whose orbit is decided takes the next start.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.basins.lanes import BUFFER, INSIDE, LANES, STEP, TIME, U, V, X, Y, step_lanes
+from rotor_ida.compiling import compiled_for_lanes
+
+Values = npt.NDArray[np.float64]
+Labels = npt.NDArray[np.int16]
+Times = npt.NDArray[np.float32]
+
+NOT_COMPUTED, UNDECIDED = -2, -1
+NOBODY = -1
+FIRST_STEP = 0.02
+MOST_STEPS = 200_000
+
+
+@compiled_for_lanes
+def mark_captured(lanes: Values, sets: Values) -> None:
+    """Write into the row INSIDE 1 + the number of the capture set that holds the lane, or 0."""
+    for i in range(LANES):
+        lanes[INSIDE + i] = 0.0
+    for number in range(sets.shape[0]):
+        cx, cy, cu, cv, a, b, c, d, e, f, g, k, m, n = sets[number]
+        code = number + 1.0
+        for i in range(LANES):
+            x, y = lanes[X + i] - cx, lanes[Y + i] - cy
+            u, v = lanes[U + i] - cu, lanes[V + i] - cv
+            first, second = a * x + b * y + c * u + d * v, e * y + f * u + g * v
+            third, fourth = k * u + m * v, n * v
+            square = first * first + second * second + third * third + fourth * fourth
+            lanes[INSIDE + i] = code if square <= 1.0 else lanes[INSIDE + i]
+
+
+@compiled_for_lanes
+def mark_free(lanes: Values, code: float, omega: float, zeta: float, free: Values) -> None:
+    """Mark the lanes whose orbit will never touch the ring again.
+
+    Out of contact the centre of the whirl moves straight from c to c + drift; the orbit stays
+    inside the clearance exactly when both ends do with the whirl's own radius to spare.
+    """
+    wx, wy, room = free[0], free[1], free[2]
+    per = 0.5 / zeta
+    for i in range(LANES):
+        # on the rotating axes the whirl stands still at w and its velocity is i omega w
+        x, y = lanes[X + i] - wx, lanes[Y + i] - wy
+        u = x + per * (lanes[U + i] + omega * wy)
+        v = y + per * (lanes[V + i] - omega * wx)
+        farthest = max(x * x + y * y, u * u + v * v)
+        lanes[INSIDE + i] = code if farthest <= room else lanes[INSIDE + i]
+
+
+@compiled_for_lanes
+def next_waiting(labels: Labels, number: int) -> int:
+    """Return the first start from `number` on that has no label yet, or their total."""
+    while number < labels.shape[0] and labels[number] >= 0:
+        number += 1
+    return number
+
+
+@compiled_for_lanes
+def load(lanes: Values, i: int, states: Values, number: int) -> int:
+    """Put a start into a lane and return its number; if there is none left, let the lane rest."""
+    if number >= states.shape[1]:
+        lanes[X + i] = lanes[Y + i] = lanes[U + i] = lanes[V + i] = 0.0
+        lanes[TIME + i], lanes[STEP + i] = 0.0, 0.0
+        return NOBODY
+    lanes[X + i], lanes[Y + i] = states[0, number], states[1, number]
+    lanes[U + i], lanes[V + i] = states[2, number], states[3, number]
+    lanes[TIME + i], lanes[STEP + i] = 0.0, FIRST_STEP
+    return number
+
+
+@compiled_for_lanes
+def unload(
+    lanes: Values, i: int, states: Values, labels: Labels, times: Times, number: int
+) -> None:
+    """Take the outcome of a start from its lane."""
+    labels[number] = np.int16(lanes[INSIDE + i]) - 1 if lanes[INSIDE + i] > 0.0 else UNDECIDED
+    times[number] += np.float32(lanes[TIME + i])
+    states[0, number], states[1, number] = lanes[X + i], lanes[Y + i]
+    states[2, number], states[3, number] = lanes[U + i], lanes[V + i]
+
+
+@compiled_for_lanes
+def follow(
+    states: Values,
+    labels: Labels,
+    times: Times,
+    rotor: tuple[float, float, float | None],
+    sets: Values,
+    free: Values,
+    duration: float,
+    tolerance: float,
+    stop: npt.NDArray[np.uint8],
+) -> None:
+    """Follow each start until a capture set holds it or `duration` has passed.
+
+    Parameters
+    ----------
+    states : ndarray, shape (4, n)
+        Starts on the rotating axes [1]; overwritten by the states at the end.
+    labels : ndarray of int16, shape (n,)
+        Becomes the number of the capture set, ``len(sets)`` for the contact-free ones, or
+        UNDECIDED. What is not done when `stop` is set stays NOT_COMPUTED. Starts that have a
+        label of zero or more already are left alone.
+    times : ndarray of float32, shape (n,)
+        The time that each took is added [1].
+    rotor : tuple of float
+        omega, zeta and delta0, None for no clearance [1].
+    sets : ndarray, shape (m, 14)
+        Centre and upper triangular factor of each capture set.
+    free : ndarray, shape (3,)
+        Contact-free whirl on the rotating axes, and the squared radius within which its centre
+        must stay; negative if there is no such whirl.
+    duration, tolerance : float
+        Longest time to follow, and tolerance of a step [1].
+    stop : ndarray of uint8, shape (1,)
+        Set to 1 by another thread to end early.
+    """
+    omega, zeta, delta0 = rotor
+    lanes, owner = np.zeros(BUFFER), np.full(LANES, NOBODY)
+    steps = np.zeros(LANES, dtype=np.int64)
+    waiting, active = 0, 0
+    for i in range(LANES):
+        waiting = next_waiting(labels, waiting)
+        owner[i] = load(lanes, i, states, waiting)
+        waiting += 1
+        active += owner[i] != NOBODY
+    while active > 0 and stop[0] == 0:
+        mark_captured(lanes, sets)
+        if free[2] >= 0.0:
+            mark_free(lanes, sets.shape[0] + 1.0, omega, zeta, free)
+        for i in range(LANES):
+            steps[i] += 1
+            under_way = lanes[TIME + i] < duration and steps[i] < MOST_STEPS
+            if owner[i] == NOBODY or (under_way and lanes[INSIDE + i] == 0.0):
+                continue
+            unload(lanes, i, states, labels, times, owner[i])
+            waiting = next_waiting(labels, waiting)
+            owner[i] = load(lanes, i, states, waiting)
+            waiting += 1
+            active -= owner[i] == NOBODY
+            steps[i] = 0
+        step_lanes(lanes, omega, zeta, delta0, tolerance)

@@ -1,0 +1,128 @@
+"""Orbits side by side: one adaptive step in every lane at once, on the rotating axes.
+
+Every quantity is a row of `LANES` numbers in one flat array, one orbit in each lane. With constant
+distances between the rows the compiler sees that they do not overlap, and turns the loop over the
+lanes, which has no branches, into vector instructions.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.basins.dormand_prince import (
+    ADVANCE,
+    ERROR_3,
+    ERROR_5,
+    STAGE_2,
+    STAGE_3,
+    STAGE_4,
+    STAGE_5,
+    STAGE_6,
+    STAGE_7,
+    STAGE_8,
+    STAGE_9,
+    STAGE_10,
+    STAGE_11,
+    STAGE_12,
+    State,
+    moved,
+    size,
+)
+from rotor_ida.compiling import compiled_for_lanes, widest_vectors
+
+Values = npt.NDArray[np.float64]
+
+# So many keep the vector units busy while the buffer stays in the innermost cache.
+LANES = 64
+X, Y, U, V, TIME, STEP, INSIDE = (LANES * row for row in range(7))
+BUFFER = 7 * LANES
+
+SHRINK, GROW, CAUTION = 0.2, 5.0, 0.9
+# Below this a radius or a depth counts as this; its force is nothing.
+_TINY = 1e-30
+_HOPELESS = 1e30
+
+
+@compiled_for_lanes
+def secant(square: float, delta0: float | None) -> float:
+    """Return ``s(r) = f(r)/r`` from ``r**2``; a clearance of None stands for 0.
+
+    Roots are taken in single precision and polished by one step of Newton's method to a relative
+    error of about 1e-13, in a third of the time of the processor's own double roots.
+    """
+    bounded = max(square, _TINY)
+    if delta0 is None:  # s = sqrt(r), from the inverse fourth root of r**2
+        y: float = np.float64(np.float32(1.0) / np.sqrt(np.sqrt(np.float32(bounded))))
+        y = y * (1.25 - 0.25 * (bounded * (y * y) * (y * y)))
+        return bounded * y * y * y
+    y = inverse_root(bounded)
+    depth = max(bounded * y - delta0, _TINY)
+    return depth * depth * inverse_root(depth) * y
+
+
+@compiled_for_lanes
+def inverse_root(value: float) -> float:
+    """Return ``1/sqrt(value)``."""
+    y = np.float64(np.float32(1.0) / np.sqrt(np.float32(value)))
+    return y * (1.5 - 0.5 * (value * y * y))
+
+
+@compiled_for_lanes
+def rate(z: State, omega: float, zeta: float, delta0: float | None) -> State:
+    """Return the rate of a state on the rotating axes, as `rotor_ida.model.rotating_field`."""
+    x, y, u, v = z
+    restoring = secant(x * x + y * y, delta0)
+    damping = 2.0 * zeta
+    return (
+        u + omega * y,
+        v - omega * x,
+        omega * omega - damping * u + omega * v - restoring * x,
+        -damping * v - omega * u - restoring * y,
+    )
+
+
+@compiled_for_lanes
+def step_lanes(
+    lanes: Values, omega: float, zeta: float, delta0: float | None, tolerance: float
+) -> None:
+    """Try one step in every lane; a step whose error is too large is taken back and made smaller.
+
+    The error is measured against ``tolerance * sqrt(1 + x**2 + y**2 + vx**2 + vy**2)``.
+    """
+    widest_vectors()
+    for i in range(LANES):
+        x, y, u, v = lanes[X + i], lanes[Y + i], lanes[U + i], lanes[V + i]
+        h = lanes[STEP + i]
+        z = (x, y, u, v)
+        k1 = rate(z, omega, zeta, delta0)
+        k1 = rate(z, omega, zeta, delta0)
+        k2 = rate(moved(z, h, STAGE_2, (k1,)), omega, zeta, delta0)
+        k3 = rate(moved(z, h, STAGE_3, (k1, k2)), omega, zeta, delta0)
+        k4 = rate(moved(z, h, STAGE_4, (k1, k3)), omega, zeta, delta0)
+        k5 = rate(moved(z, h, STAGE_5, (k1, k3, k4)), omega, zeta, delta0)
+        k6 = rate(moved(z, h, STAGE_6, (k1, k4, k5)), omega, zeta, delta0)
+        k7 = rate(moved(z, h, STAGE_7, (k1, k4, k5, k6)), omega, zeta, delta0)
+        k8 = rate(moved(z, h, STAGE_8, (k1, k4, k5, k6, k7)), omega, zeta, delta0)
+        k9 = rate(moved(z, h, STAGE_9, (k1, k4, k5, k6, k7, k8)), omega, zeta, delta0)
+        k10 = rate(moved(z, h, STAGE_10, (k1, k4, k5, k6, k7, k8, k9)), omega, zeta, delta0)
+        k11 = rate(moved(z, h, STAGE_11, (k1, k4, k5, k6, k7, k8, k9, k10)), omega, zeta, delta0)
+        k12 = rate(
+            moved(z, h, STAGE_12, (k1, k4, k5, k6, k7, k8, k9, k10, k11)), omega, zeta, delta0
+        )
+        late = (k1, k6, k7, k8, k9, k10, k11, k12)
+        nx, ny, nu, nv = moved(z, h, ADVANCE, late)
+        fifth, third = size(ERROR_5, late), size(ERROR_3, late)
+        error = h * h * fifth * fifth / (fifth + 0.01 * third + 1e-300)
+        error = error / ((1.0 + x * x + y * y + u * u + v * v) * (tolerance * tolerance))
+        error = error if error < _HOPELESS else _HOPELESS  # also where a long step overflowed
+        good = error <= 1.0
+        # the eighth root of the error itself, in single precision: it only chooses the step
+        root = np.sqrt(np.sqrt(np.sqrt(np.sqrt(np.float32(error + 1e-30)))))
+        factor = np.float64(np.float32(CAUTION) / root)
+        lanes[STEP + i] = h * max(min(factor, GROW), SHRINK)
+        lanes[TIME + i] += h if good else 0.0
+        lanes[X + i] = nx if good else x
+        lanes[Y + i] = ny if good else y
+        lanes[U + i] = nu if good else u
+        lanes[V + i] = nv if good else v

@@ -1,0 +1,206 @@
+"""Datasets of basins: what the starts of one rotor end on, over a grid or in shares."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.dataset.provenance import provenance
+from rotor_ida.parameters import Rotor
+from rotor_ida.schema import FATE, RESPONSE, labelled
+from rotor_ida.simulator.options import Options
+
+Values = npt.NDArray[np.float64]
+
+LABELLING = (
+    "every start followed in lockstep lanes by DOP853 on the rotating axes until a set captures it "
+    "that no orbit leaves, or by its motion over two windows; attractors confirmed by CVODE"
+)
+TABLE = ("amplitude", "phase_lag", "radius_min", "radius_max")
+
+
+class Described(Protocol):
+    """What is known of an attractor."""
+
+    @property
+    def kind(self) -> str:
+        """Kind of response."""
+
+    @property
+    def amplitude(self) -> float:
+        """Amplitude at the spin speed [1]."""
+
+    @property
+    def phase_lag(self) -> float:
+        """Phase lag [rad]."""
+
+    @property
+    def radius_min(self) -> float:
+        """Smallest radius [1]."""
+
+    @property
+    def radius_max(self) -> float:
+        """Largest radius [1]."""
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether CVODE has been there."""
+
+
+def basin_dataset(
+    rotor: Rotor,
+    axes: Mapping[str, Values],
+    fixed: Mapping[str, float],
+    labels: npt.NDArray[np.int16],
+    times: npt.NDArray[np.float32],
+    attractors: Sequence[Described],
+    attributes: Mapping[str, object],
+    options: Options,
+) -> xr.Dataset:
+    """Return a grid of starts with what they end on.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        The rotor.
+    axes : mapping of str to ndarray
+        The two components of the start that vary, in the order of the dimensions [1].
+    fixed : mapping of str to float
+        The two others [1].
+    labels : ndarray of int16, shape (n, m)
+        Number of the attractor, or one of `FATE`.
+    times : ndarray of float32, shape (n, m)
+        Settling times [1].
+    attractors : sequence
+        The attractors, by number.
+    attributes : mapping
+        More attributes.
+    options : Options
+        How CVODE confirmed.
+    """
+    dims = tuple(axes)
+    variables = {
+        "label": _labels(labels, dims, len(attractors)),
+        "response": _responses(labels, dims, attractors),
+        "settling_time": labelled("settling_time", dims, times),
+        **_attractor_table(labels, attractors),
+    }
+    coordinates = _parameters(rotor)
+    coordinates |= {name: labelled(name, name, values) for name, values in axes.items()}
+    coordinates |= {name: labelled(name, (), value) for name, value in fixed.items()}
+    coordinates["attractor"] = labelled("attractor", "attractor", np.arange(len(attractors)))
+    return xr.Dataset(
+        variables, coordinates, _attributes("what each start ends on", rotor, attributes, options)
+    )
+
+
+def shares_dataset(
+    rotor: Rotor,
+    labels: npt.NDArray[np.int16],
+    attractors: Sequence[Described],
+    attributes: Mapping[str, object],
+    options: Options,
+) -> xr.Dataset:
+    """Return which parts of the starts end on which attractor and kind of response.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        The rotor.
+    labels : ndarray of int16, shape (n,)
+        Number of the attractor of each start, or one of `FATE`.
+    attractors, attributes, options
+        As for `basin_dataset`.
+    """
+    responses = _responses(labels, ("start",), attractors).values
+    kinds = [number for word, number in RESPONSE.items() if word != "failed"]
+    counts = np.array([(responses == kind).sum() for kind in kinds])
+    share, error = _shares(counts, int((labels != FATE["not_computed"]).sum()))
+    variables = {
+        **_attractor_table(labels, attractors),
+        "response_count": labelled("response_count", "response", counts),
+        "response_share": labelled("response_share", "response", share),
+        "response_share_error": labelled("response_share_error", "response", error),
+    }
+    coordinates = _parameters(rotor)
+    coordinates["attractor"] = labelled("attractor", "attractor", np.arange(len(attractors)))
+    coordinates["response"] = labelled("response", "response", np.array(kinds, dtype=np.int8))
+    return xr.Dataset(
+        variables, coordinates, _attributes("shares of starts", rotor, attributes, options)
+    )
+
+
+def _attributes(
+    title: str, rotor: Rotor, more: Mapping[str, object], options: Options
+) -> dict[str, object]:
+    return {
+        **provenance(f"Rotor in a clearance: {title}", options),
+        "labelling": LABELLING,
+        "omega": rotor.omega,
+        "zeta": rotor.zeta,
+        "delta0": rotor.delta0,
+        **more,
+    }
+
+
+def _parameters(rotor: Rotor) -> dict[str, xr.Variable]:
+    parameters = {"omega": rotor.omega, "zeta": rotor.zeta, "delta0": rotor.delta0}
+    return {name: labelled(name, (), value) for name, value in parameters.items()}
+
+
+def _labels(labels: npt.NDArray[np.int16], dims: tuple[str, ...], count: int) -> xr.Variable:
+    variable = labelled("label", dims, labels)
+    variable.attrs["flag_values"] = np.array([*FATE.values(), *range(count)], dtype=np.int16)
+    numbered = [f"attractor_{number}" for number in range(count)]
+    variable.attrs["flag_meanings"] = " ".join([*FATE, *numbered])
+    return variable
+
+
+def _responses(
+    labels: npt.NDArray[np.int16], dims: tuple[str, ...], attractors: Sequence[Described]
+) -> xr.Variable:
+    """Return the kind of response of each start; those not computed have a number of their own."""
+    kinds = [RESPONSE[each.kind] for each in attractors]
+    # the two fates stand at the end of the table, where negative numbers find them
+    table = np.array([*kinds, FATE["not_computed"], RESPONSE["unresolved"]], dtype=np.int8)
+    variable = labelled("response", dims, table[labels])
+    words = {**RESPONSE, "not_computed": FATE["not_computed"]}
+    variable.attrs["flag_values"] = np.array(list(words.values()), dtype=np.int8)
+    variable.attrs["flag_meanings"] = " ".join(words)
+    return variable
+
+
+def _attractor_table(
+    labels: npt.NDArray[np.int16], attractors: Sequence[Described]
+) -> dict[str, xr.Variable]:
+    counts = np.array([(labels == number).sum() for number in range(len(attractors))], np.int64)
+    undecided = int((labels == FATE["undecided"]).sum())
+    missing = int((labels == FATE["not_computed"]).sum())
+    share, error = _shares(np.array([*counts, undecided]), labels.size - missing)
+    columns: dict[str, npt.ArrayLike] = {
+        "kind": np.array([RESPONSE[each.kind] for each in attractors], dtype=np.int8),
+        **{name: np.array([getattr(each, name) for each in attractors], float) for name in TABLE},
+        "confirmed": np.array([each.confirmed for each in attractors], dtype=np.int8),
+        "count": counts,
+        "share": share[:-1],
+        "share_error": error[:-1],
+    }
+    table = {name: labelled(name, "attractor", column) for name, column in columns.items()}
+    table["undecided_count"] = labelled("undecided_count", (), undecided)
+    table["undecided_share"] = labelled("undecided_share", (), share[-1])
+    table["not_computed_count"] = labelled("not_computed_count", (), missing)
+    return table
+
+
+def _shares(counts: npt.NDArray[np.int64], total: int) -> tuple[Values, Values]:
+    """Return shares and the standard error ``sqrt(p (1 - p)/n)`` of a random sample."""
+    if total == 0:
+        nothing = np.full(counts.size, math.nan)
+        return nothing, nothing.copy()
+    share = counts / total
+    return share, np.sqrt(share * (1.0 - share) / total)

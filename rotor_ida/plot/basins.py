@@ -1,0 +1,133 @@
+"""Basins: a plane of starts, one colour for each attractor."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.patches import Patch
+
+from rotor_ida.errors import InputError
+from rotor_ida.plot.appearance import (
+    INK,
+    KIND_WORDS,
+    LABELS,
+    axes_or_new,
+    check_dataset,
+    one_value,
+    parameter_text,
+    style,
+)
+from rotor_ida.schema import FATE, flags_of
+
+Values = npt.NDArray[np.float64]
+
+PARAMETERS = ("omega", "zeta", "delta0")
+NEEDED = (*PARAMETERS, "label", "kind", "amplitude", "radius_min", "radius_max", "count")
+# From petroff10, lighter and darker in turn, so that neighbours differ in grey too.
+COLOURS = ("#3f90da", "#ffa90e", "#832db6", "#94a4a2", "#bd1f01", "#b9ac70", "#a96b59", "#92dadd")
+UNDECIDED, NOT_COMPUTED = INK, "white"
+FATE_WORDS = {"undecided": "undecided", "not_computed": "not computed"}
+CONSTANT_RADIUS = 1e-3
+
+
+def plot_basin(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
+    """Draw which start ends on which attractor.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        What `rotor_ida.basin` returned.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        Where it was drawn. The legend names the attractors that starts end on, by kind, with
+        their amplitude, or the range of the radius where that is not constant.
+
+    Raises
+    ------
+    InputError
+        If the dataset is no basin, or has fewer than two starts in a direction.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rotor_ida import Rotor, basin
+    >>> axis = np.linspace(-15.0, 15.0, 16)
+    >>> ax = plot_basin(basin(Rotor(omega=1.7, zeta=0.07, delta0=0.0), x=axis, y=axis))
+    >>> [text.get_text() for text in ax.get_legend().get_texts()]
+    ['synchronous response, $A = 1.88$', 'synchronous response, $A = 9.49$']
+    """
+    dataset = check_dataset("dataset", dataset, NEEDED)
+    label = dataset["label"]
+    vertical, horizontal = _directions(label)
+    colours = [NOT_COMPUTED, UNDECIDED]
+    count = dataset.sizes["attractor"]
+    colours += [COLOURS[number % len(COLOURS)] for number in range(count)]
+    with style():
+        ax = axes_or_new(ax, width=4.6, height=5.0)
+        ax.grid(visible=False)
+        ax.pcolormesh(
+            dataset[horizontal].values,
+            dataset[vertical].values,
+            label.transpose(vertical, horizontal).values,
+            cmap=ListedColormap(colours),
+            norm=BoundaryNorm(np.arange(FATE["not_computed"], count + 1) - 0.5, len(colours)),
+            shading="nearest",
+            rasterized=True,
+        )
+        ax.set_aspect("equal")
+        ax.set_xlabel(LABELS[horizontal])
+        ax.set_ylabel(LABELS[vertical])
+        ax.set_title(parameter_text(**{
+            name: one_value("dataset", dataset, name) for name in PARAMETERS
+        }))  # fmt: skip
+        handles = _handles(dataset, colours)
+        ax.legend(
+            handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.13), borderaxespad=0.0,
+            ncols=1 + (len(handles) > 3),
+        )  # fmt: skip
+    return ax
+
+
+def _directions(label: xr.DataArray) -> tuple[str, str]:
+    """Return what is drawn upwards and what to the right."""
+    if label.ndim != 2 or min(label.shape) < 2:
+        raise InputError(
+            f"dataset must hold at least 2 x 2 starts to be drawn, got {dict(label.sizes)}"
+        )
+    horizontal, vertical = (str(dim) for dim in label.dims)
+    return vertical, horizontal
+
+
+def _handles(dataset: xr.Dataset, colours: list[str]) -> list[Patch]:
+    """Return a patch for each attractor that a start ends on, then for what is not known."""
+    shift = -FATE["not_computed"]
+    handles = [
+        Patch(facecolor=colours[number + shift], label=_name(dataset.isel(attractor=number)))
+        for number in range(dataset.sizes["attractor"])
+        if dataset["count"].values[number] > 0
+    ]
+    handles += [
+        Patch(facecolor=colours[FATE[fate] + shift], edgecolor=INK, linewidth=0.5, label=words)
+        for fate, words in FATE_WORDS.items()
+        if (dataset["label"] == FATE[fate]).any()
+    ]
+    return handles
+
+
+def _name(attractor: xr.Dataset) -> str:
+    """Return the kind of an attractor and its amplitude, or the radii between which it swings."""
+    words = {number: word for word, number in flags_of(attractor["kind"]).items()}
+    kind = KIND_WORDS[words[int(attractor["kind"])]]
+    low, high = float(attractor["radius_min"]), float(attractor["radius_max"])
+    if math.isnan(high) or high - low <= CONSTANT_RADIUS * high:
+        return f"{kind}, $A = {float(attractor['amplitude']):.3g}$"
+    return f"{kind}, ${low:.3g} \\leq |z| \\leq {high:.3g}$"

@@ -1,0 +1,114 @@
+"""Groups: attractors that differ are kept apart, a chaotic one is not split, doubt is said."""
+
+import numpy as np
+import pytest
+
+from rotor_ida import Rotor
+from rotor_ida.basins import attractors as attractors_module
+from rotor_ida.basins.attractors import Attractor, attractors_of
+from rotor_ida.basins.kernel import UNDECIDED
+from rotor_ida.basins.survey import Survey, Undecided, ends_of
+from rotor_ida.simulator.options import Options
+
+BOUNCER = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+
+
+@pytest.fixture
+def confirmed(monkeypatch):
+    """Let CVODE see whatever the kernel saw."""
+    monkeypatch.setattr(attractors_module, "_confirm", lambda _rotor, attractor, *_: attractor)
+
+
+def survey_of(rotor, earlier, later):
+    """Return a survey in which every start is undecided with these windows."""
+    count = len(later)
+    left = Undecided(
+        np.arange(count),
+        np.asarray(earlier, dtype=np.float32),
+        np.asarray(later, dtype=np.float32),
+        np.zeros((4, count)),
+    )
+    labels = np.full(count, UNDECIDED, dtype=np.int16)
+    return Survey(ends_of(rotor), labels, np.zeros(count, np.float32), left)
+
+
+def windows(low, high, count, scatter, seed=0):
+    random = np.random.default_rng(seed)
+    columns = np.zeros((count, 5))
+    columns[:, 0] = low + scatter * random.uniform(-1.0, 1.0, count)
+    columns[:, 1] = high + scatter * random.uniform(-1.0, 1.0, count)
+    columns[:, 4] = high
+    return columns
+
+
+def sort(survey):
+    nobody = [np.empty((0, 4))] * (len(survey.ends.sets) + survey.ends.has_free)
+    return attractors_of(survey, nobody, Options())
+
+
+def test_two_periodic_motions_are_two_attractors(confirmed):
+    """They differ by one part in a hundred; from one window to the next, in ten thousand."""
+    one, two = windows(1.9, 4.10, 30, 1e-4), windows(1.9, 4.15, 20, 1e-4)
+    survey = survey_of(BOUNCER, np.vstack([one, two]), np.vstack([one, two]) + 1e-5)
+    found = sort(survey)
+    assert [each.kind for each in found] == ["contact_free", "bouncing", "bouncing"]
+    assert survey.labels.tolist() == [1] * 30 + [2] * 20
+
+
+@pytest.mark.parametrize("count", [12, 300, 4000])
+def test_a_chaotic_motion_is_one_attractor(confirmed, count):
+    earlier = windows(1.5, 4.0, count, 0.3, seed=1)
+    survey = survey_of(BOUNCER, earlier, windows(1.5, 4.0, count, 0.3, seed=2))
+    assert len(sort(survey)) == 2
+    assert (survey.labels == 1).mean() > 0.9
+
+
+def test_motions_that_die_away_stay_undecided(confirmed):
+    later = windows(1.9, 2.2, 10, 1e-4)
+    survey = survey_of(BOUNCER, windows(1.9, 2.4, 10, 1e-4), later)
+    assert len(sort(survey)) == 1
+    assert (survey.labels == UNDECIDED).all()
+
+
+def test_touches_that_get_slighter_for_ever_are_no_bouncing(confirmed):
+    """They can last for so long that two windows look alike; but each pushes inwards."""
+    rotor = Rotor(omega=1.0, zeta=1.0, delta0=3.0)
+    look = windows(2.1, 3.0027, 10, 1e-5)
+    whirl = -rotor.omega / complex(rotor.omega, -2.0 * rotor.zeta)
+    look[:, 2:4] = whirl.real, whirl.imag
+    survey = survey_of(rotor, look, look)
+    sort(survey)
+    assert (survey.labels == UNDECIDED).all()
+
+
+def test_an_orbit_near_a_stable_whirl_and_nearing_it_belongs_to_it(confirmed):
+    rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
+    survey = survey_of(rotor, np.zeros((2, 5)), np.zeros((2, 5)))
+    x, y = survey.ends.sets[1].centre[:2]
+    radius = np.hypot(x, y)
+    survey.undecided.earlier[:] = radius, radius, x, y, 0.3
+    survey.undecided.later[:] = radius, radius, x, y, 0.1
+    survey.undecided.later[1, 4] = 0.29  # this one does not come nearer
+    sort(survey)
+    assert survey.labels.tolist() == [1, UNDECIDED]
+
+
+def test_what_cvode_denies_is_undecided():
+    """The windows are of bouncing, but from these states CVODE finds the contact-free whirl."""
+    look = windows(1.9, 4.1, 5, 1e-4)
+    survey = survey_of(BOUNCER, look, look)
+    x, y, _ = survey.ends.free
+    survey.undecided.states[:] = np.array([[x], [y], [-2.0 * y], [2.0 * x]])
+    assert len(sort(survey)) == 1
+    assert (survey.labels == UNDECIDED).all()
+
+
+def test_after_an_interrupt_nothing_is_confirmed_but_all_is_told():
+    look = windows(1.9, 4.1, 5, 1e-4)
+    survey = survey_of(BOUNCER, look, look)
+    survey.interrupted = True
+    found = sort(survey)
+    assert (survey.labels == 1).all()
+    assert not any(each.confirmed for each in found)
+    assert isinstance(found[1], Attractor)
+    assert found[1].radius_max == pytest.approx(4.1, abs=1e-3)

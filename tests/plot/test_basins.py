@@ -1,0 +1,80 @@
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.figure import Figure
+
+from rotor_ida import InputError, Rotor, basin
+from rotor_ida.plot import plot_basin
+from rotor_ida.plot.basins import COLOURS
+
+
+@pytest.fixture(scope="module")
+def figure_7():
+    rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
+    return basin(rotor, x=np.linspace(-15, 15, 20), y=np.linspace(-14, 14, 15))
+
+
+def words(ax):
+    return [text.get_text() for text in ax.get_legend().get_texts()]
+
+
+def colours_at(ax, dataset, x, y):
+    (mesh,) = ax.collections
+    places = [np.argmin(np.abs(dataset[name].values - at)) for name, at in (("x", x), ("y", y))]
+    value = mesh.get_array()[places[1], places[0]]
+    return mesh.cmap(mesh.norm(value))
+
+
+def test_each_start_has_the_colour_of_its_attractor(figure_7):
+    ax = plot_basin(figure_7)
+    faces = [patch.get_facecolor() for patch in ax.get_legend().get_patches()]
+    assert colours_at(ax, figure_7, 0.0, 0.0) == faces[0]
+    assert colours_at(ax, figure_7, 10.0, 0.0) == faces[1]
+
+
+def test_legend_names_kind_and_amplitude(figure_7):
+    assert words(plot_basin(figure_7)) == [
+        "synchronous response, $A = 1.88$",
+        "synchronous response, $A = 9.49$",
+    ]
+
+
+def test_axes_are_labelled_and_equal(figure_7):
+    ax = plot_basin(figure_7)
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("displacement $x$", "displacement $y$")
+    assert ax.get_aspect() == 1.0
+
+
+def test_what_is_not_known_is_told(figure_7):
+    partly = figure_7.copy(deep=True)
+    partly["label"][0, :] = -1
+    partly["label"][1, :] = -2
+    assert words(plot_basin(partly))[2:] == ["undecided", "not computed"]
+
+
+def test_a_motion_of_changing_radius_is_told_by_its_radii(figure_7):
+    swinging = figure_7.copy(deep=True)
+    swinging["radius_min"][0] = 1.0
+    assert words(plot_basin(swinging))[0] == r"synchronous response, $1 \leq |z| \leq 1.88$"
+
+
+def test_attractors_without_start_are_not_listed(figure_7):
+    empty = figure_7.copy(deep=True)
+    empty["count"][0] = 0
+    assert len(words(plot_basin(empty))) == 1
+
+
+def test_colours_differ():
+    assert len(set(COLOURS)) == len(COLOURS)
+
+
+def test_draws_on_the_axes_given(figure_7):
+    ax = Figure().subplots()
+    assert plot_basin(figure_7, ax) is ax
+
+
+def test_other_data_are_refused(figure_7):
+    with pytest.raises(InputError, match=r"dataset must hold .* it lacks label"):
+        plot_basin(xr.Dataset({"omega": 1.0, "zeta": 1.0, "delta0": 1.0}))
+    with pytest.raises(InputError, match="at least 2 x 2 starts"):
+        plot_basin(figure_7.isel(x=slice(1)))
