@@ -15,6 +15,7 @@ from rotor_ida.parameters import Rotor
 from rotor_ida.response import UNRESOLVED, Window, classify, window_of
 from rotor_ida.simulator.options import Options
 from rotor_ida.simulator.orbit import Orbit
+from rotor_ida.simulator.record import Stop
 from rotor_ida.simulator.run import run
 
 Values = npt.NDArray[np.float64]
@@ -74,6 +75,7 @@ class _Journey:
     rotor: Rotor
     options: Options
     state: State
+    stop: Stop | None = None
     time: float = 0.0
     event_times: list[Values] = field(default_factory=lambda: [np.empty(0)])
     event_kinds: list[npt.NDArray[np.int8]] = field(
@@ -84,7 +86,7 @@ class _Journey:
     def go_on(self, duration: float, samples: int) -> Orbit:
         """Simulate on; times count from the end of the run before, where the phase is 0."""
         times = np.linspace(0.0, duration, samples) if samples else np.empty(0)
-        orbit = run(self.rotor, self.state, duration, times, self.options)
+        orbit = run(self.rotor, self.state, duration, times, self.options, stop=self.stop)
         omega = self.rotor.omega
         self.event_times.append(self.time + orbit.event_times)
         self.event_kinds.append(orbit.event_kinds)
@@ -111,7 +113,14 @@ class _Journey:
         )
 
 
-def settle(rotor: Rotor, start: State, options: Options, *, doublings: int = 3) -> Settled:
+def settle(
+    rotor: Rotor,
+    start: State,
+    options: Options,
+    *,
+    doublings: int = 3,
+    stop: Stop | None = None,
+) -> Settled:
     """Follow a rotor until its response is clear, or its patience is at an end.
 
     The motion is looked at over a final window, once after the time in which damping should
@@ -129,8 +138,10 @@ def settle(rotor: Rotor, start: State, options: Options, *, doublings: int = 3) 
         How to simulate.
     doublings : int
         How often the duration may be doubled.
+    stop : ndarray, shape (1,), optional
+        Gives the rotor up, as failed, as soon as it holds anything but 0.
     """
-    journey = _Journey(rotor, options, start)
+    journey = _Journey(rotor, options, start, stop)
     wait, length, samples = durations(rotor)
     earlier: Window | None = None
     began = 0.0

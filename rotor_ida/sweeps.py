@@ -176,7 +176,7 @@ def _follow(job: _Job, stop: Stop) -> list[Settled]:
     for rotor in job.rotors:
         if stop[0]:
             break
-        point = settle(rotor, state, job.options)
+        point = settle(rotor, state, job.options, stop=stop)
         if point.response != FAILED:
             state = point.end
         settled.append(point)

@@ -25,7 +25,7 @@ def interruptible(work: Callable[[Stop], Result]) -> Result:
     work : callable
         Called with an array that holds 0 until it should stop.
     """
-    stop = np.zeros(1, np.int8)
+    stop = np.zeros(1, np.uint8)
     if threading.current_thread() is not threading.main_thread():
         return work(stop)
     future: Future[Result] = Future()

@@ -16,7 +16,7 @@ from rotor_ida.compiling import shared, structure
 
 Values = npt.NDArray[np.float64]
 Kinds = npt.NDArray[np.int8]
-Stop = npt.NDArray[np.int8]
+Stop = npt.NDArray[np.uint8]
 
 # Time, state, samples, events' times, kinds and states, contacts, evaluations.
 Harvest = tuple[float, Values, Values, Values, Kinds, Values, Values, int]

@@ -71,7 +71,7 @@ def run(
         sample_times,
         options,
         slack,
-        np.zeros(1, np.int8) if stop is None else stop,
+        np.zeros(1, np.uint8) if stop is None else stop,
     )
     omega = rotor.omega
     if status != GOES_ON:

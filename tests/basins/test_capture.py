@@ -6,8 +6,8 @@ import pytest
 from rotor_ida import Rotor, folds
 from rotor_ida.basins.capture import capture_sets
 from rotor_ida.model import rotating_field, turned
-from rotor_ida.simulator.loop import run
 from rotor_ida.simulator.options import Options
+from rotor_ida.simulator.run import run
 
 ROTORS = [
     Rotor(omega=1.7, zeta=0.07, delta0=0.0),

@@ -7,8 +7,8 @@ from rotor_ida import Rotor
 from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED, follow
 from rotor_ida.basins.lanes import LANES
 from rotor_ida.basins.survey import _table, ends_of
-from rotor_ida.simulator.loop import run
 from rotor_ida.simulator.options import Options
+from rotor_ida.simulator.run import run
 
 NOTHING = np.array([0.0, 0.0, -1.0])
 GO_ON = np.zeros(1, dtype=np.uint8)

@@ -13,8 +13,8 @@ from rotor_ida.basins.lanes import BUFFER, LANES, STEP, TIME, U, V, X, Y, rate, 
 from rotor_ida.basins.windows import ROWS, watch_step
 from rotor_ida.contact import force_over_radius
 from rotor_ida.model import rotating_field
-from rotor_ida.simulator.loop import run
 from rotor_ida.simulator.options import Options
+from rotor_ida.simulator.run import run
 
 RADII = [0.5, *np.geomspace(1e-6, 1e6, 200)]
 

@@ -116,7 +116,7 @@ def test_threads_give_what_one_gives():
 
 
 def test_a_run_can_be_asked_to_stop():
-    stop = np.zeros(1, np.int8)
+    stop = np.zeros(1, np.uint8)
     threading.Timer(0.2, lambda: stop.__setitem__(0, 1)).start()
     begin = time.monotonic()
     with pytest.raises(SimulationError, match="interrupted"):

@@ -233,7 +233,7 @@ def test_no_sample_is_lost_to_rounding_at_the_end():
     assert short.size > 10
     for number in short[:10]:
         time, duration = float(times[number]), float(durations[number])
-        samples, start, stop = np.array([duration]), np.zeros(4), np.zeros(1, np.int8)
+        samples, start, stop = np.array([duration]), np.zeros(4), np.zeros(1, np.uint8)
         record = new_record(1, 0, 1, 1e-10, 1e-12, True, start, duration, 0.0, samples, stop)
         move(record, time, 0j, 0j)
         assert next_sample(record, time_left(record)) == time_left(record)
