@@ -64,10 +64,10 @@ def test_a_point_that_fails_is_labelled_and_stops_nothing(monkeypatch):
 
     true_run = settling.run
 
-    def fails_at_two(rotor, *rest):
+    def fails_at_two(rotor, *rest, **options):
         if rotor.omega == 2.0:
             raise SimulationError("corrector failed", time=1.0, state=(0.0, 0.0, 0.0, 0.0))
-        return true_run(rotor, *rest)
+        return true_run(rotor, *rest, **options)
 
     monkeypatch.setattr(settling, "run", fails_at_two)
     responses = sweep(omega=[1.0, 2.0, 3.0], zeta=0.5, delta0=0.5, direction="up").squeeze()
