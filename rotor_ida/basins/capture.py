@@ -31,7 +31,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import solve_continuous_lyapunov
 
 from rotor_ida.closed_forms import synchronous_response
 from rotor_ida.contact import contact_stiffness, secant_stiffness
@@ -47,6 +46,10 @@ BISECTIONS = 40
 MODE_RATIOS = np.geomspace(1e-2, 1e2, 17)
 # Modes this nearly parallel (near a double eigenvalue) are no basis for a form.
 MOST_SKEW = 1e6
+# Decay slower than this part of the fastest motion is lost in rounding: too close to a fold.
+SLOWEST = 1e-9
+# Forms with axes this unequal, squared, are left alone: rounding could decide.
+MOST_ECCENTRIC = 1e10
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,7 +123,8 @@ def capture_sets(rotor: Rotor) -> list[CaptureSet]:
 def _capture_set(rotor: Rotor, amplitude: float, lag: float) -> CaptureSet:
     """Return the largest set among those that the linear motion suggests."""
     problem = _Problem(rotor, amplitude)
-    best = max(problem.candidates(), key=problem.log_volume)
+    usable = [form for form in problem.candidates() if _is_usable(form)]
+    best = max(usable, key=problem.log_volume, default=np.eye(4))
     level = problem.largest_level(best)
     position = amplitude * complex(math.cos(lag), -math.sin(lag))
     velocity = 1j * rotor.omega * position
@@ -131,6 +135,12 @@ def _capture_set(rotor: Rotor, amplitude: float, lag: float) -> CaptureSet:
     turn = np.kron(np.eye(2), np.array([[math.cos(lag), -math.sin(lag)],
                                         [math.sin(lag), math.cos(lag)]]))  # fmt: skip
     return CaptureSet(amplitude, lag, centre, turn.T @ (best / level) @ turn)
+
+
+def _is_usable(form: Values) -> bool:
+    """Return whether a form is positive definite, far enough from not being so."""
+    values = np.linalg.eigvalsh(form)
+    return bool(values[0] > 0.0 and values[-1] < MOST_ECCENTRIC * values[0])
 
 
 class _Problem:
@@ -205,10 +215,12 @@ class _Problem:
         r, delta0 = self.amplitude, self.rotor.delta0
         tangent, secant = float(contact_stiffness(r, delta0)), float(secant_stiffness(r, delta0))
         matrix = self.matrix(tangent, secant, 0.0)
-        forms = [np.asarray(solve_continuous_lyapunov(matrix.T, -np.eye(4)))]
         values, vectors = np.linalg.eig(matrix)
+        if values.real.max() > -SLOWEST * np.abs(values).max():
+            return []
         if np.linalg.cond(vectors) > MOST_SKEW:
-            return forms
+            return []
+        forms = []
         inverse = np.linalg.inv(vectors[:, np.argsort(np.abs(values.imag))])
         for ratio in MODE_RATIOS:
             weights = np.array([1.0, 1.0, ratio, ratio])

@@ -71,3 +71,15 @@ def test_sets_shrink_towards_a_fold():
 
 def test_a_rotor_without_stable_whirl_has_no_set():
     assert capture_sets(Rotor(omega=2.0, zeta=0.07, delta0=2.0)) == []
+
+
+@pytest.mark.parametrize("beyond", [1e-12, 1e-9, 1e-6, 1e-4])
+@pytest.mark.parametrize("zeta", [1e-4, 0.07])
+def test_next_to_a_fold_there_is_a_small_set_or_none(zeta, beyond):
+    """Where decay is lost in rounding no set is claimed; warnings are errors here."""
+    for fold in folds(zeta=zeta, delta0=0.3)["fold_omega"].values.ravel():
+        for side in (-1.0, 1.0):
+            rotor = Rotor(omega=float(fold) * (1.0 + side * beyond), zeta=zeta, delta0=0.3)
+            for each in capture_sets(rotor):
+                assert np.isfinite(each.numbers[4:]).all()
+                assert each.exists or not each.holds(each.centre)
