@@ -24,30 +24,39 @@ _LANE_MATHS = {"contract", "nsz", "arcp", "reassoc"}
 
 def compiled(function: Callable[P, R]) -> Callable[P, R]:
     """Compile `function` on first call, keep the machine code on disk, and release the GIL."""
-    kernel: Callable[P, R] = numba.njit(cache=True, nogil=True, error_model="numpy")(function)
-    _heed_all_sources(kernel)
+    kernel: Callable[P, R] = _kept(numba.njit(nogil=True, error_model="numpy")(function))
+    return kernel
+
+
+def compiled_for_lanes(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile like `compiled`, allowing sums to be regrouped so that loops over lanes vectorise."""
+    made = numba.njit(nogil=True, error_model="numpy", fastmath=_LANE_MATHS)(function)
+    kernel: Callable[P, R] = _kept(made)
     return kernel
 
 
 def callback(signature: Any, function: Callable[..., Any]) -> Any:
     """Compile `function` for C to call, and keep the machine code; it has an ``address``."""
-    made = CFunc(
-        function, numba.core.sigutils.normalize_signature(signature), {}, {"error_model": "numpy"}
-    )
-    made.enable_caching()
-    _heed_all_sources(made)
+    arguments = numba.core.sigutils.normalize_signature(signature)
+    made = _kept(CFunc(function, arguments, {}, {"error_model": "numpy"}))
     made.compile()
     return made
 
 
-def _heed_all_sources(kernel: Any) -> None:
-    """Let kept machine code count as stale when any source that may be part of it has changed.
+def _kept(kernel: Any) -> Any:
+    """Let numba keep the machine code on disk, as long as no source that it may hold changes.
 
-    numba heeds the file of the kernel alone, not those of what it calls.
+    numba heeds the file of the kernel alone, not those of what it calls. Where no folder can be
+    written, every process compiles anew.
     """
+    try:
+        kernel.enable_caching()
+    except RuntimeError:
+        return kernel
     file = getattr(getattr(kernel, "_cache", None), "_cache_file", None)
     if file is not None and hasattr(file, "_source_stamp"):
         file._source_stamp = (file._source_stamp, _newest_source())
+    return kernel
 
 
 @cache
@@ -55,7 +64,9 @@ def _newest_source() -> int:
     """Return when the newest of the sources that kernels are made of was changed."""
     package = Path(__file__).parent
     sources = [package / f"{name}.py" for name in ("compiling", "contact", "model")]
-    return max(path.stat().st_mtime_ns for path in [*sources, *package.glob("simulator/*.py")])
+    for folder in ("simulator", "basins", "analysis"):
+        sources += package.glob(f"{folder}/*.py")
+    return max(path.stat().st_mtime_ns for path in sources)
 
 
 def shared(function: Callable[P, R]) -> Callable[P, R]:
@@ -96,15 +107,6 @@ def structure(dataclass: type) -> Any:
     names = [field.name for field in fields(dataclass)]
     structref.define_constructor(dataclass, Structure, names)
     return Structure
-
-
-def compiled_for_lanes(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile like `compiled`, allowing sums to be regrouped so that loops over lanes vectorise."""
-    kernel: Callable[P, R] = numba.njit(
-        cache=True, nogil=True, error_model="numpy", fastmath=_LANE_MATHS
-    )(function)
-    _heed_all_sources(kernel)
-    return kernel
 
 
 def _ask_for_wide_vectors(_typing: Any) -> tuple[Any, Any]:
