@@ -37,6 +37,7 @@ def test_a_change_in_what_a_kernel_calls_makes_it_anew(tmp_path):
         environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
         done = subprocess.run(
             [sys.executable, "-c", program],
+            cwd=tmp_path,
             env=environment,
             capture_output=True,
             text=True,
