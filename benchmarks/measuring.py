@@ -62,7 +62,9 @@ def in_turn(clocks, rounds=ROUNDS):
 def ratio(slower, faster):
     """Return the median over the rounds of the ratio of two `Times`: processor, clock."""
     return tuple(
-        statistics.median(a / b for a, b in zip(getattr(slower, of), getattr(faster, of)))
+        statistics.median(
+            a / b for a, b in zip(getattr(slower, of), getattr(faster, of), strict=True)
+        )
         for of in ("cpu", "wall")
     )
 

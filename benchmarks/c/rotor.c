@@ -7,8 +7,8 @@
  *
  *     rotor omega zeta delta0 x y vx vy duration samples step_rtol step_atol repetitions
  *
- * prints "seconds" (clock, processor) for each repetition, then "event", its time and kind, and "sample" with the
- * last sample, of the last repetition. INDEX is the integer type of SUNDIALS' index.
+ * prints "seconds" (clock, processor) for each repetition and, of the last one, "event" with time
+ * and kind, and "sample" with the number of samples and the last x and y. INDEX is the integer type of SUNDIALS' index.
  */
 #include <complex.h>
 #include <math.h>
