@@ -25,9 +25,10 @@ class NoProgramError(Exception):
 
 def build(folder):
     """Compile and link the program; return its path."""
-    compiler = os.environ.get("CC") or shutil.which("cc") or shutil.which("gcc")
+    wanted = os.environ.get("CC", "cc")
+    compiler = shutil.which(wanted)
     if compiler is None:
-        raise NoProgramError("no C compiler: set CC, or install one")
+        raise NoProgramError(f"no C compiler {wanted!r}: set CC, or install one")
     reason = sundials.why_not()
     if reason:
         raise NoProgramError(reason)

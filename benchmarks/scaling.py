@@ -17,6 +17,7 @@ import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
@@ -122,21 +123,32 @@ def runs(arguments):
 
 
 def threads(arguments):
-    """Measure the same runs on one thread and on more: by the clock, as cores are the matter."""
+    """Measure the same runs on one thread and on more: by the clock, as cores are the matter.
+
+    Beside them stands work that is known to share nothing, a checksum: it shows how much of the
+    cores there was to be had. Whatever else runs takes away from both, so the least time counts.
+    """
     given = starts(arguments.runs or 200)
-    found = {count: [] for count in THREADS}
+    block = bytes(len(given) * 100_000)
+    work = {"runs": (bare, given), "checksums": (lambda _: sha256(block).digest(), range(40))}
+    found = {(name, count): [] for name in work for count in THREADS}
     for turn in range(arguments.rounds + 1):
-        for count in THREADS:
+        for (name, count), spent in found.items():
             began = time.perf_counter()
             with ThreadPoolExecutor(count) as pool:
-                list(pool.map(bare, given))
+                list(pool.map(*work[name]))
             if turn:
-                found[count].append(time.perf_counter() - began)
-    print(f"\n| threads, {len(given)} runs | s by the clock | least | times as fast as one |")
-    print("|---|---|---|---|")
-    for count, spent in found.items():
-        gain = statistics.median(a / b for a, b in zip(found[1], spent, strict=True))
-        print(f"| {count} | {statistics.median(spent):.2f} | {min(spent):.2f} | {gain:.2f} |")
+                spent.append(time.perf_counter() - began)
+    print("\n| work | threads | s, median | s, least | times as fast as one: median | least |")
+    print("|---|---|---|---|---|---|")
+    for (name, count), spent in found.items():
+        one = found[name, 1]
+        gain = statistics.median(a / b for a, b in zip(one, spent, strict=True))
+        print(
+            f"| {len(given) if name == 'runs' else 40} {name} | {count} "
+            f"| {statistics.median(spent):.2f} | {min(spent):.2f} "
+            f"| {gain:.2f} | {min(one) / min(spent):.2f} |"
+        )
 
 
 def memory(arguments):
