@@ -1,0 +1,207 @@
+"""How fast this program is, beside others: ratios measured in turn, as a table in Markdown.
+
+Two runs of 100 revolutions with 2,001 samples at rtol 1e-9 and atol 1e-11: full contact (omega
+1.2, zeta 0.07, delta0 0.5, from rest) and bouncing (omega 2, zeta 0.07, delta0 2, from rest, 137
+events). Beside them stand
+
+- this program called from Python, ``backend="python"``, bare and as `simulate`;
+- the same algorithm written in C over the same SUNDIALS libraries (needs a C compiler);
+- SciPy's DOP853 with an event function, at the loosest tolerance at which its worst state error
+  is no larger than ours (errors are taken against a run of ours at rtol 1e-13);
+- heyoka at equal error likewise (needs the extra ``bench``). Its Taylor series cannot cross the
+  kink of the contact law, so the third run, in contact throughout, is the one to compare it on.
+
+    pip install -e '.[bench]' && python benchmarks/speed.py
+"""
+
+import argparse
+import importlib.util
+import math
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from functools import partial
+
+import c_program
+import ways
+from measuring import ROUNDS, clocked, in_turn, machine, ratio
+from ways import ATOL, Case, at_equal_error, errors
+
+from rotor_ida import simulate
+from rotor_ida.dataset.run import run_dataset
+from rotor_ida.simulator.options import Options
+from rotor_ida.simulator.run import run
+from rotor_ida.simulator.trust import trust
+
+RTOL = 1e-9
+TOLERANCES = [10.0 ** (-power / 4.0) for power in range(20, 53)]
+BASE, WHOLE = "compiled, bare run", "compiled, `simulate`"
+PYTHON, PYTHON_WHOLE = "python, bare run", "python, `simulate`"
+IN_C, DOP853 = "C, same libraries", "SciPy DOP853"
+# Event times of the C program may differ by this, or by the error that they have anyway.
+SAME_EVENT = 1e-9
+
+
+def whole(case, backend):
+    """Return `simulate` as a function without arguments: two runs and the labels."""
+    return partial(
+        simulate,
+        case.rotor,
+        start=case.start,
+        duration=case.duration,
+        samples=case.samples,
+        rtol=RTOL,
+        atol=ATOL * RTOL,
+        backend=backend,
+    )
+
+
+def others(case, wanted):
+    """Return name, tolerance and way of each other program at equal error."""
+    makes = {DOP853: ways.dop853, "scikit-sundae, plainly": ways.sundae}
+    if importlib.util.find_spec("heyoka"):
+        makes["heyoka"] = ways.heyoka
+        makes["heyoka, with events"] = partial(ways.heyoka, events=True)
+    for name, make in makes.items():
+        rtol = at_equal_error(make, case, wanted, TOLERANCES)
+        yield name, rtol, make(case, rtol)
+
+
+def measure(case, program, rounds):
+    """Print the table of one run."""
+    way = ways.compiled(case, RTOL)
+    wanted, of_time = errors(case, way())
+    rows = {BASE: (RTOL, wanted, of_time), WHOLE: (RTOL, wanted, of_time)}
+    clocks = {BASE: clocked(way), WHOLE: clocked(whole(case, "compiled"))}
+    slow = ways.python(case, RTOL)
+    rows[PYTHON] = rows[PYTHON_WHOLE] = (RTOL, *errors(case, slow()))
+    clocks[PYTHON] = clocked(slow)
+    clocks[PYTHON_WHOLE] = clocked(whole(case, "python"))
+    if program:
+        rows[IN_C] = (RTOL, math.nan, against_c(case, program))
+        clocks[IN_C] = c_program.clock(program, case, RTOL)
+    for name, rtol, other in others(case, wanted):
+        rows[name] = (rtol, *errors(case, other()))
+        clocks[name] = clocked(other)
+    show(case, rows, in_turn(clocks, rounds))
+
+
+def show(case, rows, times):
+    """Print the table of one run, and what it says, in one line."""
+    events = ways.reference(case).event_times.size
+    print(
+        f"\n**{case.name}**: omega {case.omega:g}, zeta {case.zeta:g}, delta0 {case.delta0:g}, "
+        f"{case.revolutions:g} revolutions, {case.samples:,} samples, events: {events}\n"
+    )
+    print("| way | rtol | state error | event time error | ms | times compiled | by the clock |")
+    print("|---|---|---|---|---|---|---|")
+    said = {}
+    for name, (rtol, of_state, of_event) in rows.items():
+        base = WHOLE if name == PYTHON_WHOLE else BASE
+        cpu, wall = said[name] = ratio(times[name], times[base])
+        print(
+            f"| {name} | {rtol:.1e} | {number(of_state)} | {number(of_event)} "
+            f"| {1e3 * times[name].median:.2f} | {cpu:.2f} | {wall:.2f} |"
+        )
+    in_c = f" and takes {1.0 / said[IN_C][0]:.2f} times what C takes" if IN_C in said else ""
+    print(
+        f"\nCompiled is {said[PYTHON][0]:.0f} times as fast as Python ({said[PYTHON_WHOLE][0]:.0f} "
+        f"as `simulate`), {said[DOP853][0]:.0f} times as fast as DOP853 at equal error{in_c}.",
+        flush=True,
+    )
+
+
+def number(error):
+    """Return an error as text."""
+    return "" if math.isnan(error) else f"{error:.0e}"
+
+
+def against_c(case, program):
+    """Return the error of the C program's event times; raise where it finds other events.
+
+    Rounding alone makes an adaptive solver choose other steps: from there on the two differ by
+    what the tolerance leaves open. At a tight tolerance they must come together.
+    """
+    for rtol in (RTOL, 1e-12):
+        options = Options(rtol=rtol, atol=ATOL * rtol, backend="compiled")
+        orbit = run(case.rotor, case.start, case.duration, case.times, options)
+        apart = c_program.difference(program, case, rtol, orbit)
+        _, own = errors(case, (orbit.states, orbit.event_times))
+        print(f"\nC beside compiled, rtol {rtol:g}: event times apart by at most {apart:.1e}")
+        if not apart <= max(SAME_EVENT, own):
+            raise SystemExit(f"the C program finds other events in the run '{case.name}'")
+    return c_program.difference(program, case, RTOL, ways.reference(case))
+
+
+def labels(rounds):
+    """Print what it takes to label an orbit."""
+    print("\n| to label | samples | events | ms |\n|---|---|---|---|")
+    for case in (ways.FULL_CONTACT, ways.BOUNCING):
+        options = Options(rtol=RTOL, atol=ATOL * RTOL)
+        orbit = run(case.rotor, case.start, case.duration, case.times, options)
+        known = trust(orbit, case.start)
+        clock = clocked(partial(run_dataset, orbit, case.start, known))
+        spent = in_turn({"labels": clock}, rounds)["labels"].median
+        print(f"| {case.name} | {case.samples:,} | {orbit.event_times.size} | {1e3 * spent:.2f} |")
+
+
+FIRST = (
+    "from rotor_ida import Rotor, simulate; simulate(Rotor(omega=1.2, zeta=0.07, delta0=0.5), "
+    "start=(0, 0, 0, 0), duration=100.0)"
+)
+PROCESSES = {
+    "python -c pass": ["-c", "pass"],
+    "import numpy, xarray, numba": ["-c", "import numpy, xarray, numba"],
+    "import rotor_ida": ["-c", "import rotor_ida"],
+    "rotor-ida --help": [
+        "-c",
+        "import sys; from rotor_ida.cli import main; sys.argv = ['rotor-ida', '--help']; main()",
+    ],
+    "first simulate, warm cache": ["-c", FIRST],
+}
+
+
+def processes(rounds):
+    """Print what whole processes take, from their start to their end, in turn."""
+    found = {name: ([], []) for name in PROCESSES}
+    for turn in range(rounds + 1):
+        for name, arguments in PROCESSES.items():
+            wall, spent = time.perf_counter(), os.times()
+            subprocess.run([sys.executable, *arguments], check=True, stdout=subprocess.DEVNULL)
+            after = os.times()
+            if turn:
+                found[name][0].append(time.perf_counter() - wall)
+                found[name][1].append(sum(after[2:4]) - sum(spent[2:4]))
+    print("\n| whole process | s of processor | s by the clock |\n|---|---|---|")
+    for name, (wall, cpu) in found.items():
+        print(f"| `{name}` | {statistics.median(cpu):.2f} | {statistics.median(wall):.2f} |")
+
+
+def main():
+    """Print all tables."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--rounds", type=int, default=ROUNDS)
+    parser.add_argument("--only", choices=("runs", "labels", "processes"))
+    arguments = parser.parse_args()
+    print(f"{machine()}\n\nMedians of {arguments.rounds} rounds, in turn.")
+    if arguments.only in {None, "runs"}:
+        with tempfile.TemporaryDirectory() as folder:
+            program = None
+            try:
+                program = c_program.build(folder)
+            except c_program.NoProgramError as reason:
+                print(f"\nNo comparison with C: {reason}")
+            cases: list[Case] = [ways.FULL_CONTACT, ways.BOUNCING, ways.in_contact_from_start()]
+            for case in cases:
+                measure(case, program, arguments.rounds)
+    if arguments.only in {None, "labels"}:
+        labels(arguments.rounds)
+    if arguments.only in {None, "processes"}:
+        processes(arguments.rounds)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,109 @@
+"""Time against achieved error, for this program and others: a table, and a figure.
+
+Tolerances from 1e-5 to 1e-12, each tenth; the error is the worst one of a state at 2,001
+samples, against a run of this program at rtol 1e-13. Ways that share a tolerance are measured in
+turn. heyoka's Taylor series cannot cross the kink of the contact law, hence the third run.
+
+    pip install -e '.[bench]' && python benchmarks/work_precision.py --out docs/work_precision.png
+"""
+
+import argparse
+import importlib.util
+
+import ways
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from measuring import clocked, in_turn, machine
+
+from rotor_ida.plot.appearance import (
+    BLUE,
+    GREY,
+    INK,
+    ORANGE,
+    PURPLE,
+    RED,
+    panels,
+    parameter_text,
+    shared_legend,
+    style,
+)
+
+TOLERANCES = [10.0**-power for power in range(5, 13)]
+WAYS = {
+    "rotor_ida, compiled": (ways.compiled, BLUE, "o", "-"),
+    "rotor_ida, Python": (ways.python, RED, "s", "-"),
+    "SciPy DOP853": (ways.dop853, ORANGE, "^", "--"),
+    "scikit-sundae, plainly": (ways.sundae, PURPLE, "D", "--"),
+    "heyoka": (ways.heyoka, GREY, "v", "--"),
+}
+
+
+def measure(case, rounds):
+    """Return, for each way, its errors and times over the tolerances; print them as a table."""
+    print(f"\n**{case.name}** (worst state error / ms of processor time)\n")
+    present = {
+        name: entry[0]
+        for name, entry in WAYS.items()
+        if name != "heyoka" or importlib.util.find_spec("heyoka")
+    }
+    print("| rtol | " + " | ".join(present) + " |\n|---|" + "---|" * len(present))
+    curves = {name: ([], []) for name in present}
+    for rtol in TOLERANCES:
+        made = {name: make(case, rtol) for name, make in present.items()}
+        found = {name: ways.errors(case, way())[0] for name, way in made.items()}
+        times = in_turn({name: clocked(way) for name, way in made.items()}, rounds)
+        cells = []
+        for name, (error, spent) in curves.items():
+            error.append(found[name])
+            spent.append(times[name].median)
+            cells.append(f"{found[name]:.0e} / {1e3 * times[name].median:.2f}")
+        print(f"| {rtol:.0e} | " + " | ".join(cells) + " |", flush=True)
+    return curves
+
+
+def draw(results, path):
+    """Draw error across, time up, one panel for each run."""
+    figure, axes = panels(1, len(results), width=8.4, height=3.7)
+    with style():
+        for ax, (case, curves) in zip(axes, results, strict=True):
+            for name, (error, spent) in curves.items():
+                _, colour, marker, line = WAYS[name]
+                known = [(e, 1e3 * s) for e, s in zip(error, spent, strict=True) if e > 0.0]
+                # Where a way is wrong whatever its tolerance, a line would promise a trend.
+                wrong = known[-1][0] > 1e-3
+                ax.plot(
+                    *zip(*known, strict=True),
+                    color=colour,
+                    marker=marker,
+                    markersize=4.0,
+                    markeredgecolor=INK,
+                    markeredgewidth=0.3,
+                    linestyle="none" if wrong else line,
+                    label=name,
+                )
+            ax.set_xscale("log")
+            ax.set_yscale("log")
+            title = parameter_text(omega=case.omega, delta0=case.delta0)
+            ax.set_title(f"{case.name}\n{title}")
+            ax.set_xlabel("worst error of a state")
+            ax.tick_params(which="minor", length=0.0)
+        axes[0].invert_xaxis()
+        axes[0].set_ylabel("time of a run (ms)")
+        shared_legend(figure, axes, columns=5)
+        FigureCanvasAgg(figure)
+        figure.savefig(path, dpi=200, metadata={"Software": None})
+
+
+def main():
+    """Measure, print and draw."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--out", default="work_precision.png")
+    parser.add_argument("--rounds", type=int, default=5)
+    arguments = parser.parse_args()
+    print(f"{machine()}\n\nMedians of {arguments.rounds} rounds, in turn.")
+    cases = [ways.FULL_CONTACT, ways.BOUNCING, ways.in_contact_from_start()]
+    results = [(case, measure(case, arguments.rounds)) for case in cases]
+    draw(results, arguments.out)
+
+
+if __name__ == "__main__":
+    main()
