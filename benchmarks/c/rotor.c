@@ -355,8 +355,8 @@ static void restart(Run *run, double contact_root)
     double brief = y[P] < 0.0 && y[Q] > 0.0 ? y[Q] * y[Q] / -y[P] : size;
     for (int k = 0; k < SIZE; k++)
         atol[k] = run->atol;
-    atol[Q] = atol[P] = fmax(fmin(run->atol, run->rtol * size), 1e-16);
-    atol[T] = atol[J] = fmax(fmin(run->atol, run->rtol * brief), 1e-30);
+    atol[Q] = atol[P] = fmax(run->rtol * size, 1e-16);
+    atol[T] = atol[J] = fmax(run->rtol * brief, 1e-30);
     run->low = run->point = 0.0;
     if (CVodeReInit(run->cvode, 0.0, run->state) != 0 ||
         CVodeSVtolerances(run->cvode, run->rtol, run->tolerances) != 0)

@@ -102,20 +102,22 @@ def follow_contact(
         Regularised state at the exit, where q is 0, or at the end of the run; and at the largest
         indentation.
     """
-    duration = time_left(record)
+    duration, slack, stop = time_left(record), record.slack, record.stop
     peak, reached, left, idle = start.copy(), start, False, 0
+    due = next_sample(record, duration)
     status = motion.restart(start, _tolerances(record, start))
     while status == GOES_ON:
-        status = STOPPED if record.stop[0] else motion.advance()
+        status = STOPPED if stop[0] else motion.advance()
         if status != GOES_ON:
             break
-        end, reached, left = _end_of_step(motion, duration, record.slack)
+        end, reached, left = _end_of_step(motion, duration, slack)
         if math.isnan(end):
             status, reached = NO_ROOT, motion.before
             break
         _raise_peak(motion, end, reached, peak)
-        while next_sample(record, duration) <= reached[T]:
-            _take_at(record, motion, end, next_sample(record, duration))
+        while due <= reached[T]:
+            _take_at(record, motion, end, due)
+            due = next_sample(record, duration)
         if left or reached[T] >= duration:
             break
         idle = idle + 1 if reached[T] <= motion.before[T] else 0
@@ -127,12 +129,16 @@ def follow_contact(
 
 @shared
 def _tolerances(record: Record, start: Values) -> Values:
-    """Return absolute tolerances that still resolve a very slight touch."""
+    """Return absolute tolerances: the relative one, of the size that each variable comes to.
+
+    So a very slight touch is still resolved, and a hard one is not asked for digits at entry and
+    exit, where q is 0, that are lost in its course.
+    """
     slight = record.rtol * max(start[Q], abs(start[P]))
     brief = record.rtol * _least_duration(start)
     atol = np.full(SIZE, record.atol)
-    atol[Q] = atol[P] = max(min(record.atol, slight), BELOW_ROUNDING)
-    atol[T] = atol[J] = max(min(record.atol, brief), TIGHTEST_ATOL)
+    atol[Q] = atol[P] = max(slight, BELOW_ROUNDING)
+    atol[T] = atol[J] = max(brief, TIGHTEST_ATOL)
     return atol
 
 

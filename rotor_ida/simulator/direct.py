@@ -7,15 +7,46 @@ solver's interpolant is fetched once as a polynomial and evaluated here.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 from numba import carray
-from numba.extending import overload_method
+from numba.extending import overload_attribute, overload_method
 
-from rotor_ida.compiling import compiled, structure
+from rotor_ida.compiling import compiled
+from rotor_ida.simulator.block import (
+    ANSWER,
+    BEFORE,
+    BLOCK,
+    CONTEXT,
+    DEGREE,
+    DERIVATIVE,
+    DERIVATIVES,
+    HEAD,
+    LINEAR,
+    LOOKS,
+    LOW,
+    MATRIX,
+    MEMORY,
+    POINT,
+    REACHED,
+    READING,
+    ROWS,
+    RTOL,
+    SERIES,
+    SIZE,
+    STATE,
+    TOLERANCE,
+    TOLERANCES,
+    VALUES,
+    DirectType,
+    address_of,
+    integers_of,
+    integration_at,
+    reals_of,
+    row_of,
+)
 from rotor_ida.simulator.calls import (
     context_create,
     context_free,
@@ -45,71 +76,11 @@ from rotor_ida.simulator.calls import (
 from rotor_ida.simulator.motion import FAR_GOAL, GOES_ON, NOT_FINITE, Motion
 
 Values = npt.NDArray[np.float64]
-Handles = npt.NDArray[np.intp]
 
 METHODS = {"adams": 1, "bdf": 2}
 ONE_STEP = 2
-HIGHEST_ORDER = 12
 # To fetch the interpolant takes as long as so many single readings.
 FEW_LOOKS = 6
-
-
-@dataclass(slots=True)
-class Direct:
-    """An integration by CVODE that compiled code leads.
-
-    The name stands for a structure with these fields in compiled code, where it has the methods
-    of `rotor_ida.simulator.motion.Motion` besides. The arrays of reals lie in memory that
-    SUNDIALS owns: no reference to them is counted, which would cost a sixth of the time.
-
-    Parameters
-    ----------
-    low, point : float
-        Ends of the last step.
-    before, values : ndarray, shape (n,)
-        Values at those ends; CVODE writes the latter in place.
-    tolerances, reading, derivative : ndarray, shape (n,)
-        Absolute tolerances; the last values read inside a step; a derivative fetched from CVODE.
-    polynomial : ndarray, shape (13, n)
-        The interpolant of the last step, in the part of the step counted back from its end.
-    reached : ndarray, shape (1,)
-        Where CVODE answers with a real.
-    degree, looks : int
-        Degree of the interpolant, or -1 before it is fetched; number of readings before that.
-    rtol : float
-        Relative tolerance of one step.
-    memory, state : int
-        Addresses of CVODE's memory and of the vector over `values`.
-    handles : ndarray, shape (8,)
-        Addresses of all of the solver's objects.
-    answer : ndarray, shape (1,)
-        Where CVODE answers with an integer.
-    parameters : ndarray, shape (3,)
-        omega, zeta and delta0, where the right-hand side finds them.
-    """
-
-    low: float
-    point: float
-    before: Values
-    values: Values
-    tolerances: Values
-    reading: Values
-    derivative: Values
-    polynomial: Values
-    reached: Values
-    degree: int
-    looks: int
-    rtol: float
-    memory: int
-    state: int
-    handles: Handles
-    answer: npt.NDArray[np.int64]
-    parameters: Values
-
-
-DirectType = structure(Direct)
-
-_MEMORY, _CONTEXT, _MATRIX, _LINEAR, _ARENA, _STATE, _TOLERANCE, _DERIVATIVE = range(8)
 
 
 @compiled
@@ -118,145 +89,174 @@ def open_direct(
 ) -> Motion:
     """Make an integration of `size` equations, its right-hand side at the address `field`.
 
-    The address `jacobian` may be 0. Whoever opens it must close it.
+    The address `jacobian` may be 0; `parameters`, where the right-hand side finds them, must
+    outlive the integration. Whoever opens it must close it.
     """
-    handles = np.zeros(8, np.intp)
-    context_create(0, handles[_CONTEXT:].ctypes.data)
-    context = handles[_CONTEXT]
+    handle = np.zeros(1, np.intp)
+    context_create(0, handle.ctypes.data)
+    context = handle[0]
     handlers_clear(context)
-    rows = 6 + HIGHEST_ORDER
-    handles[_ARENA] = vector_new(size * rows + 1, context)
-    arena = carray(vector_data(handles[_ARENA]), size * rows + 1)
-    arena[:] = 1.0
-    table = arena[: size * rows].reshape(rows, size)
-    values, tolerances, derivative = table[0], table[1], table[2]
-    handles[_STATE] = vector_over(size, values.ctypes.data, context)
-    handles[_TOLERANCE] = vector_over(size, tolerances.ctypes.data, context)
-    handles[_DERIVATIVE] = vector_over(size, derivative.ctypes.data, context)
-    vector_fuse(handles[_STATE], 1)
-    memory = cvode_create(method, context)
-    handles[_MEMORY] = memory
-    cvode_init(memory, field, 0.0, handles[_STATE])
-    cvode_user_data(memory, parameters.ctypes.data)
-    cvode_tolerances(memory, rtol, handles[_TOLERANCE])
-    handles[_MATRIX] = matrix_new(size, size, context)
-    handles[_LINEAR] = linear_new(handles[_STATE], handles[_MATRIX], context)
-    cvode_linear(memory, handles[_LINEAR], handles[_MATRIX])
+    block = vector_new(HEAD + size * ROWS, context)
+    memory = carray(vector_data(block), HEAD + size * ROWS)
+    memory[:] = 1.0
+    motion: Any = integration_at(memory.ctypes.data)
+    integers = integers_of(motion)
+    integers[SIZE], integers[BLOCK], integers[CONTEXT] = size, block, context
+    reals_of(motion)[RTOL] = rtol
+    integers[STATE] = vector_over(size, row_of(motion, VALUES).ctypes.data, context)
+    integers[TOLERANCE] = vector_over(size, row_of(motion, TOLERANCES).ctypes.data, context)
+    integers[DERIVATIVE] = vector_over(size, row_of(motion, DERIVATIVES).ctypes.data, context)
+    vector_fuse(integers[STATE], 1)
+    solver = cvode_create(method, context)
+    integers[MEMORY] = solver
+    cvode_init(solver, field, 0.0, integers[STATE])
+    cvode_user_data(solver, parameters.ctypes.data)
+    cvode_tolerances(solver, rtol, integers[TOLERANCE])
+    integers[MATRIX] = matrix_new(size, size, context)
+    integers[LINEAR] = linear_new(integers[STATE], integers[MATRIX], context)
+    cvode_linear(solver, integers[LINEAR], integers[MATRIX])
     if jacobian != 0:
-        cvode_jacobian(memory, jacobian)
-    return Direct(  # type: ignore[return-value] # the structure has the methods
-        0.0,
-        0.0,
-        table[3],
-        values,
-        tolerances,
-        table[4],
-        derivative,
-        table[5:],
-        arena[size * rows :],
-        -1,
-        0,
-        rtol,
-        memory,
-        handles[_STATE],
-        handles,
-        np.zeros(1, np.int64),
-        parameters,
-    )
+        cvode_jacobian(solver, jacobian)
+    opened: Motion = motion
+    return opened
 
 
 @compiled
 def close_direct(motion: Any) -> None:
-    """Free all that SUNDIALS holds; the arrays of reals go with it."""
-    handles = motion.handles
-    cvode_free(handles[_MEMORY:].ctypes.data)
-    linear_free(handles[_LINEAR])
-    matrix_free(handles[_MATRIX])
-    for vector in (_STATE, _TOLERANCE, _DERIVATIVE, _ARENA):
-        vector_free(handles[vector])
-    context_free(handles[_CONTEXT:].ctypes.data)
+    """Free all that SUNDIALS holds, the integration's own memory last."""
+    integers, handle = integers_of(motion), np.zeros(1, np.intp)
+    handle[0] = integers[MEMORY]
+    cvode_free(handle.ctypes.data)
+    linear_free(integers[LINEAR])
+    matrix_free(integers[MATRIX])
+    vector_free(integers[STATE])
+    vector_free(integers[TOLERANCE])
+    vector_free(integers[DERIVATIVE])
+    handle[0] = integers[CONTEXT]
+    vector_free(integers[BLOCK])
+    context_free(handle.ctypes.data)
 
 
 @compiled
-def _restart(motion: Direct, start: Values, atol: Values) -> int:
-    motion.values[:] = start
-    motion.before[:] = start
-    motion.tolerances[:] = atol
-    motion.low = motion.point = 0.0
-    motion.degree, motion.looks = -1, 0
-    status = cvode_reinit(motion.memory, 0.0, motion.state)
+def _restart(motion: Any, start: Values, atol: Values) -> int:
+    reals, integers = reals_of(motion), integers_of(motion)
+    row_of(motion, VALUES)[:] = start
+    row_of(motion, BEFORE)[:] = start
+    row_of(motion, TOLERANCES)[:] = atol
+    reals[LOW] = reals[POINT] = 0.0
+    integers[DEGREE], integers[LOOKS] = -1, 0
+    status = cvode_reinit(integers[MEMORY], 0.0, integers[STATE])
     if status == GOES_ON:
-        status = cvode_tolerances(motion.memory, motion.rtol, motion.handles[_TOLERANCE])
+        status = cvode_tolerances(integers[MEMORY], reals[RTOL], integers[TOLERANCE])
     return int(status)
 
 
 @compiled
-def _advance(motion: Direct) -> int:
-    values, before, reached = motion.values, motion.before, motion.reached
-    motion.low = motion.point
-    motion.degree, motion.looks = -1, 0
+def _advance(motion: Any) -> int:
+    reals, integers = reals_of(motion), integers_of(motion)
+    values, before = row_of(motion, VALUES), row_of(motion, BEFORE)
+    reals[LOW] = reals[POINT]
+    integers[DEGREE], integers[LOOKS] = -1, 0
     for number in range(values.size):
         before[number] = values[number]
-    while motion.point <= motion.low:
-        status = cvode_solve(motion.memory, FAR_GOAL, motion.state, reached.ctypes.data, ONE_STEP)
+    while reals[POINT] <= reals[LOW]:
+        answer = address_of(motion) + 8 * REACHED
+        status = cvode_solve(integers[MEMORY], FAR_GOAL, integers[STATE], answer, ONE_STEP)
         total = 0.0
         for number in range(values.size):
             total += 0.0 * values[number]
         if status < 0 or total != 0.0:
             values[:] = before
             return int(status) if status < 0 else NOT_FINITE
-        motion.point = reached[0]
+        reals[POINT] = reals[REACHED]
     return GOES_ON
 
 
 @compiled
-def _fetch(motion: Direct) -> None:
-    """Fetch the interpolant: its Taylor series about the end of the step, scaled by the step."""
-    step, polynomial, derivative = motion.point - motion.low, motion.polynomial, motion.derivative
-    motion.answer[0] = 0
-    cvode_order(motion.memory, motion.answer.ctypes.data)
-    motion.degree = motion.answer[0]
-    vector = motion.handles[_DERIVATIVE]
-    scale = 1.0
-    for power in range(motion.degree + 1):
-        cvode_derivative(motion.memory, motion.point, power, vector)
+def _fetch(motion: Any) -> None:
+    """Fetch the interpolant of the last step."""
+    reals, integers = reals_of(motion), integers_of(motion)
+    integers[ANSWER] = 0
+    cvode_order(integers[MEMORY], address_of(motion) + 8 * ANSWER)
+    integers[DEGREE] = integers[ANSWER]
+    derivative = row_of(motion, DERIVATIVES)
+    scale, step = 1.0, reals[POINT] - reals[LOW]
+    for power in range(integers[DEGREE] + 1):
+        cvode_derivative(integers[MEMORY], reals[POINT], power, integers[DERIVATIVE])
+        series = row_of(motion, SERIES + power)
         for number in range(derivative.size):
-            polynomial[power, number] = scale * derivative[number]
+            series[number] = scale * derivative[number]
         scale *= step / (power + 1.0)
 
 
 @compiled
-def _at(motion: Direct, point: float) -> Values:
-    if point >= motion.point:
-        return motion.values
-    if point <= motion.low:
-        return motion.before
-    cvode_derivative(motion.memory, point, 0, motion.handles[_DERIVATIVE])
-    return motion.derivative
+def _at(motion: Any, point: float) -> Values:
+    reals, integers = reals_of(motion), integers_of(motion)
+    if point >= reals[POINT]:
+        return row_of(motion, VALUES)
+    if point <= reals[LOW]:
+        return row_of(motion, BEFORE)
+    cvode_derivative(integers[MEMORY], point, 0, integers[DERIVATIVE])
+    return row_of(motion, DERIVATIVES)
 
 
 @compiled
-def _glance_at(motion: Direct, point: float) -> Values:
-    if motion.degree < 0:
-        if motion.looks < FEW_LOOKS or point >= motion.point or point <= motion.low:
-            motion.looks += 1
+def _glance_at(motion: Any, point: float) -> Values:
+    reals, integers = reals_of(motion), integers_of(motion)
+    low, high = reals[LOW], reals[POINT]
+    if integers[DEGREE] < 0:
+        if integers[LOOKS] < FEW_LOOKS or point >= high or point <= low:
+            integers[LOOKS] += 1
             return _at(motion, point)
         _fetch(motion)
-    back = (point - motion.point) / (motion.point - motion.low)
-    reading, polynomial = motion.reading, motion.polynomial
-    for number in range(reading.size):
-        value = polynomial[motion.degree, number]
-        for power in range(motion.degree - 1, -1, -1):
-            value = value * back + polynomial[power, number]
-        reading[number] = value
+    back = (point - high) / (high - low)
+    reading = row_of(motion, READING)
+    reading[:] = row_of(motion, SERIES + integers[DEGREE])
+    for power in range(integers[DEGREE] - 1, -1, -1):
+        series = row_of(motion, SERIES + power)
+        for number in range(reading.size):
+            reading[number] = reading[number] * back + series[number]
     return reading
 
 
 @compiled
-def _evaluations(motion: Direct) -> int:
-    motion.answer[0] = 0
-    cvode_count(motion.memory, motion.answer.ctypes.data)
-    return int(motion.answer[0])
+def _evaluations(motion: Any) -> int:
+    integers = integers_of(motion)
+    integers[ANSWER] = 0
+    cvode_count(integers[MEMORY], address_of(motion) + 8 * ANSWER)
+    return int(integers[ANSWER])
+
+
+@overload_attribute(DirectType, "low")
+def _low(motion: Any) -> Any:  # noqa: ARG001 - types
+    def get(motion: Any) -> Any:
+        return reals_of(motion)[LOW]
+
+    return get
+
+
+@overload_attribute(DirectType, "point")
+def _point(motion: Any) -> Any:  # noqa: ARG001 - types
+    def get(motion: Any) -> Any:
+        return reals_of(motion)[POINT]
+
+    return get
+
+
+@overload_attribute(DirectType, "before")
+def _before(motion: Any) -> Any:  # noqa: ARG001 - types
+    def get(motion: Any) -> Any:
+        return row_of(motion, BEFORE)
+
+    return get
+
+
+@overload_attribute(DirectType, "values")
+def _values(motion: Any) -> Any:  # noqa: ARG001 - types
+    def get(motion: Any) -> Any:
+        return row_of(motion, VALUES)
+
+    return get
 
 
 @overload_method(DirectType, "restart")
