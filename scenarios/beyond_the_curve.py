@@ -22,7 +22,6 @@ from rotor_ida import (
     lyapunov_exponent,
     poincare_section,
     rotating,
-    save,
     simulate,
     spectrum,
 )
@@ -35,7 +34,6 @@ from rotor_ida.plot import (
     plot_rotating_orbit,
     plot_section,
     plot_spectrum,
-    save_figure,
     shared_legend,
 )
 from rotor_ida.scenario import Settings, run_script
@@ -44,6 +42,11 @@ CASES = {
     "bouncing": Rotor(omega=2.0, zeta=0.07, delta0=2.0),
     "full_contact": Rotor(omega=3.0, zeta=0.07, delta0=0.5),
     "chaotic": Rotor(omega=1.5, zeta=0.01, delta0=1.4),
+}
+WORDS = {
+    "bouncing": "A rotor that bounces for ever",
+    "full_contact": "A rotor that stays in contact at a radius that is not constant",
+    "chaotic": "A rotor with little damping that bounces chaotically",
 }
 REST = (0.0, 0.0, 0.0, 0.0)
 NAMES = ("x", "y", "vx", "vy")
@@ -67,8 +70,7 @@ def main(settings: Settings) -> None:
         at = "entry" if long.sizes["contact"] > 1 else "peak"
         results[at] = poincare_section(rotor, start=start, revolutions=revolutions, at=at)
         for part, result in results.items():
-            save(result, settings.folder / f"{name}_{part}.nc", overwrite=settings.force)
-        draw(name, results, results[at], settings)
+            settings.keep(result, f"{name}_{part}")
         found = results["exponents"]
         shown = ", ".join(
             f"{value:.5f} +- {error:.5f}"
@@ -77,6 +79,14 @@ def main(settings: Settings) -> None:
             )
         )
         print(f"{name}: Lyapunov exponents {shown}")
+        settings.show(
+            draw(results, results[at]), name, archives=[f"{name}_{part}" for part in results],
+            shows=f"{WORDS[name]}: orbit in both frames, sections once a revolution and at each "
+            f"{'entry' if at == 'entry' else 'largest radius'}, spectrum with forward and backward "
+            "whirl, Lyapunov exponents, contact forces.",
+            paper="",
+            found=f"Lyapunov exponents {shown}.",
+        )  # fmt: skip
 
 
 def settled(rotor: Rotor, revolutions: int) -> tuple[float, ...]:
@@ -92,7 +102,8 @@ def run_on(rotor: Rotor, start: tuple[float, ...], revolutions: int):
     return simulate(rotor, start=start, duration=times[-1], samples=times)
 
 
-def draw(name: str, results, events, settings: Settings) -> None:
+def draw(results, events):
+    """Return the figure of one case."""
     figure, axes = panels(4, 2, width=7.2, height=10.6, shared=False)
     plot_orbit(results["run"], ax=axes[0])
     plot_rotating_orbit(results["run"], ax=axes[1])
@@ -103,7 +114,7 @@ def draw(name: str, results, events, settings: Settings) -> None:
     plot_exponents(results["exponents"], ax=axes[5])
     plot_forces(results["forces"].isel(time=slice(0, SHOWN * SAMPLES)), ax=axes[6])
     plot_force_peaks(results["forces"], ax=axes[7])
-    save_figure(figure, settings.folder / name, overwrite=settings.force)
+    return figure
 
 
 if __name__ == "__main__":

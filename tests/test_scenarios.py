@@ -11,8 +11,8 @@ from rotor_ida.scenario import Settings
 
 # Those with sweeps take longer, and are run by hand and by `rotor-ida reproduce`.
 QUICK = ["dimensional_example", "event_time_convergence", "fig02_03_force_potential",
-         "fig04_05_free_vibration", "fig06_jumps", "fig08_09_whirls",
-         "general_solution"]  # fmt: skip
+         "fig04_05_free_vibration", "fig06_jumps", "fig07_basins", "fig08_09_whirls",
+         "general_solution", "random_starts"]  # fmt: skip
 
 
 def run_quickly(name, folder):

@@ -20,6 +20,7 @@ from rotor_ida.plot.responses import plot_amplitude, plot_phase
 from rotor_ida.plot.runs import plot_orbit, plot_rotating_orbit, plot_run
 from rotor_ida.plot.saving import save_figure
 from rotor_ida.plot.sections import plot_section
+from rotor_ida.plot.shares import plot_shares
 from rotor_ida.plot.solutions import plot_deviation, plot_solutions
 from rotor_ida.plot.spectra import plot_spectrum
 
@@ -51,6 +52,7 @@ __all__ = [
     "plot_rotating_orbit",
     "plot_run",
     "plot_section",
+    "plot_shares",
     "plot_solutions",
     "plot_spectrum",
     "plot_surface",

@@ -1,0 +1,86 @@
+"""Which part of random starts reaches each kind of response, over the speed."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+
+from rotor_ida.plot.appearance import (
+    BLUE,
+    KIND_WORDS,
+    LABELS,
+    ORANGE,
+    PURPLE,
+    axes_or_new,
+    check_dataset,
+    one_value,
+    own_legend,
+    parameter_text,
+    style,
+)
+from rotor_ida.schema import RESPONSE
+
+COLOURS = {
+    "synchronous": BLUE,
+    "contact_free": "#92dadd",
+    "bouncing": ORANGE,
+    "full_contact": PURPLE,
+    "unresolved": "#94a4a2",
+}
+
+
+def plot_shares(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
+    """Draw the shares of starts by kind of response over the speed, one upon the other.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        What `rotor_ida.shares` returned, joined along ``omega``, for one ``zeta`` and one
+        ``delta0``.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        Where it was drawn.
+
+    Raises
+    ------
+    InputError
+        If the dataset is of another kind.
+
+    Examples
+    --------
+    >>> found = xr.Dataset(
+    ...     {"response_share": (("omega", "response"), [[1.0, 0.0], [0.25, 0.75]])},
+    ...     {"omega": [1.0, 2.0], "response": [2, 3], "zeta": 0.07, "delta0": 0.5})
+    >>> plot_shares(found).get_ylabel()
+    'share of starts'
+    """
+    check_dataset("dataset", dataset, ("omega", "zeta", "delta0", "response", "response_share"))
+    words = {number: kind for kind, number in RESPONSE.items()}
+    table = dataset["response_share"].transpose("omega", "response")
+    alone = ax is None
+    with style():
+        ax = axes_or_new(ax)
+        base = np.zeros(table.sizes["omega"])
+        for kind in COLOURS:
+            columns = [words[number] == kind for number in table["response"].values.tolist()]
+            top = base + table.values[:, columns].sum(axis=1)
+            if (top > base).any():
+                ax.fill_between(
+                    table["omega"].values, base, top, color=COLOURS[kind], lw=0.0,
+                    label=KIND_WORDS[kind],
+                )  # fmt: skip
+            base = top
+        ax.set_xlim(float(table["omega"].min()), float(table["omega"].max()))
+        ax.set_ylim(0.0, 1.0)
+        ax.set_xlabel(LABELS["omega"])
+        ax.set_ylabel("share of starts")
+        parameters = {name: one_value("dataset", dataset, name) for name in ("zeta", "delta0")}
+        ax.set_title(parameter_text(**parameters))
+        if alone:
+            own_legend(ax)
+    return ax
