@@ -108,9 +108,11 @@ def sweep(
     points: dict[tuple[int, ...], Settled] = {}
     threads = options.backend != "python"  # compiled code releases the interpreter's lock
     count = min(count_workers(1 if workers is None and not threads else workers), len(jobs))
-    with closing(run_all(_follow, jobs, workers=count, threads=threads)) as ended:
-        for number, settled in ended:
-            points.update(zip(chains[number].indices, settled, strict=True))
+    order = sorted(range(len(jobs)), key=lambda number: _haste(jobs[number]))
+    waiting = (jobs[number] for number in order)
+    with closing(run_all(_follow, waiting, workers=count, threads=threads)) as ended:
+        for place, settled in ended:
+            points.update(zip(chains[order[place]].indices, settled, strict=True))
             if progress is not None:
                 progress(len(points), total)
     return sweep_dataset(axes, checked, directions, points, options)
@@ -168,6 +170,14 @@ def _job(
         for omega, zeta, delta0, _, _ in chain.indices
     ]
     return _Job(rotors, starts[chain.indices[0][3]], options)
+
+
+def _haste(job: _Job) -> tuple[int, float]:
+    """Return what is smallest for the chain to begin with, so that none is left over at the end.
+
+    Long chains take longest, and those with much clearance, where the rotor bounces.
+    """
+    return (-len(job.rotors), -job.rotors[0].delta0)
 
 
 def _follow(job: _Job, stop: Stop) -> list[Settled]:

@@ -66,12 +66,12 @@ def plot_shares(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     with style():
         ax = axes_or_new(ax)
         base = np.zeros(table.sizes["omega"])
-        for kind in COLOURS:
+        for kind, colour in COLOURS.items():
             columns = [words[number] == kind for number in table["response"].values.tolist()]
             top = base + table.values[:, columns].sum(axis=1)
             if (top > base).any():
                 ax.fill_between(
-                    table["omega"].values, base, top, color=COLOURS[kind], lw=0.0,
+                    table["omega"].values, base, top, color=colour, lw=0.0,
                     label=KIND_WORDS[kind],
                 )  # fmt: skip
             base = top
