@@ -25,10 +25,10 @@ def main(settings: Settings) -> None:
     dense = speeds_of_curves(**parameters, lowest=LOWEST, highest=HIGHEST)
     exact = synchronous_response(omega=dense, **parameters)
     settings.keep(exact, "exact")
-    speeds = np.linspace(LOWEST, HIGHEST, 13 if settings.quick else 119)
+    speeds = np.linspace(LOWEST, HIGHEST, 13 if settings.quick else 60)
     with progress_bar("many starts") as progress:
         found = bifurcation(
-            omega=speeds, **parameters, starts=2 if settings.quick else 12,
+            omega=speeds, **parameters, starts=2 if settings.quick else 5,
             workers=settings.workers, progress=progress,
         )  # fmt: skip
     settings.keep(found, "bifurcation")
