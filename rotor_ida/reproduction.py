@@ -33,10 +33,15 @@ def scenario_scripts() -> dict[str, Path]:
     """
     package = Path(__file__).parent
     for folder in (package / "scenarios", package.parent / "scenarios"):
-        scripts = sorted(folder.glob("[!_]*.py"))
+        scripts = sorted(folder.glob("[!_]*.py"), key=_figures_first)
         if scripts:
             return {script.stem: script for script in scripts}
     return {}
+
+
+def _figures_first(script: Path) -> tuple[bool, str]:
+    """Return the place of a script: the paper's figures come before our studies."""
+    return not script.stem.startswith("fig"), script.stem
 
 
 def reproduce(
