@@ -8,13 +8,22 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.basins.grouping import ACCURACY, Numbers, also_in, groups, slighter_and_slighter
+from rotor_ida.basins.alike import Examples, Labels, on_their_way
+from rotor_ida.basins.grouping import (
+    ACCURACY,
+    Numbers,
+    also_in,
+    groups,
+    limits_of,
+    slighter_and_slighter,
+)
 from rotor_ida.basins.kernel import UNDECIDED
-from rotor_ida.basins.survey import Survey, Undecided
-from rotor_ida.basins.windows import MEAN_X, MEAN_Y, RADIUS_MAX, RADIUS_MIN, WANDER
+from rotor_ida.basins.followed import Undecided
+from rotor_ida.basins.survey import Survey
+from rotor_ida.basins.windows import MEAN_X, MEAN_Y, RADIUS_MAX, RADIUS_MIN
 from rotor_ida.checks import State
 from rotor_ida.parameters import Rotor
-from rotor_ida.response import CONTACT_FREE, LASTING, SYNCHRONOUS
+from rotor_ida.response import CONTACT_FREE, SYNCHRONOUS
 from rotor_ida.settling import Settled, settle
 from rotor_ida.simulator.options import Options
 
@@ -22,9 +31,6 @@ Values = npt.NDArray[np.float64]
 
 # How many orbits of an attractor CVODE is asked about before the attractor is doubted.
 WITNESSES = 3
-# An orbit this close to a whirl, as a part of its amplitude, and closer than before, is on its way
-# there even if no capture set holds it yet.
-NEAR = 0.02
 # Numbers from CVODE and from the kernel agree within this part.
 AGREEMENT = 0.02
 
@@ -73,10 +79,23 @@ def attractors_of(survey: Survey, starts: list[Values], options: Options) -> lis
             _confirm_known(survey.ends.rotor, attractor, captured, options)
             for attractor, captured in zip(known, starts, strict=True)
         ]
-    left = survey.undecided
-    mine = survey.labels[left.numbers]
-    mine[:] = _on_their_way(survey, left)
-    open_ = (mine == UNDECIDED) & ~slighter_and_slighter(survey, left)
+    left = survey.examples()
+    mine, found = _sorted(survey, left, len(known), options)
+    if left.numbers.size == survey.undecided_count:
+        survey.labels[left.numbers] = mine
+    else:
+        examples = Examples(survey.ends, left, mine)
+        for part in survey.undecided():
+            survey.labels[part.numbers] = examples.labels_of(part)
+    return known + found
+
+
+def _sorted(
+    survey: Survey, left: Undecided, known: int, options: Options
+) -> tuple[Labels, list[Attractor]]:
+    """Return the labels of undecided orbits, and the attractors that were not known before."""
+    mine = on_their_way(survey.ends, left)
+    open_ = (mine == UNDECIDED) & ~slighter_and_slighter(survey.ends, left)
     kinds, members_of = groups(survey.ends.rotor, left, open_)
     found: list[Attractor] = []
     for kind, members in zip(kinds, members_of, strict=True):
@@ -89,10 +108,10 @@ def attractors_of(survey: Survey, starts: list[Values], options: Options) -> lis
         if number is None:
             number = len(found)
             found.append(seen)
-        mine[members] = len(known) + number
-        mine[also_in(left, members, open_ & (mine == UNDECIDED))] = len(known) + number
-    survey.labels[left.numbers] = mine
-    return known + found
+        mine[members] = known + number
+        limits = limits_of(left, members)
+        mine[also_in(left, limits, open_ & (mine == UNDECIDED))] = known + number
+    return mine, found
 
 
 def _known(survey: Survey) -> list[Attractor]:
@@ -124,23 +143,6 @@ def _confirm_known(
         if abs(window.amplitude - attractor.amplitude) <= AGREEMENT * attractor.amplitude:
             return _with_numbers_of(settled, attractor)
     return attractor
-
-
-def _on_their_way(survey: Survey, left: Undecided) -> npt.NDArray[np.int16]:
-    """Return the labels of orbits that creep towards a stable whirl, UNDECIDED for the others."""
-    if survey.ends.rotor.omega == 0.0:  # energy only falls: everything comes to rest
-        return np.zeros(left.numbers.size, dtype=np.int16)
-    labels = np.full(left.numbers.size, UNDECIDED, dtype=np.int16)
-    for number, each in enumerate(survey.ends.sets):
-        distance = [
-            np.hypot(look[:, MEAN_X] - each.centre[0], look[:, MEAN_Y] - each.centre[1])
-            + look[:, WANDER]
-            for look in (left.earlier, left.later)
-        ]
-        near = (distance[1] <= NEAR * each.amplitude) & (distance[1] <= LASTING * distance[0])
-        still = distance[1] <= 1e-5 * each.amplitude
-        labels[near | still] = number
-    return labels
 
 
 def _described(kind: str, left: Undecided, members: Numbers) -> Attractor:

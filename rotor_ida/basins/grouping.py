@@ -7,7 +7,8 @@ import numpy.typing as npt
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
-from rotor_ida.basins.survey import Survey, Undecided
+from rotor_ida.basins.ends import Ends
+from rotor_ida.basins.followed import Undecided
 from rotor_ida.basins.windows import MEAN_X, MEAN_Y, RADIUS_MAX, RADIUS_MIN
 from rotor_ida.parameters import Rotor
 from rotor_ida.response import BOUNCING, FULL_CONTACT, LASTING, PATIENCE
@@ -15,6 +16,7 @@ from rotor_ida.settling import durations
 
 Numbers = npt.NDArray[np.int64]
 Mask = npt.NDArray[np.bool_]
+Limits = tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]
 
 # Two orbits are on the same attractor when their extreme radii differ by no more than this many
 # times what they differ from one window to the next, or than the accuracy of a window.
@@ -30,22 +32,31 @@ MOST_GROUPS = 16
 SLIGHT = 0.01
 
 
-def slighter_and_slighter(survey: Survey, left: Undecided) -> Mask:
+def slighter_and_slighter(ends: Ends, left: Undecided) -> Mask:
     """Return which orbits are contact-free whirls but for the slightest touches.
 
     Each touch pushes the centre inwards, so the next one is slighter. It goes on for ever, too
     slowly for any window to tell it from bouncing.
     """
-    if not survey.ends.has_free:
+    if not ends.has_free:
         return np.zeros(left.numbers.size, dtype=np.bool_)
-    wx, wy, _ = survey.ends.free
+    wx, wy, _ = ends.free
     strays = np.hypot(left.later[:, MEAN_X] - wx, left.later[:, MEAN_Y] - wy)
-    depth = left.later[:, RADIUS_MAX] - survey.ends.rotor.delta0
+    depth = left.later[:, RADIUS_MAX] - ends.rotor.delta0
     return np.asarray((depth <= SLIGHT) & (strays <= SLIGHT))
 
 
 def groups(rotor: Rotor, left: Undecided, open_: Mask) -> tuple[list[str], list[Numbers]]:
     """Return kinds and members of the groups of lasting motions, largest first."""
+    found: list[tuple[str, Numbers]] = []
+    for kind, candidates in lasting(rotor, left, open_).items():
+        found += [(kind, candidates[members]) for members in _cluster(left, candidates)]
+    found.sort(key=lambda group: -group[1].size)
+    return [kind for kind, _ in found[:MOST_GROUPS]], [each for _, each in found[:MOST_GROUPS]]
+
+
+def lasting(rotor: Rotor, left: Undecided, open_: Mask) -> dict[str, Numbers]:
+    """Return by kind the orbits whose motion keeps its swing from one window to the next."""
     touches, swings = zip(
         *(_swing(rotor, look) for look in (left.earlier, left.later)), strict=True
     )
@@ -54,13 +65,11 @@ def groups(rotor: Rotor, left: Undecided, open_: Mask) -> tuple[list[str], list[
     lasts = (ratio >= LASTING) & (ratio <= 1.0 / LASTING) & (touches[0] == touches[1])
     lasts &= swings[1] > ACCURACY * left.later[:, RADIUS_MAX]
     lasts &= open_ & (rotor.zeta * durations(rotor)[0] >= PATIENCE)
-    found: list[tuple[str, Numbers]] = []
-    for kind, touching in ((BOUNCING, True), (FULL_CONTACT, False)):
-        in_contact = left.later[:, RADIUS_MAX] > rotor.delta0
-        candidates = np.flatnonzero(lasts & in_contact & (touches[1] == touching))
-        found += [(kind, candidates[members]) for members in _cluster(left, candidates)]
-    found.sort(key=lambda group: -group[1].size)
-    return [kind for kind, _ in found[:MOST_GROUPS]], [each for _, each in found[:MOST_GROUPS]]
+    lasts &= left.later[:, RADIUS_MAX] > rotor.delta0
+    return {
+        BOUNCING: np.flatnonzero(lasts & touches[1]),
+        FULL_CONTACT: np.flatnonzero(lasts & ~touches[1]),
+    }
 
 
 def _swing(rotor: Rotor, look: npt.NDArray[np.float32]) -> tuple[Mask, npt.NDArray[np.float32]]:
@@ -72,9 +81,7 @@ def _swing(rotor: Rotor, look: npt.NDArray[np.float32]) -> tuple[Mask, npt.NDArr
 
 def _cluster(left: Undecided, candidates: Numbers) -> list[Numbers]:
     """Return groups of candidates whose extreme radii hang together."""
-    earlier = left.earlier[candidates][:, [RADIUS_MIN, RADIUS_MAX]].astype(np.float64)
-    later = left.later[candidates][:, [RADIUS_MIN, RADIUS_MAX]].astype(np.float64)
-    reach = SCATTERS * (np.abs(later - earlier).max(axis=1, initial=0.0) + ACCURACY * later[:, 1])
+    later, reach = extremes(left.later[candidates]), reach_of(left, candidates)
     group = np.full(candidates.size, -1, dtype=np.int64)
     random = np.random.default_rng(0)
     for _ in range(ROUNDS):
@@ -93,13 +100,34 @@ def _cluster(left: Undecided, candidates: Numbers) -> list[Numbers]:
     return [np.flatnonzero(group == number) for number in range(int(group.max(initial=-1)) + 1)]
 
 
-def also_in(left: Undecided, members: Numbers, open_: Mask) -> Mask:
-    """Return which orbits have both windows in the range of a group's windows.
+def extremes(look: npt.NDArray[np.float32]) -> npt.NDArray[np.float64]:
+    """Return smallest and largest radius of each orbit over a window, shape (n, 2) [1]."""
+    return look[:, [RADIUS_MIN, RADIUS_MAX]].astype(np.float64)
+
+
+def reach_of(left: Undecided, candidates: Numbers) -> npt.NDArray[np.float64]:
+    """Return how far another orbit may be for both to be on the same attractor [1]."""
+    earlier, later = extremes(left.earlier[candidates]), extremes(left.later[candidates])
+    return np.asarray(
+        SCATTERS * (np.abs(later - earlier).max(axis=1, initial=0.0) + ACCURACY * later[:, 1])
+    )
+
+
+def also_in(left: Undecided, limits: Limits, open_: Mask) -> Mask:
+    """Return which orbits have both windows within the limits of a group.
 
     Of a chaotic motion some windows differ so much that they do not look lasting one by one.
     """
+    low, high = limits
     looks = [look[:, [RADIUS_MIN, RADIUS_MAX]] for look in (left.earlier, left.later)]
-    low = np.minimum(*(look[members].min(axis=0) for look in looks))
-    high = np.maximum(*(look[members].max(axis=0) for look in looks))
     inside = [((look >= low) & (look <= high)).all(axis=1) for look in looks]
     return np.asarray(open_ & inside[0] & inside[1])
+
+
+def limits_of(left: Undecided, members: Numbers) -> Limits:
+    """Return the least and the largest extreme radii of a group's windows [1]."""
+    looks = [look[members][:, [RADIUS_MIN, RADIUS_MAX]] for look in (left.earlier, left.later)]
+    return (
+        np.minimum(*(look.min(axis=0) for look in looks)),
+        np.maximum(*(look.max(axis=0) for look in looks)),
+    )

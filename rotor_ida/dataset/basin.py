@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Protocol
 
 import numpy as np
@@ -14,6 +15,7 @@ from rotor_ida.dataset.provenance import provenance
 from rotor_ida.parameters import Rotor
 from rotor_ida.schema import FATE, RESPONSE, labelled
 from rotor_ida.simulator.options import Options
+from rotor_ida.studies.scratch import scratch, slabs
 
 Values = npt.NDArray[np.float64]
 
@@ -61,6 +63,7 @@ def basin_dataset(
     attractors: Sequence[Described],
     attributes: Mapping[str, object],
     options: Options,
+    folder: Path | None = None,
 ) -> xr.Dataset:
     """Return a grid of starts with what they end on.
 
@@ -82,11 +85,13 @@ def basin_dataset(
         More attributes.
     options : Options
         How CVODE confirmed.
+    folder : Path, optional
+        Where arrays go that may be larger than memory.
     """
     dims = tuple(axes)
     variables = {
         "label": _labels(labels, dims, len(attractors)),
-        "response": _responses(labels, dims, attractors),
+        "response": _responses(labels, dims, attractors, folder),
         "settling_time": labelled("settling_time", dims, times),
         **_attractor_table(labels, attractors),
     }
@@ -117,10 +122,13 @@ def shares_dataset(
     attractors, attributes, options
         As for `basin_dataset`.
     """
-    responses = _responses(labels, ("start",), attractors).values
-    kinds = [number for word, number in RESPONSE.items() if word != "failed"]
-    counts = np.array([(responses == kind).sum() for kind in kinds])
-    share, error = _shares(counts, int((labels != FATE["not_computed"]).sum()))
+    missing, undecided, *ends = _counts(labels, len(attractors)).tolist()
+    of_kind = {number: 0 for word, number in RESPONSE.items() if word != "failed"}
+    of_kind[RESPONSE["unresolved"]] = undecided
+    for each, count in zip(attractors, ends, strict=True):
+        of_kind[RESPONSE[each.kind]] += count
+    kinds, counts = list(of_kind), np.array(list(of_kind.values()))
+    share, error = _shares(counts, labels.size - missing)
     variables = {
         **_attractor_table(labels, attractors),
         "response_count": labelled("response_count", "response", counts),
@@ -162,13 +170,20 @@ def _labels(labels: npt.NDArray[np.int16], dims: tuple[str, ...], count: int) ->
 
 
 def _responses(
-    labels: npt.NDArray[np.int16], dims: tuple[str, ...], attractors: Sequence[Described]
+    labels: npt.NDArray[np.int16],
+    dims: tuple[str, ...],
+    attractors: Sequence[Described],
+    folder: Path | None,
 ) -> xr.Variable:
     """Return the kind of response of each start; those not computed have a number of their own."""
     kinds = [RESPONSE[each.kind] for each in attractors]
     # the two fates stand at the end of the table, where negative numbers find them
     table = np.array([*kinds, FATE["not_computed"], RESPONSE["unresolved"]], dtype=np.int8)
-    variable = labelled("response", dims, table[labels])
+    responses = scratch(labels.shape, np.int8, folder)
+    flat, result = labels.reshape(-1), responses.reshape(-1)
+    for slab in slabs(flat.size):
+        result[slab] = table[flat[slab]]
+    variable = labelled("response", dims, responses)
     words = {**RESPONSE, "not_computed": FATE["not_computed"]}
     variable.attrs["flag_values"] = np.array(list(words.values()), dtype=np.int8)
     variable.attrs["flag_meanings"] = " ".join(words)
@@ -178,9 +193,8 @@ def _responses(
 def _attractor_table(
     labels: npt.NDArray[np.int16], attractors: Sequence[Described]
 ) -> dict[str, xr.Variable]:
-    counts = np.array([(labels == number).sum() for number in range(len(attractors))], np.int64)
-    undecided = int((labels == FATE["undecided"]).sum())
-    missing = int((labels == FATE["not_computed"]).sum())
+    missing, undecided, *ends = _counts(labels, len(attractors)).tolist()
+    counts = np.array(ends, dtype=np.int64)
     share, error = _shares(np.array([*counts, undecided]), labels.size - missing)
     columns: dict[str, npt.ArrayLike] = {
         "kind": np.array([RESPONSE[each.kind] for each in attractors], dtype=np.int8),
@@ -195,6 +209,15 @@ def _attractor_table(
     table["undecided_share"] = labelled("undecided_share", (), share[-1])
     table["not_computed_count"] = labelled("not_computed_count", (), missing)
     return table
+
+
+def _counts(labels: npt.NDArray[np.int16], attractors: int) -> npt.NDArray[np.int64]:
+    """Return how many starts were not computed, are undecided, and end on each attractor."""
+    flat, first = labels.reshape(-1), min(FATE.values())
+    counts = np.zeros(attractors - first, dtype=np.int64)
+    for slab in slabs(flat.size):
+        counts += np.bincount(flat[slab] - first, minlength=counts.size)
+    return counts
 
 
 def _shares(counts: npt.NDArray[np.int64], total: int) -> tuple[Values, Values]:
