@@ -13,7 +13,7 @@ import numpy.typing as npt
 from rotor_ida.basins.capture import CaptureSet, capture_sets
 from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED, follow
 from rotor_ida.basins.windows import COLUMNS, watch
-from rotor_ida.ensemble import Progress, Stop, run_all
+from rotor_ida.ensemble import Lost, Progress, Stop, run_all
 from rotor_ida.parameters import Rotor
 from rotor_ida.response import PATIENCE
 from rotor_ida.settling import DECAY_TIMES, durations
@@ -22,9 +22,9 @@ Values = npt.NDArray[np.float64]
 Starts = Callable[[int, int], Values]
 
 # Large enough that few lanes idle at the end of a batch, small enough to share the work evenly
-# and to report progress.
+# and to report progress. Who does the work has no say, so that it leaves no trace in the result.
 LARGEST_BATCH, SMALLEST_BATCH = 8192, 512
-BATCHES_A_WORKER = 4
+FEWEST_BATCHES = 64
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,6 +107,8 @@ class Survey:
         More about those that no set has captured.
     interrupted : bool
         Whether the user stopped it.
+    lost : str
+        Why starts were not computed although nobody stopped it; empty if all were.
     """
 
     ends: Ends
@@ -114,16 +116,16 @@ class Survey:
     times: npt.NDArray[np.float32]
     undecided: Undecided
     interrupted: bool = False
+    lost: str = ""
 
 
 @dataclass(frozen=True, slots=True)
 class _Batch:
-    """A stretch of the starts, and how to follow them."""
+    """A stretch of the starts, (4, n) from number `first` on, with all that a process needs."""
 
     ends: Ends
-    starts: Starts
     first: int
-    last: int
+    states: Values
     tolerance: float
 
 
@@ -143,6 +145,7 @@ def survey(
     *,
     tolerance: float,
     workers: int,
+    executor: str,
     progress: Progress | None,
 ) -> Survey:
     """Follow every start until its end is certain, or its patience is at an end.
@@ -157,8 +160,8 @@ def survey(
         Number of starts.
     tolerance : float
         Error allowed in a step [1].
-    workers : int
-        Number of threads.
+    workers, executor
+        As for `rotor_ida.ensemble.run_all`.
     progress : callable or None
         Called with the number of starts done and their total.
     """
@@ -166,28 +169,32 @@ def survey(
     labels = np.full(count, NOT_COMPUTED, dtype=np.int16)
     times = np.full(count, np.nan, dtype=np.float32)
     parts: list[Undecided] = []
-    size = min(max(math.ceil(count / (BATCHES_A_WORKER * workers)), SMALLEST_BATCH), LARGEST_BATCH)
+    size = min(max(math.ceil(count / FEWEST_BATCHES), SMALLEST_BATCH), LARGEST_BATCH)
     edges = [(first, min(first + size, count)) for first in range(0, count, size)]
-    batches = (_Batch(ends, starts, *edge, tolerance) for edge in edges)
-    done, interrupted = 0, False
+    batches = (_Batch(ends, first, starts(first, last), tolerance) for first, last in edges)
+    done, interrupted, lost = 0, False, ""
     try:
-        with closing(run_all(_follow, batches, workers=workers, threads=True)) as followed:
+        with closing(run_all(_follow, batches, workers=workers, executor=executor)) as followed:
             for number, batch in followed:
                 first, last = edges[number]
-                labels[first:last], times[first:last] = batch.labels, batch.times
-                parts.append(batch.undecided)
+                if isinstance(batch, Lost):
+                    lost = batch.reason
+                else:
+                    labels[first:last], times[first:last] = batch.labels, batch.times
+                    parts.append(batch.undecided)
                 done += last - first
                 if progress is not None:
                     progress(done, count)
     except KeyboardInterrupt:
         interrupted = True
-    return Survey(ends, labels, times, _together(parts), interrupted)
+    return Survey(ends, labels, times, _together(parts), interrupted, lost)
 
 
 def _follow(batch: _Batch, stop: Stop) -> _Followed:
     """Follow a batch: a run, a look, a longer run, another look at those still on their way."""
     rotor, ends = batch.ends.rotor, batch.ends
-    states = np.ascontiguousarray(batch.starts(batch.first, batch.last))
+    # the kernel overwrites them, and they may be a view of the caller's own
+    states = np.array(batch.states, order="C")
     size = states.shape[1]
     labels = np.full(size, NOT_COMPUTED, dtype=np.int16)
     times = np.zeros(size, dtype=np.float32)
