@@ -27,7 +27,7 @@ def labelled(rotor, states, rtol, workers):
     """Return the labels of starts, shape (4, n), and the attractors."""
     found = label(
         rotor, lambda first, last: states[:, first:last], states.shape[1],
-        rtol=rtol, workers=workers, progress=None,
+        rtol=rtol, workers=workers, executor="auto", progress=None,
     )  # fmt: skip
     return found.labels, found.attractors
 
@@ -83,7 +83,7 @@ def main():
     began = time.perf_counter()
     jobs = ((rotor, tuple(state)) for state in states.T.tolist())
     workers = count_workers(given.workers)
-    outcomes = dict(run_all(follow, jobs, workers=workers, threads=False))
+    outcomes = dict(run_all(follow, jobs, workers=workers, executor="processes"))
     wrong = 0
     for number in range(given.starts):
         expected = label_of(outcomes[number], attractors)

@@ -112,7 +112,7 @@ def main():
         wall, core = time.perf_counter(), time.process_time()
         found = survey(
             rotor, lambda a, b: states[:, a:b], states.shape[1],
-            tolerance=given.rtol, workers=given.workers, progress=None,
+            tolerance=given.rtol, workers=given.workers, executor="threads", progress=None,
         )  # fmt: skip
         wall, core = time.perf_counter() - wall, time.process_time() - core
     numbers, counts = np.unique(found.labels, return_counts=True)

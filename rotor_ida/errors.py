@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 
 class RotorError(Exception):
     """Base of every error that this package raises on purpose."""
@@ -19,14 +21,15 @@ class SimulationError(RotorError, RuntimeError):
     message : str
         What happened, in the solver's or the invariant's own words.
     time : float
-        Dimensionless time [1] of the last good state.
+        Dimensionless time [1] of the last good state; NaN where that died with a worker process.
     state : tuple of float
         The state ``(x, y, vx, vy)`` [1] at that time.
     """
 
     def __init__(self, message: str, *, time: float, state: tuple[float, float, float, float]):
         shown = ", ".join(f"{value:.17g}" for value in state)
-        super().__init__(f"{message} (at t = {time:.17g}, state (x, y, vx, vy) = ({shown}))")
+        place = f" (at t = {time:.17g}, state (x, y, vx, vy) = ({shown}))"
+        super().__init__(message if math.isnan(time) else message + place)
         self.reason = message
         self.time = time
         self.state = state

@@ -168,6 +168,21 @@ def settle(
         return journey.settled(FAILED, None, math.nan, str(error))
 
 
+def failed(start: State, reason: str) -> Settled:
+    """Return what is known of a rotor that could not be followed at all from `start`."""
+    return Settled(
+        response=FAILED,
+        window=None,
+        window_start=math.nan,
+        window_end=0.0,
+        event_times=np.empty(0),
+        event_kinds=np.empty(0, dtype=np.int8),
+        event_states=np.empty((0, 4)),
+        end=start,
+        message=reason,
+    )
+
+
 def durations(rotor: Rotor) -> tuple[float, float, int]:
     """Return the first wait, the length of the window and its number of samples."""
     decay = DECAY_TIMES * max(1.0 / rotor.zeta, rotor.zeta) if rotor.zeta > 0.0 else math.inf

@@ -13,10 +13,10 @@ import xarray as xr
 
 from rotor_ida.checks import State, check_axis, check_choice, check_state
 from rotor_ida.dataset.sweep import sweep_dataset
-from rotor_ida.ensemble import Progress, Stop, count_workers, run_all
+from rotor_ida.ensemble import Lost, Progress, Stop, choose, run_all
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import Rotor
-from rotor_ida.settling import FAILED, Settled, settle
+from rotor_ida.settling import FAILED, Settled, failed, settle
 from rotor_ida.simulator.limits import check_can_be_followed
 from rotor_ida.simulator.options import Backend, Flight, Method, Options
 
@@ -44,6 +44,7 @@ def sweep(
     flight: Flight = "exact",
     backend: Backend = "auto",
     workers: int | None = None,
+    executor: str = "auto",
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Follow the rotor until it has settled, at every speed, damping and clearance.
@@ -61,9 +62,14 @@ def sweep(
     rtol, atol, method, flight, backend
         As for `simulate`.
     workers : int, optional
-        How many chains of points to follow at a time. With the compiled backend these are threads,
-        by default one for each core. With the Python backend they are processes, by default one
-        only: with more, a script must guard its main part with ``if __name__ == "__main__":``.
+        How many chains of points to follow at a time; by default one for each core, or only one
+        with the Python backend and ``executor="auto"``.
+    executor : {"auto", "serial", "threads", "processes"}
+        What follows them. ``"auto"`` means threads with the compiled backend; with the Python
+        backend, which holds the interpreter's lock so that threads would gain nothing, processes
+        if `workers` is above 1, and else ``"serial"``, this very process. With processes a script
+        must guard its main part with ``if __name__ == "__main__":``. The result is the same, bit
+        for bit.
     progress : callable, optional
         Called with the number of points done and their total.
 
@@ -80,6 +86,8 @@ def sweep(
     InputError
         If an argument cannot be used. A point that fails does not raise: its ``status`` and
         ``message`` say why.
+    SimulationError
+        If a worker process died.
 
     Examples
     --------
@@ -97,6 +105,7 @@ def sweep(
         if (axes["omega"][1:] <= axes["omega"][:-1]).any():
             raise InputError("omega must increase in a sweep up or down")
     options = Options(rtol=rtol, atol=atol, method=method, flight=flight, backend=backend)
+    place, count = choose(executor, workers, compiled=options.backend != "python")
     directions = DIRECTIONS[direction]
     sizes = [axes[name].size for name in ("omega", "zeta", "delta0")]
     chains = list(_chains(sizes, len(checked), directions))
@@ -106,13 +115,14 @@ def sweep(
             check_can_be_followed(rotor, job.start, settling=True)
     total = sum(len(chain.indices) for chain in chains)
     points: dict[tuple[int, ...], Settled] = {}
-    threads = options.backend != "python"  # compiled code releases the interpreter's lock
-    count = min(count_workers(1 if workers is None and not threads else workers), len(jobs))
     order = sorted(range(len(jobs)), key=lambda number: _haste(jobs[number]))
     waiting = (jobs[number] for number in order)
-    with closing(run_all(_follow, waiting, workers=count, threads=threads)) as ended:
-        for place, settled in ended:
-            points.update(zip(chains[order[place]].indices, settled, strict=True))
+    count = min(count, len(jobs))
+    with closing(run_all(_follow, waiting, workers=count, executor=place)) as ended:
+        for turn, found in ended:
+            number = order[turn]
+            settled = _all_failed(jobs[number], found) if isinstance(found, Lost) else found
+            points.update(zip(chains[number].indices, settled, strict=True))
             if progress is not None:
                 progress(len(points), total)
     return sweep_dataset(axes, checked, directions, points, options)
@@ -186,8 +196,15 @@ def _follow(job: _Job, stop: Stop) -> list[Settled]:
     for rotor in job.rotors:
         if stop[0]:
             break
-        point = settle(rotor, state, job.options, stop=stop)
+        try:
+            point = settle(rotor, state, job.options, stop=stop)
+        except Exception as error:  # whatever it is, it is this point's own affair
+            point = failed(state, f"{type(error).__name__}: {error}".rstrip(": "))
         if point.response != FAILED:
             state = point.end
         settled.append(point)
     return settled
+
+
+def _all_failed(job: _Job, lost: Lost) -> list[Settled]:
+    return [failed(job.start, lost.reason) for _ in job.rotors]

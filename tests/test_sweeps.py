@@ -6,6 +6,7 @@ import pytest
 from rotor_ida import InputError, SimulationError, sweep, synchronous_response
 from rotor_ida import sweeps as sweeps_module
 from rotor_ida.dataset.sweep import events_of
+from rotor_ida.ensemble import Lost
 from rotor_ida.schema import RESPONSE, flags_of
 
 
@@ -50,12 +51,18 @@ def test_dimensions_labels_and_events():
         assert "units" in variable.attrs or name == "message"
 
 
-def test_two_processes_find_what_one_finds():
-    arguments = {"omega": [1.1, 1.9], "zeta": 0.2, "delta0": [0.5, 1.5]}
+@pytest.mark.parametrize("executor", ["threads", "processes"])
+@pytest.mark.parametrize("backend", ["compiled", "python"])
+def test_whoever_does_the_work_finds_the_same_bits(executor, backend):
+    arguments = {"omega": [1.1, 1.9], "zeta": 0.2, "delta0": [0.5, 1.5], "backend": backend}
     calls = []
-    one = sweep(**arguments)
-    two = sweep(**arguments, workers=2, progress=lambda done, total: calls.append((done, total)))
-    assert one.identical(two)
+    alone = sweep(**arguments, executor="serial")
+    together = sweep(
+        **arguments, executor=executor, workers=2,
+        progress=lambda done, total: calls.append((done, total)),
+    )  # fmt: skip
+    assert alone.sizes["event"] > 0
+    assert alone.identical(together)
     assert calls[-1] == (4, 4)
 
 
@@ -78,6 +85,33 @@ def test_a_point_that_fails_is_labelled_and_stops_nothing(monkeypatch):
     assert np.isfinite(responses.amplitude.values[2])
 
 
+@pytest.mark.parametrize("error", [ValueError("a slip"), MemoryError()])
+def test_even_an_error_of_ours_stops_no_other_point(monkeypatch, error):
+    true_settle = sweeps_module.settle
+
+    def slips_at_two(rotor, *rest, **options):
+        if rotor.omega == 2.0:
+            raise error
+        return true_settle(rotor, *rest, **options)
+
+    monkeypatch.setattr(sweeps_module, "settle", slips_at_two)
+    found = sweep(omega=[1.0, 2.0, 3.0], zeta=0.5, delta0=0.5, direction="up").squeeze()
+    assert found.status.values.tolist() == [0, 1, 0]
+    assert found.message.values[1] in {"ValueError: a slip", "MemoryError"}
+
+
+def test_a_chain_that_is_lost_with_its_worker_is_labelled(monkeypatch):
+    def loses_the_second(work, jobs, **_):
+        for number, job in enumerate(jobs):
+            yield number, Lost("its worker died") if number == 1 else work(job, np.zeros(1))
+
+    monkeypatch.setattr(sweeps_module, "run_all", loses_the_second)
+    found = sweep(omega=[1.0, 2.0], zeta=0.5, delta0=0.5, direction="both").squeeze()
+    assert found.status.values.tolist() == [[0, 1], [0, 1]]
+    assert found.message.values[:, 1].tolist() == ["its worker died"] * 2
+    assert found.event_count.values[:, 1].tolist() == [0, 0]
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -90,6 +124,7 @@ def test_a_point_that_fails_is_labelled_and_stops_nothing(monkeypatch):
         ({"direction": "left"}, "direction must be one of 'up', 'down', 'both', got 'left'"),
         ({"omega": [2.0, 1.0], "direction": "up"}, "omega must increase in a sweep up or down"),
         ({"workers": 0}, "workers must be at least 1, got 0"),
+        ({"executor": "gpu"}, "executor must be one of 'auto', 'serial', .*, got 'gpu'"),
     ],
 )
 def test_bad_input_gets_one_clear_line(changes, message):

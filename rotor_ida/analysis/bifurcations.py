@@ -33,7 +33,8 @@ def bifurcation(
     extrema_time: float = 100.0,
     rtol: float = 1e-10,
     atol: float = 1e-12,
-    workers: int = 1,
+    workers: int | None = 1,
+    executor: str = "auto",
     progress: Callable[[int, int], None] | None = None,
 ) -> xr.Dataset:
     """Return the extrema of the radius that remain at each speed, from many starts.
@@ -53,9 +54,8 @@ def bifurcation(
         Length of the window, after the rotor has settled, in which extrema are looked for [1].
     rtol, atol : float
         Relative and absolute tolerance [1].
-    workers : int
-        Number of processes. With more than one, a script must guard its main part with
-        ``if __name__ == "__main__":``.
+    workers, executor
+        As for `rotor_ida.sweep`.
     progress : callable, optional
         Called with the number of points done and their total.
 
@@ -95,7 +95,7 @@ def bifurcation(
     chosen = _starts(starts, seed, reach)
     swept = sweep(
         omega=omega, zeta=zeta, delta0=delta0, starts=chosen, rtol=rtol, atol=atol,
-        workers=workers, progress=progress,
+        workers=workers, executor=executor, progress=progress,
     )  # fmt: skip
     settled = swept.isel(direction=0, drop=True).drop_dims("event")
     options = Options(rtol=rtol, atol=atol)

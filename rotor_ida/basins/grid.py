@@ -32,6 +32,7 @@ def basin(
     vy: npt.ArrayLike = 0.0,
     rtol: float = RTOL,
     workers: int | None = None,
+    executor: str = "auto",
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Say for every start of a plane on which attractor the rotor ends.
@@ -45,7 +46,11 @@ def basin(
     rtol : float
         Error allowed in a step, relative to the size of the state and of the eccentricity [1].
     workers : int, optional
-        Number of threads; by default one for each core that may be used.
+        How many batches of starts to follow at a time; by default one for each core that may be
+        used.
+    executor : {"auto", "serial", "threads", "processes"}
+        What follows them: ``"auto"`` means threads. With processes a script must guard its main
+        part with ``if __name__ == "__main__":``. The result is the same, bit for bit.
     progress : callable, optional
         Called with the number of starts done and their total.
 
@@ -63,6 +68,8 @@ def basin(
     ------
     InputError
         If an argument cannot be used.
+    SimulationError
+        If a worker process died.
 
     Notes
     -----
@@ -99,7 +106,7 @@ def basin(
 
     found = label(
         rotor, starts, rows.size * columns.size,
-        rtol=check_rtol(rtol), workers=workers, progress=progress,
+        rtol=check_rtol(rtol), workers=workers, executor=executor, progress=progress,
     )  # fmt: skip
     shape = (rows.size, columns.size)
     return basin_dataset(

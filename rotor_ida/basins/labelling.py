@@ -11,7 +11,7 @@ import numpy.typing as npt
 from rotor_ida.basins.attractors import WITNESSES, Attractor, attractors_of
 from rotor_ida.basins.survey import Survey, survey
 from rotor_ida.checks import check_positive
-from rotor_ida.ensemble import Progress, count_workers
+from rotor_ida.ensemble import Progress, choose
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulator.limits import LARGEST, check_can_be_followed
@@ -73,11 +73,15 @@ def label(
     *,
     rtol: float,
     workers: int | None,
+    executor: str,
     progress: Progress | None,
 ) -> Labelled:
     """Follow the starts, given from one number up to another as (4, n), and sort them."""
-    threads = count_workers(workers)
-    found = survey(rotor, starts, count, tolerance=rtol, workers=threads, progress=progress)
+    place, several = choose(executor, workers, compiled=True)
+    found = survey(
+        rotor, starts, count,
+        tolerance=rtol, workers=several, executor=place, progress=progress,
+    )  # fmt: skip
     options = Options()
     captured = _witnesses(found, starts)
     try:
@@ -86,6 +90,8 @@ def label(
         found.interrupted = True
         attractors = attractors_of(found, captured, options)
     attributes: dict[str, object] = {"labelling_rtol": rtol, "interrupted": int(found.interrupted)}
+    if found.lost:
+        attributes["not_computed_reason"] = found.lost
     return Labelled(found.labels, found.times, attractors, attributes, options)
 
 

@@ -35,6 +35,7 @@ def shares(
     seed: int = 0,
     rtol: float = RTOL,
     workers: int | None = None,
+    executor: str = "auto",
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Say which parts of the starts in a box end on which attractor.
@@ -50,7 +51,7 @@ def shares(
         Number of starts.
     seed : int
         Seed of the random numbers: the same seed gives the same starts.
-    rtol, workers, progress
+    rtol, workers, executor, progress
         As for `basin`.
 
     Returns
@@ -64,6 +65,8 @@ def shares(
     ------
     InputError
         If an argument cannot be used.
+    SimulationError
+        If a worker process died.
 
     Notes
     -----
@@ -84,7 +87,7 @@ def shares(
     drawn = box[:, :1] + (box[:, 1:] - box[:, :1]) * random.random((count, 4)).T
     found = label(
         rotor, lambda first, last: drawn[:, first:last], count,
-        rtol=check_rtol(rtol), workers=workers, progress=progress,
+        rtol=check_rtol(rtol), workers=workers, executor=executor, progress=progress,
     )  # fmt: skip
     attributes = {"starts": count, "seed": seed, **found.attributes}
     attributes |= {f"range_{name}": limits for name, limits in zip(COMPONENTS, box, strict=True)}

@@ -60,7 +60,8 @@ Direction = Annotated[
     str | None,
     Parameter(help="Follow the response from speed to speed: up, down or both."),
 ]
-Workers = Annotated[str | None, Parameter(help="Number of processes; by default all cores.")]
+Workers = Annotated[str | None, Parameter(help="Jobs done at a time; by default one a core.")]
+Executor = Annotated[str, Parameter(help="What does the work: auto, serial, threads or processes.")]
 Rtol = Annotated[str, Parameter(help="Relative tolerance.")]
 Atol = Annotated[str, Parameter(help="Absolute tolerance.")]
 Method = Annotated[str, Parameter(help="Solver of the contact: adams, bdf or ida.")]

@@ -7,6 +7,7 @@ from rotor_ida import InputError, Rotor, basin, load, save
 from rotor_ida.basins import attractors, labelling, survey
 from rotor_ida.basins.labelling import label
 from rotor_ida.dataset import basin as basin_dataset_module
+from rotor_ida.ensemble import Lost
 from rotor_ida.schema import FATE, RESPONSE, flags_of
 from rotor_ida.settling import settle
 from rotor_ida.simulator.options import Options
@@ -46,7 +47,10 @@ def test_labels_are_those_of_cvode(omega, delta0, kinds):
     rotor = Rotor(omega=omega, zeta=0.07, delta0=delta0)
     states = np.zeros((4, 12))
     states[:2] = np.random.default_rng(3).uniform(-15.0, 15.0, (2, 12))
-    found = label(rotor, lambda a, b: states[:, a:b], 12, rtol=1e-6, workers=1, progress=None)
+    found = label(
+        rotor, lambda a, b: states[:, a:b], 12,
+        rtol=1e-6, workers=1, executor="auto", progress=None,
+    )  # fmt: skip
     seen = set()
     for number, state in enumerate(states.T.tolist()):
         settled = settle(rotor, tuple(state), Options(rtol=1e-10))
@@ -86,8 +90,32 @@ def test_numbers_add_up(figure_7):
     assert set(np.unique(figure_7.label)) <= set(flags_of(figure_7.label).values())
 
 
-def test_threads_find_what_one_finds(figure_7):
-    assert basin(FIGURE_7, x=AXIS, y=AXIS, workers=3).identical(figure_7)
+def test_whoever_does_the_work_finds_the_same_bits():
+    """Of starts many of which no set captures, so that all that a batch brings back counts."""
+    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+    alone = basin(rotor, x=AXIS, y=AXIS, executor="serial")
+    assert set(flags_of(alone.label)) > {"undecided", "attractor_1"}
+    for executor, workers in (("threads", 3), ("processes", 2)):
+        together = basin(rotor, x=AXIS, y=AXIS, executor=executor, workers=workers)
+        assert alone.identical(together)
+
+
+def test_starts_lost_with_their_worker_are_not_computed(monkeypatch, figure_7):
+    true_run_all = survey.run_all
+
+    def loses_the_second(*arguments, **options):
+        for number, result in true_run_all(*arguments, **options):
+            yield number, Lost("its worker died") if number == 1 else result
+
+    monkeypatch.setattr(survey, "SMALLEST_BATCH", 64)
+    monkeypatch.setattr(survey, "run_all", loses_the_second)
+    found = basin(FIGURE_7, x=AXIS, y=AXIS)
+    missing = (found.label == FATE["not_computed"]).values.ravel()
+    assert np.flatnonzero(missing).tolist() == list(range(64, 128))
+    assert found.attrs["not_computed_reason"] == "its worker died"
+    assert found.label.where(found.label != FATE["not_computed"], figure_7.label).equals(
+        figure_7.label.astype(float)
+    )
 
 
 def test_it_can_be_kept(figure_7, tmp_path):
@@ -156,6 +184,7 @@ def test_an_interrupt_of_the_confirmation_keeps_the_labels(monkeypatch, figure_7
         ({"vx": "fast"}, "vx must be a finite real number, got 'fast'"),
         ({"rtol": 0.1}, "rtol must lie from 1e-12 to 0.0001, got 0.1"),
         ({"workers": 0}, "workers must be at least 1, got 0"),
+        ({"executor": "gpu"}, "executor must be one of 'auto', 'serial', .*, got 'gpu'"),
         ({"rotor": "mine"}, "rotor must be a Rotor, got 'mine'"),
         ({"rotor": Rotor(omega=1.0, zeta=0.0, delta0=1.0)}, "zeta must be above 0, .* got 0.0"),
         ({"rotor": Rotor(omega=1.0, zeta=50.0, delta0=1.0)}, "zeta must be .* got 50.0"),

@@ -73,6 +73,8 @@ MISTAKES = [
     (sweep(direction="sideways"), "direction must be one of 'up', 'down', 'both'"),
     (sweep(omega="2 1", direction="up"), "omega must increase"),
     (sweep(workers="0"), "workers must be at least 1, got 0"),
+    (sweep(executor="gpu"), "executor must be one of 'auto', 'serial'"),
+    (sweep(executor="serial", workers="2"), "workers must be 1 with executor 'serial', got 2"),
     (sweep(workers="two"), "workers must be a whole number, got 'two'"),
     (sweep(workers="100000"), "workers must be at most 512"),
     (sweep(start="1 0 0 --start 1 0 0 0 0"), "start must be four numbers"),

@@ -25,6 +25,7 @@ def basin(
     vy: options.Component = "0",
     rtol: options.Rtol = "1e-06",
     workers: options.Workers = None,
+    executor: options.Executor = "auto",
     out: options.Out = None,
     figure: options.Figure = None,
     as_json: options.AsJson = False,
@@ -58,6 +59,7 @@ def basin(
             **start,
             rtol=parsing.number("rtol", rtol),
             workers=parsing.workers(workers),
+            executor=executor,
             progress=told,
         )
     return answer(

@@ -25,6 +25,7 @@ def sweep(
     start: options.Starts = ["0 0 0 0"],  # noqa: B006 - never changed
     direction: options.Direction = None,
     workers: options.Workers = None,
+    executor: options.Executor = "auto",
     rtol: options.Rtol = "1e-10",
     atol: options.Atol = "1e-12",
     method: options.Method = "adams",
@@ -47,8 +48,8 @@ def sweep(
         for name, words in (("omega", omega), ("zeta", zeta), ("delta0", delta0))
     ]
     starts = [parsing.state("start", words.split()) for words in start]
-    points = parsing.check_points(*axes, starts) * (2 if direction == "both" else 1)
-    processes = parsing.workers(workers)
+    parsing.check_points(*axes, starts)
+    count = parsing.workers(workers)
     panels = len(axes[1]) * len(axes[2])
     targets = check_targets(out=out, figure=figure, panels=panels, force=force)
     from rotor_ida.cli.answer import answer  # noqa: PLC0415 - heavy, and not for --help
@@ -66,8 +67,9 @@ def sweep(
             method=cast("Method", method),
             flight=cast("Flight", flight),
             backend=cast("Backend", backend),
-            # More processes than points would only take time to start.
-            workers=min(count_workers(processes), points),
+            # The program guards its main part: all cores, whatever the backend.
+            workers=count_workers(None) if count is None and executor == "auto" else count,
+            executor=executor,
             progress=told,
         )
     return answer(dataset, targets, as_json=as_json, trouble=_failures(dataset))
