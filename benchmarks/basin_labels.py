@@ -26,8 +26,8 @@ CELL = 2.0 * HALF_WIDTH / 512
 def labelled(rotor, states, rtol, workers):
     """Return the labels of starts, shape (4, n), and the attractors."""
     found = label(
-        rotor, lambda first, last: states[:, first:last], states.shape[1],
-        rtol=rtol, workers=workers, executor="auto", progress=None,
+        rotor, lambda first, last: states[:, first:last], states.shape[1], {},
+        rtol=rtol, workers=workers, executor="auto", study=None, progress=None,
     )  # fmt: skip
     return found.labels, found.attractors
 

@@ -16,9 +16,11 @@ import heyoka as hy
 import numpy as np
 
 from rotor_ida import Rotor
+from rotor_ida.basins.ends import ends_of
 from rotor_ida.basins.kernel import NOT_COMPUTED, follow
 from rotor_ida.basins.labelling import RTOL
-from rotor_ida.basins.survey import ends_of, survey
+from rotor_ida.basins.survey import survey
+from rotor_ida.studies.keeping import InMemory
 
 HALF_WIDTH = 15.0
 SPAN = 100.0
@@ -111,7 +113,7 @@ def main():
     for _ in range(2):
         wall, core = time.perf_counter(), time.process_time()
         found = survey(
-            rotor, lambda a, b: states[:, a:b], states.shape[1],
+            ends_of(rotor), lambda a, b: states[:, a:b], states.shape[1], InMemory(),
             tolerance=given.rtol, workers=given.workers, executor="threads", progress=None,
         )  # fmt: skip
         wall, core = time.perf_counter() - wall, time.process_time() - core

@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import os
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from itertools import product
 from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.chains import PARAMETERS, Chains, Places, follow
 from rotor_ida.checks import State, check_axis, check_choice, check_state
+from rotor_ida.dataset.computing import computing
+from rotor_ida.dataset.rows import Rows, rows_as_bytes, rows_from_bytes, rows_of
 from rotor_ida.dataset.sweep import sweep_dataset
-from rotor_ida.ensemble import Lost, Progress, Stop, choose, run_all
+from rotor_ida.ensemble import Lost, Progress, choose, run_all
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import Rotor
-from rotor_ida.settling import FAILED, Settled, failed, settle
+from rotor_ida.settling import FAILED, failed
 from rotor_ida.simulator.limits import check_can_be_followed
 from rotor_ida.simulator.options import Backend, Flight, Method, Options
+from rotor_ida.studies.keeping import Form, Kept, keeping
 
 Direction = Literal["up", "down", "both"]
 
@@ -29,6 +34,7 @@ DIRECTIONS: dict[str | None, tuple[int, ...]] = {
     "both": (1, -1),
 }
 REST: State = (0.0, 0.0, 0.0, 0.0)
+FORM = Form(rows_as_bytes, rows_from_bytes)
 
 
 def sweep(
@@ -45,6 +51,7 @@ def sweep(
     backend: Backend = "auto",
     workers: int | None = None,
     executor: str = "auto",
+    study: str | os.PathLike[str] | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Follow the rotor until it has settled, at every speed, damping and clearance.
@@ -70,6 +77,10 @@ def sweep(
         if `workers` is above 1, and else ``"serial"``, this very process. With processes a script
         must guard its main part with ``if __name__ == "__main__":``. The result is the same, bit
         for bit.
+    study : path-like, optional
+        Folder in which points are kept as they are done. If it holds some of them already, only
+        the others are followed, to the same bits. It must be new, empty, or of a study of this
+        very sweep, begun with the same versions of what computes.
     progress : callable, optional
         Called with the number of points done and their total.
 
@@ -106,42 +117,63 @@ def sweep(
             raise InputError("omega must increase in a sweep up or down")
     options = Options(rtol=rtol, atol=atol, method=method, flight=flight, backend=backend)
     place, count = choose(executor, workers, compiled=options.backend != "python")
-    directions = DIRECTIONS[direction]
-    sizes = [axes[name].size for name in ("omega", "zeta", "delta0")]
-    chains = list(_chains(sizes, len(checked), directions))
-    jobs = [_job(chain, axes, checked, options) for chain in chains]
-    for job in jobs:
-        for rotor in job.rotors:
-            check_can_be_followed(rotor, job.start, settling=True)
-    total = sum(len(chain.indices) for chain in chains)
-    points: dict[tuple[int, ...], Settled] = {}
-    order = sorted(range(len(jobs)), key=lambda number: _haste(jobs[number]))
-    waiting = (jobs[number] for number in order)
-    count = min(count, len(jobs))
-    with closing(run_all(_follow, waiting, workers=count, executor=place)) as ended:
+    chains = Chains(axes, checked, DIRECTIONS[direction], options)
+    for rotor in _rotors(axes):
+        for start in checked:
+            check_can_be_followed(rotor, start, settling=True)
+    with keeping(study, _design(chains, direction), chains.points, FORM) as kept:
+        _follow_all(chains, kept, place, count, progress)
+
+        def pieces() -> Iterator[tuple[Places, Rows]]:
+            return ((chains.places(number), rows) for number, rows in kept.results())
+
+        return sweep_dataset(axes, checked, chains.directions, pieces, options, kept.folder)
+
+
+def _design(chains: Chains, direction: Direction | None) -> dict[str, object]:
+    """Return all that decides on the bits of a sweep."""
+    options = chains.options
+    return {
+        "kind": "sweep",
+        **{name: values.tolist() for name, values in chains.axes.items()},
+        "starts": [list(start) for start in chains.starts],
+        "direction": direction,
+        **{name: getattr(options, name) for name in ("rtol", "atol", "method", "flight")},
+        **computing(),
+    }
+
+
+def _follow_all(
+    chains: Chains, kept: Kept[Rows], executor: str, workers: int, progress: Progress | None
+) -> None:
+    """Follow the chains that are not kept yet, and keep each as it ends."""
+    if progress is not None:
+        progress(kept.points_done, chains.points)
+    numbers = chains.slowest_first()
+    due = numbers[[number not in kept.done for number in numbers.tolist()]].tolist()
+    jobs = (chains.job(number) for number in due)
+    held = 0
+    count = max(1, min(workers, len(due)))
+    with closing(run_all(follow, jobs, workers=count, executor=executor)) as ended:
         for turn, found in ended:
-            number = order[turn]
-            settled = _all_failed(jobs[number], found) if isinstance(found, Lost) else found
-            points.update(zip(chains[number].indices, settled, strict=True))
+            number = due[turn]
+            if isinstance(found, Lost):
+                job = chains.job(number)
+                kept.hold(number, rows_of([failed(job.start, found.reason) for _ in job.rotors]))
+                held += chains.length
+            else:
+                failures = [point.message for point in found if point.response == FAILED]
+                kept.keep(
+                    number, rows_of(found), len(found),
+                    failed=len(failures), reason=failures[0] if failures else "",
+                )  # fmt: skip
             if progress is not None:
-                progress(len(points), total)
-    return sweep_dataset(axes, checked, directions, points, options)
+                progress(kept.points_done + held, chains.points)
 
 
-@dataclass(frozen=True, slots=True)
-class _Chain:
-    """Points in the order in which one follows from the other."""
-
-    indices: list[tuple[int, int, int, int, int]]
-
-
-@dataclass(frozen=True, slots=True)
-class _Job:
-    """A chain with all that a process needs to follow it."""
-
-    rotors: list[Rotor]
-    start: State
-    options: Options
+def _rotors(axes: Mapping[str, npt.NDArray[np.float64]]) -> Iterator[Rotor]:
+    for omega, zeta, delta0 in product(*(axes[name].tolist() for name in PARAMETERS)):
+        yield Rotor(omega=omega, zeta=zeta, delta0=delta0)
 
 
 def _check_starts(starts: object) -> list[State]:
@@ -152,59 +184,3 @@ def _check_starts(starts: object) -> list[State]:
     if not listed:
         raise InputError("starts must hold at least one start, got none")
     return [check_state("start", start) for start in listed]
-
-
-def _chains(sizes: Sequence[int], starts: int, directions: Sequence[int]) -> Iterator[_Chain]:
-    """Yield the chains of a sweep; where each speed begins anew, chains of one point."""
-    speeds, dampings, clearances = sizes
-    for d, direction in enumerate(directions):
-        for zeta in range(dampings):
-            for delta0 in range(clearances):
-                for start in range(starts):
-                    indices = [(omega, zeta, delta0, start, d) for omega in range(speeds)]
-                    if direction == 0:
-                        yield from (_Chain([index]) for index in indices)
-                    else:
-                        yield _Chain(indices[::direction])
-
-
-def _job(
-    chain: _Chain, axes: dict[str, npt.NDArray[np.float64]], starts: list[State], options: Options
-) -> _Job:
-    rotors = [
-        Rotor(
-            omega=float(axes["omega"][omega]),
-            zeta=float(axes["zeta"][zeta]),
-            delta0=float(axes["delta0"][delta0]),
-        )
-        for omega, zeta, delta0, _, _ in chain.indices
-    ]
-    return _Job(rotors, starts[chain.indices[0][3]], options)
-
-
-def _haste(job: _Job) -> tuple[int, float]:
-    """Return what is smallest for the chain to begin with, so that none is left over at the end.
-
-    Long chains take longest, and those with much clearance, where the rotor bounces.
-    """
-    return (-len(job.rotors), -job.rotors[0].delta0)
-
-
-def _follow(job: _Job, stop: Stop) -> list[Settled]:
-    """Follow one chain: each point begins where the last one that did not fail has ended."""
-    state, settled = job.start, []
-    for rotor in job.rotors:
-        if stop[0]:
-            break
-        try:
-            point = settle(rotor, state, job.options, stop=stop)
-        except Exception as error:  # whatever it is, it is this point's own affair
-            point = failed(state, f"{type(error).__name__}: {error}".rstrip(": "))
-        if point.response != FAILED:
-            state = point.end
-        settled.append(point)
-    return settled
-
-
-def _all_failed(job: _Job, lost: Lost) -> list[Settled]:
-    return [failed(job.start, lost.reason) for _ in job.rotors]

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from rotor_ida import InputError, SimulationError, sweep, synchronous_response
+from rotor_ida import chains as chains_module
 from rotor_ida import sweeps as sweeps_module
 from rotor_ida.dataset.sweep import events_of
 from rotor_ida.ensemble import Lost
@@ -87,14 +88,14 @@ def test_a_point_that_fails_is_labelled_and_stops_nothing(monkeypatch):
 
 @pytest.mark.parametrize("error", [ValueError("a slip"), MemoryError()])
 def test_even_an_error_of_ours_stops_no_other_point(monkeypatch, error):
-    true_settle = sweeps_module.settle
+    true_settle = chains_module.settle
 
     def slips_at_two(rotor, *rest, **options):
         if rotor.omega == 2.0:
             raise error
         return true_settle(rotor, *rest, **options)
 
-    monkeypatch.setattr(sweeps_module, "settle", slips_at_two)
+    monkeypatch.setattr(chains_module, "settle", slips_at_two)
     found = sweep(omega=[1.0, 2.0, 3.0], zeta=0.5, delta0=0.5, direction="up").squeeze()
     assert found.status.values.tolist() == [0, 1, 0]
     assert found.message.values[1] in {"ValueError: a slip", "MemoryError"}
@@ -130,11 +131,3 @@ def test_a_chain_that_is_lost_with_its_worker_is_labelled(monkeypatch):
 def test_bad_input_gets_one_clear_line(changes, message):
     with pytest.raises(InputError, match=f"^{message}$"):
         sweep(**{"omega": 1.0, "zeta": 0.1, "delta0": 0.5, **changes})
-
-
-def test_chains_cover_every_point_once():
-    chains = list(sweeps_module._chains((3, 2, 2), 2, (1, -1)))
-    points = [index for chain in chains for index in chain.indices]
-    assert len(points) == len(set(points)) == 3 * 2 * 2 * 2 * 2
-    assert chains[0].indices[0][0] == 0
-    assert chains[-1].indices[0][0] == 2

@@ -6,6 +6,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial import KDTree
 
+from rotor_ida.basins.ends import Ends
+from rotor_ida.basins.followed import Undecided
 from rotor_ida.basins.grouping import (
     Numbers,
     also_in,
@@ -16,8 +18,6 @@ from rotor_ida.basins.grouping import (
     slighter_and_slighter,
 )
 from rotor_ida.basins.kernel import UNDECIDED
-from rotor_ida.basins.ends import Ends
-from rotor_ida.basins.followed import Undecided
 from rotor_ida.basins.windows import MEAN_X, MEAN_Y, WANDER
 from rotor_ida.response import LASTING
 

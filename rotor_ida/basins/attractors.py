@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.basins.alike import Examples, Labels, on_their_way
+from rotor_ida.basins.followed import Undecided
 from rotor_ida.basins.grouping import (
     ACCURACY,
     Numbers,
@@ -18,7 +19,6 @@ from rotor_ida.basins.grouping import (
     slighter_and_slighter,
 )
 from rotor_ida.basins.kernel import UNDECIDED
-from rotor_ida.basins.followed import Undecided
 from rotor_ida.basins.survey import Survey
 from rotor_ida.basins.windows import MEAN_X, MEAN_Y, RADIUS_MAX, RADIUS_MIN
 from rotor_ida.checks import State

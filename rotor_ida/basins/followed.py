@@ -90,7 +90,7 @@ def followed_as_bytes(batch: Followed) -> bytes:
     """Return a batch as bytes that `followed_from_bytes` reads."""
     undecided = batch.undecided
     arrays = {
-        "first": np.int64(batch.first)[()],
+        "first": np.array(batch.first),
         "labels": batch.labels,
         "times": batch.times,
         "numbers": undecided.numbers,
@@ -98,7 +98,7 @@ def followed_as_bytes(batch: Followed) -> bytes:
         "later": undecided.later,
         "states": undecided.states,
     }
-    return packed({name: np.asarray(array) for name, array in arrays.items()}, {})
+    return packed(arrays, {})
 
 
 def followed_from_bytes(content: bytes) -> Followed:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
@@ -33,6 +35,7 @@ def basin(
     rtol: float = RTOL,
     workers: int | None = None,
     executor: str = "auto",
+    study: str | os.PathLike[str] | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Say for every start of a plane on which attractor the rotor ends.
@@ -51,6 +54,9 @@ def basin(
     executor : {"auto", "serial", "threads", "processes"}
         What follows them: ``"auto"`` means threads. With processes a script must guard its main
         part with ``if __name__ == "__main__":``. The result is the same, bit for bit.
+    study : path-like, optional
+        Folder in which batches of starts are kept as they are done, as for `sweep`. With it, an
+        interrupted basin can go on, and one with more starts than memory holds can be computed.
     progress : callable, optional
         Called with the number of starts done and their total.
 
@@ -104,14 +110,15 @@ def basin(
         states[places[0]], states[places[1]] = rows[row], columns[column]
         return states
 
+    design = {"kind": "basin", **{name: values.tolist() for name, values in axes.items()}, **fixed}
     found = label(
-        rotor, starts, rows.size * columns.size,
-        rtol=check_rtol(rtol), workers=workers, executor=executor, progress=progress,
+        rotor, starts, rows.size * columns.size, design,
+        rtol=check_rtol(rtol), workers=workers, executor=executor, study=study, progress=progress,
     )  # fmt: skip
     shape = (rows.size, columns.size)
     return basin_dataset(
         rotor, axes, fixed, found.labels.reshape(shape), found.times.reshape(shape),
-        found.attractors, found.attributes, found.options,
+        found.attractors, found.attributes, found.options, found.folder,
     )  # fmt: skip
 
 

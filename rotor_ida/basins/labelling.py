@@ -2,23 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
+from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.basins.attractors import WITNESSES, Attractor, attractors_of
-from rotor_ida.basins.survey import Survey, survey
+from rotor_ida.basins.ends import ends_of
+from rotor_ida.basins.followed import followed_as_bytes, followed_from_bytes
+from rotor_ida.basins.survey import Starts, Survey, survey
 from rotor_ida.checks import check_positive
+from rotor_ida.dataset.computing import computing
 from rotor_ida.ensemble import Progress, choose
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulator.limits import LARGEST, check_can_be_followed
 from rotor_ida.simulator.options import Options
+from rotor_ida.studies.keeping import Form, keeping
+from rotor_ida.studies.scratch import slabs
 
 Values = npt.NDArray[np.float64]
 
+FORM = Form(followed_as_bytes, followed_from_bytes)
 COMPONENTS = ("x", "y", "vx", "vy")
 RTOL = 1e-6
 TIGHTEST, LOOSEST = 1e-12, 1e-4
@@ -35,6 +43,7 @@ class Labelled:
     attractors: list[Attractor]
     attributes: dict[str, object]
     options: Options
+    folder: Path | None
 
 
 def check_rotor(rotor: object) -> Rotor:
@@ -68,43 +77,61 @@ def check_rtol(rtol: object) -> float:
 
 def label(
     rotor: Rotor,
-    starts: Callable[[int, int], Values],
+    starts: Starts,
     count: int,
+    design: Mapping[str, object],
     *,
     rtol: float,
     workers: int | None,
     executor: str,
+    study: str | os.PathLike[str] | None,
     progress: Progress | None,
 ) -> Labelled:
-    """Follow the starts, given from one number up to another as (4, n), and sort them."""
+    """Follow the starts, given from one number up to another as (4, n), and sort them.
+
+    `design` says what the starts are, for a study.
+    """
     place, several = choose(executor, workers, compiled=True)
-    found = survey(
-        rotor, starts, count,
-        tolerance=rtol, workers=several, executor=place, progress=progress,
-    )  # fmt: skip
     options = Options()
-    captured = _witnesses(found, starts)
-    try:
-        attractors = attractors_of(found, captured, options)
-    except KeyboardInterrupt:  # labels without confirmation are better than none
-        found.interrupted = True
-        attractors = attractors_of(found, captured, options)
-    attributes: dict[str, object] = {"labelling_rtol": rtol, "interrupted": int(found.interrupted)}
-    if found.lost:
-        attributes["not_computed_reason"] = found.lost
-    return Labelled(found.labels, found.times, attractors, attributes, options)
+    with keeping(study, {**design, **_design(rotor, rtol, options)}, count, FORM) as kept:
+        found = survey(
+            ends_of(rotor), starts, count, kept,
+            tolerance=rtol, workers=several, executor=place, progress=progress,
+        )  # fmt: skip
+        captured = _witnesses(found, starts)
+        try:
+            attractors = attractors_of(found, captured, options)
+        except KeyboardInterrupt:  # labels without confirmation are better than none
+            found.interrupted = True
+            attractors = attractors_of(found, captured, options)
+        attributes: dict[str, object] = {
+            "labelling_rtol": rtol,
+            "interrupted": int(found.interrupted),
+        }
+        if found.lost:
+            attributes["not_computed_reason"] = found.lost
+        return Labelled(found.labels, found.times, attractors, attributes, options, kept.folder)
 
 
-def _witnesses(found: Survey, starts: Callable[[int, int], Values]) -> list[Values]:
+def _design(rotor: Rotor, rtol: float, options: Options) -> dict[str, object]:
+    """Return what decides on the bits of the labels beside the starts."""
+    parameters = {"omega": rotor.omega, "zeta": rotor.zeta, "delta0": rotor.delta0}
+    return {**parameters, "rtol": rtol, "confirmed_with_rtol": options.rtol, **computing()}
+
+
+def _witnesses(found: Survey, starts: Starts) -> list[Values]:
     """Return for each attractor known beforehand the starts that it captured first.
 
     They are the ones least likely to lie so near to the border of the basin that another
     integrator ends elsewhere.
     """
-    chosen = []
-    for number in range(len(found.ends.sets) + found.ends.has_free):
-        members = np.flatnonzero(found.labels == number)
-        first = members[np.argsort(found.times[members], kind="stable")[:WITNESSES]].tolist()
-        states = [starts(place, place + 1)[:, 0] for place in first]
-        chosen.append(np.array(states).reshape(-1, 4))
-    return chosen
+    numbers = range(len(found.ends.sets) + found.ends.has_free)
+    first = [np.empty(0, dtype=np.int64) for _ in numbers]
+    for slab in slabs(found.labels.size):
+        for number in numbers:
+            members = slab.start + np.flatnonzero(found.labels[slab] == number)
+            members = np.concatenate([first[number], members])
+            order = np.argsort(found.times[members], kind="stable")
+            first[number] = members[order[:WITNESSES]]
+    states = [[starts(place, place + 1)[:, 0] for place in each.tolist()] for each in first]
+    return [np.array(each).reshape(-1, 4) for each in states]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
@@ -36,6 +38,7 @@ def shares(
     rtol: float = RTOL,
     workers: int | None = None,
     executor: str = "auto",
+    study: str | os.PathLike[str] | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Say which parts of the starts in a box end on which attractor.
@@ -51,7 +54,7 @@ def shares(
         Number of starts.
     seed : int
         Seed of the random numbers: the same seed gives the same starts.
-    rtol, workers, executor, progress
+    rtol, workers, executor, study, progress
         As for `basin`.
 
     Returns
@@ -83,11 +86,20 @@ def shares(
     given = {"x": x, "y": y, "vx": vx, "vy": vy}
     box = np.array([_range(name, given[name]) for name in COMPONENTS])
     count = check_count("starts", starts)
-    random = np.random.default_rng(check_count("seed", seed, 0))
-    drawn = box[:, :1] + (box[:, 1:] - box[:, :1]) * random.random((count, 4)).T
+    chosen = check_count("seed", seed, 0)
+
+    def drawn(first: int, last: int) -> Values:
+        """Return the starts with these numbers, as if all were drawn in one go."""
+        bits = np.random.PCG64(chosen)
+        bits.advance(len(COMPONENTS) * first)
+        chance = np.random.Generator(bits).random((last - first, len(COMPONENTS)))
+        return np.asarray(box[:, :1] + (box[:, 1:] - box[:, :1]) * chance.T)
+
+    ranges = {name: limits.tolist() for name, limits in zip(COMPONENTS, box, strict=True)}
+    design = {"kind": "shares", "starts": count, "seed": chosen, **ranges}
     found = label(
-        rotor, lambda first, last: drawn[:, first:last], count,
-        rtol=check_rtol(rtol), workers=workers, executor=executor, progress=progress,
+        rotor, drawn, count, design,
+        rtol=check_rtol(rtol), workers=workers, executor=executor, study=study, progress=progress,
     )  # fmt: skip
     attributes = {"starts": count, "seed": seed, **found.attributes}
     attributes |= {f"range_{name}": limits for name, limits in zip(COMPONENTS, box, strict=True)}

@@ -135,9 +135,7 @@ def survey(
     return _surveyed(ends, count, kept, interrupted, lost)
 
 
-def _surveyed(
-    ends: Ends, count: int, kept: Kept[Followed], interrupted: bool, lost: str
-) -> Survey:
+def _surveyed(ends: Ends, count: int, kept: Kept[Followed], interrupted: bool, lost: str) -> Survey:
     """Return what became of all starts, gathered from the batches."""
     labels = np.asarray(scratch((count,), np.int16, kept.folder))
     times = np.asarray(scratch((count,), np.float32, kept.folder))

@@ -90,8 +90,10 @@ def rows_from_bytes(content: bytes) -> Rows:
         If it cannot have written them.
     """
     columns, texts = unpacked(content)
-    messages = json.loads(texts["messages"])
-    return Rows(columns, [str(message) for message in messages])
+    absent = {*POINT_COLUMNS, *EVENT_COLUMNS} - set(columns)
+    if absent or "messages" not in texts:
+        raise ValueError(f"it holds no points of a sweep: it lacks {sorted(absent) or 'messages'}")
+    return Rows(columns, [str(message) for message in json.loads(texts["messages"])])
 
 
 def _of_window(point: Settled, name: str) -> float:

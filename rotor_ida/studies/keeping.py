@@ -80,34 +80,40 @@ def keeping(
         As `opened` does.
     """
     if folder is None:
-        yield _InMemory()
+        yield InMemory()
         return
     with opened(folder, design, points) as study:
         yield _InStudy(study, form)
 
 
-class _InMemory(Generic[Result]):
-    folder = None
+class InMemory(Generic[Result]):
+    """Results in memory."""
+
+    folder: Path | None = None
 
     def __init__(self) -> None:
-        self.points_done = 0
+        self.points_done: int = 0
         self._results: dict[int, Result] = {}
 
     @property
     def done(self) -> set[int]:
+        """Numbers of the jobs that are done."""
         return set(self._results)
 
     def keep(
         self, number: int, result: Result, points: int, *, failed: int = 0, reason: str = ""
     ) -> None:
+        """Keep the result of a job."""
         del failed, reason
         self._results[number] = result
         self.points_done += points
 
     def hold(self, number: int, result: Result) -> None:
+        """Keep the result of a job."""
         self._results[number] = result
 
     def results(self) -> Iterator[tuple[int, Result]]:
+        """Yield the results in the order of the numbers."""
         yield from sorted(self._results.items(), key=lambda item: item[0])
 
 

@@ -6,18 +6,19 @@ import json
 import math
 import zlib
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-Arrays = dict[str, npt.NDArray[np.generic]]
+Arrays = dict[str, npt.NDArray[Any]]
 
 # The fastest: the numbers of an orbit hardly shrink, labels and zeros do at any level.
 _LEVEL = 1
 _KINDS = "iuf"
 
 
-def packed(arrays: Mapping[str, npt.NDArray[np.generic]], texts: Mapping[str, str]) -> bytes:
+def packed(arrays: Mapping[str, npt.NDArray[Any]], texts: Mapping[str, str]) -> bytes:
     """Return numeric arrays and texts as bytes.
 
     Notes
@@ -62,5 +63,5 @@ def unpacked(content: bytes) -> tuple[Arrays, dict[str, str]]:
         raise ValueError(f"it holds no packed arrays: {error}") from error
 
 
-def _little_endian(array: npt.NDArray[np.generic]) -> npt.NDArray[np.generic]:
+def _little_endian(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
     return np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<")).reshape(array.shape)

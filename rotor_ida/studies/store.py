@@ -89,7 +89,7 @@ class Study:
         self._session: int | None = None
         rows = connection.execute("SELECT number, points FROM pieces").fetchall()
         self.done = {number for number, _ in rows}
-        self.points_done = sum(points for _, points in rows)
+        self.points_done: int = sum(points for _, points in rows)
 
     def keep(self, piece: Piece) -> None:
         """Keep a piece; within a second it is on the disk.

@@ -5,10 +5,14 @@ import pytest
 
 from rotor_ida import Rotor
 from rotor_ida.basins import attractors as attractors_module
+from rotor_ida.basins import survey as survey_module
 from rotor_ida.basins.attractors import Attractor, attractors_of
+from rotor_ida.basins.ends import ends_of
+from rotor_ida.basins.followed import Followed, Undecided
 from rotor_ida.basins.kernel import UNDECIDED
-from rotor_ida.basins.survey import Survey, Undecided, ends_of
+from rotor_ida.basins.survey import Survey
 from rotor_ida.simulator.options import Options
+from rotor_ida.studies.keeping import InMemory
 
 BOUNCER = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 
@@ -29,7 +33,10 @@ def survey_of(rotor, earlier, later):
         np.zeros((4, count)),
     )
     labels = np.full(count, UNDECIDED, dtype=np.int16)
-    return Survey(ends_of(rotor), labels, np.zeros(count, np.float32), left)
+    times = np.zeros(count, np.float32)
+    kept = InMemory()
+    kept.keep(0, Followed(0, labels.copy(), times, left), count)
+    return Survey(ends_of(rotor), labels, times, kept, count)
 
 
 def windows(low, high, count, scatter, seed=0):
@@ -86,11 +93,28 @@ def test_an_orbit_near_a_stable_whirl_and_nearing_it_belongs_to_it(confirmed):
     survey = survey_of(rotor, np.zeros((2, 5)), np.zeros((2, 5)))
     x, y = survey.ends.sets[1].centre[:2]
     radius = np.hypot(x, y)
-    survey.undecided.earlier[:] = radius, radius, x, y, 0.3
-    survey.undecided.later[:] = radius, radius, x, y, 0.1
-    survey.undecided.later[1, 4] = 0.29  # this one does not come nearer
+    left = next(survey.undecided())
+    left.earlier[:] = radius, radius, x, y, 0.3
+    left.later[:] = radius, radius, x, y, 0.1
+    left.later[1, 4] = 0.29  # this one does not come nearer
     sort(survey)
     assert survey.labels.tolist() == [1, UNDECIDED]
+
+
+def test_of_very_many_orbits_some_serve_as_examples_for_all(confirmed, monkeypatch):
+    """Two periodic motions and one of wide scatter: the same labels as when all are compared."""
+    one, two = windows(1.9, 4.10, 300, 1e-4), windows(1.9, 4.15, 200, 1e-4, seed=1)
+    dying = windows(1.9, 2.4, 10, 1e-4)
+    earlier = np.vstack([one, dying, two])
+    later = np.vstack([one, windows(1.9, 2.2, 10, 1e-4), two])
+    whole = survey_of(BOUNCER, earlier, later)
+    sort(whole)
+    assert np.unique(whole.labels, return_counts=True)[1].tolist() == [10, 300, 200]
+    monkeypatch.setattr(survey_module, "MOST_EXAMPLES", 60)
+    some = survey_of(BOUNCER, earlier, later)
+    assert some.examples().numbers.tolist() == list(range(0, 510, 9))
+    sort(some)
+    np.testing.assert_array_equal(some.labels, whole.labels)
 
 
 def test_what_cvode_denies_is_undecided():
@@ -98,7 +122,7 @@ def test_what_cvode_denies_is_undecided():
     look = windows(1.9, 4.1, 5, 1e-4)
     survey = survey_of(BOUNCER, look, look)
     x, y, _ = survey.ends.free
-    survey.undecided.states[:] = np.array([[x], [y], [-2.0 * y], [2.0 * x]])
+    next(survey.undecided()).states[:] = np.array([[x], [y], [-2.0 * y], [2.0 * x]])
     assert len(sort(survey)) == 1
     assert (survey.labels == UNDECIDED).all()
 

@@ -48,8 +48,8 @@ def test_labels_are_those_of_cvode(omega, delta0, kinds):
     states = np.zeros((4, 12))
     states[:2] = np.random.default_rng(3).uniform(-15.0, 15.0, (2, 12))
     found = label(
-        rotor, lambda a, b: states[:, a:b], 12,
-        rtol=1e-6, workers=1, executor="auto", progress=None,
+        rotor, lambda a, b: states[:, a:b], 12, {},
+        rtol=1e-6, workers=1, executor="auto", study=None, progress=None,
     )  # fmt: skip
     seen = set()
     for number, state in enumerate(states.T.tolist()):
@@ -188,7 +188,10 @@ def test_an_interrupt_of_the_confirmation_keeps_the_labels(monkeypatch, figure_7
         ({"rotor": "mine"}, "rotor must be a Rotor, got 'mine'"),
         ({"rotor": Rotor(omega=1.0, zeta=0.0, delta0=1.0)}, "zeta must be above 0, .* got 0.0"),
         ({"rotor": Rotor(omega=1.0, zeta=50.0, delta0=1.0)}, "zeta must be .* got 50.0"),
-        ({"rotor": Rotor(omega=1e-5, zeta=0.1, delta0=1.0)}, "omega must be 0 or at least 0.001"),
+        (
+            {"rotor": Rotor(omega=1e-5, zeta=0.1, delta0=1.0)},
+            "omega must be 0 or from 0.001",
+        ),
     ],
 )
 def test_bad_input_gets_one_clear_line(changes, message):

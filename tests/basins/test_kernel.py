@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from rotor_ida import Rotor
+from rotor_ida.basins.ends import ends_of
 from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED, follow
 from rotor_ida.basins.lanes import LANES
-from rotor_ida.basins.survey import _table, ends_of
+from rotor_ida.basins.survey import _table
 from rotor_ida.simulator.options import Options
 from rotor_ida.simulator.run import run
 

@@ -35,9 +35,13 @@ def test_what_was_kept_is_there_again(tmp_path):
 
 
 def test_what_was_kept_outlasts_an_error(tmp_path):
-    with pytest.raises(ZeroDivisionError), opened(tmp_path, DESIGN, 2) as study:
-        study.keep(piece(0))
-        raise ZeroDivisionError
+    def work():
+        with opened(tmp_path, DESIGN, 2) as study:
+            study.keep(piece(0))
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        work()
     with opened(tmp_path, DESIGN, 2) as study:
         assert study.done == {0}
 
@@ -110,7 +114,7 @@ def test_a_folder_with_other_things_is_left_alone(tmp_path):
     (tmp_path / "thesis.tex").write_text("")
     with pytest.raises(InputError, match="study must be a new, an empty or a study's folder"):
         opened(tmp_path, DESIGN, 2).__enter__()
-    with pytest.raises(InputError, match="folder must be that of a study|study must be a new"):
+    with pytest.raises(InputError, match="study must be a new"):
         status(tmp_path)
     with pytest.raises(InputError, match="folder must be that of a study"):
         status(tmp_path / "absent")

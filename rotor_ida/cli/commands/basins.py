@@ -56,7 +56,10 @@ def basin(
     with progress("basin") as told:
         dataset = rotor_ida.basin(
             rotor,
-            **start,
+            x=start["x"],
+            y=start["y"],
+            vx=start["vx"],
+            vy=start["vy"],
             rtol=parsing.number("rtol", rtol),
             workers=parsing.workers(workers),
             executor=executor,

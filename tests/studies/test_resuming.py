@@ -1,0 +1,123 @@
+"""A study that was broken off goes on to the same bits as one that was not."""
+
+import os
+from itertools import count
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from rotor_ida import Rotor, basin, settling, shares, sweep
+from rotor_ida.errors import InputError
+from rotor_ida.studies import status
+from rotor_ida.studies.store import FILE
+
+BOUNCER = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+AXIS = np.linspace(-8.0, 8.0, 40)
+
+KINDS = {
+    "sweep": lambda **more: sweep(
+        omega=[0.9, 1.2, 1.7], zeta=[0.3, 0.5], delta0=[0.0, 0.5],
+        starts=[(0, 0, 0, 0), (3, 0, 0, 1)], **more,
+    ),
+    "chains": lambda **more: sweep(
+        omega=[0.9, 1.2, 1.7], zeta=[0.3, 0.5], delta0=[0.0, 0.5, 1.0], direction="both", **more
+    ),
+    "basin": lambda **more: basin(BOUNCER, x=AXIS, y=AXIS, **more),
+    "shares": lambda **more: shares(BOUNCER, x=(-8, 8), y=(-8, 8), vx=(-4, 4), starts=4000, **more),
+}  # fmt: skip
+
+
+class EnoughError(Exception):
+    """Breaks a study off."""
+
+
+def breaking_off(after):
+    calls = count()
+
+    def progress(_done, _total):
+        if next(calls) == after:
+            raise EnoughError
+
+    return progress
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_it_goes_on_to_the_same_bits(kind, tmp_path):
+    whole = KINDS[kind]()
+    for after in (0, 1, 2):
+        with pytest.raises(EnoughError):
+            KINDS[kind](study=tmp_path, progress=breaking_off(after))
+    found = status(tmp_path)
+    assert 0 < found["done"] < found["points"]
+    told = []
+    again = KINDS[kind](study=tmp_path, progress=lambda *told_now: told.append(told_now))
+    assert told[0] == (found["done"], found["points"])
+    assert told[-1] == (found["points"], found["points"])
+    xr.testing.assert_identical(again, whole)
+    assert os.listdir(tmp_path) == [FILE]
+    finished = status(tmp_path)
+    assert (finished["left"], finished["failed"]) == (0, 0)
+    xr.testing.assert_identical(KINDS[kind](study=tmp_path), whole)
+
+
+def test_an_interrupt_leaves_a_study_that_goes_on(tmp_path):
+    def interrupt(done, _total):
+        if done:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        KINDS["sweep"](study=tmp_path / "sweep", progress=interrupt)
+    assert 0 < status(tmp_path / "sweep")["done"] < 24
+    broken = KINDS["basin"](study=tmp_path / "basin", progress=interrupt)
+    assert broken.attrs["interrupted"] == 1
+    done = status(tmp_path / "basin")["done"]
+    assert int(broken.not_computed_count) == AXIS.size**2 - done > 0
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"rtol": 1e-9}, "begun with rtol 1e-10, got 1e-09"),
+        ({"method": "bdf"}, "begun with method 'adams', got 'bdf'"),
+        ({"starts": [(0, 0, 0, 0)]}, "begun with starts"),
+    ],
+)
+def test_another_sweep_is_refused(tmp_path, change, message):
+    given = {"omega": 1.7, "zeta": 0.5, "delta0": 0.5, "starts": [(1, 0, 0, 0)]}
+    sweep(**given, study=tmp_path)
+    with pytest.raises(InputError, match=message):
+        sweep(**given | change, study=tmp_path)
+    with pytest.raises(InputError, match="begun with"):
+        basin(BOUNCER, x=AXIS, y=AXIS, study=tmp_path)
+
+
+def test_another_version_is_refused(tmp_path, monkeypatch):
+    from rotor_ida import sweeps
+
+    given = {"omega": 1.7, "zeta": 0.5, "delta0": 0.5}
+    sweep(**given, study=tmp_path)
+    other = {**sweeps.computing(), "numpy_version": "9.9"}
+    monkeypatch.setattr(sweeps, "computing", lambda: other)
+    with pytest.raises(InputError, match=r"begun with numpy_version '.*', got '9.9'"):
+        sweep(**given, study=tmp_path)
+
+
+def test_a_point_that_fails_is_recorded_and_the_others_go_on(tmp_path, monkeypatch):
+    from rotor_ida import chains
+
+    def fails_at_two(rotor, *rest, **options):
+        if rotor.omega == 2.0:
+            raise ValueError("what nobody expected")
+        return settling.settle(rotor, *rest, **options)
+
+    monkeypatch.setattr(chains, "settle", fails_at_two)
+    given = {"omega": [1.0, 2.0, 3.0], "zeta": 0.5, "delta0": 0.5, "executor": "serial"}
+    found = sweep(**given, study=tmp_path)
+    told = status(tmp_path)
+    assert (told["done"], told["failed"], told["left"]) == (3, 1, 0)
+    assert told["reasons"] == ["ValueError: what nobody expected"]
+    assert found.status.values.ravel().tolist() == [0, 1, 0]
+    assert found.message.values.ravel()[1] == "ValueError: what nobody expected"
+    monkeypatch.undo()
+    xr.testing.assert_identical(sweep(**given, study=tmp_path), found)
