@@ -29,7 +29,9 @@ if TYPE_CHECKING:
         SimulationError,
     )
     from rotor_ida.parameters import DimensionalRotor, Rotor
+    from rotor_ida.resuming import resume
     from rotor_ida.simulation import simulate
+    from rotor_ida.studies import status
     from rotor_ida.sweeps import sweep
 
 # Each name is imported when it is first asked for: the command line answers --help, and an
@@ -52,11 +54,13 @@ _HOMES = {
     "load": "archive",
     "lyapunov_exponent": "analysis.lyapunov",
     "poincare_section": "analysis.sections",
+    "resume": "resuming",
     "rotating": "analysis.axes",
     "save": "archive",
     "shares": "basins",
     "simulate": "simulation",
     "spectrum": "analysis.spectra",
+    "status": "studies",
     "sweep": "sweeps",
     "synchronous_response": "closed_forms",
 }
@@ -79,11 +83,13 @@ __all__ = [
     "load",
     "lyapunov_exponent",
     "poincare_section",
+    "resume",
     "rotating",
     "save",
     "shares",
     "simulate",
     "spectrum",
+    "status",
     "sweep",
     "synchronous_response",
 ]

@@ -19,10 +19,13 @@ from rich.progress import (
     BarColumn,
     MofNCompleteColumn,
     Progress,
+    ProgressColumn,
+    Task,
     TextColumn,
     TimeElapsedColumn,
     TimeRemainingColumn,
 )
+from rich.text import Text
 
 from rotor_ida.archive import save
 from rotor_ida.checks import check_axis, check_count, check_positive
@@ -169,6 +172,14 @@ def run_script(
     return 0
 
 
+class _RateColumn(ProgressColumn):
+    """Points a second."""
+
+    def render(self, task: Task) -> Text:
+        rate = task.finished_speed or task.speed
+        return Text("" if rate is None else f"{rate:.3g}/s")
+
+
 @contextmanager
 def progress_bar(description: str) -> Iterator[Report]:
     """Show a progress bar with the time left on standard error.
@@ -179,7 +190,7 @@ def progress_bar(description: str) -> Iterator[Report]:
         To be called with the number of points done and their total, as by `rotor_ida.sweep`.
     """
     columns = (
-        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(),
+        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), _RateColumn(),
         TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(),
     )  # fmt: skip
     with Progress(*columns, console=Console(stderr=True)) as bar:

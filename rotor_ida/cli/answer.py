@@ -10,6 +10,9 @@ from rotor_ida.cli.report import FAILED, Report
 from rotor_ida.cli.targets import Targets
 from rotor_ida.errors import RotorError
 
+# What the result of a study is called in its folder.
+RESULT = "result.nc"
+
 
 def answer(
     dataset: xr.Dataset,
@@ -39,10 +42,13 @@ def answer(
 def _write(dataset: xr.Dataset, targets: Targets) -> tuple[list[str], list[str]]:
     """Return a line for each file that was written, and one for each that could not be."""
     written, failures = [], []
-    if targets.out is not None:
+    own = targets.study / RESULT if targets.study is not None and targets.out is None else None
+    out = targets.out or own
+    if out is not None:
         try:
-            rotor_ida.save(dataset, targets.out, overwrite=targets.force)
-            written.append(f"wrote {targets.out}")
+            # the result of a study is its own, and the same each time
+            rotor_ida.save(dataset, out, overwrite=targets.force or out == own)
+            written.append(f"wrote {out}")
         except (RotorError, OSError) as error:
             failures.append(str(error))
     if targets.figure is not None:

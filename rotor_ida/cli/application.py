@@ -13,7 +13,10 @@ from rotor_ida.cli.commands.compared import compare
 from rotor_ida.cli.commands.doctor import doctor
 from rotor_ida.cli.commands.reproduced import reproduce
 from rotor_ida.cli.commands.response import response
+from rotor_ida.cli.commands.resumed import resume
+from rotor_ida.cli.commands.sampled import shares
 from rotor_ida.cli.commands.simulated import simulate
+from rotor_ida.cli.commands.status import status
 from rotor_ida.cli.commands.swept import sweep
 from rotor_ida.cli.commands.verified import verify
 
@@ -33,6 +36,8 @@ def application(console: Console) -> App:
         version=version("rotor-ida"),
         console=console,
     )
-    for command in (reproduce, simulate, response, sweep, basin, compare, verify, show, doctor):
+    computing = (simulate, response, sweep, basin, shares)
+    archived = (status, resume, compare, verify, show)
+    for command in (reproduce, *computing, *archived, doctor):
         app.command(command)
     return app

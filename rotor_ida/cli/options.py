@@ -69,6 +69,14 @@ Flight = Annotated[str, Parameter(help="Motion inside the clearance: exact or cv
 Backend = Annotated[str, Parameter(help="How the solver is called: auto, python or compiled.")]
 
 File = Annotated[str, Parameter(name="FILE", help="An archive that this program wrote.")]
+Study = Annotated[
+    str | None,
+    Parameter(help="Keep what is done in this folder, so that it can go on; result in result.nc."),
+]
+Folder = Annotated[str, Parameter(name="FOLDER", help="The folder of a study.")]
+Seed = Annotated[str, Parameter(help="Seed of the random numbers.")]
+StartCount = Annotated[str, Parameter(help="Number of random starts.")]
+Range = Annotated[str, Parameter(help="Component of the starts: number, or range LOW:HIGH.")]
 Out = Annotated[str | None, Parameter(help="Write the result to this new netCDF file.")]
 Figure = Annotated[
     str | None, Parameter(help="Draw the result into NAME.png and NAME.svg; give either name.")

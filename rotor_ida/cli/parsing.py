@@ -10,6 +10,8 @@ from rotor_ida.errors import InputError
 
 LARGEST_RANGE = 1_000_000
 MOST_POINTS = 5_000_000
+# What a study has not in hand is on the disk.
+MOST_POINTS_OF_STUDY = 10_000_000_000
 MOST_SAMPLES = 10_000_000
 MOST_WORKERS = 512
 
@@ -88,6 +90,22 @@ def number_or_range(name: str, word: str) -> float | list[float]:
     return _range(name, word) if ":" in word else number(name, word)
 
 
+def number_or_ends(name: str, word: str) -> float | tuple[float, float]:
+    """Return a word as a number, or as the two ends of a range ``LOW:HIGH``.
+
+    Examples
+    --------
+    >>> number_or_ends("x", "-15:15"), number_or_ends("vx", "0")
+    ((-15.0, 15.0), 0.0)
+    """
+    parts = word.split(":")
+    if len(parts) == 1:
+        return number(name, word)
+    if len(parts) != 2:
+        raise InputError(f"{name} must be a number or LOW:HIGH, got {word!r}")
+    return number(name, parts[0]), number(name, parts[1])
+
+
 def state(name: str, words: Sequence[str]) -> State:
     """Return the words of one start as ``(x, y, vx, vy)``.
 
@@ -124,9 +142,11 @@ def _int(word: str) -> object:
         return word
 
 
-def check_points(*axes: Sequence[object]) -> int:
+def check_points(*axes: Sequence[object], in_study: bool = False) -> int:
     """Return the number of points of a grid, if it is not absurdly large."""
     points = math.prod(len(axis) for axis in axes)
-    if points > MOST_POINTS:
-        raise InputError(f"the grid must have at most {MOST_POINTS} points, got {points}")
+    most = MOST_POINTS_OF_STUDY if in_study else MOST_POINTS
+    if points > most:
+        more = "" if in_study else f" (in a study, with --study, {MOST_POINTS_OF_STUDY})"
+        raise InputError(f"the grid must have at most {most} points{more}, got {points}")
     return points

@@ -74,7 +74,7 @@ def _words_for(error: BaseException) -> str:
     if isinstance(error, CycloptsError):
         return _misread(error)
     if isinstance(error, KeyboardInterrupt):
-        return "interrupted"
+        return str(error) or "interrupted"
     if isinstance(error, MemoryError):
         return "not enough memory for this much data"
     if isinstance(error, OSError) and error.strerror:

@@ -21,6 +21,8 @@ class Targets:
     ----------
     out : Path or None
         The netCDF archive.
+    study : Path or None
+        The folder of the study, whose result goes there if `out` is None.
     figure : Path or None
         The figure, without its ending.
     force : bool
@@ -28,18 +30,25 @@ class Targets:
     """
 
     out: Path | None = None
+    study: Path | None = None
     figure: Path | None = None
     force: bool = False
 
 
 def check_targets(
-    *, out: str | None = None, figure: str | None = None, panels: int = 1, force: bool = False
+    *,
+    out: str | None = None,
+    study: str | None = None,
+    figure: str | None = None,
+    panels: int = 1,
+    force: bool = False,
 ) -> Targets:
     """Return the files to be written, refusing what cannot be."""
     if figure is not None:
         check_panels(panels)
     return Targets(
         out=None if out is None else _check_out(out, force),
+        study=None if study is None else _check_study(study),
         figure=None if figure is None else _check_figure(figure, force),
         force=force,
     )
@@ -58,6 +67,12 @@ def _check_out(word: str, force: bool) -> Path:
     if word and Path(word).suffix != OUT_ENDING:
         raise InputError(f"out must end in {OUT_ENDING}, got {word!r}")
     return _check("out", word, force)
+
+
+def _check_study(word: str) -> Path:
+    if not word or "\0" in word:
+        raise InputError(f"study must be the path of a folder, got {word!r}")
+    return Path(word)
 
 
 def _check_figure(word: str, force: bool) -> Path:

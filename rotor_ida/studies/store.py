@@ -189,7 +189,7 @@ def opened(
     ...         study.done, list(study.contents())
     ({0}, [(0, b'what was found')])
     """
-    place = _check_folder(folder)
+    place = _check_new(_check_folder(folder))
     try:
         place.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -234,9 +234,14 @@ def reading(folder: str | os.PathLike[str]) -> Iterator[sqlite3.Connection]:
 def _check_folder(folder: object) -> Path:
     if not isinstance(folder, (str, os.PathLike)) or "\0" in str(folder) or not str(folder):
         raise InputError(f"study must be the path of a folder, got {folder!r}")
-    place = Path(folder)
-    if place.exists() and not place.is_dir():
-        raise InputError(f"study must be a folder, got the file {str(place)!r}")
+    return Path(folder)
+
+
+def _check_new(place: Path) -> Path:
+    """Refuse a place where no study can be: what is there stays as it is."""
+    nearest = next(path for path in (place, *place.parents) if path.exists())
+    if not nearest.is_dir():
+        raise InputError(f"study must be a folder, got the file {str(nearest)!r}")
     if place.is_dir() and not (place / FILE).exists() and any(place.iterdir()):
         raise InputError(f"study must be a new, an empty or a study's folder, got {str(place)!r}")
     return place

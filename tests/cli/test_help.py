@@ -20,8 +20,8 @@ from rotor_ida.cli.commands.swept import sweep
 Program = Callable[..., Any]
 
 COMMANDS = [
-    *("reproduce", "simulate", "response", "sweep", "basin", "compare", "verify", "show"),
-    "doctor",
+    *("reproduce", "simulate", "response", "sweep", "basin", "shares", "status", "resume"),
+    *("compare", "verify", "show", "doctor"),
 ]
 
 

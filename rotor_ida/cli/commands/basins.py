@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import rotor_ida
 from rotor_ida.cli import options, parsing
 from rotor_ida.cli.progress import progress
-from rotor_ida.cli.report import INTERRUPTED, Report
+from rotor_ida.cli.report import Report
+from rotor_ida.cli.studied import studied
 from rotor_ida.cli.targets import check_targets
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 
 def basin(
@@ -26,6 +22,7 @@ def basin(
     rtol: options.Rtol = "1e-06",
     workers: options.Workers = None,
     executor: options.Executor = "auto",
+    study: options.Study = None,
     out: options.Out = None,
     figure: options.Figure = None,
     as_json: options.AsJson = False,
@@ -38,22 +35,23 @@ def basin(
         rotor-ida basin --omega 1.7 --zeta 0.07 --delta0 0 \
             --x=-15:15:64 --y=-15:15:64 --out basin.nc
 
-    Interrupted, it keeps what is done; with status 130 the rest is marked as not computed.
+    Interrupted, it writes what is done; with status 130 the rest is marked as not computed.
     """
     start = {
         name: parsing.number_or_range(name, word)
         for name, word in (("x", x), ("y", y), ("vx", vx), ("vy", vy))
     }
-    parsing.check_points(*(part for part in start.values() if isinstance(part, list)))
-    targets = check_targets(out=out, figure=figure, force=force)
-    from rotor_ida.cli.answer import answer  # noqa: PLC0415 - heavy, and not for --help
+    axes = [part for part in start.values() if isinstance(part, list)]
+    parsing.check_points(*axes, in_study=study is not None)
+    targets = check_targets(out=out, study=study, figure=figure, force=force)
+    from rotor_ida.cli.endings import answered  # noqa: PLC0415 - heavy, and not for --help
 
     rotor = rotor_ida.Rotor(
         omega=parsing.number("omega", omega),
         zeta=parsing.number("zeta", zeta),
         delta0=parsing.number("delta0", delta0),
     )
-    with progress("basin") as told:
+    with studied(study), progress("basin") as told:
         dataset = rotor_ida.basin(
             rotor,
             x=start["x"],
@@ -63,16 +61,7 @@ def basin(
             rtol=parsing.number("rtol", rtol),
             workers=parsing.workers(workers),
             executor=executor,
+            study=study,
             progress=told,
         )
-    return answer(
-        dataset, targets, as_json=as_json, trouble=_interruption(dataset), status=INTERRUPTED
-    )
-
-
-def _interruption(dataset: xr.Dataset) -> str:
-    if not dataset.attrs["interrupted"]:
-        return ""
-    total = dataset["label"].size
-    done = total - int(dataset["not_computed_count"])
-    return f"interrupted: {done} of {total} starts are done"
+    return answered(dataset, targets, as_json=as_json)

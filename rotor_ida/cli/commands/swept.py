@@ -8,11 +8,10 @@ import rotor_ida
 from rotor_ida.cli import options, parsing
 from rotor_ida.cli.progress import progress
 from rotor_ida.cli.report import Report
+from rotor_ida.cli.studied import studied
 from rotor_ida.cli.targets import check_targets
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from rotor_ida.simulator.options import Backend, Flight, Method
     from rotor_ida.sweeps import Direction
 
@@ -31,6 +30,7 @@ def sweep(
     method: options.Method = "adams",
     flight: options.Flight = "exact",
     backend: options.Backend = "auto",
+    study: options.Study = None,
     out: options.Out = None,
     figure: options.Figure = None,
     as_json: options.AsJson = False,
@@ -48,14 +48,14 @@ def sweep(
         for name, words in (("omega", omega), ("zeta", zeta), ("delta0", delta0))
     ]
     starts = [parsing.state("start", words.split()) for words in start]
-    parsing.check_points(*axes, starts)
+    parsing.check_points(*axes, starts, in_study=study is not None)
     count = parsing.workers(workers)
     panels = len(axes[1]) * len(axes[2])
-    targets = check_targets(out=out, figure=figure, panels=panels, force=force)
-    from rotor_ida.cli.answer import answer  # noqa: PLC0415 - heavy, and not for --help
+    targets = check_targets(out=out, study=study, figure=figure, panels=panels, force=force)
+    from rotor_ida.cli.endings import answered  # noqa: PLC0415 - heavy, and not for --help
     from rotor_ida.ensemble import count_workers  # noqa: PLC0415
 
-    with progress("sweep") as told:
+    with studied(study), progress("sweep") as told:
         dataset = rotor_ida.sweep(
             omega=axes[0],
             zeta=axes[1],
@@ -70,14 +70,7 @@ def sweep(
             # The program guards its main part: all cores, whatever the backend.
             workers=count_workers(None) if count is None and executor == "auto" else count,
             executor=executor,
+            study=study,
             progress=told,
         )
-    return answer(dataset, targets, as_json=as_json, trouble=_failures(dataset))
-
-
-def _failures(dataset: xr.Dataset) -> str:
-    failed = dataset["status"].values != 0
-    if not failed.any():
-        return ""
-    first = dataset["message"].values[failed][0]
-    return f"{failed.sum()} of {failed.size} points failed; the first: {first}"
+    return answered(dataset, targets, as_json=as_json)

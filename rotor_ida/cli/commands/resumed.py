@@ -1,0 +1,37 @@
+"""The command resume."""
+
+from __future__ import annotations
+
+import rotor_ida
+from rotor_ida.cli import options, parsing
+from rotor_ida.cli.progress import progress
+from rotor_ida.cli.report import Report
+from rotor_ida.cli.studied import studied
+from rotor_ida.cli.targets import check_targets
+
+
+def resume(
+    folder: options.Folder,
+    /,
+    *,
+    workers: options.Workers = None,
+    executor: options.Executor = "auto",
+    out: options.Out = None,
+    figure: options.Figure = None,
+    as_json: options.AsJson = False,
+    force: options.Force = False,
+) -> Report:
+    """Go on with a study until it is done, and write its result.
+
+    Of the study that the example of shares began:
+
+        rotor-ida resume study
+    """
+    targets = check_targets(out=out, study=folder, figure=figure, force=force)
+    from rotor_ida.cli.endings import answered  # noqa: PLC0415 - heavy, and not for --help
+
+    with studied(folder), progress("study") as told:
+        dataset = rotor_ida.resume(
+            folder, workers=parsing.workers(workers), executor=executor, progress=told
+        )
+    return answered(dataset, targets, as_json=as_json)

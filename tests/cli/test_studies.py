@@ -1,0 +1,138 @@
+"""Studies on the command line: begun, broken off, looked at, gone on with."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import rotor_ida
+from rotor_ida.studies.store import FILE
+
+Program = Callable[..., Any]
+
+SWEEP = [
+    *("sweep", "--omega", "1.2:2:3", "--zeta", "0.5", "--delta0", "0", "0.5"),
+    *("--executor", "serial", "--study", "study"),
+]
+LONG = [
+    *("sweep", "--omega", "0.5:3:400", "--zeta", "0.1", "--delta0", "0.5", "2"),
+    *("--study", "study"),
+]
+
+
+def test_a_study_holds_its_result(program: Program):
+    answer = program(*SWEEP)
+    assert (answer.status, answer.err) == (0, "")
+    assert "wrote study/result.nc" in answer.out
+    assert sorted(os.listdir("study")) == ["result.nc", FILE]
+    again = program("resume", "study", "--out", "again.nc")
+    assert (again.status, again.err) == (0, "")
+    result, copy = rotor_ida.load("study/result.nc"), rotor_ida.load("again.nc")
+    assert copy.drop_attrs(deep=False).identical(result.drop_attrs(deep=False))
+
+
+def test_status_tells_how_far_it_is(program: Program):
+    program(*SWEEP)
+    found = json.loads(program("status", "study", "--json").out)
+    assert (found["points"], found["done"], found["left"], found["failed"]) == (6, 6, 0, 0)
+    assert "time left" in program("status", "study").out
+
+
+@pytest.mark.skipif(os.name != "posix", reason="sends an interrupt")
+def test_an_interrupt_says_how_to_go_on(program: Program):
+    line = [sys.executable, "-c", "import sys, rotor_ida.cli; sys.exit(rotor_ida.cli.main())"]
+    running = subprocess.Popen(
+        [*line, *LONG], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    while not Path("study", FILE).exists() or not _done():
+        time.sleep(0.05)
+    running.send_signal(signal.SIGINT)
+    out, err = running.communicate(timeout=60)
+    done = _done()
+    assert running.returncode == 130
+    assert (out, 0 < done < 800) == ("", True)
+    assert err == (
+        f"rotor-ida: interrupted; {done} of 800 points are kept in study: go on with rotor-ida "
+        "resume study\n"
+    )
+    assert sorted(os.listdir("study")) == [FILE]
+
+
+def _done() -> int:
+    try:
+        found = rotor_ida.status("study")["done"]
+    except rotor_ida.RotorError:
+        return 0
+    assert isinstance(found, int)
+    return found
+
+
+def test_an_interrupted_sample_has_no_result_yet(program: Program, monkeypatch: Any):
+    from rotor_ida.basins import survey
+
+    real = survey.run_all
+
+    def breaks_off(*given: Any, **more: Any) -> Any:
+        for turn, found in real(*given, **more):
+            if turn == 1:
+                raise KeyboardInterrupt
+            yield turn, found
+
+    sample = ["shares", "--omega", "1.7", "--zeta", "0.5", "--delta0", "0.5"]
+    sample += ["--x=-5:5", "--y=-5:5", "--starts", "2000", "--study", "study"]
+    sample += ["--executor", "serial"]
+    with monkeypatch.context() as patch:
+        patch.setattr(survey, "run_all", breaks_off)
+        answer = program(*sample)
+    assert answer.status == 130
+    assert answer.err == (
+        "rotor-ida: interrupted: 512 of 2000 starts are done; 512 of 2000 points are kept in "
+        "study: go on with rotor-ida resume study\n"
+    )
+    assert os.listdir("study") == [FILE]
+    assert program("resume", "study").status == 0
+    result = rotor_ida.load("study/result.nc")
+    assert int(result["not_computed_count"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["status", "absent"], "folder must be that of a study, got 'absent'"),
+        (["resume", "absent"], "folder must be that of a study, got 'absent'"),
+        (["status", "."], "folder must be that of a study, got '.'"),
+        ([*SWEEP, "--rtol", "1e-9"], "study 'study' was begun with rtol 1e-10, got 1e-09"),
+        ([*SWEEP[:-1], ""], "study must be the path of a folder, got ''"),
+        ([*SWEEP[:-1], "file"], "study must be a folder, got the file 'file'"),
+        ([*SWEEP[:-1], "full"], "study must be a new, an empty or a study's folder, got 'full'"),
+        ([*SWEEP[:-1], "file/study"], "study must be a folder, got the file 'file'"),
+        (["shares", "--omega", "1", "--zeta", "1", "--delta0", "1", "--x", "1:2:3", "--y", "0"],
+         "x must be a number or LOW:HIGH, got '1:2:3'"),
+        (["shares", "--omega", "1", "--zeta", "1", "--delta0", "1", "--x", "2:1", "--y", "0"],
+         "x must be a range (low, high) with low <= high, got (2.0, 1.0)"),
+        (["shares", "--omega", "1", "--zeta", "1", "--delta0", "1", "--x", "0:1", "--y", "0",
+          "--seed", "-1"], "seed must be at least 0, got -1"),
+    ],
+)  # fmt: skip
+def test_bad_input_gets_one_line_and_loses_nothing(
+    program: Program, words: list[str], message: str
+):
+    Path("file").write_text("")
+    Path("full").mkdir()
+    Path("full", "thesis.tex").write_text("")
+    program(*SWEEP)
+    before = Path("study", FILE).read_bytes()
+    answer = program(*words)
+    assert answer.status == 2
+    assert answer.err.startswith(f"rotor-ida: {message}")
+    assert answer.err.count("\n") == 1
+    assert Path("study", FILE).read_bytes() == before
