@@ -1,39 +1,66 @@
-"""Run an archived simulation again, from its own attributes, and hold the events against it."""
+"""Compute an archived result again, from its own attributes, and hold it against the archive."""
 
 from __future__ import annotations
 
-from typing import cast
+from collections.abc import Callable
+from typing import Any, cast
 
 import numpy as np
 import xarray as xr
 
+from rotor_ida.basins import basin, shares
 from rotor_ida.checks import State
+from rotor_ida.ensemble import Progress
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import Rotor
+from rotor_ida.response import CONTACT_FREE, SYNCHRONOUS
+from rotor_ida.schema import RESPONSE
 from rotor_ida.simulation import simulate
-from rotor_ida.simulator.options import Flight, Method
+from rotor_ida.sweeps import DIRECTIONS, sweep
 from rotor_ida.testing import assert_events_close
 
-NEEDED = ("omega", "zeta", "delta0", "start", "duration", "rtol", "atol", "method", "flight")
+COMPONENTS = ("x", "y", "vx", "vy")
+HOW = ("rtol", "atol", "method", "flight")
+# Variables by which a kind of result is known, and attributes that it takes to compute it again.
+NEEDED = {
+    "run": (
+        ("event_time", "event_time_error", "time"),
+        ("omega", "zeta", "delta0", "start", "duration", *HOW),
+    ),
+    "sweep": (("event_count", "response", "direction", "start_x"), HOW),
+    "basin": (("label", "settling_time"), ("omega", "zeta", "delta0", "labelling_rtol")),
+    "shares": (
+        ("response_share", "count"),
+        ("omega", "zeta", "delta0", "labelling_rtol", "starts", "seed", "range_x"),
+    ),
+}
+# What tells one response from another, and how far it may be off on another machine.
+NUMBERS = ("amplitude", "phase_lag", "radius_min", "radius_max")
+CLOSE = 1e-6
 
 
-def rerun(dataset: xr.Dataset) -> xr.Dataset:
-    """Simulate a run again, as its own attributes say.
+def rerun(
+    dataset: xr.Dataset, *, workers: int | None = None, progress: Progress | None = None
+) -> xr.Dataset:
+    """Compute a result again, as its own attributes say.
 
     Parameters
     ----------
     dataset : Dataset
-        A run of `rotor_ida.simulate`, for instance one that was loaded from an archive.
+        A result of `simulate`, `sweep`, `basin` or `shares`, for instance one that was loaded
+        from an archive.
+    workers, progress
+        As for the function that computed it; a single run needs neither.
 
     Returns
     -------
     Dataset
-        The same run, made anew.
+        The same result, made anew.
 
     Raises
     ------
     InputError
-        If the dataset is not a run, or its attributes cannot be used.
+        If the dataset is no such result, or its attributes cannot be used.
 
     Examples
     --------
@@ -43,40 +70,34 @@ def rerun(dataset: xr.Dataset) -> xr.Dataset:
     >>> run = simulate(rotor, start=(0, 0, 0, 0), duration=20.0)
     >>> assert_events_close(rerun(run), run)
     """
-    missing = [name for name in NEEDED if name not in dataset.attrs]
-    missing += [
-        name for name in ("event_time", "event_time_error", "time") if name not in dataset.variables
-    ]
-    if missing:
-        raise InputError(f"only a simulated run can be verified; it lacks {', '.join(missing)}")
-    settings = dataset.attrs
-    if "time_scale" in settings:
-        raise InputError("a run in SI units cannot be verified: verify the dimensionless one")
-    return simulate(
-        Rotor(**{name: settings[name] for name in ("omega", "zeta", "delta0")}),
-        start=cast(State, tuple(np.atleast_1d(settings["start"]).tolist())),
-        duration=settings["duration"],
-        samples=dataset["time"].values,
-        rtol=settings["rtol"],
-        atol=settings["atol"],
-        method=cast(Method, settings["method"]),
-        flight=cast(Flight, settings["flight"]),
-    )
+    kind = _kind_of(dataset)
+    if "time_scale" in dataset.attrs:
+        raise InputError("a result in SI units cannot be verified: verify the dimensionless one")
+    if kind == "run":
+        return _run(dataset)
+    again: dict[str, Callable[..., xr.Dataset]] = {
+        "sweep": _sweep,
+        "basin": _basin,
+        "shares": _shares,
+    }
+    return again[kind](dataset, workers=workers, progress=progress)
 
 
 def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
-    """Hold the events of a run made again against those of the archive.
+    """Hold a result made again against that of the archive.
 
     Parameters
     ----------
     again, archived : Dataset
-        The two runs.
+        The two results, of the same kind.
 
     Returns
     -------
     dict
-        ``agrees``, the numbers of events, the largest difference of two event times and the
-        largest error stated for one [1], and ``trouble``: the first difference in words.
+        ``agrees``, and ``trouble``: the first difference in words. Of runs the numbers of events,
+        the largest difference of two event times and the largest error stated for one [1]; of the
+        others the number of points or starts, of those that differ, and the largest difference of
+        two amplitudes or radii, relative to the larger one.
 
     Examples
     --------
@@ -85,6 +106,62 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
     >>> differences(rerun(run), run)["agrees"]
     True
     """
+    kind = _kind_of(archived)
+    return _of_events(again, archived) if kind == "run" else _of_responses(again, archived, kind)
+
+
+def _kind_of(dataset: xr.Dataset) -> str:
+    for kind, (variables, attributes) in NEEDED.items():
+        if set(variables) <= set(dataset.variables):
+            missing = [name for name in attributes if name not in dataset.attrs]
+            if missing:
+                raise InputError(f"this {kind} cannot be verified: it lacks {', '.join(missing)}")
+            return kind
+    raise InputError(
+        "only what simulate, sweep, basin and shares have computed can be verified, got a dataset "
+        f"of {', '.join(map(str, dataset.data_vars)) or 'nothing'}"
+    )
+
+
+def _run(dataset: xr.Dataset) -> xr.Dataset:
+    given = dataset.attrs
+    return simulate(
+        _rotor(dataset),
+        start=cast(State, tuple(np.atleast_1d(given["start"]).tolist())),
+        duration=given["duration"],
+        samples=dataset["time"].values,
+        **{name: given[name] for name in HOW},
+    )
+
+
+def _sweep(dataset: xr.Dataset, **how: Any) -> xr.Dataset:
+    turns = tuple(dataset["direction"].values.tolist())
+    direction = next((word for word, each in DIRECTIONS.items() if each == turns), "unknown")
+    starts = zip(*(dataset[f"start_{name}"].values.tolist() for name in COMPONENTS), strict=True)
+    given: dict[str, Any] = {name: dataset[name].values for name in ("omega", "zeta", "delta0")}
+    given |= {name: dataset.attrs[name] for name in HOW}
+    return sweep(**given, starts=list(starts), direction=cast(Any, direction), **how)
+
+
+def _basin(dataset: xr.Dataset, **how: Any) -> xr.Dataset:
+    starts: dict[str, Any] = {name: dataset[name].values[()] for name in COMPONENTS}
+    return basin(_rotor(dataset), **starts, rtol=dataset.attrs["labelling_rtol"], **how)
+
+
+def _shares(dataset: xr.Dataset, **how: Any) -> xr.Dataset:
+    given = dataset.attrs
+    drawn: dict[str, Any] = {
+        name: tuple(np.atleast_1d(given[f"range_{name}"]).tolist()) for name in COMPONENTS
+    }
+    drawn |= {name: int(given[name]) for name in ("starts", "seed")}
+    return shares(_rotor(dataset), **drawn, rtol=given["labelling_rtol"], **how)
+
+
+def _rotor(dataset: xr.Dataset) -> Rotor:
+    return Rotor(**{name: dataset.attrs[name] for name in ("omega", "zeta", "delta0")})
+
+
+def _of_events(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
     trouble = ""
     try:
         assert_events_close(again, archived)
@@ -101,3 +178,47 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
         "largest_stated_error": float(stated.max(initial=0.0)),
         "trouble": trouble,
     }
+
+
+def _of_responses(again: xr.Dataset, archived: xr.Dataset, kind: str) -> dict[str, object]:
+    """Compare the kinds of response point by point, or start by start, and their numbers."""
+    name = {"sweep": "response", "basin": "label", "shares": "count"}[kind]
+    trouble, differing, apart = "", 0, 0.0
+    if dict(again.sizes) != dict(archived.sizes):
+        sizes = {dim: size for dim, size in again.sizes.items() if archived.sizes.get(dim) != size}
+        trouble = f"made again, it has {sizes}, archived {dict(archived.sizes)}"
+    else:
+        differs = again[name].values != archived[name].values
+        differing = int(differs.sum())
+        apart = max(_apart(again, archived, each) for each in NUMBERS)
+        if differing:
+            place = dict(zip(again[name].dims, np.argwhere(differs)[0].tolist(), strict=True))
+            one, other = again[name].isel(place).item(), archived[name].isel(place).item()
+            trouble = f"{differing} of {differs.size} differ in {name}; the first: "
+            trouble += f"{place}, made again {one}, archived {other}"
+        elif not apart <= CLOSE:
+            trouble = f"amplitudes or radii differ by {apart:.3g} of their size"
+    return {
+        "agrees": not trouble,
+        "compared": int(archived[name].size),
+        "differing": differing,
+        "largest_difference": apart,
+        "trouble": trouble,
+    }
+
+
+def _apart(again: xr.Dataset, archived: xr.Dataset, name: str) -> float:
+    """Return the largest difference of steady whirls, relative to the larger value.
+
+    The numbers of other motions are those of one stretch of them, which another machine may see
+    elsewhere. What is not told by either counts as equal.
+    """
+    if name not in archived:
+        return 0.0
+    one, other = again[name].values, archived[name].values
+    kinds = archived["kind" if "kind" in archived else "response"].values
+    steady = np.isin(kinds, [RESPONSE[kind] for kind in (CONTACT_FREE, SYNCHRONOUS)])
+    same = (one == other) | (np.isnan(one) & np.isnan(other)) | ~steady
+    scale = np.maximum(np.abs(one), np.abs(other))
+    part = np.divide(np.abs(one - other), scale, out=np.zeros_like(scale), where=~same)
+    return float(np.nan_to_num(part, nan=np.inf).max(initial=0.0))

@@ -31,11 +31,17 @@ def test_a_forged_run_does_not(program: Program, archives: Path):
     assert answer.err.count("\n") == 1
 
 
-def test_only_runs_can_be_verified(program: Program, archives: Path):
-    answer = program("verify", archives / "sweep.nc")
+def test_an_archived_sweep_verifies(program: Program, archives: Path):
+    answer = program("verify", archives / "sweep.nc", "--json")
+    assert (answer.status, answer.err) == (0, "")
+    record = json.loads(answer.out)
+    assert record["agrees"] is True
+    assert (record["differing"], record["largest_difference"]) == (0, 0.0)
+
+
+def test_what_nothing_can_compute_again_is_refused(program: Program):
+    rotor_ida.save(rotor_ida.folds(zeta=0.07, delta0=0.0), "folds.nc")
+    answer = program("verify", "folds.nc")
     assert answer.status == 2
-    assert answer.err == (
-        "rotor-ida: only a simulated run can be verified; "
-        "it lacks omega, zeta, delta0, start, duration, event_time_error, time\n"
-    )
+    assert answer.err.startswith("rotor-ida: only what simulate, sweep, basin and shares have")
     assert program("verify", "missing.nc").status == 2

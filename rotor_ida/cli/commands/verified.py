@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from rotor_ida.cli import options
+from rotor_ida.cli import options, parsing
 from rotor_ida.cli.archives import read
+from rotor_ida.cli.progress import progress
 from rotor_ida.cli.report import Report
 
 
@@ -11,9 +12,10 @@ def verify(
     file: options.File,
     /,
     *,
+    workers: options.Workers = None,
     as_json: options.AsJson = False,
 ) -> Report:
-    """Run an archived simulation again, and hold its contact events against the archive.
+    """Compute an archived run, sweep or basin again, and hold it against the archive.
 
     Of the run that the example of simulate wrote:
 
@@ -23,10 +25,12 @@ def verify(
     from rotor_ida.cli.tables import pairs  # noqa: PLC0415 - heavy, and not for --help
     from rotor_ida.verification import differences, rerun  # noqa: PLC0415
 
-    again = rerun(archived)
+    with progress("verify") as told:
+        again = rerun(archived, workers=parsing.workers(workers), progress=told)
     found = differences(again, archived)
     record = {"file": file, **found}
+    shown = {name: value for name, value in record.items() if value != ""}
     trouble = "" if found["agrees"] else f"{file} does not verify: {found['trouble']}"
     return Report(
-        record=record, parts=[pairs("Run again", record)], as_json=as_json, trouble=trouble
+        record=record, parts=[pairs("Computed again", shown)], as_json=as_json, trouble=trouble
     )
