@@ -14,11 +14,17 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida import schema
+from rotor_ida.archive.conventions import CREATED, DOMAIN, HISTORY
+from rotor_ida.archive.slabs import is_in_memory, slabs
 from rotor_ida.errors import InputError
 
 FORMAT = "rotor_ida_format"
 VERSION = "rotor_ida_version"
 CHECKSUM = "content_sha256"
+
+# What is told of a file and not of its content: the checksum leaves it out, so that results that
+# were computed alike have one checksum whenever they were saved. Format 1 had only the first.
+_OF_THE_FILE = {1: frozenset([CHECKSUM]), 2: frozenset([CHECKSUM, HISTORY, CREATED])}
 
 NUMERIC = frozenset(
     np.dtype(kind) for kind in ("i1", "i2", "i4", "i8", "u1", "u2", "u4", "u8", "f4", "f8")
@@ -48,9 +54,10 @@ _INSTEAD = {
 
 
 def archived_form(dataset: xr.Dataset) -> xr.Dataset:
-    """Return `dataset` as it comes back from a file, with the attributes of an archive added.
+    """Return `dataset` as it comes back from a file, with the attributes of the format.
 
     The result shares no encoding and no attributes with `dataset`, which is left as it was.
+    Numbers that are not in memory stay where they are.
 
     Raises
     ------
@@ -61,22 +68,25 @@ def archived_form(dataset: xr.Dataset) -> xr.Dataset:
     --------
     >>> kept = archived_form(xr.Dataset({"x": ("time", [1.0])}, attrs={"samples": 1}))
     >>> sorted(kept.attrs)
-    ['Conventions', 'content_sha256', 'rotor_ida_format', 'rotor_ida_version', 'samples']
+    ['Conventions', 'rotor_ida_format', 'rotor_ida_version', 'samples']
     """
     if not isinstance(dataset, xr.Dataset):
         raise InputError(f"dataset must be an xarray Dataset, got {type(dataset).__name__}")
     for name in (*dataset.sizes, *dataset.variables):
         _check_name("name", name, "the dataset")
+    dataset = _without_domain(dataset)
     kept = xr.Dataset(
         {name: _kept_variable(str(name), dataset.variables[name]) for name in dataset.data_vars},
         {name: _kept_variable(str(name), dataset.variables[name]) for name in dataset.coords},
         _kept_attributes("the dataset", dataset.attrs),
     )
-    kept.attrs.pop(CHECKSUM, None)
+    if not isinstance(kept.attrs.get(HISTORY, ""), str):
+        raise InputError(f"attribute {HISTORY!r} of the dataset must be text")
+    for name in _OF_THE_FILE[schema.FORMAT_VERSION]:
+        kept.attrs.pop(name, None)
     kept.attrs["Conventions"] = schema.CONVENTIONS
     kept.attrs[FORMAT] = np.int64(schema.FORMAT_VERSION)
     kept.attrs.setdefault(VERSION, importlib.metadata.version("rotor-ida"))
-    kept.attrs[CHECKSUM] = content_sha256(kept)
     return kept
 
 
@@ -91,7 +101,9 @@ def content_sha256(dataset: xr.Dataset) -> str:
     number's value is the hexadecimal of its little-endian bytes. A variable is ``["variable",
     name, whether it is a coordinate, dims, shape, dtype]``, its data, then its attributes: the data
     are the little-endian bytes in C order, or for strings one line of JSON, a list. The attribute
-    ``content_sha256`` itself is left out; compression and the order of variables play no part.
+    ``content_sha256`` itself is left out, and from format 2 on ``history`` and ``date_created``;
+    compression and the order of variables play no part. Numbers that are not in memory are read
+    slab by slab.
 
     Examples
     --------
@@ -101,22 +113,62 @@ def content_sha256(dataset: xr.Dataset) -> str:
     >>> content_sha256(near) == content_sha256(far)
     False
     """
-    digest = hashlib.sha256()
-    _add_attributes(digest, {k: v for k, v in dataset.attrs.items() if k != CHECKSUM})
-    for name in sorted(str(name) for name in dataset.variables):
+    digest = ContentDigest(dataset)
+    for name in digest.names:
+        digest.begin(name)
         variable = dataset.variables[name]
-        values = np.asarray(variable.values)
-        numeric = values.dtype in NUMERIC
-        kind = _little_endian(values.dtype).str if numeric else "str"
-        is_coordinate = name in dataset.coords
-        _add_line(digest, "variable", name, is_coordinate, variable.dims, variable.shape, kind)
-        if not numeric:
-            _add_line(digest, values.ravel().tolist())
-        elif values.size:
-            stored = np.ascontiguousarray(values, dtype=kind)
-            digest.update(stored.reshape(-1).view(np.uint8).data)
-        _add_attributes(digest, variable.attrs)
+        if variable.dtype not in NUMERIC:
+            digest.add_texts(variable.values)
+        else:
+            for _, values in slabs(variable):
+                digest.add_numbers(values)
+        digest.end(name)
     return digest.hexdigest()
+
+
+class ContentDigest:
+    """The checksum of `content_sha256`, made while the content passes by.
+
+    Parameters
+    ----------
+    dataset : xr.Dataset
+        What is hashed.
+    """
+
+    def __init__(self, dataset: xr.Dataset) -> None:
+        self.names = sorted(str(name) for name in dataset.variables)
+        self._dataset = dataset
+        self._digest = hashlib.sha256()
+        version = 1 if dataset.attrs.get(FORMAT, 1) == 1 else 2
+        told = {k: v for k, v in dataset.attrs.items() if k not in _OF_THE_FILE[version]}
+        _add_attributes(self._digest, told)
+
+    def begin(self, name: str) -> None:
+        """Take in what a variable is; its values follow, then `end`."""
+        variable = self._dataset.variables[name]
+        numeric = variable.dtype in NUMERIC
+        kind = _little_endian(variable.dtype).str if numeric else "str"
+        is_coordinate = name in self._dataset.coords
+        _add_line(
+            self._digest, "variable", name, is_coordinate, variable.dims, variable.shape, kind
+        )
+
+    def add_numbers(self, values: npt.NDArray[np.generic]) -> None:
+        """Take in numbers, in C order."""
+        stored = np.ascontiguousarray(values, dtype=_little_endian(values.dtype))
+        self._digest.update(stored.reshape(-1).view(np.uint8).data)
+
+    def add_texts(self, values: npt.NDArray[np.generic]) -> None:
+        """Take in all texts of the variable."""
+        _add_line(self._digest, values.ravel().tolist())
+
+    def end(self, name: str) -> None:
+        """Take in the attributes of the variable."""
+        _add_attributes(self._digest, self._dataset.variables[name].attrs)
+
+    def hexdigest(self) -> str:
+        """Return the checksum of what was taken in."""
+        return self._digest.hexdigest()
 
 
 def _add_attributes(digest: hashlib._Hash, attributes: Mapping[str, object]) -> None:
@@ -138,9 +190,23 @@ def _little_endian(dtype: np.dtype[np.generic]) -> np.dtype[np.generic]:
     return dtype.newbyteorder("<")
 
 
+def _without_domain(dataset: xr.Dataset) -> xr.Dataset:
+    """Leave out the domain variable, which other readers of an archive show as a variable."""
+    if DOMAIN not in dataset.variables:
+        return dataset
+    if "dimensions" not in dataset[DOMAIN].attrs:
+        raise InputError(f"variable {DOMAIN!r} has a name that is reserved; rename it")
+    return dataset.drop_vars(DOMAIN)
+
+
 def _kept_variable(name: str, variable: xr.Variable) -> xr.Variable:
-    values = _kept_values(name, np.asarray(variable.values))
     attributes = _kept_attributes(f"variable {name!r}", variable.attrs)
+    native = variable.dtype.newbyteorder("=")
+    if native in NUMERIC and not is_in_memory(variable):
+        kept = variable.copy(deep=False)
+        kept.attrs, kept.encoding = attributes, {}
+        return kept if native == variable.dtype else kept.astype(native)
+    values = _kept_values(name, np.asarray(variable.values))
     return xr.Variable(variable.dims, values, attributes)
 
 
