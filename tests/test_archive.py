@@ -213,7 +213,9 @@ def test_archive_of_format_1_is_read() -> None:
 
 def test_history_grows_by_a_line_and_the_date_stays(archive: Path, tmp_path: Path) -> None:
     first = load(archive)
-    assert re.fullmatch(r"[-0-9]{10}T[0-9:]{8}Z rotor_ida \S+: saved, .*", first.history)
+    assert re.fullmatch(
+        r"[-0-9]{10}T[0-9:]{8}Z rotor_ida \S+: saved by .* with netCDF4 .*", first.history
+    )
     earlier = first.assign_attrs(date_created="2020-01-01T00:00:00Z")
     again = load(save(earlier, tmp_path / "again.nc"))
     assert again.history.splitlines()[0] == first.history

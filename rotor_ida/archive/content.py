@@ -14,7 +14,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida import schema
-from rotor_ida.archive.conventions import CREATED, DOMAIN, HISTORY
+from rotor_ida.archive.conventions import COMMAND, CREATED, DOMAIN, HISTORY
 from rotor_ida.archive.slabs import is_in_memory, slabs
 from rotor_ida.errors import InputError
 
@@ -22,9 +22,12 @@ FORMAT = "rotor_ida_format"
 VERSION = "rotor_ida_version"
 CHECKSUM = "content_sha256"
 
-# What is told of a file and not of its content: the checksum leaves it out, so that results that
-# were computed alike have one checksum whenever they were saved. Format 1 had only the first.
-_OF_THE_FILE = {1: frozenset([CHECKSUM]), 2: frozenset([CHECKSUM, HISTORY, CREATED])}
+# Given anew to each file that is saved.
+_OF_THE_FILE = frozenset([CHECKSUM, HISTORY, CREATED])
+
+# What the checksum leaves out in each format: in the second, who asked for the content and when,
+# so that what was computed alike has one checksum.
+_NOT_CONTENT = {1: frozenset([CHECKSUM]), 2: _OF_THE_FILE | {COMMAND}}
 
 NUMERIC = frozenset(
     np.dtype(kind) for kind in ("i1", "i2", "i4", "i8", "u1", "u2", "u4", "u8", "f4", "f8")
@@ -82,7 +85,7 @@ def archived_form(dataset: xr.Dataset) -> xr.Dataset:
     )
     if not isinstance(kept.attrs.get(HISTORY, ""), str):
         raise InputError(f"attribute {HISTORY!r} of the dataset must be text")
-    for name in _OF_THE_FILE[schema.FORMAT_VERSION]:
+    for name in _OF_THE_FILE:
         kept.attrs.pop(name, None)
     kept.attrs["Conventions"] = schema.CONVENTIONS
     kept.attrs[FORMAT] = np.int64(schema.FORMAT_VERSION)
@@ -101,9 +104,9 @@ def content_sha256(dataset: xr.Dataset) -> str:
     number's value is the hexadecimal of its little-endian bytes. A variable is ``["variable",
     name, whether it is a coordinate, dims, shape, dtype]``, its data, then its attributes: the data
     are the little-endian bytes in C order, or for strings one line of JSON, a list. The attribute
-    ``content_sha256`` itself is left out, and from format 2 on ``history`` and ``date_created``;
-    compression and the order of variables play no part. Numbers that are not in memory are read
-    slab by slab.
+    ``content_sha256`` itself is left out, and from format 2 on ``history``, ``date_created`` and
+    ``command``; compression and the order of variables play no part. Numbers that are not in
+    memory are read slab by slab.
 
     Examples
     --------
@@ -140,7 +143,7 @@ class ContentDigest:
         self._dataset = dataset
         self._digest = hashlib.sha256()
         version = 1 if dataset.attrs.get(FORMAT, 1) == 1 else 2
-        told = {k: v for k, v in dataset.attrs.items() if k not in _OF_THE_FILE[version]}
+        told = {k: v for k, v in dataset.attrs.items() if k not in _NOT_CONTENT[version]}
         _add_attributes(self._digest, told)
 
     def begin(self, name: str) -> None:

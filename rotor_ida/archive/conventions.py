@@ -11,6 +11,7 @@ import xarray as xr
 
 HISTORY = "history"
 CREATED = "date_created"
+COMMAND = "command"
 
 # A coordinate called time is for CF a date, which dimensionless time and time since a start are
 # not. What is known along it is therefore named as coordinates of a motion, by a domain variable

@@ -16,6 +16,7 @@ from rotor_ida.archive.netcdf import write_netcdf
 from rotor_ida.archive.parts import part_beside
 from rotor_ida.archive.seal import append_seal
 from rotor_ida.errors import ArchiveError, InputError
+from rotor_ida.invocation import command
 
 _NO_LINKS_HERE = {errno.EPERM, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK}
 _NO_SYNC_HERE = {errno.EINVAL, errno.ENOTSUP, errno.EOPNOTSUPP, errno.EACCES}
@@ -99,9 +100,10 @@ def save(dataset: xr.Dataset, path: str | os.PathLike[str], *, overwrite: bool =
 def _of_this_file(dataset: xr.Dataset, moment: str, checksum: str) -> dict[str, object]:
     """Return the attributes that tell of the file; a content saved again keeps its date."""
     again = dataset.attrs.get(CHECKSUM) == checksum
+    event = f"saved by {command()} with {libraries()}"
     return {
         CREATED: dataset.attrs.get(CREATED, moment) if again else moment,
-        HISTORY: history_with(dataset.attrs.get(HISTORY, ""), f"saved, {libraries()}", moment),
+        HISTORY: history_with(dataset.attrs.get(HISTORY, ""), event, moment),
         CHECKSUM: checksum,
     }
 
