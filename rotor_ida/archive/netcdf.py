@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,15 +14,20 @@ import xarray as xr
 from rotor_ida.archive.content import NUMERIC, ContentDigest
 from rotor_ida.archive.conventions import DOMAIN, coordinates_of, time_domain
 from rotor_ida.archive.library import LOCK
-from rotor_ida.archive.slabs import CHUNK, block_shape, slabs
+from rotor_ida.archive.slabs import CHUNK, SLAB, block_shape, slabs
 
 if TYPE_CHECKING:
     import netCDF4
 
+OVERHEAD = 2**15  # bytes, more than what HDF5 adds to the values of a variable
 
-def write_netcdf(
-    kept: xr.Dataset, path: Path, of_this_file: Callable[[str], Mapping[str, object]]
-) -> None:
+_NO_ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
+
+
+OfThisFile = Callable[[str], Mapping[str, object]]
+
+
+def write_netcdf(kept: xr.Dataset, path: Path, of_this_file: OfThisFile) -> None:
     """Write a dataset to a new file.
 
     Parameters
@@ -34,17 +41,38 @@ def write_netcdf(
     """
     import netCDF4  # noqa: PLC0415 - not needed to import the package
 
+    _make_sure_of_room(path.parent, min(kept.nbytes, SLAB) + OVERHEAD * (8 + len(kept.variables)))
     with LOCK:
         file = netCDF4.Dataset(path, "w", format="NETCDF4")
     try:
         with LOCK:
             _define(file, kept)
-        checksum = _write_values(file, kept)
+        checksum = _write_values(file, kept, path.parent)
         with LOCK:
             file.setncatts(of_this_file(checksum))
     finally:
         with LOCK:
             file.close()
+
+
+def _make_sure_of_room(folder: Path, size: int) -> None:
+    """Raise what the system says where so many bytes may not be written.
+
+    Where a disk is full, HDF5 fails without saying so, and keeps the file and its space until the
+    process ends.
+    """
+    if not hasattr(os, "posix_fallocate"):
+        return
+    room = folder / "room"
+    descriptor = os.open(room, os.O_RDWR | os.O_CREAT)
+    try:
+        os.posix_fallocate(descriptor, 0, size)
+    except OSError as error:
+        if error.errno in _NO_ROOM:
+            raise OSError(error.errno, os.strerror(error.errno)) from None
+    finally:
+        os.close(descriptor)
+        room.unlink()
 
 
 def _define(file: netCDF4.Dataset, kept: xr.Dataset) -> None:
@@ -84,7 +112,7 @@ def _create(file: netCDF4.Dataset, name: str, variable: xr.Variable) -> netCDF4.
     )
 
 
-def _write_values(file: netCDF4.Dataset, kept: xr.Dataset) -> str:
+def _write_values(file: netCDF4.Dataset, kept: xr.Dataset, folder: Path) -> str:
     """Write the values slab by slab, each computed or read once, and return their checksum."""
     digest = ContentDigest(kept)
     for name in digest.names:
@@ -98,6 +126,8 @@ def _write_values(file: netCDF4.Dataset, kept: xr.Dataset) -> str:
             # Computing a slab may itself read a file under the lock.
             for index, values in slabs(variable):
                 digest.add_numbers(values)
+                if values.nbytes > CHUNK:
+                    _make_sure_of_room(folder, values.nbytes + OVERHEAD)
                 with LOCK:
                     file[name][index] = np.ascontiguousarray(values)
         digest.end(name)
