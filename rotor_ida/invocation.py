@@ -54,8 +54,8 @@ def described(arguments: Sequence[str], *, module: str = "") -> str:
         return "a notebook"
     if not name:
         return "interactive Python"
-    if name == "-c":
-        return "python -c"
+    if name in {"-", "-c"}:
+        return f"python {name}"
     started = ["python", "-m", module.removesuffix(".__main__")] if module else [name]
     shown = shlex.join([*started, *(_FOLDERS.sub(r"\1", word) for word in rest)])
     # Arguments may be bytes that are no text, which an attribute cannot hold.

@@ -26,10 +26,10 @@ def peak():
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 before = peak()
-motion = dask.array.arange(40_000_000, chunks=1_000_000, dtype="f8") % 1000
+motion = dask.array.arange(40_000_000, chunks=1_000_000, dtype="f8") // 1_000_000
 save(xr.Dataset({"x": ("time", motion)}), sys.argv[1])
 with open_archive(sys.argv[1]) as kept:
-    assert kept.x[-1] == 999.0 and kept.sizes["time"] == 40_000_000
+    assert kept.x[-1] == 39.0 and kept.sizes["time"] == 40_000_000
     save(kept, sys.argv[2])
 print(peak() - before)
 """
@@ -45,8 +45,8 @@ def test_saving_and_opening_hold_a_part_in_memory(tmp_path: Path) -> None:
     first, second = tmp_path / "first.nc", tmp_path / "second.nc"
     program = [sys.executable, "-c", LARGE, str(first), str(second)]
     shown = subprocess.run(program, capture_output=True, text=True, check=True)
-    # 305 MiB of numbers; a slab, its compressed form and a few of dask's chunks are 64 MiB each
-    assert float(shown.stdout) < 256
+    # of 305 MiB: a slab, its pieces and copies, 32 MiB each, and what dask brings
+    assert float(shown.stdout) < 240
     with open_archive(first, check=False) as one, open_archive(second, check=False) as two:
         assert one.attrs["content_sha256"] == two.attrs["content_sha256"]
 

@@ -125,6 +125,7 @@ def content_sha256(dataset: xr.Dataset) -> str:
         else:
             for _, values in slabs(variable):
                 digest.add_numbers(values)
+                del values  # before the next are read
         digest.end(name)
     return digest.hexdigest()
 

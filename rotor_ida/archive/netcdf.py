@@ -130,5 +130,6 @@ def _write_values(file: netCDF4.Dataset, kept: xr.Dataset, folder: Path) -> str:
                     _make_sure_of_room(folder, values.nbytes + OVERHEAD)
                 with LOCK:
                     file[name][index] = np.ascontiguousarray(values)
+                del values  # before the next are computed
         digest.end(name)
     return digest.hexdigest()

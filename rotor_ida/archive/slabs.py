@@ -11,7 +11,7 @@ import numpy.typing as npt
 import xarray as xr
 
 CHUNK = 2**20  # bytes that HDF5 compresses together
-SLAB = 64 * 2**20  # bytes held in memory at a time
+SLAB = 32 * 2**20  # bytes read or computed at a time; with its copies some 64 to 100 MiB
 
 Index = tuple[slice, ...]
 
@@ -43,13 +43,16 @@ def slab_indices(shape: Sequence[int], itemsize: int) -> Iterator[Index]:
 
     Examples
     --------
-    >>> list(slab_indices((3, 2**24), 4))
-    [(slice(0, 1, None), slice(0, 16777216, None)), ...]
+    >>> list(slab_indices((2, 2**23), 4))
+    [(slice(0, 1, None), slice(0, 8388608, None)), (slice(1, 2, None), slice(0, 8388608, None))]
     """
     if 0 in shape:
         return
     chunk, slab = block_shape(shape, itemsize, CHUNK), block_shape(shape, itemsize, SLAB)
-    steps = [long - long % short for short, long in zip(chunk, slab, strict=True)]
+    steps = [
+        long if long == length else max(long - long % short, 1)
+        for short, long, length in zip(chunk, slab, shape, strict=True)
+    ]
     starts = (range(0, length, step) for length, step in zip(shape, steps, strict=True))
     for corner in product(*starts):
         yield tuple(
