@@ -34,6 +34,7 @@ def a_sweep(direction: str = "up") -> xr.Dataset:
 KINDS: dict[str, Callable[[], xr.Dataset]] = {
     "run": a_run,
     "run_without_contact": lambda: a_run(delta0=9.0),
+    "run_without_times": lambda: a_run().drop_vars("time"),
     "run_in_si_units": lambda: rotor_ida.dimensional(a_run(), MACHINE),
     "sweep": a_sweep,
     "sweep_both_ways": lambda: a_sweep("both"),

@@ -325,6 +325,20 @@ def test_attribute_name_that_netcdf_uses_is_refused(name: str, tmp_path: Path) -
         save(dataset, tmp_path / "run.nc")
 
 
+def test_name_of_the_domain_variable_is_reserved(archive: Path, tmp_path: Path) -> None:
+    for dataset in (
+        xr.Dataset({"time_domain": ("time", [1.0])}),
+        xr.Dataset({"x": ("time_domain", [1.0])}),
+        xr.Dataset({"x": ("t", [1.0])}, attrs={"history": 3}),
+    ):
+        with pytest.raises(
+            InputError, match=r"'time_domain' is reserved|'history' .* must be text"
+        ):
+            save(dataset, tmp_path / "other.nc")
+    with xr.open_dataset(archive) as seen:
+        assert "time_domain" not in load(save(seen, tmp_path / "again.nc"))
+
+
 def test_path_that_cannot_be_written_is_refused(archive: Path, tmp_path: Path) -> None:
     before = archive.read_bytes()
     os.mkfifo(tmp_path / "pipe")

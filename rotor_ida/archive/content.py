@@ -5,8 +5,6 @@ from __future__ import annotations
 import hashlib
 import importlib.metadata
 import json
-import re
-import reprlib
 from collections.abc import Mapping
 
 import numpy as np
@@ -15,6 +13,7 @@ import xarray as xr
 
 from rotor_ida import schema
 from rotor_ida.archive.conventions import COMMAND, CREATED, DOMAIN, HISTORY
+from rotor_ida.archive.holdable import NUMERIC, check_name, kept_attributes, kept_values
 from rotor_ida.archive.slabs import is_in_memory, slabs
 from rotor_ida.errors import InputError
 
@@ -28,32 +27,6 @@ _OF_THE_FILE = frozenset([CHECKSUM, HISTORY, CREATED])
 # What the checksum leaves out in each format: in the second, who asked for the content and when,
 # so that what was computed alike has one checksum.
 _NOT_CONTENT = {1: frozenset([CHECKSUM]), 2: _OF_THE_FILE | {COMMAND}}
-
-NUMERIC = frozenset(
-    np.dtype(kind) for kind in ("i1", "i2", "i4", "i8", "u1", "u2", "u4", "u8", "f4", "f8")
-)
-
-# Names as CF wants them. The reserved attributes are those by which netCDF and HDF5 keep house,
-# or which tell a reader to alter the data.
-_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,199}")
-_RESERVED = frozenset(
-    [
-        "CLASS",
-        "NAME",
-        "DIMENSION_LIST",
-        "DIMENSION_LABELS",
-        "REFERENCE_LIST",
-        "coordinates",
-        "missing_value",
-        "scale_factor",
-        "add_offset",
-        "dtype",
-    ]
-)
-_INSTEAD = {
-    "b": "; keep it as int8 with flag_values",
-    "c": "; keep its real and imaginary parts as two variables",
-}
 
 
 def archived_form(dataset: xr.Dataset) -> xr.Dataset:
@@ -76,12 +49,12 @@ def archived_form(dataset: xr.Dataset) -> xr.Dataset:
     if not isinstance(dataset, xr.Dataset):
         raise InputError(f"dataset must be an xarray Dataset, got {type(dataset).__name__}")
     for name in (*dataset.sizes, *dataset.variables):
-        _check_name("name", name, "the dataset")
+        check_name("name", name, "the dataset")
     dataset = _without_domain(dataset)
     kept = xr.Dataset(
         {name: _kept_variable(str(name), dataset.variables[name]) for name in dataset.data_vars},
         {name: _kept_variable(str(name), dataset.variables[name]) for name in dataset.coords},
-        _kept_attributes("the dataset", dataset.attrs),
+        kept_attributes("the dataset", dataset.attrs),
     )
     if not isinstance(kept.attrs.get(HISTORY, ""), str):
         raise InputError(f"attribute {HISTORY!r} of the dataset must be text")
@@ -196,76 +169,19 @@ def _little_endian(dtype: np.dtype[np.generic]) -> np.dtype[np.generic]:
 
 def _without_domain(dataset: xr.Dataset) -> xr.Dataset:
     """Leave out the domain variable, which other readers of an archive show as a variable."""
-    if DOMAIN not in dataset.variables:
+    if DOMAIN not in (*dataset.variables, *dataset.sizes):
         return dataset
-    if "dimensions" not in dataset[DOMAIN].attrs:
-        raise InputError(f"variable {DOMAIN!r} has a name that is reserved; rename it")
+    if DOMAIN in dataset.sizes or "dimensions" not in dataset[DOMAIN].attrs:
+        raise InputError(f"the name {DOMAIN!r} is reserved for archives; rename it")
     return dataset.drop_vars(DOMAIN)
 
 
 def _kept_variable(name: str, variable: xr.Variable) -> xr.Variable:
-    attributes = _kept_attributes(f"variable {name!r}", variable.attrs)
+    attributes = kept_attributes(f"variable {name!r}", variable.attrs)
     native = variable.dtype.newbyteorder("=")
     if native in NUMERIC and not is_in_memory(variable):
         kept = variable.copy(deep=False)
         kept.attrs, kept.encoding = attributes, {}
         return kept if native == variable.dtype else kept.astype(native)
-    values = _kept_values(name, np.asarray(variable.values))
+    values = kept_values(name, np.asarray(variable.values))
     return xr.Variable(variable.dims, values, attributes)
-
-
-def _kept_values(name: str, values: npt.NDArray[np.generic]) -> npt.NDArray[np.generic]:
-    native = values.dtype.newbyteorder("=")
-    if native in NUMERIC:
-        return values.astype(native, copy=False)
-    texts = values.ravel().tolist()
-    if values.dtype.kind not in "UOT" or not all(isinstance(text, str) for text in texts):
-        held = "objects that are not strings" if values.dtype.kind == "O" else values.dtype.name
-        raise InputError(
-            f"variable {name!r} must hold integers, float32, float64 or strings, got {held}"
-            + _INSTEAD.get(values.dtype.kind, "")
-        )
-    for text in texts:
-        _check_text(f"variable {name!r}", text)
-    return values.astype(str)
-
-
-def _kept_attributes(owner: str, attributes: Mapping[str, object]) -> dict[str, object]:
-    for name in attributes:
-        _check_name("attribute", name, owner)
-        if name in _RESERVED:
-            raise InputError(f"attribute {name!r} of {owner} is reserved by netCDF; rename it")
-    return {name: _kept_attribute(owner, name, value) for name, value in attributes.items()}
-
-
-def _kept_attribute(owner: str, name: str, value: object) -> object:
-    if isinstance(value, str):
-        _check_text(f"attribute {name!r} of {owner}", value)
-        return str(value)
-    if isinstance(value, (int, float, np.number, np.ndarray)) and not isinstance(value, bool):
-        array = np.asarray(value)
-        native = array.dtype.newbyteorder("=")
-        if native in NUMERIC and array.ndim <= 1:
-            # netCDF does not tell an array of one number from the number.
-            return array.reshape(-1).astype(native)[0] if array.size == 1 else array.astype(native)
-    raise InputError(
-        f"attribute {name!r} of {owner} must be a string, a number or a one-dimensional numeric "
-        f"array, got {' '.join(reprlib.repr(value).split())}"
-    )
-
-
-def _check_name(what: str, name: object, owner: str) -> None:
-    if not isinstance(name, str) or not _NAME.fullmatch(name):
-        raise InputError(
-            f"{what} {name!r} of {owner} must be a letter followed by letters, digits or "
-            "underscores, 200 at most"
-        )
-
-
-def _check_text(owner: str, text: str) -> None:
-    try:
-        text.encode()
-    except UnicodeEncodeError:
-        raise InputError(f"{owner} must be valid Unicode text, got {text!a}") from None
-    if "\0" in text:
-        raise InputError(f"{owner} must not hold the character NUL, got {text!a}")

@@ -29,7 +29,7 @@ def time_domain(dataset: xr.Dataset) -> xr.Variable | None:
     >>> time_domain(run).attrs["coordinates"]
     'x'
     """
-    if TIME not in dataset.coords or "standard_name" in dataset[TIME].attrs:
+    if TIME in dataset.coords and "standard_name" in dataset[TIME].attrs:
         return None
     along = [
         str(name)
@@ -41,7 +41,7 @@ def time_domain(dataset: xr.Dataset) -> xr.Variable | None:
         return None
     dims = dict.fromkeys(str(dim) for name in along for dim in dataset[name].dims)
     attributes = {
-        "long_name": "the motion, known at the values of the coordinate time",
+        "long_name": "the motion, known along the dimension time",
         "dimensions": " ".join(dims),
         "coordinates": " ".join(along),
     }

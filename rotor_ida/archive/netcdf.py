@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from rotor_ida.archive.content import NUMERIC, ContentDigest
+from rotor_ida.archive.content import ContentDigest
 from rotor_ida.archive.conventions import DOMAIN, coordinates_of, time_domain
+from rotor_ida.archive.holdable import NUMERIC
 from rotor_ida.archive.library import LOCK
 from rotor_ida.archive.slabs import CHUNK, SLAB, block_shape, slabs
 

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rotor_ida import schema
-from rotor_ida.archive.content import FORMAT, NUMERIC
+from rotor_ida.archive.content import FORMAT
 from rotor_ida.archive.conventions import DOMAIN
+from rotor_ida.archive.holdable import NUMERIC
 from rotor_ida.errors import ArchiveError, InputError
 
 if TYPE_CHECKING:

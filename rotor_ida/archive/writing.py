@@ -51,20 +51,24 @@ def save(dataset: xr.Dataset, path: str | os.PathLike[str], *, overwrite: bool =
 
     Notes
     -----
-    The file gets four global attributes, which `load` shows: ``Conventions``,
+    The file gets six global attributes, which `load` shows: ``Conventions``,
     ``rotor_ida_format``, ``rotor_ida_version`` (unless `dataset` has one: it says what computed
-    the data) and ``content_sha256``, the checksum of
-    `rotor_ida.archive.content.content_sha256`, which `load` verifies. It describes the file: a
-    dataset that was changed since it was loaded carries the old one until it is saved again.
+    the data), ``date_created`` (kept if the content is the same), ``history`` (one line more) and
+    ``content_sha256``, the checksum of `rotor_ida.archive.content.content_sha256`, which `load`
+    verifies. They describe the file: a dataset that was changed since it was loaded carries the
+    old ones until it is saved again.
+
+    Numbers that are not in memory, but in another file or to be computed by dask, are written
+    slab by slab. The disk must have room for the numbers uncompressed, at most 32 MiB at a time.
 
     netCDF makes no difference between an attribute that is an array of one number and the number:
     both come back as the number. It has no fixed dimension of length zero: such a one is unlimited
     in the file, the others are fixed. The width of strings and encodings are not kept. Compressed
     variables carry HDF5's own checksum beside.
 
-    A process that is killed while it writes leaves `path` as it was, and perhaps a file
-    ``.*.rotor_ida-part`` beside it, which can be deleted. On a file system without hard links the
-    moment of publishing without `overwrite` can leave an empty file in such a case.
+    A process that is killed while it writes leaves `path` as it was, and perhaps a folder
+    ``.*.rotor_ida-part`` beside it, which the next `save` there removes. On a file system without
+    hard links the moment of publishing without `overwrite` can leave an empty file in such a case.
 
     Examples
     --------
