@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rotor_ida.analysis.lyapunov import lyapunov_exponent
     from rotor_ida.analysis.sections import poincare_section
     from rotor_ida.analysis.spectra import spectrum
-    from rotor_ida.archive import load, save
+    from rotor_ida.archive import load, open_archive, save
     from rotor_ida.basins import basin, shares
     from rotor_ida.closed_forms import folds, synchronous_response
     from rotor_ida.comparison import compare
@@ -53,6 +53,7 @@ _HOMES = {
     "folds": "closed_forms",
     "load": "archive",
     "lyapunov_exponent": "analysis.lyapunov",
+    "open_archive": "archive",
     "poincare_section": "analysis.sections",
     "resume": "resuming",
     "rotating": "analysis.axes",
@@ -82,6 +83,7 @@ __all__ = [
     "folds",
     "load",
     "lyapunov_exponent",
+    "open_archive",
     "poincare_section",
     "resume",
     "rotating",

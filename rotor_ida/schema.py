@@ -10,7 +10,7 @@ import numpy.typing as npt
 import xarray as xr
 
 CONVENTIONS = "CF-1.11"
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from rotor_ida.analysis.tangent import DONE, follow_stretches
 from rotor_ida.checks import State, check_count, check_positive, check_state
 from rotor_ida.dataset.provenance import SOURCE, versions
 from rotor_ida.errors import InputError, SimulationError
+from rotor_ida.invocation import command
 from rotor_ida.model import turned
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulator.limits import check_can_be_followed
@@ -139,7 +140,8 @@ def lyapunov_exponent(
     }
     coordinates = {"exponent": ("exponent", np.arange(4)), "time": ("time", span * shown)}
     attributes = {
-        "source": SOURCE, "method": "dop853 with tangent vectors", "flight": "exact",
+        "source": SOURCE, "command": command(),
+        "method": "dop853 with tangent vectors", "flight": "exact",
         "rtol": tolerance, "start": np.array(first), "transient": lead, "duration": length,
         "batches": count, **versions(),
     }  # fmt: skip

@@ -4,7 +4,7 @@ This package sees labelled datasets only, so that a file can be read, compared a
 no solver is installed.
 """
 
-from rotor_ida.archive.reading import load
+from rotor_ida.archive.reading import load, open_archive
 from rotor_ida.archive.writing import save
 
-__all__ = ["load", "save"]
+__all__ = ["load", "open_archive", "save"]

@@ -8,12 +8,14 @@ from __future__ import annotations
 import ctypes
 import importlib
 import os
-import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-LOCK = threading.Lock()
+from xarray.backends.netCDF4_ import NETCDF4_PYTHON_LOCK
+
+# xarray's own, so that files which the user opened with xarray are kept apart from ours.
+LOCK = NETCDF4_PYTHON_LOCK
 
 _Id = ctypes.c_int64
 _Status = ctypes.c_int

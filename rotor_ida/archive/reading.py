@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import math
 import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,22 +12,18 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida import schema
-from rotor_ida.archive.content import CHECKSUM, FORMAT, NUMERIC, content_sha256
+from rotor_ida.archive import soundness
+from rotor_ida.archive.content import CHECKSUM, content_sha256
+from rotor_ida.archive.conventions import DOMAIN
 from rotor_ida.archive.library import LOCK, what_is_no_variable
-from rotor_ida.errors import ArchiveError, InputError
+from rotor_ida.archive.probing import refuse_what_cannot_be_read
+from rotor_ida.archive.seal import seal_of
+from rotor_ida.errors import ArchiveError
 
 if TYPE_CHECKING:
     import netCDF4
 
-LARGEST_CONTENT = 64 * 2**30  # bytes
-LARGEST_COMPRESSION = 1100  # deflate reaches 1032
-SMALLEST_ALLOWANCE = 2**20  # bytes
-
-_HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
-_NETCDF3_SIGNATURE = b"CDF"
-# In superblocks of versions 2 and 3 the length of the file stands here.
-_LENGTH_FIELD = slice(28, 36)
+    Stored = netCDF4.Variable[Any]
 
 
 def load(path: str | os.PathLike[str]) -> xr.Dataset:
@@ -40,7 +37,7 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
     Returns
     -------
     xr.Dataset
-        The dataset that was saved, with the four global attributes that `save` adds.
+        The dataset that was saved, with the six global attributes that `save` adds.
 
     Raises
     ------
@@ -50,6 +47,10 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
         If the file is not an archive of this package, is of a newer format, is truncated or
         damaged, refers to other files, declares more data than it can hold, or if its content
         does not have the checksum that it was saved with.
+
+    See Also
+    --------
+    open_archive : For archives larger than memory.
 
     Examples
     --------
@@ -61,18 +62,75 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
     >>> again["x"].identical(run["x"])
     True
     >>> str(again.attrs["Conventions"]), int(again.attrs["rotor_ida_format"])
-    ('CF-1.11', 1)
+    ('CF-1.11', 2)
     >>> load(folder.name + "/walk.nc")
     Traceback (most recent call last):
     ...
     rotor_ida.errors.InputError: path must be a file that exists, got '.../walk.nc'
     >>> folder.cleanup()
     """
+    return _as_it_stands(path, _load)
+
+
+def open_archive(path: str | os.PathLike[str], *, check: bool = True) -> xr.Dataset:
+    """Open an archive that `save` wrote, whose numbers are read when they are asked for.
+
+    Parameters
+    ----------
+    path : path-like
+        The file. It stays open until the dataset is closed, and is to be left alone until then.
+    check : bool
+        Whether to read all of it once, slab by slab, and verify its checksums.
+
+    Returns
+    -------
+    xr.Dataset
+        As from `load`; texts and the coordinates of dimensions are in memory. Use it in a ``with``
+        statement or call its ``close``.
+
+    Raises
+    ------
+    InputError, ArchiveError
+        As by `load`.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from rotor_ida.archive import save
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> path = save(xr.Dataset({"x": ("time", np.arange(1e5))}), folder.name + "/run.nc")
+    >>> with open_archive(path) as run:
+    ...     run.x[-2:].values
+    array([99998., 99999.])
+    >>> folder.cleanup()
+    """
+    return _as_it_stands(path, lambda source: _open(source, check=check))
+
+
+def open_unguarded(source: Path, *, check: bool) -> xr.Dataset:
+    """Open a file without regard to its seal: a damaged one can crash the HDF5 library."""
+    with _reported(source):
+        with LOCK:
+            _refuse_links(source)
+        stored = xr.open_dataset(source, engine="netcdf4", decode_cf=False, cache=False)
+        try:
+            with LOCK:
+                dataset = _read(source, lambda name, _: _lazy(stored.variables[name]))
+            dataset.set_close(stored.close)
+            if check:
+                _check_content(dataset, source)
+        except BaseException:
+            stored.close()
+            raise
+    return dataset
+
+
+def _as_it_stands(path: str | os.PathLike[str], read: Callable[[Path], xr.Dataset]) -> xr.Dataset:
     while True:
-        source = _check_source(path)
+        source = soundness.check_source(path)
         before = _identity(source)
         try:
-            return _load_as_it_stands(source)
+            return read(source)
         except ArchiveError:
             # Replaced in the midst of reading by another process: read the new one.
             if _identity(source) == before:
@@ -87,75 +145,79 @@ def _identity(source: Path) -> tuple[int, int, int, int] | None:
     return found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns
 
 
-def _load_as_it_stands(source: Path) -> xr.Dataset:
-    try:
+def _load(source: Path) -> xr.Dataset:
+    _guard(source, check=True)
+    with _reported(source):
         with LOCK:
-            _refuse_other_kinds(source)
-            if other := what_is_no_variable(source):
-                raise ArchiveError(f"{source} is not a sound archive: it holds {other}")
-            dataset = _read(source)
-        computed = content_sha256(dataset)
+            _refuse_links(source)
+            dataset = _read(source, lambda _, stored: _values(stored, source), in_memory=True)
+        _check_content(dataset, source)
+    return dataset
+
+
+def _open(source: Path, *, check: bool) -> xr.Dataset:
+    _guard(source, check=check)
+    return open_unguarded(source, check=check)
+
+
+def _guard(source: Path, *, check: bool) -> None:
+    """Keep from the HDF5 library what could make it crash or never end."""
+    with _reported(source):
+        rest = soundness.refuse_other_kinds(source)
+        seal = seal_of(source, check=check)
+    if seal == "broken" or (seal == "none" and rest):
+        raise ArchiveError(
+            f"{source} is damaged or was altered: its bytes are not those that were saved"
+        )
+    if seal == "none":
+        refuse_what_cannot_be_read(source, check=check)
+
+
+@contextmanager
+def _reported(source: Path) -> Iterator[None]:
+    try:
+        yield
     except ArchiveError:
         raise
     except Exception as error:  # a damaged file can make the libraries raise anything
         told = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         reason = " ".join(told.split()) or type(error).__name__
         raise ArchiveError(f"cannot read {source}, which may be damaged: {reason}") from error
-    if computed != dataset.attrs.get(CHECKSUM):
+
+
+def _refuse_links(source: Path) -> None:
+    if other := what_is_no_variable(source):
+        raise ArchiveError(f"{source} is not a sound archive: it holds {other}")
+
+
+def _check_content(dataset: xr.Dataset, source: Path) -> None:
+    if content_sha256(dataset) != dataset.attrs.get(CHECKSUM):
         raise ArchiveError(
             f"{source} is damaged or was altered: its content does not have the checksum "
             f"{CHECKSUM} that it was saved with"
         )
-    return dataset
 
 
-def _check_source(path: object) -> Path:
-    if not isinstance(path, (str, os.PathLike)) or not str(path):
-        raise InputError(f"path must be the path of a file, got {path!r}")
-    source = Path(path)
-    if os.path.isdir(source):
-        raise InputError(f"path must be a file, got the folder {str(source)!r}")
-    if not os.path.isfile(source):
-        raise InputError(f"path must be a file that exists, got {str(source)!r}")
-    return source
-
-
-def _refuse_other_kinds(source: Path) -> None:
-    """Refuse what the first bytes show not to be a whole HDF5 file."""
-    try:
-        with source.open("rb") as file:
-            head = file.read(64)
-            length = os.fstat(file.fileno()).st_size
-    except OSError as error:
-        raise ArchiveError(f"cannot read {source}: {error.strerror}") from error
-    if not head.startswith(_HDF5_SIGNATURE):
-        if not head:
-            found = "it is empty"
-        elif head.startswith(_NETCDF3_SIGNATURE):
-            found = "it is a netCDF file of the classic format"
-        else:
-            found = "it is not a netCDF-4 file"
-        raise ArchiveError(f"{source} is not an archive of rotor_ida: {found}")
-    expected = int.from_bytes(head[_LENGTH_FIELD], "little")
-    if len(head) < 64 or (head[8] in {2, 3} and expected > length):
-        raise ArchiveError(f"{source} is truncated or damaged: only {length} bytes are left")
-
-
-def _read(source: Path) -> xr.Dataset:
+def _read(
+    source: Path, take: Callable[[str, Stored], Any], *, in_memory: bool = False
+) -> xr.Dataset:
     import netCDF4  # noqa: PLC0415 - not needed to import the package
 
     with netCDF4.Dataset(source) as file:
         file.set_auto_maskandscale(False)
-        _refuse_other_formats(file, source)
-        _refuse_other_content(file, source)
-        _refuse_absurd_sizes(file, source)
+        soundness.refuse_other_formats(file, source)
+        soundness.refuse_other_content(file, source)
+        soundness.refuse_absurd_sizes(file, source, in_memory=in_memory)
         attributes = _attributes(file)
         coordinates = set(str(attributes.pop("coordinates", "")).split())
         variables: dict[str, xr.Variable] = {}
         for name, stored in file.variables.items():
             its_own = _attributes(stored)
+            if name == DOMAIN and "dimensions" in its_own:
+                continue
             coordinates.update(str(its_own.pop("coordinates", "")).split())
-            variables[name] = xr.Variable(stored.dimensions, _values(stored, source), its_own)
+            values = _values(stored, source) if _holds_texts(stored) else take(name, stored)
+            variables[name] = xr.Variable(stored.dimensions, values, its_own)
         coordinates.update(file.dimensions)
     return xr.Dataset(
         {name: variable for name, variable in variables.items() if name not in coordinates},
@@ -164,50 +226,24 @@ def _read(source: Path) -> xr.Dataset:
     )
 
 
-def _attributes(owner: netCDF4.Dataset | netCDF4.Variable[Any]) -> dict[str, Any]:
+def _lazy(variable: xr.Variable) -> Any:
+    """Return the values of a variable that xarray has opened, unread."""
+    return variable._data
+
+
+def _attributes(owner: netCDF4.Dataset | Stored) -> dict[str, Any]:
     return {name: owner.getncattr(name) for name in owner.ncattrs()}
 
 
-def _values(stored: netCDF4.Variable[Any], source: Path) -> npt.NDArray[np.generic]:
-    values = np.asarray(stored[...])
-    if stored.dtype is not str:
+def _holds_texts(stored: Stored) -> bool:
+    return bool(stored.dtype == str)
+
+
+def _values(stored: Stored, source: Path) -> npt.NDArray[np.generic]:
+    values: npt.NDArray[np.generic] = np.asarray(stored[...])
+    if not _holds_texts(stored):
         return values
     longest = max(map(len, values.ravel().tolist()), default=0)
-    if values.size * longest * 4 > LARGEST_CONTENT:
+    if values.size * longest * 4 > soundness.LARGEST_CONTENT:
         raise ArchiveError(f"{source} declares absurdly long strings in {stored.name!r}")
     return values.astype(str)
-
-
-def _refuse_other_formats(file: netCDF4.Dataset, source: Path) -> None:
-    if FORMAT not in file.ncattrs():
-        raise ArchiveError(f"{source} is not an archive of rotor_ida: it has no {FORMAT}")
-    number = file.getncattr(FORMAT)
-    if not isinstance(number, np.integer) or number < 1:
-        raise ArchiveError(f"{source} is damaged: its {FORMAT} is {number!r}")
-    if number > schema.FORMAT_VERSION:
-        raise ArchiveError(
-            f"{source} has format {number}, but this version of rotor_ida reads formats up to "
-            f"{schema.FORMAT_VERSION}: install a newer one"
-        )
-
-
-def _refuse_other_content(file: netCDF4.Dataset, source: Path) -> None:
-    if file.groups or file.cmptypes or file.vltypes or file.enumtypes:
-        raise ArchiveError(f"{source} is not an archive of rotor_ida: it has groups or own types")
-    for name, stored in file.variables.items():
-        if stored.dtype is not str and np.dtype(stored.dtype).newbyteorder("=") not in NUMERIC:
-            raise ArchiveError(f"{source} is not an archive of rotor_ida: see variable {name!r}")
-
-
-def _refuse_absurd_sizes(file: netCDF4.Dataset, source: Path) -> None:
-    length = source.stat().st_size
-    declared = sum(
-        math.prod(stored.shape) * (16 if stored.dtype is str else stored.dtype.itemsize)
-        for stored in file.variables.values()
-    )
-    possible = min(LARGEST_CONTENT, LARGEST_COMPRESSION * length + SMALLEST_ALLOWANCE)
-    if declared > possible:
-        raise ArchiveError(
-            f"{source} declares {declared:.3g} bytes of data: it has {length} bytes, and "
-            f"{possible:.3g} is the most that is read from it"
-        )

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import errno
 import os
-import secrets
 import shutil
+from functools import partial
 from pathlib import Path
 
 import xarray as xr
 
-from rotor_ida.archive.content import NUMERIC, archived_form
-from rotor_ida.archive.library import LOCK
+from rotor_ida.archive.content import CHECKSUM, archived_form
+from rotor_ida.archive.conventions import CREATED, HISTORY, history_with, libraries, now
+from rotor_ida.archive.netcdf import write_netcdf
+from rotor_ida.archive.parts import part_beside
+from rotor_ida.archive.seal import append_seal
 from rotor_ida.errors import ArchiveError, InputError
+from rotor_ida.invocation import command
 
 _NO_LINKS_HERE = {errno.EPERM, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK}
 _NO_SYNC_HERE = {errno.EINVAL, errno.ENOTSUP, errno.EOPNOTSUPP, errno.EACCES}
@@ -47,20 +51,24 @@ def save(dataset: xr.Dataset, path: str | os.PathLike[str], *, overwrite: bool =
 
     Notes
     -----
-    The file gets four global attributes, which `load` shows: ``Conventions``,
+    The file gets six global attributes, which `load` shows: ``Conventions``,
     ``rotor_ida_format``, ``rotor_ida_version`` (unless `dataset` has one: it says what computed
-    the data) and ``content_sha256``, the checksum of
-    `rotor_ida.archive.content.content_sha256`, which `load` verifies. It describes the file: a
-    dataset that was changed since it was loaded carries the old one until it is saved again.
+    the data), ``date_created`` (kept if the content is the same), ``history`` (one line more) and
+    ``content_sha256``, the checksum of `rotor_ida.archive.content.content_sha256`, which `load`
+    verifies. They describe the file: a dataset that was changed since it was loaded carries the
+    old ones until it is saved again.
+
+    Numbers that are not in memory, but in another file or to be computed by dask, are written
+    slab by slab. The disk must have room for the numbers uncompressed, at most 32 MiB at a time.
 
     netCDF makes no difference between an attribute that is an array of one number and the number:
     both come back as the number. It has no fixed dimension of length zero: such a one is unlimited
     in the file, the others are fixed. The width of strings and encodings are not kept. Compressed
     variables carry HDF5's own checksum beside.
 
-    A process that is killed while it writes leaves `path` as it was, and perhaps a file
-    ``.*.rotor_ida-part`` beside it, which can be deleted. On a file system without hard links the
-    moment of publishing without `overwrite` can leave an empty file in such a case.
+    A process that is killed while it writes leaves `path` as it was, and perhaps a folder
+    ``.*.rotor_ida-part`` beside it, which the next `save` there removes. On a file system without
+    hard links the moment of publishing without `overwrite` can leave an empty file in such a case.
 
     Examples
     --------
@@ -80,18 +88,28 @@ def save(dataset: xr.Dataset, path: str | os.PathLike[str], *, overwrite: bool =
     target = Path(os.path.realpath(shown))
     _check_target(shown, target, overwrite)
     kept = archived_form(dataset)
-    part = target.with_name(f".{secrets.token_hex(8)}.rotor_ida-part")
     try:
-        _write(kept, part)
-        _publish(part, target, overwrite)
+        with part_beside(target) as part:
+            write_netcdf(kept, part, partial(_of_this_file, dataset, now()))
+            append_seal(part)
+            _publish(part, target, overwrite)
         _sync_folder(target.parent)
     except FileExistsError:
         raise _exists(shown) from None
     except (OSError, RuntimeError) as error:
         raise ArchiveError(f"cannot write {shown}: {_reason(error, target.parent)}") from error
-    finally:
-        part.unlink(missing_ok=True)
     return shown
+
+
+def _of_this_file(dataset: xr.Dataset, moment: str, checksum: str) -> dict[str, object]:
+    """Return the attributes that tell of the file; a content saved again keeps its date."""
+    again = dataset.attrs.get(CHECKSUM) == checksum
+    event = f"saved by {command()} with {libraries()}"
+    return {
+        CREATED: dataset.attrs.get(CREATED, moment) if again else moment,
+        HISTORY: history_with(dataset.attrs.get(HISTORY, ""), event, moment),
+        CHECKSUM: checksum,
+    }
 
 
 def _check_path(path: object) -> Path:
@@ -115,30 +133,6 @@ def _check_target(shown: Path, target: Path, overwrite: object) -> None:
 
 def _exists(shown: Path) -> InputError:
     return InputError(f"path must not exist unless overwrite is true, got {str(shown)!r}")
-
-
-def _write(kept: xr.Dataset, part: Path) -> None:
-    # Created here, the file gets the permissions that the user's umask grants.
-    file = os.open(part, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666)
-    try:
-        with LOCK:
-            kept.to_netcdf(
-                part,
-                format="NETCDF4",
-                engine="netcdf4",
-                encoding={name: _encoding(variable) for name, variable in kept.variables.items()},
-                unlimited_dims=[],
-            )
-        os.fsync(file)
-    finally:
-        os.close(file)
-
-
-def _encoding(variable: xr.Variable) -> dict[str, object]:
-    # Strings of any length go past HDF5's filters; the checksum of the content covers them.
-    if variable.ndim == 0 or variable.size == 0 or variable.dtype not in NUMERIC:
-        return {"_FillValue": None}
-    return {"_FillValue": None, "zlib": True, "complevel": 4, "shuffle": True, "fletcher32": True}
 
 
 def _publish(part: Path, target: Path, overwrite: bool) -> None:

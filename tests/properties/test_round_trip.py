@@ -14,7 +14,10 @@ from hypothesis import strategies as st
 from rotor_ida.archive import load, save
 from rotor_ida.archive.content import content_sha256
 
-ADDED = ("Conventions", "rotor_ida_format", "rotor_ida_version", "content_sha256")
+ADDED = (
+    *("Conventions", "rotor_ida_format", "rotor_ida_version"),
+    *("date_created", "history", "content_sha256"),
+)
 NAMES = st.from_regex(r"[A-Za-z][A-Za-z0-9_]{0,8}", fullmatch=True)
 TEXTS = st.text(st.characters(exclude_characters="\0", codec="utf-8"), max_size=8)
 DTYPES = st.sampled_from(["f8", "f4", "i8", "i4", "i1", "u8", "U"])

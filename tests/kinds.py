@@ -1,0 +1,57 @@
+"""One small dataset of every kind that goes into an archive."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import xarray as xr
+
+import rotor_ida
+from rotor_ida import DimensionalRotor, Rotor
+
+CENTRED = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
+REST = (0.0, 0.0, 0.0, 0.0)
+MACHINE = DimensionalRotor(
+    mass=4.0,
+    contact_stiffness=1e9,
+    damping=280.0,
+    eccentricity=1e-6,
+    clearance=2e-6,
+    speed=600.0,
+)
+
+
+def a_run(delta0: float = 2.0) -> xr.Dataset:
+    rotor = Rotor(omega=2.0, zeta=0.07, delta0=delta0)
+    return rotor_ida.simulate(rotor, start=REST, duration=20.0, samples=41)
+
+
+def a_sweep(direction: str = "up") -> xr.Dataset:
+    return rotor_ida.sweep(omega=[1.2, 1.3], zeta=0.07, delta0=[0.0, 0.5], direction=direction)
+
+
+KINDS: dict[str, Callable[[], xr.Dataset]] = {
+    "run": a_run,
+    "run_without_contact": lambda: a_run(delta0=9.0),
+    "run_without_times": lambda: a_run().drop_vars("time"),
+    "run_in_si_units": lambda: rotor_ida.dimensional(a_run(), MACHINE),
+    "sweep": a_sweep,
+    "sweep_both_ways": lambda: a_sweep("both"),
+    "comparison": lambda: rotor_ida.compare(a_sweep()),
+    "whirls": lambda: rotor_ida.synchronous_response(omega=[1.2, 1.7], zeta=0.07, delta0=0.5),
+    "folds": lambda: rotor_ida.folds(zeta=[0.07, 0.1], delta0=0.0),
+    "basin": lambda: rotor_ida.basin(CENTRED, x=np.linspace(-5, 5, 4), y=[0.0, 1.0], workers=1),
+    "shares": lambda: rotor_ida.shares(CENTRED, x=(-5, 5), y=(-5, 5), starts=20, workers=1),
+    "contact_summary": lambda: rotor_ida.contact_summary(a_run()),
+    "rotating": lambda: rotor_ida.rotating(a_run()),
+    "spectrum": lambda: rotor_ida.spectrum(a_run()),
+    "contact_forces": lambda: rotor_ida.contact_forces(a_run()),
+    "poincare_section": lambda: rotor_ida.poincare_section(CENTRED, start=REST, revolutions=5),
+    "lyapunov_exponent": lambda: rotor_ida.lyapunov_exponent(
+        CENTRED, start=REST, transient=5.0, duration=40.0, batches=4
+    ),
+    "bifurcation": lambda: rotor_ida.bifurcation(
+        omega=[1.2], zeta=0.2, delta0=0.0, starts=1, extrema_time=20.0
+    ),
+}
