@@ -42,8 +42,8 @@ def inlined_for_lanes(function: Callable[P, R]) -> Callable[P, R]:
     process then calls depends on whether it compiled them or found them on disk, and with sums
     regrouped the last bits depend on that.
     """
-    options = {"nogil": True, "error_model": "numpy", "fastmath": _LANE_MATHS}
-    kernel: Callable[P, R] = _kept(numba.njit(forceinline=True, **options)(function))
+    made = numba.njit(nogil=True, error_model="numpy", fastmath=_LANE_MATHS, forceinline=True)
+    kernel: Callable[P, R] = _kept(made(function))
     return kernel
 
 
