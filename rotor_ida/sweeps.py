@@ -117,7 +117,7 @@ def sweep(
     points: dict[tuple[int, ...], Settled] = {}
     order = sorted(range(len(jobs)), key=lambda number: _haste(jobs[number]))
     waiting = (jobs[number] for number in order)
-    count = min(count, len(jobs))
+    count = count and min(count, len(jobs))  # the cluster at an address has its own
     with closing(run_all(_follow, waiting, workers=count, executor=place)) as ended:
         for turn, found in ended:
             number = order[turn]

@@ -144,7 +144,7 @@ def survey(
     count: int,
     *,
     tolerance: float,
-    workers: int,
+    workers: int | None,
     executor: str,
     progress: Progress | None,
 ) -> Survey:

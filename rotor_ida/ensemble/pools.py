@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import signal
 from collections.abc import Generator, Iterable, Iterator
 from concurrent.futures import (
     FIRST_COMPLETED,
@@ -14,12 +13,12 @@ from concurrent.futures import (
     wait,
 )
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
 from itertools import islice
 from multiprocessing import active_children, get_context
 
 import numpy as np
 
+from rotor_ida.ensemble.interrupts import deaf_to_interrupts
 from rotor_ida.ensemble.jobs import IN_FLIGHT, Job, Lost, Result, Stop, Work
 from rotor_ida.errors import SimulationError
 
@@ -68,16 +67,3 @@ def _as_they_end(
             return
         for future in wait(running, return_when=FIRST_COMPLETED).done:
             yield running.pop(future), future.result()
-
-
-@contextmanager
-def deaf_to_interrupts() -> Iterator[None]:
-    """Start workers that leave an interrupt from the keyboard to the one who waits for them."""
-    if not hasattr(signal, "pthread_sigmask"):  # not on Windows
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
