@@ -64,12 +64,14 @@ def sweep(
     workers : int, optional
         How many chains of points to follow at a time; by default one for each core, or only one
         with the Python backend and ``executor="auto"``.
-    executor : {"auto", "serial", "threads", "processes"}
+    executor : {"auto", "serial", "threads", "processes", "dask"} or str
         What follows them. ``"auto"`` means threads with the compiled backend; with the Python
         backend, which holds the interpreter's lock so that threads would gain nothing, processes
-        if `workers` is above 1, and else ``"serial"``, this very process. With processes a script
-        must guard its main part with ``if __name__ == "__main__":``. The result is the same, bit
-        for bit.
+        if `workers` is above 1, and else ``"serial"``, this very process. ``"dask"`` is a cluster
+        of `workers` processes for this call, and an address such as ``"tcp://host:8786"`` the
+        cluster of that scheduler, with all its workers: see docs/clusters.md. With processes or
+        ``"dask"`` a script must guard its main part with ``if __name__ == "__main__":``. The
+        result is the same, bit for bit.
     progress : callable, optional
         Called with the number of points done and their total.
 
@@ -85,9 +87,9 @@ def sweep(
     ------
     InputError
         If an argument cannot be used. A point that fails does not raise: its ``status`` and
-        ``message`` say why.
+        ``message`` say why; so do those of a chain whose workers of dask keep dying.
     SimulationError
-        If a worker process died.
+        If one of ``"processes"`` died, or the scheduler.
 
     Examples
     --------

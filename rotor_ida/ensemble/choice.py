@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import re
-from importlib.util import find_spec
 
 from rotor_ida.checks import check_count
 from rotor_ida.errors import InputError
@@ -69,7 +69,15 @@ def _check_executor(executor: object) -> str:
             f"executor must be one of {words}, or an address such as 'tcp://host:8786', "
             f"got {executor!r}"
         )
-    needs_dask = executor == "dask" or executor not in EXECUTORS
-    if needs_dask and find_spec("distributed") is None:
-        raise InputError(f"executor {executor!r} needs dask: pip install 'rotor-ida[cluster]'")
+    reason = why_not(executor)
+    if reason:
+        raise InputError(f"executor {executor!r} {reason}")
     return executor
+
+
+def why_not(executor: str) -> str:
+    """Return why an executor, or an address, cannot be had here; empty if it can."""
+    if executor in EXECUTORS and executor != "dask":
+        return ""
+    there = importlib.util.find_spec("distributed") is not None
+    return "" if there else "needs dask: pip install 'rotor-ida[cluster]'"

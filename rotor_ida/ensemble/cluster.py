@@ -7,6 +7,7 @@ workers die again.
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import tempfile
 import time
@@ -16,8 +17,6 @@ from contextlib import ExitStack, contextmanager
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from itertools import islice
-from math import nan
-from multiprocessing import active_children
 from typing import Any
 
 import numpy as np
@@ -26,11 +25,14 @@ from distributed.comm.core import CommClosedError
 
 from rotor_ida.ensemble.interrupts import deaf_to_interrupts
 from rotor_ida.ensemble.jobs import IN_FLIGHT, Job, Lost, Result, Work
+from rotor_ida.ensemble.pools import CAUSES
 from rotor_ida.errors import InputError, SimulationError
 
 # Seconds in which a scheduler must answer, and after which to look again how many workers it has.
 PATIENCE = 5.0
 LOOK_AGAIN = 2.0
+# Seconds that a worker of ours has to end of its own accord.
+ENOUGH = 0.25
 
 # What must be the same on every worker for the results to be the same, bit for bit.
 PACKAGES = ("rotor-ida", "numpy", "numba", "scikit-sundae")
@@ -54,8 +56,7 @@ def run_on_cluster(
         try:
             yield from _as_they_end(client, work, jobs)
         except (CancelledError, CommClosedError) as error:
-            message = f"the scheduler {address or 'of dask'} is gone"
-            raise SimulationError(message, time=nan, state=(nan,) * 4) from error
+            raise SimulationError(f"the scheduler {address or 'of dask'} is gone") from error
 
 
 def _as_they_end(
@@ -88,7 +89,8 @@ def _as_they_end(
         try:
             yield number, _submit(client, work, job).result()
         except KilledWorker as error:
-            yield number, Lost(f"its worker died {error.allowed_failures + 1} times in a row")
+            tried = error.allowed_failures + 1
+            yield number, Lost(f"every worker that took it on died, {tried} in all")
 
 
 def _submit(client: Client, work: Work[Job, Result], job: Job) -> Any:
@@ -118,20 +120,10 @@ def _versions() -> dict[str, str]:
 @contextmanager
 def _connected(workers: int | None) -> Iterator[Client]:
     """Start a cluster of processes on this machine; end it, at once if it is not done."""
-    others = set(active_children())
     with ExitStack() as stack:
         folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="rotor-ida-"))
         with deaf_to_interrupts():
-            cluster = stack.enter_context(
-                LocalCluster(
-                    n_workers=workers,
-                    threads_per_worker=1,
-                    dashboard_address=None,
-                    memory_limit=0,
-                    local_directory=folder,
-                    silence_logs=logging.CRITICAL,
-                )
-            )
+            cluster = stack.enter_context(_local_cluster(workers, folder))
             client = stack.enter_context(Client(cluster, set_as_default=False))
         finished = False
         try:
@@ -139,10 +131,28 @@ def _connected(workers: int | None) -> Iterator[Client]:
             finished = True
         finally:
             if not finished:
-                for nanny in cluster.workers.values():
-                    nanny.auto_restart = False
-                for process in set(active_children()) - others:
-                    process.kill()
+                cluster.sync(_end_workers, cluster)
+
+
+def _local_cluster(workers: int | None, folder: str) -> LocalCluster:
+    try:
+        return LocalCluster(
+            n_workers=workers,
+            threads_per_worker=1,
+            memory_limit=0,
+            dashboard_address=None,
+            scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},
+            local_directory=folder,
+            silence_logs=logging.CRITICAL,
+        )
+    except (RuntimeError, OSError) as error:
+        raise SimulationError(f"no worker could be started: {CAUSES}") from error
+
+
+async def _end_workers(cluster: LocalCluster) -> None:
+    """End the workers at once; given the usual time, they would go on with what they have begun."""
+    closing = [nanny.close(timeout=ENOUGH) for nanny in cluster.workers.values()]
+    await asyncio.gather(*closing, return_exceptions=True)
 
 
 @contextmanager

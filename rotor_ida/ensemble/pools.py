@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Generator, Iterable, Iterator
 from concurrent.futures import (
     FIRST_COMPLETED,
@@ -22,9 +21,9 @@ from rotor_ida.ensemble.interrupts import deaf_to_interrupts
 from rotor_ida.ensemble.jobs import IN_FLIGHT, Job, Lost, Result, Stop, Work
 from rotor_ida.errors import SimulationError
 
-DIED = (
-    "a worker process died: killed, out of memory, or started by a script that does not guard "
-    'its main part with if __name__ == "__main__":'
+CAUSES = (
+    "killed, out of memory, or started by a script that does not guard its main part with "
+    'if __name__ == "__main__":'
 )
 
 
@@ -44,7 +43,7 @@ def run_in_pool(
         yield from _as_they_end(pool, work, jobs, stop, workers)
         finished = True
     except BrokenProcessPool:
-        raise SimulationError(DIED, time=math.nan, state=(math.nan,) * 4) from None
+        raise SimulationError(f"a worker process died: {CAUSES}") from None
     finally:
         stop[0] = 1
         if not finished and not threads:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import rotor_ida
 from rotor_ida.cli import options, parsing
 from rotor_ida.cli.progress import progress
-from rotor_ida.cli.report import INTERRUPTED, Report
+from rotor_ida.cli.report import FAILED, INTERRUPTED, Report
 from rotor_ida.cli.targets import check_targets
 
 if TYPE_CHECKING:
@@ -63,13 +63,17 @@ def basin(
             progress=told,
         )
     return answer(
-        dataset, targets, as_json=as_json, trouble=_interruption(dataset), status=INTERRUPTED
+        dataset,
+        targets,
+        as_json=as_json,
+        trouble=_trouble(dataset),
+        status=INTERRUPTED if dataset.attrs["interrupted"] else FAILED,
     )
 
 
-def _interruption(dataset: xr.Dataset) -> str:
-    if not dataset.attrs["interrupted"]:
-        return ""
+def _trouble(dataset: xr.Dataset) -> str:
+    interrupted = dataset.attrs["interrupted"]
+    reason = "interrupted" if interrupted else dataset.attrs.get("not_computed_reason", "")
     total = dataset["label"].size
     done = total - int(dataset["not_computed_count"])
-    return f"interrupted: {done} of {total} starts are done"
+    return f"{reason}: {done} of {total} starts are done" if reason else ""
