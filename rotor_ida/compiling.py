@@ -35,6 +35,18 @@ def compiled_for_lanes(function: Callable[P, R]) -> Callable[P, R]:
     return kernel
 
 
+def inlined_for_lanes(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile like `compiled_for_lanes`, and always into the caller.
+
+    A function apart is optimised once alone and once more with its caller. Which of the two a
+    process then calls depends on whether it compiled them or found them on disk, and with sums
+    regrouped the last bits depend on that.
+    """
+    made = numba.njit(nogil=True, error_model="numpy", fastmath=_LANE_MATHS, forceinline=True)
+    kernel: Callable[P, R] = _kept(made(function))
+    return kernel
+
+
 def callback(signature: Any, function: Callable[..., Any]) -> Any:
     """Compile `function` for C to call, and keep the machine code; it has an ``address``."""
     arguments = numba.core.sigutils.normalize_signature(signature)

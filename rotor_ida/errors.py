@@ -26,7 +26,13 @@ class SimulationError(RotorError, RuntimeError):
         The state ``(x, y, vx, vy)`` [1] at that time.
     """
 
-    def __init__(self, message: str, *, time: float, state: tuple[float, float, float, float]):
+    def __init__(
+        self,
+        message: str,
+        *,
+        time: float = math.nan,
+        state: tuple[float, float, float, float] = (math.nan,) * 4,
+    ):
         shown = ", ".join(f"{value:.17g}" for value in state)
         place = f" (at t = {time:.17g}, state (x, y, vx, vy) = ({shown}))"
         super().__init__(message if math.isnan(time) else message + place)

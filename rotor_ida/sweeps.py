@@ -71,12 +71,14 @@ def sweep(
     workers : int, optional
         How many chains of points to follow at a time; by default one for each core, or only one
         with the Python backend and ``executor="auto"``.
-    executor : {"auto", "serial", "threads", "processes"}
+    executor : {"auto", "serial", "threads", "processes", "dask"} or str
         What follows them. ``"auto"`` means threads with the compiled backend; with the Python
         backend, which holds the interpreter's lock so that threads would gain nothing, processes
-        if `workers` is above 1, and else ``"serial"``, this very process. With processes a script
-        must guard its main part with ``if __name__ == "__main__":``. The result is the same, bit
-        for bit.
+        if `workers` is above 1, and else ``"serial"``, this very process. ``"dask"`` is a cluster
+        of `workers` processes for this call, and an address such as ``"tcp://host:8786"`` the
+        cluster of that scheduler, with all its workers: see docs/clusters.md. With processes or
+        ``"dask"`` a script must guard its main part with ``if __name__ == "__main__":``. The
+        result is the same, bit for bit.
     study : path-like, optional
         Folder in which points are kept as they are done. If it holds some of them already, only
         the others are followed, to the same bits. It must be new, empty, or of a study of this
@@ -96,9 +98,9 @@ def sweep(
     ------
     InputError
         If an argument cannot be used. A point that fails does not raise: its ``status`` and
-        ``message`` say why.
+        ``message`` say why; so do those of a chain whose workers of dask keep dying.
     SimulationError
-        If a worker process died.
+        If one of ``"processes"`` died, or the scheduler.
 
     Examples
     --------
@@ -144,16 +146,18 @@ def _design(chains: Chains, direction: Direction | None) -> dict[str, object]:
 
 
 def _follow_all(
-    chains: Chains, kept: Kept[Rows], executor: str, workers: int, progress: Progress | None
+    chains: Chains, kept: Kept[Rows], executor: str, workers: int | None, progress: Progress | None
 ) -> None:
     """Follow the chains that are not kept yet, and keep each as it ends."""
     if progress is not None:
         progress(kept.points_done, chains.points)
     numbers = chains.slowest_first()
     due = numbers[[number not in kept.done for number in numbers.tolist()]].tolist()
+    if not due:
+        return
     jobs = (chains.job(number) for number in due)
     held = 0
-    count = max(1, min(workers, len(due)))
+    count = workers and min(workers, len(due))  # the cluster at an address has its own
     with closing(run_all(follow, jobs, workers=count, executor=executor)) as ended:
         for turn, found in ended:
             number = due[turn]

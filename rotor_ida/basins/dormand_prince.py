@@ -12,7 +12,7 @@ References
 
 from __future__ import annotations
 
-from rotor_ida.compiling import compiled_for_lanes
+from rotor_ida.compiling import inlined_for_lanes
 
 State = tuple[float, float, float, float]
 
@@ -35,7 +35,7 @@ ERROR_5 = (0.01312004499419488, -1.2251564463762044, -0.4957589496572502, 1.6643
 # fmt: on
 
 
-@compiled_for_lanes
+@inlined_for_lanes
 def weighted(weights: tuple[float, ...], rates: tuple[State, ...], part: int) -> float:
     """Return the weighted sum of one component of the rates."""
     total = 0.0
@@ -44,7 +44,7 @@ def weighted(weights: tuple[float, ...], rates: tuple[State, ...], part: int) ->
     return total
 
 
-@compiled_for_lanes
+@inlined_for_lanes
 def moved(z: State, h: float, weights: tuple[float, ...], rates: tuple[State, ...]) -> State:
     """Return ``z + h * sum(weights * rates)``."""
     return (
@@ -55,7 +55,7 @@ def moved(z: State, h: float, weights: tuple[float, ...], rates: tuple[State, ..
     )
 
 
-@compiled_for_lanes
+@inlined_for_lanes
 def size(weights: tuple[float, ...], rates: tuple[State, ...]) -> float:
     """Return the squared length of the weighted sum of the rates."""
     a, b = weighted(weights, rates, 0), weighted(weights, rates, 1)

@@ -51,9 +51,9 @@ def basin(
     workers : int, optional
         How many batches of starts to follow at a time; by default one for each core that may be
         used.
-    executor : {"auto", "serial", "threads", "processes"}
-        What follows them: ``"auto"`` means threads. With processes a script must guard its main
-        part with ``if __name__ == "__main__":``. The result is the same, bit for bit.
+    executor : {"auto", "serial", "threads", "processes", "dask"} or str
+        What follows them, as for `rotor_ida.sweep`; ``"auto"`` means threads. The result is the
+        same, bit for bit, on processors of one kind.
     study : path-like, optional
         Folder in which batches of starts are kept as they are done, as for `sweep`. With it, an
         interrupted basin can go on, and one with more starts than memory holds can be computed.
@@ -75,12 +75,13 @@ def basin(
     InputError
         If an argument cannot be used.
     SimulationError
-        If a worker process died.
+        If one of ``"processes"`` died, or the scheduler.
 
     Notes
     -----
     An interrupt from the keyboard ends it early: the starts that are not done are labelled as not
-    computed, and the attribute ``interrupted`` is 1. Stable whirls in contact are listed even
+    computed, and the attribute ``interrupted`` is 1. So are starts whose workers of dask keep
+    dying, with the attribute ``not_computed_reason``. Stable whirls in contact are listed even
     where no start ends on them. ``share_error`` is ``sqrt(p (1 - p)/n)``, the standard error
     that n random starts would have; the error of a grid, whose cells are wrong only along the
     borders of the basins, is smaller. ``settling_time`` is the time at which a start is known to

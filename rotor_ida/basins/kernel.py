@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.basins.lanes import BUFFER, INSIDE, LANES, STEP, TIME, U, V, X, Y, step_lanes
-from rotor_ida.compiling import compiled_for_lanes
+from rotor_ida.compiling import compiled_for_lanes, inlined_for_lanes
 
 Values = npt.NDArray[np.float64]
 Labels = npt.NDArray[np.int16]
@@ -24,7 +24,7 @@ FIRST_STEP = 0.02
 MOST_STEPS = 200_000
 
 
-@compiled_for_lanes
+@inlined_for_lanes
 def mark_captured(lanes: Values, sets: Values) -> None:
     """Write into the row INSIDE 1 + the number of the capture set that holds the lane, or 0."""
     for i in range(LANES):
@@ -41,7 +41,7 @@ def mark_captured(lanes: Values, sets: Values) -> None:
             lanes[INSIDE + i] = code if square <= 1.0 else lanes[INSIDE + i]
 
 
-@compiled_for_lanes
+@inlined_for_lanes
 def mark_free(lanes: Values, code: float, omega: float, zeta: float, free: Values) -> None:
     """Mark the lanes whose orbit will never touch the ring again.
 
@@ -59,7 +59,7 @@ def mark_free(lanes: Values, code: float, omega: float, zeta: float, free: Value
         lanes[INSIDE + i] = code if farthest <= room else lanes[INSIDE + i]
 
 
-@compiled_for_lanes
+@inlined_for_lanes
 def next_waiting(labels: Labels, number: int) -> int:
     """Return the first start from `number` on that has no label yet, or their total."""
     while number < labels.shape[0] and labels[number] >= 0:
@@ -67,7 +67,7 @@ def next_waiting(labels: Labels, number: int) -> int:
     return number
 
 
-@compiled_for_lanes
+@inlined_for_lanes
 def load(lanes: Values, i: int, states: Values, number: int) -> int:
     """Put a start into a lane and return its number; if there is none left, let the lane rest."""
     if number >= states.shape[1]:
@@ -80,7 +80,7 @@ def load(lanes: Values, i: int, states: Values, number: int) -> int:
     return number
 
 
-@compiled_for_lanes
+@inlined_for_lanes
 def unload(
     lanes: Values, i: int, states: Values, labels: Labels, times: Times, number: int
 ) -> None:

@@ -29,7 +29,7 @@ from rotor_ida.basins.dormand_prince import (
     moved,
     size,
 )
-from rotor_ida.compiling import compiled_for_lanes, widest_vectors
+from rotor_ida.compiling import inlined_for_lanes, widest_vectors
 
 Values = npt.NDArray[np.float64]
 
@@ -44,7 +44,7 @@ _TINY = 1e-30
 _HOPELESS = 1e30
 
 
-@compiled_for_lanes
+@inlined_for_lanes
 def secant(square: float, delta0: float | None) -> float:
     """Return ``s(r) = f(r)/r`` from ``r**2``; a clearance of None stands for 0.
 
@@ -61,14 +61,14 @@ def secant(square: float, delta0: float | None) -> float:
     return depth * depth * inverse_root(depth) * y
 
 
-@compiled_for_lanes
+@inlined_for_lanes
 def inverse_root(value: float) -> float:
     """Return ``1/sqrt(value)``."""
     y = np.float64(np.float32(1.0) / np.sqrt(np.float32(value)))
     return y * (1.5 - 0.5 * (value * y * y))
 
 
-@compiled_for_lanes
+@inlined_for_lanes
 def rate(z: State, omega: float, zeta: float, delta0: float | None) -> State:
     """Return the rate of a state on the rotating axes, as `rotor_ida.model.rotating_field`."""
     x, y, u, v = z
@@ -82,7 +82,7 @@ def rate(z: State, omega: float, zeta: float, delta0: float | None) -> State:
     )
 
 
-@compiled_for_lanes
+@inlined_for_lanes
 def step_lanes(
     lanes: Values, omega: float, zeta: float, delta0: float | None, tolerance: float
 ) -> None:

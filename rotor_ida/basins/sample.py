@@ -69,7 +69,7 @@ def shares(
     InputError
         If an argument cannot be used.
     SimulationError
-        If a worker process died.
+        If one of ``"processes"`` died, or the scheduler.
 
     Notes
     -----

@@ -25,7 +25,7 @@ Values = npt.NDArray[np.float64]
 Starts = Callable[[int, int], Values]
 
 # Large enough that few lanes idle at the end of a batch, small enough to share the work evenly
-# and to report progress. Who does the work has no say, so that it leaves no trace in the result.
+# and to report progress. Who does the work has no say: it leaves no trace in the result.
 LARGEST_BATCH, SMALLEST_BATCH = 8192, 512
 FEWEST_BATCHES = 64
 # So many undecided orbits are compared with each other; of more, these are the examples by which
@@ -91,7 +91,7 @@ def survey(
     kept: Kept[Followed],
     *,
     tolerance: float,
-    workers: int,
+    workers: int | None,
     executor: str,
     progress: Progress | None,
 ) -> Survey:

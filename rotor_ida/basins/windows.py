@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from rotor_ida.basins.dormand_prince import State, moved
 from rotor_ida.basins.lanes import LANES, U, V, X, Y, rate
-from rotor_ida.compiling import compiled_for_lanes, widest_vectors
+from rotor_ida.compiling import compiled_for_lanes, inlined_for_lanes, widest_vectors
 
 Values = npt.NDArray[np.float64]
 
@@ -27,13 +27,13 @@ RADIUS_MIN, RADIUS_MAX, MEAN_X, MEAN_Y, WANDER = range(5)
 COLUMNS = 5
 
 
-@compiled_for_lanes
+@inlined_for_lanes
 def shifted(z: State, h: float, k: State) -> State:
     """Return ``z + h k``."""
     return (z[0] + h * k[0], z[1] + h * k[1], z[2] + h * k[2], z[3] + h * k[3])
 
 
-@compiled_for_lanes
+@inlined_for_lanes
 def watch_step(lanes: Values, h: float, omega: float, zeta: float, delta0: float | None) -> None:
     """Advance every lane by a classic Runge-Kutta step and note what it does there."""
     widest_vectors()

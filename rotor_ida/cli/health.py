@@ -16,7 +16,7 @@ import rotor_ida
 
 PACKAGES = (
     *("rotor-ida", "scikit-sundae", "numpy", "scipy", "numba"),
-    *("xarray", "netCDF4", "matplotlib"),
+    *("xarray", "netCDF4", "matplotlib", "distributed"),
 )
 # Released at rest at this distance from the axis, outside a ring of this clearance.
 RELEASE, CLEARANCE = 2.0, 0.5
@@ -52,6 +52,12 @@ def backends() -> list[str]:
     """Return the ways to call the solver that this version knows."""
     known = importlib.import_module("rotor_ida.simulator.options").BACKENDS
     return [name for name in known if name != "auto"]
+
+
+def executors() -> list[str]:
+    """Return what can do the work of a sweep or a basin here."""
+    choice = importlib.import_module("rotor_ida.ensemble.choice")
+    return [name for name in choice.EXECUTORS if name != "auto" and not choice.why_not(name)]
 
 
 def check_backend(backend: str) -> list[Check]:

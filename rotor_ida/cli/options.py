@@ -61,7 +61,12 @@ Direction = Annotated[
     Parameter(help="Follow the response from speed to speed: up, down or both."),
 ]
 Workers = Annotated[str | None, Parameter(help="Jobs done at a time; by default one a core.")]
-Executor = Annotated[str, Parameter(help="What does the work: auto, serial, threads or processes.")]
+Executor = Annotated[
+    str,
+    Parameter(
+        help="What does the work: auto, serial, threads, processes, dask, or an address of dask."
+    ),
+]
 Rtol = Annotated[str, Parameter(help="Relative tolerance.")]
 Atol = Annotated[str, Parameter(help="Absolute tolerance.")]
 Method = Annotated[str, Parameter(help="Solver of the contact: adams, bdf or ida.")]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-import signal
 from collections.abc import Generator, Iterable, Iterator
 from concurrent.futures import (
     FIRST_COMPLETED,
@@ -14,18 +12,18 @@ from concurrent.futures import (
     wait,
 )
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
 from itertools import islice
 from multiprocessing import active_children, get_context
 
 import numpy as np
 
+from rotor_ida.ensemble.interrupts import deaf_to_interrupts
 from rotor_ida.ensemble.jobs import IN_FLIGHT, Job, Lost, Result, Stop, Work
 from rotor_ida.errors import SimulationError
 
-DIED = (
-    "a worker process died: killed, out of memory, or started by a script that does not guard "
-    'its main part with if __name__ == "__main__":'
+CAUSES = (
+    "killed, out of memory, or started by a script that does not guard its main part with "
+    'if __name__ == "__main__":'
 )
 
 
@@ -45,7 +43,7 @@ def run_in_pool(
         yield from _as_they_end(pool, work, jobs, stop, workers)
         finished = True
     except BrokenProcessPool:
-        raise SimulationError(DIED, time=math.nan, state=(math.nan,) * 4) from None
+        raise SimulationError(f"a worker process died: {CAUSES}") from None
     finally:
         stop[0] = 1
         if not finished and not threads:
@@ -68,16 +66,3 @@ def _as_they_end(
             return
         for future in wait(running, return_when=FIRST_COMPLETED).done:
             yield running.pop(future), future.result()
-
-
-@contextmanager
-def deaf_to_interrupts() -> Iterator[None]:
-    """Start workers that leave an interrupt from the keyboard to the one who waits for them."""
-    if not hasattr(signal, "pthread_sigmask"):  # not on Windows
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)

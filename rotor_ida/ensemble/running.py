@@ -6,12 +6,13 @@ from collections.abc import Generator, Iterable
 
 import numpy as np
 
+from rotor_ida.ensemble.choice import POOLS, count_workers
 from rotor_ida.ensemble.jobs import Job, Lost, Result, Work
 from rotor_ida.ensemble.pools import run_in_pool
 
 
 def run_all(
-    work: Work[Job, Result], jobs: Iterable[Job], *, workers: int, executor: str
+    work: Work[Job, Result], jobs: Iterable[Job], *, workers: int | None, executor: str
 ) -> Generator[tuple[int, Result | Lost], None, None]:
     """Do every job and yield its number and its result as it ends.
 
@@ -36,14 +37,18 @@ def run_all(
 
     Raises
     ------
+    InputError
+        If a scheduler does not answer, or its workers have other versions.
     SimulationError
-        If a process of a pool died: what the others had in hand is gone with it.
+        If a process of a pool died, what the others had in hand being gone with it, or the
+        scheduler.
 
     Notes
     -----
     What `work` raises is raised here. On that, on an interrupt from the keyboard, and when the
     caller stops asking, jobs that wait are dropped, threads are told to stop, processes are
-    ended, and all of them are gone before control returns.
+    ended, and all of them are gone before control returns. A cluster that was there before
+    stays; its workers finish the jobs that they have begun.
 
     Examples
     --------
@@ -53,7 +58,14 @@ def run_all(
     """
     if executor == "serial":
         return _one_by_one(work, jobs)
-    return run_in_pool(work, jobs, workers=workers, threads=executor == "threads")
+    if executor in POOLS:
+        return run_in_pool(
+            work, jobs, workers=count_workers(workers), threads=executor == "threads"
+        )
+    from rotor_ida.ensemble.cluster import run_on_cluster  # noqa: PLC0415 - not always there
+
+    address = None if executor == "dask" else executor
+    return run_on_cluster(work, jobs, workers=workers, address=address)
 
 
 def _one_by_one(

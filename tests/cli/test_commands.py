@@ -213,6 +213,7 @@ def test_doctor_finds_this_installation_well(program: Program):
     assert (answer.status, answer.err) == (0, "")
     record = json.loads(answer.out)
     assert record["backends"] == ["python", "compiled"]
+    assert record["executors"] == ["serial", "threads", "processes", "dask"]
     assert all(record["versions"].values())
     assert {check["result"] for check in record["checks"]} == {"ok"}
 
@@ -234,6 +235,13 @@ def test_doctor_says_why_a_backend_is_absent(program: Program, monkeypatch: pyte
     assert record["backends"] == ["python"]
     absent = [check for check in record["checks"] if check["result"] == "absent"]
     assert [check["seen"] for check in absent] == ["no such library"]
+
+
+def test_doctor_does_without_dask(program: Program, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("rotor_ida.ensemble.choice.importlib.util.find_spec", lambda _name: None)
+    answer = program("doctor")
+    assert (answer.status, answer.err) == (0, "")
+    assert "Executors that can be used: serial, threads, processes\n" in answer.out
 
 
 def test_doctor_finds_a_solver_that_is_missing(program: Program, monkeypatch: pytest.MonkeyPatch):

@@ -27,10 +27,16 @@ def doctor(*, as_json: options.AsJson = False) -> Report:
     versions, rows = health.versions(), [check.record() for check in checks]
     failed = sum(check.result == health.FAILED for check in checks)
     return Report(
-        record={"versions": versions, "backends": usable, "checks": rows},
+        record={
+            "versions": versions,
+            "backends": usable,
+            "executors": health.executors(),
+            "checks": rows,
+        },
         parts=[
             pairs("Versions", versions),
             f"Backends that can be used: {', '.join(usable) or 'none'}",
+            f"Executors that can be used: {', '.join(health.executors())}",
             table("Checks", rows, list(rows[0])),
         ],
         as_json=as_json,

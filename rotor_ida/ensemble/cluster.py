@@ -1,0 +1,181 @@
+"""Jobs done by dask: by a cluster on this machine that lasts as long as they do, or by any other.
+
+dask hands a job whose worker dies to another one. After several deaths it suspects all jobs that
+the workers held; each of these is then done with no other beside it, and given up only if its
+workers die again.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import tempfile
+import time
+from collections.abc import Generator, Iterable, Iterator
+from concurrent.futures import CancelledError
+from contextlib import ExitStack, contextmanager
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
+from itertools import islice
+from typing import Any
+
+import numpy as np
+from distributed import Client, KilledWorker, LocalCluster, wait
+from distributed.comm.core import CommClosedError
+
+from rotor_ida.ensemble.interrupts import deaf_to_interrupts
+from rotor_ida.ensemble.jobs import IN_FLIGHT, Job, Lost, Result, Work
+from rotor_ida.ensemble.pools import CAUSES
+from rotor_ida.errors import InputError, SimulationError
+
+# Seconds in which a scheduler must answer, and after which to look again how many workers it has.
+PATIENCE = 5.0
+LOOK_AGAIN = 2.0
+# Seconds that a worker of ours has to end of its own accord.
+ENOUGH = 0.25
+
+# What must be the same on every worker for the results to be the same, bit for bit.
+PACKAGES = ("rotor-ida", "numpy", "numba", "scikit-sundae")
+
+
+def run_on_cluster(
+    work: Work[Job, Result], jobs: Iterable[Job], *, workers: int | None, address: str | None
+) -> Generator[tuple[int, Result | Lost], None, None]:
+    """Do the jobs as `run_all` says, on a cluster of `workers` processes or on that at `address`.
+
+    Raises
+    ------
+    InputError
+        If nobody answers at the address, or a worker has other versions than this process.
+    SimulationError
+        If the scheduler is gone before all is done.
+    """
+    with ExitStack() as stack:
+        stack.enter_context(_quiet())
+        client = stack.enter_context(_connected(workers) if address is None else _joined(address))
+        try:
+            yield from _as_they_end(client, work, jobs)
+        except (CancelledError, CommClosedError) as error:
+            raise SimulationError(f"the scheduler {address or 'of dask'} is gone") from error
+
+
+def _as_they_end(
+    client: Client, work: Work[Job, Result], jobs: Iterable[Job]
+) -> Iterator[tuple[int, Result | Lost]]:
+    """Keep a few jobs in flight for each thread of the cluster, and yield what ends first."""
+    waiting = enumerate(jobs)
+    running: dict[Any, tuple[int, Job]] = {}
+    suspects: list[tuple[int, Job]] = []
+    room, looked = 0, -LOOK_AGAIN
+    while True:
+        if time.monotonic() - looked >= LOOK_AGAIN:
+            room, looked = IN_FLIGHT * max(1, sum(client.nthreads().values())), time.monotonic()
+        for number, job in islice(waiting, max(0, room - len(running))):
+            running[_submit(client, work, job)] = number, job
+        if not running:
+            break
+        try:
+            with client.as_current():
+                ended = wait(list(running), timeout=LOOK_AGAIN, return_when="FIRST_COMPLETED").done
+        except TimeoutError:
+            continue
+        for future in ended:
+            number, job = running.pop(future)
+            try:
+                yield number, future.result()
+            except KilledWorker:
+                suspects.append((number, job))
+    for number, job in suspects:
+        try:
+            yield number, _submit(client, work, job).result()
+        except KilledWorker as error:
+            tried = error.allowed_failures + 1
+            yield number, Lost(f"every worker that took it on died, {tried} in all")
+
+
+def _submit(client: Client, work: Work[Job, Result], job: Job) -> Any:
+    return client.submit(_do, work, job, _versions(), pure=False)
+
+
+def _do(work: Work[Job, Result], job: Job, versions: dict[str, str]) -> Result:
+    """Do a job on a worker, if that is one of the right kind."""
+    mine = _versions()
+    for name, wanted in versions.items():
+        if mine[name] != wanted:
+            raise InputError(f"executor has workers with {name} {mine[name]}, here is {wanted}")
+    return work(job, np.zeros(1, dtype=np.uint8))
+
+
+@cache
+def _versions() -> dict[str, str]:
+    found = {}
+    for name in PACKAGES:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "of unknown version"
+    return found
+
+
+@contextmanager
+def _connected(workers: int | None) -> Iterator[Client]:
+    """Start a cluster of processes on this machine; end it, at once if it is not done."""
+    with ExitStack() as stack:
+        folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="rotor-ida-"))
+        with deaf_to_interrupts():
+            cluster = stack.enter_context(_local_cluster(workers, folder))
+            client = stack.enter_context(Client(cluster, set_as_default=False))
+        finished = False
+        try:
+            yield client
+            finished = True
+        finally:
+            if not finished:
+                cluster.sync(_end_workers, cluster)
+
+
+def _local_cluster(workers: int | None, folder: str) -> LocalCluster:
+    try:
+        return LocalCluster(
+            n_workers=workers,
+            threads_per_worker=1,
+            memory_limit=0,
+            dashboard_address=None,
+            scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},
+            local_directory=folder,
+            silence_logs=logging.CRITICAL,
+        )
+    except (RuntimeError, OSError) as error:
+        raise SimulationError(f"no worker could be started: {CAUSES}") from error
+
+
+async def _end_workers(cluster: LocalCluster) -> None:
+    """End the workers at once; given the usual time, they would go on with what they have begun."""
+    closing = [nanny.close(timeout=ENOUGH) for nanny in cluster.workers.values()]
+    await asyncio.gather(*closing, return_exceptions=True)
+
+
+@contextmanager
+def _joined(address: str) -> Iterator[Client]:
+    """Connect to a scheduler that somebody else has started, and leave it as it was."""
+    try:
+        client = Client(address, timeout=PATIENCE, set_as_default=False)
+    except (OSError, ValueError, RuntimeError) as error:
+        raise InputError(f"executor {address!r} does not answer: {error}") from error
+    with client:
+        yield client
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep dask's own account of what it does from standard error."""
+    names = [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]
+    handlers = {handler for name in names for handler in logging.getLogger(name).handlers}
+    before = {handler: handler.level for handler in handlers}
+    for handler in before:
+        handler.setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        for handler, level in before.items():
+            handler.setLevel(level)
