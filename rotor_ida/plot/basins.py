@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 import numpy.typing as npt
@@ -15,13 +16,13 @@ from rotor_ida.errors import InputError
 from rotor_ida.plot.appearance import (
     INK,
     KIND_WORDS,
-    LABELS,
     axes_or_new,
     check_dataset,
     one_value,
     parameter_text,
     style,
 )
+from rotor_ida.plot.units import label_of, suited, unit_of
 from rotor_ida.schema import FATE, flags_of
 
 Values = npt.NDArray[np.float64]
@@ -35,7 +36,9 @@ FATE_WORDS = {"undecided": "undecided", "not_computed": "not computed"}
 CONSTANT_RADIUS = 1e-3
 
 
-def plot_basin(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
+def plot_basin(
+    dataset: xr.Dataset, ax: Axes | None = None, *, units: Mapping[str, str] | None = None
+) -> Axes:
     """Draw which start ends on which attractor.
 
     Parameters
@@ -44,6 +47,9 @@ def plot_basin(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         What `rotor_ida.basin` returned.
     ax : Axes, optional
         Where to draw; by default on a new figure.
+    units : mapping of str to str, optional
+        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
+        those with the SI prefix that suits.
 
     Returns
     -------
@@ -66,8 +72,9 @@ def plot_basin(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ['synchronous response, $A = 1.88$', 'synchronous response, $A = 9.49$']
     """
     dataset = check_dataset("dataset", dataset, NEEDED)
+    vertical, horizontal = _directions(dataset["label"])
+    dataset = suited(dataset, [vertical, horizontal], units=units, ax=ax)
     label = dataset["label"]
-    vertical, horizontal = _directions(label)
     colours = [NOT_COMPUTED, UNDECIDED]
     count = dataset.sizes["attractor"]
     colours += [COLOURS[number % len(COLOURS)] for number in range(count)]
@@ -84,8 +91,8 @@ def plot_basin(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
             rasterized=True,
         )
         ax.set_aspect("equal")
-        ax.set_xlabel(LABELS[horizontal])
-        ax.set_ylabel(LABELS[vertical])
+        ax.set_xlabel(label_of(horizontal, dataset[horizontal]))
+        ax.set_ylabel(label_of(vertical, dataset[vertical]))
         ax.set_title(parameter_text(**{
             name: one_value("dataset", dataset, name) for name in PARAMETERS
         }))  # fmt: skip
@@ -127,7 +134,8 @@ def _name(attractor: xr.Dataset) -> str:
     """Return the kind of an attractor and its amplitude, or the radii between which it swings."""
     words = {number: word for word, number in flags_of(attractor["kind"]).items()}
     kind = KIND_WORDS[words[int(attractor["kind"])]]
+    unit = unit_of(attractor["amplitude"])
     low, high = float(attractor["radius_min"]), float(attractor["radius_max"])
     if math.isnan(high) or high - low <= CONSTANT_RADIUS * high:
-        return f"{kind}, $A = {float(attractor['amplitude']):.3g}$"
-    return f"{kind}, ${low:.3g} \\leq |z| \\leq {high:.3g}$"
+        return f"{kind}, $A = {float(attractor['amplitude']):#.3g}$ {unit}".rstrip()
+    return f"{kind}, ${low:#.3g} \\leq |z| \\leq {high:#.3g}$ {unit}".rstrip()

@@ -25,6 +25,7 @@ from rotor_ida.plot.appearance import (
 )
 from rotor_ida.plot.branches import trace_branches
 from rotor_ida.plot.layout import look
+from rotor_ida.plot.units import alike, label_of, suited
 from rotor_ida.schema import flags_of
 
 LINES = {
@@ -35,7 +36,11 @@ LINES = {
 
 
 def plot_over_clearance(
-    exact: xr.Dataset, *, simulated: xr.Dataset | None = None, ax: Axes | None = None
+    exact: xr.Dataset,
+    *,
+    simulated: xr.Dataset | None = None,
+    units: Mapping[str, str] | None = None,
+    ax: Axes | None = None,
 ) -> Axes:
     r"""Draw the whirls at one speed over the clearance, and what a simulated rotor does there.
 
@@ -47,6 +52,9 @@ def plot_over_clearance(
     simulated : Dataset, optional
         What `rotor_ida.sweep` returned at the same speed and damping. Responses on a whirl are
         marks, all others bars over the range of the distance from the bearing axis.
+    units : mapping of str to str, optional
+        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
+        those with the SI prefix that suits.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
@@ -68,6 +76,7 @@ def plot_over_clearance(
     'clearance $\\delta_0$'
     """
     exact = check_dataset("exact", exact, ("omega", "zeta", "delta0", "amplitude", "stability"))
+    exact = suited(exact, ["amplitude"], units=units, ax=ax)
     omega, zeta = (one_value("exact", exact, name) for name in ("omega", "zeta"))
     table = exact.squeeze([name for name in ("omega", "zeta") if name in exact.dims])
     if "delta0" not in table.dims:
@@ -87,9 +96,9 @@ def plot_over_clearance(
             label, line, width = LINES[words[branch.stability]]
             ax.plot(branch.omega, branch.value, ls=line, lw=width, color=INK, label=label)
         if simulated is not None:
-            _draw_simulated(ax, simulated)
+            _draw_simulated(ax, alike("simulated", simulated, exact))
         ax.set_xlabel(LABELS["delta0"])
-        ax.set_ylabel(LABELS["amplitude"])
+        ax.set_ylabel(label_of("amplitude", exact["amplitude"]))
         ax.set_ylim(bottom=0.0)
         ax.set_title(parameter_text(omega=omega, zeta=zeta))
         own_legend(ax)
@@ -117,7 +126,12 @@ def _draw_simulated(ax: Axes, simulated: xr.Dataset) -> None:
 
 
 def plot_by_clearance(
-    table: xr.Dataset, names: Mapping[str, str], *, label: str, ax: Axes | None = None
+    table: xr.Dataset,
+    names: Mapping[str, str],
+    *,
+    label: str,
+    units: Mapping[str, str] | None = None,
+    ax: Axes | None = None,
 ) -> Axes:
     """Draw some quantities over the clearance.
 
@@ -129,7 +143,10 @@ def plot_by_clearance(
     names : mapping of str to str
         What each quantity is called in the legend.
     label : str
-        What the vertical axis is called.
+        What the vertical axis is called; the unit of the first quantity is added.
+    units : mapping of str to str, optional
+        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
+        those with the SI prefix that suits.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
@@ -150,7 +167,7 @@ def plot_by_clearance(
     >>> plot_by_clearance(table, {"peak_amplitude": "peak"}, label="amplitude $A$").get_ylabel()
     'amplitude $A$'
     """
-    table = check_dataset("table", table, ("delta0", *names))
+    table = suited(check_dataset("table", table, ("delta0", *names)), [*names], units=units, ax=ax)
     with style():
         ax = axes_or_new(ax)
         for number, (name, words) in enumerate(names.items()):
@@ -164,7 +181,7 @@ def plot_by_clearance(
             ax.plot(delta0, column.values.ravel(), ls="", marker=".", ms=4.0, mew=0.0,
                     color=colour, label=words)  # fmt: skip
         ax.set_xlabel(LABELS["delta0"])
-        ax.set_ylabel(label)
+        ax.set_ylabel(label_of("", table[next(iter(names))], words=label))
         if len(names) > 1:
             own_legend(ax)
     return ax

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,6 @@ from matplotlib.figure import Figure
 
 from rotor_ida.errors import InputError
 from rotor_ida.plot.appearance import (
-    LABELS,
     axes_or_new,
     check_dataset,
     one_value,
@@ -21,9 +20,16 @@ from rotor_ida.plot.appearance import (
     style,
 )
 from rotor_ida.plot.layout import look
+from rotor_ida.plot.units import alike, label_of, suited, unit_of
 
 
-def plot_surface(field: xr.Dataset, name: str, *, ax: Axes | None = None) -> Axes:
+def plot_surface(
+    field: xr.Dataset,
+    name: str,
+    *,
+    units: Mapping[str, str] | None = None,
+    ax: Axes | None = None,
+) -> Axes:
     """Draw a component of the force, or the potential, as a surface over the plane.
 
     Parameters
@@ -32,6 +38,9 @@ def plot_surface(field: xr.Dataset, name: str, *, ax: Axes | None = None) -> Axe
         What `rotor_ida.closed_forms.restoring_field` returned, for one ``delta0``.
     name : {"restoring_x", "restoring_y", "potential"}
         What to draw.
+    units : mapping of str to str, optional
+        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
+        those with the SI prefix that suits.
     ax : Axes, optional
         Three-dimensional axes to draw on; by default those of a new figure.
 
@@ -53,6 +62,7 @@ def plot_surface(field: xr.Dataset, name: str, *, ax: Axes | None = None) -> Axe
     'force $f_x$'
     """
     field = check_dataset("field", field, ("x", "y", "delta0", name))
+    field = suited(field, ["x", "y", name], units=units, ax=ax)
     delta0 = one_value("field", field, "delta0")
     with style():
         solid = solid_axes(ax)
@@ -62,16 +72,23 @@ def plot_surface(field: xr.Dataset, name: str, *, ax: Axes | None = None) -> Axe
             across, up, table.transpose("y", "x").values, cmap="cividis", rcount=41, ccount=41,
             linewidth=0.15, edgecolor="#ffffff", antialiased=True,
         )  # fmt: skip
-        solid.set_xlabel("$x$", labelpad=-6)
-        solid.set_ylabel("$y$", labelpad=-6)
+        solid.set_xlabel(label_of("x", field["x"], words="$x$"), labelpad=-6)
+        solid.set_ylabel(label_of("y", field["y"], words="$y$"), labelpad=-6)
         # from where the surface is seen to rise
         solid.view_init(elev=26, azim=-148 if name == "restoring_x" else -58)
         finish_solid(solid)
-        solid.set_title(f"{LABELS[name]},  {parameter_text(delta0=delta0)}", y=0.98)
+        solid.set_title(f"{label_of(name, field[name])},  {parameter_text(delta0=delta0)}", y=0.98)
     return axes_of(solid)
 
 
-def plot_cuts(field: xr.Dataset, name: str, *, at: Sequence[float], ax: Axes | None = None) -> Axes:
+def plot_cuts(
+    field: xr.Dataset,
+    name: str,
+    *,
+    at: Sequence[float],
+    units: Mapping[str, str] | None = None,
+    ax: Axes | None = None,
+) -> Axes:
     """Draw cuts along x, at a few y, through a component of the force or the potential.
 
     Parameters
@@ -81,7 +98,10 @@ def plot_cuts(field: xr.Dataset, name: str, *, at: Sequence[float], ax: Axes | N
     name : {"restoring_x", "restoring_y", "potential"}
         What to draw.
     at : sequence of float
-        The values of y, or the nearest that there are [1].
+        The values of y, or the nearest that there are, in the units of the field.
+    units : mapping of str to str, optional
+        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
+        those with the SI prefix that suits.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
@@ -103,18 +123,20 @@ def plot_cuts(field: xr.Dataset, name: str, *, at: Sequence[float], ax: Axes | N
     'force $f_x$'
     """
     field = check_dataset("field", field, ("x", "y", "delta0", name))
+    rows = [field.sel(y=[place], method="nearest") for place in at]
     delta0 = one_value("field", field, "delta0")
+    field = suited(field, ["x", "y", name], units=units, ax=ax)
     with style():
         ax = axes_or_new(ax)
-        for number, place in enumerate(at):
-            section = field[name].sel(y=place, method="nearest").squeeze()
+        for number, row in enumerate(rows):
+            section = alike("field", row, field)[name].squeeze()
             colour, line = look(number)
             ax.plot(
                 field["x"].values, section.values, color=colour, ls=line,
-                label=f"$y = {float(section['y']):g}$",
+                label=f"$y = {float(section['y']):g}$ {unit_of(section['y'])}".rstrip(),
             )  # fmt: skip
-        ax.set_xlabel(LABELS["x"])
-        ax.set_ylabel(LABELS[name])
+        ax.set_xlabel(label_of("x", field["x"]))
+        ax.set_ylabel(label_of(name, field[name]))
         ax.set_title(parameter_text(delta0=delta0))
         own_legend(ax)
     return ax

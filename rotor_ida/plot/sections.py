@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +20,7 @@ from rotor_ida.plot.appearance import (
     parameter_text,
     style,
 )
+from rotor_ida.plot.units import label_of, scale_of, suited
 
 PARAMETERS = ("omega", "zeta", "delta0")
 NEEDED = (*PARAMETERS, "rotating_x", "rotating_y", "rotating_vx", "rotating_vy")
@@ -31,7 +33,9 @@ WORDS = {
 }
 
 
-def plot_section(section: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+def plot_section(
+    section: xr.Dataset, *, units: Mapping[str, str] | None = None, ax: Axes | None = None
+) -> Axes:
     """Draw the points of a section.
 
     Parameters
@@ -40,6 +44,9 @@ def plot_section(section: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         What `rotor_ida.poincare_section` returned. Entries and exits, which all lie on the
         ring, are drawn as radial velocity over the angle from the unbalance, other sections as
         displacements, with the ring.
+    units : mapping of str to str, optional
+        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
+        those with the SI prefix that suits.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
@@ -62,6 +69,7 @@ def plot_section(section: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     'once a revolution'
     """
     section = check_dataset("section", section, NEEDED)
+    section = suited(section, NEEDED, units=units, ax=ax)
     at = str(section.attrs.get("section", ""))
     z = section["rotating_x"].values + 1j * section["rotating_y"].values
     w = section["rotating_vx"].values + 1j * section["rotating_vy"].values
@@ -71,16 +79,16 @@ def plot_section(section: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         if at in ("entry", "exit"):
             across, up = np.angle(z), (w * z.conj()).real / np.abs(z)
             ax.set_xlabel(LABELS["angle"])
-            ax.set_ylabel(LABELS["radial_velocity"])
+            ax.set_ylabel(label_of("radial_velocity", section["rotating_vx"]))
         else:
-            delta0 = one_value("section", section, "delta0")
+            ring = one_value("section", section, "delta0") * scale_of(section, "length")
             turn = np.linspace(0.0, 2.0 * math.pi, 361)
-            if delta0 > 0.0:
-                ax.plot(delta0 * np.cos(turn), delta0 * np.sin(turn), color=INK, lw=0.9,
+            if ring > 0.0:
+                ax.plot(ring * np.cos(turn), ring * np.sin(turn), color=INK, lw=0.9,
                         ls=(0, (4, 2)), label="clearance", zorder=2.6)  # fmt: skip
             across, up = z.real, z.imag
-            ax.set_xlabel(LABELS["rotating_x"])
-            ax.set_ylabel(LABELS["rotating_y"])
+            ax.set_xlabel(label_of("rotating_x", section["rotating_x"]))
+            ax.set_ylabel(label_of("rotating_y", section["rotating_y"]))
             ax.set_aspect("equal", adjustable="datalim")
         ax.plot(across, up, ls="", marker="o", ms=size, mec="none", mfc=BLUE, zorder=3.0)
         _leave_room(ax)

@@ -55,7 +55,7 @@ def test_what_is_not_known_is_told(figure_7):
 def test_a_motion_of_changing_radius_is_told_by_its_radii(figure_7):
     swinging = figure_7.copy(deep=True)
     swinging["radius_min"][0] = 1.0
-    assert words(plot_basin(swinging))[0] == r"synchronous response, $1 \leq |z| \leq 1.88$"
+    assert words(plot_basin(swinging))[0] == r"synchronous response, $1.00 \leq |z| \leq 1.88$"
 
 
 def test_attractors_without_start_are_not_listed(figure_7):
