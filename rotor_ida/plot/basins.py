@@ -15,22 +15,22 @@ from matplotlib.patches import Patch
 from rotor_ida.errors import InputError
 from rotor_ida.plot.appearance import (
     INK,
-    KIND_WORDS,
+    KIND_SHADES,
     axes_or_new,
     check_dataset,
+    legend_below,
     one_value,
-    parameter_text,
     style,
 )
+from rotor_ida.plot.labels import KIND_WORDS, LABELS, parameter_text
 from rotor_ida.plot.units import label_of, suited, unit_of
-from rotor_ida.schema import FATE, flags_of
+from rotor_ida.schema import FATE, QUANTITIES, flags_of
 
 Values = npt.NDArray[np.float64]
 
 PARAMETERS = ("omega", "zeta", "delta0")
+STARTS = ("x", "y", "vx", "vy")
 NEEDED = (*PARAMETERS, "label", "kind", "amplitude", "radius_min", "radius_max", "count")
-# From petroff10, lighter and darker in turn, so that neighbours differ in grey too.
-COLOURS = ("#3f90da", "#ffa90e", "#832db6", "#94a4a2", "#bd1f01", "#b9ac70", "#a96b59", "#92dadd")
 UNDECIDED, NOT_COMPUTED = INK, "white"
 FATE_WORDS = {"undecided": "undecided", "not_computed": "not computed"}
 CONSTANT_RADIUS = 1e-3
@@ -77,7 +77,7 @@ def plot_basin(
     label = dataset["label"]
     colours = [NOT_COMPUTED, UNDECIDED]
     count = dataset.sizes["attractor"]
-    colours += [COLOURS[number % len(COLOURS)] for number in range(count)]
+    colours += _shades(dataset["kind"])
     with style():
         ax = axes_or_new(ax, width=4.6, height=5.0)
         ax.grid(visible=False)
@@ -90,17 +90,15 @@ def plot_basin(
             shading="nearest",
             rasterized=True,
         )
-        ax.set_aspect("equal")
+        if _sort(horizontal) == _sort(vertical):
+            ax.set_aspect("equal")
+        else:
+            ax.set_box_aspect(1.0)
         ax.set_xlabel(label_of(horizontal, dataset[horizontal]))
         ax.set_ylabel(label_of(vertical, dataset[vertical]))
-        ax.set_title(parameter_text(**{
-            name: one_value("dataset", dataset, name) for name in PARAMETERS
-        }))  # fmt: skip
+        ax.set_title(_title(dataset))
         handles = _handles(dataset, colours)
-        ax.legend(
-            handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.13), borderaxespad=0.0,
-            ncols=1 + (len(handles) > 3),
-        )  # fmt: skip
+        legend_below(ax, columns=1 + (len(handles) > 3), handles=handles)
     return ax
 
 
@@ -112,6 +110,34 @@ def _directions(label: xr.DataArray) -> tuple[str, str]:
         )
     horizontal, vertical = (str(dim) for dim in label.dims)
     return vertical, horizontal
+
+
+def _sort(name: str) -> str:
+    """Return what kind of quantity a coordinate of the starts is."""
+    return QUANTITIES[name].scale
+
+
+def _title(dataset: xr.Dataset) -> str:
+    """Return the parameters, and what the starts have besides their place in the plane."""
+    words = [parameter_text(**{name: one_value("dataset", dataset, name) for name in PARAMETERS})]
+    for name in STARTS:
+        if name in dataset.coords and dataset[name].ndim == 0 and float(dataset[name]) != 0.0:
+            symbol = LABELS[name].partition(" ")[2]
+            words.append(f"{symbol} $= {float(dataset[name]):g}$ {unit_of(dataset[name])}".rstrip())
+    return ",  ".join(words)
+
+
+def _shades(kinds: xr.DataArray) -> list[str]:
+    """Return a colour for each attractor, from the family of its kind."""
+    words = {number: word for word, number in flags_of(kinds).items()}
+    before: dict[str, int] = {}
+    colours = []
+    for number in kinds.values.tolist():
+        kind = words[number]
+        family = KIND_SHADES[kind]
+        colours.append(family[before.get(kind, 0) % len(family)])
+        before[kind] = before.get(kind, 0) + 1
+    return colours
 
 
 def _handles(dataset: xr.Dataset, colours: list[str]) -> list[Patch]:

@@ -10,21 +10,19 @@ from matplotlib.axes import Axes
 
 from rotor_ida.errors import InputError
 from rotor_ida.plot.appearance import (
-    BLUE,
     INK,
-    LABELS,
-    ORANGE,
     STABLE,
     UNSTABLE,
     axes_or_new,
     check_dataset,
     one_value,
     own_legend,
-    parameter_text,
     style,
 )
 from rotor_ida.plot.branches import trace_branches
+from rotor_ida.plot.labels import KIND_WORDS, LABELS, parameter_text
 from rotor_ida.plot.layout import look
+from rotor_ida.plot.simulated import KINDS
 from rotor_ida.plot.units import alike, label_of, suited
 from rotor_ida.schema import flags_of
 
@@ -106,7 +104,7 @@ def plot_over_clearance(
 
 
 def _draw_simulated(ax: Axes, simulated: xr.Dataset) -> None:
-    """Draw responses on a whirl as marks, the others as bars."""
+    """Draw responses on a whirl as marks, the others as bars, by kind."""
     names = ("delta0", "response", "amplitude", "radius_min", "radius_max")
     check_dataset("simulated", simulated, names)
     flat = {
@@ -115,14 +113,20 @@ def _draw_simulated(ax: Axes, simulated: xr.Dataset) -> None:
                                 strict=True)
     }  # fmt: skip
     flags = flags_of(simulated["response"])
-    on_whirl = np.isin(flat["response"], [flags["synchronous"], flags["contact_free"]])
-    if on_whirl.any():
-        ax.plot(flat["delta0"][on_whirl], flat["amplitude"][on_whirl], ls="", marker="o", ms=4.2,
-                color=BLUE, label="simulated: on a whirl", zorder=3.1)  # fmt: skip
-    if not on_whirl.all():
-        ax.vlines(flat["delta0"][~on_whirl], flat["radius_min"][~on_whirl],
-                  flat["radius_max"][~on_whirl], color=ORANGE, lw=2.0, zorder=3.0,
-                  label="simulated: range of $|z|$")  # fmt: skip
+    for kind, looks in KINDS.items():
+        of_kind = flat["response"] == flags[kind]
+        if not of_kind.any():
+            continue
+        delta0 = flat["delta0"][of_kind]
+        if looks.is_range:
+            low, high = flat["radius_min"][of_kind], flat["radius_max"][of_kind]
+            ax.vlines(delta0, low, high, color=looks.colour, lw=1.2 if looks.dotted else 2.0,
+                      ls=(0, (1, 1.6)) if looks.dotted else "-", zorder=3.0,
+                      label=f"{KIND_WORDS[kind]}: range of $|z|$")  # fmt: skip
+            continue
+        ax.plot(delta0, flat["amplitude"][of_kind], ls="", marker="o", ms=4.2, mec=looks.colour,
+                mfc=looks.colour if looks.filled else "white", mew=0.9, label=KIND_WORDS[kind],
+                zorder=3.1)  # fmt: skip
 
 
 def plot_by_clearance(
@@ -178,7 +182,7 @@ def plot_by_clearance(
                         zorder=2.6)  # fmt: skip
                 continue
             delta0 = np.repeat(table["delta0"].values, column.shape[1])
-            ax.plot(delta0, column.values.ravel(), ls="", marker=".", ms=4.0, mew=0.0,
+            ax.plot(delta0, column.values.ravel(), ls="", marker=".", ms=2.8, mew=0.0,
                     color=colour, label=words)  # fmt: skip
         ax.set_xlabel(LABELS["delta0"])
         ax.set_ylabel(label_of("", table[next(iter(names))], words=label))

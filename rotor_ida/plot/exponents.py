@@ -17,6 +17,7 @@ from rotor_ida.plot.appearance import (
     check_dataset,
     style,
 )
+from rotor_ida.plot.labels import with_error
 from rotor_ida.plot.units import label_of, suited
 
 LINES = ((BLUE, "-"), (ORANGE, "--"), (PURPLE, "-."), (INK, ":"))
@@ -65,7 +66,7 @@ def plot_exponents(
         for number, (colour, dashes) in enumerate(LINES):
             part = found.isel(exponent=number)
             value, error = part["lyapunov_exponent"].item(), part["lyapunov_error"].item()
-            words = f"$\\lambda_{number + 1} = {_rounded(value, error)}$"
+            words = f"$\\lambda_{number + 1} = {with_error(value, error)}$"
             ax.plot(part["time"], part["running_exponent"], color=colour, ls=dashes, lw=1.1,
                     label=words)  # fmt: skip
         ax.set_xlim(0.0, float(found["time"].values[-1]))
@@ -80,19 +81,3 @@ def plot_exponents(
             borderaxespad=0.2,
         )  # fmt: skip
     return ax
-
-
-def _rounded(value: float, error: float) -> str:
-    """Return a value with the error of its last digits in brackets, five decimals at most.
-
-    Examples
-    --------
-    >>> _rounded(0.17123, 0.0098)
-    '0.171(10)'
-    """
-    digits = next((digits for digits in range(1, 5) if error >= 0.5 * 10.0**-digits), 5)
-    digits = min(digits + 1, 5)
-    shown, last = f"{value:.{digits}f}", round(error * 10.0**digits)
-    if float(shown) == 0.0:
-        shown = shown.lstrip("-")
-    return f"{shown}({last})" if last else shown

@@ -12,21 +12,20 @@ from rotor_ida.errors import InputError
 from rotor_ida.plot.appearance import (
     BLUE,
     GREY,
-    LABELS,
     ORANGE,
     PURPLE,
     axes_or_new,
     check_dataset,
     one_value,
     own_legend,
-    parameter_text,
     style,
 )
+from rotor_ida.plot.labels import LABELS, parameter_text
 from rotor_ida.plot.responses import plot_amplitude
 from rotor_ida.plot.units import alike, label_of, suited
 from rotor_ida.schema import flags_of
 
-FREE = "extremum in contact-free whirl"
+FREE = "extremum, contact-free or unresolved"
 LOOKS = {
     "constant": ("constant radius", BLUE),
     "maximum": ("local maximum of $|z|$", ORANGE),
@@ -97,7 +96,9 @@ def plot_extrema(
         for place in places[:3]
     )
     here = clearance == delta0
-    free = response == flags_of(found["response"])["contact_free"]
+    kinds_of_response = flags_of(found["response"])
+    # of an unresolved motion it is not known whether the extrema remain
+    free = np.isin(response, [kinds_of_response[kind] for kind in ("contact_free", "unresolved")])
     radius, kinds = found["extremum_radius"].values, found["extremum_kind"].values
     flags = flags_of(found["extremum_kind"])
     with style():

@@ -11,14 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rotor_ida.errors import InputError
-from rotor_ida.plot.appearance import (
-    axes_or_new,
-    check_dataset,
-    one_value,
-    own_legend,
-    parameter_text,
-    style,
-)
+from rotor_ida.plot.appearance import axes_or_new, check_dataset, one_value, own_legend, style
+from rotor_ida.plot.labels import parameter_text
 from rotor_ida.plot.layout import look
 from rotor_ida.plot.units import alike, label_of, suited, unit_of
 
@@ -72,8 +66,8 @@ def plot_surface(
             across, up, table.transpose("y", "x").values, cmap="cividis", rcount=41, ccount=41,
             linewidth=0.15, edgecolor="#ffffff", antialiased=True,
         )  # fmt: skip
-        solid.set_xlabel(label_of("x", field["x"], words="$x$"), labelpad=-6)
-        solid.set_ylabel(label_of("y", field["y"], words="$y$"), labelpad=-6)
+        solid.set_xlabel(label_of("x_alone", field["x"]), labelpad=-6)
+        solid.set_ylabel(label_of("y_alone", field["y"]), labelpad=-6)
         # from where the surface is seen to rise
         solid.view_init(elev=26, azim=-148 if name == "restoring_x" else -58)
         finish_solid(solid)
@@ -151,12 +145,12 @@ def solid_axes(ax: Axes | None) -> Any:
     return ax
 
 
-def finish_solid(ax: Any) -> None:
+def finish_solid(ax: Any, *, zoom: float = 0.95) -> None:
     """Give three-dimensional axes small labels, white walls and as much room as there is."""
     ax.tick_params(labelsize=7.5, pad=-2.5)
     for axis in (ax.xaxis, ax.yaxis, ax.zaxis):
         axis.pane.set_facecolor("white")
-    ax.set_box_aspect(None, zoom=0.95)
+    ax.set_box_aspect(None, zoom=zoom)
 
 
 def axes_of(ax: Any) -> Axes:

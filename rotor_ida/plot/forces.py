@@ -8,14 +8,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from rotor_ida.plot.appearance import (
-    BLUE,
-    LABELS,
-    RED,
-    axes_or_new,
-    check_dataset,
-    style,
-)
+from rotor_ida.plot.appearance import BLUE, RED, axes_or_new, check_dataset, style
+from rotor_ida.plot.labels import LABELS
 from rotor_ida.plot.units import label_of, suited
 
 
@@ -54,7 +48,8 @@ def plot_forces(
     forces = check_dataset("forces", forces, ("time", "force", "peak_time", "peak_force"))
     forces = suited(forces, ["time", "force", "peak_force"], units=units, ax=ax)
     time, peaks = forces["time"].values, forces["peak_time"].values
-    shown = (peaks >= time[0]) & (peaks <= time[-1])
+    # where the run begins or ends inside a contact, its largest force there is no peak
+    shown = (peaks > time[0]) & (peaks < time[-1])
     with style():
         ax = axes_or_new(ax)
         ax.plot(time, forces["force"].values, color=BLUE, lw=0.9, label="force")

@@ -12,15 +12,14 @@ from matplotlib.axes import Axes
 from rotor_ida.checks import check_choice
 from rotor_ida.plot.appearance import (
     BLUE,
-    LABELS,
     ORANGE,
     axes_or_new,
     check_dataset,
     one_value,
     own_legend,
-    parameter_text,
     style,
 )
+from rotor_ida.plot.labels import LABELS, parameter_text
 from rotor_ida.plot.layout import look
 from rotor_ida.plot.units import alike, label_of, suited, unit_of
 
@@ -145,7 +144,7 @@ def plot_portrait(
     >>> table = xr.Dataset({name: (("start", "time"), [[0.0, 1.0]]) for name in ("x", "vx")})
     >>> table = table.assign(amplitude=("start", [1.0]), period=("start", [6.58]))
     >>> plot_portrait(table).get_ylabel()
-    "velocity $x'$"
+    'velocity $x$′'
     """
     check_choice("along", along, ("x", "y"))
     drawn = (along, f"v{along}", "amplitude", "period")

@@ -10,14 +10,15 @@ from matplotlib.axes import Axes
 
 from rotor_ida.plot.appearance import (
     INK,
-    LABELS,
     RED,
+    SHADE,
     axes_or_new,
     check_dataset,
     one_value,
     own_legend,
     style,
 )
+from rotor_ida.plot.labels import LABELS
 from rotor_ida.plot.layout import look
 from rotor_ida.plot.responses import plot_amplitude, plot_phase
 from rotor_ida.plot.units import label_of, scale_of, suited
@@ -209,7 +210,7 @@ def plot_jump_limit(
     with style():
         ax = axes_or_new(ax)
         delta0, zeta = limit["delta0"].values, limit["critical_zeta"].values
-        ax.fill_between(delta0, zeta, color="#ffe3c4", lw=0.0)
+        ax.fill_between(delta0, zeta, color=SHADE, lw=0.0)
         ax.plot(delta0, zeta, color=INK)
         if highest is not None:
             check_dataset("highest", highest, ("delta0", "critical_zeta"))

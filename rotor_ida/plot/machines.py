@@ -10,15 +10,8 @@ from matplotlib.figure import Figure
 
 from rotor_ida.contact import contact_force
 from rotor_ida.errors import InputError
-from rotor_ida.plot.appearance import (
-    BLUE,
-    INK,
-    RED,
-    check_dataset,
-    one_value,
-    parameter_text,
-    style,
-)
+from rotor_ida.plot.appearance import BLUE, INK, RED, check_dataset, one_value, style
+from rotor_ida.plot.labels import parameter_text
 from rotor_ida.plot.paths import path_of
 from rotor_ida.plot.runs import NEEDED, SIZED_BY, clearance_of
 from rotor_ida.plot.units import label_of, scale_of, suited

@@ -22,10 +22,10 @@ from rotor_ida.plot.appearance import (
     check_dataset,
     one_value,
     own_legend,
-    parameter_text,
     style,
 )
 from rotor_ida.plot.branches import trace_branches
+from rotor_ida.plot.labels import parameter_text
 from rotor_ida.plot.simulated import draw_simulated
 from rotor_ida.plot.units import alike, label_of, scale_of, suited
 from rotor_ida.schema import flags_of
@@ -144,7 +144,7 @@ def _plot(
         check_dataset("fold_points", fold_points, ("zeta", "delta0", "fold_omega"))
         _check_same("fold_points", fold_points, exact)
         fold_points = alike("fold_points", fold_points, exact)
-        fold_omega, fold_value = _folds(fold_points, quantity, zeta)
+        fold_omega, fold_value = _folds(fold_points, quantity, zeta, exact)
     if simulated is not None:
         needed = ("response", "amplitude", "phase_lag", "radius_min", "radius_max", "direction")
         check_dataset("simulated", simulated, (*PARAMETERS, *needed))
@@ -177,10 +177,14 @@ def _check_same(name: str, dataset: xr.Dataset, exact: xr.Dataset) -> None:
             raise InputError(f"{name} must have the {parameter} of exact, {there!r}, got {here!r}")
 
 
-def _folds(fold_points: xr.Dataset, quantity: str, zeta: float) -> tuple[Values, Values]:
+def _folds(
+    fold_points: xr.Dataset, quantity: str, zeta: float, exact: xr.Dataset
+) -> tuple[Values, Values]:
+    """Return speed and height of the folds within the range of the curve."""
+    lowest, highest = float(exact["omega"].min()), float(exact["omega"].max())
     omega = fold_points["fold_omega"].values.ravel()
     amplitude = fold_points["fold_amplitude"].values.ravel()
-    present = np.isfinite(omega)
+    present = (omega >= lowest) & (omega <= highest)
     omega, amplitude = omega[present], amplitude[present]
     if quantity == "amplitude":
         return omega, amplitude

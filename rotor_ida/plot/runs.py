@@ -22,10 +22,10 @@ from rotor_ida.plot.appearance import (
     check_dataset,
     legend_below,
     one_value,
-    parameter_text,
     shared_legend,
     style,
 )
+from rotor_ida.plot.labels import parameter_text
 from rotor_ida.plot.paths import Path, path_of
 from rotor_ida.plot.units import label_of, scale_of, suited
 from rotor_ida.schema import flags_of
@@ -179,7 +179,7 @@ def plot_rotating_orbit(
     >>> rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
     >>> ax = plot_rotating_orbit(simulate(rotor, start=(0, 0, 0, 0), duration=20, samples=401))
     >>> ax.get_ylabel()
-    'displacement across it $\\operatorname{Im} Z$'
+    'across it $\\operatorname{Im}\\,z\\,e^{-i\\omega t}$'
     """
     run = suited(check_dataset("run", run, NEEDED), SIZED_BY, units=units, ax=ax)
     omega = one_value("run", run, "omega") / scale_of(run, "time")
@@ -232,6 +232,8 @@ def _mark_events_on_radius(ax: Axes, run: xr.Dataset, clearance: float) -> None:
     if run.sizes["event"] > MANY_EVENTS:
         return
     for times, marker, face, label in _events(run):
+        if not times.size:
+            continue
         ax.plot(
             times, np.full(times.shape, clearance), ls="", marker=marker, ms=_mark_size(run),
             mec=RED, mfc=face, mew=0.7, label=label, zorder=3.0,

@@ -10,21 +10,14 @@ import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
 
-from rotor_ida.plot.appearance import (
-    BLUE,
-    INK,
-    LABELS,
-    axes_or_new,
-    check_dataset,
-    one_value,
-    parameter_text,
-    style,
-)
+from rotor_ida.plot.appearance import BLUE, INK, axes_or_new, check_dataset, one_value, style
+from rotor_ida.plot.labels import LABELS, parameter_text
 from rotor_ida.plot.units import label_of, scale_of, suited
 
 PARAMETERS = ("omega", "zeta", "delta0")
 NEEDED = (*PARAMETERS, "rotating_x", "rotating_y", "rotating_vx", "rotating_vy")
 LEAST_SPAN = 0.2
+FEW = 20
 WORDS = {
     "revolution": "once a revolution",
     "entry": "at each entry",
@@ -94,15 +87,27 @@ def plot_section(
         _leave_room(ax)
         if not z.size:
             ax.text(0.5, 0.5, "no crossing", transform=ax.transAxes, ha="center", va="center")
-        ax.set_title(WORDS.get(at, _title(section)))
+        ax.set_title(WORDS.get(at, _title(section)) + _counted(z))
     return ax
+
+
+def _distinct(z: npt.NDArray[np.complex128]) -> int:
+    """Return the number of points that can be told apart."""
+    return int(np.unique(np.round(z / (np.abs(z).max(initial=0.0) or 1.0), 3)).size)
+
+
+def _counted(z: npt.NDArray[np.complex128]) -> str:
+    """Return how many crossings fall on few points, where they do."""
+    distinct = _distinct(z)
+    if not 0 < distinct <= FEW or z.size <= 2 * distinct:
+        return ""
+    return f": {z.size} crossings, {distinct} point{'s' if distinct > 1 else ''}"
 
 
 def _mark_size(z: npt.NDArray[np.complex128]) -> float:
     """Return a size of the marks by the number of points that can be told apart."""
-    coarse = np.round(z / (np.abs(z).max(initial=0.0) or 1.0), 3)
-    distinct = np.unique(coarse).size
-    return 4.5 if distinct <= 20 else 3.0 if distinct <= 200 else 1.6
+    distinct = _distinct(z)
+    return 4.5 if distinct <= FEW else 3.0 if distinct <= 200 else 1.6
 
 
 def _leave_room(ax: Axes) -> None:

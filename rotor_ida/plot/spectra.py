@@ -19,7 +19,8 @@ from rotor_ida.plot.appearance import (
 )
 from rotor_ida.plot.units import label_of, scale_of, suited
 
-FLOOR = 1e-6
+# Below this part of the largest the side lobes of the flat-top window lie.
+FLOOR = 3e-5
 
 
 def plot_spectrum(
@@ -46,7 +47,7 @@ def plot_spectrum(
     Returns
     -------
     Axes
-        Where it was drawn. The amplitude, on a logarithmic scale, is shown down to 1e-6 of the
+        Where it was drawn. The amplitude, on a logarithmic scale, is shown down to 3e-5 of the
         largest.
 
     Raises

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 
 from rotor_ida.dataset.dimensional import UNITS
 from rotor_ida.errors import InputError
-from rotor_ida.plot.appearance import LABELS
+from rotor_ida.plot.labels import IN_UNITS, LABELS
 
 PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M"}
 # How units are written in a label, before the prefix.
@@ -23,23 +23,6 @@ SIZES = {
     if kind != "rate"
     else {WRITTEN[base]: 1.0}
     for kind, base in UNITS.items()
-}
-# What is written with a capital where it has a unit, as in eqs (1)-(9).
-IN_UNITS = {
-    "time": "time $T$",
-    "x": "displacement $X$",
-    "y": "displacement $Y$",
-    "vx": "velocity $X$′",
-    "vy": "velocity $Y$′",
-    "radius": "radius $|Z|$",
-    "rotating_x": r"along the unbalance $\operatorname{Re}\,Z\,e^{-i\omega t}$",
-    "rotating_y": r"across it $\operatorname{Im}\,Z\,e^{-i\omega t}$",
-    "radial_velocity": "radial velocity $|Z|$′",
-    "force": "contact force $F$",
-    "contact_force": "contact force $F$",
-    "peak_force": "peak force $F$",
-    "restoring_x": "force $F_x$",
-    "restoring_y": "force $F_y$",
 }
 
 

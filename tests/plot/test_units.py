@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 from matplotlib.figure import Figure
 
 from rotor_ida import (
@@ -26,6 +27,7 @@ from rotor_ida.plot import (
     plot_basin,
     plot_by_clearance,
     plot_cuts,
+    plot_deviation,
     plot_drawn_out,
     plot_exponents,
     plot_extrema,
@@ -41,6 +43,7 @@ from rotor_ida.plot import (
     plot_rotating_orbit,
     plot_run,
     plot_section,
+    plot_solutions,
     plot_spectrum,
     plot_surface,
 )
@@ -79,6 +82,7 @@ def in_si(datasets):
 
 
 def data(ax):
+    """Return the points of each line, NaN where there are none."""
     return [np.ma.filled(np.ma.asarray(line.get_xydata(), float), np.nan) for line in ax.lines]
 
 
@@ -103,7 +107,7 @@ def test_histories_are_in_micrometres_over_milliseconds(plain, machine):
     ax = plot_history(machine, "radius")
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("time $T$ [ms]", "radius $|Z|$ [µm]")
     assert_scaled(ax, plot_history(plain, "radius"), MILLISECONDS, MICROMETRES)
-    assert plot_drawn_out(machine).get_zlabel() == "$y$ [µm]"
+    assert plot_drawn_out(machine).get_zlabel() == "$Y$ [µm]"
 
 
 def test_run_has_one_unit_of_length_and_its_forces_in_newtons(plain, machine):
@@ -210,6 +214,22 @@ def test_clearances_periods_fields_extrema_and_basins(curves):
     ax = plot_basin(dimensional(basin(ROTOR, x=axis, y=axis), MACHINE))
     assert ax.get_xlabel() == "displacement $X$ [µm]"
     assert all("µm" in text.get_text() for text in ax.get_legend().get_texts()[:1])
+
+
+def test_solutions_and_their_deviations(plain):
+    times = plain.time.values[::1000]
+    table = ("solution", "time"), [[0.0, 1.0, 2.0]]
+    line = ("time", [0.5, 0.5, 0.5])
+    claimed = xr.Dataset(
+        {"x": line, "y": line, "solution_x": table, "solution_y": table},
+        {"time": times, "solution": ["as printed"]},
+    )
+    for name in ("x", "y", "solution_x", "solution_y", "time"):
+        claimed[name].attrs["units"] = "1"
+    si = dimensional(claimed, MACHINE)
+    assert_scaled(plot_solutions(si), plot_solutions(claimed), MILLISECONDS, MICROMETRES)
+    assert_scaled(plot_deviation(si), plot_deviation(claimed), MILLISECONDS, MICROMETRES)
+    assert plot_deviation(si).get_ylabel() == "distance from the simulated $Z$ [µm]"
 
 
 def test_mixed_units_are_refused(curves):
