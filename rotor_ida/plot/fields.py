@@ -63,8 +63,8 @@ def plot_surface(
         table = field[name].squeeze("delta0") if "delta0" in field[name].dims else field[name]
         across, up = np.meshgrid(field["x"].values, field["y"].values)
         solid.plot_surface(
-            across, up, table.transpose("y", "x").values, cmap="cividis", rcount=41, ccount=41,
-            linewidth=0.15, edgecolor="#ffffff", antialiased=True,
+            across, up, table.transpose("y", "x").values, cmap="cividis", rcount=31, ccount=31,
+            linewidth=0.15, edgecolor="#3a3a3a", antialiased=True,
         )  # fmt: skip
         solid.set_xlabel(label_of("x_alone", field["x"]), labelpad=-6)
         solid.set_ylabel(label_of("y_alone", field["y"]), labelpad=-6)
@@ -150,6 +150,9 @@ def finish_solid(ax: Any, *, zoom: float = 0.95) -> None:
     ax.tick_params(labelsize=7.5, pad=-2.5)
     for axis in (ax.xaxis, ax.yaxis, ax.zaxis):
         axis.pane.set_facecolor("white")
+        # the walls may reach beyond the square that the axes are given
+        axis.pane.set_clip_on(False)
+        axis.gridlines.set_clip_on(False)
     ax.set_box_aspect(None, zoom=zoom)
 
 
