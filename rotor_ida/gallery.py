@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import ast
 import json
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from html import escape
 from pathlib import Path
 
 from rotor_ida.errors import InputError
+from rotor_ida.typesetting import typeset
 
 RECORD = "figures.json"
 PAGE = "index.html"
@@ -21,13 +23,30 @@ _HEAD = """<!DOCTYPE html>
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <title>rotor_ida: figures</title>
 <style>
-body { font: 17px/1.5 Georgia, serif; color: #1a1a1a; background: #fff; margin: 0 auto;
-  max-width: 52rem; padding: 1rem; }
-h1 { font-size: 1.6rem; } h2 { font-size: 1.2rem; margin: 2.5rem 0 0.3rem; }
-img { width: 100%; height: auto; display: block; margin: 1rem 0 0.5rem; }
-dl { margin: 0.5rem 0; } dt { font-weight: bold; } dd { margin: 0 0 0.4rem; }
-nav a { margin-right: 1rem; white-space: nowrap; } .links, .failed { font-size: 0.9rem; }
+body { font: 17px/1.5 Georgia, "Times New Roman", serif; color: #1a1a1a; background: #fff;
+  margin: 0 auto; max-width: 52rem; padding: 1rem; }
+h1 { font-size: 1.6rem; line-height: 1.25; }
+h2 { font-size: 1.25rem; line-height: 1.3; margin: 0 0 0.5rem; }
+h3 { font-size: 1rem; margin: 2rem 0 0; }
+section { border-top: 1px solid #c8c8c8; margin-top: 3rem; padding-top: 1.5rem; }
+figure { margin: 0; }
+img { max-width: 100%; height: auto; display: block; margin: 0.5rem auto; }
+dl { display: grid; grid-template-columns: 4.5rem 1fr; gap: 0.3rem 0.8rem; margin: 0.8rem 0; }
+dt { font-weight: bold; } dd { margin: 0; }
+table { border-collapse: collapse; font-size: 0.95rem; line-height: 1.4; }
+th, td { text-align: left; vertical-align: top; padding: 0.4rem 1rem 0.4rem 0;
+  border-bottom: 1px solid #e4e4e4; }
+td:first-child { white-space: nowrap; }
+nav li { margin: 0.15rem 0; } .links, .failed { font-size: 0.9rem; }
 .links a { margin-right: 1rem; } .failed { color: #bd1f01; } a { color: #1f5fa8; }
+sup, sub { line-height: 0; font-size: 0.75em; }
+@media (max-width: 40rem) {
+  dl { display: block; } dd { margin-bottom: 0.4rem; }
+  tr, td, th { display: block; border: 0; padding: 0; } thead { display: none; }
+  tr { border-bottom: 1px solid #e4e4e4; padding: 0.5rem 0; }
+  td:nth-child(2)::before { content: "Paper: "; font-weight: bold; }
+  td:nth-child(3)::before { content: "Here: "; font-weight: bold; }
+}
 </style>
 </head>
 <body>
@@ -35,6 +54,10 @@ nav a { margin-right: 1rem; white-space: nowrap; } .links, .failed { font-size: 
 <p>Every figure was computed by the script that is linked under it, from the archive beside it.
 "Paper" is <cite>Analytical Nonlinear Response for a Rotor with the Hertz Contact and
 Clearance</cite>, Mechanika 25(6), 2019.</p>
+<p>Lengths are divided by the eccentricity <i>D</i> and times by 1/ω<sub>0</sub>, with
+ω<sub>0</sub><sup>2</sup> = <i>k</i>√<i>D</i>/<i>m</i>: ω is the spin speed, ζ the damping ratio,
+δ<sub>0</sub> the clearance, <i>A</i> the amplitude of a whirl at the spin speed. All formulas of
+the paper that are wrong, with numbers: <code>python -m rotor_ida.errata FILE</code>.</p>
 """
 
 
@@ -54,6 +77,8 @@ class Entry:
         What the paper says; empty where it says nothing.
     found : str
         What is found here.
+    verdict : str
+        In a few words, what becomes of what the paper says; empty where it says nothing.
     """
 
     figure: str
@@ -61,6 +86,7 @@ class Entry:
     shows: str
     paper: str
     found: str
+    verdict: str = ""
 
 
 def add_entry(folder: Path, entry: Entry) -> None:
@@ -112,8 +138,11 @@ def write_gallery(root: Path, scripts: Mapping[str, Path], *, failed: Iterable[s
     """
     down = set(failed)
     shown = [name for name in scripts if (root / name).is_dir() or name in down]
-    links = "".join(f'<a href="#{escape(name)}">{escape(name)}</a> ' for name in shown)
-    parts = [_HEAD, f"<nav>{links}</nav>\n"]
+    links = "".join(
+        f'<li><a href="#{escape(name)}">{typeset(_first_sentence(scripts[name]))}</a></li>\n'
+        for name in shown
+    )
+    parts = [_HEAD, f"<nav><ul>\n{links}</ul></nav>\n", _summary(root, shown)]
     parts += [_section(root, name, scripts[name], name in down) for name in shown]
     root.mkdir(parents=True, exist_ok=True)
     page = root / PAGE
@@ -121,11 +150,60 @@ def write_gallery(root: Path, scripts: Mapping[str, Path], *, failed: Iterable[s
     return page
 
 
+def _summary(root: Path, names: Iterable[str]) -> str:
+    """Return the table of what the paper says and what becomes of it."""
+    rows = [
+        f'<tr><td><a href="#{_anchor(name, entry)}">{_caption(name, entry)}</a></td>'
+        f"<td>{typeset(entry.paper)}</td><td>{typeset(entry.verdict)}</td></tr>\n"
+        for name in names
+        for entry in read_entries(root / name)
+        if entry.verdict and _is_there(root / name, entry)
+    ]
+    if not rows:
+        return ""
+    head = "<thead><tr><th>Figure</th><th>Paper</th><th>Here</th></tr></thead>\n"
+    return (
+        '<section id="summary">\n<h2>What the paper says, and what is found</h2>\n'
+        f"<table>\n{head}<tbody>\n{''.join(rows)}</tbody>\n</table>\n</section>\n"
+    )
+
+
+def _anchor(name: str, entry: Entry) -> str:
+    return escape(f"{name}-{entry.figure}")
+
+
+def _caption(name: str, entry: Entry) -> str:
+    """Return what a figure is called: by its number in the paper, or by its scenario.
+
+    Examples
+    --------
+    >>> def called(name, figure):
+    ...     return _caption(name, Entry(figure=figure, archives=(), shows="", paper="", found=""))
+    >>> called("fig02_03_force_potential", "eq13_energy"), called("fig07_basins", "fig07")
+    ('Eq. (13), energy', 'Fig. 7')
+    >>> called("fig08_09_whirls", "bouncing"), called("random_starts", "shares")
+    ('Figs 8 and 9, bouncing', 'Random starts, shares')
+    """
+    numbered = re.fullmatch(r"(fig|eq)(\d+)_?(.*)", entry.figure)
+    several = re.match(r"fig(\d+(?:_\d+)*)_", name)
+    if numbered is not None:
+        kind, number, rest = numbered.groups()
+        title = f"Fig. {int(number)}" if kind == "fig" else f"Eq. ({int(number)})"
+    elif several is not None:
+        numbers = [str(int(number)) for number in several[1].split("_")]
+        title = f"Fig{'s' if len(numbers) > 1 else '.'} {' and '.join(numbers)}"
+        rest = entry.figure
+    else:
+        title = name.replace("_", " ").capitalize()
+        rest = "" if name.endswith(entry.figure) else entry.figure
+    return escape(f"{title}, {rest}".replace("_", " ") if rest else title)
+
+
 def _section(root: Path, name: str, script: Path, failed: bool) -> str:
     """Return the part of the page that belongs to one scenario."""
     folder = root / name
     title = _first_sentence(script)
-    parts = [f'<section id="{escape(name)}">\n<h2>{escape(title)}</h2>\n']
+    parts = [f'<section id="{escape(name)}">\n<h2>{typeset(title)}</h2>\n']
     if failed:
         parts.append('<p class="failed">The script failed; what it left is shown.</p>\n')
     entries = read_entries(folder)
@@ -138,7 +216,7 @@ def _section(root: Path, name: str, script: Path, failed: bool) -> str:
     copied = f"{name}/{name}.py"
     if (root / copied).is_file():
         parts.append(f'<p class="links">Script: <a href="{escape(copied)}">{escape(name)}.py</a>')
-        parts.append("</p>\n")
+        parts.append(' <a href="#summary">Back to the table</a></p>\n')
     return "".join([*parts, "</section>\n"])
 
 
@@ -150,12 +228,13 @@ def _figure(name: str, entry: Entry) -> str:
     stem = escape(f"{name}/{entry.figure}")
     words = entry.shows or entry.figure
     parts = [
-        f'<figure style="margin:0">\n<a href="{stem}.svg">'
-        f'<img src="{stem}.png" alt="{escape(words)}" loading="lazy"></a>\n<dl>'
+        f'<h3 id="{_anchor(name, entry)}">{_caption(name, entry)}</h3>\n<figure>\n'
+        f'<a href="{stem}.svg"><img src="{stem}.png" alt="{escape(words)}" loading="lazy"></a>\n'
+        "<dl>"
     ]
     for term, text in (("Shows", words), ("Paper", entry.paper), ("Found", entry.found)):
         if text:
-            parts.append(f"<dt>{term}</dt><dd>{escape(text)}</dd>")
+            parts.append(f"<dt>{term}</dt><dd>{typeset(text)}</dd>")
     files = [f"{entry.figure}.png", f"{entry.figure}.svg", *entry.archives]
     links = "".join(f'<a href="{escape(f"{name}/{file}")}">{escape(file)}</a> ' for file in files)
     return "".join([*parts, f'</dl>\n<p class="links">{links}</p>\n</figure>\n'])

@@ -75,6 +75,7 @@ class Settings:
         shows: str,
         found: str,
         paper: str = "",
+        verdict: str = "",
     ) -> None:
         """Write a figure as PNG and SVG, and what the gallery is to say of it.
 
@@ -88,10 +89,14 @@ class Settings:
             Names of the archives that it was drawn from, without the ending.
         shows, found, paper : str
             What it shows, what is found, and what the paper says (empty for nothing).
+        verdict : str
+            In a few words, what becomes of that.
         """
         save_figure(figure, self.folder / name, overwrite=self.force)
         files = tuple(f"{archive}.nc" for archive in archives)
-        entry = Entry(figure=name, archives=files, shows=shows, paper=paper, found=found)
+        entry = Entry(
+            figure=name, archives=files, shows=shows, paper=paper, found=found, verdict=verdict
+        )
         add_entry(self.folder, entry)
 
 

@@ -165,6 +165,9 @@ QUANTITIES: dict[str, Quantity] = {
     "energy": Quantity("kinetic energy and energy stored in the contact", scale="energy"),
     "circular_period": Quantity("period of a free whirl on a circle", scale="time"),
     "planar_period": Quantity("period of free vibration on a line", scale="time"),
+    "period": Quantity("period of the motion", scale="time"),
+    "solution_x": Quantity("horizontal displacement by a claimed solution", scale="length"),
+    "solution_y": Quantity("vertical displacement by a claimed solution", scale="length"),
     # sweeps
     "start": Quantity("number of the start"),
     "start_x": Quantity("horizontal displacement at the start", scale="length"),

@@ -30,11 +30,13 @@ from rotor_ida.plot import (
     plot_exponents,
     plot_force_peaks,
     plot_forces,
+    plot_history,
     plot_orbit,
     plot_rotating_orbit,
     plot_section,
     plot_spectrum,
     shared_legend,
+    with_error,
 )
 from rotor_ida.scenario import Settings, run_script
 
@@ -73,19 +75,27 @@ def main(settings: Settings) -> None:
             settings.keep(result, f"{name}_{part}")
         found = results["exponents"]
         shown = ", ".join(
-            f"{value:.5f} +- {error:.5f}"
+            with_error(value, error)
             for value, error in zip(
                 found.lyapunov_exponent.values, found.lyapunov_error.values, strict=True
             )
         )
         print(f"{name}: Lyapunov exponents {shown}")
+        largest, error = found.lyapunov_exponent[0].item(), found.lyapunov_error[0].item()
+        meaning = (
+            "the largest is positive, the motion chaotic, perhaps as a long transient"
+            if largest > 5.0 * error + 1e-3
+            else "the largest is zero, the motion a limit cycle on the rotating axes"
+        )
         settings.show(
             draw(results, results[at]), name, archives=[f"{name}_{part}" for part in results],
             shows=f"{WORDS[name]}: orbit in both frames, sections once a revolution and at each "
             f"{'entry' if at == 'entry' else 'largest radius'}, spectrum with forward and backward "
             "whirl, Lyapunov exponents, contact forces.",
             paper="",
-            found=f"Lyapunov exponents {shown}.",
+            found=f"Lyapunov exponents {shown}, with the standard error of the last digits in "
+            f"brackets: {meaning}. Their sum is {found.exponent_sum.item():.5f}, "
+            "and must be -4 zeta.",
         )  # fmt: skip
 
 
@@ -113,7 +123,11 @@ def draw(results, events):
     plot_spectrum(results["spectrum"], ax=axes[4])
     plot_exponents(results["exponents"], ax=axes[5])
     plot_forces(results["forces"].isel(time=slice(0, SHOWN * SAMPLES)), ax=axes[6])
-    plot_force_peaks(results["forces"], ax=axes[7])
+    if results["forces"].sizes["contact"] > 1:
+        plot_force_peaks(results["forces"], ax=axes[7])
+    else:
+        plot_history(results["run"], "radius", ax=axes[7])
+        axes[7].set_ylim(bottom=0.0)
     return figure
 
 

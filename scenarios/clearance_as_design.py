@@ -17,8 +17,16 @@ import xarray as xr
 from rotor_ida import folds, sweep, synchronous_response
 from rotor_ida.closed_forms import peaks
 from rotor_ida.contact import contact_force
-from rotor_ida.plot import mixed_panels, plot_by_clearance, plot_over_clearance, shared_legend
+from rotor_ida.plot import (
+    mixed_panels,
+    parameter_text,
+    plot_by_clearance,
+    plot_over_clearance,
+    shared_legend,
+    style,
+)
 from rotor_ida.scenario import Settings, progress_bar, run_script
+from rotor_ida.schema import RESPONSE
 
 ZETA = 0.07
 SPEEDS = [1.2, 1.7, 2.0, 2.5]
@@ -54,12 +62,15 @@ def draw_design(design: xr.Dataset, settings: Settings) -> None:
         plot_by_clearance(design, names, label=label, ax=ax)
     for ax in (axes[0], axes[2]):
         ax.set_ylim(bottom=0.0)
+    with style():
+        figure.suptitle(parameter_text(zeta=ZETA), fontsize=10.0)
     first, last = design.isel(delta0=0), design.isel(delta0=-1)
     settings.show(
         figure, "design", archives=["design"],
         shows=f"Over the clearance, at zeta = {ZETA}: largest amplitude, speeds of peak and jumps, "
         "and the contact force at the peak.",
         paper="To reduce the risk of rotor rotation, increase the clearance.",
+        verdict="True of the peak, its speed and its force.",
         found=f"True of the peak: from delta0 = 0 to 3 the largest amplitude falls from "
         f"{first.peak_amplitude.item():.2f} to {last.peak_amplitude.item():.2f}, its speed from "
         f"{first.peak_omega.item():.3f} to {last.peak_omega.item():.3f}, the force from "
@@ -77,15 +88,20 @@ def draw_responses(exact: xr.Dataset, simulated: xr.Dataset, settings: Settings)
     reach = simulated.radius_max.squeeze()
     force = contact_force(reach, simulated.delta0)
     fast = {"omega": 2.0}
+    at_rest = simulated.response.sel(fast).squeeze() == RESPONSE["contact_free"]
+    free = float(simulated.delta0[at_rest.values].min())
     settings.show(
         figure, "responses", archives=["whirls", "simulated"],
         shows="Whirls over the clearance at four speeds, and what a rotor settles on from rest.",
         paper="The amplitude can be reduced by increasing the clearance.",
+        verdict="False below resonance; above it the rotor bounces further out, until the ring is "
+        "too far to be reached.",
         found=f"Below resonance it grows: at omega = 1.2, delta0 = 0, 0.5, 1, 2 it is {rising}. At "
         f"omega = 2 the rotor from rest comes out to {float(reach.sel(fast)[0]):.2f} without "
         f"clearance and to {float(reach.sel(fast).sel(delta0=2.0)):.2f} with delta0 = 2, where it "
         f"bounces; the largest force goes from {float(force.sel(fast)[0]):.2f} to "
-        f"{float(force.sel(fast).sel(delta0=2.0)):.2f}.",
+        f"{float(force.sel(fast).sel(delta0=2.0)):.2f}. From "
+        f"delta0 = {free:g} on it comes to contact-free whirl.",
     )  # fmt: skip
 
 

@@ -47,7 +47,7 @@ def main(settings: Settings) -> None:
         found=f"omega = {rotor.omega:.4g}, zeta = {rotor.zeta:.4g}, delta0 = {rotor.delta0:.4g}: "
         f"{run.sizes['contact']} contacts in {1e3 * duration * MACHINE.time_scale:.0f} ms; the "
         f"ring bears up to {force:.2f} N, the disc comes out to "
-        f"{1e6 * float(np.hypot(machine.x, machine.y).max()):.1f} micrometres.",
+        f"{1e6 * float(np.hypot(machine.x, machine.y).max()):.1f} µm.",
     )  # fmt: skip
 
     checked = check_scaling(MACHINE, duration=20.0)
@@ -60,10 +60,12 @@ def draw_check(checked: xr.Dataset, settings: Settings) -> None:
     with style():
         ms = 1e3 * checked.time
         ax.plot(ms, 1e6 * checked.X, color="#1a1a1a", lw=2.2, label="eq. (7), by SciPy")
-        for name, colour, line in (("k sqrt(D)/m", "#e76300", "--"), ("k/m", "#3f90da", ":")):
+        for name, formula, colour, line in (
+            ("k sqrt(D)/m", r"k\sqrt{D}/m", "#e76300", "--"), ("k/m", "k/m", "#3f90da", ":")
+        ):  # fmt: skip
             ax.plot(ms, 1e6 * checked.scaled_X.sel(frequency=name), color=colour, ls=line,
-                    label=f"scaled with $\\omega_0^2$ = {name}")  # fmt: skip
-        ax.set(xlabel="time $T$ [ms]", ylabel="displacement $X$ [µm]")
+                    label=f"scaled with $\\omega_0^2 = {formula}$")  # fmt: skip
+        ax.set(xlabel="time $T$ [ms]", ylabel="displacement $X$ [µm]", xlim=(0.0, float(ms[-1])))
         ax.legend(loc="upper center", bbox_to_anchor=(0.5, 1.14), ncols=3)
     apart = deviations(checked)
     settings.show(
@@ -71,6 +73,7 @@ def draw_check(checked: xr.Dataset, settings: Settings) -> None:
         shows="Eq. (7) in SI units beside dimensionless runs, scaled with the right and with the "
         "printed reference frequency.",
         paper="omega_0^2 = k/m, above eq. (8).",
+        verdict="Wrong: k sqrt(D)/m.",
         found=f"With k sqrt(D)/m the runs differ by {apart['k sqrt(D)/m']:.0e} of the "
         f"largest displacement, with k/m by {apart['k/m']:.2g} of it; k/m is no frequency "
         "squared, since k is in N/m^1.5.",

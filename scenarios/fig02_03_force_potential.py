@@ -63,6 +63,7 @@ def draw_force(field: xr.Dataset, settings: Settings) -> None:
         figure, "fig02_force", archives=["field"],
         shows="The restoring force over the plane, without clearance and with delta0 = 0.5.",
         paper="f = f(x) + i f(y); f(x) decreases from positive to negative with x.",
+        verdict="Wrong: the force depends on both coordinates, and rises.",
         found=f"f_x depends on y too and never decreases with x: at delta0 = 0.5 it is {one:.4f} "
         f"at (1, 0) and {two:.4f} at (1, 2).",
     )  # fmt: skip
@@ -78,6 +79,7 @@ def draw_potential(field: xr.Dataset, settings: Settings) -> None:
         figure, "fig03_potential", archives=["field"],
         shows="The energy stored in the contact, over the plane and along x.",
         paper="The potential curves are concave under any combination of parameters.",
+        verdict="Wrong: the potential is convex.",
         found="They are convex: the curvatures f(r)/r and 1.5 (r - delta0)^0.5 are never negative. "
         "Inside the clearance the potential is flat.",
     )  # fmt: skip
@@ -88,16 +90,17 @@ def draw_energy(run: xr.Dataset, settings: Settings) -> None:
     low, high = float(run.printed_energy.min()), float(run.printed_energy.max())
     figure, (ax,) = mixed_panels(1, 1, height=2.8)
     with style():
-        ax.plot(run.time, run.energy, color="#1a1a1a", label=r"$|z'|^2/2 + V$")
+        ax.plot(run.time, run.energy, color="#1a1a1a", label="$|z$′$|^2/2 + V$")
         ax.plot(run.time, run.printed_energy, color="#e76300", ls="--", lw=0.9,
                 label=r"$|z|^2/2 + V$, as printed")  # fmt: skip
-        ax.set(xlabel="time $t$", ylabel="energy", ylim=(0.0, 4.2), xlim=(0.0, DURATION))
+        ax.set(xlabel="time $t$", ylabel="energy $E$", ylim=(0.0, 4.2), xlim=(0.0, DURATION))
         ax.legend(loc="upper right", ncols=2)
     settings.show(
         figure, "eq13_energy", archives=["energy"],
         shows="The energy along a free orbit with clearance 0.5, through "
         f"{run.sizes['event']} contact events.",
         paper="H = |z|^2/2 + V, eq. (13).",
+        verdict="Wrong: |z'|^2/2 + V is conserved, the printed sum is not.",
         found=f"|z'|^2/2 + V is conserved to {drift:.0e} of itself. The printed sum runs from "
         f"{low:.3g} to {high:.3g}.",
     )  # fmt: skip

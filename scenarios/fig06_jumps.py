@@ -59,6 +59,7 @@ def main(settings: Settings) -> None:
         shows="Amplitude and phase lag over the speed without clearance: weak damping above, the "
         "strong dampings of the paper below.",
         paper="The frequency response shows the jump bifurcation phenomenon.",
+        verdict="Only at zeta = 0.07; not at the three other dampings.",
         found=f"At zeta = 0.07 the rotor jumps down at {up:.6f} and up at {down:.6f}; the other "
         "three dampings have no jump.",
     )  # fmt: skip

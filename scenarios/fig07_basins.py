@@ -13,8 +13,9 @@ import sys
 import numpy as np
 
 from rotor_ida import Rotor, basin
-from rotor_ida.plot import panels, plot_basin
+from rotor_ida.plot import panels, plot_basin, style
 from rotor_ida.scenario import Settings, run_script
+from rotor_ida.schema import flags_of
 
 OMEGA, ZETA = 1.7, 0.07
 # How far two of the coordinates go, and where the others are held.
@@ -35,33 +36,53 @@ def main(settings: Settings) -> None:
         found[name] = follow(rotor, ranges, held, cells, settings)
         settings.keep(found[name], f"plane_{name}")
     small = found["x_y"].share.values[0]
-    figure, axes = panels(2, 2, width=8.4, height=8.0, shared=False)
+    figure, axes = panels(2, 2, width=7.2, height=7.2, shared=False)
     for ax, plane in zip(axes, found.values(), strict=True):
         plot_basin(plane, ax=ax)
+    one_legend(figure, axes)
     settings.show(
         figure, "fig07", archives=[f"plane_{name}" for name in PLANES],
         shows="Which whirl each start comes to, for four planes of starts: at rest; from the "
         "centre with any velocity; everywhere with x' = -15; and on the x axis with any y'.",
         paper="The shape of the attraction region looks like a spider.",
+        verdict="For starts at rest it is one smooth egg.",
         found=f"For starts at rest it is one smooth egg round the small whirl, {small:.1%} of the "
         "square. Fast starts bend it into a crescent, and starts with much angular momentum, far "
         "out and moving across, have arms.",
     )  # fmt: skip
 
     coarse = 64 if settings.quick else 256
-    figure, axes = panels(2, 2, width=8.4, height=8.0, shared=False)
+    figure, axes = panels(2, 2, width=7.2, height=7.8, shared=False)
     words = []
     for ax, delta0 in zip(axes, CLEARANCES, strict=True):
         rotor = Rotor(omega=OMEGA, zeta=ZETA, delta0=delta0)
         plane = follow(rotor, {"x": 15.0, "y": 15.0}, {}, coarse, settings)
         settings.keep(plane, f"clearance_{delta0:g}")
         plot_basin(plane, ax=ax)
-        words.append(f"{plane.sizes['attractor']} attractors at {delta0:g}")
+        words.append(f"{kinds_reached(plane)} at delta0 = {delta0:g}")
     settings.show(
         figure, "clearances", archives=[f"clearance_{delta0:g}" for delta0 in CLEARANCES],
         shows="The plane of starts at rest for four clearances.",
-        found="More clearance makes more kinds of response, not fewer: " + ", ".join(words) + ".",
+        found="What the starts come to: " + "; ".join(words) + ".",
     )  # fmt: skip
+
+
+def one_legend(figure, axes):
+    """Put the legend that all panels have once under them."""
+    handles = axes[0].get_legend().legend_handles
+    for ax in axes:
+        ax.get_legend().remove()
+    with style():
+        figure.legend(handles=handles, loc="outside lower center", ncols=2)
+
+
+def kinds_reached(plane):
+    """Return the kinds of response that starts come to, in words."""
+    reached = set(plane.kind.values[plane["count"].values > 0].tolist())
+    names = [
+        kind.replace("_", " ") for kind, flag in flags_of(plane.kind).items() if flag in reached
+    ]
+    return ", ".join(names)
 
 
 def follow(rotor, ranges, held, cells, settings):

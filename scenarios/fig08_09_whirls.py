@@ -44,6 +44,7 @@ def main(settings: Settings) -> None:
             name, run, size, settings,
             shows=f"The {size} whirl over time, as an orbit, and x and y, from {right}.",
             paper=f"The {size} periodic solution is that for the initial condition {wrong}.",
+            verdict=f"Wrong: for {right}; the captions of Figs 8 and 9 are exchanged.",
             found=f"From {right} the amplitude comes to {reached:.7f}; the exact {size} whirl has "
             f"{exact[number]:.7f}. The captions of Figs 8 and 9 are exchanged.",
         )  # fmt: skip
@@ -55,8 +56,9 @@ def main(settings: Settings) -> None:
         shows="With a clearance of 2, at omega = 2, from rest: contact and flight in their "
         "colours.",
         paper="",
-        found=f"The rotor enters and leaves contact for ever, with |z| between "
-        f"{float(radius.min()):.2f} and {float(radius.max()):.2f}; no synchronous whirl does that.",
+        found=f"The rotor enters and leaves contact for ever, from t = {0.5 * DRAWN:g} on with |z| "
+        f"between {float(radius.min()):.2f} and {float(radius.max()):.2f}; no synchronous whirl "
+        "does that.",
     )  # fmt: skip
 
 

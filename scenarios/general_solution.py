@@ -19,7 +19,14 @@ from scipy.linalg import expm
 
 from rotor_ida import Rotor, simulate, synchronous_response
 from rotor_ida.model import rotating_jacobian, turned
-from rotor_ida.plot import mixed_panels, plot_deviation, plot_solutions, shared_legend
+from rotor_ida.plot import (
+    mixed_panels,
+    parameter_text,
+    plot_deviation,
+    plot_solutions,
+    shared_legend,
+    style,
+)
 from rotor_ida.printed import general_solution
 from rotor_ida.scenario import Settings, run_script
 from rotor_ida.schema import labelled
@@ -74,8 +81,8 @@ def compare_formulas(start, amplitude: float, lag: float, *, linearised: bool = 
         {
             "x": run.x,
             "y": run.y,
-            "solution_x": labelled("x", dims, np.real(table)),
-            "solution_y": labelled("y", dims, np.imag(table)),
+            "solution_x": labelled("solution_x", dims, np.real(table)),
+            "solution_y": labelled("solution_y", dims, np.imag(table)),
         },
         {"time": run.time, "solution": names, **{name: run[name] for name in Rotor.__slots__}},
         {**run.attrs, "title": "The paper's general solution beside a simulated run"},
@@ -103,7 +110,10 @@ def draw(compared: xr.Dataset, name: str, words: str, settings: Settings) -> Non
     plot_solutions(compared.sel(time=slice(0.0, 30.0)), ax=axes[0])
     plot_deviation(compared, ax=axes[1])
     axes[1].set_ylim(max(1e-6, 0.5 * float(error.where(error > 0.0)[:, 20:].min())), 100.0)
-    shared_legend(figure, axes, columns=3, outer=False)
+    with style():
+        parameters = {each: float(compared[each]) for each in Rotor.__slots__}
+        axes[0].set_title(f"{parameter_text(**parameters)},  from {words}")
+    shared_legend(figure, axes, columns=4 if compared.sizes["solution"] < 4 else 3, outer=False)
     found = "; ".join(
         f"{each}: off by {float(at_five.sel(solution=each)):.3g} at t = 5"
         + (f", by more than 1 from t = {first[each]:.2f} on" if first[each] else "")
@@ -118,6 +128,10 @@ def draw(compared: xr.Dataset, name: str, words: str, settings: Settings) -> Non
         "from the simulated motion.",
         paper='z = C3 exp(lambda1 t) + C4 exp(lambda2 t) + A exp(i(omega t + theta)) is "the '
         'general solution".',
+        verdict="Wrong: no solution of the nonlinear equation; off by "
+        f"{float(at_five.sel(solution='as printed')):.3g} at t = 5."
+        if name == "from_ten"
+        else "",
         found=f"{found}. It is no solution of the nonlinear equation.",
     )  # fmt: skip
 

@@ -85,3 +85,25 @@ def test_damaged_record_is_refused(tmp_path):
     (tmp_path / "figures.json").write_text("[{}]")
     with pytest.raises(InputError, match="the record of figures must be one"):
         read_entries(tmp_path)
+
+
+def test_table_says_what_becomes_of_what_the_paper_says(results):
+    root, scripts = results
+    assert '<section id="summary">' not in write_gallery(root, scripts).read_text(encoding="utf-8")
+    told = Settings(root / "fig01_told", True, 1, True)
+    told.show(Figure(figsize=(1, 1)), "fig04_periods", archives=[], verdict="Wrong: delta0^2.",
+              **WORDS)  # fmt: skip
+    text = write_gallery(root, scripts).read_text(encoding="utf-8")
+    assert "<td>Wrong: δ<sub>0</sub><sup>2</sup>.</td>" in text
+    assert '<a href="#fig01_told-fig04_periods">Fig. 4, periods</a>' in text
+    places = [target[1:] for target in Links(text).targets if target.startswith("#")]
+    assert all(f'id="{place}"' in text for place in places)
+
+
+def test_record_of_an_earlier_version_is_read(tmp_path):
+    (tmp_path / "figures.json").write_text(
+        '[{"figure": "a", "archives": [], "shows": "b", "paper": "", "found": "c"}]'
+    )
+    assert read_entries(tmp_path) == [
+        Entry(figure="a", archives=(), shows="b", paper="", found="c", verdict="")
+    ]

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import rotor_ida
@@ -14,10 +15,13 @@ from rotor_ida import plot
 from rotor_ida.cli.describe import kind_of
 from rotor_ida.cli.targets import check_panels
 from rotor_ida.errors import InputError
+from rotor_ida.plot.labels import LABELS
 from rotor_ida.scenario import speeds_of_curves
 
 # Number of speeds of the exact curve where it has no tip.
 CURVE_POINTS = 600
+# Up to so many speeds of a table of whirls are marked.
+FEW_SPEEDS = 30
 
 
 def draw(dataset: xr.Dataset, stem: Path, *, overwrite: bool) -> list[Path]:
@@ -31,8 +35,8 @@ def figure_of(dataset: xr.Dataset) -> Figure:
     if kind == "run":
         return plot.plot_run(dataset)
     if kind == "basin":
-        figure = Figure(figsize=(4.6, 5.0), layout="constrained")
-        plot.plot_basin(dataset, figure.subplots())
+        figure, (ax,) = plot.panels(1, 1, width=4.6, height=5.0)
+        plot.plot_basin(dataset, ax)
         return figure
     if kind not in {"whirls", "sweep"}:
         raise InputError(f"figure must be of a run, of whirls or of a sweep or basin, got {kind!r}")
@@ -47,15 +51,31 @@ def figure_of(dataset: xr.Dataset) -> Figure:
     for ax, (zeta, delta0) in zip(axes, pairs, strict=False):
         part = dataset.sel(zeta=[zeta], delta0=[delta0])
         plot.plot_amplitude(
-            part if kind == "whirls" else _curve_behind(part, zeta, delta0),
+            _curve_behind(part, zeta, delta0),
             simulated=part if kind == "sweep" else None,
             fold_points=_folds(zeta, delta0),
             ax=ax,
         )
+        if kind == "whirls" and part.sizes["omega"] <= FEW_SPEEDS:
+            _mark_whirls(part, ax)
+    shown = axes[: len(pairs)]
     for ax in axes[len(pairs) :]:
-        ax.set_axis_off()
-    plot.shared_legend(figure, axes)
+        ax.remove()
+    plot.shared_legend(figure, shown)
+    with plot.style():
+        for ax in shown[max(0, len(pairs) - columns) :]:
+            ax.tick_params(labelbottom=True)
+            ax.set_xlabel(LABELS["omega"])
     return figure
+
+
+def _mark_whirls(whirls: xr.Dataset, ax: Axes) -> None:
+    """Mark the whirls at the speeds asked for, where they are few."""
+    table = whirls["amplitude"].squeeze(["zeta", "delta0"])
+    speeds = np.broadcast_to(table["omega"].values[:, None], table.shape)
+    with plot.style():
+        ax.plot(speeds.ravel(), table.values.ravel(), ls="", marker="o", ms=3.6, color="#3f90da",
+                label="whirl at a given speed", zorder=3.1)  # fmt: skip
 
 
 def _folds(zeta: float, delta0: float) -> xr.Dataset | None:
@@ -69,6 +89,8 @@ def _folds(zeta: float, delta0: float) -> xr.Dataset | None:
 def _curve_behind(sweep: xr.Dataset, zeta: float, delta0: float) -> xr.Dataset:
     speeds = sweep["omega"].values
     lowest, highest = float(speeds.min()), float(speeds.max())
+    if speeds.size < 3:
+        lowest, highest = 0.5 * lowest, 1.2 * highest
     if zeta > 0.0 and 0.0 < lowest < highest:
         dense = speeds_of_curves(zeta=zeta, delta0=delta0, lowest=lowest, highest=highest)
     else:

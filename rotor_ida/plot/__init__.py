@@ -4,7 +4,7 @@ The functions here see labelled datasets only, so that an archive can be drawn w
 installed. They return the axes that they drew on and show nothing by themselves.
 """
 
-from rotor_ida.plot.appearance import panels, parameter_text, shared_legend, style
+from rotor_ida.plot.appearance import panels, shared_legend, style
 from rotor_ida.plot.basins import plot_basin
 from rotor_ida.plot.clearances import plot_by_clearance, plot_over_clearance
 from rotor_ida.plot.exponents import plot_exponents
@@ -14,6 +14,7 @@ from rotor_ida.plot.forces import plot_force_peaks, plot_forces
 from rotor_ida.plot.free import plot_periods, plot_portrait
 from rotor_ida.plot.histories import plot_drawn_out, plot_history
 from rotor_ida.plot.jumps import plot_backbone, plot_by_damping, plot_jump_limit, plot_jumps
+from rotor_ida.plot.labels import parameter_text, with_error
 from rotor_ida.plot.layout import mixed_panels
 from rotor_ida.plot.machines import plot_machine
 from rotor_ida.plot.responses import plot_amplitude, plot_phase
@@ -59,4 +60,5 @@ __all__ = [
     "save_figure",
     "shared_legend",
     "style",
+    "with_error",
 ]

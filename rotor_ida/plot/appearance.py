@@ -13,58 +13,30 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
+from matplotlib.transforms import ScaledTranslation
 
 from rotor_ida.checks import check_count
 from rotor_ida.errors import InputError
+from rotor_ida.plot.labels import KIND_WORDS
 
 # From matplotlib's petroff10, chosen so that the greys differ too.
 BLUE, ORANGE, RED, PURPLE, GREY = "#3f90da", "#e76300", "#bd1f01", "#832db6", "#94a4a2"
 INK = "#1a1a1a"
+# Where a legend under the axes begins, clear of ticks and label [point].
+BELOW = 36.0
 SHADE = "#ffe3c4"
-
-LABELS = {
-    "omega": r"spin speed $\omega$",
-    "amplitude": r"amplitude $A$",
-    "phase_lag": r"phase lag $\theta$",
-    "time": r"time $t$",
-    "x": r"displacement $x$",
-    "y": r"displacement $y$",
-    "vx": r"velocity $x'$",
-    "vy": r"velocity $y'$",
-    "radius": r"radius $|z|$",
-    "rotating_x": r"displacement along the unbalance $\operatorname{Re} Z$",
-    "rotating_y": r"displacement across it $\operatorname{Im} Z$",
-    "angle": r"angle from the unbalance $\arg Z$ [rad]",
-    "radial_velocity": r"radial velocity $\dot r$",
-    "frequency_over_omega": r"frequency over spin speed $\Omega/\omega$",
-    "frequency": r"frequency $\Omega$",
-    "whirl_amplitude": r"whirl amplitude $|c|$",
-    "force": r"contact force $f$",
-    "peak_share": r"share of contacts with no larger peak",
-    "running_exponent": r"Lyapunov exponent $\lambda$",
-    "peak_force": r"peak force $f$",
-    "zeta": r"damping ratio $\zeta$",
-    "delta0": r"clearance $\delta_0$",
-    "restoring_x": r"force $f_x$",
-    "restoring_y": r"force $f_y$",
-    "potential": r"potential $V$",
-    "energy": r"energy $E$",
-    "period": r"period $T$",
-    "natural": r"natural frequency $\omega$",
-    "contact_force": r"contact force $f$",
+# What is told by colour alone has one family of colours for each kind of response.
+KIND_SHADES = {
+    "synchronous": (BLUE, "#c6dcf5", "#12427a", "#7a6fd0"),
+    "contact_free": ("#92dadd", "#4f9b9f", "#d5f2f3", "#1f6f73"),
+    "bouncing": (ORANGE, "#ffc48a", "#a96b59", "#ffa90e"),
+    "full_contact": (PURPLE, "#d7b3ea", "#4b1a68", "#b9ac70"),
+    "unresolved": (GREY, "#717581", "#c9d1d0", "#5a5f5e"),
 }
-SYMBOLS = {"omega": r"\omega", "zeta": r"\zeta", "delta0": r"\delta_0"}
 
 # Legends list what they hold in this order, whatever was drawn first.
 STABLE, UNSTABLE, NEUTRAL = "stable whirl", "unstable whirl", "neutral whirl"
 CONTACT_FREE, FOLD = "contact-free whirl", "fold"
-KIND_WORDS = {
-    "synchronous": "synchronous response",
-    "contact_free": "contact-free response",
-    "bouncing": "bouncing",
-    "full_contact": "full contact",
-    "unresolved": "unresolved",
-}
 FROM_REST, FROM_START = "each speed from rest", "each speed from its start"
 GOING_UP, GOING_DOWN = "speed going up", "speed going down"
 _ORDER = [
@@ -175,7 +147,7 @@ def shared_legend(
     axes : sequence of Axes
         Its panels; their own legends are taken away.
     columns : int
-        Number of columns of the legend.
+        Number of columns of the legend; fewer where the figure is too narrow for them.
     outer : bool
         Whether to label the axes of the outer panels only.
 
@@ -187,9 +159,7 @@ def shared_legend(
     ['same']
     """
     with style():
-        legend = figure.legend(
-            *_entries(axes), loc="outside lower center", ncols=columns, handlelength=2.4
-        )
+        legend = _fitting_legend(figure, axes, columns)
         for ax in axes:
             own = ax.get_legend()
             if own is not None:
@@ -199,16 +169,32 @@ def shared_legend(
     return legend
 
 
+def _fitting_legend(figure: Figure, axes: Sequence[Axes], columns: int) -> Legend:
+    """Return a legend under the panels with as many columns as the figure is wide enough for."""
+    for number in range(columns, 0, -1):
+        legend = figure.legend(
+            *_entries(axes), loc="outside lower center", ncols=number, handlelength=2.4
+        )
+        if number == 1 or legend.get_window_extent().width <= figure.bbox.width:
+            break
+        legend.remove()
+    return legend
+
+
 def own_legend(ax: Axes) -> Legend:
     """Give `ax` a legend without duplicates, in place of the one that it has."""
     return ax.legend(*_entries([ax]), handlelength=2.4)
 
 
-def legend_below(ax: Axes, *, columns: int = 3) -> Legend:
-    """Give `ax` a legend under it, where it hides nothing."""
+def legend_below(ax: Axes, *, columns: int = 3, handles: Sequence[Artist] | None = None) -> Legend:
+    """Give `ax` a legend under it and its label, where it hides nothing."""
+    shown, labels = _entries([ax])
+    if handles is not None:
+        shown, labels = list(handles), [str(handle.get_label()) for handle in handles]
+    below = ScaledTranslation(0.0, -BELOW / 72.0, ax.figure.dpi_scale_trans)
     return ax.legend(
-        *_entries([ax]), loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=columns,
-        handlelength=2.0, borderaxespad=0.0,
+        shown, labels, loc="upper center", bbox_to_anchor=(0.5, 0.0),
+        bbox_transform=ax.transAxes + below, ncols=columns, handlelength=2.0, borderaxespad=0.0,
     )  # fmt: skip
 
 
@@ -241,17 +227,6 @@ def one_value(name: str, dataset: xr.Dataset, parameter: str) -> float:
             f".sel({parameter}=...)"
         )
     return float(values[0])
-
-
-def parameter_text(**values: float) -> str:
-    r"""Return parameters as the title of a panel.
-
-    Examples
-    --------
-    >>> parameter_text(zeta=0.07)
-    '$\\zeta = 0.07$'
-    """
-    return ",  ".join(f"${SYMBOLS[name]} = {value:g}$" for name, value in values.items())
 
 
 def _entries(axes: Sequence[Axes]) -> tuple[list[Artist], list[str]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 import numpy.typing as npt
@@ -14,28 +15,30 @@ from matplotlib.patches import Patch
 from rotor_ida.errors import InputError
 from rotor_ida.plot.appearance import (
     INK,
-    KIND_WORDS,
-    LABELS,
+    KIND_SHADES,
     axes_or_new,
     check_dataset,
+    legend_below,
     one_value,
-    parameter_text,
     style,
 )
-from rotor_ida.schema import FATE, flags_of
+from rotor_ida.plot.labels import KIND_WORDS, LABELS, parameter_text
+from rotor_ida.plot.units import label_of, suited, unit_of
+from rotor_ida.schema import FATE, QUANTITIES, flags_of
 
 Values = npt.NDArray[np.float64]
 
 PARAMETERS = ("omega", "zeta", "delta0")
+STARTS = ("x", "y", "vx", "vy")
 NEEDED = (*PARAMETERS, "label", "kind", "amplitude", "radius_min", "radius_max", "count")
-# From petroff10, lighter and darker in turn, so that neighbours differ in grey too.
-COLOURS = ("#3f90da", "#ffa90e", "#832db6", "#94a4a2", "#bd1f01", "#b9ac70", "#a96b59", "#92dadd")
 UNDECIDED, NOT_COMPUTED = INK, "white"
 FATE_WORDS = {"undecided": "undecided", "not_computed": "not computed"}
 CONSTANT_RADIUS = 1e-3
 
 
-def plot_basin(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
+def plot_basin(
+    dataset: xr.Dataset, ax: Axes | None = None, *, units: Mapping[str, str] | None = None
+) -> Axes:
     """Draw which start ends on which attractor.
 
     Parameters
@@ -44,6 +47,9 @@ def plot_basin(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         What `rotor_ida.basin` returned.
     ax : Axes, optional
         Where to draw; by default on a new figure.
+    units : mapping of str to str, optional
+        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
+        those with the SI prefix that suits.
 
     Returns
     -------
@@ -66,11 +72,12 @@ def plot_basin(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ['synchronous response, $A = 1.88$', 'synchronous response, $A = 9.49$']
     """
     dataset = check_dataset("dataset", dataset, NEEDED)
+    vertical, horizontal = _directions(dataset["label"])
+    dataset = suited(dataset, [vertical, horizontal], units=units, ax=ax)
     label = dataset["label"]
-    vertical, horizontal = _directions(label)
     colours = [NOT_COMPUTED, UNDECIDED]
     count = dataset.sizes["attractor"]
-    colours += [COLOURS[number % len(COLOURS)] for number in range(count)]
+    colours += _shades(dataset["kind"])
     with style():
         ax = axes_or_new(ax, width=4.6, height=5.0)
         ax.grid(visible=False)
@@ -83,17 +90,15 @@ def plot_basin(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
             shading="nearest",
             rasterized=True,
         )
-        ax.set_aspect("equal")
-        ax.set_xlabel(LABELS[horizontal])
-        ax.set_ylabel(LABELS[vertical])
-        ax.set_title(parameter_text(**{
-            name: one_value("dataset", dataset, name) for name in PARAMETERS
-        }))  # fmt: skip
+        if _sort(horizontal) == _sort(vertical):
+            ax.set_aspect("equal")
+        else:
+            ax.set_box_aspect(1.0)
+        ax.set_xlabel(label_of(horizontal, dataset[horizontal]))
+        ax.set_ylabel(label_of(vertical, dataset[vertical]))
+        ax.set_title(_title(dataset))
         handles = _handles(dataset, colours)
-        ax.legend(
-            handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.13), borderaxespad=0.0,
-            ncols=1 + (len(handles) > 3),
-        )  # fmt: skip
+        legend_below(ax, columns=1 + (len(handles) > 3), handles=handles)
     return ax
 
 
@@ -105,6 +110,34 @@ def _directions(label: xr.DataArray) -> tuple[str, str]:
         )
     horizontal, vertical = (str(dim) for dim in label.dims)
     return vertical, horizontal
+
+
+def _sort(name: str) -> str:
+    """Return what kind of quantity a coordinate of the starts is."""
+    return QUANTITIES[name].scale
+
+
+def _title(dataset: xr.Dataset) -> str:
+    """Return the parameters, and what the starts have besides their place in the plane."""
+    words = [parameter_text(**{name: one_value("dataset", dataset, name) for name in PARAMETERS})]
+    for name in STARTS:
+        if name in dataset.coords and dataset[name].ndim == 0 and float(dataset[name]) != 0.0:
+            symbol = LABELS[name].partition(" ")[2]
+            words.append(f"{symbol} $= {float(dataset[name]):g}$ {unit_of(dataset[name])}".rstrip())
+    return ",  ".join(words)
+
+
+def _shades(kinds: xr.DataArray) -> list[str]:
+    """Return a colour for each attractor, from the family of its kind."""
+    words = {number: word for word, number in flags_of(kinds).items()}
+    before: dict[str, int] = {}
+    colours = []
+    for number in kinds.values.tolist():
+        kind = words[number]
+        family = KIND_SHADES[kind]
+        colours.append(family[before.get(kind, 0) % len(family)])
+        before[kind] = before.get(kind, 0) + 1
+    return colours
 
 
 def _handles(dataset: xr.Dataset, colours: list[str]) -> list[Patch]:
@@ -127,7 +160,8 @@ def _name(attractor: xr.Dataset) -> str:
     """Return the kind of an attractor and its amplitude, or the radii between which it swings."""
     words = {number: word for word, number in flags_of(attractor["kind"]).items()}
     kind = KIND_WORDS[words[int(attractor["kind"])]]
+    unit = unit_of(attractor["amplitude"])
     low, high = float(attractor["radius_min"]), float(attractor["radius_max"])
     if math.isnan(high) or high - low <= CONSTANT_RADIUS * high:
-        return f"{kind}, $A = {float(attractor['amplitude']):.3g}$"
-    return f"{kind}, ${low:.3g} \\leq |z| \\leq {high:.3g}$"
+        return f"{kind}, $A = {float(attractor['amplitude']):#.3g}$ {unit}".rstrip()
+    return f"{kind}, ${low:#.3g} \\leq |z| \\leq {high:#.3g}$ {unit}".rstrip()

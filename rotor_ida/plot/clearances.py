@@ -10,21 +10,20 @@ from matplotlib.axes import Axes
 
 from rotor_ida.errors import InputError
 from rotor_ida.plot.appearance import (
-    BLUE,
     INK,
-    LABELS,
-    ORANGE,
     STABLE,
     UNSTABLE,
     axes_or_new,
     check_dataset,
     one_value,
     own_legend,
-    parameter_text,
     style,
 )
 from rotor_ida.plot.branches import trace_branches
+from rotor_ida.plot.labels import KIND_WORDS, LABELS, parameter_text
 from rotor_ida.plot.layout import look
+from rotor_ida.plot.simulated import KINDS
+from rotor_ida.plot.units import alike, label_of, suited
 from rotor_ida.schema import flags_of
 
 LINES = {
@@ -35,7 +34,11 @@ LINES = {
 
 
 def plot_over_clearance(
-    exact: xr.Dataset, *, simulated: xr.Dataset | None = None, ax: Axes | None = None
+    exact: xr.Dataset,
+    *,
+    simulated: xr.Dataset | None = None,
+    units: Mapping[str, str] | None = None,
+    ax: Axes | None = None,
 ) -> Axes:
     r"""Draw the whirls at one speed over the clearance, and what a simulated rotor does there.
 
@@ -47,6 +50,9 @@ def plot_over_clearance(
     simulated : Dataset, optional
         What `rotor_ida.sweep` returned at the same speed and damping. Responses on a whirl are
         marks, all others bars over the range of the distance from the bearing axis.
+    units : mapping of str to str, optional
+        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
+        those with the SI prefix that suits.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
@@ -68,6 +74,7 @@ def plot_over_clearance(
     'clearance $\\delta_0$'
     """
     exact = check_dataset("exact", exact, ("omega", "zeta", "delta0", "amplitude", "stability"))
+    exact = suited(exact, ["amplitude"], units=units, ax=ax)
     omega, zeta = (one_value("exact", exact, name) for name in ("omega", "zeta"))
     table = exact.squeeze([name for name in ("omega", "zeta") if name in exact.dims])
     if "delta0" not in table.dims:
@@ -87,9 +94,9 @@ def plot_over_clearance(
             label, line, width = LINES[words[branch.stability]]
             ax.plot(branch.omega, branch.value, ls=line, lw=width, color=INK, label=label)
         if simulated is not None:
-            _draw_simulated(ax, simulated)
+            _draw_simulated(ax, alike("simulated", simulated, exact))
         ax.set_xlabel(LABELS["delta0"])
-        ax.set_ylabel(LABELS["amplitude"])
+        ax.set_ylabel(label_of("amplitude", exact["amplitude"]))
         ax.set_ylim(bottom=0.0)
         ax.set_title(parameter_text(omega=omega, zeta=zeta))
         own_legend(ax)
@@ -97,7 +104,7 @@ def plot_over_clearance(
 
 
 def _draw_simulated(ax: Axes, simulated: xr.Dataset) -> None:
-    """Draw responses on a whirl as marks, the others as bars."""
+    """Draw responses on a whirl as marks, the others as bars, by kind."""
     names = ("delta0", "response", "amplitude", "radius_min", "radius_max")
     check_dataset("simulated", simulated, names)
     flat = {
@@ -106,18 +113,29 @@ def _draw_simulated(ax: Axes, simulated: xr.Dataset) -> None:
                                 strict=True)
     }  # fmt: skip
     flags = flags_of(simulated["response"])
-    on_whirl = np.isin(flat["response"], [flags["synchronous"], flags["contact_free"]])
-    if on_whirl.any():
-        ax.plot(flat["delta0"][on_whirl], flat["amplitude"][on_whirl], ls="", marker="o", ms=4.2,
-                color=BLUE, label="simulated: on a whirl", zorder=3.1)  # fmt: skip
-    if not on_whirl.all():
-        ax.vlines(flat["delta0"][~on_whirl], flat["radius_min"][~on_whirl],
-                  flat["radius_max"][~on_whirl], color=ORANGE, lw=2.0, zorder=3.0,
-                  label="simulated: range of $|z|$")  # fmt: skip
+    for kind, looks in KINDS.items():
+        of_kind = flat["response"] == flags[kind]
+        if not of_kind.any():
+            continue
+        delta0 = flat["delta0"][of_kind]
+        if looks.is_range:
+            low, high = flat["radius_min"][of_kind], flat["radius_max"][of_kind]
+            ax.vlines(delta0, low, high, color=looks.colour, lw=1.2 if looks.dotted else 2.0,
+                      ls=(0, (1, 1.6)) if looks.dotted else "-", zorder=3.0,
+                      label=f"{KIND_WORDS[kind]}: range of $|z|$")  # fmt: skip
+            continue
+        ax.plot(delta0, flat["amplitude"][of_kind], ls="", marker="o", ms=4.2, mec=looks.colour,
+                mfc=looks.colour if looks.filled else "white", mew=0.9, label=KIND_WORDS[kind],
+                zorder=3.1)  # fmt: skip
 
 
 def plot_by_clearance(
-    table: xr.Dataset, names: Mapping[str, str], *, label: str, ax: Axes | None = None
+    table: xr.Dataset,
+    names: Mapping[str, str],
+    *,
+    label: str,
+    units: Mapping[str, str] | None = None,
+    ax: Axes | None = None,
 ) -> Axes:
     """Draw some quantities over the clearance.
 
@@ -129,7 +147,10 @@ def plot_by_clearance(
     names : mapping of str to str
         What each quantity is called in the legend.
     label : str
-        What the vertical axis is called.
+        What the vertical axis is called; the unit of the first quantity is added.
+    units : mapping of str to str, optional
+        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
+        those with the SI prefix that suits.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
@@ -150,7 +171,7 @@ def plot_by_clearance(
     >>> plot_by_clearance(table, {"peak_amplitude": "peak"}, label="amplitude $A$").get_ylabel()
     'amplitude $A$'
     """
-    table = check_dataset("table", table, ("delta0", *names))
+    table = suited(check_dataset("table", table, ("delta0", *names)), [*names], units=units, ax=ax)
     with style():
         ax = axes_or_new(ax)
         for number, (name, words) in enumerate(names.items()):
@@ -161,10 +182,10 @@ def plot_by_clearance(
                         zorder=2.6)  # fmt: skip
                 continue
             delta0 = np.repeat(table["delta0"].values, column.shape[1])
-            ax.plot(delta0, column.values.ravel(), ls="", marker=".", ms=4.0, mew=0.0,
+            ax.plot(delta0, column.values.ravel(), ls="", marker=".", ms=2.8, mew=0.0,
                     color=colour, label=words)  # fmt: skip
         ax.set_xlabel(LABELS["delta0"])
-        ax.set_ylabel(label)
+        ax.set_ylabel(label_of("", table[next(iter(names))], words=label))
         if len(names) > 1:
             own_legend(ax)
     return ax

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import xarray as xr
 from matplotlib.axes import Axes
 
@@ -9,25 +11,31 @@ from rotor_ida.plot.appearance import (
     BLUE,
     GREY,
     INK,
-    LABELS,
     ORANGE,
     PURPLE,
     axes_or_new,
     check_dataset,
     style,
 )
+from rotor_ida.plot.labels import with_error
+from rotor_ida.plot.units import label_of, suited
 
 LINES = ((BLUE, "-"), (ORANGE, "--"), (PURPLE, "-."), (INK, ":"))
 NEEDED = ("time", "running_exponent", "lyapunov_exponent", "lyapunov_error")
 
 
-def plot_exponents(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+def plot_exponents(
+    found: xr.Dataset, *, units: Mapping[str, str] | None = None, ax: Axes | None = None
+) -> Axes:
     r"""Draw the mean rates of stretching over the time of the mean, with the exponents.
 
     Parameters
     ----------
     found : Dataset
         What `rotor_ida.lyapunov_exponent` returned.
+    units : mapping of str to str, optional
+        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
+        those with the SI prefix that suits.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
@@ -51,18 +59,19 @@ def plot_exponents(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     '$\\lambda_1 = -0.07000$'
     """
     found = check_dataset("found", found, NEEDED)
+    found = suited(found, ["time"], units=units, ax=ax)
     with style():
         ax = axes_or_new(ax)
         ax.axhline(0.0, color=GREY, lw=0.7, zorder=1.5)
         for number, (colour, dashes) in enumerate(LINES):
             part = found.isel(exponent=number)
             value, error = part["lyapunov_exponent"].item(), part["lyapunov_error"].item()
-            words = f"$\\lambda_{number + 1} = {_rounded(value, error)}$"
+            words = f"$\\lambda_{number + 1} = {with_error(value, error)}$"
             ax.plot(part["time"], part["running_exponent"], color=colour, ls=dashes, lw=1.1,
                     label=words)  # fmt: skip
         ax.set_xlim(0.0, float(found["time"].values[-1]))
-        ax.set_xlabel(LABELS["time"])
-        ax.set_ylabel(LABELS["running_exponent"])
+        ax.set_xlabel(label_of("time", found["time"]))
+        ax.set_ylabel(label_of("running_exponent", found["running_exponent"]))
         low, high = float(found["lyapunov_exponent"].min()), float(found["lyapunov_exponent"].max())
         room = max(high - low, abs(high), abs(low)) or 1.0
         # the first, still unsettled means may lie outside
@@ -72,19 +81,3 @@ def plot_exponents(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
             borderaxespad=0.2,
         )  # fmt: skip
     return ax
-
-
-def _rounded(value: float, error: float) -> str:
-    """Return a value with the error of its last digits in brackets, five decimals at most.
-
-    Examples
-    --------
-    >>> _rounded(0.17123, 0.0098)
-    '0.171(10)'
-    """
-    digits = next((digits for digits in range(1, 5) if error >= 0.5 * 10.0**-digits), 5)
-    digits = min(digits + 1, 5)
-    shown, last = f"{value:.{digits}f}", round(error * 10.0**digits)
-    if float(shown) == 0.0:
-        shown = shown.lstrip("-")
-    return f"{shown}({last})" if last else shown

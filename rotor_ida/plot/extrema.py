@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -10,20 +12,20 @@ from rotor_ida.errors import InputError
 from rotor_ida.plot.appearance import (
     BLUE,
     GREY,
-    LABELS,
     ORANGE,
     PURPLE,
     axes_or_new,
     check_dataset,
     one_value,
     own_legend,
-    parameter_text,
     style,
 )
+from rotor_ida.plot.labels import LABELS, parameter_text
 from rotor_ida.plot.responses import plot_amplitude
+from rotor_ida.plot.units import alike, label_of, suited
 from rotor_ida.schema import flags_of
 
-FREE = "extremum in contact-free whirl"
+FREE = "extremum, contact-free or unresolved"
 LOOKS = {
     "constant": ("constant radius", BLUE),
     "maximum": ("local maximum of $|z|$", ORANGE),
@@ -39,6 +41,7 @@ def plot_extrema(
     *,
     exact: xr.Dataset | None = None,
     fold_points: xr.Dataset | None = None,
+    units: Mapping[str, str] | None = None,
     ax: Axes | None = None,
 ) -> Axes:
     """Draw the extrema of the radius over the speed.
@@ -52,6 +55,9 @@ def plot_extrema(
         ``delta0``: drawn under the extrema, and only those of this clearance are shown.
     fold_points : Dataset, optional
         What `rotor_ida.folds` returned for the same parameters.
+    units : mapping of str to str, optional
+        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
+        those with the SI prefix that suits.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
@@ -72,8 +78,10 @@ def plot_extrema(
     >>> plot_extrema(found).get_ylabel()
     'radius $|z|$'
     """
-    found = check_dataset("found", found, NEEDED)
+    found = suited(check_dataset("found", found, NEEDED), ["extremum_radius"], units=units, ax=ax)
     one_value("found", found, "zeta")
+    if exact is not None:
+        exact = alike("exact", check_dataset("exact", exact, ("omega", "amplitude")), found)
     delta0 = (
         one_value("found", found, "delta0")
         if exact is None
@@ -88,7 +96,9 @@ def plot_extrema(
         for place in places[:3]
     )
     here = clearance == delta0
-    free = response == flags_of(found["response"])["contact_free"]
+    kinds_of_response = flags_of(found["response"])
+    # of an unresolved motion it is not known whether the extrema remain
+    free = np.isin(response, [kinds_of_response[kind] for kind in ("contact_free", "unresolved")])
     radius, kinds = found["extremum_radius"].values, found["extremum_kind"].values
     flags = flags_of(found["extremum_kind"])
     with style():
@@ -96,7 +106,7 @@ def plot_extrema(
             ax = axes_or_new(ax)
             ax.set_title(parameter_text(zeta=one_value("found", found, "zeta"), delta0=delta0))
         else:
-            ax = plot_amplitude(exact, fold_points=fold_points, ax=ax)
+            ax = plot_amplitude(exact, fold_points=fold_points, units=units, ax=ax)
         size = 2.6 if here.sum() < FEW else 1.2
         kind_of = {kind: here & (kinds == flags[kind]) for kind in LOOKS}
         swinging = free & ~kind_of["constant"]
@@ -116,6 +126,6 @@ def plot_extrema(
             )  # fmt: skip
             ax.plot([], [], ls="", marker="o", ms=3.4, mec=colour, mfc=face, mew=0.7, label=words)
         ax.set_xlabel(LABELS["omega"])
-        ax.set_ylabel(LABELS["radius"])
+        ax.set_ylabel(label_of("radius", found["extremum_radius"]))
         own_legend(ax)
     return ax

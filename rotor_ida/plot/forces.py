@@ -2,27 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from rotor_ida.plot.appearance import (
-    BLUE,
-    LABELS,
-    RED,
-    axes_or_new,
-    check_dataset,
-    style,
-)
+from rotor_ida.plot.appearance import BLUE, RED, axes_or_new, check_dataset, style
+from rotor_ida.plot.labels import LABELS
+from rotor_ida.plot.units import label_of, suited
 
 
-def plot_forces(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+def plot_forces(
+    forces: xr.Dataset, *, units: Mapping[str, str] | None = None, ax: Axes | None = None
+) -> Axes:
     """Draw the contact force over time, with the peak of each contact.
 
     Parameters
     ----------
     forces : Dataset
         What `rotor_ida.contact_forces` returned.
+    units : mapping of str to str, optional
+        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
+        those with the SI prefix that suits.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
@@ -44,8 +46,10 @@ def plot_forces(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     'contact force $f$'
     """
     forces = check_dataset("forces", forces, ("time", "force", "peak_time", "peak_force"))
+    forces = suited(forces, ["time", "force", "peak_force"], units=units, ax=ax)
     time, peaks = forces["time"].values, forces["peak_time"].values
-    shown = (peaks >= time[0]) & (peaks <= time[-1])
+    # where the run begins or ends inside a contact, its largest force there is no peak
+    shown = (peaks > time[0]) & (peaks < time[-1])
     with style():
         ax = axes_or_new(ax)
         ax.plot(time, forces["force"].values, color=BLUE, lw=0.9, label="force")
@@ -55,18 +59,23 @@ def plot_forces(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         )  # fmt: skip
         ax.set_xlim(float(time[0]), float(time[-1]))
         ax.set_ylim(bottom=0.0)
-        ax.set_xlabel(LABELS["time"])
-        ax.set_ylabel(LABELS["force"])
+        ax.set_xlabel(label_of("time", forces["time"]))
+        ax.set_ylabel(label_of("force", forces["force"]))
     return ax
 
 
-def plot_force_peaks(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+def plot_force_peaks(
+    forces: xr.Dataset, *, units: Mapping[str, str] | None = None, ax: Axes | None = None
+) -> Axes:
     """Draw which share of the contacts stays below each peak force.
 
     Parameters
     ----------
     forces : Dataset
         What `rotor_ida.contact_forces` returned.
+    units : mapping of str to str, optional
+        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
+        those with the SI prefix that suits.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
@@ -88,6 +97,7 @@ def plot_force_peaks(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     'peak force $f$'
     """
     forces = check_dataset("forces", forces, ("peak_force", "peak_share"))
+    forces = suited(forces, ["peak_force"], units=units, ax=ax)
     peaks, share = forces["peak_force"].values, forces["peak_share"].values
     whole = np.flatnonzero(np.isfinite(share))
     order = whole[np.argsort(peaks[whole], kind="stable")]
@@ -101,6 +111,6 @@ def plot_force_peaks(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
             words = "fewer than two whole contacts"
             ax.text(0.5, 0.5, words, transform=ax.transAxes, ha="center", va="center")
         ax.set_ylim(0.0, 1.02)
-        ax.set_xlabel(LABELS["peak_force"])
+        ax.set_xlabel(label_of("peak_force", forces["peak_force"]))
         ax.set_ylabel(LABELS["peak_share"])
     return ax

@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
 from rotor_ida.plot.appearance import (
     INK,
-    LABELS,
     RED,
+    SHADE,
     axes_or_new,
     check_dataset,
     one_value,
     own_legend,
     style,
 )
+from rotor_ida.plot.labels import LABELS
 from rotor_ida.plot.layout import look
 from rotor_ida.plot.responses import plot_amplitude, plot_phase
+from rotor_ida.plot.units import label_of, scale_of, suited
 
 BACKBONE = "backbone"
 
@@ -30,7 +34,7 @@ def plot_jumps(jumps: xr.Dataset, *, ax: Axes) -> Axes:
     jumps : Dataset
         What `rotor_ida.closed_forms.jumps` returned, for one ``zeta`` and one ``delta0``.
     ax : Axes
-        Where the amplitude is drawn over the speed.
+        Where the amplitude is drawn over the speed; its unit is kept.
 
     Returns
     -------
@@ -50,8 +54,8 @@ def plot_jumps(jumps: xr.Dataset, *, ax: Axes) -> Axes:
     >>> plot_jumps(jumps(zeta=0.07, delta0=0.0), ax=ax) is ax
     True
     """
-    check_dataset("jumps", jumps, ("fold_omega", "fold_amplitude", "landing_amplitude"))
     names = ("fold_omega", "fold_amplitude", "landing_amplitude")
+    jumps = suited(check_dataset("jumps", jumps, names), names, ax=ax)
     columns = (jumps[name].values.ravel() for name in names)
     with style():
         for omega, begin, end in zip(*columns, strict=True):
@@ -66,13 +70,18 @@ def plot_jumps(jumps: xr.Dataset, *, ax: Axes) -> Axes:
     return ax
 
 
-def plot_backbone(curve: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+def plot_backbone(
+    curve: xr.Dataset, *, units: Mapping[str, str] | None = None, ax: Axes | None = None
+) -> Axes:
     """Draw the backbone: the amplitude of a free whirl over its speed.
 
     Parameters
     ----------
     curve : Dataset
         What `rotor_ida.closed_forms.free_periods` returned, for one ``delta0``.
+    units : mapping of str to str, optional
+        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
+        those with the SI prefix that suits.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
@@ -94,20 +103,28 @@ def plot_backbone(curve: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     """
     curve = check_dataset("curve", curve, ("amplitude", "circular_period", "delta0"))
     one_value("curve", curve, "delta0")
+    curve = suited(curve, ["amplitude"], units=units, ax=ax)
     with style():
         fresh = ax is None
         ax = axes_or_new(ax)
-        omega = 2.0 * np.pi / curve["circular_period"].squeeze().values
+        period = curve["circular_period"].squeeze().values / scale_of(curve, "time")
+        omega = 2.0 * np.pi / period
         ax.plot(omega, curve["amplitude"].values, color="#6b7673", lw=0.9, ls=(0, (1, 2)),
                 label=BACKBONE, zorder=2.2)  # fmt: skip
         if fresh:
             ax.set_xlabel(LABELS["omega"])
-            ax.set_ylabel(LABELS["amplitude"])
+            ax.set_ylabel(label_of("amplitude", curve["amplitude"]))
         own_legend(ax)
     return ax
 
 
-def plot_by_damping(exact: xr.Dataset, quantity: str, *, ax: Axes | None = None) -> Axes:
+def plot_by_damping(
+    exact: xr.Dataset,
+    quantity: str,
+    *,
+    units: Mapping[str, str] | None = None,
+    ax: Axes | None = None,
+) -> Axes:
     r"""Draw amplitude or phase over the speed for several dampings, unstable whirls thin.
 
     Parameters
@@ -116,6 +133,9 @@ def plot_by_damping(exact: xr.Dataset, quantity: str, *, ax: Axes | None = None)
         What `rotor_ida.synchronous_response` returned, for one ``delta0``.
     quantity : {"amplitude", "phase_lag"}
         What to draw.
+    units : mapping of str to str, optional
+        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
+        those with the SI prefix that suits.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
@@ -138,6 +158,7 @@ def plot_by_damping(exact: xr.Dataset, quantity: str, *, ax: Axes | None = None)
     ['$\\zeta = 1$', '$\\zeta = 2$']
     """
     exact = check_dataset("exact", exact, ("omega", "zeta", "delta0", "amplitude", "phase_lag"))
+    exact = suited(exact, ["amplitude"], units=units, ax=ax)
     draw = plot_amplitude if quantity == "amplitude" else plot_phase
     with style():
         ax = axes_or_new(ax)
@@ -189,7 +210,7 @@ def plot_jump_limit(
     with style():
         ax = axes_or_new(ax)
         delta0, zeta = limit["delta0"].values, limit["critical_zeta"].values
-        ax.fill_between(delta0, zeta, color="#ffe3c4", lw=0.0)
+        ax.fill_between(delta0, zeta, color=SHADE, lw=0.0)
         ax.plot(delta0, zeta, color=INK)
         if highest is not None:
             check_dataset("highest", highest, ("delta0", "critical_zeta"))

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.plot.units import scale_of
 from rotor_ida.schema import flags_of
 
 Values = npt.NDArray[np.float64]
@@ -26,7 +27,7 @@ class Path:
     Parameters
     ----------
     time, x, y : ndarray, shape (n,)
-        Times and places [1].
+        Times and places, in the units of the run.
     in_contact : ndarray of bool, shape (n,)
         Whether the stretch that begins there is in contact.
     """
@@ -38,7 +39,7 @@ class Path:
 
     @property
     def radius(self) -> Values:
-        """Distance from the bearing axis [1]."""
+        """Distance from the bearing axis."""
         return np.hypot(self.x, self.y)
 
     def stretches(self, chosen: npt.NDArray[np.bool_]) -> tuple[Values, Values]:
@@ -67,7 +68,7 @@ def path_of(run: xr.Dataset) -> Path:
     times, first = np.unique(times, return_index=True)
     states = table[first]
     steps = np.diff(times)
-    revolutions = max(1.0, run["omega"].item()) / (2.0 * math.pi)
+    revolutions = max(1.0, run["omega"].item()) / (2.0 * math.pi * scale_of(run, "time"))
     points = np.clip(np.ceil(steps * revolutions * POINTS_A_REVOLUTION), 1, None).astype(int)
     points[steps * revolutions > SMOOTH_BELOW] = 1
     fine, x, y = [times[:1]], [states[:1, 0]], [states[:1, 1]]

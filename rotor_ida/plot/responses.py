@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 import numpy.typing as npt
@@ -14,7 +15,6 @@ from rotor_ida.plot.appearance import (
     CONTACT_FREE,
     FOLD,
     INK,
-    LABELS,
     NEUTRAL,
     STABLE,
     UNSTABLE,
@@ -22,11 +22,12 @@ from rotor_ida.plot.appearance import (
     check_dataset,
     one_value,
     own_legend,
-    parameter_text,
     style,
 )
 from rotor_ida.plot.branches import trace_branches
+from rotor_ida.plot.labels import parameter_text
 from rotor_ida.plot.simulated import draw_simulated
+from rotor_ida.plot.units import alike, label_of, scale_of, suited
 from rotor_ida.schema import flags_of
 
 Values = npt.NDArray[np.float64]
@@ -44,6 +45,7 @@ def plot_amplitude(
     *,
     simulated: xr.Dataset | None = None,
     fold_points: xr.Dataset | None = None,
+    units: Mapping[str, str] | None = None,
     ax: Axes | None = None,
 ) -> Axes:
     """Draw the amplitude of every whirl over the spin speed.
@@ -59,6 +61,9 @@ def plot_amplitude(
         bars over the range of the distance from the bearing axis.
     fold_points : Dataset, optional
         What `rotor_ida.folds` returned, for the same parameters: the folds are marked.
+    units : mapping of str to str, optional
+        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
+        those with the SI prefix that suits.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
@@ -83,7 +88,7 @@ def plot_amplitude(
     >>> ax.get_ylabel()
     'amplitude $A$'
     """
-    return _plot("amplitude", exact, simulated, fold_points, ax)
+    return _plot("amplitude", exact, simulated, fold_points, units, ax)
 
 
 def plot_phase(
@@ -118,7 +123,7 @@ def plot_phase(
     >>> ax.get_ylabel()
     'phase lag $\\theta$'
     """
-    return _plot("phase_lag", exact, simulated, fold_points, ax)
+    return _plot("phase_lag", exact, simulated, fold_points, None, ax)
 
 
 def _plot(
@@ -126,21 +131,25 @@ def _plot(
     exact: xr.Dataset,
     simulated: xr.Dataset | None,
     fold_points: xr.Dataset | None,
+    units: Mapping[str, str] | None,
     ax: Axes | None,
 ) -> Axes:
     exact = check_dataset(
         "exact", exact, (*PARAMETERS, "amplitude", "phase_lag", "stability", "in_contact")
     )
+    exact = suited(exact, ["amplitude"], units=units, ax=ax)
     zeta, delta0 = (one_value("exact", exact, name) for name in ("zeta", "delta0"))
     fold_omega, fold_value = np.empty(0), np.empty(0)
     if fold_points is not None:
         check_dataset("fold_points", fold_points, ("zeta", "delta0", "fold_omega"))
         _check_same("fold_points", fold_points, exact)
-        fold_omega, fold_value = _folds(fold_points, quantity, zeta)
+        fold_points = alike("fold_points", fold_points, exact)
+        fold_omega, fold_value = _folds(fold_points, quantity, zeta, exact)
     if simulated is not None:
         needed = ("response", "amplitude", "phase_lag", "radius_min", "radius_max", "direction")
         check_dataset("simulated", simulated, (*PARAMETERS, *needed))
         _check_same("simulated", simulated, exact)
+        simulated = alike("simulated", simulated, exact)
     shown = (
         [exact["amplitude"]] if simulated is None else [exact["amplitude"], simulated["radius_max"]]
     )
@@ -155,7 +164,7 @@ def _plot(
             )  # fmt: skip
         if simulated is not None:
             draw_simulated(ax, simulated, quantity)
-        _finish(ax, quantity, np.atleast_1d(exact["omega"].values), highest)
+        _finish(ax, quantity, exact, highest)
         ax.set_title(parameter_text(zeta=zeta, delta0=delta0))
         own_legend(ax)
     return ax
@@ -168,15 +177,20 @@ def _check_same(name: str, dataset: xr.Dataset, exact: xr.Dataset) -> None:
             raise InputError(f"{name} must have the {parameter} of exact, {there!r}, got {here!r}")
 
 
-def _folds(fold_points: xr.Dataset, quantity: str, zeta: float) -> tuple[Values, Values]:
+def _folds(
+    fold_points: xr.Dataset, quantity: str, zeta: float, exact: xr.Dataset
+) -> tuple[Values, Values]:
+    """Return speed and height of the folds within the range of the curve."""
+    lowest, highest = float(exact["omega"].min()), float(exact["omega"].max())
     omega = fold_points["fold_omega"].values.ravel()
     amplitude = fold_points["fold_amplitude"].values.ravel()
-    present = np.isfinite(omega)
+    present = (omega >= lowest) & (omega <= highest)
     omega, amplitude = omega[present], amplitude[present]
     if quantity == "amplitude":
         return omega, amplitude
     # A = omega sin(theta)/(2 zeta), and at every fold the lag is beyond a quarter turn
-    sine = np.minimum(2.0 * zeta * amplitude / omega, 1.0)
+    whole = amplitude / scale_of(fold_points, "length")
+    sine = np.minimum(2.0 * zeta * whole / omega, 1.0)
     return omega, math.pi - np.arcsin(sine)
 
 
@@ -213,9 +227,10 @@ def _draw_exact(
         ax.plot(omega, value, ls=line, lw=width, color=INK, label=label, zorder=2.5)
 
 
-def _finish(ax: Axes, quantity: str, omega: Values, highest: float) -> None:
-    ax.set_xlabel(LABELS["omega"])
-    ax.set_ylabel(LABELS[quantity])
+def _finish(ax: Axes, quantity: str, exact: xr.Dataset, highest: float) -> None:
+    omega = np.atleast_1d(exact["omega"].values)
+    ax.set_xlabel(label_of("omega", exact["omega"]))
+    ax.set_ylabel(label_of(quantity, exact[quantity]))
     if omega.size > 1:
         ax.set_xlim(0.0, 1.02 * float(omega.max()))
     if quantity == "amplitude":

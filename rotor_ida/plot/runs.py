@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -15,18 +16,18 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from rotor_ida.plot.appearance import (
     BLUE,
     INK,
-    LABELS,
     RED,
     SHADE,
     axes_or_new,
     check_dataset,
     legend_below,
     one_value,
-    parameter_text,
     shared_legend,
     style,
 )
+from rotor_ida.plot.labels import parameter_text
 from rotor_ida.plot.paths import Path, path_of
+from rotor_ida.plot.units import label_of, scale_of, suited
 from rotor_ida.schema import flags_of
 
 Values = npt.NDArray[np.float64]
@@ -39,15 +40,20 @@ NEEDED = (*PARAMETERS, "time", "x", "y", "vx", "vy", "starts_in_contact", "event
 # the motion, and the colours of contact and flight say the same.
 FEW_EVENTS, MANY_EVENTS = 40, 120
 DASHES = (0, (4, 2))
+# What decides the SI prefixes of a run.
+SIZED_BY = ("time", "x", "y", "peak_force")
 
 
-def plot_run(run: xr.Dataset) -> Figure:
+def plot_run(run: xr.Dataset, *, units: Mapping[str, str] | None = None) -> Figure:
     """Draw one run: displacements, radius, contact forces and orbit.
 
     Parameters
     ----------
     run : Dataset
         What `rotor_ida.simulate` returned.
+    units : mapping of str to str, optional
+        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
+        those with the SI prefix that suits.
 
     Returns
     -------
@@ -69,7 +75,8 @@ def plot_run(run: xr.Dataset) -> Figure:
     ['displacement $x$', 'displacement $y$']
     """
     run = check_dataset("run", run, (*NEEDED, "peak_time", "peak_force"))
-    delta0 = one_value("run", run, "delta0")
+    run = suited(run, SIZED_BY, units=units)
+    clearance = clearance_of(run)
     path = path_of(run)
     with style():
         layout = ConstrainedLayoutEngine(h_pad=0.03, hspace=0.0)
@@ -82,27 +89,32 @@ def plot_run(run: xr.Dataset) -> Figure:
         ):
             _shade_contacts(ax, run)
             ax.plot(path.time, values, color=INK, lw=_line_width(run))
-            ax.set_ylabel(LABELS[name])
+            ax.set_ylabel(label_of(name, run["x"]))
             ax.tick_params(labelbottom=False)
-        _mark_events_on_radius(history[2], run, delta0)
+        _mark_events_on_radius(history[2], run, clearance)
         _draw_forces(history[3], run)
         first.set_xlim(float(path.time[0]), float(path.time[-1]))
-        history[3].set_xlabel(LABELS["time"])
+        history[3].set_xlabel(label_of("time", run["time"]))
         figure.align_ylabels(history)
         orbit = figure.add_subplot(grid[:, 1])
-        _draw_orbit(orbit, run, path, delta0)
+        _draw_orbit(orbit, run, path)
         shared_legend(figure, [history[2], orbit], columns=7, outer=False)
         figure.suptitle(_title(run), fontsize=10.0)
     return figure
 
 
-def plot_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+def plot_orbit(
+    run: xr.Dataset, *, units: Mapping[str, str] | None = None, ax: Axes | None = None
+) -> Axes:
     """Draw the orbit in the plane, with the ring of the clearance.
 
     Parameters
     ----------
     run : Dataset
         What `rotor_ida.simulate` returned.
+    units : mapping of str to str, optional
+        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
+        those with the SI prefix that suits.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
@@ -124,16 +136,18 @@ def plot_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     >>> ax.get_xlabel()
     'displacement $x$'
     """
-    run = check_dataset("run", run, NEEDED)
+    run = suited(check_dataset("run", run, NEEDED), SIZED_BY, units=units, ax=ax)
     with style():
         ax = axes_or_new(ax, width=4.0, height=4.9)
-        _draw_orbit(ax, run, path_of(run), one_value("run", run, "delta0"))
+        _draw_orbit(ax, run, path_of(run))
         legend_below(ax)
         ax.set_title(_title(run))
     return ax
 
 
-def plot_rotating_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+def plot_rotating_orbit(
+    run: xr.Dataset, *, units: Mapping[str, str] | None = None, ax: Axes | None = None
+) -> Axes:
     r"""Draw the orbit as seen on axes that turn with the unbalance, with the ring.
 
     A synchronous whirl is a point there; what is left moving is what the response curve of one
@@ -143,6 +157,9 @@ def plot_rotating_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     ----------
     run : Dataset
         What `rotor_ida.simulate` or `rotor_ida.rotating` returned.
+    units : mapping of str to str, optional
+        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
+        those with the SI prefix that suits.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
@@ -162,10 +179,10 @@ def plot_rotating_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     >>> rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
     >>> ax = plot_rotating_orbit(simulate(rotor, start=(0, 0, 0, 0), duration=20, samples=401))
     >>> ax.get_ylabel()
-    'displacement across it $\\operatorname{Im} Z$'
+    'across it $\\operatorname{Im}\\,z\\,e^{-i\\omega t}$'
     """
-    run = check_dataset("run", run, NEEDED)
-    omega = one_value("run", run, "omega")
+    run = suited(check_dataset("run", run, NEEDED), SIZED_BY, units=units, ax=ax)
+    omega = one_value("run", run, "omega") / scale_of(run, "time")
     path = path_of(run)
     x, y = _turned_back(path.x, path.y, omega * path.time)
     angle = omega * run["event_time"].values
@@ -173,9 +190,9 @@ def plot_rotating_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     seen = run.assign(event_x=("event", event_x), event_y=("event", event_y))
     with style():
         ax = axes_or_new(ax, width=4.0, height=4.9)
-        _draw_orbit(ax, seen, replace(path, x=x, y=y), one_value("run", run, "delta0"))
-        ax.set_xlabel(LABELS["rotating_x"])
-        ax.set_ylabel(LABELS["rotating_y"])
+        _draw_orbit(ax, seen, replace(path, x=x, y=y))
+        ax.set_xlabel(label_of("rotating_x", run["x"]))
+        ax.set_ylabel(label_of("rotating_y", run["y"]))
         legend_below(ax)
         ax.set_title(_title(run))
     return ax
@@ -184,6 +201,11 @@ def plot_rotating_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
 def _turned_back(x: Values, y: Values, angle: Values) -> tuple[Values, Values]:
     turned = (x + 1j * y) * np.exp(-1j * angle)
     return turned.real, turned.imag
+
+
+def clearance_of(run: xr.Dataset) -> float:
+    """Return the clearance in the units of the lengths of a run."""
+    return one_value("run", run, "delta0") * scale_of(run, "length")
 
 
 def _contacts(run: xr.Dataset) -> list[tuple[float, float]]:
@@ -204,14 +226,16 @@ def _shade_contacts(ax: Axes, run: xr.Dataset) -> None:
         )  # fmt: skip
 
 
-def _mark_events_on_radius(ax: Axes, run: xr.Dataset, delta0: float) -> None:
-    ax.axhline(delta0, color=INK, lw=0.7, ls=DASHES, zorder=2.6)
+def _mark_events_on_radius(ax: Axes, run: xr.Dataset, clearance: float) -> None:
+    ax.axhline(clearance, color=INK, lw=0.7, ls=DASHES, zorder=2.6)
     ax.set_ylim(bottom=0.0)
     if run.sizes["event"] > MANY_EVENTS:
         return
     for times, marker, face, label in _events(run):
+        if not times.size:
+            continue
         ax.plot(
-            times, np.full(times.shape, delta0), ls="", marker=marker, ms=_mark_size(run),
+            times, np.full(times.shape, clearance), ls="", marker=marker, ms=_mark_size(run),
             mec=RED, mfc=face, mew=0.7, label=label, zorder=3.0,
         )  # fmt: skip
 
@@ -230,15 +254,16 @@ def _draw_forces(ax: Axes, run: xr.Dataset) -> None:
     ax.vlines(times, 0.0, forces, color=RED, lw=0.8)
     ax.plot(times, forces, ls="", marker="o", ms=max(2.0, 0.7 * _mark_size(run)), color=RED)
     ax.set_ylim(0.0, 1.12 * float(forces.max(initial=0.0)) or 1.0)
-    ax.set_ylabel(LABELS["peak_force"])
+    ax.set_ylabel(label_of("peak_force", run["peak_force"]))
     if not times.size:
         ax.text(0.5, 0.5, "no contact", transform=ax.transAxes, ha="center", va="center")
 
 
-def _draw_orbit(ax: Axes, run: xr.Dataset, path: Path, delta0: float) -> None:
-    if delta0 > 0.0:
+def _draw_orbit(ax: Axes, run: xr.Dataset, path: Path) -> None:
+    clearance = clearance_of(run)
+    if clearance > 0.0:
         turn = np.linspace(0.0, 2.0 * math.pi, 361)
-        ax.plot(delta0 * np.cos(turn), delta0 * np.sin(turn), color=INK, lw=0.9, ls=DASHES,
+        ax.plot(clearance * np.cos(turn), clearance * np.sin(turn), color=INK, lw=0.9, ls=DASHES,
                 label="clearance", zorder=2.6)  # fmt: skip
     width = _line_width(run)
     flight = ~path.in_contact
@@ -258,8 +283,8 @@ def _draw_orbit(ax: Axes, run: xr.Dataset, path: Path, delta0: float) -> None:
                     zorder=3.0,
                 )  # fmt: skip
     ax.plot(path.x[0], path.y[0], ls="", marker="s", ms=4.5, color=INK, label="start", zorder=3.1)
-    ax.set_xlabel(LABELS["x"])
-    ax.set_ylabel(LABELS["y"])
+    ax.set_xlabel(label_of("x", run["x"]))
+    ax.set_ylabel(label_of("y", run["y"]))
     ax.set_aspect("equal", adjustable="datalim")
     ax.autoscale_view()
 
@@ -274,7 +299,7 @@ def _mark_size(run: xr.Dataset) -> float:
 
 
 def _duration(run: xr.Dataset) -> float:
-    return float(run["time"].values[-1] - run["time"].values[0])
+    return float(run["time"].values[-1] - run["time"].values[0]) / scale_of(run, "time")
 
 
 def _title(run: xr.Dataset) -> str:

@@ -7,27 +7,15 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from rotor_ida.plot.appearance import (
-    BLUE,
-    KIND_WORDS,
-    LABELS,
-    ORANGE,
-    PURPLE,
+    KIND_SHADES,
     axes_or_new,
     check_dataset,
     one_value,
     own_legend,
-    parameter_text,
     style,
 )
+from rotor_ida.plot.labels import KIND_WORDS, LABELS, parameter_text
 from rotor_ida.schema import RESPONSE
-
-COLOURS = {
-    "synchronous": BLUE,
-    "contact_free": "#92dadd",
-    "bouncing": ORANGE,
-    "full_contact": PURPLE,
-    "unresolved": "#94a4a2",
-}
 
 
 def plot_shares(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
@@ -66,7 +54,7 @@ def plot_shares(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     with style():
         ax = axes_or_new(ax)
         base = np.zeros(table.sizes["omega"])
-        for kind, colour in COLOURS.items():
+        for kind, (colour, *_) in KIND_SHADES.items():
             columns = [words[number] == kind for number in table["response"].values.tolist()]
             top = base + table.values[:, columns].sum(axis=1)
             if (top > base).any():

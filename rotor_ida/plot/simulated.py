@@ -17,10 +17,10 @@ from rotor_ida.plot.appearance import (
     GOING_UP,
     GREY,
     INK,
-    KIND_WORDS,
     ORANGE,
     PURPLE,
 )
+from rotor_ida.plot.labels import KIND_WORDS
 from rotor_ida.schema import flags_of
 
 Values = npt.NDArray[np.float64]

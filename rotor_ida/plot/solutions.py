@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from rotor_ida.plot.appearance import INK, LABELS, axes_or_new, check_dataset, own_legend, style
+from rotor_ida.plot.appearance import INK, axes_or_new, check_dataset, own_legend, style
 from rotor_ida.plot.layout import LOOKS
+from rotor_ida.plot.units import label_of, suited
 
 NEEDED = ("time", "solution", "x", "y", "solution_x", "solution_y")
 
 
-def plot_solutions(compared: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+def plot_solutions(
+    compared: xr.Dataset, *, units: Mapping[str, str] | None = None, ax: Axes | None = None
+) -> Axes:
     """Draw x over time, simulated and as each solution has it.
 
     Parameters
@@ -20,6 +25,9 @@ def plot_solutions(compared: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     compared : Dataset
         ``x`` and ``y`` on ``time``, and ``solution_x`` and ``solution_y`` on ``solution`` and
         ``time``; the coordinate ``solution`` names them.
+    units : mapping of str to str, optional
+        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
+        those with the SI prefix that suits.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
@@ -42,7 +50,7 @@ def plot_solutions(compared: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     >>> plot_solutions(xr.Dataset(data, coordinates)).get_xlabel()
     'time $t$'
     """
-    compared = check_dataset("compared", compared, NEEDED)
+    compared = suited(check_dataset("compared", compared, NEEDED), NEEDED, units=units, ax=ax)
     with style():
         ax = axes_or_new(ax, width=7.0, height=2.6)
         ax.plot(compared["time"].values, compared["x"].values, color=INK, lw=1.4,
@@ -53,19 +61,24 @@ def plot_solutions(compared: xr.Dataset, *, ax: Axes | None = None) -> Axes:
             ax.plot(here["time"].values, here["solution_x"].values, color=colour, ls=line,
                     lw=1.0, label=str(name))  # fmt: skip
         ax.set_xlim(float(compared["time"][0]), float(compared["time"][-1]))
-        ax.set_xlabel(LABELS["time"])
-        ax.set_ylabel(LABELS["x"])
+        ax.set_xlabel(label_of("time", compared["time"]))
+        ax.set_ylabel(label_of("x", compared["x"]))
         own_legend(ax)
     return ax
 
 
-def plot_deviation(compared: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+def plot_deviation(
+    compared: xr.Dataset, *, units: Mapping[str, str] | None = None, ax: Axes | None = None
+) -> Axes:
     """Draw how far each solution is from the simulated motion over time.
 
     Parameters
     ----------
     compared : Dataset
         As for `plot_solutions`.
+    units : mapping of str to str, optional
+        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
+        those with the SI prefix that suits.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
@@ -88,7 +101,7 @@ def plot_deviation(compared: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     >>> plot_deviation(xr.Dataset(data, coordinates)).get_xlabel()
     'time $t$'
     """
-    compared = check_dataset("compared", compared, NEEDED)
+    compared = suited(check_dataset("compared", compared, NEEDED), NEEDED, units=units, ax=ax)
     across = compared["solution_x"] - compared["x"]
     up = compared["solution_y"] - compared["y"]
     error = (across**2 + up**2) ** 0.5
@@ -101,7 +114,7 @@ def plot_deviation(compared: xr.Dataset, *, ax: Axes | None = None) -> Axes:
             ax.semilogy(compared["time"].values, shown, color=colour, ls=line, lw=1.1,
                         label=str(name))  # fmt: skip
         ax.set_xlim(float(compared["time"][0]), float(compared["time"][-1]))
-        ax.set_xlabel(LABELS["time"])
-        ax.set_ylabel(r"distance from the simulated $z$")
+        ax.set_xlabel(label_of("time", compared["time"]))
+        ax.set_ylabel(label_of("deviation", compared["x"]))
         own_legend(ax)
     return ax

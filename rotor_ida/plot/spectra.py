@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import xarray as xr
 from matplotlib.axes import Axes
 
@@ -9,18 +11,25 @@ from rotor_ida.checks import check_positive
 from rotor_ida.plot.appearance import (
     BLUE,
     GREY,
-    LABELS,
     ORANGE,
     axes_or_new,
     check_dataset,
     own_legend,
     style,
 )
+from rotor_ida.plot.units import label_of, scale_of, suited
 
-FLOOR = 1e-6
+# Below this part of the largest the side lobes of the flat-top window lie.
+FLOOR = 3e-5
 
 
-def plot_spectrum(lines: xr.Dataset, *, span: float = 4.0, ax: Axes | None = None) -> Axes:
+def plot_spectrum(
+    lines: xr.Dataset,
+    *,
+    span: float = 4.0,
+    units: Mapping[str, str] | None = None,
+    ax: Axes | None = None,
+) -> Axes:
     """Draw the amplitude of forward and backward whirl over the frequency.
 
     Parameters
@@ -29,13 +38,16 @@ def plot_spectrum(lines: xr.Dataset, *, span: float = 4.0, ax: Axes | None = Non
         What `rotor_ida.spectrum` returned.
     span : float
         Largest frequency shown, over the spin speed; over one if the rotor does not turn [1].
+    units : mapping of str to str, optional
+        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
+        those with the SI prefix that suits.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
     Returns
     -------
     Axes
-        Where it was drawn. The amplitude, on a logarithmic scale, is shown down to 1e-6 of the
+        Where it was drawn. The amplitude, on a logarithmic scale, is shown down to 3e-5 of the
         largest.
 
     Raises
@@ -51,6 +63,7 @@ def plot_spectrum(lines: xr.Dataset, *, span: float = 4.0, ax: Axes | None = Non
     'log'
     """
     lines = check_dataset("lines", lines, ("frequency", "whirl_amplitude"))
+    lines = suited(lines, ["whirl_amplitude"], units=units, ax=ax)
     limit = check_positive("span", span)
     over = "frequency_over_omega" if "frequency_over_omega" in lines.variables else "frequency"
     frequency, height = lines[over].values, lines["whirl_amplitude"].values
@@ -64,9 +77,11 @@ def plot_spectrum(lines: xr.Dataset, *, span: float = 4.0, ax: Axes | None = Non
             ax.semilogy(frequency[chosen], height[chosen], color=colour, lw=0.9, label=words)
         if over == "frequency_over_omega":
             ax.axvline(1.0, color=GREY, lw=0.7, ls=(0, (4, 2)), zorder=1.5, label="spin speed")
+        else:
+            limit *= scale_of(lines, "rate")
         ax.set_xlim(-limit, limit)
         ax.set_ylim(FLOOR * highest, 3.0 * highest)
-        ax.set_xlabel(LABELS[over])
-        ax.set_ylabel(LABELS["whirl_amplitude"])
+        ax.set_xlabel(label_of(over, lines[over]))
+        ax.set_ylabel(label_of("whirl_amplitude", lines["whirl_amplitude"]))
         own_legend(ax)
     return ax

@@ -1,11 +1,13 @@
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
 from rotor_ida import InputError, Rotor, basin
 from rotor_ida.plot import plot_basin
-from rotor_ida.plot.basins import COLOURS
+from rotor_ida.plot.appearance import KIND_SHADES
+from rotor_ida.schema import flags_of
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +57,7 @@ def test_what_is_not_known_is_told(figure_7):
 def test_a_motion_of_changing_radius_is_told_by_its_radii(figure_7):
     swinging = figure_7.copy(deep=True)
     swinging["radius_min"][0] = 1.0
-    assert words(plot_basin(swinging))[0] == r"synchronous response, $1 \leq |z| \leq 1.88$"
+    assert words(plot_basin(swinging))[0] == r"synchronous response, $1.00 \leq |z| \leq 1.88$"
 
 
 def test_attractors_without_start_are_not_listed(figure_7):
@@ -65,7 +67,23 @@ def test_attractors_without_start_are_not_listed(figure_7):
 
 
 def test_colours_differ():
-    assert len(set(COLOURS)) == len(COLOURS)
+    shades = [shade for family in KIND_SHADES.values() for shade in family]
+    assert len(set(shades)) == len(shades)
+
+
+def test_colours_tell_the_kind_of_response(figure_7):
+    other = figure_7.copy(deep=True)
+    other["kind"][1] = flags_of(figure_7.kind)["bouncing"]
+    faces = [patch.get_facecolor() for patch in plot_basin(other).get_legend().get_patches()]
+    assert faces == [to_rgba(KIND_SHADES[kind][0]) for kind in ("synchronous", "bouncing")]
+
+
+def test_plane_of_unlike_coordinates_is_square_and_says_what_is_held():
+    rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
+    plane = basin(rotor, x=np.linspace(-6, 6, 4), y=0.0, vx=-15.0, vy=np.linspace(-10, 10, 4))
+    ax = plot_basin(plane)
+    assert (ax.get_aspect(), ax.get_box_aspect()) == ("auto", 1.0)
+    assert ax.get_title().endswith("$x$′ $= -15$")
 
 
 def test_draws_on_the_axes_given(figure_7):

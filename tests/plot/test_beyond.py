@@ -52,7 +52,7 @@ def test_entries_are_drawn_as_radial_velocity_over_the_angle():
     angle, velocity = ax.lines[0].get_data()
     assert (velocity > 0.0).all()
     np.testing.assert_allclose(2.0 * np.cos(angle), section.rotating_x, atol=1e-12)
-    assert ax.get_ylabel() == r"radial velocity $\dot r$"
+    assert ax.get_ylabel() == "radial velocity $|z|$′"
 
 
 def test_a_single_point_is_not_blown_up():
@@ -89,6 +89,28 @@ def test_forces_and_their_peaks():
     none = forces.isel(contact=slice(0, 0))
     texts = [text.get_text() for text in plot_force_peaks(none).texts]
     assert texts == ["fewer than two whole contacts"]
+
+
+def test_largest_force_at_the_end_of_a_run_is_no_peak():
+    """A run that ends inside a contact while the force grows has not seen its peak."""
+    run = simulate(BOUNCING, start=REST, duration=6.0, samples=601)
+    rising = contact_forces(run.sel(time=slice(0.0, 2.0)))
+    assert rising.peak_time.size
+    cut = rising.assign(peak_time=("contact", np.full(rising.sizes["contact"], 2.0)))
+    assert lines_of(plot_forces(cut))["peak of a contact"].get_xdata().size == 0
+
+
+def test_points_that_fall_together_are_counted():
+    section = poincare_section(BOUNCING, start=REST, revolutions=20, skip=150, at="entry")
+    assert plot_section(section).get_title().endswith(" crossings, 1 point")
+
+
+def test_extrema_of_unresolved_motion_are_not_told_as_lasting():
+    found = bifurcation(omega=[1.2, 2.0], zeta=0.07, delta0=2.0, starts=[REST])
+    unresolved = found.assign(response=found.response * 0)
+    unresolved.response.attrs = found.response.attrs
+    words = plot_extrema(unresolved).get_legend_handles_labels()[1]
+    assert words == ["extremum, contact-free or unresolved"]
 
 
 def test_exponents_are_named_with_value_and_error():

@@ -28,8 +28,8 @@ def test_responses_off_the_whirls_are_bars(whirls, simulated):
     (bars,) = ax.collections
     np.testing.assert_allclose(bars.get_segments()[0][:, 1], [0.2, 2.2])
     marks = [line for line in ax.lines if line.get_marker() == "o"]
-    assert len(marks) == 1
-    assert len(marks[0].get_ydata()) == 2
+    assert {line.get_label() for line in marks} == {"synchronous response", "contact-free response"}
+    assert bars.get_label() == "bouncing: range of $|z|$"
 
 
 def test_quantities_with_a_further_dimension_are_points():

@@ -46,7 +46,7 @@ def test_portrait_says_the_period_of_each_orbit(portraits):
     ax = plot_portrait(portraits)
     assert [text.get_text() for text in ax.texts] == ["$T = 6.28$"]
     assert ax.lines[0].get_marker() == "o"
-    assert (ax.get_xlabel(), ax.get_ylabel()) == ("displacement $x$", "velocity $x'$")
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("displacement $x$", "velocity $x$′")
 
 
 def test_other_datasets_are_refused(exact, portraits):

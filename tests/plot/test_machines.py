@@ -19,7 +19,7 @@ def test_axes_are_in_the_units_of_the_workshop(machine):
     assert orbit.get_xlabel() == "displacement $X$ [µm]"
     assert history.get_ylabel() == "radius $|Z|$ [µm]"
     assert force.get_xlabel() == "time $T$ [ms]"
-    assert force.get_ylabel() == "contact force [N]"
+    assert force.get_ylabel() == "contact force $F$ [N]"
     assert history.lines[0].get_xdata()[-1] == pytest.approx(1e3 * 40.0 * MACHINE.time_scale)
 
 

@@ -138,3 +138,13 @@ def test_contacting_whirls_without_damping_are_not_called_contact_free():
     undamped = synchronous_response(omega=np.linspace(0.1, 3.0, 30), zeta=0.0, delta0=0.5)
     assert "neutral whirl" in legend_texts(plot_amplitude(undamped))
     assert "contact-free whirl" not in legend_texts(plot_amplitude(undamped))
+
+
+def test_folds_outside_the_range_of_speeds_are_not_marked(fold_points):
+    omega = np.linspace(1.0, 1.5, 20)
+    exact = synchronous_response(omega=omega, zeta=0.07, delta0=0.5)
+    (marks,) = (
+        line for line in plot_amplitude(exact, fold_points=fold_points).lines
+        if line.get_label() == "fold"
+    )  # fmt: skip
+    np.testing.assert_allclose(marks.get_xdata(), [1.3407], atol=1e-3)

@@ -1,0 +1,41 @@
+"""The figures that the command line draws."""
+
+import numpy as np
+import pytest
+
+from rotor_ida import Rotor, basin, sweep, synchronous_response
+from rotor_ida.cli.figures import figure_of
+
+
+@pytest.mark.parametrize("omega", [1.7, [1.2, 1.7]])
+def test_whirls_at_few_speeds_are_marked_on_the_whole_curve(omega):
+    whirls = synchronous_response(omega=omega, zeta=0.07, delta0=0.5)
+    (ax,) = figure_of(whirls).axes
+    lines = {line.get_label(): line for line in ax.lines}
+    marked = lines["whirl at a given speed"].get_ydata()
+    np.testing.assert_array_equal(
+        np.sort(marked[np.isfinite(marked)]),
+        np.sort(whirls.amplitude.values[whirls.amplitude.notnull()]),
+    )
+    assert np.isfinite(lines["stable whirl"].get_ydata()).sum() > 100
+
+
+def test_unused_panels_are_left_out_and_those_above_have_their_speeds():
+    found = sweep(omega=[1.0, 1.2], zeta=0.5, delta0=[0.0, 0.5, 1.0])
+    figure = figure_of(found)
+    assert len(figure.axes) == 3
+    assert [ax.get_xlabel() != "" for ax in figure.axes] == [False, True, True]
+
+
+@pytest.mark.parametrize("delta0", [[0.0], [0.0, 0.5, 1.0]])
+def test_legend_is_no_wider_than_the_figure(delta0):
+    found = sweep(omega=[0.5, 1.9], zeta=0.07, delta0=delta0, direction="both")
+    figure = figure_of(found)
+    figure.draw_without_rendering()
+    assert figure.legends[0].get_window_extent().width <= figure.bbox.width
+
+
+def test_basin_is_drawn_in_the_style_of_the_others():
+    axis = np.linspace(-5.0, 5.0, 4)
+    (ax,) = figure_of(basin(Rotor(omega=1.7, zeta=0.07, delta0=0.0), x=axis, y=axis)).axes
+    assert ax.get_xticklabels()[0].get_fontfamily() == ["STIXGeneral"]
