@@ -121,6 +121,8 @@ def survey(
     interrupted, lost = False, ""
     if progress is not None:
         progress(kept.points_done, count)
+    if not due:  # then no cluster need be started
+        return _surveyed(ends, count, kept, interrupted, lost)
     try:
         with closing(run_all(_follow, batches, workers=workers, executor=executor)) as followed:
             for turn, batch in followed:

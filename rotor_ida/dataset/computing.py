@@ -13,7 +13,7 @@ _NO_PART = (
     *("analysis", "archive", "cli", "closed_forms", "errata", "plot", "printed", "scenarios"),
     *("comparison", "freshness", "gallery", "reproduction", "scenario", "testing", "verification"),
 )
-_INDIFFERENT = ("python_version",)
+_INDIFFERENT = ("python_version", "xarray_version")
 
 
 @cache
