@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import json
 import re
+import struct
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from html import escape
@@ -212,7 +213,7 @@ def _section(root: Path, name: str, script: Path, failed: bool) -> str:
     archives = tuple(path.name for path in sorted(folder.glob("*.nc")))
     entries += [Entry(figure=stem, archives=archives, shows="", paper="", found="")
                 for stem in untold]  # fmt: skip
-    parts += [_figure(name, entry) for entry in entries if _is_there(folder, entry)]
+    parts += [_figure(root, name, entry) for entry in entries if _is_there(folder, entry)]
     copied = f"{name}/{name}.py"
     if (root / copied).is_file():
         parts.append(f'<p class="links">Script: <a href="{escape(copied)}">{escape(name)}.py</a>')
@@ -224,13 +225,24 @@ def _is_there(folder: Path, entry: Entry) -> bool:
     return (folder / f"{entry.figure}.png").is_file()
 
 
-def _figure(name: str, entry: Entry) -> str:
+def _size(picture: Path) -> str:
+    """Return width and height of a PNG as attributes, so that the page keeps its place free."""
+    with picture.open("rb") as file:
+        head = file.read(24)
+    if len(head) < 24:
+        return ""
+    width, height = struct.unpack(">II", head[16:])
+    return f' width="{width}" height="{height}"'
+
+
+def _figure(root: Path, name: str, entry: Entry) -> str:
+    size = _size(root / name / f"{entry.figure}.png")
     stem = escape(f"{name}/{entry.figure}")
     words = entry.shows or entry.figure
     parts = [
         f'<h3 id="{_anchor(name, entry)}">{_caption(name, entry)}</h3>\n<figure>\n'
-        f'<a href="{stem}.svg"><img src="{stem}.png" alt="{escape(words)}" loading="lazy"></a>\n'
-        "<dl>"
+        f'<a href="{stem}.svg"><img src="{stem}.png" alt="{escape(words)}"{size} loading="lazy">'
+        "</a>\n<dl>"
     ]
     for term, text in (("Shows", words), ("Paper", entry.paper), ("Found", entry.found)):
         if text:

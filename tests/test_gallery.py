@@ -107,3 +107,11 @@ def test_record_of_an_earlier_version_is_read(tmp_path):
     assert read_entries(tmp_path) == [
         Entry(figure="a", archives=(), shows="b", paper="", found="c", verdict="")
     ]
+
+
+def test_page_keeps_the_place_of_a_picture_free(results):
+    """Else a link to a figure would lead astray while the pictures above it load."""
+    root, scripts = results
+    assert 'width="200" height="200" loading="lazy"' in write_gallery(root, scripts).read_text(
+        encoding="utf-8"
+    )

@@ -27,7 +27,7 @@ from rotor_ida.plot.appearance import (
 )
 from rotor_ida.plot.labels import parameter_text
 from rotor_ida.plot.paths import Path, path_of
-from rotor_ida.plot.units import label_of, scale_of, suited
+from rotor_ida.plot.units import label_of, scale_of, suited, unit_of
 from rotor_ida.schema import flags_of
 
 Values = npt.NDArray[np.float64]
@@ -89,7 +89,7 @@ def plot_run(run: xr.Dataset, *, units: Mapping[str, str] | None = None) -> Figu
         ):
             _shade_contacts(ax, run)
             ax.plot(path.time, values, color=INK, lw=_line_width(run))
-            ax.set_ylabel(label_of(name, run["x"]))
+            ax.set_ylabel(_row_label(name, run["x"]))
             ax.tick_params(labelbottom=False)
         _mark_events_on_radius(history[2], run, clearance)
         _draw_forces(history[3], run)
@@ -248,13 +248,21 @@ def _events(run: xr.Dataset) -> list[tuple[Values, str, str, str]]:
     return [(times[kinds == flags[name]], marker, face, name) for name, marker, face in looks]
 
 
+def _row_label(name: str, variable: xr.DataArray) -> str:
+    """Return the label of a low panel: with a unit, name and symbol do not fit both."""
+    label = label_of(name, variable)
+    return label.partition(" ")[2] if unit_of(variable) else label
+
+
 def _draw_forces(ax: Axes, run: xr.Dataset) -> None:
     _shade_contacts(ax, run)
-    times, forces = run["peak_time"].values, run["peak_force"].values
+    # where the run ends inside a contact while the force grows, its peak has not been seen
+    seen = run["peak_time"].values < float(run["time"].values[-1])
+    times, forces = run["peak_time"].values[seen], run["peak_force"].values[seen]
     ax.vlines(times, 0.0, forces, color=RED, lw=0.8)
     ax.plot(times, forces, ls="", marker="o", ms=max(2.0, 0.7 * _mark_size(run)), color=RED)
     ax.set_ylim(0.0, 1.12 * float(forces.max(initial=0.0)) or 1.0)
-    ax.set_ylabel(label_of("peak_force", run["peak_force"]))
+    ax.set_ylabel(_row_label("peak_force", run["peak_force"]))
     if not times.size:
         ax.text(0.5, 0.5, "no contact", transform=ax.transAxes, ha="center", va="center")
 

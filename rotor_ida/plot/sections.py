@@ -70,7 +70,7 @@ def plot_section(
         ax = axes_or_new(ax, width=4.0, height=4.0)
         size = _mark_size(z)
         if at in ("entry", "exit"):
-            across, up = np.angle(z), (w * z.conj()).real / np.abs(z)
+            across, up = _together(np.angle(z)), (w * z.conj()).real / np.abs(z)
             ax.set_xlabel(LABELS["angle"])
             ax.set_ylabel(label_of("radial_velocity", section["rotating_vx"]))
         else:
@@ -89,6 +89,17 @@ def plot_section(
             ax.text(0.5, 0.5, "no crossing", transform=ax.transAxes, ha="center", va="center")
         ax.set_title(WORDS.get(at, _title(section)) + _counted(z))
     return ax
+
+
+def _together(angle: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Return angles cut open at their widest gap, so that no cluster is torn apart at pi."""
+    order = np.sort(angle)
+    gaps = np.diff(order)
+    if not gaps.size or gaps.max() <= 2.0 * math.pi + order[0] - order[-1]:
+        return angle
+    least = order[gaps.argmax() + 1]
+    cut = least + np.mod(angle - least, 2.0 * math.pi)
+    return np.asarray(cut - 2.0 * math.pi * np.round(cut.mean() / (2.0 * math.pi)))
 
 
 def _distinct(z: npt.NDArray[np.complex128]) -> int:

@@ -80,8 +80,9 @@ def plot_spectrum(
         else:
             limit *= scale_of(lines, "rate")
         ax.set_xlim(-limit, limit)
-        ax.set_ylim(FLOOR * highest, 3.0 * highest)
+        # room for the legend
+        ax.set_ylim(FLOOR * highest, 30.0 * highest)
         ax.set_xlabel(label_of(over, lines[over]))
         ax.set_ylabel(label_of("whirl_amplitude", lines["whirl_amplitude"]))
-        own_legend(ax)
+        own_legend(ax).set_loc("upper left")
     return ax

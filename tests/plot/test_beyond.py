@@ -105,6 +105,15 @@ def test_points_that_fall_together_are_counted():
     assert plot_section(section).get_title().endswith(" crossings, 1 point")
 
 
+def test_entries_on_both_sides_of_half_a_turn_stay_together():
+    section = poincare_section(BOUNCING, start=REST, revolutions=20, at="entry")
+    angle = plot_section(section).lines[0].get_xdata()
+    np.testing.assert_allclose(2.0 * np.cos(angle), section.rotating_x, atol=1e-12)
+    np.testing.assert_allclose(2.0 * np.sin(angle), section.rotating_y, atol=1e-12)
+    raw = np.angle(section.rotating_x.values + 1j * section.rotating_y.values)
+    assert np.ptp(angle) < np.ptp(raw)
+
+
 def test_extrema_of_unresolved_motion_are_not_told_as_lasting():
     found = bifurcation(omega=[1.2, 2.0], zeta=0.07, delta0=2.0, starts=[REST])
     unresolved = found.assign(response=found.response * 0)

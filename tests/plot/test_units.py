@@ -113,8 +113,8 @@ def test_histories_are_in_micrometres_over_milliseconds(plain, machine):
 def test_run_has_one_unit_of_length_and_its_forces_in_newtons(plain, machine):
     si, bare = plot_run(machine).axes, plot_run(plain).axes
     labels = [ax.get_ylabel() for ax in si]
-    assert labels == ["displacement $X$ [µm]", "displacement $Y$ [µm]", "radius $|Z|$ [µm]",
-                      "peak force $F$ [N]", "displacement $Y$ [µm]"]  # fmt: skip
+    assert labels == ["$X$ [µm]", "$Y$ [µm]", "$|Z|$ [µm]", "force $F$ [N]",
+                      "displacement $Y$ [µm]"]  # fmt: skip
     assert_scaled(si[3], bare[3], MILLISECONDS, MACHINE.force_scale)
     assert_scaled(si[4], bare[4], MICROMETRES, MICROMETRES)
     shade, other = (axes[2].collections[0].get_paths()[0].vertices[:, 0] for axes in (si, bare))
