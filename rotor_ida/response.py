@@ -40,6 +40,9 @@ RESIDUAL = 1e-6
 # 1/zeta to die away.
 LASTING = 0.8
 PATIENCE = 10.0
+# Indentations so slight, and mean whirls so near to the contact-free one, are of a motion that
+# leaves the ring through ever slighter touches.
+SLIGHT = 0.01
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +111,19 @@ class Window:
         whirl = cmath.rect(self.amplitude, -self.phase_lag)
         terms = (stiffness * whirl, -(omega**2) * whirl, 2j * zeta * omega * whirl, -(omega**2))
         return abs(sum(terms)) <= max(RESIDUAL, self.steady) * max(map(abs, terms)) and omega > 0.0
+
+    @property
+    def leaves_the_ring(self) -> bool:
+        """Whether it is the contact-free whirl but for the slightest touches.
+
+        Each touch pushes the centre inwards, so the next one is slighter. It goes on for ever, too
+        slowly for any two windows to tell it from bouncing.
+        """
+        whirl = _free_whirl(self.rotor)
+        if abs(whirl) >= self.rotor.delta0 or not self.touches:
+            return False
+        stray = abs(cmath.rect(self.amplitude, -self.phase_lag) - whirl)
+        return stray <= SLIGHT and self.radius_max - self.rotor.delta0 <= SLIGHT
 
     @property
     def stays_free(self) -> bool:
@@ -187,7 +203,7 @@ def classify(earlier: Window | None, later: Window, *, time: float) -> str:
     if earlier is None or not had_time or not _lasts(earlier, later):
         return UNRESOLVED
     if later.touches:
-        return BOUNCING
+        return UNRESOLVED if later.leaves_the_ring else BOUNCING
     return FULL_CONTACT if later.ends_in_contact and later.turns else UNRESOLVED
 
 
@@ -201,10 +217,15 @@ def _lasts(earlier: Window, later: Window) -> bool:
     return LASTING <= ratio <= 1.0 / LASTING
 
 
+def _free_whirl(rotor: Rotor) -> complex:
+    """Return the contact-free whirl on the rotating axes, also where the ring leaves no room."""
+    return -rotor.omega / complex(rotor.omega, -2.0 * rotor.zeta) if rotor.omega > 0.0 else 0j
+
+
 def _future_if_free(rotor: Rotor, position: complex, velocity: complex) -> tuple[float, float]:
     """Return how far a free whirl's centre would still drift, and how far out it would go."""
     omega, zeta = rotor.omega, rotor.zeta
-    whirl = -omega / complex(omega, -2.0 * zeta) if omega > 0.0 else 0j
+    whirl = _free_whirl(rotor)
     surplus = velocity - 1j * omega * whirl
     if surplus != 0.0 and zeta == 0.0:
         return math.inf, math.inf

@@ -11,7 +11,7 @@ from rotor_ida.basins.ends import Ends
 from rotor_ida.basins.followed import Undecided
 from rotor_ida.basins.windows import MEAN_X, MEAN_Y, RADIUS_MAX, RADIUS_MIN
 from rotor_ida.parameters import Rotor
-from rotor_ida.response import BOUNCING, FULL_CONTACT, LASTING, PATIENCE
+from rotor_ida.response import BOUNCING, FULL_CONTACT, LASTING, PATIENCE, SLIGHT
 from rotor_ida.settling import durations
 
 Numbers = npt.NDArray[np.int64]
@@ -27,9 +27,6 @@ COMPARED = 1500
 ROUNDS = 5
 # Groups that are looked for.
 MOST_GROUPS = 16
-# Indentations so slight, and mean whirls so near to the contact-free one, are of an orbit that
-# leaves the ring through ever slighter touches.
-SLIGHT = 0.01
 
 
 def slighter_and_slighter(ends: Ends, left: Undecided) -> Mask:
