@@ -719,6 +719,12 @@ def test_altered_archive_is_refused(
     refused(archive, message)
 
 
+def test_other_programs_may_add_to_the_history(archive: Path, in_this_process: None) -> None:
+    with netCDF4.Dataset(archive, "a") as file:
+        file.history += "\n2026-11-22T09:00:00Z ncatted"
+    assert load(archive).history.endswith("ncatted")
+
+
 def test_truncated_archive_is_refused(archive: Path) -> None:
     whole = archive.read_bytes()
     for length in [*range(0, len(whole), len(whole) // 40), len(whole) - 1]:
