@@ -27,6 +27,7 @@ from rotor_ida.archive import (
     content,
     load,
     netcdf,
+    open_archive,
     parts,
     reading,
     save,
@@ -337,6 +338,22 @@ def test_name_of_the_domain_variable_is_reserved(archive: Path, tmp_path: Path) 
             save(dataset, tmp_path / "other.nc")
     with xr.open_dataset(archive) as seen:
         assert "time_domain" not in load(save(seen, tmp_path / "again.nc"))
+
+
+def test_text_coordinate_of_a_dimension_is_stored_as_a_label(tmp_path: Path) -> None:
+    dataset = xr.Dataset(
+        {"x": ("bearing", [1.0, 2.0]), "bearing_label": ("bearing", [1, 2])},
+        {"bearing": ("bearing", ["left", "right"], {"long_name": "side"})},
+    )
+    path = save(dataset, tmp_path / "run.nc")
+    xr.testing.assert_identical(load(path).drop_attrs(), dataset.drop_attrs())
+    assert load(path).bearing.attrs == {"long_name": "side"}
+    with xr.open_dataset(path) as seen:
+        assert seen.bearing_label_.values.tolist() == ["left", "right"]
+        again = load(save(seen, tmp_path / "again.nc"))
+    assert again.bearing.identical(load(path).bearing)
+    with open_archive(path) as opened:
+        assert opened.identical(load(path))
 
 
 def test_path_that_cannot_be_written_is_refused(archive: Path, tmp_path: Path) -> None:
