@@ -7,9 +7,9 @@ For one small archive of every kind:
 - a share of 500 mutants: bytes overwritten, blocks cut out, doubled, moved or emptied;
 - the forgeries of `forgeries.py`: links, bombs, vast sizes, cycles, unknown filters.
 
-Each file is loaded in another process. It must end within 5 s and 1 GiB, either with an
-ArchiveError or with the very dataset that was saved. An archive of format 1, which has no seal,
-takes part too: there each file that HDF5 must be asked about takes a second.
+Each file is loaded in another process. It must end within 5 s of the processor and 1 GiB, either
+with an ArchiveError or with the very dataset that was saved. An archive of format 1, which has no
+seal, takes part too: there each file that HDF5 must be asked about takes a second.
 
 Then a process that saves over and over to one path is killed 100 times at random moments.
 
@@ -97,19 +97,26 @@ def _load_all(files, good, path, writing):
     for data in files:
         if isinstance(data, bytes):
             path.write_bytes(data)
-        signal.alarm(SECONDS)
-        began = time.perf_counter()
+        signal.alarm(12 * SECONDS)  # by the clock, which says little on a busy machine
+        began = _processor()
         try:
             word = "harmless" if load(path).identical(good) else "SILENT"
         except (ArchiveError, InputError):
             word = "reported"
         except BaseException as error:
             word = type(error).__name__
-        took = time.perf_counter() - began
+        took = _processor() - began
+        word = "ENDLESS" if took > SECONDS else word
         users = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
         most = max(resource.getrusage(user).ru_maxrss for user in users) / 1024
         os.write(writing, f"{word} {took} {most}\n".encode())
     os._exit(0)
+
+
+def _processor():
+    """Return the processor time of this process and of those that it started [s]."""
+    users = map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return sum(used.ru_utime + used.ru_stime for used in users)
 
 
 def judge(task):
@@ -153,27 +160,31 @@ def kill(times):
     return wrong
 
 
+def show(name, damage, counts, slowest, largest):
+    """Print a row of the table."""
+    ended = ", ".join(f"{count} {words}" for words, count in sorted(counts.items()))
+    print(f"{name:20}{damage:20}{slowest:7.2f} s{largest:6.0f} MiB  {ended}", flush=True)
+
+
 def main():
     """Print the tables; the exit status is 1 if anything is wrong."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="a tenth of it")
     part = 10 if parser.parse_args().quick else 1
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    rows = []
     with tempfile.TemporaryDirectory() as folder, Pool(os.cpu_count()) as pool:
         archives = [save(made(), Path(folder) / f"{name}.nc") for name, made in KINDS.items()]
-        tasks = [
-            (archive, damage, count)
-            for archive in archives
-            for damage, count in (("cut", part), ("bit", 1000 // part), ("mutant", 30 // part))
-        ]
+        tasks = [(archive, name, 1) for archive in (archives[0], FORMAT_1) for name in FORGERIES]
         tasks += [(FORMAT_1, "cut", 64), (FORMAT_1, "mutant", 60 // part)]
         tasks += [(FORMAT_1, "bit", 200 // part)]
-        tasks += [(archive, name, 1) for archive in (archives[0], FORMAT_1) for name in FORGERIES]
-        rows = list(pool.imap(judge, tasks, chunksize=1))
-    print(f"{'archive':20}{'damage':20}{'slowest':>9}{'memory':>10}  how loading ended")
-    for name, damage, counts, slowest, largest in rows:
-        ended = ", ".join(f"{count} {words}" for words, count in sorted(counts.items()))
-        print(f"{name:20}{damage:20}{slowest:7.2f} s{largest:6.0f} MiB  {ended}")
+        for archive in archives:
+            tasks += [(archive, "cut", part), (archive, "bit", 1000 // part)]
+            tasks += [(archive, "mutant", 30 // part)]
+        print(f"{'archive':20}{'damage':20}{'longest':>9}{'memory':>10}  how loading ended")
+        for row in pool.imap(judge, tasks):
+            rows.append(row)
+            show(*row)
     total = sum((row[2] for row in rows), Counter())
     print(f"all: {dict(total)}")
     too_large = any(row[4] > MEBIBYTES for row in rows)

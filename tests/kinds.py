@@ -35,6 +35,7 @@ KINDS: dict[str, Callable[[], xr.Dataset]] = {
     "run": a_run,
     "run_without_contact": lambda: a_run(delta0=9.0),
     "run_without_times": lambda: a_run().drop_vars("time"),
+    "runs_by_name": lambda: xr.concat([a_run(), a_run()], xr.Variable("machine", ["a", "b"])),
     "run_in_si_units": lambda: rotor_ida.dimensional(a_run(), MACHINE),
     "sweep": a_sweep,
     "sweep_both_ways": lambda: a_sweep("both"),

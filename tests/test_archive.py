@@ -27,6 +27,7 @@ from rotor_ida.archive import (
     content,
     load,
     netcdf,
+    open_archive,
     parts,
     reading,
     save,
@@ -337,6 +338,22 @@ def test_name_of_the_domain_variable_is_reserved(archive: Path, tmp_path: Path) 
             save(dataset, tmp_path / "other.nc")
     with xr.open_dataset(archive) as seen:
         assert "time_domain" not in load(save(seen, tmp_path / "again.nc"))
+
+
+def test_text_coordinate_of_a_dimension_is_stored_as_a_label(tmp_path: Path) -> None:
+    dataset = xr.Dataset(
+        {"x": ("bearing", [1.0, 2.0]), "bearing_label": ("bearing", [1, 2])},
+        {"bearing": ("bearing", ["left", "right"], {"long_name": "side"})},
+    )
+    path = save(dataset, tmp_path / "run.nc")
+    xr.testing.assert_identical(load(path).drop_attrs(), dataset.drop_attrs())
+    assert load(path).bearing.attrs == {"long_name": "side"}
+    with xr.open_dataset(path) as seen:
+        assert seen.bearing_label_.values.tolist() == ["left", "right"]
+        again = load(save(seen, tmp_path / "again.nc"))
+    assert again.bearing.identical(load(path).bearing)
+    with open_archive(path) as opened:
+        assert opened.identical(load(path))
 
 
 def test_path_that_cannot_be_written_is_refused(archive: Path, tmp_path: Path) -> None:
@@ -717,6 +734,12 @@ def test_altered_archive_is_refused(
     load(archive)
     alter(archive, change)
     refused(archive, message)
+
+
+def test_other_programs_may_add_to_the_history(archive: Path, in_this_process: None) -> None:
+    with netCDF4.Dataset(archive, "a") as file:
+        file.history += "\n2026-11-22T09:00:00Z ncatted"
+    assert load(archive).history.endswith("ncatted")
 
 
 def test_truncated_archive_is_refused(archive: Path) -> None:

@@ -43,7 +43,11 @@ def test_h5netcdf_reads_the_same(archive: Path) -> None:
     loaded = rotor_ida.load(archive)
     with xr.open_dataset(archive, engine="h5netcdf") as seen:
         for name, variable in loaded.variables.items():
-            assert variable.identical(seen.variables[name].load()), name
+            if name in loaded.dims and variable.dtype.kind == "U":
+                same = seen.variables[f"{name}_label"]
+                assert same.values.tolist() == variable.values.tolist()
+            else:
+                assert variable.identical(seen.variables[name].load()), name
 
 
 @pytest.mark.skipif(shutil.which("ncdump") is None, reason="ncdump is not installed")
@@ -55,7 +59,7 @@ def test_ncdump_shows_the_header(archive: Path) -> None:
 
 def test_no_attribute_holds_what_flags_should(archive: Path) -> None:
     for name, variable in rotor_ida.load(archive).variables.items():
-        assert variable.dtype.kind in "iuf" or name == "message"
+        assert variable.dtype.kind in "iuf" or name in {"message", "machine"}
 
 
 @pytest.mark.filterwarnings("default")

@@ -12,7 +12,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida import schema
-from rotor_ida.archive.conventions import COMMAND, CREATED, DOMAIN, HISTORY
+from rotor_ida.archive.conventions import COMMAND, CREATED, DOMAIN, HISTORY, LABEL_OF
 from rotor_ida.archive.holdable import NUMERIC, check_name, kept_attributes, kept_values
 from rotor_ida.archive.slabs import is_in_memory, slabs
 from rotor_ida.errors import InputError
@@ -50,7 +50,7 @@ def archived_form(dataset: xr.Dataset) -> xr.Dataset:
         raise InputError(f"dataset must be an xarray Dataset, got {type(dataset).__name__}")
     for name in (*dataset.sizes, *dataset.variables):
         check_name("name", name, "the dataset")
-    dataset = _without_domain(dataset)
+    dataset = _as_load_gives_it(dataset)
     kept = xr.Dataset(
         {name: _kept_variable(str(name), dataset.variables[name]) for name in dataset.data_vars},
         {name: _kept_variable(str(name), dataset.variables[name]) for name in dataset.coords},
@@ -167,13 +167,19 @@ def _little_endian(dtype: np.dtype[np.generic]) -> np.dtype[np.generic]:
     return dtype.newbyteorder("<")
 
 
-def _without_domain(dataset: xr.Dataset) -> xr.Dataset:
-    """Leave out the domain variable, which other readers of an archive show as a variable."""
-    if DOMAIN not in (*dataset.variables, *dataset.sizes):
-        return dataset
-    if DOMAIN in dataset.sizes or "dimensions" not in dataset[DOMAIN].attrs:
+def _as_load_gives_it(dataset: xr.Dataset) -> xr.Dataset:
+    """Take back what other readers of an archive show: the domain variable, names of labels."""
+    domain = dataset.variables.get(DOMAIN)
+    if DOMAIN in dataset.sizes or (domain is not None and "dimensions" not in domain.attrs):
         raise InputError(f"the name {DOMAIN!r} is reserved for archives; rename it")
-    return dataset.drop_vars(DOMAIN)
+    dataset = dataset.drop_vars(DOMAIN, errors="ignore")
+    for name, variable in dataset.variables.items():
+        dim = variable.attrs.get(LABEL_OF)
+        if variable.dims == (dim,) and dim not in dataset.variables:
+            attributes = {k: v for k, v in variable.attrs.items() if k != LABEL_OF}
+            label = xr.Variable(variable.dims, variable.values, attributes)
+            dataset = dataset.drop_vars(str(name)).assign_coords({str(dim): label})
+    return dataset
 
 
 def _kept_variable(name: str, variable: xr.Variable) -> xr.Variable:

@@ -19,6 +19,9 @@ COMMAND = "command"
 TIME = "time"
 DOMAIN = "time_domain"
 
+# The attribute of a label that names the coordinate that it is.
+LABEL_OF = "label_of"
+
 
 def time_domain(dataset: xr.Dataset) -> xr.Variable | None:
     """Return the domain variable of what is known along ``time``, None where there is none.
@@ -48,6 +51,27 @@ def time_domain(dataset: xr.Dataset) -> xr.Variable | None:
     return xr.Variable((), np.int8(0), attributes)
 
 
+def stored_names(dataset: xr.Dataset) -> dict[str, str]:
+    """Return the name in the file of each variable.
+
+    For CF the coordinate of a dimension is a number. Where it is a text it is stored under another
+    name, as a label of the dimension.
+
+    Examples
+    --------
+    >>> stored_names(xr.Dataset({"x": ("bearing", [0.0, 1.0])}, {"bearing": ["left", "right"]}))
+    {'x': 'x', 'bearing': 'bearing_label'}
+    """
+    names = {str(name): str(name) for name in dataset.variables}
+    for name in names:
+        if name in dataset.dims and dataset[name].dtype.kind not in "iuf":
+            label = f"{name}_label"
+            while label in names or label in dataset.dims:
+                label += "_"
+            names[name] = label
+    return names
+
+
 def coordinates_of(dataset: xr.Dataset) -> tuple[dict[str, str], str]:
     """Return the attribute ``coordinates`` of each variable, and that of the file for the others.
 
@@ -57,14 +81,15 @@ def coordinates_of(dataset: xr.Dataset) -> tuple[dict[str, str], str]:
     >>> coordinates_of(run)
     ({'x': 'omega'}, 'far')
     """
-    others = [str(name) for name in dataset.coords if name not in dataset.dims]
+    stored = stored_names(dataset)
+    others = [str(name) for name in dataset.coords if stored[str(name)] not in dataset.dims]
     named: dict[str, str] = {}
     for name, variable in dataset.data_vars.items():
         its_own = [each for each in others if set(dataset[each].dims) <= set(variable.dims)]
         if its_own:
-            named[str(name)] = " ".join(sorted(its_own))
+            named[str(name)] = " ".join(sorted(stored[each] for each in its_own))
     told = {name for names in named.values() for name in names.split()}
-    return named, " ".join(sorted(set(others) - told))
+    return named, " ".join(sorted({stored[each] for each in others} - told))
 
 
 def history_with(history: str, event: str, moment: str) -> str:

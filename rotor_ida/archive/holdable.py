@@ -9,6 +9,7 @@ from collections.abc import Mapping
 import numpy as np
 import numpy.typing as npt
 
+from rotor_ida.archive.conventions import LABEL_OF
 from rotor_ida.errors import InputError
 
 NUMERIC = frozenset(
@@ -30,6 +31,7 @@ _RESERVED = frozenset(
         "scale_factor",
         "add_offset",
         "dtype",
+        LABEL_OF,
     ]
 )
 _INSTEAD = {

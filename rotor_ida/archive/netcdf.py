@@ -12,7 +12,13 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.archive.content import ContentDigest
-from rotor_ida.archive.conventions import DOMAIN, coordinates_of, time_domain
+from rotor_ida.archive.conventions import (
+    DOMAIN,
+    LABEL_OF,
+    coordinates_of,
+    stored_names,
+    time_domain,
+)
 from rotor_ida.archive.holdable import NUMERIC
 from rotor_ida.archive.library import LOCK
 from rotor_ida.archive.slabs import CHUNK, SLAB, block_shape, slabs
@@ -81,11 +87,12 @@ def _define(file: netCDF4.Dataset, kept: xr.Dataset) -> None:
     for dim, size in kept.sizes.items():
         file.createDimension(str(dim), size)
     coordinates, others = coordinates_of(kept)
-    for name, variable in kept.variables.items():
-        attributes = dict(variable.attrs)
+    for name, stored_name in stored_names(kept).items():
+        variable = kept.variables[name]
+        attributes = {**variable.attrs, **({LABEL_OF: name} if stored_name != name else {})}
         if name in coordinates:
-            attributes["coordinates"] = coordinates[str(name)]
-        _create(file, str(name), variable).setncatts(attributes)
+            attributes["coordinates"] = coordinates[name]
+        _create(file, stored_name, variable).setncatts(attributes)
     domain = time_domain(kept)
     if domain is not None:
         stored = _create(file, DOMAIN, domain)
@@ -115,14 +122,14 @@ def _create(file: netCDF4.Dataset, name: str, variable: xr.Variable) -> netCDF4.
 
 def _write_values(file: netCDF4.Dataset, kept: xr.Dataset, folder: Path) -> str:
     """Write the values slab by slab, each computed or read once, and return their checksum."""
-    digest = ContentDigest(kept)
+    digest, names = ContentDigest(kept), stored_names(kept)
     for name in digest.names:
         variable = kept.variables[name]
         digest.begin(name)
         if variable.dtype not in NUMERIC:
             digest.add_texts(variable.values)
             with LOCK:
-                file[name][...] = variable.values.astype(object)
+                file[names[name]][...] = variable.values.astype(object)
         else:
             # Computing a slab may itself read a file under the lock.
             for index, values in slabs(variable):

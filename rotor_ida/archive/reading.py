@@ -14,7 +14,7 @@ import xarray as xr
 
 from rotor_ida.archive import soundness
 from rotor_ida.archive.content import CHECKSUM, content_sha256
-from rotor_ida.archive.conventions import DOMAIN
+from rotor_ida.archive.conventions import DOMAIN, LABEL_OF
 from rotor_ida.archive.library import LOCK, what_is_no_variable
 from rotor_ida.archive.probing import refuse_what_cannot_be_read
 from rotor_ida.archive.seal import seal_of
@@ -217,7 +217,8 @@ def _read(
                 continue
             coordinates.update(str(its_own.pop("coordinates", "")).split())
             values = _values(stored, source) if _holds_texts(stored) else take(name, stored)
-            variables[name] = xr.Variable(stored.dimensions, values, its_own)
+            known_as = str(its_own.pop(LABEL_OF, name))
+            variables[known_as] = xr.Variable(stored.dimensions, values, its_own)
         coordinates.update(file.dimensions)
     return xr.Dataset(
         {name: variable for name, variable in variables.items() if name not in coordinates},

@@ -18,7 +18,7 @@ Index = tuple[slice, ...]
 
 def is_in_memory(variable: xr.Variable) -> bool:
     """Say whether the values of `variable` are there, and not still in a file or to be computed."""
-    return isinstance(variable._data, np.ndarray) or variable._in_memory
+    return variable._in_memory
 
 
 def block_shape(shape: Sequence[int], itemsize: int, limit: int) -> tuple[int, ...]:
