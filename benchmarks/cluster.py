@@ -1,18 +1,21 @@
-"""200 points of a sweep wherever they can run: points a second, and what a dead worker costs.
+"""200 points of a sweep wherever they can run: what they take, and what a dead worker costs.
 
 python benchmarks/cluster.py [--rounds 3] [--kill]
 
 Every round runs each way once, one after the other, so that other load on the machine meets all of
-them; given are medians. A cluster that is there already is timed from its second sweep on.
+them; given are medians. Processor time is that of all processes together: others' load is not in
+it. A cluster that is there already is timed from its second sweep on.
 """
 
 import argparse
 import logging
 import multiprocessing
-import statistics
+import os
+import resource
 import time
 
 import numpy as np
+import psutil
 from distributed import LocalCluster
 
 from rotor_ida import sweep
@@ -21,11 +24,19 @@ POINTS = {"omega": np.linspace(0.5, 3.0, 50), "zeta": 0.07, "delta0": [0.0, 0.5,
 COUNT = 200
 
 
+def spent():
+    """Return seconds on the clock, and on the processor by this process and all its children."""
+    ended = resource.getrusage(resource.RUSAGE_CHILDREN)
+    times = [each.cpu_times() for each in psutil.Process().children(recursive=True)]
+    children = ended.ru_utime + ended.ru_stime + sum(each.user + each.system for each in times)
+    return np.array([time.perf_counter(), time.process_time() + children])
+
+
 def timed(**where):
-    """Return the seconds that the sweep takes there, and its result."""
-    begin = time.perf_counter()
+    """Return what the sweep takes there, on the clock and on the processor [s], and its result."""
+    begin = spent()
     found = sweep(**POINTS, **where)
-    return time.perf_counter() - begin, found
+    return spent() - begin, found
 
 
 def cluster(workers):
@@ -58,13 +69,15 @@ def compare(rounds):
                 assert found.identical(expected), name
                 taken[name].append(seconds)
     serial = np.array(taken["`serial`"])
-    print("| where | points a second | over serial |")
-    print("|---|---|---|")
-    for name, seconds in taken.items():
-        ratio = statistics.median(serial / np.array(seconds))
-        print(f"| {name} | {COUNT / statistics.median(seconds):.0f} | {ratio:.2f} |")
+    print("| where | points a second | over serial | processor time a point [ms] |")
+    print("|---|---|---|---|")
+    for name, both in taken.items():
+        rate = COUNT / np.median(both, axis=0)
+        ratio = np.median(serial / np.array(both), axis=0)
+        print(f"| {name} | {rate[0]:.0f} | {ratio[0]:.2f} | {1e3 / rate[1]:.1f} |")
     halves = np.array(taken["an address, 1 worker"]) / np.array(taken["an address, 2 workers"])
-    print(f"2 workers over 1: {statistics.median(halves):.2f}")
+    print(f"2 workers over 1: {np.median(halves, axis=0)[0]:.2f}")
+    print(f"load of the machine: {os.getloadavg()[0]:.1f}")
 
 
 def kill():
@@ -81,7 +94,7 @@ def kill():
     done = int((found.status == 0).sum())
     same = "equal" if found.identical(expected) else "NOT EQUAL"
     print(f"worker {killed[0].pid} killed: {done} of {COUNT} points done, {same} to those without")
-    print(f"{seconds:.1f} s, {whole:.1f} s without")
+    print(f"{seconds[0]:.1f} s, {whole[0]:.1f} s without")
     serial = sweep(**POINTS, executor="serial")
     print("equal to serial" if found.identical(serial) else "NOT EQUAL to serial")
 

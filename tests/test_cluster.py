@@ -113,7 +113,7 @@ def test_workers_of_another_version_are_refused(address, monkeypatch):
         return {place: found | {"numpy": "1.0"} for place, found in there.items()}
 
     monkeypatch.setattr(Client, "run", run_elsewhere)
-    message = f"executor has a worker tcp://[^ ]* with numpy 1.0, here is {np.__version__}"
+    message = f"executor must have numpy {np.__version__}, got numpy 1.0 at tcp://[^ ]*"
     with pytest.raises(InputError, match=f"^{message}$"):
         sweep(**SPEEDS, executor=address)
 

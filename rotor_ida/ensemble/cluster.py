@@ -102,18 +102,18 @@ def _submit(client: Client, work: Work[Job, Result], job: Job) -> Any:
 
 def _look(client: Client, known: set[str]) -> int:
     """Return how many threads the cluster has, once those that are not known yet are checked."""
-    threads = client.nthreads()
+    threads, tell = client.nthreads(), versions_teller(PACKAGES)
     new = [address for address in threads if address not in known]
-    here = versions_teller(PACKAGES)()
     # a worker that is gone by now gives no answer
-    there = client.run(versions_teller(PACKAGES), workers=new, on_error="ignore") if new else {}
-    for address, versions in there.items():
+    there = client.run(tell, workers=new, on_error="ignore") if new else {}
+    if not known:
+        there["the scheduler"] = client.run_on_scheduler(tell)  # it unpacks what passes through it
+    here = tell()
+    for place, versions in there.items():
         for name, wanted in here.items():
             if versions[name] != wanted:
-                raise InputError(
-                    f"executor has a worker {address} with {name} {versions[name]}, here is "
-                    f"{wanted}"
-                )
+                found = f"{name} {versions[name]}"
+                raise InputError(f"executor must have {name} {wanted}, got {found} at {place}")
     known.update(there)
     return sum(threads.values())
 
