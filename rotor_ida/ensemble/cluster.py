@@ -11,11 +11,9 @@ import asyncio
 import logging
 import tempfile
 import time
-from collections.abc import Generator, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import CancelledError
-from contextlib import ExitStack, contextmanager
-from functools import cache
-from importlib.metadata import PackageNotFoundError, version
+from contextlib import ExitStack, contextmanager, suppress
 from itertools import islice
 from typing import Any
 
@@ -55,7 +53,10 @@ def run_on_cluster(
         client = stack.enter_context(_connected(workers) if address is None else _joined(address))
         try:
             yield from _as_they_end(client, work, jobs)
-        except (CancelledError, CommClosedError) as error:
+        except (CancelledError, OSError) as error:
+            of_dask = isinstance(error, (CancelledError, CommClosedError))
+            if client.status == "running" and not of_dask:
+                raise  # it came from a job
             raise SimulationError(f"the scheduler {address or 'of dask'} is gone") from error
 
 
@@ -66,10 +67,11 @@ def _as_they_end(
     waiting = enumerate(jobs)
     running: dict[Any, tuple[int, Job]] = {}
     suspects: list[tuple[int, Job]] = []
+    known: set[str] = set()
     room, looked = 0, -LOOK_AGAIN
     while True:
         if time.monotonic() - looked >= LOOK_AGAIN:
-            room, looked = IN_FLIGHT * max(1, sum(client.nthreads().values())), time.monotonic()
+            room, looked = IN_FLIGHT * max(1, _look(client, known)), time.monotonic()
         for number, job in islice(waiting, max(0, room - len(running))):
             running[_submit(client, work, job)] = number, job
         if not running:
@@ -91,30 +93,47 @@ def _as_they_end(
         except KilledWorker as error:
             tried = error.allowed_failures + 1
             yield number, Lost(f"every worker that took it on died, {tried} in all")
+    _look(client, known)
 
 
 def _submit(client: Client, work: Work[Job, Result], job: Job) -> Any:
-    return client.submit(_do, work, job, _versions(), pure=False)
+    return client.submit(work, job, np.zeros(1, dtype=np.uint8), pure=False)
 
 
-def _do(work: Work[Job, Result], job: Job, versions: dict[str, str]) -> Result:
-    """Do a job on a worker, if that is one of the right kind."""
-    mine = _versions()
-    for name, wanted in versions.items():
-        if mine[name] != wanted:
-            raise InputError(f"executor has workers with {name} {mine[name]}, here is {wanted}")
-    return work(job, np.zeros(1, dtype=np.uint8))
+def _look(client: Client, known: set[str]) -> int:
+    """Return how many threads the cluster has, once those that are not known yet are checked."""
+    threads, tell = client.nthreads(), versions_teller(PACKAGES)
+    new = [address for address in threads if address not in known]
+    # a worker that is gone by now gives no answer
+    there = client.run(tell, workers=new, on_error="ignore") if new else {}
+    if not known:
+        there["the scheduler"] = client.run_on_scheduler(tell)  # it unpacks what passes through it
+    here = tell()
+    for place, versions in there.items():
+        for name, wanted in here.items():
+            if versions[name] != wanted:
+                found = f"{name} {versions[name]}"
+                raise InputError(f"executor must have {name} {wanted}, got {found} at {place}")
+    known.update(there)
+    return sum(threads.values())
 
 
-@cache
-def _versions() -> dict[str, str]:
-    found = {}
-    for name in PACKAGES:
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:
-            found[name] = "of unknown version"
-    return found
+def versions_teller(names: tuple[str, ...]) -> Callable[[], dict[str, str]]:
+    """Return a function that tells the versions of packages where it is called.
+
+    Being made here it travels as a whole, so that a worker without this package can answer.
+    """
+
+    def tell() -> dict[str, str]:
+        from importlib import metadata  # noqa: PLC0415 - on the worker
+
+        found = dict.fromkeys(names, "missing")
+        for name in names:
+            with suppress(metadata.PackageNotFoundError):
+                found[name] = metadata.version(name)
+        return found
+
+    return tell
 
 
 @contextmanager
