@@ -66,7 +66,7 @@ def main(settings: Settings) -> None:
         [from_rest.drop_dims("event"), up_down.drop_dims("event")], "direction",
         data_vars="minimal", coords="minimal", compat="equals", join="exact",
         combine_attrs="override",
-    )  # fmt: skip
+    ).sortby("direction")  # fmt: skip
     compared = compare(simulated)
     settings.keep(compared, "fig11")
     draw("fig11", exact, simulated, settings, compared=compared)
