@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 import rotor_ida
-from rotor_ida.studies.store import FILE
+from rotor_ida.studies.database import FILE
 
 Program = Callable[..., Any]
 

@@ -10,7 +10,7 @@ import xarray as xr
 from rotor_ida import Rotor, basin, settling, shares, sweep
 from rotor_ida.errors import InputError
 from rotor_ida.studies import status
-from rotor_ida.studies.store import FILE
+from rotor_ida.studies.database import FILE
 
 BOUNCER = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 AXIS = np.linspace(-8.0, 8.0, 40)
