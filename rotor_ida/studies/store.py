@@ -235,7 +235,9 @@ def _check_new(place: Path) -> None:
     nearest = next(path for path in (place, *place.parents) if path.exists())
     if not nearest.is_dir():
         raise InputError(f"study must be a folder, got the file {str(nearest)!r}")
-    if place.is_dir() and not (place / FILE).exists() and any(place.iterdir()):
+    if (place / FILE).exists():  # what is done can be read even where nothing can be written
+        return
+    if place.is_dir() and any(place.iterdir()):
         raise InputError(f"study must be a new, an empty or a study's folder, got {str(place)!r}")
     if not os.access(nearest, os.W_OK):
         raise InputError(f"study must be in a folder that can be written to, got {str(place)!r}")
