@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.basins import basin, shares
-from rotor_ida.checks import State
+from rotor_ida.checks import State, check_count
 from rotor_ida.ensemble import Progress
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import Rotor
@@ -20,22 +20,29 @@ from rotor_ida.sweeps import DIRECTIONS, sweep
 from rotor_ida.testing import assert_events_close
 
 COMPONENTS = ("x", "y", "vx", "vy")
+STARTS = tuple(f"start_{name}" for name in COMPONENTS)
+RANGES = tuple(f"range_{name}" for name in COMPONENTS)
+PARAMETERS = ("omega", "zeta", "delta0")
 HOW = ("rtol", "atol", "method", "flight")
+# What tells one response from another.
+NUMBERS = ("amplitude", "phase_lag", "radius_min", "radius_max")
 # Variables by which a kind of result is known, and attributes that it takes to compute it again.
 NEEDED = {
     "run": (
         ("event_time", "event_time_error", "time"),
-        ("omega", "zeta", "delta0", "start", "duration", *HOW),
+        (*PARAMETERS, "start", "duration", *HOW),
     ),
-    "sweep": (("event_count", "response", "direction", "start_x"), HOW),
-    "basin": (("label", "settling_time"), ("omega", "zeta", "delta0", "labelling_rtol")),
+    "sweep": (("event_count", "response", "direction", *STARTS, *PARAMETERS, *NUMBERS), HOW),
+    "basin": (
+        ("label", "settling_time", "kind", *COMPONENTS, *NUMBERS),
+        (*PARAMETERS, "labelling_rtol"),
+    ),
     "shares": (
-        ("response_share", "count"),
-        ("omega", "zeta", "delta0", "labelling_rtol", "starts", "seed", "range_x"),
+        ("response_share", "count", "kind", *NUMBERS),
+        (*PARAMETERS, "labelling_rtol", "starts", "seed", *RANGES),
     ),
 }
-# What tells one response from another, and how far it may be off on another machine.
-NUMBERS = ("amplitude", "phase_lag", "radius_min", "radius_max")
+# How far these numbers may be off on another machine.
 CLOSE = 1e-6
 
 
@@ -116,6 +123,9 @@ def _kind_of(dataset: xr.Dataset) -> str:
             missing = [name for name in attributes if name not in dataset.attrs]
             if missing:
                 raise InputError(f"this {kind} cannot be verified: it lacks {', '.join(missing)}")
+            words = [name for name in variables if dataset[name].dtype.kind not in "iuf"]
+            if words:
+                raise InputError(f"{words[0]} must be numbers, got {dataset[words[0]].dtype}")
             return kind
     raise InputError(
         "only what simulate, sweep, basin and shares have computed can be verified, got a dataset "
@@ -138,7 +148,7 @@ def _sweep(dataset: xr.Dataset, **how: Any) -> xr.Dataset:
     turns = tuple(dataset["direction"].values.tolist())
     direction = next((word for word, each in DIRECTIONS.items() if each == turns), "unknown")
     starts = zip(*(dataset[f"start_{name}"].values.tolist() for name in COMPONENTS), strict=True)
-    given: dict[str, Any] = {name: dataset[name].values for name in ("omega", "zeta", "delta0")}
+    given: dict[str, Any] = {name: dataset[name].values for name in PARAMETERS}
     given |= {name: dataset.attrs[name] for name in HOW}
     return sweep(**given, starts=list(starts), direction=cast(Any, direction), **how)
 
@@ -153,12 +163,12 @@ def _shares(dataset: xr.Dataset, **how: Any) -> xr.Dataset:
     drawn: dict[str, Any] = {
         name: tuple(np.atleast_1d(given[f"range_{name}"]).tolist()) for name in COMPONENTS
     }
-    drawn |= {name: int(given[name]) for name in ("starts", "seed")}
+    drawn |= {name: check_count(name, given[name], 0) for name in ("starts", "seed")}
     return shares(_rotor(dataset), **drawn, rtol=given["labelling_rtol"], **how)
 
 
 def _rotor(dataset: xr.Dataset) -> Rotor:
-    return Rotor(**{name: dataset.attrs[name] for name in ("omega", "zeta", "delta0")})
+    return Rotor(**{name: dataset.attrs[name] for name in PARAMETERS})
 
 
 def _of_events(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
@@ -213,8 +223,6 @@ def _apart(again: xr.Dataset, archived: xr.Dataset, name: str) -> float:
     The numbers of other motions are those of one stretch of them, which another machine may see
     elsewhere. What is not told by either counts as equal.
     """
-    if name not in archived:
-        return 0.0
     one, other = again[name].values, archived[name].values
     kinds = archived["kind" if "kind" in archived else "response"].values
     steady = np.isin(kinds, [RESPONSE[kind] for kind in (CONTACT_FREE, SYNCHRONOUS)])

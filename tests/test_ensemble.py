@@ -128,6 +128,32 @@ def test_an_interrupt_ends_it_at_once(tmp_path, executor):
     assert list(tmp_path.iterdir()) == [script]
 
 
+KILLED = """
+import sys, time
+sys.path.insert(0, {folder!r})
+from rotor_ida.ensemble import run_all
+
+def work(job, stop):
+    return job
+
+if __name__ == "__main__":
+    for _ in run_all(work, range(10), workers=1, executor="processes"):
+        print("started", flush=True)
+        time.sleep(60.0)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_no_worker_outlives_a_program_that_is_killed(tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text(KILLED.format(folder=str(tmp_path)))
+    with subprocess.Popen([sys.executable, script], stdout=subprocess.PIPE, text=True) as program:
+        assert program.stdout.readline() == "started\n"
+        program.kill()
+        # the output ends when nobody is left who could write to it
+        assert program.communicate(timeout=10.0)[0] == ""
+
+
 def test_workers_are_counted():
     assert count_workers(3) == 3
     assert count_workers(None) >= 1

@@ -87,6 +87,39 @@ def test_another_kind_of_dataset_cannot_be_verified():
         rerun(run)
 
 
+@pytest.mark.parametrize(
+    ("kind", "damage", "message"),
+    [
+        (
+            "sweep",
+            lambda of: of.drop_vars("start_y"),
+            "only what simulate, sweep, basin and shares",
+        ),
+        (
+            "sweep",
+            lambda of: of.drop_vars("amplitude"),
+            "only what simulate, sweep, basin and shar",
+        ),
+        ("sweep", lambda of: of.assign(amplitude=of.amplitude.astype(str)), "amplitude must be nu"),
+        (
+            "basin",
+            lambda of: of.drop_vars("vy"),
+            "only what simulate, sweep, basin and shares have",
+        ),
+        ("shares", lambda of: of.assign_attrs(starts="many"), "starts must be a whole number, got"),
+        ("shares", lambda of: of.assign_attrs(starts=1e300), "starts must be a whole number, got"),
+        (
+            "shares",
+            lambda of: of.drop_attrs().assign_attrs(omega=1.0),
+            "it lacks zeta, delta0, lab",
+        ),
+    ],
+)
+def test_a_result_that_lacks_what_it_takes_is_refused(kind, damage, message):
+    with pytest.raises(InputError, match=message):
+        rerun(damage(RESULTS[kind]()))
+
+
 def test_run_in_si_units_is_refused():
     machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6,
                                clearance=2e-6, speed=600.0)  # fmt: skip

@@ -101,7 +101,7 @@ def shares(
         rotor, drawn, count, design,
         rtol=check_rtol(rtol), workers=workers, executor=executor, study=study, progress=progress,
     )  # fmt: skip
-    attributes = {"starts": count, "seed": seed, **found.attributes}
+    attributes = {"starts": count, "seed": chosen, **found.attributes}
     attributes |= {f"range_{name}": limits for name, limits in zip(COMPONENTS, box, strict=True)}
     return shares_dataset(rotor, found.labels, found.attractors, attributes, found.options)
 

@@ -1,5 +1,19 @@
 """The command line: results on standard output, everything else on standard error."""
 
-from rotor_ida.cli.program import main
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
 
 __all__ = ["main"]
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run one command, as `rotor_ida.cli.program.main` does; an interrupt may come even before."""
+    try:
+        from rotor_ida.cli import program  # noqa: PLC0415 - takes a moment
+
+        return program.main(words)
+    except KeyboardInterrupt:
+        print("rotor-ida: interrupted", file=sys.stderr)
+        return 130

@@ -22,10 +22,9 @@ def answered(dataset: xr.Dataset, targets: Targets, *, as_json: bool) -> Report:
     study = None if targets.study is None else str(targets.study)
     trouble = f"{_reason(dataset, missing)}{going_on(study)}"
     status = INTERRUPTED if dataset.attrs["interrupted"] else FAILED
-    # what is not whole is not the result of the study
-    return answer(
-        dataset, replace(targets, study=None), as_json=as_json, trouble=trouble, status=status
-    )
+    if targets.study is not None:  # it goes on, and has a result when it is done
+        targets = replace(targets, out=None, study=None, figure=None)
+    return answer(dataset, targets, as_json=as_json, trouble=trouble, status=status)
 
 
 def _failures(dataset: xr.Dataset) -> str:

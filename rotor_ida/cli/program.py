@@ -105,5 +105,6 @@ def _misread(error: CycloptsError) -> str:
 
 def _complain(message: str, status: int) -> int:
     if sys.stderr is not None:
-        print("rotor-ida:", " ".join(message.split()), file=sys.stderr)
+        # one line, in which the name of a file keeps its blanks
+        print("rotor-ida:", " ".join(map(str.strip, message.splitlines())), file=sys.stderr)
     return status

@@ -33,7 +33,8 @@ def going_on(folder: str | None) -> str:
         found = rotor_ida.status(folder)
     except RotorError:
         return ""
+    word = f"./{folder}" if folder.startswith("-") else folder  # else it would be an option
     return (
         f"; {found['done']} of {found['points']} points are kept in {folder}: go on with "
-        f"rotor-ida resume {shlex.quote(folder)}"
+        f"rotor-ida resume {shlex.quote(word)}"
     )

@@ -9,9 +9,12 @@ from pathlib import Path
 from rotor_ida.dataset.provenance import versions
 
 # Without these folders and modules, a result is drawn, told or kept otherwise, but not computed so.
-_NO_PART = (
-    *("analysis", "archive", "cli", "closed_forms", "errata", "plot", "printed", "scenarios"),
-    *("comparison", "freshness", "gallery", "reproduction", "scenario", "testing", "verification"),
+NO_PART = frozenset(
+    [
+        *("analysis", "archive", "cli", "errata", "plot", "printed", "scenarios"),
+        *("comparison", "freshness", "gallery", "reproduction", "scenario", "testing"),
+        *("resuming", "verification"),
+    ]
 )
 _INDIFFERENT = ("python_version", "xarray_version")
 
@@ -34,6 +37,6 @@ def _digest() -> str:
     package = Path(__file__).parents[1]
     for path in sorted(package.rglob("*.py")):
         name = path.relative_to(package)
-        if name.parts[0].removesuffix(".py") not in _NO_PART:
+        if name.parts[0].removesuffix(".py") not in NO_PART:
             digest.update(f"{name.as_posix()}\0".encode() + path.read_bytes() + b"\0")
     return digest.hexdigest()

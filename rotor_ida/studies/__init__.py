@@ -4,7 +4,8 @@ A study knows nothing of rotors. It has a *design*, which says what is computed,
 numbered from 0, each the bytes that one job has returned.
 """
 
+from rotor_ida.studies.database import design_of
 from rotor_ida.studies.status import status
-from rotor_ida.studies.store import Piece, Study, design_of, opened
+from rotor_ida.studies.store import Piece, Study, opened
 
 __all__ = ["Piece", "Study", "design_of", "opened", "status"]

@@ -41,7 +41,8 @@ def refuse_another(folder: str, begun: Mapping[str, Any], wanted: Mapping[str, A
     """
     for name in sorted({*begun, *wanted}):
         before, now = begun.get(name, _ABSENT), wanted.get(name, _ABSENT)
-        if before != now:
+        # as text, since 0.0 and -0.0 are equal but give other bits
+        if as_text({name: before}) != as_text({name: now}):
             raise InputError(
                 f"study {folder!r} was begun with {name} {_shown(before)}, got {_shown(now)}: go "
                 "on with what it was begun with, or begin another in a folder of its own"

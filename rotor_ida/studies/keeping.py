@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
 
 from rotor_ida.errors import ArchiveError
-from rotor_ida.studies.store import FILE, Piece, Study, opened
+from rotor_ida.studies.database import FILE
+from rotor_ida.studies.store import Piece, Study, opened
 
 Result = TypeVar("Result")
 

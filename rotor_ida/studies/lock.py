@@ -23,7 +23,10 @@ def locked(folder: Path) -> Iterator[None]:
     ArchiveError
         If another process holds it.
     """
-    descriptor = _open(folder)
+    try:
+        descriptor = _open(folder)
+    except OSError as error:
+        raise ArchiveError(f"cannot use the folder {str(folder)!r}: {error.strerror}") from error
     try:
         if descriptor is not None and not _held(descriptor):
             raise ArchiveError(f"another process is at work in {str(folder)!r}")
@@ -35,7 +38,10 @@ def locked(folder: Path) -> Iterator[None]:
 
 def is_locked(folder: Path) -> bool:
     """Return whether a process is at work in a folder, as far as can be told."""
-    descriptor = _open(folder)
+    try:
+        descriptor = _open(folder)
+    except OSError:
+        return False
     if descriptor is None:
         return False
     try:

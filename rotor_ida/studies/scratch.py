@@ -14,6 +14,8 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from rotor_ida.errors import ArchiveError
+
 # Smaller arrays are kept in memory.
 LARGE = 64 * 2**20  # bytes
 # So many numbers are worked on at a time.
@@ -36,7 +38,7 @@ def scratch(
 
     Raises
     ------
-    OSError
+    ArchiveError
         If the disk has no room for it.
 
     Examples
@@ -48,13 +50,18 @@ def scratch(
     size = math.prod(shape) * kind.itemsize
     if folder is None or size < LARGE:
         return np.empty(shape, dtype=kind)
-    with tempfile.TemporaryFile(dir=folder) as file:
-        # Room that is only promised would end the process when the disk is full.
-        if hasattr(os, "posix_fallocate"):
-            os.posix_fallocate(file.fileno(), 0, size)
-        else:
-            file.truncate(size)
-        return np.memmap(file, dtype=kind, mode="r+", shape=shape)
+    try:
+        with tempfile.TemporaryFile(dir=folder) as file:
+            # Room that is only promised would end the process when the disk is full.
+            if hasattr(os, "posix_fallocate"):
+                os.posix_fallocate(file.fileno(), 0, size)
+            else:
+                file.truncate(size)
+            return np.memmap(file, dtype=kind, mode="r+", shape=shape)
+    except OSError as error:
+        raise ArchiveError(
+            f"cannot make room for {size / 2**20:.0f} MiB in {str(folder)!r}: {error.strerror}"
+        ) from error
 
 
 def slabs(size: int) -> Iterator[slice]:

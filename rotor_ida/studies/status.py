@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 import os
-from pathlib import Path
 
+from rotor_ida.studies.database import begun_with, check_folder, damaged, reading
 from rotor_ida.studies.lock import is_locked
-from rotor_ida.studies.store import design_of, reading
 
 # So many different reasons of failure are told.
 MOST_REASONS = 10
@@ -36,9 +35,9 @@ def status(folder: str | os.PathLike[str]) -> dict[str, object]:
     ArchiveError
         If its file is damaged.
     """
-    design = design_of(folder)
-    with reading(folder) as connection:
-        (points,) = connection.execute("SELECT points FROM design").fetchone()
+    place = check_folder(folder)
+    with reading(place) as connection:
+        design, points = begun_with(connection, place)
         done, failed = connection.execute(
             "SELECT coalesce(sum(points), 0), coalesce(sum(failed), 0) FROM pieces"
         ).fetchone()
@@ -49,6 +48,8 @@ def status(folder: str | os.PathLike[str]) -> dict[str, object]:
         session = connection.execute(
             "SELECT began, seen, points FROM sessions ORDER BY rowid DESC LIMIT 1"
         ).fetchone()
+    if not (isinstance(done, int) and isinstance(failed, int)):
+        raise damaged(place, "the number of points of a piece")
     rate = _rate(session)
     return {
         "kind": design.get("kind", ""),
@@ -56,15 +57,15 @@ def status(folder: str | os.PathLike[str]) -> dict[str, object]:
         "done": done,
         "failed": failed,
         "left": points - done,
-        "running": is_locked(Path(folder)),
+        "running": is_locked(place),
         "points_per_second": rate,
         "seconds_left": (points - done) / rate if rate > 0.0 else math.nan,
-        "reasons": [reason for (reason,) in reasons],
+        "reasons": [str(reason) for (reason,) in reasons],
     }
 
 
-def _rate(session: tuple[float, float, int] | None) -> float:
+def _rate(session: tuple[object, ...] | None) -> float:
     if session is None:
         return math.nan
-    began, seen, points = session
+    began, seen, points = (each if isinstance(each, (int, float)) else 0 for each in session)
     return points / (seen - began) if seen > began else math.nan

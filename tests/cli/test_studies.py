@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 import signal
 import subprocess
 import sys
@@ -15,7 +16,9 @@ from typing import Any
 import pytest
 
 import rotor_ida
-from rotor_ida.studies.store import FILE
+import rotor_ida.cli
+from rotor_ida.cli.studied import studied
+from rotor_ida.studies.database import FILE
 
 Program = Callable[..., Any]
 
@@ -67,6 +70,64 @@ def test_an_interrupt_says_how_to_go_on(program: Program):
     assert sorted(os.listdir("study")) == [FILE]
 
 
+def test_an_interrupt_before_it_begins_is_one_line(monkeypatch: Any, capsys: Any):
+    from rotor_ida.cli import program as module
+
+    def interrupts(words: Any) -> int:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(module, "main", interrupts)
+    assert rotor_ida.cli.main(["doctor"]) == 130
+    assert capsys.readouterr().err == "rotor-ida: interrupted\n"
+
+
+def test_an_interrupt_while_the_result_is_written_says_how_to_go_on(
+    program: Program, monkeypatch: Any
+):
+    def interrupts(*given: Any, **more: Any) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(rotor_ida, "save", interrupts)
+        answer = program(*SWEEP)
+    assert answer.status == 130
+    assert answer.err == (
+        "rotor-ida: interrupted; 6 of 6 points are kept in study: go on with rotor-ida resume "
+        "study\n"
+    )
+    assert program("resume", "study").status == 0
+
+
+@pytest.mark.parametrize(
+    ("folder", "word"), [("a  b", "'a  b'"), ("-x", "./-x"), ("naïve", "'naïve'")]
+)
+def test_how_to_go_on_can_be_typed(program: Program, folder: str, word: str):
+    program(*SWEEP[:-2], f"--study={folder}")
+    with pytest.raises(KeyboardInterrupt) as interrupted, studied(folder):
+        raise KeyboardInterrupt
+    hint = str(interrupted.value).rpartition("rotor-ida ")[2]
+    assert hint == f"resume {word}"
+    assert program(*shlex.split(hint)).status == 0
+    assert program(*SWEEP[:-2], f"--study={folder}", "--rtol", "1e-9").err.startswith(
+        f"rotor-ida: study {folder!r} was begun"
+    )
+
+
+def test_what_cannot_be_drawn_is_refused_before_anything_is_computed(program: Program):
+    box = ["--zeta", "0.5", "--delta0", "0.5", "--x=-5:5", "--y=-5:5", "--starts", "9"]
+    program("shares", "--omega", "1.7", *box, "--study", "drawn")
+    many = ["--zeta", "0.5:0.9:13", "--delta0", "0.5"]
+    program("sweep", "--omega", "1.7", *many, "--study", "many")
+    for folder, message in (
+        ("drawn", "figure must be of a sweep or basin, got a study of shares"),
+        ("many", "figure can show at most 12 pairs of zeta and delta0, got 13"),
+    ):
+        Path(folder, "result.nc").unlink()
+        answer = program("resume", folder, "--figure", "figure.png")
+        assert (answer.status, answer.err) == (2, f"rotor-ida: {message}\n")
+        assert os.listdir(folder) == [FILE]
+
+
 def _done() -> int:
     try:
         found = rotor_ida.status("study")["done"]
@@ -89,7 +150,7 @@ def test_an_interrupted_sample_has_no_result_yet(program: Program, monkeypatch: 
 
     sample = ["shares", "--omega", "1.7", "--zeta", "0.5", "--delta0", "0.5"]
     sample += ["--x=-5:5", "--y=-5:5", "--starts", "2000", "--study", "study"]
-    sample += ["--executor", "serial"]
+    sample += ["--executor", "serial", "--out", "out.nc"]
     with monkeypatch.context() as patch:
         patch.setattr(survey, "run_all", breaks_off)
         answer = program(*sample)
@@ -99,8 +160,9 @@ def test_an_interrupted_sample_has_no_result_yet(program: Program, monkeypatch: 
         "study: go on with rotor-ida resume study\n"
     )
     assert os.listdir("study") == [FILE]
-    assert program("resume", "study").status == 0
-    result = rotor_ida.load("study/result.nc")
+    assert not Path("out.nc").exists()
+    assert program("resume", "study", "--out", "out.nc").status == 0
+    result = rotor_ida.load("out.nc")
     assert int(result["not_computed_count"]) == 0
 
 

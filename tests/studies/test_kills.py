@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 from rotor_ida import InputError, status, sweep
-from rotor_ida.studies.store import FILE
+from rotor_ida.studies.database import FILE
 
 SWEEP = {"omega": [0.02 * number for number in range(25, 145)], "zeta": 0.07, "delta0": [0.5, 2.0]}
 

@@ -1,6 +1,8 @@
 """A study that was broken off goes on to the same bits as one that was not."""
 
 import os
+import subprocess
+import sys
 from itertools import count
 
 import numpy as np
@@ -10,7 +12,7 @@ import xarray as xr
 from rotor_ida import Rotor, basin, settling, shares, sweep
 from rotor_ida.errors import InputError
 from rotor_ida.studies import status
-from rotor_ida.studies.store import FILE
+from rotor_ida.studies.database import FILE
 
 BOUNCER = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 AXIS = np.linspace(-8.0, 8.0, 40)
@@ -101,6 +103,26 @@ def test_another_version_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(sweeps, "computing", lambda: other)
     with pytest.raises(InputError, match=r"begun with numpy_version '.*', got '9.9'"):
         sweep(**given, study=tmp_path)
+
+
+def test_only_what_draws_and_tells_does_not_decide_on_the_bits():
+    script = (
+        "import sys, rotor_ida.sweeps, rotor_ida.basins\n"
+        "from rotor_ida.dataset.computing import NO_PART\n"
+        "used = {name.split('.')[1] for name in sys.modules if name.startswith('rotor_ida.')}\n"
+        "print(sorted(used & NO_PART), end='')"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False
+    )
+    assert (ended.stdout, ended.stderr) == ("[]", "")
+
+
+def test_a_seed_of_numpy_leaves_no_trace(tmp_path):
+    box = {"x": (-8, 8), "y": (-8, 8), "starts": 100}
+    found = shares(BOUNCER, **box, seed=np.uint8(3), study=tmp_path)
+    assert type(found.attrs["seed"]) is int
+    xr.testing.assert_identical(shares(BOUNCER, **box, seed=3, study=tmp_path), found)
 
 
 def test_a_point_that_fails_is_recorded_and_the_others_go_on(tmp_path, monkeypatch):

@@ -51,17 +51,18 @@ def basin(
         zeta=parsing.number("zeta", zeta),
         delta0=parsing.number("delta0", delta0),
     )
-    with studied(study), progress("basin") as told:
-        dataset = rotor_ida.basin(
-            rotor,
-            x=start["x"],
-            y=start["y"],
-            vx=start["vx"],
-            vy=start["vy"],
-            rtol=parsing.number("rtol", rtol),
-            workers=parsing.workers(workers),
-            executor=executor,
-            study=study,
-            progress=told,
-        )
-    return answered(dataset, targets, as_json=as_json)
+    with studied(study):
+        with progress("basin") as told:
+            dataset = rotor_ida.basin(
+                rotor,
+                x=start["x"],
+                y=start["y"],
+                vx=start["vx"],
+                vy=start["vy"],
+                rtol=parsing.number("rtol", rtol),
+                workers=parsing.workers(workers),
+                executor=executor,
+                study=study,
+                progress=told,
+            )
+        return answered(dataset, targets, as_json=as_json)

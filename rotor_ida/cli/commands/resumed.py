@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
+
 import rotor_ida
 from rotor_ida.cli import options, parsing
 from rotor_ida.cli.progress import progress
 from rotor_ida.cli.report import Report
 from rotor_ida.cli.studied import studied
 from rotor_ida.cli.targets import check_targets
+from rotor_ida.errors import InputError
+from rotor_ida.studies import design_of
 
 
 def resume(
@@ -27,11 +31,22 @@ def resume(
 
         rotor-ida resume study
     """
-    targets = check_targets(out=out, study=folder, figure=figure, force=force)
+    panels = 1 if figure is None else _panels(folder)
+    targets = check_targets(out=out, study=folder, figure=figure, panels=panels, force=force)
     from rotor_ida.cli.endings import answered  # noqa: PLC0415 - heavy, and not for --help
 
-    with studied(folder), progress("study") as told:
-        dataset = rotor_ida.resume(
-            folder, workers=parsing.workers(workers), executor=executor, progress=told
-        )
-    return answered(dataset, targets, as_json=as_json)
+    with studied(folder):
+        with progress("study") as told:
+            dataset = rotor_ida.resume(
+                folder, workers=parsing.workers(workers), executor=executor, progress=told
+            )
+        return answered(dataset, targets, as_json=as_json)
+
+
+def _panels(folder: str) -> int:
+    """Return how many panels the figure of a study has; refuse a study that has none."""
+    design = design_of(folder)
+    if design.get("kind") == "shares":
+        raise InputError("figure must be of a sweep or basin, got a study of shares")
+    axes = (design.get(name) for name in ("zeta", "delta0"))
+    return math.prod(len(axis) for axis in axes if isinstance(axis, list))

@@ -52,19 +52,20 @@ def shares(
         zeta=parsing.number("zeta", zeta),
         delta0=parsing.number("delta0", delta0),
     )
-    with studied(study), progress("shares") as told:
-        dataset = rotor_ida.shares(
-            rotor,
-            x=drawn["x"],
-            y=drawn["y"],
-            vx=drawn["vx"],
-            vy=drawn["vy"],
-            starts=count,
-            seed=parsing.whole_number("seed", seed, 0, LARGEST_SEED),
-            rtol=parsing.number("rtol", rtol),
-            workers=parsing.workers(workers),
-            executor=executor,
-            study=study,
-            progress=told,
-        )
-    return answered(dataset, targets, as_json=as_json)
+    with studied(study):
+        with progress("shares") as told:
+            dataset = rotor_ida.shares(
+                rotor,
+                x=drawn["x"],
+                y=drawn["y"],
+                vx=drawn["vx"],
+                vy=drawn["vy"],
+                starts=count,
+                seed=parsing.whole_number("seed", seed, 0, LARGEST_SEED),
+                rtol=parsing.number("rtol", rtol),
+                workers=parsing.workers(workers),
+                executor=executor,
+                study=study,
+                progress=told,
+            )
+        return answered(dataset, targets, as_json=as_json)

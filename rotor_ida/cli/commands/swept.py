@@ -55,22 +55,23 @@ def sweep(
     from rotor_ida.cli.endings import answered  # noqa: PLC0415 - heavy, and not for --help
     from rotor_ida.ensemble import count_workers  # noqa: PLC0415
 
-    with studied(study), progress("sweep") as told:
-        dataset = rotor_ida.sweep(
-            omega=axes[0],
-            zeta=axes[1],
-            delta0=axes[2],
-            starts=starts,
-            direction=cast("Direction | None", direction),
-            rtol=parsing.number("rtol", rtol),
-            atol=parsing.number("atol", atol),
-            method=cast("Method", method),
-            flight=cast("Flight", flight),
-            backend=cast("Backend", backend),
-            # The program guards its main part: all cores, whatever the backend.
-            workers=count_workers(None) if count is None and executor == "auto" else count,
-            executor=executor,
-            study=study,
-            progress=told,
-        )
-    return answered(dataset, targets, as_json=as_json)
+    with studied(study):
+        with progress("sweep") as told:
+            dataset = rotor_ida.sweep(
+                omega=axes[0],
+                zeta=axes[1],
+                delta0=axes[2],
+                starts=starts,
+                direction=cast("Direction | None", direction),
+                rtol=parsing.number("rtol", rtol),
+                atol=parsing.number("atol", atol),
+                method=cast("Method", method),
+                flight=cast("Flight", flight),
+                backend=cast("Backend", backend),
+                # The program guards its main part: all cores, whatever the backend.
+                workers=count_workers(None) if count is None and executor == "auto" else count,
+                executor=executor,
+                study=study,
+                progress=told,
+            )
+        return answered(dataset, targets, as_json=as_json)
