@@ -104,7 +104,10 @@ def test_even_an_error_of_ours_stops_no_other_point(monkeypatch, error):
 def test_a_chain_that_is_lost_with_its_worker_is_labelled(monkeypatch):
     def loses_the_second(work, jobs, **_):
         for number, job in enumerate(jobs):
-            yield number, Lost("its worker died") if number == 1 else work(job, np.zeros(1))
+            yield (
+                number,
+                Lost("its worker died") if number == 1 else work(job, np.zeros(1, np.uint8)),
+            )
 
     monkeypatch.setattr(sweeps_module, "run_all", loses_the_second)
     found = sweep(omega=[1.0, 2.0], zeta=0.5, delta0=0.5, direction="both").squeeze()
