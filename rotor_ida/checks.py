@@ -14,6 +14,8 @@ from rotor_ida.errors import InputError
 
 State = tuple[float, float, float, float]
 
+LARGEST_SEED = 2**63 - 1
+
 
 def check_real(name: str, value: object) -> float:
     """Return `value` as a finite float.
@@ -63,6 +65,14 @@ def check_count(name: str, value: object, minimum: int = 1) -> int:
     if value < minimum:
         raise InputError(f"{name} must be at least {minimum}, got {int(value)!r}")
     return int(value)
+
+
+def check_seed(value: object) -> int:
+    """Return the seed of random numbers, which must go into an archive too."""
+    seed = check_count("seed", value, minimum=0)
+    if seed > LARGEST_SEED:
+        raise InputError(f"seed must be at most {LARGEST_SEED}, got {seed}")
+    return seed
 
 
 def check_choice(name: str, value: object, allowed: Sequence[str]) -> str:

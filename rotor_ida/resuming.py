@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-from typing import Any, cast
+from collections.abc import Callable
+from typing import Any
 
 import xarray as xr
 
 from rotor_ida.basins import basin, shares
-from rotor_ida.checks import State
 from rotor_ida.ensemble import Progress
 from rotor_ida.errors import ArchiveError
 from rotor_ida.parameters import Rotor
@@ -56,34 +56,26 @@ def resume(
     """
     design = design_of(folder)
     try:
-        return _RUN[design["kind"]](
-            design, study=folder, workers=workers, executor=executor, progress=progress
-        )
+        function, given = _call(design)
     except (KeyError, TypeError) as error:
         raise ArchiveError(f"study {str(folder)!r} has a damaged design: {error!r}") from error
+    return function(**given, study=folder, workers=workers, executor=executor, progress=progress)
 
 
-def _sweep(design: dict[str, Any], **how: Any) -> xr.Dataset:
-    names = ("omega", "zeta", "delta0", "direction", "rtol", "atol", "method", "flight")
-    starts = [cast(State, tuple(start)) for start in design["starts"]]
-    return sweep(**{name: design[name] for name in names}, starts=starts, **how)
+def _call(design: dict[str, Any]) -> tuple[Callable[..., xr.Dataset], dict[str, Any]]:
+    """Return the function that a design is of, and what it was given."""
+    kind = design["kind"]
+    functions: dict[str, Callable[..., xr.Dataset]]
+    functions = {"sweep": sweep, "basin": basin, "shares": shares}
+    given = {name: design[name] for name in _GIVEN[kind]}
+    if kind == "sweep":
+        return sweep, {**given, "starts": [tuple(start) for start in design["starts"]]}
+    rotor = Rotor(**{name: design[name] for name in ("omega", "zeta", "delta0")})
+    return functions[kind], {**given, "rotor": rotor}
 
 
-def _basin(design: dict[str, Any], **how: Any) -> xr.Dataset:
-    return basin(_rotor(design), **_starts(design), rtol=design["rtol"], **how)
-
-
-def _shares(design: dict[str, Any], **how: Any) -> xr.Dataset:
-    drawn = {name: design[name] for name in ("starts", "seed", "rtol")}
-    return shares(_rotor(design), **_starts(design), **drawn, **how)
-
-
-def _rotor(design: dict[str, Any]) -> Rotor:
-    return Rotor(**{name: design[name] for name in ("omega", "zeta", "delta0")})
-
-
-def _starts(design: dict[str, Any]) -> dict[str, Any]:
-    return {name: design[name] for name in ("x", "y", "vx", "vy")}
-
-
-_RUN = {"sweep": _sweep, "basin": _basin, "shares": _shares}
+_GIVEN = {
+    "sweep": ("omega", "zeta", "delta0", "direction", "rtol", "atol", "method", "flight"),
+    "basin": ("x", "y", "vx", "vy", "rtol"),
+    "shares": ("x", "y", "vx", "vy", "rtol", "starts", "seed"),
+}

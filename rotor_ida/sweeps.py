@@ -34,6 +34,8 @@ DIRECTIONS: dict[str | None, tuple[int, ...]] = {
     "both": (1, -1),
 }
 REST: State = (0.0, 0.0, 0.0, 0.0)
+# Failures of the surroundings, not of the point.
+PASSING = ("MemoryError", "OSError")
 FORM = Form(rows_as_bytes, rows_from_bytes)
 
 
@@ -149,7 +151,7 @@ def _follow_all(
     chains: Chains, kept: Kept[Rows], executor: str, workers: int | None, progress: Progress | None
 ) -> None:
     """Follow the chains that are not kept yet, and keep each as it ends."""
-    if progress is not None:
+    if progress is not None and kept.points_done:
         progress(kept.points_done, chains.points)
     numbers = chains.slowest_first()
     due = numbers[[number not in kept.done for number in numbers.tolist()]].tolist()
@@ -163,14 +165,16 @@ def _follow_all(
             number = due[turn]
             if isinstance(found, Lost):
                 job = chains.job(number)
-                kept.hold(number, rows_of([failed(job.start, found.reason) for _ in job.rotors]))
+                points = [failed(job.start, found.reason) for _ in job.rotors]
+            else:
+                points = found
+            reasons = [point.message for point in points if point.response == FAILED]
+            if isinstance(found, Lost) or any(reason.startswith(PASSING) for reason in reasons):
+                kept.hold(number, rows_of(points))  # another time it may be done
                 held += chains.length
             else:
-                failures = [point.message for point in found if point.response == FAILED]
-                kept.keep(
-                    number, rows_of(found), len(found),
-                    failed=len(failures), reason=failures[0] if failures else "",
-                )  # fmt: skip
+                first = reasons[0] if reasons else ""
+                kept.keep(number, rows_of(points), len(points), failed=len(reasons), reason=first)
             if progress is not None:
                 progress(kept.points_done + held, chains.points)
 

@@ -10,7 +10,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.analysis.extrema import Extrema, radius_extrema
-from rotor_ida.checks import State, check_count, check_positive
+from rotor_ida.checks import State, check_count, check_positive, check_seed
 from rotor_ida.parameters import Rotor
 from rotor_ida.schema import STATUS, labelled
 from rotor_ida.simulator.options import Options
@@ -122,7 +122,7 @@ def _starts(starts: int | Sequence[State], seed: object, reach: object) -> Seque
         return starts
     count = check_count("starts", starts)
     farthest = check_positive("reach", reach)
-    random = np.random.default_rng(check_count("seed", seed, minimum=0))
+    random = np.random.default_rng(check_seed(seed))
     return [tuple(row) for row in random.uniform(-farthest, farthest, (count, 4)).tolist()]
 
 

@@ -102,6 +102,8 @@ def label(
         try:
             attractors = attractors_of(found, captured, options)
         except KeyboardInterrupt:  # labels without confirmation are better than none
+            if study is not None:
+                raise
             found.interrupted = True
             attractors = attractors_of(found, captured, options)
         attributes: dict[str, object] = {

@@ -16,7 +16,7 @@ from rotor_ida.basins.labelling import (
     check_within,
     label,
 )
-from rotor_ida.checks import check_count, check_real
+from rotor_ida.checks import check_count, check_real, check_seed
 from rotor_ida.dataset.basin import shares_dataset
 from rotor_ida.ensemble import Progress
 from rotor_ida.errors import InputError
@@ -86,7 +86,7 @@ def shares(
     given = {"x": x, "y": y, "vx": vx, "vy": vy}
     box = np.array([_range(name, given[name]) for name in COMPONENTS])
     count = check_count("starts", starts)
-    chosen = check_count("seed", seed, 0)
+    chosen = check_seed(seed)
 
     def drawn(first: int, last: int) -> Values:
         """Return the starts with these numbers, as if all were drawn in one go."""

@@ -119,7 +119,7 @@ def survey(
     edges = ((number * size, min((number + 1) * size, count)) for number in due)
     batches = (_Batch(ends, first, starts(first, last), tolerance) for first, last in edges)
     interrupted, lost = False, ""
-    if progress is not None:
+    if progress is not None and kept.points_done:
         progress(kept.points_done, count)
     if not due:  # then no cluster need be started
         return _surveyed(ends, count, kept, interrupted, lost)
@@ -133,6 +133,8 @@ def survey(
                 if progress is not None:
                     progress(kept.points_done, count)
     except KeyboardInterrupt:
+        if kept.folder is not None:  # a study goes on another time, from what it has kept
+            raise
         interrupted = True
     return _surveyed(ends, count, kept, interrupted, lost)
 

@@ -6,13 +6,14 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import Literal
 
+import numpy as np
 import xarray as xr
 from rich.console import RenderableType
 
 from rotor_ida.cli.records import Record, attributes_of, names_on, rows_of, value_of
 from rotor_ida.cli.tables import pairs, table
 from rotor_ida.comparison import summarise
-from rotor_ida.schema import RESPONSE
+from rotor_ida.schema import RESPONSE, flags_of
 
 Kind = Literal["run", "sweep", "basin", "shares", "comparison", "whirls", "folds", "other"]
 Description = tuple[Record, list[RenderableType]]
@@ -32,6 +33,8 @@ POINT = (
     *("response", *PARAMETERS, "start", "direction", "amplitude", "phase_lag"),
     *("radius_min", "radius_max", "event_count", "status", "message"),
 )
+# Of larger sweeps only the kinds are told; the archive holds the points.
+MOST_TOLD = 1_000_000
 RANGES = ("omega", "amplitude", "radius_max")
 MATCH = (
     *("matched_branch", *PARAMETERS, "start", "direction", "response", "amplitude"),
@@ -118,18 +121,36 @@ def _largest(values: Iterable[object]) -> float:
 
 
 def _sweep(dataset: xr.Dataset, most: int | None) -> Description:
-    points = rows_of(dataset, POINT)
+    points = rows_of(dataset, POINT) if dataset["response"].size <= MOST_TOLD else []
     record: Record = {
         "kind": "sweep",
         "starts": rows_of(dataset, STARTS),
         "responses": points,
         **attributes_of(dataset),
     }
-    kinds = [_of_kind(kind, points) for kind in dict.fromkeys(row["response"] for row in points)]
+    kinds = _kinds(dataset)
     parts: list[RenderableType] = [table("Responses by kind", kinds, list(kinds[0]))]
-    if most is not None:
+    if most is not None and points:
         parts += _rows("Responses", points, _telling(points), most, digits=6)
     return record, parts
+
+
+def _kinds(dataset: xr.Dataset) -> list[Record]:
+    """Return how many points there are of each kind, and the ranges that they cover."""
+    response = dataset["response"]
+    numbers = response.values
+    words = {number: word for word, number in flags_of(response).items()}
+    found, first = np.unique(numbers, return_index=True)
+    rows: list[Record] = []
+    for kind in found[np.argsort(first)].tolist():
+        here = numbers == kind
+        row: Record = {"response": words[kind], "points": int(here.sum())}
+        for name in RANGES:
+            values = dataset[name].broadcast_like(response).transpose(*response.dims).values[here]
+            known = values[np.isfinite(values)]
+            row[name] = f"{known.min():.6g} to {known.max():.6g}" if known.size else ""
+        rows.append(row)
+    return rows
 
 
 def _attractors(dataset: xr.Dataset, most: int | None) -> Description:
@@ -150,18 +171,6 @@ def _attractors(dataset: xr.Dataset, most: int | None) -> Description:
     attributes = attributes_of(dataset)
     told = {name: entry for name, entry in attributes.items() if name not in PARAMETERS}
     return record | told, [*parts, pairs("Starts", counts)]
-
-
-def _of_kind(kind: object, points: Sequence[Record]) -> Record:
-    """Return how many points there are of a kind, and the ranges that they cover."""
-    rows = [point for point in points if point["response"] == kind]
-    ranges = {name: _range(row[name] for row in rows) for name in RANGES}
-    return {"response": kind, "points": len(rows), **ranges}
-
-
-def _range(values: Iterable[object]) -> str:
-    known = [value for value in values if isinstance(value, float) and math.isfinite(value)]
-    return f"{min(known):.6g} to {max(known):.6g}" if known else ""
 
 
 def _comparison(dataset: xr.Dataset, most: int | None) -> Description:

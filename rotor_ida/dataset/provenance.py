@@ -35,7 +35,7 @@ def provenance(title: str, options: Options) -> dict[str, object]:
 def versions() -> dict[str, object]:
     """Return the versions of all that computes, as attributes."""
     names = {"rotor_ida": "rotor-ida", "scikit_sundae": "scikit-sundae"}
-    names |= {name: name for name in ("numpy", "scipy", "numba", "xarray")}
+    names |= {name: name for name in ("numpy", "scipy", "numba", "llvmlite", "xarray")}
     found: dict[str, object] = {f"{name}_version": version(names[name]) for name in names}
     found["sundials_version"] = str(SUNDIALS_VERSION)
     found["python_version"] = platform.python_version()

@@ -33,7 +33,7 @@ LOOK_AGAIN = 2.0
 ENOUGH = 0.25
 
 # What must be the same on every worker for the results to be the same, bit for bit.
-PACKAGES = ("rotor-ida", "numpy", "numba", "scikit-sundae")
+PACKAGES = ("rotor-ida", "numpy", "scipy", "numba", "llvmlite", "scikit-sundae")
 
 
 def run_on_cluster(
@@ -127,7 +127,11 @@ def versions_teller(names: tuple[str, ...]) -> Callable[[], dict[str, str]]:
     def tell() -> dict[str, str]:
         from importlib import metadata  # noqa: PLC0415 - on the worker
 
-        found = dict.fromkeys(names, "missing")
+        found = dict.fromkeys((*names, "sources"), "missing")
+        with suppress(ImportError):
+            from rotor_ida.sources import sources_digest  # noqa: PLC0415 - on the worker
+
+            found["sources"] = sources_digest()
         for name in names:
             with suppress(metadata.PackageNotFoundError):
                 found[name] = metadata.version(name)

@@ -91,6 +91,8 @@ class Study:
         self.done = {number for number, _ in rows}
         self.points_done: int = sum(points for _, points in rows)
         self._points_before = self.points_done
+        for _ in self.contents():  # what is damaged is better known before more is computed
+            pass
         (self._session,) = connection.execute(
             "SELECT coalesce(max(rowid), 0) + 1 FROM sessions"
         ).fetchone()
@@ -223,7 +225,7 @@ def opened(
         ) from error
     with locked(place), connected(place) as connection:
         begin(connection, place, design, points)
-        study = Study(place, connection)
+        study = Study(place.absolute(), connection)
         try:
             yield study
         finally:

@@ -156,8 +156,8 @@ def test_an_interrupted_sample_has_no_result_yet(program: Program, monkeypatch: 
         answer = program(*sample)
     assert answer.status == 130
     assert answer.err == (
-        "rotor-ida: interrupted: 512 of 2000 starts are done; 512 of 2000 points are kept in "
-        "study: go on with rotor-ida resume study\n"
+        "rotor-ida: interrupted; 512 of 2000 points are kept in study: go on with rotor-ida "
+        "resume study\n"
     )
     assert os.listdir("study") == [FILE]
     assert not Path("out.nc").exists()

@@ -71,10 +71,26 @@ def test_an_interrupt_leaves_a_study_that_goes_on(tmp_path):
     with pytest.raises(KeyboardInterrupt):
         KINDS["sweep"](study=tmp_path / "sweep", progress=interrupt)
     assert 0 < status(tmp_path / "sweep")["done"] < 24
-    broken = KINDS["basin"](study=tmp_path / "basin", progress=interrupt)
-    assert broken.attrs["interrupted"] == 1
-    done = status(tmp_path / "basin")["done"]
-    assert int(broken.not_computed_count) == AXIS.size**2 - done > 0
+    with pytest.raises(KeyboardInterrupt):
+        KINDS["basin"](study=tmp_path / "basin", progress=interrupt)
+    assert 0 < status(tmp_path / "basin")["done"] < AXIS.size**2
+
+
+def test_a_failure_of_the_surroundings_is_tried_again(tmp_path, monkeypatch):
+    from rotor_ida import chains
+
+    def has_no_memory(rotor, *rest, **options):
+        if rotor.omega == 2.0:
+            raise MemoryError
+        return settling.settle(rotor, *rest, **options)
+
+    given = {"omega": [1.0, 2.0], "zeta": 0.5, "delta0": 0.5, "executor": "serial"}
+    with monkeypatch.context() as patch:
+        patch.setattr(chains, "settle", has_no_memory)
+        found = sweep(**given, study=tmp_path)
+    assert found.message.values.ravel().tolist() == ["", "MemoryError"]
+    assert status(tmp_path)["left"] == 1
+    xr.testing.assert_identical(sweep(**given, study=tmp_path), sweep(**given))
 
 
 @pytest.mark.parametrize(
@@ -108,7 +124,7 @@ def test_another_version_is_refused(tmp_path, monkeypatch):
 def test_only_what_draws_and_tells_does_not_decide_on_the_bits():
     script = (
         "import sys, rotor_ida.sweeps, rotor_ida.basins\n"
-        "from rotor_ida.dataset.computing import NO_PART\n"
+        "from rotor_ida.sources import NO_PART\n"
         "used = {name.split('.')[1] for name in sys.modules if name.startswith('rotor_ida.')}\n"
         "print(sorted(used & NO_PART), end='')"
     )

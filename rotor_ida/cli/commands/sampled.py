@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import rotor_ida
+from rotor_ida.checks import LARGEST_SEED
 from rotor_ida.cli import options, parsing
 from rotor_ida.cli.progress import progress
 from rotor_ida.cli.report import Report
 from rotor_ida.cli.studied import studied
 from rotor_ida.cli.targets import check_targets
-
-LARGEST_SEED = 2**63 - 1
 
 
 def shares(
