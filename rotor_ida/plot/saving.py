@@ -74,9 +74,10 @@ def save_figure(
 @contextmanager
 def _settled_layout(figure: Figure) -> Iterator[None]:
     """Lay the figure out and hold that, so that no file depends on what was drawn before it."""
-    for _ in range(2):
-        figure.draw_without_rendering()
     engine = figure.get_layout_engine()
+    if engine is not None:
+        for _ in range(2):
+            engine.execute(figure)
     figure.set_layout_engine("none")
     try:
         yield
