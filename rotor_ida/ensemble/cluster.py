@@ -29,6 +29,9 @@ from rotor_ida.errors import InputError, SimulationError
 # Seconds in which a scheduler must answer, and after which to look again how many workers it has.
 PATIENCE = 5.0
 LOOK_AGAIN = 2.0
+# To hand out a task takes dask some ten milliseconds, so that short jobs go together into one that
+# takes about so many seconds.
+BUNDLE_TIME, MOST_TOGETHER = 0.25, 64
 # Seconds that a worker of ours has to end of its own accord.
 ENOUGH = 0.25
 
@@ -65,15 +68,15 @@ def _as_they_end(
 ) -> Iterator[tuple[int, Result | Lost]]:
     """Keep a few jobs in flight for each thread of the cluster, and yield what ends first."""
     waiting = enumerate(jobs)
-    running: dict[Any, tuple[int, Job]] = {}
+    running: dict[Any, list[tuple[int, Job]]] = {}
     suspects: list[tuple[int, Job]] = []
     known: set[str] = set()
-    room, looked = 0, -LOOK_AGAIN
+    room, looked, together = 0, -LOOK_AGAIN, 1
     while True:
         if time.monotonic() - looked >= LOOK_AGAIN:
             room, looked = IN_FLIGHT * max(1, _look(client, known)), time.monotonic()
-        for number, job in islice(waiting, max(0, room - len(running))):
-            running[_submit(client, work, job)] = number, job
+        while len(running) < room and (bundle := list(islice(waiting, together))):
+            running[_submit(client, work, [job for _, job in bundle])] = bundle
         if not running:
             break
         try:
@@ -82,22 +85,38 @@ def _as_they_end(
         except TimeoutError:
             continue
         for future in ended:
-            number, job = running.pop(future)
+            bundle = running.pop(future)
             try:
-                yield number, future.result()
+                results, took = future.result()
             except KilledWorker:
-                suspects.append((number, job))
+                suspects += bundle
+                continue
+            yield from zip((number for number, _ in bundle), results, strict=True)
+            together = min(MOST_TOGETHER, max(1, int(BUNDLE_TIME * len(bundle) / max(took, 1e-9))))
     for number, job in suspects:
-        try:
-            yield number, _submit(client, work, job).result()
-        except KilledWorker as error:
-            tried = error.allowed_failures + 1
-            yield number, Lost(f"every worker that took it on died, {tried} in all")
+        yield number, _alone(client, work, job)
     _look(client, known)
 
 
-def _submit(client: Client, work: Work[Job, Result], job: Job) -> Any:
-    return client.submit(work, job, np.zeros(1, dtype=np.uint8), pure=False)
+def _alone(client: Client, work: Work[Job, Result], job: Job) -> Result | Lost:
+    """Do a job with no other beside it."""
+    try:
+        found: tuple[list[Result], float] = _submit(client, work, [job]).result()
+    except KilledWorker as error:
+        tried = error.allowed_failures + 1
+        return Lost(f"every worker that took it on died, {tried} in all")
+    return found[0][0]
+
+
+def _submit(client: Client, work: Work[Job, Result], bundle: list[Job]) -> Any:
+    return client.submit(_do, work, bundle, pure=False)
+
+
+def _do(work: Work[Job, Result], bundle: list[Job]) -> tuple[list[Result], float]:
+    """Do some jobs one after the other; return what they gave, and the time that they took [s]."""
+    began = time.perf_counter()
+    stop = np.zeros(1, dtype=np.uint8)
+    return [work(job, stop) for job in bundle], time.perf_counter() - began
 
 
 def _look(client: Client, known: set[str]) -> int:
