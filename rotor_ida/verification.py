@@ -144,27 +144,30 @@ def _run(dataset: xr.Dataset) -> xr.Dataset:
     )
 
 
-def _sweep(dataset: xr.Dataset, **how: Any) -> xr.Dataset:
+def _sweep(dataset: xr.Dataset, workers: int | None, progress: Progress | None) -> xr.Dataset:
     turns = tuple(dataset["direction"].values.tolist())
     direction = next((word for word, each in DIRECTIONS.items() if each == turns), "unknown")
     starts = zip(*(dataset[f"start_{name}"].values.tolist() for name in COMPONENTS), strict=True)
     given: dict[str, Any] = {name: dataset[name].values for name in PARAMETERS}
     given |= {name: dataset.attrs[name] for name in HOW}
-    return sweep(**given, starts=list(starts), direction=cast(Any, direction), **how)
+    given |= {"starts": list(starts), "direction": direction}
+    return sweep(**given, workers=workers, progress=progress)
 
 
-def _basin(dataset: xr.Dataset, **how: Any) -> xr.Dataset:
+def _basin(dataset: xr.Dataset, workers: int | None, progress: Progress | None) -> xr.Dataset:
     starts: dict[str, Any] = {name: dataset[name].values[()] for name in COMPONENTS}
-    return basin(_rotor(dataset), **starts, rtol=dataset.attrs["labelling_rtol"], **how)
+    starts["rtol"] = dataset.attrs["labelling_rtol"]
+    return basin(_rotor(dataset), **starts, workers=workers, progress=progress)
 
 
-def _shares(dataset: xr.Dataset, **how: Any) -> xr.Dataset:
+def _shares(dataset: xr.Dataset, workers: int | None, progress: Progress | None) -> xr.Dataset:
     given = dataset.attrs
     drawn: dict[str, Any] = {
         name: tuple(np.atleast_1d(given[f"range_{name}"]).tolist()) for name in COMPONENTS
     }
     drawn |= {name: check_count(name, given[name], 0) for name in ("starts", "seed")}
-    return shares(_rotor(dataset), **drawn, rtol=given["labelling_rtol"], **how)
+    drawn["rtol"] = given["labelling_rtol"]
+    return shares(_rotor(dataset), **drawn, workers=workers, progress=progress)
 
 
 def _rotor(dataset: xr.Dataset) -> Rotor:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import heapq
 import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from operator import itemgetter
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
 
@@ -142,7 +144,10 @@ class _InStudy(Generic[Result]):
         self._held[number] = result
 
     def results(self) -> Iterator[tuple[int, Result]]:
-        yield from self._held.items()
+        held = sorted(self._held.items(), key=itemgetter(0))
+        yield from heapq.merge(held, self._stored(), key=itemgetter(0))
+
+    def _stored(self) -> Iterator[tuple[int, Result]]:
         for number, content in self._study.contents():
             try:
                 result = self._form.unpack(content)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rotor_ida import Rotor, basin, settling, shares, sweep
+from rotor_ida import Rotor, basin, load, save, settling, shares, sweep
 from rotor_ida.errors import InputError
 from rotor_ida.studies import status
 from rotor_ida.studies.database import FILE
@@ -159,3 +159,20 @@ def test_a_point_that_fails_is_recorded_and_the_others_go_on(tmp_path, monkeypat
     assert found.message.values.ravel()[1] == "ValueError: what nobody expected"
     monkeypatch.undo()
     xr.testing.assert_identical(sweep(**given, study=tmp_path), found)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_columns_on_the_disk_hold_the_same_bits(kind, tmp_path, monkeypatch):
+    from rotor_ida.studies import scratch
+
+    whole = KINDS[kind]()
+    monkeypatch.setattr(scratch, "LARGE", 1)
+    monkeypatch.setattr(scratch, "SLAB", 100)
+    on_disk = KINDS[kind](study=tmp_path / "study")
+    xr.testing.assert_identical(on_disk, whole)
+    saved = load(save(on_disk, tmp_path / "result.nc"))
+    assert (
+        saved.attrs["content_sha256"]
+        == load(save(whole, tmp_path / "whole.nc")).attrs["content_sha256"]
+    )
+    assert os.listdir(tmp_path / "study") == [FILE]
