@@ -14,10 +14,10 @@ import numpy as np
 
 from rotor_ida import Rotor
 from rotor_ida.basins.labelling import RTOL, label
-from rotor_ida.ensemble import count_workers, run_all
+from rotor_ida.parallel import count_workers, run_all
 from rotor_ida.schema import FATE
-from rotor_ida.settling import settle
-from rotor_ida.simulator.options import Options
+from rotor_ida.simulation.options import Options
+from rotor_ida.sweeps.steady_state import follow_to_steady_state
 
 HALF_WIDTH = 15.0
 CELL = 2.0 * HALF_WIDTH / 512
@@ -35,7 +35,7 @@ def labelled(rotor, states, rtol, workers):
 def follow(job, _stop):
     """Return what CVODE makes of one start: kind, amplitude and extreme radii."""
     rotor, state = job
-    settled = settle(rotor, state, Options(rtol=1e-10))
+    settled = follow_to_steady_state(rotor, state, Options(rtol=1e-10))
     window = settled.window
     return settled.response, window.amplitude, window.radius_min, window.radius_max
 

@@ -16,11 +16,11 @@ import heyoka as hy
 import numpy as np
 
 from rotor_ida import Rotor
-from rotor_ida.basins.ends import ends_of
+from rotor_ida.basins.following import follow_starts
 from rotor_ida.basins.kernel import NOT_COMPUTED, follow
+from rotor_ida.basins.known_attractors import known_attractors
 from rotor_ida.basins.labelling import RTOL
-from rotor_ida.basins.survey import survey
-from rotor_ida.studies.keeping import InMemory
+from rotor_ida.storage.studies.results import InMemory
 
 HALF_WIDTH = 15.0
 SPAN = 100.0
@@ -71,7 +71,7 @@ def time_of_heyoka(rotor, states, batch, **options):
 
 def time_of_kernel(rotor, states, tolerance):
     """Return core time a start [s] of the kernel over the same span, with nothing to capture."""
-    ends = ends_of(rotor)
+    ends = known_attractors(rotor)
     arguments = (rotor.omega, rotor.zeta, ends.clearance), np.empty((0, 14)), NOWHERE
     for _ in range(2):  # the first compiles
         copy = states.copy()
@@ -112,8 +112,8 @@ def main():
             print(f"heyoka, batch {batch}, {name}: {took:.2f} us")
     for _ in range(2):
         wall, core = time.perf_counter(), time.process_time()
-        found = survey(
-            ends_of(rotor), lambda a, b: states[:, a:b], states.shape[1], InMemory(),
+        found = follow_starts(
+            known_attractors(rotor), lambda a, b: states[:, a:b], states.shape[1], InMemory(),
             tolerance=given.rtol, workers=given.workers, executor="threads", progress=None,
         )  # fmt: skip
         wall, core = time.perf_counter() - wall, time.process_time() - core

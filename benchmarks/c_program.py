@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 from ways import ATOL
 
-from rotor_ida.simulator import sundials
-from rotor_ida.simulator.options import STEP_SAFETY
+from rotor_ida.simulation import sundials
+from rotor_ida.simulation.options import STEP_SAFETY
 
 SOURCE = Path(__file__).resolve().parent / "c" / "rotor.c"
 FLAGS = ("-O3", "-march=native", "-fcx-limited-range", "-std=c11", "-D_GNU_SOURCE")

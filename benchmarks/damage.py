@@ -140,7 +140,7 @@ def judge(task):
 def kill(times):
     """Kill a process that saves, again and again; return what is wrong afterwards."""
     chance, wrong = random.Random(3), []
-    data = xr.Dataset({"x": ("time", np.random.default_rng(0).normal(size=200_000))})
+    data = xr.Dataset({"x": ("t", np.random.default_rng(0).normal(size=200_000))})
     with tempfile.TemporaryDirectory() as folder:
         path = save(data, Path(folder) / "run.nc")
         for number in range(times):

@@ -28,7 +28,7 @@ STUDIES = {
         "sweep --omega 0.5:3:30 --zeta 0.07 0.1 0.15 0.2 --delta0 0.5 1 2 --direction both"
     ),
     "basin": "basin --omega 2 --zeta 0.07 --delta0 2 --x=-15:15:300 --y=-15:15:300",
-    "shares": (
+    "basin_fractions": (
         "shares --omega 3 --zeta 0.07 --delta0 0.5 --x=-9:9 --y=-9:9 --vx=-5:5 --vy=-5:5 "
         "--starts 60000"
     ),

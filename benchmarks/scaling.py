@@ -25,8 +25,8 @@ import ways
 from measuring import ROUNDS, clocked, in_turn, machine
 
 from rotor_ida import Rotor, simulate
-from rotor_ida.simulator.options import Options
-from rotor_ida.simulator.run import run
+from rotor_ida.simulation.options import Options
+from rotor_ida.simulation.run import run
 
 RTOL = 1e-9
 THREADS = (1, 2, 4)

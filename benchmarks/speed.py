@@ -31,10 +31,10 @@ from measuring import ROUNDS, clocked, in_turn, machine, ratio
 from ways import ATOL, Case, at_equal_error, errors
 
 from rotor_ida import simulate
-from rotor_ida.dataset.run import run_dataset
-from rotor_ida.simulator.options import Options
-from rotor_ida.simulator.run import run
-from rotor_ida.simulator.trust import trust
+from rotor_ida.simulation.dataset import run_dataset
+from rotor_ida.simulation.event_errors import estimate_event_errors
+from rotor_ida.simulation.options import Options
+from rotor_ida.simulation.run import run
 
 RTOL = 1e-9
 TOLERANCES = [10.0 ** (-power / 4.0) for power in range(20, 53)]
@@ -142,7 +142,7 @@ def labels(rounds):
     for case in (ways.FULL_CONTACT, ways.BOUNCING):
         options = Options(rtol=RTOL, atol=ATOL * RTOL)
         orbit = run(case.rotor, case.start, case.duration, case.times, options)
-        known = trust(orbit, case.start)
+        known = estimate_event_errors(orbit, case.start)
         clock = clocked(partial(run_dataset, orbit, case.start, known))
         spent = in_turn({"labels": clock}, rounds)["labels"].median
         print(f"| {case.name} | {case.samples:,} | {orbit.event_times.size} | {1e3 * spent:.2f} |")

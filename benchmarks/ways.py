@@ -15,8 +15,8 @@ from scipy.integrate import solve_ivp
 from sksundae.cvode import CVODE
 
 from rotor_ida import Rotor
-from rotor_ida.simulator.options import Options
-from rotor_ida.simulator.run import run
+from rotor_ida.simulation.options import Options
+from rotor_ida.simulation.run import run
 
 # Absolute tolerance in parts of the relative one, for every way.
 ATOL = 1e-2

@@ -14,6 +14,9 @@ from rotor_ida.errors import InputError
 
 State = tuple[float, float, float, float]
 
+# The components of a state, in their order everywhere.
+COMPONENTS = ("x", "y", "vx", "vy")
+
 LARGEST_SEED = 2**63 - 1
 
 
@@ -94,7 +97,7 @@ def check_state(name: str, value: object) -> State:
         raise InputError(f"{name} must be four numbers (x, y, vx, vy), got {value!r}")
     x, y, vx, vy = (
         check_real(f"{name} {part}", number)
-        for part, number in zip(("x", "y", "vx", "vy"), numbers, strict=True)
+        for part, number in zip(COMPONENTS, numbers, strict=True)
     )
     return (x, y, vx, vy)
 

@@ -6,6 +6,9 @@ import math
 from dataclasses import dataclass
 
 from rotor_ida.checks import check_nonnegative, check_positive
+from rotor_ida.errors import InputError
+
+PARAMETERS = ("omega", "zeta", "delta0")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -49,8 +52,15 @@ class Rotor:
     delta0: float
 
     def __post_init__(self) -> None:
-        for name in ("omega", "zeta", "delta0"):
+        for name in PARAMETERS:
             object.__setattr__(self, name, check_nonnegative(name, getattr(self, name)))
+
+
+def check_rotor(rotor: object) -> Rotor:
+    """Return `rotor` if it is one."""
+    if not isinstance(rotor, Rotor):
+        raise InputError(f"rotor must be a Rotor, got {rotor!r}")
+    return rotor
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -12,6 +12,9 @@ import xarray as xr
 CONVENTIONS = "CF-1.11"
 FORMAT_VERSION = 2
 
+# Dimensions and values of a variable.
+Column = tuple[Hashable | Sequence[Hashable], npt.ArrayLike]
+
 
 @dataclass(frozen=True)
 class Quantity:
@@ -69,7 +72,7 @@ QUANTITIES: dict[str, Quantity] = {
     "zeta": Quantity("damping ratio"),
     "delta0": Quantity("radial clearance over eccentricity"),
     # a run
-    "time": Quantity("dimensionless time", scale="time"),
+    "t": Quantity("dimensionless time", scale="time"),
     "x": Quantity("horizontal displacement", scale="length"),
     "y": Quantity("vertical displacement", scale="length"),
     "vx": Quantity("horizontal velocity", scale="velocity"),
@@ -99,7 +102,7 @@ QUANTITIES: dict[str, Quantity] = {
     # a summary of contacts
     "contact_count": Quantity("number of contacts"),
     "contacts_per_revolution": Quantity("number of contacts in one revolution"),
-    "contact_share": Quantity("part of the time spent in contact"),
+    "contact_fraction": Quantity("part of the time spent in contact"),
     "largest_force": Quantity("largest contact force", scale="force"),
     "mean_peak_force": Quantity("mean of the largest forces of the contacts", scale="force"),
     "total_impulse": Quantity("impulse of all whole contacts", scale="impulse"),
@@ -107,7 +110,7 @@ QUANTITIES: dict[str, Quantity] = {
     "energy_lost_per_revolution": Quantity(
         "kinetic energy lost in whole contacts per revolution", scale="energy"
     ),
-    "forward_share": Quantity("part of the contacts passed in forward whirl"),
+    "forward_fraction": Quantity("part of the contacts passed in forward whirl"),
     # a run on axes that turn with the unbalance
     "rotating_x": Quantity("displacement along the unbalance", scale="length"),
     "rotating_y": Quantity("displacement across the unbalance", scale="length"),
@@ -126,7 +129,7 @@ QUANTITIES: dict[str, Quantity] = {
     "force": Quantity("contact force", scale="force"),
     "force_x": Quantity("horizontal contact force on the rotor", scale="force"),
     "force_y": Quantity("vertical contact force on the rotor", scale="force"),
-    "peak_share": Quantity("part of the contacts whose largest force is no larger"),
+    "peak_fraction": Quantity("part of the contacts whose largest force is no larger"),
     # Lyapunov exponents
     "exponent": Quantity("number of the Lyapunov exponent, the largest first"),
     "lyapunov_exponent": Quantity("Lyapunov exponent", scale="rate"),
@@ -153,9 +156,9 @@ QUANTITIES: dict[str, Quantity] = {
     "fold_omega": Quantity("spin speed of the fold over the reference frequency"),
     "fold_amplitude": Quantity("amplitude of the synchronous whirl at the fold", scale="length"),
     "landing_amplitude": Quantity("amplitude of the whirl that is left at a fold", scale="length"),
-    "critical_zeta": Quantity("damping ratio above which no fold is left"),
-    "critical_omega": Quantity("spin speed at which the last folds merge"),
-    "critical_amplitude": Quantity("amplitude at which the last folds merge", scale="length"),
+    "cusp_zeta": Quantity("damping ratio above which no fold is left"),
+    "cusp_omega": Quantity("spin speed at which the last folds merge"),
+    "cusp_amplitude": Quantity("amplitude at which the last folds merge", scale="length"),
     "peak_amplitude": Quantity("largest amplitude of a contacting whirl", scale="length"),
     "peak_omega": Quantity("spin speed at which the amplitude is largest"),
     "peak_contact_force": Quantity("contact force where the amplitude is largest", scale="force"),
@@ -200,16 +203,16 @@ QUANTITIES: dict[str, Quantity] = {
     "kind": Quantity("kind of response on the attractor", flags=RESPONSE),
     "confirmed": Quantity("whether CVODE has followed a start to the attractor", flags=NO_YES),
     "count": Quantity("number of starts that end on the attractor"),
-    "share": Quantity("part of the computed starts that end on the attractor"),
-    "share_error": Quantity(
+    "fraction": Quantity("part of the computed starts that end on the attractor"),
+    "fraction_error": Quantity(
         "standard error of the share, if the starts were drawn at random from their range"
     ),
     "undecided_count": Quantity("number of starts whose end is not known"),
-    "undecided_share": Quantity("part of the computed starts whose end is not known"),
+    "undecided_fraction": Quantity("part of the computed starts whose end is not known"),
     "not_computed_count": Quantity("number of starts that were not followed to the end"),
     "response_count": Quantity("number of starts that end on a response of the kind"),
-    "response_share": Quantity("part of the computed starts that end on a response of the kind"),
-    "response_share_error": Quantity("standard error of the share of the kind of response"),
+    "response_fraction": Quantity("part of the computed starts that end on a response of the kind"),
+    "response_fraction_error": Quantity("standard error of the share of the kind of response"),
     # comparison
     "matched_branch": Quantity("number of the branch that the response is on, -1 where on none"),
     "amplitude_error": Quantity("simulated minus exact amplitude, relative to the exact one"),
@@ -233,6 +236,45 @@ def labelled(name: str, dims: Hashable | Sequence[Hashable], values: npt.ArrayLi
     '1'
     """
     return xr.Variable(dims, np.asarray(values), QUANTITIES[name].attributes())
+
+
+def labelled_dataset(
+    title: str,
+    variables: Mapping[str, Column | xr.Variable],
+    coordinates: Mapping[str, Column | xr.Variable],
+    attributes: Mapping[str, object] | None = None,
+) -> xr.Dataset:
+    """Return a dataset whose variables carry their long names and units.
+
+    Parameters
+    ----------
+    title : str
+        What the dataset is.
+    variables, coordinates : mapping of str to tuple or Variable
+        Dimensions and values by the names of `QUANTITIES`, or variables that are labelled already.
+    attributes : mapping, optional
+        Further attributes, such as where the result came from.
+
+    Examples
+    --------
+    >>> labelled_dataset("a whirl", {"amplitude": ((), 2.0)}, {"omega": ((), 1.7)}).attrs
+    {'Conventions': 'CF-1.11', 'title': 'a whirl'}
+    """
+    data, coords = (
+        {
+            name: column if isinstance(column, xr.Variable) else labelled(name, *column)
+            for name, column in columns.items()
+        }
+        for columns in (variables, coordinates)
+    )
+    return xr.Dataset(
+        data, coords, {"Conventions": CONVENTIONS, "title": title, **(attributes or {})}
+    )
+
+
+def origin_of(dataset: xr.Dataset) -> dict[str, object]:
+    """Return the attributes of a dataset that a result made from it inherits: all but the title."""
+    return {str(name): value for name, value in dataset.attrs.items() if name != "title"}
 
 
 def flags_of(variable: xr.DataArray) -> dict[str, int]:

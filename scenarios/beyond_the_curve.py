@@ -25,6 +25,7 @@ from rotor_ida import (
     simulate,
     spectrum,
 )
+from rotor_ida.paper.scenario import Settings, run_script
 from rotor_ida.plot import (
     panels,
     plot_exponents,
@@ -38,7 +39,6 @@ from rotor_ida.plot import (
     shared_legend,
     with_error,
 )
-from rotor_ida.scenario import Settings, run_script
 
 CASES = {
     "bouncing": Rotor(omega=2.0, zeta=0.07, delta0=2.0),
@@ -65,7 +65,7 @@ def main(settings: Settings) -> None:
         results = {
             "run": rotating(run_on(rotor, start, SHOWN)),
             "section": poincare_section(rotor, start=start, revolutions=revolutions),
-            "spectrum": spectrum(long.isel(time=slice(None, -1))),
+            "spectrum": spectrum(long.isel(t=slice(None, -1))),
             "forces": contact_forces(long),
             "exponents": lyapunov_exponent(rotor, start=start, duration=duration),
         }
@@ -122,7 +122,7 @@ def draw(results, events):
     plot_section(events, ax=axes[3])
     plot_spectrum(results["spectrum"], ax=axes[4])
     plot_exponents(results["exponents"], ax=axes[5])
-    plot_forces(results["forces"].isel(time=slice(0, SHOWN * SAMPLES)), ax=axes[6])
+    plot_forces(results["forces"].isel(t=slice(0, SHOWN * SAMPLES)), ax=axes[6])
     if results["forces"].sizes["contact"] > 1:
         plot_force_peaks(results["forces"], ax=axes[7])
     else:

@@ -16,7 +16,8 @@ import xarray as xr
 
 from rotor_ida import folds, sweep, synchronous_response
 from rotor_ida.closed_forms import peaks
-from rotor_ida.contact import contact_force
+from rotor_ida.equations.contact import contact_force
+from rotor_ida.paper.scenario import Settings, progress_bar, run_script
 from rotor_ida.plot import (
     mixed_panels,
     parameter_text,
@@ -25,7 +26,6 @@ from rotor_ida.plot import (
     shared_legend,
     style,
 )
-from rotor_ida.scenario import Settings, progress_bar, run_script
 from rotor_ida.schema import RESPONSE
 
 ZETA = 0.07

@@ -17,9 +17,9 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida import DimensionalRotor, contact_summary, dimensional, simulate
-from rotor_ida.errata import check_scaling, deviations
+from rotor_ida.paper.errata import check_scaling, deviations
+from rotor_ida.paper.scenario import Settings, run_script
 from rotor_ida.plot import mixed_panels, plot_machine, style
-from rotor_ida.scenario import Settings, run_script
 
 MACHINE = DimensionalRotor(
     mass=4.0,  # kg
@@ -58,7 +58,7 @@ def main(settings: Settings) -> None:
 def draw_check(checked: xr.Dataset, settings: Settings) -> None:
     figure, (ax,) = mixed_panels(1, 1, height=2.8)
     with style():
-        ms = 1e3 * checked.time
+        ms = 1e3 * checked.t
         ax.plot(ms, 1e6 * checked.X, color="#1a1a1a", lw=2.2, label="eq. (7), by SciPy")
         for name, formula, colour, line in (
             ("k sqrt(D)/m", r"k\sqrt{D}/m", "#e76300", "--"), ("k/m", "k/m", "#3f90da", ":")

@@ -16,8 +16,8 @@ import xarray as xr
 from scipy.special import beta
 
 from rotor_ida import Rotor, simulate
+from rotor_ida.paper.scenario import Settings, run_script
 from rotor_ida.plot import panels, style
-from rotor_ida.scenario import Settings, run_script
 
 AMPLITUDE, CLEARANCE = 2.0, 1.0
 METHODS = {

@@ -16,10 +16,10 @@ import xarray as xr
 
 from rotor_ida import Rotor, simulate
 from rotor_ida.closed_forms import restoring_field
-from rotor_ida.model import energy
+from rotor_ida.equations.model import energy
+from rotor_ida.paper.printed import hamiltonian
+from rotor_ida.paper.scenario import Settings, run_script
 from rotor_ida.plot import mixed_panels, plot_cuts, plot_surface, style
-from rotor_ida.printed import hamiltonian
-from rotor_ida.scenario import Settings, run_script
 
 CLEARANCES = (0.0, 0.5)
 START, DURATION = (2.0, 0.0, 0.3, 0.25), 40.0
@@ -44,9 +44,9 @@ def with_energies(run: xr.Dataset) -> xr.Dataset:
     delta0 = float(run.delta0)
     units = {"units": "1"}
     return run.assign(
-        energy=("time", energy(states, delta0), {"long_name": "energy", **units}),
+        energy=("t", energy(states, delta0), {"long_name": "energy", **units}),
         printed_energy=(
-            "time", hamiltonian(states, delta0), {"long_name": "eq. (13) as printed", **units},
+            "t", hamiltonian(states, delta0), {"long_name": "eq. (13) as printed", **units},
         ),
     )  # fmt: skip
 
@@ -90,8 +90,8 @@ def draw_energy(run: xr.Dataset, settings: Settings) -> None:
     low, high = float(run.printed_energy.min()), float(run.printed_energy.max())
     figure, (ax,) = mixed_panels(1, 1, height=2.8)
     with style():
-        ax.plot(run.time, run.energy, color="#1a1a1a", label="$|z$′$|^2/2 + V$")
-        ax.plot(run.time, run.printed_energy, color="#e76300", ls="--", lw=0.9,
+        ax.plot(run.t, run.energy, color="#1a1a1a", label="$|z$′$|^2/2 + V$")
+        ax.plot(run.t, run.printed_energy, color="#e76300", ls="--", lw=0.9,
                 label=r"$|z|^2/2 + V$, as printed")  # fmt: skip
         ax.set(xlabel="time $t$", ylabel="energy $E$", ylim=(0.0, 4.2), xlim=(0.0, DURATION))
         ax.legend(loc="upper right", ncols=2)

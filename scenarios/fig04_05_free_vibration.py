@@ -23,6 +23,7 @@ from rotor_ida.closed_forms import (
     free_periods,
     planar_period,
 )
+from rotor_ida.paper.scenario import Settings, run_script
 from rotor_ida.plot import (
     mixed_panels,
     parameter_text,
@@ -31,7 +32,6 @@ from rotor_ida.plot import (
     shared_legend,
     style,
 )
-from rotor_ida.scenario import Settings, run_script
 from rotor_ida.schema import labelled
 
 CLEARANCES = (0.0, 0.5)
@@ -71,7 +71,7 @@ def simulated_periods(sizes: list[float]) -> xr.Dataset:
 
 def measured_period(run: xr.Dataset, along: str) -> float:
     """Return the time between the first two passages of zero in the same direction."""
-    crossings = CubicHermiteSpline(run.time, run[along], run[f"v{along}"]).roots(extrapolate=False)
+    crossings = CubicHermiteSpline(run.t, run[along], run[f"v{along}"]).roots(extrapolate=False)
     return crossings[2] - crossings[0]
 
 
@@ -89,7 +89,7 @@ def portrait(delta0: float) -> xr.Dataset:
             table[number] = run[["x", "y", "vx", "vy"]].to_array().values.T
     names = ("x", "y", "vx", "vy")
     variables = {
-        name: labelled(name, ("start", "time"), table[..., column])
+        name: labelled(name, ("start", "t"), table[..., column])
         for column, name in enumerate(names)
     }
     variables["amplitude"] = labelled("amplitude", "start", amplitudes)

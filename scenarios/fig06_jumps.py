@@ -7,7 +7,7 @@ too strong for a jump: at delta0 = 0 none is left above zeta = 0.156045, and abo
 any clearance.
 
 Writes the curves (curves.nc), the folds and jumps (jumps.nc), the backbones (backbone.nc), the
-limits (jump_limit.nc), and the figures as PNG and SVG.
+limits (cusp.nc), and the figures as PNG and SVG.
 """
 
 import sys
@@ -15,17 +15,17 @@ import sys
 import numpy as np
 
 from rotor_ida import folds, synchronous_response
-from rotor_ida.closed_forms import free_periods, jump_limit, jumps
+from rotor_ida.closed_forms import cusp, free_periods, jumps
+from rotor_ida.paper.scenario import Settings, run_script, speeds_of_curves
 from rotor_ida.plot import (
     mixed_panels,
     plot_amplitude,
     plot_backbone,
     plot_by_damping,
-    plot_jump_limit,
+    plot_cusp,
     plot_jumps,
     plot_phase,
 )
-from rotor_ida.scenario import Settings, run_script, speeds_of_curves
 
 DAMPINGS = [0.07, 1.0, 1.5, 2.0]
 LOWEST, HIGHEST = 0.02, 3.0
@@ -37,12 +37,12 @@ def main(settings: Settings) -> None:
     exact = synchronous_response(omega=omega, zeta=DAMPINGS, delta0=0.0)
     found = jumps(zeta=0.07, delta0=0.0)
     backbone = free_periods(amplitude=np.linspace(0.02, 14.0, 300), delta0=[0.0, 0.5])
-    limit = jump_limit(delta0=np.linspace(0.0, 3.0, 61 if settings.quick else 301))
-    highest = jump_limit()
+    limit = cusp(delta0=np.linspace(0.0, 3.0, 61 if settings.quick else 301))
+    highest = cusp()
     settings.keep(exact, "curves")
     settings.keep(found, "jumps")
     settings.keep(backbone, "backbone")
-    settings.keep(limit.assign_attrs(highest_zeta=highest.critical_zeta.item()), "jump_limit")
+    settings.keep(limit.assign_attrs(highest_zeta=highest.cusp_zeta.item()), "cusp")
 
     figure, axes = mixed_panels(2, 2, height=5.8)
     weak, strong = exact.sel(zeta=0.07), exact.sel(zeta=DAMPINGS[1:])
@@ -65,12 +65,12 @@ def main(settings: Settings) -> None:
     )  # fmt: skip
 
     figure, (ax,) = mixed_panels(1, 1, width=5.4, height=3.4)
-    plot_jump_limit(limit, highest=highest, ax=ax)
+    plot_cusp(limit, highest=highest, ax=ax)
     settings.show(
-        figure, "fig06_jump_limit", archives=["jump_limit"],
+        figure, "fig06_jump_limit", archives=["cusp"],
         shows="The damping above which the response curve has no fold, over the clearance.",
-        found=f"{limit.critical_zeta[0].item():.9f} without clearance. It rises with the clearance "
-        f"to {highest.critical_zeta.item():.6f} at delta0 = {highest.delta0.item():.4f} and falls "
+        found=f"{limit.cusp_zeta[0].item():.9f} without clearance. It rises with the clearance "
+        f"to {highest.cusp_zeta.item():.6f} at delta0 = {highest.delta0.item():.4f} and falls "
         "from there on. Above that no rotor jumps.",
     )  # fmt: skip
 

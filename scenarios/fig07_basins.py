@@ -13,8 +13,8 @@ import sys
 import numpy as np
 
 from rotor_ida import Rotor, basin
+from rotor_ida.paper.scenario import Settings, run_script
 from rotor_ida.plot import panels, plot_basin, style
-from rotor_ida.scenario import Settings, run_script
 from rotor_ida.schema import flags_of
 
 OMEGA, ZETA = 1.7, 0.07
@@ -35,7 +35,7 @@ def main(settings: Settings) -> None:
     for name, (ranges, held) in PLANES.items():
         found[name] = follow(rotor, ranges, held, cells, settings)
         settings.keep(found[name], f"plane_{name}")
-    small = found["x_y"].share.values[0]
+    small = found["x_y"].fraction.values[0]
     figure, axes = panels(2, 2, width=7.2, height=7.2, shared=False)
     for ax, plane in zip(axes, found.values(), strict=True):
         plot_basin(plane, ax=ax)

@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida import Rotor, simulate, synchronous_response
+from rotor_ida.paper.scenario import Settings, run_script
 from rotor_ida.plot import (
     mixed_panels,
     parameter_text,
@@ -22,7 +23,6 @@ from rotor_ida.plot import (
     shared_legend,
     style,
 )
-from rotor_ida.scenario import Settings, run_script
 
 ROTOR = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
@@ -50,7 +50,7 @@ def main(settings: Settings) -> None:
         )  # fmt: skip
     run = follow(BOUNCING, (0.0, 0.0, 0.0, 0.0), DRAWN)
     settings.keep(run, "bouncing")
-    radius = np.hypot(run.x, run.y).sel(time=slice(0.5 * DRAWN, None))
+    radius = np.hypot(run.x, run.y).sel(t=slice(0.5 * DRAWN, None))
     draw(
         "bouncing", run, "bouncing", settings,
         shows="With a clearance of 2, at omega = 2, from rest: contact and flight in their "
@@ -67,7 +67,7 @@ def follow(rotor: Rotor, start: tuple[float, float, float, float], duration: flo
 
 
 def draw(name: str, run: xr.Dataset, archive: str, settings: Settings, **texts: str) -> None:
-    shown = run.sel(time=slice(0.0, DRAWN))
+    shown = run.sel(t=slice(0.0, DRAWN))
     figure, axes = mixed_panels(2, 2, height=6.0, solid=[0])
     plot_drawn_out(shown, ax=axes[0])
     plot_orbit(shown, ax=axes[1])

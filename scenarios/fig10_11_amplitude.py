@@ -22,11 +22,11 @@ from rich.console import Console
 from rich.table import Table
 
 from rotor_ida import compare, folds, sweep, synchronous_response
+from rotor_ida.analysis.comparison import summarise
 from rotor_ida.closed_forms import free_periods
-from rotor_ida.comparison import summarise
+from rotor_ida.paper.printed import phase_31
+from rotor_ida.paper.scenario import Settings, progress_bar, run_script, speeds_of_curves
 from rotor_ida.plot import panels, plot_amplitude, plot_backbone, plot_phase, shared_legend
-from rotor_ida.printed import phase_31
-from rotor_ida.scenario import Settings, progress_bar, run_script, speeds_of_curves
 from rotor_ida.schema import RESPONSE
 
 ZETA = 0.07

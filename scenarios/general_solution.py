@@ -18,7 +18,9 @@ import xarray as xr
 from scipy.linalg import expm
 
 from rotor_ida import Rotor, simulate, synchronous_response
-from rotor_ida.model import rotating_jacobian, turned
+from rotor_ida.equations.model import rotated, rotating_jacobian
+from rotor_ida.paper.printed import general_solution
+from rotor_ida.paper.scenario import Settings, run_script
 from rotor_ida.plot import (
     mixed_panels,
     parameter_text,
@@ -27,8 +29,6 @@ from rotor_ida.plot import (
     shared_legend,
     style,
 )
-from rotor_ida.printed import general_solution
-from rotor_ida.scenario import Settings, run_script
 from rotor_ida.schema import labelled
 
 ROTOR = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
@@ -69,14 +69,14 @@ def on_whirl(amplitude: float, lag: float) -> tuple[float, float, float, float]:
 def compare_formulas(start, amplitude: float, lag: float, *, linearised: bool = False):
     """Return the simulated motion with what each formula says."""
     run = simulate(ROTOR, start=start, duration=60.0, samples=1201)
-    time = run.time.values
+    time = run.t.values
     given = {"start": start, "omega": 1.7, "zeta": 0.07, "amplitude": amplitude}
     table = [general_solution(time, **given, **options) for options in FORMULAS.values()]
     names = list(FORMULAS)
     if linearised:
         table.append(linear_motion(time, start, on_whirl(amplitude, lag)))
         names.append(LINEARISED)
-    dims = ("solution", "time")
+    dims = ("solution", "t")
     return xr.Dataset(
         {
             "x": run.x,
@@ -84,7 +84,7 @@ def compare_formulas(start, amplitude: float, lag: float, *, linearised: bool = 
             "solution_x": labelled("solution_x", dims, np.real(table)),
             "solution_y": labelled("solution_y", dims, np.imag(table)),
         },
-        {"time": run.time, "solution": names, **{name: run[name] for name in Rotor.__slots__}},
+        {"t": run.t, "solution": names, **{name: run[name] for name in Rotor.__slots__}},
         {**run.attrs, "title": "The paper's general solution beside a simulated run"},
     )
 
@@ -95,19 +95,19 @@ def linear_motion(time, start, whirl) -> np.ndarray:
     offsets = [np.subtract(start, whirl)]
     for _ in time[1:]:
         offsets.append(step @ offsets[-1])
-    states = turned(np.add(whirl, offsets), ROTOR.omega * time)
+    states = rotated(np.add(whirl, offsets), ROTOR.omega * time)
     return states[:, 0] + 1j * states[:, 1]
 
 
 def draw(compared: xr.Dataset, name: str, words: str, settings: Settings) -> None:
     error = np.hypot(compared.solution_x - compared.x, compared.solution_y - compared.y)
-    at_five = error.sel(time=5.0)
+    at_five = error.sel(t=5.0)
     first = {
-        each: float(compared.time[int(np.argmax(error.sel(solution=each).values > 1.0))])
+        each: float(compared.t[int(np.argmax(error.sel(solution=each).values > 1.0))])
         for each in FORMULAS
     }
     figure, axes = mixed_panels(2, 1, height=4.8)
-    plot_solutions(compared.sel(time=slice(0.0, 30.0)), ax=axes[0])
+    plot_solutions(compared.sel(t=slice(0.0, 30.0)), ax=axes[0])
     plot_deviation(compared, ax=axes[1])
     axes[1].set_ylim(max(1e-6, 0.5 * float(error.where(error > 0.0)[:, 20:].min())), 100.0)
     with style():

@@ -12,9 +12,9 @@ import sys
 import numpy as np
 import xarray as xr
 
-from rotor_ida import Rotor, shares
-from rotor_ida.plot import panels, plot_shares, shared_legend
-from rotor_ida.scenario import Settings, progress_bar, run_script
+from rotor_ida import Rotor, basin_fractions
+from rotor_ida.paper.scenario import Settings, progress_bar, run_script
+from rotor_ida.plot import panels, plot_basin_fractions, shared_legend
 from rotor_ida.schema import RESPONSE
 
 ZETA = 0.07
@@ -48,11 +48,12 @@ def main(settings: Settings) -> None:
                 progress(done, total)
             over_speed = xr.concat(rows, "omega", join="exact", combine_attrs="override")
             settings.keep(over_speed, f"over_speed_delta0_{delta0:g}")
-            plot_shares(over_speed, ax=ax)
+            plot_basin_fractions(over_speed, ax=ax)
             most += off_the_curve(over_speed, delta0)
     shared_legend(figure, axes, columns=5)
     settings.show(
-        figure, "shares", archives=[f"over_speed_delta0_{delta0:g}" for delta0 in CLEARANCES],
+        figure, "basin_fractions",
+        archives=[f"over_speed_delta0_{delta0:g}" for delta0 in CLEARANCES],
         shows="The part of random starts that reaches each kind of response, over the speed, for "
         "four clearances.",
         paper="Analytical and numerical results are in good agreement for every clearance.",
@@ -67,7 +68,7 @@ def main(settings: Settings) -> None:
 def reached(omega, delta0, starts, seed, settings):
     """Return the shares of random starts in the box."""
     rotor = Rotor(omega=float(omega), zeta=ZETA, delta0=delta0)
-    return shares(rotor, **BOX, starts=starts, seed=seed, workers=settings.workers)
+    return basin_fractions(rotor, **BOX, starts=starts, seed=seed, workers=settings.workers)
 
 
 def kinds_of(found: xr.Dataset) -> xr.Dataset:
@@ -79,7 +80,7 @@ def kinds_of(found: xr.Dataset) -> xr.Dataset:
 def off_the_curve(over_speed: xr.Dataset, delta0: float) -> list[str]:
     """Return in words from which speed on most starts end where no curve shows them."""
     off = over_speed.response.isin([RESPONSE["bouncing"], RESPONSE["full_contact"]])
-    most = over_speed.response_share.where(off, 0.0).sum("response").values > 0.5
+    most = over_speed.response_fraction.where(off, 0.0).sum("response").values > 0.5
     if not most.any():
         return []
     return [f"from omega = {over_speed.omega[most].min().item():.2g} on at delta0 = {delta0:g}"]
@@ -87,8 +88,8 @@ def off_the_curve(over_speed: xr.Dataset, delta0: float) -> list[str]:
 
 def apart(one: xr.Dataset, other: xr.Dataset) -> float:
     """Return the largest difference of two samples' shares, in standard errors."""
-    difference = np.abs(one.response_share - other.response_share)
-    error = np.hypot(one.response_share_error, other.response_share_error)
+    difference = np.abs(one.response_fraction - other.response_fraction)
+    error = np.hypot(one.response_fraction_error, other.response_fraction_error)
     return float((difference / error.where(error > 0.0, np.inf)).max())
 
 
@@ -99,8 +100,8 @@ def in_words(found: xr.Dataset) -> str:
         f"{words[numbers.index(kind)]} {share:.3f} +- {error:.3f}"
         for kind, share, error in zip(
             found.response.values,
-            found.response_share.values,
-            found.response_share_error.values,
+            found.response_fraction.values,
+            found.response_fraction_error.values,
             strict=True,
         )
         if share > 0.0

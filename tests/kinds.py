@@ -34,7 +34,7 @@ def a_sweep(direction: str = "up") -> xr.Dataset:
 KINDS: dict[str, Callable[[], xr.Dataset]] = {
     "run": a_run,
     "run_without_contact": lambda: a_run(delta0=9.0),
-    "run_without_times": lambda: a_run().drop_vars("time"),
+    "run_without_times": lambda: a_run().drop_vars("t"),
     "runs_by_name": lambda: xr.concat([a_run(), a_run()], xr.Variable("machine", ["a", "b"])),
     "run_in_si_units": lambda: rotor_ida.dimensional(a_run(), MACHINE),
     "sweep": a_sweep,
@@ -43,7 +43,9 @@ KINDS: dict[str, Callable[[], xr.Dataset]] = {
     "whirls": lambda: rotor_ida.synchronous_response(omega=[1.2, 1.7], zeta=0.07, delta0=0.5),
     "folds": lambda: rotor_ida.folds(zeta=[0.07, 0.1], delta0=0.0),
     "basin": lambda: rotor_ida.basin(CENTRED, x=np.linspace(-5, 5, 4), y=[0.0, 1.0], workers=1),
-    "shares": lambda: rotor_ida.shares(CENTRED, x=(-5, 5), y=(-5, 5), starts=20, workers=1),
+    "basin_fractions": lambda: rotor_ida.basin_fractions(
+        CENTRED, x=(-5, 5), y=(-5, 5), starts=20, workers=1
+    ),
     "contact_summary": lambda: rotor_ida.contact_summary(a_run()),
     "rotating": lambda: rotor_ida.rotating(a_run()),
     "spectrum": lambda: rotor_ida.spectrum(a_run()),
@@ -52,7 +54,7 @@ KINDS: dict[str, Callable[[], xr.Dataset]] = {
     "lyapunov_exponent": lambda: rotor_ida.lyapunov_exponent(
         CENTRED, start=REST, transient=5.0, duration=40.0, batches=4
     ),
-    "bifurcation": lambda: rotor_ida.bifurcation(
+    "bifurcation_diagram": lambda: rotor_ida.bifurcation_diagram(
         omega=[1.2], zeta=0.2, delta0=0.0, starts=1, extrema_time=20.0
     ),
 }

@@ -73,7 +73,7 @@ def test_scaling_with_k_sqrt_D_over_m_reproduces_the_dimensional_equation():
         simulate(MACHINE.rotor(), start=(0, 0, 0, 0), duration=20.0, samples=41, rtol=1e-12),
         MACHINE,
     )
-    times = run.time.values
+    times = run.t.values
     scale = MACHINE.length_scale
     reference = solve_ivp(
         newton,

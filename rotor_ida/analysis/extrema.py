@@ -16,11 +16,11 @@ from scipy.interpolate import CubicHermiteSpline
 
 from rotor_ida.analysis.tangent import DONE, follow_from, follow_on
 from rotor_ida.checks import State
-from rotor_ida.contact import secant_stiffness
+from rotor_ida.equations.contact import secant_stiffness
+from rotor_ida.equations.model import rotated
 from rotor_ida.errors import SimulationError
-from rotor_ida.model import turned
 from rotor_ida.parameters import Rotor
-from rotor_ida.simulator.start import starts_in_contact
+from rotor_ida.simulation.start import starts_in_contact
 
 Values = npt.NDArray[np.float64]
 
@@ -158,7 +158,7 @@ def _polished(
 
 
 def _failure(rotor: Rotor, time: float, state: Values) -> SimulationError:
-    x, y, vx, vy = turned(state, rotor.omega * time).tolist()
+    x, y, vx, vy = rotated(state, rotor.omega * time).tolist()
     message = "the motion could not be followed to its extrema"
     return SimulationError(message, time=time, state=(x, y, vx, vy))
 

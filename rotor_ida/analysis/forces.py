@@ -6,8 +6,9 @@ import numpy as np
 import xarray as xr
 from scipy.stats import rankdata
 
-from rotor_ida.analysis.labels import check_run, result, rotor_of
-from rotor_ida.contact import contact_force, secant_stiffness
+from rotor_ida.equations.contact import contact_force, secant_stiffness
+from rotor_ida.schema import Column, labelled_dataset, origin_of
+from rotor_ida.simulation.dataset import check_run, parameter_coordinates, rotor_of
 
 
 def contact_forces(run: xr.Dataset) -> xr.Dataset:
@@ -21,9 +22,9 @@ def contact_forces(run: xr.Dataset) -> xr.Dataset:
     Returns
     -------
     Dataset
-        ``force force_x force_y`` on ``time``: the magnitude and the components in the fixed
+        ``force force_x force_y`` on ``t``: the magnitude and the components in the fixed
         frame [1]. On ``contact``: ``peak_time`` and ``peak_force``, the largest force of each
-        contact, found between the samples too, and ``peak_share``, the part of the whole
+        contact, found between the samples too, and ``peak_fraction``, the part of the whole
         contacts whose peak is no larger: over ``peak_force`` it is the distribution of the
         peaks. It is NaN for a contact that the run begins or ends inside.
 
@@ -48,7 +49,7 @@ def contact_forces(run: xr.Dataset) -> xr.Dataset:
     >>> forces.peak_force.values.round(6)
     array([3.338337, 3.263644, 3.889012, 4.715582])
     """
-    run = check_run(run, ("time", "x", "y", "entry_time", "exit_time", "peak_time", "peak_force"))
+    run = check_run(run, ("t", "x", "y", "entry_time", "exit_time", "peak_time", "peak_force"))
     x, y, delta0 = run["x"].values, run["y"].values, float(run["delta0"])
     radius = np.hypot(x, y)
     stiffness = secant_stiffness(radius, delta0)
@@ -56,13 +57,13 @@ def contact_forces(run: xr.Dataset) -> xr.Dataset:
     whole = np.isfinite(run["entry_time"].values) & np.isfinite(run["exit_time"].values)
     share = np.full(peaks.shape, np.nan)
     share[whole] = rankdata(peaks[whole], method="max") / max(int(whole.sum()), 1)
-    columns = {
-        "force": ("time", contact_force(radius, delta0)),
-        "force_x": ("time", -stiffness * x),
-        "force_y": ("time", -stiffness * y),
+    columns: dict[str, Column] = {
+        "force": ("t", contact_force(radius, delta0)),
+        "force_x": ("t", -stiffness * x),
+        "force_y": ("t", -stiffness * y),
         "peak_time": ("contact", run["peak_time"].values),
         "peak_force": ("contact", peaks),
-        "peak_share": ("contact", share),
+        "peak_fraction": ("contact", share),
     }
-    coordinates = {"time": ("time", run["time"].values)}
-    return result("Contact forces of one run", rotor_of(run), columns, coordinates, run.attrs)
+    coordinates = parameter_coordinates(rotor_of(run)) | {"t": ("t", run["t"].values)}
+    return labelled_dataset("Contact forces of one run", columns, coordinates, origin_of(run))

@@ -8,16 +8,16 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.analysis.labels import check_rotor, result
 from rotor_ida.analysis.tangent import DONE, follow_stretches
 from rotor_ida.checks import State, check_count, check_positive, check_state
-from rotor_ida.dataset.provenance import SOURCE, versions
+from rotor_ida.equations.model import rotated
 from rotor_ida.errors import InputError, SimulationError
-from rotor_ida.invocation import command
-from rotor_ida.model import turned
-from rotor_ida.parameters import Rotor
-from rotor_ida.simulator.limits import check_can_be_followed
-from rotor_ida.simulator.start import starts_in_contact
+from rotor_ida.parameters import Rotor, check_rotor
+from rotor_ida.provenance import provenance
+from rotor_ida.schema import Column, labelled_dataset
+from rotor_ida.simulation.dataset import parameter_coordinates
+from rotor_ida.simulation.options import check_can_be_followed
+from rotor_ida.simulation.start import starts_in_contact
 
 Values = npt.NDArray[np.float64]
 
@@ -61,7 +61,7 @@ def lyapunov_exponent(
     Dataset
         ``lyapunov_exponent`` and ``lyapunov_error`` on ``exponent``, the largest first [1];
         their sum ``exponent_sum`` beside the exact ``divergence`` of the flow;
-        ``running_exponent`` on ``time`` and ``exponent``, the plain mean so far.
+        ``running_exponent`` on ``t`` and ``exponent``, the plain mean so far.
 
     Raises
     ------
@@ -131,22 +131,20 @@ def lyapunov_exponent(
     order = np.argsort(-exponents, kind="stable")
     shown = np.unique(np.linspace(1, count * each, min(SHOWN, count * each)).astype(int))
     running = np.cumsum(stretches, axis=0)[shown - 1] / (span * shown[:, None])
-    columns = {
+    columns: dict[str, Column] = {
         "lyapunov_exponent": ("exponent", exponents[order]),
         "lyapunov_error": ("exponent", errors[order]),
         "exponent_sum": ((), exponents.sum()),
         "divergence": ((), -4.0 * rotor.zeta),
-        "running_exponent": (("time", "exponent"), running[:, order]),
+        "running_exponent": (("t", "exponent"), running[:, order]),
     }
-    coordinates = {"exponent": ("exponent", np.arange(4)), "time": ("time", span * shown)}
-    attributes = {
-        "source": SOURCE, "command": command(),
-        "method": "dop853 with tangent vectors", "flight": "exact",
-        "rtol": tolerance, "start": np.array(first), "transient": lead, "duration": length,
-        "batches": count, **versions(),
+    coordinates = parameter_coordinates(rotor)
+    coordinates |= {"exponent": ("exponent", np.arange(4)), "t": ("t", span * shown)}
+    how = {"method": "dop853 with tangent vectors", "flight": "exact", "rtol": tolerance}
+    attributes = provenance(how) | {
+        "start": np.array(first), "transient": lead, "duration": length, "batches": count,
     }  # fmt: skip
-    title = "Lyapunov exponents of one motion"
-    return result(title, rotor, columns, coordinates, attributes)
+    return labelled_dataset("Lyapunov exponents of one motion", columns, coordinates, attributes)
 
 
 def _stretches(
@@ -166,7 +164,7 @@ def _stretches(
     )
     if done != DONE or not np.isfinite(stretches).all():
         time = span * int(np.isfinite(stretches).all(axis=1).sum())
-        x, y, vx, vy = turned(bundle[0], rotor.omega * time).tolist()
+        x, y, vx, vy = rotated(bundle[0], rotor.omega * time).tolist()
         raise SimulationError(
             "the tangent vectors could not be followed", time=time, state=(x, y, vx, vy)
         )

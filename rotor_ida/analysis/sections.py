@@ -10,16 +10,16 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.analysis.extrema import MAXIMUM, radius_extrema
-from rotor_ida.analysis.labels import check_rotor, result
 from rotor_ida.checks import State, check_choice, check_count, check_state
-from rotor_ida.dataset.provenance import provenance
+from rotor_ida.equations.model import rotated
 from rotor_ida.errors import InputError
-from rotor_ida.model import turned
-from rotor_ida.parameters import Rotor
-from rotor_ida.simulator.limits import check_can_be_followed
-from rotor_ida.simulator.options import Options
-from rotor_ida.simulator.orbit import ENTRY, EXIT
-from rotor_ida.simulator.run import run
+from rotor_ida.parameters import Rotor, check_rotor
+from rotor_ida.provenance import provenance
+from rotor_ida.schema import Column, labelled_dataset
+from rotor_ida.simulation.dataset import parameter_coordinates
+from rotor_ida.simulation.options import Options, check_can_be_followed
+from rotor_ida.simulation.orbit import ENTRY, EXIT
+from rotor_ida.simulation.run import run
 
 Values = npt.NDArray[np.float64]
 At = Literal["revolution", "entry", "exit", "peak"]
@@ -105,20 +105,19 @@ def poincare_section(
     state = first
     if left_out:
         end = run(rotor, first, left_out * period, np.empty(0), options).end
-        x, y, vx, vy = turned(end, -rotor.omega * left_out * period).tolist()
+        x, y, vx, vy = rotated(end, -rotor.omega * left_out * period).tolist()
         state = (x, y, vx, vy)
     times, states = _crossings(rotor, state, count, at, options)
-    columns = {"crossing_time": ("crossing", left_out * period + times)}
+    columns: dict[str, Column] = {"crossing_time": ("crossing", left_out * period + times)}
     columns |= {
         name: ("crossing", np.ascontiguousarray(column))
         for name, column in zip(NAMES, states.T, strict=True)
     }
-    coordinates = {"crossing": ("crossing", np.arange(times.size))}
-    title = "Section through one motion"
-    attributes = provenance(title, options) | {
+    coordinates = parameter_coordinates(rotor) | {"crossing": ("crossing", np.arange(times.size))}
+    attributes = provenance(options.attributes()) | {
         "section": at, "start": np.array(first), "revolutions": count, "skip": left_out,
     }  # fmt: skip
-    return result(title, rotor, columns, coordinates, attributes)
+    return labelled_dataset("Section through one motion", columns, coordinates, attributes)
 
 
 def _crossings(
@@ -139,4 +138,4 @@ def _crossings(
     orbit = run(rotor, start, duration, np.empty(0), options)
     chosen = orbit.event_kinds == (ENTRY if at == "entry" else EXIT)
     times = orbit.event_times[chosen]
-    return times, turned(orbit.event_states[chosen], -rotor.omega * times)
+    return times, rotated(orbit.event_states[chosen], -rotor.omega * times)

@@ -10,9 +10,10 @@ import numpy.typing as npt
 import xarray as xr
 from scipy.signal import get_window
 
-from rotor_ida.analysis.labels import check_run, result, rotor_of
 from rotor_ida.checks import check_choice
 from rotor_ida.errors import InputError
+from rotor_ida.schema import Column, labelled_dataset, origin_of
+from rotor_ida.simulation.dataset import check_run, parameter_coordinates, rotor_of
 
 Values = npt.NDArray[np.float64]
 Window = Literal["flattop", "hann", "boxcar"]
@@ -30,7 +31,7 @@ def spectrum(run: xr.Dataset, *, window: Window = "flattop") -> xr.Dataset:
     ----------
     run : Dataset
         A run of `rotor_ida.simulate` with equally spaced samples, or a part of one:
-        ``run.sel(time=slice(100, None))`` leaves the transient out.
+        ``run.sel(t=slice(100, None))`` leaves the transient out.
     window : {"flattop", "hann", "boxcar"}
         Weights of the samples. Flat-top shows the amplitude of a line to 0.1 %, wherever it
         lies between the frequencies of the grid, but makes it 9 steps wide; Hann makes it 4
@@ -68,16 +69,16 @@ def spectrum(run: xr.Dataset, *, window: Window = "flattop") -> xr.Dataset:
     >>> from rotor_ida import Rotor, simulate
     >>> run = simulate(Rotor(omega=1.2, zeta=0.5, delta0=0.5), start=(0, 0, 0, 0),
     ...                duration=200.0, samples=2001)
-    >>> lines = spectrum(run.sel(time=slice(100, None)))
+    >>> lines = spectrum(run.sel(t=slice(100, None)))
     >>> lines.whirl_amplitude.max().round(3).item()
     0.85
     >>> lines.frequency[lines.whirl_amplitude.argmax("frequency")].round(1).item()
     1.2
     """
-    run = check_run(run, ("time", "x", "y"))
+    run = check_run(run, ("t", "x", "y"))
     check_choice("window", window, WINDOWS)
     rotor = rotor_of(run)
-    times = run["time"].values
+    times = run["t"].values
     step = _equal_step(times)
     if rotor.omega * step >= math.pi:
         raise InputError(
@@ -88,12 +89,12 @@ def spectrum(run: xr.Dataset, *, window: Window = "flattop") -> xr.Dataset:
     z = run["x"].values + 1j * run["y"].values
     height = np.abs(np.fft.fftshift(np.fft.fft(weights * z))) / weights.sum()
     frequency = 2.0 * math.pi * np.fft.fftshift(np.fft.fftfreq(times.size, step))
-    coordinates = {"frequency": ("frequency", frequency)}
+    coordinates = parameter_coordinates(rotor) | {"frequency": ("frequency", frequency)}
     if rotor.omega > 0.0:
         coordinates["frequency_over_omega"] = ("frequency", frequency / rotor.omega)
-    attributes = {**run.attrs, "window": window, "record_length": times.size * step}
-    columns = {"whirl_amplitude": ("frequency", height)}
-    return result("Two-sided spectrum of one run", rotor, columns, coordinates, attributes)
+    attributes = {**origin_of(run), "window": window, "record_length": times.size * step}
+    columns: dict[str, Column] = {"whirl_amplitude": ("frequency", height)}
+    return labelled_dataset("Two-sided spectrum of one run", columns, coordinates, attributes)
 
 
 def _equal_step(times: Values) -> float:

@@ -4,7 +4,7 @@
 over two windows; group these into attractors; let CVODE confirm each attractor.*
 """
 
-from rotor_ida.basins.grid import basin
-from rotor_ida.basins.sample import shares
+from rotor_ida.basins.basin import basin
+from rotor_ida.basins.fractions import basin_fractions
 
-__all__ = ["basin", "shares"]
+__all__ = ["basin", "basin_fractions"]

@@ -8,9 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.basins.alike import Examples, Labels, on_their_way
-from rotor_ida.basins.followed import Undecided
-from rotor_ida.basins.grouping import (
+from rotor_ida.basins.batches import Undecided
+from rotor_ida.basins.clustering import (
     ACCURACY,
     Numbers,
     also_in,
@@ -18,14 +17,15 @@ from rotor_ida.basins.grouping import (
     limits_of,
     slighter_and_slighter,
 )
+from rotor_ida.basins.features import MEAN_X, MEAN_Y, RADIUS_MAX, RADIUS_MIN
+from rotor_ida.basins.following import FollowedStarts
 from rotor_ida.basins.kernel import UNDECIDED
-from rotor_ida.basins.survey import Survey
-from rotor_ida.basins.windows import MEAN_X, MEAN_Y, RADIUS_MAX, RADIUS_MIN
+from rotor_ida.basins.matching import Examples, Labels, on_their_way
 from rotor_ida.checks import State
 from rotor_ida.parameters import Rotor
-from rotor_ida.response import CONTACT_FREE, SYNCHRONOUS
-from rotor_ida.settling import Settled, settle
-from rotor_ida.simulator.options import Options
+from rotor_ida.simulation.options import Options
+from rotor_ida.sweeps.response import CONTACT_FREE, SYNCHRONOUS
+from rotor_ida.sweeps.steady_state import SettledResponse, follow_to_steady_state
 
 Values = npt.NDArray[np.float64]
 
@@ -42,7 +42,7 @@ class Attractor:
     Parameters
     ----------
     kind : str
-        One of the kinds of `rotor_ida.response`.
+        One of the kinds of `rotor_ida.sweeps.response`.
     amplitude, phase_lag : float
         Of the motion at the spin speed [1], [rad]; NaN where it depends on the start.
     radius_min, radius_max : float
@@ -59,16 +59,18 @@ class Attractor:
     confirmed: bool = False
 
 
-def attractors_of(survey: Survey, starts: list[Values], options: Options) -> list[Attractor]:
+def attractors_of(
+    survey: FollowedStarts, starts: list[Values], options: Options
+) -> list[Attractor]:
     """Sort the undecided starts of a survey into attractors, and confirm every attractor.
 
     Parameters
     ----------
-    survey : Survey
+    survey : FollowedStarts
         What became of the starts; its labels are changed to the numbers of the attractors in the
         list returned.
     starts : list of ndarray, shape (m, 4)
-        For each capture set, and then for the contact-free whirl, some starts that it has
+        For each trapping region, and then for the contact-free whirl, some starts that it has
         captured [1].
     options : Options
         How CVODE is to confirm.
@@ -91,7 +93,7 @@ def attractors_of(survey: Survey, starts: list[Values], options: Options) -> lis
 
 
 def _sorted(
-    survey: Survey, left: Undecided, known: int, options: Options
+    survey: FollowedStarts, left: Undecided, known: int, options: Options
 ) -> tuple[Labels, list[Attractor]]:
     """Return the labels of undecided orbits, and the attractors that were not known before."""
     mine = on_their_way(survey.ends, left)
@@ -114,7 +116,7 @@ def _sorted(
     return mine, found
 
 
-def _known(survey: Survey) -> list[Attractor]:
+def _known(survey: FollowedStarts) -> list[Attractor]:
     """Return the attractors that the closed forms tell."""
     rotor = survey.ends.rotor
     kind = CONTACT_FREE if rotor.omega == 0.0 else SYNCHRONOUS
@@ -132,9 +134,9 @@ def _known(survey: Survey) -> list[Attractor]:
 def _confirm_known(
     rotor: Rotor, attractor: Attractor, starts: Values, options: Options
 ) -> Attractor:
-    """Let CVODE follow starts that a capture set has caught, until one ends there."""
+    """Let CVODE follow starts that a trapping region has caught, until one ends there."""
     for start in starts:
-        settled = settle(rotor, _state(start), options)
+        settled = follow_to_steady_state(rotor, _state(start), options)
         window = settled.window
         if window is None or settled.response != attractor.kind:
             continue
@@ -162,7 +164,7 @@ def _confirm(
     spread = np.ptp(extremes, axis=0).max() + AGREEMENT * attractor.radius_max
     order = np.argsort(np.abs(extremes - middle).max(axis=1), kind="stable")
     for member in members[order[:WITNESSES]]:
-        settled = settle(rotor, _state(left.states[:, member]), options)
+        settled = follow_to_steady_state(rotor, _state(left.states[:, member]), options)
         window = settled.window
         if window is None or settled.response != attractor.kind:
             continue
@@ -184,7 +186,7 @@ def _same(attractor: Attractor, found: list[Attractor]) -> int | None:
     return None
 
 
-def _with_numbers_of(settled: Settled, attractor: Attractor) -> Attractor:
+def _with_numbers_of(settled: SettledResponse, attractor: Attractor) -> Attractor:
     window = settled.window
     assert window is not None
     return Attractor(

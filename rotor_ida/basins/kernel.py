@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.basins.lanes import BUFFER, INSIDE, LANES, STEP, TIME, U, V, X, Y, step_lanes
-from rotor_ida.compiling import compiled_for_lanes, inlined_for_lanes
+from rotor_ida.equations.compiling import compiled_for_lanes, inlined_for_lanes
 
 Values = npt.NDArray[np.float64]
 Labels = npt.NDArray[np.int16]
@@ -26,7 +26,7 @@ MOST_STEPS = 200_000
 
 @inlined_for_lanes
 def mark_captured(lanes: Values, sets: Values) -> None:
-    """Write into the row INSIDE 1 + the number of the capture set that holds the lane, or 0."""
+    """Write into the row INSIDE 1 + the number of the trapping region that holds the lane, or 0."""
     for i in range(LANES):
         lanes[INSIDE + i] = 0.0
     for number in range(sets.shape[0]):
@@ -103,14 +103,14 @@ def follow(
     tolerance: float,
     stop: npt.NDArray[np.uint8],
 ) -> None:
-    """Follow each start until a capture set holds it or `duration` has passed.
+    """Follow each start until a trapping region holds it or `duration` has passed.
 
     Parameters
     ----------
     states : ndarray, shape (4, n)
         Starts on the rotating axes [1]; overwritten by the states at the end.
     labels : ndarray of int16, shape (n,)
-        Becomes the number of the capture set, ``len(sets)`` for the contact-free ones, or
+        Becomes the number of the trapping region, ``len(sets)`` for the contact-free ones, or
         UNDECIDED. What is not done when `stop` is set stays NOT_COMPUTED. Starts that have a
         label of zero or more already are left alone.
     times : ndarray of float32, shape (n,)
@@ -118,7 +118,7 @@ def follow(
     rotor : tuple of float
         omega, zeta and delta0, None for no clearance [1].
     sets : ndarray, shape (m, 14)
-        Centre and upper triangular factor of each capture set.
+        Centre and upper triangular factor of each trapping region.
     free : ndarray, shape (3,)
         Contact-free whirl on the rotating axes, and the squared radius within which its centre
         must stay; negative if there is no such whirl.

@@ -11,23 +11,21 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.basins.attractors import WITNESSES, Attractor, attractors_of
-from rotor_ida.basins.ends import ends_of
-from rotor_ida.basins.followed import followed_as_bytes, followed_from_bytes
-from rotor_ida.basins.survey import Starts, Survey, survey
+from rotor_ida.basins.batches import batch_as_bytes, batch_from_bytes
+from rotor_ida.basins.following import FollowedStarts, Starts, follow_starts
+from rotor_ida.basins.known_attractors import known_attractors
 from rotor_ida.checks import check_positive
-from rotor_ida.dataset.computing import computing
-from rotor_ida.ensemble import Progress, choose
 from rotor_ida.errors import InputError
+from rotor_ida.parallel import Progress, choose
 from rotor_ida.parameters import Rotor
-from rotor_ida.simulator.limits import LARGEST, check_can_be_followed
-from rotor_ida.simulator.options import Options
-from rotor_ida.studies.keeping import Form, keeping
-from rotor_ida.studies.scratch import slabs
+from rotor_ida.provenance import computing
+from rotor_ida.simulation.options import LARGEST, Options, check_can_be_followed
+from rotor_ida.storage.studies.results import Form, kept_results
+from rotor_ida.storage.studies.scratch import slabs
 
 Values = npt.NDArray[np.float64]
 
-FORM = Form(followed_as_bytes, followed_from_bytes)
-COMPONENTS = ("x", "y", "vx", "vy")
+FORM = Form(batch_as_bytes, batch_from_bytes)
 RTOL = 1e-6
 TIGHTEST, LOOSEST = 1e-12, 1e-4
 # Stiffer rotors take the explicit method too many steps.
@@ -93,9 +91,9 @@ def label(
     """
     place, several = choose(executor, workers, compiled=True)
     options = Options()
-    with keeping(study, {**design, **_design(rotor, rtol, options)}, count, FORM) as kept:
-        found = survey(
-            ends_of(rotor), starts, count, kept,
+    with kept_results(study, {**design, **_design(rotor, rtol, options)}, count, FORM) as kept:
+        found = follow_starts(
+            known_attractors(rotor), starts, count, kept,
             tolerance=rtol, workers=several, executor=place, progress=progress,
         )  # fmt: skip
         captured = _witnesses(found, starts)
@@ -121,7 +119,7 @@ def _design(rotor: Rotor, rtol: float, options: Options) -> dict[str, object]:
     return {**parameters, "rtol": rtol, "confirmed_with_rtol": options.rtol, **computing()}
 
 
-def _witnesses(found: Survey, starts: Starts) -> list[Values]:
+def _witnesses(found: FollowedStarts, starts: Starts) -> list[Values]:
     """Return for each attractor known beforehand the starts that it captured first.
 
     They are the ones least likely to lie so near to the border of the basin that another

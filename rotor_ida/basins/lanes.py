@@ -2,46 +2,76 @@
 
 Every quantity is a row of `LANES` numbers in one flat array, one orbit in each lane. With constant
 distances between the rows the compiler sees that they do not overlap, and turns the loop over the
-lanes, which has no branches, into vector instructions.
+lanes, which has no branches, into vector instructions. The sums over the stages
+of the method have constant numbers of terms, so that they are unrolled.
+
+References
+----------
+.. [1] Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I, 2nd ed., 1993,
+   section II.5 and the program DOP853: the method of Dormand and Prince of order 8, and how its
+   error is estimated. SciPy holds its coefficients.
 """
 
 from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
+from scipy.integrate import DOP853
 
-from rotor_ida.basins.dormand_prince import (
-    ADVANCE,
-    ERROR_3,
-    ERROR_5,
-    STAGE_2,
-    STAGE_3,
-    STAGE_4,
-    STAGE_5,
-    STAGE_6,
-    STAGE_7,
-    STAGE_8,
-    STAGE_9,
-    STAGE_10,
-    STAGE_11,
-    STAGE_12,
-    State,
-    moved,
-    size,
-)
-from rotor_ida.compiling import inlined_for_lanes, widest_vectors
+from rotor_ida.equations.compiling import inlined_for_lanes, widest_vectors
 
 Values = npt.NDArray[np.float64]
+State = tuple[float, float, float, float]
 
 # So many keep the vector units busy while the buffer stays in the innermost cache.
 LANES = 64
 X, Y, U, V, TIME, STEP, INSIDE = (LANES * row for row in range(7))
 BUFFER = 7 * LANES
 
+
+def _weights(row: Values) -> tuple[float, ...]:
+    """Return the weights that are not zero: each stage uses only some of the rates."""
+    return tuple(float(weight) for weight in row if weight != 0.0)
+
+
+(
+    STAGE_2, STAGE_3, STAGE_4, STAGE_5, STAGE_6, STAGE_7, STAGE_8, STAGE_9, STAGE_10, STAGE_11,
+    STAGE_12,
+) = (_weights(row) for row in DOP853.A[1:12])  # fmt: skip
+ADVANCE, ERROR_3, ERROR_5 = _weights(DOP853.B), _weights(DOP853.E3), _weights(DOP853.E5)
+
 SHRINK, GROW, CAUTION = 0.2, 5.0, 0.9
 # Below this a radius or a depth counts as this; its force is nothing.
 _TINY = 1e-30
 _HOPELESS = 1e30
+
+
+@inlined_for_lanes
+def weighted(weights: tuple[float, ...], rates: tuple[State, ...], part: int) -> float:
+    """Return the weighted sum of one component of the rates."""
+    total = 0.0
+    for j in range(len(weights)):
+        total += weights[j] * rates[j][part]
+    return total
+
+
+@inlined_for_lanes
+def moved(z: State, h: float, weights: tuple[float, ...], rates: tuple[State, ...]) -> State:
+    """Return ``z + h * sum(weights * rates)``."""
+    return (
+        z[0] + h * weighted(weights, rates, 0),
+        z[1] + h * weighted(weights, rates, 1),
+        z[2] + h * weighted(weights, rates, 2),
+        z[3] + h * weighted(weights, rates, 3),
+    )
+
+
+@inlined_for_lanes
+def size(weights: tuple[float, ...], rates: tuple[State, ...]) -> float:
+    """Return the squared length of the weighted sum of the rates."""
+    a, b = weighted(weights, rates, 0), weighted(weights, rates, 1)
+    c, d = weighted(weights, rates, 2), weighted(weights, rates, 3)
+    return a * a + b * b + c * c + d * d
 
 
 @inlined_for_lanes
@@ -70,7 +100,7 @@ def inverse_root(value: float) -> float:
 
 @inlined_for_lanes
 def rate(z: State, omega: float, zeta: float, delta0: float | None) -> State:
-    """Return the rate of a state on the rotating axes, as `rotor_ida.model.rotating_field`."""
+    """Return the rate of a state on the rotating axes, as `equations.model.rotating_field`."""
     x, y, u, v = z
     restoring = secant(x * x + y * y, delta0)
     damping = 2.0 * zeta
@@ -95,7 +125,6 @@ def step_lanes(
         x, y, u, v = lanes[X + i], lanes[Y + i], lanes[U + i], lanes[V + i]
         h = lanes[STEP + i]
         z = (x, y, u, v)
-        k1 = rate(z, omega, zeta, delta0)
         k1 = rate(z, omega, zeta, delta0)
         k2 = rate(moved(z, h, STAGE_2, (k1,)), omega, zeta, delta0)
         k3 = rate(moved(z, h, STAGE_3, (k1, k2)), omega, zeta, delta0)

@@ -11,10 +11,10 @@ from rotor_ida.cli.commands.archived import show
 from rotor_ida.cli.commands.basins import basin
 from rotor_ida.cli.commands.compared import compare
 from rotor_ida.cli.commands.doctor import doctor
+from rotor_ida.cli.commands.fractions import fractions
 from rotor_ida.cli.commands.reproduced import reproduce
 from rotor_ida.cli.commands.response import response
 from rotor_ida.cli.commands.resumed import resume
-from rotor_ida.cli.commands.sampled import shares
 from rotor_ida.cli.commands.simulated import simulate
 from rotor_ida.cli.commands.status import status
 from rotor_ida.cli.commands.swept import sweep
@@ -36,7 +36,7 @@ def application(console: Console) -> App:
         version=version("rotor-ida"),
         console=console,
     )
-    computing = (simulate, response, sweep, basin, shares)
+    computing = (simulate, response, sweep, basin, fractions)
     archived = (status, resume, compare, verify, show)
     for command in (reproduce, *computing, *archived, doctor):
         app.command(command)

@@ -10,24 +10,24 @@ import numpy as np
 import xarray as xr
 from rich.console import RenderableType
 
+from rotor_ida.analysis.comparison import summarise
 from rotor_ida.cli.records import Record, attributes_of, names_on, rows_of, value_of
 from rotor_ida.cli.tables import pairs, table
-from rotor_ida.comparison import summarise
+from rotor_ida.parameters import PARAMETERS
 from rotor_ida.schema import RESPONSE, flags_of
 
-Kind = Literal["run", "sweep", "basin", "shares", "comparison", "whirls", "folds", "other"]
+Kind = Literal["run", "sweep", "basin", "basin_fractions", "comparison", "whirls", "folds", "other"]
 Description = tuple[Record, list[RenderableType]]
 
-PARAMETERS = ("omega", "zeta", "delta0")
 EVENT = ("event_time", "event_kind", "event_x", "event_y", "event_time_error")
 CONTACT = ("entry_time", "exit_time", "peak_time", "peak_indentation", "peak_force")
 WHIRL = ("amplitude", *PARAMETERS, "branch", "phase_lag", "stability", "growth_rate", "in_contact")
 FOLD = ("fold_omega", "fold_amplitude", "zeta", "delta0", "fold")
 ATTRACTOR = (
     *("kind", "attractor", "amplitude", "phase_lag", "radius_min", "radius_max"),
-    *("confirmed", "count", "share", "share_error"),
+    *("confirmed", "count", "fraction", "fraction_error"),
 )
-SHARE = ("response", "response_count", "response_share", "response_share_error")
+SHARE = ("response", "response_count", "response_fraction", "response_fraction_error")
 STARTS = ("start_x", "start_y", "start_vx", "start_vy")
 POINT = (
     *("response", *PARAMETERS, "start", "direction", "amplitude", "phase_lag"),
@@ -47,9 +47,9 @@ def kind_of(dataset: xr.Dataset) -> Kind:
     signs: dict[Kind, bool] = {
         "comparison": "matched_branch" in dataset,
         "basin": "label" in dataset and "attractor" in dataset.dims,
-        "shares": "response_share" in dataset,
+        "basin_fractions": "response_fraction" in dataset,
         "sweep": "response" in dataset and set(PARAMETERS) <= set(dataset.dims),
-        "run": "event_time" in dataset and "time" in dataset.dims,
+        "run": "event_time" in dataset and "t" in dataset.dims,
         "whirls": "amplitude" in dataset and "branch" in dataset.dims,
         "folds": "fold_omega" in dataset,
     }
@@ -62,7 +62,7 @@ def describe(dataset: xr.Dataset, *, most: int | None = None) -> Description:
         "run": _run,
         "sweep": _sweep,
         "basin": _attractors,
-        "shares": _attractors,
+        "basin_fractions": _attractors,
         "comparison": _comparison,
         "whirls": _whirls,
         "folds": _folds,
@@ -163,7 +163,7 @@ def _attractors(dataset: xr.Dataset, most: int | None) -> Description:
         **counts,
     }
     parts = _rows("Attractors", attractors, ATTRACTOR, most, digits=6)
-    if "response_share" in dataset:
+    if "response_fraction" in dataset:
         record["responses"] = rows_of(dataset, SHARE)
         parts += _rows("Kinds of response", rows_of(dataset, SHARE), SHARE, most, digits=6)
     else:

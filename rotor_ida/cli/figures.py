@@ -15,8 +15,8 @@ from rotor_ida import plot
 from rotor_ida.cli.describe import kind_of
 from rotor_ida.cli.targets import check_panels
 from rotor_ida.errors import InputError
+from rotor_ida.paper.scenario import speeds_of_curves
 from rotor_ida.plot.labels import LABELS
-from rotor_ida.scenario import speeds_of_curves
 
 # Number of speeds of the exact curve where it has no tip.
 CURVE_POINTS = 600

@@ -42,7 +42,7 @@ def versions() -> dict[str, object]:
     found: dict[str, object] = {"python": platform.python_version()}
     found |= {name: _version(name) for name in PACKAGES}
     try:
-        solver = importlib.import_module("rotor_ida.dataset.provenance").versions()
+        solver = importlib.import_module("rotor_ida.provenance").versions()
     except ImportError:
         solver = {}
     return found | {"SUNDIALS": solver.get("sundials_version")}
@@ -50,13 +50,13 @@ def versions() -> dict[str, object]:
 
 def backends() -> list[str]:
     """Return the ways to call the solver that this version knows."""
-    known = importlib.import_module("rotor_ida.simulator.options").BACKENDS
+    known = importlib.import_module("rotor_ida.simulation.options").BACKENDS
     return [name for name in known if name != "auto"]
 
 
 def executors() -> list[str]:
     """Return what can do the work of a sweep or a basin here."""
-    choice = importlib.import_module("rotor_ida.ensemble.choice")
+    choice = importlib.import_module("rotor_ida.parallel.executors")
     return [name for name in choice.EXECUTORS if name != "auto" and not choice.why_not(name)]
 
 
@@ -88,7 +88,7 @@ def _why_not(backend: str) -> str:
     if backend != "compiled":
         return ""
     try:
-        return str(importlib.import_module("rotor_ida.simulator.sundials").why_not())
+        return str(importlib.import_module("rotor_ida.simulation.cvode.libraries").why_not())
     except ImportError as error:
         return f"ImportError: {error}"
 

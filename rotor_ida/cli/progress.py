@@ -9,7 +9,7 @@ from contextlib import AbstractContextManager, nullcontext
 
 def progress(name: str) -> AbstractContextManager[Callable[[int, int], None] | None]:
     """Show a bar on standard error while the context lasts; nothing if that is no terminal."""
-    from rotor_ida.scenario import progress_bar  # noqa: PLC0415 - heavy, and not for --help
+    from rotor_ida.paper.scenario import progress_bar  # noqa: PLC0415 - heavy, and not for --help
 
     if sys.stderr is None or not sys.stderr.isatty():
         return nullcontext()

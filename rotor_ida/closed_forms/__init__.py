@@ -6,14 +6,14 @@ other's independent witness.
 
 from rotor_ida.closed_forms.contact_free import ContactFreeWhirl, contact_free_whirl, flight
 from rotor_ida.closed_forms.curve import backbone, curve, peak_amplitude
-from rotor_ida.closed_forms.folds import critical_damping, folds
+from rotor_ida.closed_forms.folds import cusp_zeta, folds
 from rotor_ida.closed_forms.free_vibration import (
     amplitude_from_speed,
     centre_speed,
     circular_period,
     planar_period,
 )
-from rotor_ida.closed_forms.jumps import jump_limit, jumps
+from rotor_ida.closed_forms.jumps import cusp, jumps
 from rotor_ida.closed_forms.peaks import peaks
 from rotor_ida.closed_forms.periods import free_periods
 from rotor_ida.closed_forms.restoring import restoring_field
@@ -27,13 +27,13 @@ __all__ = [
     "centre_speed",
     "circular_period",
     "contact_free_whirl",
-    "critical_damping",
     "curve",
+    "cusp",
+    "cusp_zeta",
     "eigenvalues",
     "flight",
     "folds",
     "free_periods",
-    "jump_limit",
     "jumps",
     "peak_amplitude",
     "peaks",

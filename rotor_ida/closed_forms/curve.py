@@ -7,7 +7,7 @@ import numpy.typing as npt
 from scipy.optimize import brentq
 
 from rotor_ida.checks import check_axis, check_nonnegative, check_positive
-from rotor_ida.contact import secant_stiffness
+from rotor_ida.equations.contact import secant_stiffness
 
 Values = npt.NDArray[np.float64]
 

@@ -90,7 +90,7 @@ def folds(*, zeta: object, delta0: object) -> xr.Dataset:
     return xr.Dataset(variables, coords, attributes)
 
 
-def critical_damping(delta0: float) -> float:
+def cusp_zeta(delta0: float) -> float:
     """Return the damping ratio above which no fold, and so no jump, is left.
 
     Parameters
@@ -119,7 +119,7 @@ def critical_damping(delta0: float) -> float:
 
     Examples
     --------
-    >>> round(critical_damping(0.0), 8)
+    >>> round(cusp_zeta(0.0), 8)
     0.15604517
     """
     clearance = float(_checked("delta0", check_nonnegative("delta0", delta0))[0])

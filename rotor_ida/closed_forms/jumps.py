@@ -11,7 +11,7 @@ from scipy.optimize import minimize_scalar
 
 from rotor_ida.checks import check_axis
 from rotor_ida.closed_forms.fold_locus import fold_locus, locus_points
-from rotor_ida.closed_forms.folds import critical_damping, folds
+from rotor_ida.closed_forms.folds import cusp_zeta, folds
 from rotor_ida.closed_forms.synchronous import synchronous_response
 from rotor_ida.schema import CONVENTIONS, STABILITY, labelled
 
@@ -76,7 +76,7 @@ def jumps(*, zeta: object, delta0: object) -> xr.Dataset:
     return found.assign(landing_amplitude=labelled("landing_amplitude", dims, landing))
 
 
-def jump_limit(*, delta0: object = None) -> xr.Dataset:
+def cusp(*, delta0: object = None) -> xr.Dataset:
     """Return, for each clearance, the damping above which no jump is left.
 
     Parameters
@@ -88,8 +88,8 @@ def jump_limit(*, delta0: object = None) -> xr.Dataset:
     Returns
     -------
     Dataset
-        On delta0: ``critical_zeta``, the supremum of the damping ratios at which the response
-        curve has any fold, and ``critical_omega`` and ``critical_amplitude``, where the last
+        On delta0: ``cusp_zeta``, the supremum of the damping ratios at which the response
+        curve has any fold, and ``cusp_omega`` and ``cusp_amplitude``, where the last
         two folds merge [1].
 
     Raises
@@ -100,7 +100,7 @@ def jump_limit(*, delta0: object = None) -> xr.Dataset:
 
     Notes
     -----
-    `critical_damping` says how it is found. The number of folds need not fall as the damping
+    `cusp_zeta` says how it is found. The number of folds need not fall as the damping
     grows: at ``delta0 = 0.7237`` it goes 4, 2, 4, 2, 0. The limit is where it becomes 0 for good.
 
     References
@@ -109,16 +109,16 @@ def jump_limit(*, delta0: object = None) -> xr.Dataset:
 
     Examples
     --------
-    >>> limit = jump_limit(delta0=[0.0, 1.0])
-    >>> limit.critical_zeta.values.round(6)
+    >>> limit = cusp(delta0=[0.0, 1.0])
+    >>> limit.cusp_zeta.values.round(6)
     array([0.156045, 0.183409])
-    >>> anywhere = jump_limit()
-    >>> round(anywhere.critical_zeta.item(), 8), round(anywhere.delta0.item(), 4)
+    >>> anywhere = cusp()
+    >>> round(anywhere.cusp_zeta.item(), 8), round(anywhere.delta0.item(), 4)
     (0.25100303, 0.7009)
     """
     clearances = check_axis("delta0", _worst_clearance() if delta0 is None else delta0)
     rows = np.array([_last_fold(float(clearance)) for clearance in clearances])
-    names = ("critical_zeta", "critical_omega", "critical_amplitude")
+    names = ("cusp_zeta", "cusp_omega", "cusp_amplitude")
     variables = {
         name: labelled(name, "delta0", column) for name, column in zip(names, rows.T, strict=True)
     }
@@ -130,7 +130,7 @@ def jump_limit(*, delta0: object = None) -> xr.Dataset:
 def _worst_clearance() -> float:
     """Return the clearance at which folds bear the most damping; the limit has one hump."""
     found = minimize_scalar(
-        lambda delta0: -critical_damping(delta0),
+        lambda delta0: -cusp_zeta(delta0),
         bounds=_HUMP,
         method="bounded",
         options={"xatol": 1e-9},
@@ -140,7 +140,7 @@ def _worst_clearance() -> float:
 
 def _last_fold(delta0: float) -> tuple[float, float, float]:
     """Return damping ratio, speed and amplitude where the last two folds merge."""
-    limit = critical_damping(delta0)
+    limit = cusp_zeta(delta0)
     best: tuple[float, float, float] = (-1.0, math.nan, math.nan)
     for side in fold_locus(delta0, 1e-3):
         damping = np.where(np.isfinite(side.damping), side.damping, -1.0)

@@ -10,7 +10,7 @@ import xarray as xr
 
 from rotor_ida.checks import check_axis
 from rotor_ida.closed_forms.curve import peak_amplitude
-from rotor_ida.contact import contact_force, secant_stiffness
+from rotor_ida.equations.contact import contact_force, secant_stiffness
 from rotor_ida.schema import CONVENTIONS, labelled
 
 

@@ -7,7 +7,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.checks import check_axis, check_real
-from rotor_ida.contact import contact_potential, secant_stiffness
+from rotor_ida.equations.contact import contact_potential, secant_stiffness
 from rotor_ida.errors import InputError
 from rotor_ida.schema import CONVENTIONS, labelled
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.contact import contact_stiffness, secant_stiffness
+from rotor_ida.equations.contact import contact_stiffness, secant_stiffness
 
 Values = npt.NDArray[np.float64]
 ComplexValues = npt.NDArray[np.complex128]

@@ -13,7 +13,7 @@ from rotor_ida.plot.fields import plot_cuts, plot_surface
 from rotor_ida.plot.forces import plot_force_peaks, plot_forces
 from rotor_ida.plot.free import plot_periods, plot_portrait
 from rotor_ida.plot.histories import plot_drawn_out, plot_history
-from rotor_ida.plot.jumps import plot_backbone, plot_by_damping, plot_jump_limit, plot_jumps
+from rotor_ida.plot.jumps import plot_backbone, plot_by_damping, plot_cusp, plot_jumps
 from rotor_ida.plot.labels import parameter_text, with_error
 from rotor_ida.plot.layout import mixed_panels
 from rotor_ida.plot.machines import plot_machine
@@ -21,7 +21,7 @@ from rotor_ida.plot.responses import plot_amplitude, plot_phase
 from rotor_ida.plot.runs import plot_orbit, plot_rotating_orbit, plot_run
 from rotor_ida.plot.saving import save_figure
 from rotor_ida.plot.sections import plot_section
-from rotor_ida.plot.shares import plot_shares
+from rotor_ida.plot.shares import plot_basin_fractions
 from rotor_ida.plot.solutions import plot_deviation, plot_solutions
 from rotor_ida.plot.spectra import plot_spectrum
 
@@ -32,8 +32,10 @@ __all__ = [
     "plot_amplitude",
     "plot_backbone",
     "plot_basin",
+    "plot_basin_fractions",
     "plot_by_clearance",
     "plot_by_damping",
+    "plot_cusp",
     "plot_cuts",
     "plot_deviation",
     "plot_drawn_out",
@@ -42,7 +44,6 @@ __all__ = [
     "plot_force_peaks",
     "plot_forces",
     "plot_history",
-    "plot_jump_limit",
     "plot_jumps",
     "plot_machine",
     "plot_orbit",
@@ -53,7 +54,6 @@ __all__ = [
     "plot_rotating_orbit",
     "plot_run",
     "plot_section",
-    "plot_shares",
     "plot_solutions",
     "plot_spectrum",
     "plot_surface",

@@ -12,7 +12,9 @@ from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
 
+from rotor_ida.checks import COMPONENTS
 from rotor_ida.errors import InputError
+from rotor_ida.parameters import PARAMETERS
 from rotor_ida.plot.appearance import (
     INK,
     KIND_SHADES,
@@ -28,8 +30,6 @@ from rotor_ida.schema import FATE, QUANTITIES, flags_of
 
 Values = npt.NDArray[np.float64]
 
-PARAMETERS = ("omega", "zeta", "delta0")
-STARTS = ("x", "y", "vx", "vy")
 NEEDED = (*PARAMETERS, "label", "kind", "amplitude", "radius_min", "radius_max", "count")
 UNDECIDED, NOT_COMPUTED = INK, "white"
 FATE_WORDS = {"undecided": "undecided", "not_computed": "not computed"}
@@ -120,7 +120,7 @@ def _sort(name: str) -> str:
 def _title(dataset: xr.Dataset) -> str:
     """Return the parameters, and what the starts have besides their place in the plane."""
     words = [parameter_text(**{name: one_value("dataset", dataset, name) for name in PARAMETERS})]
-    for name in STARTS:
+    for name in COMPONENTS:
         if name in dataset.coords and dataset[name].ndim == 0 and float(dataset[name]) != 0.0:
             symbol = LABELS[name].partition(" ")[2]
             words.append(f"{symbol} $= {float(dataset[name]):g}$ {unit_of(dataset[name])}".rstrip())

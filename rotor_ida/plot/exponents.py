@@ -21,7 +21,7 @@ from rotor_ida.plot.labels import with_error
 from rotor_ida.plot.units import label_of, suited
 
 LINES = ((BLUE, "-"), (ORANGE, "--"), (PURPLE, "-."), (INK, ":"))
-NEEDED = ("time", "running_exponent", "lyapunov_exponent", "lyapunov_error")
+NEEDED = ("t", "running_exponent", "lyapunov_exponent", "lyapunov_error")
 
 
 def plot_exponents(
@@ -59,7 +59,7 @@ def plot_exponents(
     '$\\lambda_1 = -0.07000$'
     """
     found = check_dataset("found", found, NEEDED)
-    found = suited(found, ["time"], units=units, ax=ax)
+    found = suited(found, ["t"], units=units, ax=ax)
     with style():
         ax = axes_or_new(ax)
         ax.axhline(0.0, color=GREY, lw=0.7, zorder=1.5)
@@ -67,10 +67,10 @@ def plot_exponents(
             part = found.isel(exponent=number)
             value, error = part["lyapunov_exponent"].item(), part["lyapunov_error"].item()
             words = f"$\\lambda_{number + 1} = {with_error(value, error)}$"
-            ax.plot(part["time"], part["running_exponent"], color=colour, ls=dashes, lw=1.1,
+            ax.plot(part["t"], part["running_exponent"], color=colour, ls=dashes, lw=1.1,
                     label=words)  # fmt: skip
-        ax.set_xlim(0.0, float(found["time"].values[-1]))
-        ax.set_xlabel(label_of("time", found["time"]))
+        ax.set_xlim(0.0, float(found["t"].values[-1]))
+        ax.set_xlabel(label_of("t", found["t"]))
         ax.set_ylabel(label_of("running_exponent", found["running_exponent"]))
         low, high = float(found["lyapunov_exponent"].min()), float(found["lyapunov_exponent"].max())
         room = max(high - low, abs(high), abs(low)) or 1.0

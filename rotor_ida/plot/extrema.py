@@ -49,7 +49,7 @@ def plot_extrema(
     Parameters
     ----------
     found : Dataset
-        What `rotor_ida.bifurcation` returned, for one ``zeta``.
+        What `rotor_ida.bifurcation_diagram` returned, for one ``zeta``.
     exact : Dataset, optional
         What `rotor_ida.synchronous_response` returned, for the same ``zeta`` and one
         ``delta0``: drawn under the extrema, and only those of this clearance are shown.
@@ -73,8 +73,8 @@ def plot_extrema(
 
     Examples
     --------
-    >>> from rotor_ida import bifurcation
-    >>> found = bifurcation(omega=[1.2, 1.7], zeta=0.5, delta0=0.5, starts=[(0, 0, 0, 0)])
+    >>> from rotor_ida import bifurcation_diagram
+    >>> found = bifurcation_diagram(omega=[1.2, 1.7], zeta=0.5, delta0=0.5, starts=[(0, 0, 0, 0)])
     >>> plot_extrema(found).get_ylabel()
     'radius $|z|$'
     """

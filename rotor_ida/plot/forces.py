@@ -45,9 +45,9 @@ def plot_forces(
     >>> plot_forces(contact_forces(run)).get_ylabel()
     'contact force $f$'
     """
-    forces = check_dataset("forces", forces, ("time", "force", "peak_time", "peak_force"))
-    forces = suited(forces, ["time", "force", "peak_force"], units=units, ax=ax)
-    time, peaks = forces["time"].values, forces["peak_time"].values
+    forces = check_dataset("forces", forces, ("t", "force", "peak_time", "peak_force"))
+    forces = suited(forces, ["t", "force", "peak_force"], units=units, ax=ax)
+    time, peaks = forces["t"].values, forces["peak_time"].values
     # where the run begins or ends inside a contact, its largest force there is no peak
     shown = (peaks > time[0]) & (peaks < time[-1])
     with style():
@@ -59,7 +59,7 @@ def plot_forces(
         )  # fmt: skip
         ax.set_xlim(float(time[0]), float(time[-1]))
         ax.set_ylim(bottom=0.0)
-        ax.set_xlabel(label_of("time", forces["time"]))
+        ax.set_xlabel(label_of("t", forces["t"]))
         ax.set_ylabel(label_of("force", forces["force"]))
     return ax
 
@@ -96,9 +96,9 @@ def plot_force_peaks(
     >>> plot_force_peaks(contact_forces(run)).get_xlabel()
     'peak force $f$'
     """
-    forces = check_dataset("forces", forces, ("peak_force", "peak_share"))
+    forces = check_dataset("forces", forces, ("peak_force", "peak_fraction"))
     forces = suited(forces, ["peak_force"], units=units, ax=ax)
-    peaks, share = forces["peak_force"].values, forces["peak_share"].values
+    peaks, share = forces["peak_force"].values, forces["peak_fraction"].values
     whole = np.flatnonzero(np.isfinite(share))
     order = whole[np.argsort(peaks[whole], kind="stable")]
     peaks, share = peaks[order], share[order]
@@ -112,5 +112,5 @@ def plot_force_peaks(
             ax.text(0.5, 0.5, words, transform=ax.transAxes, ha="center", va="center")
         ax.set_ylim(0.0, 1.02)
         ax.set_xlabel(label_of("peak_force", forces["peak_force"]))
-        ax.set_ylabel(LABELS["peak_share"])
+        ax.set_ylabel(LABELS["peak_fraction"])
     return ax

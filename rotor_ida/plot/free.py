@@ -119,7 +119,7 @@ def plot_portrait(
     Parameters
     ----------
     runs : Dataset
-        ``x vx y vy`` on ``start`` and ``time``, with the ``amplitude`` and the ``period`` of
+        ``x vx y vy`` on ``start`` and ``t``, with the ``amplitude`` and the ``period`` of
         each start, and perhaps one ``delta0`` for the title.
     along : {"x", "y"}
         Which axis.
@@ -141,7 +141,7 @@ def plot_portrait(
 
     Examples
     --------
-    >>> table = xr.Dataset({name: (("start", "time"), [[0.0, 1.0]]) for name in ("x", "vx")})
+    >>> table = xr.Dataset({name: (("start", "t"), [[0.0, 1.0]]) for name in ("x", "vx")})
     >>> table = table.assign(amplitude=("start", [1.0]), period=("start", [6.58]))
     >>> plot_portrait(table).get_ylabel()
     'velocity $x$′'

@@ -71,7 +71,7 @@ def plot_history(
                 ax.plot(path.time, np.where(shown, values, np.nan), color=colour, lw=0.9,
                         label=label)  # fmt: skip
         ax.set_xlim(float(path.time[0]), float(path.time[-1]))
-        ax.set_xlabel(label_of("time", run["time"]))
+        ax.set_xlabel(label_of("t", run["t"]))
         ax.set_ylabel(label_of(name, run["x"]))
     return ax
 
@@ -119,7 +119,7 @@ def plot_drawn_out(
             if chosen[:-1].any():
                 x, y = (np.where(shown, values, np.nan) for values in (path.x, path.y))
                 solid.plot(path.time, x, y, color=colour, lw=0.7, label=label)
-        solid.set_xlabel(label_of("time", run["time"]), labelpad=-4)
+        solid.set_xlabel(label_of("t", run["t"]), labelpad=-4)
         solid.set_ylabel(label_of("x_alone", run["x"]), labelpad=-6)
         solid.set_zlabel(label_of("y_alone", run["y"]), labelpad=-6)
         solid.view_init(elev=22, azim=-58)

@@ -176,7 +176,7 @@ def plot_by_damping(
     return ax
 
 
-def plot_jump_limit(
+def plot_cusp(
     limit: xr.Dataset, *, highest: xr.Dataset | None = None, ax: Axes | None = None
 ) -> Axes:
     r"""Draw the damping above which no jump is left over the clearance.
@@ -184,7 +184,7 @@ def plot_jump_limit(
     Parameters
     ----------
     limit : Dataset
-        What `rotor_ida.closed_forms.jump_limit` returned for many clearances.
+        What `rotor_ida.closed_forms.cusp` returned for many clearances.
     highest : Dataset, optional
         What it returned without a clearance: the highest limit is marked.
     ax : Axes, optional
@@ -202,19 +202,19 @@ def plot_jump_limit(
 
     Examples
     --------
-    >>> from rotor_ida.closed_forms import jump_limit
-    >>> plot_jump_limit(jump_limit(delta0=[0.0, 1.0])).get_ylabel()
+    >>> from rotor_ida.closed_forms import cusp
+    >>> plot_cusp(cusp(delta0=[0.0, 1.0])).get_ylabel()
     'damping ratio $\\zeta$'
     """
-    limit = check_dataset("limit", limit, ("delta0", "critical_zeta"))
+    limit = check_dataset("limit", limit, ("delta0", "cusp_zeta"))
     with style():
         ax = axes_or_new(ax)
-        delta0, zeta = limit["delta0"].values, limit["critical_zeta"].values
+        delta0, zeta = limit["delta0"].values, limit["cusp_zeta"].values
         ax.fill_between(delta0, zeta, color=SHADE, lw=0.0)
         ax.plot(delta0, zeta, color=INK)
         if highest is not None:
-            check_dataset("highest", highest, ("delta0", "critical_zeta"))
-            place = (highest["delta0"].item(), highest["critical_zeta"].item())
+            check_dataset("highest", highest, ("delta0", "cusp_zeta"))
+            place = (highest["delta0"].item(), highest["cusp_zeta"].item())
             ax.plot(*place, ls="", marker="D", ms=4.0, mfc="white", mec=INK)
             ax.annotate(f"$\\zeta = {place[1]:.6f}$ at $\\delta_0 = {place[0]:.4f}$", place,
                         xytext=(8, 3), textcoords="offset points")  # fmt: skip

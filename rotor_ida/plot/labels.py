@@ -6,7 +6,7 @@ LABELS = {
     "omega": r"spin speed $\omega$",
     "amplitude": r"amplitude $A$",
     "phase_lag": r"phase lag $\theta$",
-    "time": r"time $t$",
+    "t": r"time $t$",
     "x": r"displacement $x$",
     "y": r"displacement $y$",
     "vx": "velocity $x$′",
@@ -23,7 +23,7 @@ LABELS = {
     "frequency": r"frequency $\Omega$",
     "whirl_amplitude": r"whirl amplitude $|c|$",
     "force": r"contact force $f$",
-    "peak_share": "share of contacts up to this force",
+    "peak_fraction": "share of contacts up to this force",
     "running_exponent": r"Lyapunov exponent $\lambda$",
     "peak_force": r"peak force $f$",
     "zeta": r"damping ratio $\zeta$",
@@ -40,7 +40,7 @@ SYMBOLS = {"omega": r"\omega", "zeta": r"\zeta", "delta0": r"\delta_0"}
 
 # What is written with a capital where it has a unit, as in eqs (1)-(9).
 IN_UNITS = {
-    "time": "time $T$",
+    "t": "time $T$",
     "x": "displacement $X$",
     "y": "displacement $Y$",
     "vx": "velocity $X$′",

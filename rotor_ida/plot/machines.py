@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from rotor_ida.contact import contact_force
+from rotor_ida.equations.contact import contact_force
 from rotor_ida.errors import InputError
 from rotor_ida.plot.appearance import BLUE, INK, RED, check_dataset, one_value, style
 from rotor_ida.plot.labels import parameter_text
@@ -87,7 +87,7 @@ def plot_machine(run: xr.Dataset, *, units: Mapping[str, str] | None = None) -> 
         shown = (peaks > path.time[0]) & (peaks < path.time[-1])
         force.plot(peaks[shown], run["peak_force"].values[shown], ls="", marker="o", ms=2.4,
                    color=INK, label="peak of a contact")  # fmt: skip
-        force.set(xlabel=label_of("time", run["time"]), ylim=(0.0, None),
+        force.set(xlabel=label_of("t", run["t"]), ylim=(0.0, None),
                   ylabel=label_of("contact_force", run["peak_force"]))  # fmt: skip
         force.set_xlim(float(path.time[0]), float(path.time[-1]))
         force.legend(loc="upper right")

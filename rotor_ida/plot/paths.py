@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.checks import COMPONENTS
 from rotor_ida.plot.units import scale_of
 from rotor_ida.schema import flags_of
 
@@ -57,12 +58,11 @@ class Path:
 
 def path_of(run: xr.Dataset) -> Path:
     """Return outputs and events in one sequence, with points between where they lie close."""
-    names = ("x", "y", "vx", "vy")
-    times = np.concatenate([run["time"].values, run["event_time"].values])
+    times = np.concatenate([run["t"].values, run["event_time"].values])
     table = np.concatenate(
         [
-            np.stack([run[name].values for name in names], axis=1),
-            np.stack([run[f"event_{name}"].values for name in names], axis=1),
+            np.stack([run[name].values for name in COMPONENTS], axis=1),
+            np.stack([run[f"event_{name}"].values for name in COMPONENTS], axis=1),
         ]
     )
     times, first = np.unique(times, return_index=True)

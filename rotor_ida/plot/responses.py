@@ -11,6 +11,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from rotor_ida.errors import InputError
+from rotor_ida.parameters import PARAMETERS
 from rotor_ida.plot.appearance import (
     CONTACT_FREE,
     FOLD,
@@ -32,7 +33,6 @@ from rotor_ida.schema import flags_of
 
 Values = npt.NDArray[np.float64]
 
-PARAMETERS = ("omega", "zeta", "delta0")
 LINES = {
     "stable": (STABLE, "-", 1.3),
     "unstable": (UNSTABLE, (0, (4, 2)), 1.0),

@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
+from rotor_ida.parameters import PARAMETERS
 from rotor_ida.plot.appearance import (
     BLUE,
     INK,
@@ -32,8 +33,7 @@ from rotor_ida.schema import flags_of
 
 Values = npt.NDArray[np.float64]
 
-PARAMETERS = ("omega", "zeta", "delta0")
-NEEDED = (*PARAMETERS, "time", "x", "y", "vx", "vy", "starts_in_contact", "event_time",
+NEEDED = (*PARAMETERS, "t", "x", "y", "vx", "vy", "starts_in_contact", "event_time",
           "event_kind", "event_x", "event_y", "event_vx", "event_vy", "entry_time",
           "exit_time")  # fmt: skip
 # Above these numbers of events their marks get smaller, and then are left out: they would hide
@@ -41,7 +41,7 @@ NEEDED = (*PARAMETERS, "time", "x", "y", "vx", "vy", "starts_in_contact", "event
 FEW_EVENTS, MANY_EVENTS = 40, 120
 DASHES = (0, (4, 2))
 # What decides the SI prefixes of a run.
-SIZED_BY = ("time", "x", "y", "peak_force")
+SIZED_BY = ("t", "x", "y", "peak_force")
 
 
 def plot_run(run: xr.Dataset, *, units: Mapping[str, str] | None = None) -> Figure:
@@ -94,7 +94,7 @@ def plot_run(run: xr.Dataset, *, units: Mapping[str, str] | None = None) -> Figu
         _mark_events_on_radius(history[2], run, clearance)
         _draw_forces(history[3], run)
         first.set_xlim(float(path.time[0]), float(path.time[-1]))
-        history[3].set_xlabel(label_of("time", run["time"]))
+        history[3].set_xlabel(label_of("t", run["t"]))
         figure.align_ylabels(history)
         orbit = figure.add_subplot(grid[:, 1])
         _draw_orbit(orbit, run, path)
@@ -210,7 +210,7 @@ def clearance_of(run: xr.Dataset) -> float:
 
 def _contacts(run: xr.Dataset) -> list[tuple[float, float]]:
     """Return begin and length of each contact, as far as the run shows it."""
-    first, last = float(run["time"].values[0]), float(run["time"].values[-1])
+    first, last = float(run["t"].values[0]), float(run["t"].values[-1])
     entries = np.nan_to_num(run["entry_time"].values, nan=first)
     exits = np.nan_to_num(run["exit_time"].values, nan=last)
     return [(float(a), float(b - a)) for a, b in zip(entries, exits, strict=True)]
@@ -257,7 +257,7 @@ def _row_label(name: str, variable: xr.DataArray) -> str:
 def _draw_forces(ax: Axes, run: xr.Dataset) -> None:
     _shade_contacts(ax, run)
     # where the run ends inside a contact while the force grows, its peak has not been seen
-    seen = run["peak_time"].values < float(run["time"].values[-1])
+    seen = run["peak_time"].values < float(run["t"].values[-1])
     times, forces = run["peak_time"].values[seen], run["peak_force"].values[seen]
     ax.vlines(times, 0.0, forces, color=RED, lw=0.8)
     ax.plot(times, forces, ls="", marker="o", ms=max(2.0, 0.7 * _mark_size(run)), color=RED)
@@ -307,7 +307,7 @@ def _mark_size(run: xr.Dataset) -> float:
 
 
 def _duration(run: xr.Dataset) -> float:
-    return float(run["time"].values[-1] - run["time"].values[0]) / scale_of(run, "time")
+    return float(run["t"].values[-1] - run["t"].values[0]) / scale_of(run, "time")
 
 
 def _title(run: xr.Dataset) -> str:

@@ -10,11 +10,11 @@ import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
 
+from rotor_ida.parameters import PARAMETERS
 from rotor_ida.plot.appearance import BLUE, INK, axes_or_new, check_dataset, one_value, style
 from rotor_ida.plot.labels import LABELS, parameter_text
 from rotor_ida.plot.units import label_of, scale_of, suited
 
-PARAMETERS = ("omega", "zeta", "delta0")
 NEEDED = (*PARAMETERS, "rotating_x", "rotating_y", "rotating_vx", "rotating_vy")
 LEAST_SPAN = 0.2
 FEW = 20

@@ -18,13 +18,13 @@ from rotor_ida.plot.labels import KIND_WORDS, LABELS, parameter_text
 from rotor_ida.schema import RESPONSE
 
 
-def plot_shares(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
+def plot_basin_fractions(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     """Draw the shares of starts by kind of response over the speed, one upon the other.
 
     Parameters
     ----------
     dataset : Dataset
-        What `rotor_ida.shares` returned, joined along ``omega``, for one ``zeta`` and one
+        What `rotor_ida.basin_fractions` returned, joined along ``omega``, for one ``zeta`` and one
         ``delta0``.
     ax : Axes, optional
         Where to draw; by default on a new figure.
@@ -42,14 +42,14 @@ def plot_shares(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     Examples
     --------
     >>> found = xr.Dataset(
-    ...     {"response_share": (("omega", "response"), [[1.0, 0.0], [0.25, 0.75]])},
+    ...     {"response_fraction": (("omega", "response"), [[1.0, 0.0], [0.25, 0.75]])},
     ...     {"omega": [1.0, 2.0], "response": [2, 3], "zeta": 0.07, "delta0": 0.5})
-    >>> plot_shares(found).get_ylabel()
+    >>> plot_basin_fractions(found).get_ylabel()
     'share of starts'
     """
-    check_dataset("dataset", dataset, ("omega", "zeta", "delta0", "response", "response_share"))
+    check_dataset("dataset", dataset, ("omega", "zeta", "delta0", "response", "response_fraction"))
     words = {number: kind for kind, number in RESPONSE.items()}
-    table = dataset["response_share"].transpose("omega", "response")
+    table = dataset["response_fraction"].transpose("omega", "response")
     alone = ax is None
     with style():
         ax = axes_or_new(ax)

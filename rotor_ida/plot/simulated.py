@@ -9,6 +9,7 @@ import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
 
+from rotor_ida.checks import COMPONENTS
 from rotor_ida.plot.appearance import (
     BLUE,
     FROM_REST,
@@ -101,6 +102,6 @@ def _face(look: _Look) -> str:
 
 
 def _start_words(simulated: xr.Dataset) -> str:
-    starts = [f"start_{name}" for name in ("x", "y", "vx", "vy")]
+    starts = [f"start_{name}" for name in COMPONENTS]
     at_rest = all(name in simulated and not simulated[name].values.any() for name in starts)
     return FROM_REST if at_rest else FROM_START

@@ -12,7 +12,7 @@ from rotor_ida.plot.appearance import INK, axes_or_new, check_dataset, own_legen
 from rotor_ida.plot.layout import LOOKS
 from rotor_ida.plot.units import label_of, suited
 
-NEEDED = ("time", "solution", "x", "y", "solution_x", "solution_y")
+NEEDED = ("t", "solution", "x", "y", "solution_x", "solution_y")
 
 
 def plot_solutions(
@@ -23,7 +23,7 @@ def plot_solutions(
     Parameters
     ----------
     compared : Dataset
-        ``x`` and ``y`` on ``time``, and ``solution_x`` and ``solution_y`` on ``solution`` and
+        ``x`` and ``y`` on ``t``, and ``solution_x`` and ``solution_y`` on ``solution`` and
         ``time``; the coordinate ``solution`` names them.
     units : mapping of str to str, optional
         Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
@@ -43,25 +43,25 @@ def plot_solutions(
 
     Examples
     --------
-    >>> line = ("time", [0.0, 1.0])
-    >>> table = ("solution", "time"), [[0.0, 2.0]]
+    >>> line = ("t", [0.0, 1.0])
+    >>> table = ("solution", "t"), [[0.0, 2.0]]
     >>> data = {"x": line, "y": line, "solution_x": table, "solution_y": table}
-    >>> coordinates = {"time": [0.0, 1.0], "solution": ["as printed"]}
+    >>> coordinates = {"t": [0.0, 1.0], "solution": ["as printed"]}
     >>> plot_solutions(xr.Dataset(data, coordinates)).get_xlabel()
     'time $t$'
     """
     compared = suited(check_dataset("compared", compared, NEEDED), NEEDED, units=units, ax=ax)
     with style():
         ax = axes_or_new(ax, width=7.0, height=2.6)
-        ax.plot(compared["time"].values, compared["x"].values, color=INK, lw=1.4,
+        ax.plot(compared["t"].values, compared["x"].values, color=INK, lw=1.4,
                 label="simulated")  # fmt: skip
         for number, name in enumerate(compared["solution"].values.tolist(), start=1):
             colour, line = LOOKS[number]
             here = compared.sel(solution=name)
-            ax.plot(here["time"].values, here["solution_x"].values, color=colour, ls=line,
+            ax.plot(here["t"].values, here["solution_x"].values, color=colour, ls=line,
                     lw=1.0, label=str(name))  # fmt: skip
-        ax.set_xlim(float(compared["time"][0]), float(compared["time"][-1]))
-        ax.set_xlabel(label_of("time", compared["time"]))
+        ax.set_xlim(float(compared["t"][0]), float(compared["t"][-1]))
+        ax.set_xlabel(label_of("t", compared["t"]))
         ax.set_ylabel(label_of("x", compared["x"]))
         own_legend(ax)
     return ax
@@ -94,10 +94,10 @@ def plot_deviation(
 
     Examples
     --------
-    >>> line = ("time", [0.0, 1.0])
-    >>> table = ("solution", "time"), [[0.0, 2.0]]
+    >>> line = ("t", [0.0, 1.0])
+    >>> table = ("solution", "t"), [[0.0, 2.0]]
     >>> data = {"x": line, "y": line, "solution_x": table, "solution_y": table}
-    >>> coordinates = {"time": [0.0, 1.0], "solution": ["as printed"]}
+    >>> coordinates = {"t": [0.0, 1.0], "solution": ["as printed"]}
     >>> plot_deviation(xr.Dataset(data, coordinates)).get_xlabel()
     'time $t$'
     """
@@ -111,10 +111,10 @@ def plot_deviation(
             colour, line = LOOKS[number]
             values = error.sel(solution=name).values
             shown = np.where(values > 0.0, values, np.nan)
-            ax.semilogy(compared["time"].values, shown, color=colour, ls=line, lw=1.1,
+            ax.semilogy(compared["t"].values, shown, color=colour, ls=line, lw=1.1,
                         label=str(name))  # fmt: skip
-        ax.set_xlim(float(compared["time"][0]), float(compared["time"][-1]))
-        ax.set_xlabel(label_of("time", compared["time"]))
+        ax.set_xlim(float(compared["t"][0]), float(compared["t"][-1]))
+        ax.set_xlabel(label_of("t", compared["t"]))
         ax.set_ylabel(label_of("deviation", compared["x"]))
         own_legend(ax)
     return ax

@@ -10,9 +10,9 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from rotor_ida.dataset.dimensional import UNITS
 from rotor_ida.errors import InputError
 from rotor_ida.plot.labels import IN_UNITS, LABELS
+from rotor_ida.si_units import UNITS
 
 PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M"}
 # How units are written in a label, before the prefix.
@@ -59,7 +59,7 @@ def suited(
 
     Examples
     --------
-    >>> run = xr.Dataset({"x": ("time", [0.0, 2e-5], {"units": "m"})}, attrs={"length_scale": 1e-5})
+    >>> run = xr.Dataset({"x": ("t", [0.0, 2e-5], {"units": "m"})}, attrs={"length_scale": 1e-5})
     >>> shown = suited(run, ["x"])
     >>> shown.x.attrs["units"], [round(float(x), 9) for x in shown.x]
     ('µm', [0.0, 20.0])

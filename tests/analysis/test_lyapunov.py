@@ -81,8 +81,8 @@ def test_stated_error_falls_with_the_square_root_of_the_time_in_chaos():
 
 def test_running_mean_ends_near_the_exponent():
     found = lyapunov_exponent(FULL_CONTACT, start=REST, duration=1000.0)
-    assert found.running_exponent.dims == ("time", "exponent")
-    assert found.time.values[-1] == pytest.approx(1000.0)
+    assert found.running_exponent.dims == ("t", "exponent")
+    assert found.t.values[-1] == pytest.approx(1000.0)
     # a plain mean is off by an unfinished oscillation over the time
     difference = found.running_exponent.values[-1] - found.lyapunov_exponent.values
     assert np.abs(difference).max() < 5.0 / 1000.0

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rotor_ida import InputError, Rotor, poincare_section, simulate, synchronous_response
-from rotor_ida.model import turned
+from rotor_ida.equations.model import rotated
 
 REST = (0.0, 0.0, 0.0, 0.0)
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
@@ -42,7 +42,7 @@ def test_entries_and_exits_are_the_events_of_the_simulation():
         section = poincare_section(BOUNCING, start=REST, revolutions=20, at=at)
         chosen = run.event_kind.values == kind
         np.testing.assert_allclose(section.crossing_time, run.event_time[chosen], atol=1e-9)
-        fixed = turned(states(section), 2.0 * section.crossing_time.values)
+        fixed = rotated(states(section), 2.0 * section.crossing_time.values)
         np.testing.assert_allclose(fixed[:, 0], run.event_x[chosen], atol=1e-9)
         x, y, vx, vy = states(section).T
         np.testing.assert_allclose(np.hypot(x, y), 2.0, rtol=1e-14)

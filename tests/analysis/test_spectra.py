@@ -12,10 +12,10 @@ from rotor_ida.schema import labelled
 
 def signal(z, times, omega=1.5):
     """A motion made by hand, labelled as a run is."""
-    variables = {"x": labelled("x", "time", z.real), "y": labelled("y", "time", z.imag)}
+    variables = {"x": labelled("x", "t", z.real), "y": labelled("y", "t", z.imag)}
     parameters = {"omega": omega, "zeta": 0.1, "delta0": 1.0}
     coordinates = {name: labelled(name, (), value) for name, value in parameters.items()}
-    return xr.Dataset(variables, {**coordinates, "time": labelled("time", "time", times)})
+    return xr.Dataset(variables, {**coordinates, "t": labelled("t", "t", times)})
 
 
 def at(lines, order):

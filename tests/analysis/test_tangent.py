@@ -6,10 +6,10 @@ from scipy.linalg import expm
 
 from rotor_ida import Rotor
 from rotor_ida.analysis.tangent import DONE, follow_stretches
-from rotor_ida.model import rotating_jacobian, turned
-from rotor_ida.simulator.options import Options
-from rotor_ida.simulator.run import run
-from rotor_ida.simulator.start import starts_in_contact
+from rotor_ida.equations.model import rotated, rotating_jacobian
+from rotor_ida.simulation.options import Options
+from rotor_ida.simulation.run import run
+from rotor_ida.simulation.start import starts_in_contact
 
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 START = np.array([0.3, 0.2, 0.1, -0.4])
@@ -29,7 +29,7 @@ def followed(rotor, start, duration, rtol):
 def simulated(rotor, start, duration):
     """State on the rotating axes, and number of events, by the simulator."""
     orbit = run(rotor, tuple(start), duration, np.empty(0), TIGHT)
-    return turned(orbit.end, -rotor.omega * duration), orbit.event_times.size
+    return rotated(orbit.end, -rotor.omega * duration), orbit.event_times.size
 
 
 @pytest.mark.parametrize(

@@ -5,14 +5,14 @@ import pytest
 
 from rotor_ida import Rotor
 from rotor_ida.basins import attractors as attractors_module
-from rotor_ida.basins import survey as survey_module
+from rotor_ida.basins import follow_starts as survey_module
 from rotor_ida.basins.attractors import Attractor, attractors_of
-from rotor_ida.basins.ends import ends_of
-from rotor_ida.basins.followed import Followed, Undecided
+from rotor_ida.basins.batches import BatchResult, Undecided
+from rotor_ida.basins.following import FollowedStarts
 from rotor_ida.basins.kernel import UNDECIDED
-from rotor_ida.basins.survey import Survey
-from rotor_ida.simulator.options import Options
-from rotor_ida.studies.keeping import InMemory
+from rotor_ida.basins.known_attractors import known_attractors
+from rotor_ida.simulation.options import Options
+from rotor_ida.storage.studies.results import InMemory
 
 BOUNCER = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 
@@ -35,8 +35,8 @@ def survey_of(rotor, earlier, later):
     labels = np.full(count, UNDECIDED, dtype=np.int16)
     times = np.zeros(count, np.float32)
     kept = InMemory()
-    kept.keep(0, Followed(0, labels.copy(), times, left), count)
-    return Survey(ends_of(rotor), labels, times, kept, count)
+    kept.keep(0, BatchResult(0, labels.copy(), times, left), count)
+    return FollowedStarts(known_attractors(rotor), labels, times, kept, count)
 
 
 def windows(low, high, count, scatter, seed=0):

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from rotor_ida import Rotor
-from rotor_ida.basins.ends import ends_of
+from rotor_ida.basins.following import _table
 from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED, follow
+from rotor_ida.basins.known_attractors import known_attractors
 from rotor_ida.basins.lanes import LANES
-from rotor_ida.basins.survey import _table
-from rotor_ida.simulator.options import Options
-from rotor_ida.simulator.run import run
+from rotor_ida.simulation.options import Options
+from rotor_ida.simulation.run import run
 
 NOTHING = np.array([0.0, 0.0, -1.0])
 GO_ON = np.zeros(1, dtype=np.uint8)
@@ -32,7 +32,7 @@ def random_states(count, half_width=10.0, seed=0):
 @pytest.mark.parametrize("count", [1, LANES - 1, 5 * LANES + 3])
 def test_a_start_does_not_depend_on_its_neighbours(count):
     rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
-    ends = ends_of(rotor)
+    ends = known_attractors(rotor)
     states = random_states(count)
     _, labels, times = followed(rotor, states, sets=_table(ends.sets), duration=500.0)
     assert (labels >= 0).all()
@@ -62,7 +62,7 @@ def test_contact_free_starts_are_told_at_once_and_no_others():
     """A start is caught at time 0 exactly if flight keeps it inside the clearance for ever."""
     rotor = Rotor(omega=1.0, zeta=0.5, delta0=3.0)
     states = random_states(LANES, half_width=1.5)
-    _, labels, times = followed(rotor, states, free=ends_of(rotor).free, duration=0.5)
+    _, labels, times = followed(rotor, states, free=known_attractors(rotor).free, duration=0.5)
     at_once = (labels == 0) & (times == 0.0)
     assert 10 < at_once.sum() < LANES - 10
     for number in range(0, LANES, 4):

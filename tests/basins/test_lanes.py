@@ -8,13 +8,27 @@ import numpy as np
 import pytest
 
 from rotor_ida import Rotor
-from rotor_ida.basins.dormand_prince import ADVANCE, STAGE_5, STAGE_12
-from rotor_ida.basins.lanes import BUFFER, LANES, STEP, TIME, U, V, X, Y, rate, secant, step_lanes
-from rotor_ida.basins.windows import ROWS, watch_step
-from rotor_ida.contact import force_over_radius
-from rotor_ida.model import rotating_field
-from rotor_ida.simulator.options import Options
-from rotor_ida.simulator.run import run
+from rotor_ida.basins.features import ROWS, watch_step
+from rotor_ida.basins.lanes import (
+    ADVANCE,
+    BUFFER,
+    LANES,
+    STAGE_5,
+    STAGE_12,
+    STEP,
+    TIME,
+    U,
+    V,
+    X,
+    Y,
+    rate,
+    secant,
+    step_lanes,
+)
+from rotor_ida.equations.contact import force_over_radius
+from rotor_ida.equations.model import rotating_field
+from rotor_ida.simulation.options import Options
+from rotor_ida.simulation.run import run
 
 RADII = [0.5, *np.geomspace(1e-6, 1e6, 200)]
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotor_ida import Rotor, shares
+from rotor_ida import Rotor, basin_fractions
 
 BOX = dict.fromkeys(("x", "y", "vx", "vy"), (-10.0, 10.0))
 
@@ -11,8 +11,8 @@ BOX = dict.fromkeys(("x", "y", "vx", "vy"), (-10.0, 10.0))
 @pytest.mark.parametrize(("omega", "delta0"), [(1.7, 0.5), (2.0, 2.0), (3.0, 0.5)])
 def test_two_samples_agree_within_four_standard_errors(omega, delta0):
     rotor = Rotor(omega=omega, zeta=0.07, delta0=delta0)
-    one, other = (shares(rotor, **BOX, starts=600, seed=seed) for seed in (1, 2))
-    difference = np.abs(one.response_share.values - other.response_share.values)
-    error = np.hypot(one.response_share_error.values, other.response_share_error.values)
+    one, other = (basin_fractions(rotor, **BOX, starts=600, seed=seed) for seed in (1, 2))
+    difference = np.abs(one.response_fraction.values - other.response_fraction.values)
+    error = np.hypot(one.response_fraction_error.values, other.response_fraction_error.values)
     assert (difference <= 4.0 * error + 1.0 / 600.0).all()
-    assert one.response_share.values.sum() == pytest.approx(1.0)
+    assert one.response_fraction.values.sum() == pytest.approx(1.0)

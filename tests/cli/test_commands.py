@@ -67,7 +67,7 @@ def test_simulate_passes_every_option_on(program: Program):
     assert answer.status == 0
     assert "wrote run.nc" in answer.out
     kept = rotor_ida.load("run.nc")
-    assert kept.sizes["time"] == 11
+    assert kept.sizes["t"] == 11
     assert [kept.attrs[name] for name in ("rtol", "atol", "method", "flight", "backend")] == [
         1e-7, 1e-9, "bdf", "cvode", "python"
     ]  # fmt: skip
@@ -157,7 +157,7 @@ def test_a_sweep_with_failed_points_keeps_them_and_says_so(
     swept["status"][1] = 1
     swept["message"] = swept["message"].astype("<U20")
     swept["message"][1] = "the solver gave up"
-    monkeypatch.setattr("rotor_ida.sweeps.sweep", lambda **_: swept)
+    monkeypatch.setattr("rotor_ida.sweeps.sweep.sweep", lambda **_: swept)
     answer = program("sweep", *SWEEP, "--out", "sweep.nc")
     assert answer.status == 1
     assert answer.err == "rotor-ida: 2 of 4 points failed; the first: the solver gave up\n"
@@ -228,7 +228,7 @@ def test_doctor_finds_a_solver_that_is_wrong(program: Program, monkeypatch: pyte
 
 
 def test_doctor_says_why_a_backend_is_absent(program: Program, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("rotor_ida.simulator.sundials.why_not", lambda: "no such library")
+    monkeypatch.setattr("rotor_ida.simulation.cvode.libraries.why_not", lambda: "no such library")
     answer = program("doctor", "--json")
     assert (answer.status, answer.err) == (0, "")
     record = json.loads(answer.out)
@@ -238,7 +238,7 @@ def test_doctor_says_why_a_backend_is_absent(program: Program, monkeypatch: pyte
 
 
 def test_doctor_does_without_dask(program: Program, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("rotor_ida.ensemble.choice.importlib.util.find_spec", lambda _name: None)
+    monkeypatch.setattr("rotor_ida.parallel.executors.importlib.util.find_spec", lambda _name: None)
     answer = program("doctor")
     assert (answer.status, answer.err) == (0, "")
     assert "Executors that can be used: serial, threads, processes\n" in answer.out
@@ -248,7 +248,7 @@ def test_doctor_finds_a_solver_that_is_missing(program: Program, monkeypatch: py
     def missing(*_args: object, **_options: object) -> None:
         raise ImportError("no module named sksundae")
 
-    monkeypatch.setattr("rotor_ida.simulation.simulate", missing)
+    monkeypatch.setattr("rotor_ida.simulation.simulate.simulate", missing)
     answer = program("doctor")
     assert answer.status == 1
     assert "ImportError: no module named sksundae" in answer.out
@@ -265,7 +265,7 @@ def test_reproduce_passes_its_options_on(
         print("going on")
         return status
 
-    monkeypatch.setattr("rotor_ida.reproduction.reproduce", reproduce)
+    monkeypatch.setattr("rotor_ida.paper.reproduction.reproduce", reproduce)
     answer = program("reproduce", "--out", "x", "--quick", "--only", "a", "b", "--workers", 3)
     assert (answer.status, answer.out, answer.err) == (status, "", "going on\n")
     options = {"quick": True, "only": ["a", "b"], "workers": 3, "force": False}

@@ -20,7 +20,7 @@ from rotor_ida.cli.commands.swept import sweep
 Program = Callable[..., Any]
 
 COMMANDS = [
-    *("reproduce", "simulate", "response", "sweep", "basin", "shares", "status", "resume"),
+    *("reproduce", "simulate", "response", "sweep", "basin", "basin_fractions", "status", "resume"),
     *("compare", "verify", "show", "doctor"),
 ]
 
@@ -51,7 +51,7 @@ def test_every_command_has_an_example(program: Program, command: str):
 
 
 def test_the_examples_run_one_after_the_other(program: Program, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("rotor_ida.reproduction.reproduce", lambda *_, **__: 0)
+    monkeypatch.setattr("rotor_ida.paper.reproduction.reproduce", lambda *_, **__: 0)
     for command in COMMANDS:
         for words in examples(program(command, "--help").out):
             answer = program(*words)
@@ -61,7 +61,7 @@ def test_the_examples_run_one_after_the_other(program: Program, monkeypatch: pyt
 
 
 def test_the_example_of_reproduce_names_a_scenario(program: Program):
-    from rotor_ida.reproduction import scenario_scripts
+    from rotor_ida.paper.reproduction import scenario_scripts
 
     (words,) = examples(program("reproduce", "--help").out)
     assert words[words.index("--only") + 1] in scenario_scripts()

@@ -17,8 +17,9 @@ import pytest
 
 import rotor_ida
 import rotor_ida.cli
+from rotor_ida.basins import following
 from rotor_ida.cli.studied import studied
-from rotor_ida.studies.database import FILE
+from rotor_ida.storage.studies.database import FILE
 
 Program = Callable[..., Any]
 
@@ -115,7 +116,7 @@ def test_how_to_go_on_can_be_typed(program: Program, folder: str, word: str):
 
 def test_what_cannot_be_drawn_is_refused_before_anything_is_computed(program: Program):
     box = ["--zeta", "0.5", "--delta0", "0.5", "--x=-5:5", "--y=-5:5", "--starts", "9"]
-    program("shares", "--omega", "1.7", *box, "--study", "drawn")
+    program("basin_fractions", "--omega", "1.7", *box, "--study", "drawn")
     many = ["--zeta", "0.5:0.9:13", "--delta0", "0.5"]
     program("sweep", "--omega", "1.7", *many, "--study", "many")
     for folder, message in (
@@ -138,9 +139,8 @@ def _done() -> int:
 
 
 def test_an_interrupted_sample_has_no_result_yet(program: Program, monkeypatch: Any):
-    from rotor_ida.basins import survey
 
-    real = survey.run_all
+    real = following.run_all
 
     def breaks_off(*given: Any, **more: Any) -> Any:
         for turn, found in real(*given, **more):
@@ -148,11 +148,11 @@ def test_an_interrupted_sample_has_no_result_yet(program: Program, monkeypatch: 
                 raise KeyboardInterrupt
             yield turn, found
 
-    sample = ["shares", "--omega", "1.7", "--zeta", "0.5", "--delta0", "0.5"]
+    sample = ["fractions", "--omega", "1.7", "--zeta", "0.5", "--delta0", "0.5"]
     sample += ["--x=-5:5", "--y=-5:5", "--starts", "2000", "--study", "study"]
     sample += ["--executor", "serial", "--out", "out.nc"]
     with monkeypatch.context() as patch:
-        patch.setattr(survey, "run_all", breaks_off)
+        patch.setattr(following, "run_all", breaks_off)
         answer = program(*sample)
     assert answer.status == 130
     assert answer.err == (
@@ -177,11 +177,11 @@ def test_an_interrupted_sample_has_no_result_yet(program: Program, monkeypatch: 
         ([*SWEEP[:-1], "file"], "study must be a folder, got the file 'file'"),
         ([*SWEEP[:-1], "full"], "study must be a new, an empty or a study's folder, got 'full'"),
         ([*SWEEP[:-1], "file/study"], "study must be a folder, got the file 'file'"),
-        (["shares", "--omega", "1", "--zeta", "1", "--delta0", "1", "--x", "1:2:3", "--y", "0"],
+        (["fractions", "--omega", "1", "--zeta", "1", "--delta0", "1", "--x", "1:2:3", "--y", "0"],
          "x must be a number or LOW:HIGH, got '1:2:3'"),
-        (["shares", "--omega", "1", "--zeta", "1", "--delta0", "1", "--x", "2:1", "--y", "0"],
+        (["fractions", "--omega", "1", "--zeta", "1", "--delta0", "1", "--x", "2:1", "--y", "0"],
          "x must be a range (low, high) with low <= high, got (2.0, 1.0)"),
-        (["shares", "--omega", "1", "--zeta", "1", "--delta0", "1", "--x", "0:1", "--y", "0",
+        (["fractions", "--omega", "1", "--zeta", "1", "--delta0", "1", "--x", "0:1", "--y", "0",
           "--seed", "-1"], "seed must be at least 0, got -1"),
     ],
 )  # fmt: skip

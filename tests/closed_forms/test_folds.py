@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from rotor_ida.closed_forms import (
     backbone,
-    critical_damping,
     curve,
+    cusp_zeta,
     folds,
     peak_amplitude,
     stability_determinant,
@@ -90,7 +90,7 @@ CRITICAL_DAMPING = np.sqrt(0.15 / (np.sqrt(12.0) * 10.0**0.25))
 
 
 def test_jumps_without_clearance_need_a_damping_below_0_15604517():
-    assert critical_damping(0.0) == pytest.approx(CRITICAL_DAMPING, rel=1e-15)
+    assert cusp_zeta(0.0) == pytest.approx(CRITICAL_DAMPING, rel=1e-15)
     assert pytest.approx(0.156045165, abs=5e-10) == CRITICAL_DAMPING
     assert len(found_at(CRITICAL_DAMPING * (1.0 - 1e-13), 0.0)) == 2
     assert len(found_at(CRITICAL_DAMPING * (1.0 + 1e-13), 0.0)) == 0
@@ -98,7 +98,7 @@ def test_jumps_without_clearance_need_a_damping_below_0_15604517():
 
 @pytest.mark.parametrize("delta0", [0.0, 0.1, 0.5, 0.65, 0.9, 1.0, 3.0, 50.0])
 def test_no_fold_above_the_critical_damping(delta0):
-    critical = critical_damping(delta0)
+    critical = cusp_zeta(delta0)
     assert len(found_at(critical * (1.0 + 1e-12), delta0)) == 0
     assert len(found_at(critical * (1.0 - 1e-12), delta0)) == 2
 
@@ -107,7 +107,7 @@ def test_no_fold_above_the_critical_damping(delta0):
 def test_folds_about_to_merge_hold_to_rounding(delta0):
     # 1e-8 below the merger they are 1e-4 apart, which magnifies roundings ten thousandfold
     # in plain doubles; the 32-digit residuals keep them out
-    assert_folds_match(critical_damping(delta0) * (1.0 - 1e-8), delta0)
+    assert_folds_match(cusp_zeta(delta0) * (1.0 - 1e-8), delta0)
 
 
 def assert_folds_match(zeta: float, delta0: float) -> None:
@@ -260,7 +260,7 @@ def test_peak_amplitude_is_the_largest_on_a_dense_curve():
 
 @pytest.mark.parametrize("delta0", [1.0, 1.5, 3.0, 50.0])
 def test_peak_of_an_isola_vanishes_with_its_folds(delta0):
-    critical = critical_damping(delta0)
+    critical = cusp_zeta(delta0)
     just_below = peak_amplitude(zeta=critical * (1.0 - 1e-10), delta0=delta0)
     (_, low), (_, high) = found_at(critical * (1.0 - 1e-10), delta0)
     # the isola has shrunk to 1e-5, the root of 1e-10

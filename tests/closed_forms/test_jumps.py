@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rotor_ida import InputError, folds, synchronous_response
-from rotor_ida.closed_forms import critical_damping, jump_limit, jumps, stability_determinant
+from rotor_ida.closed_forms import cusp, cusp_zeta, jumps, stability_determinant
 
 
 def fold_count(zeta, delta0):
@@ -30,7 +30,7 @@ def test_strong_damping_has_no_jump():
 
 @pytest.mark.parametrize("delta0", [0.0, 0.1, 0.39, 0.5, 0.70086, 0.7237, 0.9, 1.0, 2.0, 10.0])
 def test_limit_is_where_the_last_fold_goes(delta0):
-    limit = jump_limit(delta0=delta0).critical_zeta.item()
+    limit = cusp(delta0=delta0).cusp_zeta.item()
     assert fold_count(limit * (1.0 - 1e-9), delta0) >= 2
     assert all(fold_count(limit * factor, delta0) == 0 for factor in (1.0 + 1e-9, 1.01, 1.3, 5.0))
 
@@ -42,38 +42,38 @@ def test_number_of_folds_need_not_fall_with_the_damping():
 
 
 def test_limit_without_clearance():
-    assert jump_limit(delta0=0.0).critical_zeta.item() == pytest.approx(0.156045165, abs=5e-10)
+    assert cusp(delta0=0.0).cusp_zeta.item() == pytest.approx(0.156045165, abs=5e-10)
 
 
 def test_highest_limit_bounds_every_clearance():
-    highest = jump_limit()
+    highest = cusp()
     scan = np.concatenate([np.linspace(0.0, 3.0, 121), np.geomspace(3.0, 1e3, 15)])
-    table = jump_limit(delta0=scan).critical_zeta
-    assert highest.critical_zeta.item() >= float(table.max())
-    assert highest.critical_zeta.item() == pytest.approx(0.2510030, abs=5e-8)
+    table = cusp(delta0=scan).cusp_zeta
+    assert highest.cusp_zeta.item() >= float(table.max())
+    assert highest.cusp_zeta.item() == pytest.approx(0.2510030, abs=5e-8)
     assert abs(highest.delta0.item() - scan[int(table.values.argmax())]) <= 0.0125
 
 
 @pytest.mark.parametrize("delta0", [0.0, 0.5, 0.70086, 1.5])
 def test_last_folds_merge_where_it_says(delta0):
-    limit = jump_limit(delta0=delta0)
-    zeta = limit.critical_zeta.item() * (1.0 - 1e-12)
+    limit = cusp(delta0=delta0)
+    zeta = limit.cusp_zeta.item() * (1.0 - 1e-12)
     found = folds(zeta=zeta, delta0=delta0)
     # the two folds are apart by the root of what is missing to the limit
-    omega = limit.critical_omega.item()
+    omega = limit.cusp_omega.item()
     assert float(abs(found.fold_omega / omega - 1.0).min()) < 1e-4
-    place = {"omega": omega, "zeta": limit.critical_zeta.item(), "delta0": delta0}
-    determinant = stability_determinant(limit.critical_amplitude.item(), **place)
+    place = {"omega": omega, "zeta": limit.cusp_zeta.item(), "delta0": delta0}
+    determinant = stability_determinant(limit.cusp_amplitude.item(), **place)
     assert abs(float(determinant)) < 1e-9
 
 
 def test_scalar_and_table_agree():
-    assert jump_limit(delta0=0.3).critical_zeta.item() == critical_damping(0.3)
+    assert cusp(delta0=0.3).cusp_zeta.item() == cusp_zeta(0.3)
 
 
 def test_bad_values_are_refused():
     with pytest.raises(InputError, match="delta0 must be zero or positive"):
-        jump_limit(delta0=-0.1)
+        cusp(delta0=-0.1)
 
 
 def test_landings_with_clearance_are_whirls_that_last():

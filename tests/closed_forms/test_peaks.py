@@ -5,7 +5,7 @@ import pytest
 
 from rotor_ida import InputError, synchronous_response
 from rotor_ida.closed_forms import peaks
-from rotor_ida.contact import contact_force
+from rotor_ida.equations.contact import contact_force
 
 
 @pytest.mark.parametrize("delta0", [0.0, 0.5, 2.0])

@@ -154,10 +154,10 @@ def sign_changes(omega: float, zeta: float, delta0: float) -> int:
         polynomial = polynomial[:-1]
     degree = len(polynomial) - 1
     slope = [c * (degree - k) for k, c in enumerate(polynomial[:-1])]
-    chain = [polynomial, slope]
-    while len(chain[-1]) > 1:
-        remainder = list(chain[-2])
-        divisor = chain[-1]
+    ramp = [polynomial, slope]
+    while len(ramp[-1]) > 1:
+        remainder = list(ramp[-2])
+        divisor = ramp[-1]
         while len(remainder) >= len(divisor):
             factor = remainder[0] / divisor[0]
             padded = divisor + [Fraction(0)] * (len(remainder) - len(divisor))
@@ -167,13 +167,13 @@ def sign_changes(omega: float, zeta: float, delta0: float) -> int:
         if not remainder:
             break
         scale = abs(remainder[0])
-        chain.append([-r / scale for r in remainder])
+        ramp.append([-r / scale for r in remainder])
 
     def variations(values: list) -> int:
         signs = [value > 0 for value in values if value != 0]
         return sum(a != b for a, b in pairwise(signs))
 
-    return variations([p[-1] for p in chain]) - variations([p[0] for p in chain])
+    return variations([p[-1] for p in ramp]) - variations([p[0] for p in ramp])
 
 
 def scattered_grid(*, seed: int) -> xr.Dataset:

@@ -3,7 +3,7 @@ import pytest
 import xarray as xr
 
 from rotor_ida import Rotor, folds, simulate, synchronous_response
-from rotor_ida.scenario import speeds_of_curves
+from rotor_ida.paper.scenario import speeds_of_curves
 from rotor_ida.schema import RESPONSE, labelled
 
 ZETA, DELTA0 = 0.07, 0.5

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from rotor_ida import (
     InputError,
     Rotor,
-    bifurcation,
+    bifurcation_diagram,
     contact_forces,
     lyapunov_exponent,
     poincare_section,
@@ -94,7 +94,7 @@ def test_forces_and_their_peaks():
 def test_largest_force_at_the_end_of_a_run_is_no_peak():
     """A run that ends inside a contact while the force grows has not seen its peak."""
     run = simulate(BOUNCING, start=REST, duration=6.0, samples=601)
-    rising = contact_forces(run.sel(time=slice(0.0, 2.0)))
+    rising = contact_forces(run.sel(t=slice(0.0, 2.0)))
     assert rising.peak_time.size
     cut = rising.assign(peak_time=("contact", np.full(rising.sizes["contact"], 2.0)))
     assert lines_of(plot_forces(cut))["peak of a contact"].get_xdata().size == 0
@@ -115,7 +115,7 @@ def test_entries_on_both_sides_of_half_a_turn_stay_together():
 
 
 def test_extrema_of_unresolved_motion_are_not_told_as_lasting():
-    found = bifurcation(omega=[1.2, 2.0], zeta=0.07, delta0=2.0, starts=[REST])
+    found = bifurcation_diagram(omega=[1.2, 2.0], zeta=0.07, delta0=2.0, starts=[REST])
     unresolved = found.assign(response=found.response * 0)
     unresolved.response.attrs = found.response.attrs
     words = plot_extrema(unresolved).get_legend_handles_labels()[1]
@@ -131,7 +131,7 @@ def test_exponents_are_named_with_value_and_error():
 
 
 def test_extrema_lie_over_the_exact_curve_of_their_clearance():
-    found = bifurcation(omega=[1.2, 2.0], zeta=0.07, delta0=[0.5, 2.0], starts=[REST])
+    found = bifurcation_diagram(omega=[1.2, 2.0], zeta=0.07, delta0=[0.5, 2.0], starts=[REST])
     exact = synchronous_response(omega=np.linspace(0.5, 2.5, 41), zeta=0.07, delta0=2.0)
     ax = plot_extrema(found, exact=exact)
     words = ax.get_legend_handles_labels()[1]
@@ -154,7 +154,7 @@ def test_draw_on_the_axes_given_and_refuse_other_datasets(run):
         plot_forces: contact_forces(run),
         plot_force_peaks: contact_forces(run),
         plot_exponents: lyapunov_exponent(BOUNCING, start=REST, duration=200.0),
-        plot_extrema: bifurcation(omega=1.0, zeta=1.0, delta0=0.0, starts=1),
+        plot_extrema: bifurcation_diagram(omega=1.0, zeta=1.0, delta0=0.0, starts=1),
     }
     for plot, dataset in drawings.items():
         ax = Figure().subplots()

@@ -20,7 +20,7 @@ def portraits():
     """A circle of radius 2 and a rotor at rest."""
     angle = np.linspace(0.0, 2.0 * np.pi, 50)
     table = {"x": 2.0 * np.cos(angle), "vx": -2.0 * np.sin(angle)}
-    runs = {name: (("start", "time"), np.stack([0.0 * row, row])) for name, row in table.items()}
+    runs = {name: (("start", "t"), np.stack([0.0 * row, row])) for name, row in table.items()}
     return xr.Dataset(runs).assign(amplitude=("start", [0.0, 2.0]), period=("start", [0.0, 6.28]))
 
 

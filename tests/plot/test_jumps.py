@@ -2,12 +2,12 @@ import numpy as np
 import pytest
 
 from rotor_ida import InputError, synchronous_response
-from rotor_ida.closed_forms import free_periods, jump_limit, jumps
+from rotor_ida.closed_forms import cusp, free_periods, jumps
 from rotor_ida.plot import (
     plot_amplitude,
     plot_backbone,
     plot_by_damping,
-    plot_jump_limit,
+    plot_cusp,
     plot_jumps,
 )
 
@@ -42,16 +42,16 @@ def test_each_damping_has_a_line_of_its_own():
 
 
 def test_limit_is_drawn_over_the_clearance_and_its_top_marked():
-    limit, highest = jump_limit(delta0=np.linspace(0.0, 2.0, 21)), jump_limit()
-    ax = plot_jump_limit(limit, highest=highest)
-    np.testing.assert_array_equal(ax.lines[0].get_ydata(), limit.critical_zeta)
-    assert ax.lines[1].get_ydata()[0] == highest.critical_zeta.item()
+    limit, highest = cusp(delta0=np.linspace(0.0, 2.0, 21)), cusp()
+    ax = plot_cusp(limit, highest=highest)
+    np.testing.assert_array_equal(ax.lines[0].get_ydata(), limit.cusp_zeta)
+    assert ax.lines[1].get_ydata()[0] == highest.cusp_zeta.item()
     assert "no jumps" in [text.get_text() for text in ax.texts]
 
 
 def test_other_datasets_are_refused():
-    limit = jump_limit(delta0=[0.0, 1.0])
+    limit = cusp(delta0=[0.0, 1.0])
     with pytest.raises(InputError, match="jumps must hold"):
-        plot_jumps(limit, ax=plot_jump_limit(limit))
+        plot_jumps(limit, ax=plot_cusp(limit))
     with pytest.raises(InputError, match="curve must hold one delta0, got 2"):
         plot_backbone(free_periods(amplitude=[4.0], delta0=[0.0, 1.0]))

@@ -61,13 +61,13 @@ def test_points_between_outputs_lie_on_the_motion(run):
         start=(0.0, 0.0, 0.0, 0.0), duration=20.0, samples=2001,
     )  # fmt: skip
     path = path_of(run)
-    error = np.interp(fine["time"].values, path.time, path.x) - fine["x"].values
+    error = np.interp(fine["t"].values, path.time, path.x) - fine["x"].values
     assert np.abs(error).max() < 2e-3
 
 
 def test_sparse_outputs_are_not_smoothed(run):
-    sparse = run.isel(time=slice(None, None, 50), event=slice(0, 0))
-    assert path_of(sparse).time.size == sparse.sizes["time"]
+    sparse = run.isel(t=slice(None, None, 50), event=slice(0, 0))
+    assert path_of(sparse).time.size == sparse.sizes["t"]
 
 
 def test_run_without_contact_says_so():

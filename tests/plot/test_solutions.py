@@ -12,23 +12,23 @@ def compared():
     table = np.stack([time, 3.0 * time])
     return xr.Dataset(
         {
-            "x": ("time", time), "y": ("time", 0.0 * time),
-            "solution_x": (("solution", "time"), table),
-            "solution_y": (("solution", "time"), 0.0 * table + time),
+            "x": ("t", time), "y": ("t", 0.0 * time),
+            "solution_x": (("solution", "t"), table),
+            "solution_y": (("solution", "t"), 0.0 * table + time),
         },
-        {"time": time, "solution": ["one", "two"]},
+        {"t": time, "solution": ["one", "two"]},
     )  # fmt: skip
 
 
 def test_simulated_motion_comes_first_and_every_solution_has_its_name(compared):
     ax = plot_solutions(compared)
     assert [line.get_label() for line in ax.lines] == ["simulated", "one", "two"]
-    np.testing.assert_array_equal(ax.lines[2].get_ydata(), 3.0 * compared.time)
+    np.testing.assert_array_equal(ax.lines[2].get_ydata(), 3.0 * compared.t)
 
 
 def test_deviation_is_the_distance_in_the_plane(compared):
     ax = plot_deviation(compared)
-    np.testing.assert_allclose(ax.lines[1].get_ydata()[1:], (5.0**0.5 * compared.time)[1:])
+    np.testing.assert_allclose(ax.lines[1].get_ydata()[1:], (5.0**0.5 * compared.t)[1:])
     assert np.isnan(ax.lines[1].get_ydata()[0])
     assert ax.get_yscale() == "log"
 

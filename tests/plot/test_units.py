@@ -9,7 +9,7 @@ from rotor_ida import (
     DimensionalRotor,
     InputError,
     basin,
-    bifurcation,
+    bifurcation_diagram,
     contact_forces,
     dimensional,
     folds,
@@ -207,7 +207,7 @@ def test_clearances_periods_fields_extrema_and_basins(curves):
         "$y = 10$ µm",
     ]
     assert "[N]" in plot_surface(field, "restoring_x").get_title()
-    found = bifurcation(omega=[0.4, 0.8], zeta=ROTOR.zeta, delta0=0.5, starts=[REST])
+    found = bifurcation_diagram(omega=[0.4, 0.8], zeta=ROTOR.zeta, delta0=0.5, starts=[REST])
     ax = plot_extrema(dimensional(found, MACHINE), exact=in_si(curves)["exact"])
     assert ax.get_ylabel() == "radius $|Z|$ [µm]"
     axis = np.linspace(-3.0, 3.0, 4)
@@ -218,13 +218,13 @@ def test_clearances_periods_fields_extrema_and_basins(curves):
 
 def test_solutions_and_their_deviations(plain):
     times = plain.time.values[::1000]
-    table = ("solution", "time"), [[0.0, 1.0, 2.0]]
-    line = ("time", [0.5, 0.5, 0.5])
+    table = ("solution", "t"), [[0.0, 1.0, 2.0]]
+    line = ("t", [0.5, 0.5, 0.5])
     claimed = xr.Dataset(
         {"x": line, "y": line, "solution_x": table, "solution_y": table},
-        {"time": times, "solution": ["as printed"]},
+        {"t": times, "solution": ["as printed"]},
     )
-    for name in ("x", "y", "solution_x", "solution_y", "time"):
+    for name in ("x", "y", "solution_x", "solution_y", "t"):
         claimed[name].attrs["units"] = "1"
     si = dimensional(claimed, MACHINE)
     assert_scaled(plot_solutions(si), plot_solutions(claimed), MILLISECONDS, MICROMETRES)

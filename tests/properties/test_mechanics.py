@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rotor_ida import Rotor, simulate
-from rotor_ida.model import energy, power, turned
+from rotor_ida.equations.model import energy, power, rotated
 
 coordinates = st.floats(-2.0, 2.0)
 starts = st.tuples(coordinates, coordinates, coordinates, coordinates)
@@ -51,7 +51,7 @@ def test_turning_start_and_time_turns_the_orbit(rotor, start, wait):
     whole = simulate(
         rotor, start=start, duration=wait + 3.0, samples=[wait, wait + 3.0], rtol=1e-12, atol=1e-14
     )
-    there, end = turned(states_of(whole), -rotor.omega * wait)
+    there, end = rotated(states_of(whole), -rotor.omega * wait)
     part = simulate(rotor, start=tuple(there), duration=3.0, samples=[3.0], rtol=1e-12, atol=1e-14)
     assert states_of(part)[0] == pytest.approx(end, abs=1e-7)
 
@@ -66,7 +66,7 @@ def test_samples_and_events_keep_to_their_side_of_the_ring(rotor, start):
     if kinds.size:
         assert (kinds[0] == 1) == (run.starts_in_contact == 0)
     depth = np.hypot(run.x.values, run.y.values) - rotor.delta0
-    passed = np.searchsorted(times, run.time.values, side="right")
+    passed = np.searchsorted(times, run.t.values, side="right")
     inside = (passed % 2 == 1) != bool(run.starts_in_contact)
     assert (np.where(inside, depth, -depth) > -1e-8).all()
     assert run.peak_indentation.values.size == math.ceil(

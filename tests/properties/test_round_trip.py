@@ -11,8 +11,8 @@ import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rotor_ida.archive import load, save
-from rotor_ida.archive.content import content_sha256
+from rotor_ida.storage.archive import load, save
+from rotor_ida.storage.archive.content import content_sha256
 
 ADDED = (
     *("Conventions", "rotor_ida_format", "rotor_ida_version"),
@@ -21,7 +21,7 @@ ADDED = (
 NAMES = st.from_regex(r"[A-Za-z][A-Za-z0-9_]{0,8}", fullmatch=True)
 TEXTS = st.text(st.characters(exclude_characters="\0", codec="utf-8"), max_size=8)
 DTYPES = st.sampled_from(["f8", "f4", "i8", "i4", "i1", "u8", "U"])
-SIZES = {"time": 3, "start": 2, "event": 0, "single": 1}
+SIZES = {"t": 3, "start": 2, "event": 0, "single": 1}
 
 
 def values(dtype: str, shape: tuple[int, ...]) -> st.SearchStrategy[np.ndarray]:

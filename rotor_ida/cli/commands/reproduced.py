@@ -31,7 +31,7 @@ def reproduce(
 
         rotor-ida reproduce --only fig06_jumps --quick --out results
     """
-    from rotor_ida import reproduction  # noqa: PLC0415 - heavy, and not for --help
+    from rotor_ida.paper import reproduction  # noqa: PLC0415 - heavy, and not for --help
 
     processes = parsing.workers(workers)
     return reproduction.reproduce(out, quick=quick, only=only, workers=processes, force=force)

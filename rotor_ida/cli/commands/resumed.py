@@ -11,7 +11,7 @@ from rotor_ida.cli.report import Report
 from rotor_ida.cli.studied import studied
 from rotor_ida.cli.targets import check_targets
 from rotor_ida.errors import InputError
-from rotor_ida.studies import design_of
+from rotor_ida.storage.studies import design_of
 
 
 def resume(
@@ -46,7 +46,7 @@ def resume(
 def _panels(folder: str) -> int:
     """Return how many panels the figure of a study has; refuse a study that has none."""
     design = design_of(folder)
-    if design.get("kind") == "shares":
+    if design.get("kind") == "basin_fractions":
         raise InputError("figure must be of a sweep or basin, got a study of shares")
     axes = (design.get(name) for name in ("zeta", "delta0"))
     return math.prod(len(axis) for axis in axes if isinstance(axis, list))

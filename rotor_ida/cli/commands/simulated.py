@@ -11,7 +11,7 @@ from rotor_ida.cli.targets import check_targets
 from rotor_ida.errors import InputError
 
 if TYPE_CHECKING:
-    from rotor_ida.simulator.options import Backend, Flight, Method
+    from rotor_ida.simulation.options import Backend, Flight, Method
 
 FIRST_ROWS = 10
 

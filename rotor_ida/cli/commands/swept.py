@@ -12,8 +12,8 @@ from rotor_ida.cli.studied import studied
 from rotor_ida.cli.targets import check_targets
 
 if TYPE_CHECKING:
-    from rotor_ida.simulator.options import Backend, Flight, Method
-    from rotor_ida.sweeps import Direction
+    from rotor_ida.simulation.options import Backend, Flight, Method
+    from rotor_ida.sweeps.sweep import Direction
 
 
 def sweep(
@@ -53,7 +53,7 @@ def sweep(
     panels = len(axes[1]) * len(axes[2])
     targets = check_targets(out=out, study=study, figure=figure, panels=panels, force=force)
     from rotor_ida.cli.endings import answered  # noqa: PLC0415 - heavy, and not for --help
-    from rotor_ida.ensemble import count_workers  # noqa: PLC0415
+    from rotor_ida.parallel import count_workers  # noqa: PLC0415
 
     with studied(study):
         with progress("sweep") as told:

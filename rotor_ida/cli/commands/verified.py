@@ -22,8 +22,8 @@ def verify(
         rotor-ida verify run.nc
     """
     archived = read(file)
+    from rotor_ida.analysis.verification import differences, rerun  # noqa: PLC0415
     from rotor_ida.cli.tables import pairs  # noqa: PLC0415 - heavy, and not for --help
-    from rotor_ida.verification import differences, rerun  # noqa: PLC0415
 
     with progress("verify") as told:
         again = rerun(archived, workers=parsing.workers(workers), progress=told)

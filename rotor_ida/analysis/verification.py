@@ -1,0 +1,233 @@
+"""Compute an archived result again, from its own attributes, and hold it against the archive."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, cast
+
+import numpy as np
+import xarray as xr
+
+from rotor_ida.basins import basin, basin_fractions
+from rotor_ida.checks import COMPONENTS, State, check_count
+from rotor_ida.errors import InputError
+from rotor_ida.parallel import Progress
+from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.schema import RESPONSE
+from rotor_ida.simulation.simulate import simulate
+from rotor_ida.sweeps.response import CONTACT_FREE, SYNCHRONOUS
+from rotor_ida.sweeps.sweep import DIRECTIONS, sweep
+from rotor_ida.testing import assert_events_close
+
+STARTS = tuple(f"start_{name}" for name in COMPONENTS)
+RANGES = tuple(f"range_{name}" for name in COMPONENTS)
+HOW = ("rtol", "atol", "method", "flight")
+# What tells one response from another.
+NUMBERS = ("amplitude", "phase_lag", "radius_min", "radius_max")
+# Variables by which a kind of result is known, and attributes that it takes to compute it again.
+NEEDED = {
+    "run": (
+        ("event_time", "event_time_error", "t"),
+        (*PARAMETERS, "start", "duration", *HOW),
+    ),
+    "sweep": (("event_count", "response", "direction", *STARTS, *PARAMETERS, *NUMBERS), HOW),
+    "basin": (
+        ("label", "settling_time", "kind", *COMPONENTS, *NUMBERS),
+        (*PARAMETERS, "labelling_rtol"),
+    ),
+    "basin_fractions": (
+        ("response_fraction", "count", "kind", *NUMBERS),
+        (*PARAMETERS, "labelling_rtol", "starts", "seed", *RANGES),
+    ),
+}
+# How far these numbers may be off on another machine.
+CLOSE = 1e-6
+
+
+def rerun(
+    dataset: xr.Dataset, *, workers: int | None = None, progress: Progress | None = None
+) -> xr.Dataset:
+    """Compute a result again, as its own attributes say.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        A result of `simulate`, `sweep`, `basin` or `basin_fractions`, for instance one that was
+        loaded from an archive.
+    workers, progress
+        As for the function that computed it; a single run needs neither.
+
+    Returns
+    -------
+    Dataset
+        The same result, made anew.
+
+    Raises
+    ------
+    InputError
+        If the dataset is no such result, or its attributes cannot be used.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, simulate
+    >>> from rotor_ida.testing import assert_events_close
+    >>> rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+    >>> run = simulate(rotor, start=(0, 0, 0, 0), duration=20.0)
+    >>> assert_events_close(rerun(run), run)
+    """
+    kind = _kind_of(dataset)
+    if "time_scale" in dataset.attrs:
+        raise InputError("a result in SI units cannot be verified: verify the dimensionless one")
+    if kind == "run":
+        return _run(dataset)
+    again: dict[str, Callable[..., xr.Dataset]] = {
+        "sweep": _sweep,
+        "basin": _basin,
+        "basin_fractions": _shares,
+    }
+    return again[kind](dataset, workers=workers, progress=progress)
+
+
+def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
+    """Hold a result made again against that of the archive.
+
+    Parameters
+    ----------
+    again, archived : Dataset
+        The two results, of the same kind.
+
+    Returns
+    -------
+    dict
+        ``agrees``, and ``trouble``: the first difference in words. Of runs the numbers of events,
+        the largest difference of two event times and the largest error stated for one [1]; of the
+        others the number of points or starts, of those that differ, and the largest difference of
+        two amplitudes or radii, relative to the larger one.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, simulate
+    >>> run = simulate(Rotor(omega=2.0, zeta=0.07, delta0=2.0), start=(0, 0, 0, 0), duration=20.0)
+    >>> differences(rerun(run), run)["agrees"]
+    True
+    """
+    kind = _kind_of(archived)
+    return _of_events(again, archived) if kind == "run" else _of_responses(again, archived, kind)
+
+
+def _kind_of(dataset: xr.Dataset) -> str:
+    for kind, (variables, attributes) in NEEDED.items():
+        if set(variables) <= set(dataset.variables):
+            missing = [name for name in attributes if name not in dataset.attrs]
+            if missing:
+                raise InputError(f"this {kind} cannot be verified: it lacks {', '.join(missing)}")
+            words = [name for name in variables if dataset[name].dtype.kind not in "iuf"]
+            if words:
+                raise InputError(f"{words[0]} must be numbers, got {dataset[words[0]].dtype}")
+            return kind
+    raise InputError(
+        "only what simulate, sweep, basin and shares have computed can be verified, got a dataset "
+        f"of {', '.join(map(str, dataset.data_vars)) or 'nothing'}"
+    )
+
+
+def _run(dataset: xr.Dataset) -> xr.Dataset:
+    given = dataset.attrs
+    return simulate(
+        _rotor(dataset),
+        start=cast(State, tuple(np.atleast_1d(given["start"]).tolist())),
+        duration=given["duration"],
+        samples=dataset["t"].values,
+        **{name: given[name] for name in HOW},
+    )
+
+
+def _sweep(dataset: xr.Dataset, workers: int | None, progress: Progress | None) -> xr.Dataset:
+    turns = tuple(dataset["direction"].values.tolist())
+    direction = next((word for word, each in DIRECTIONS.items() if each == turns), "unknown")
+    starts = zip(*(dataset[f"start_{name}"].values.tolist() for name in COMPONENTS), strict=True)
+    given: dict[str, Any] = {name: dataset[name].values for name in PARAMETERS}
+    given |= {name: dataset.attrs[name] for name in HOW}
+    given |= {"starts": list(starts), "direction": direction}
+    return sweep(**given, workers=workers, progress=progress)
+
+
+def _basin(dataset: xr.Dataset, workers: int | None, progress: Progress | None) -> xr.Dataset:
+    starts: dict[str, Any] = {name: dataset[name].values[()] for name in COMPONENTS}
+    starts["rtol"] = dataset.attrs["labelling_rtol"]
+    return basin(_rotor(dataset), **starts, workers=workers, progress=progress)
+
+
+def _shares(dataset: xr.Dataset, workers: int | None, progress: Progress | None) -> xr.Dataset:
+    given = dataset.attrs
+    drawn: dict[str, Any] = {
+        name: tuple(np.atleast_1d(given[f"range_{name}"]).tolist()) for name in COMPONENTS
+    }
+    drawn |= {name: check_count(name, given[name], 0) for name in ("starts", "seed")}
+    drawn["rtol"] = given["labelling_rtol"]
+    return basin_fractions(_rotor(dataset), **drawn, workers=workers, progress=progress)
+
+
+def _rotor(dataset: xr.Dataset) -> Rotor:
+    return Rotor(**{name: dataset.attrs[name] for name in PARAMETERS})
+
+
+def _of_events(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
+    trouble = ""
+    try:
+        assert_events_close(again, archived)
+    except AssertionError as difference:
+        trouble = "; ".join(str(difference).splitlines()[1:])
+    common = min(again.sizes["event"], archived.sizes["event"])
+    apart = again["event_time"].values[:common] - archived["event_time"].values[:common]
+    stated = archived["event_time_error"].values[:common]
+    return {
+        "agrees": not trouble,
+        "events": int(again.sizes["event"]),
+        "archived_events": int(archived.sizes["event"]),
+        "largest_difference": float(np.abs(apart).max(initial=0.0)),
+        "largest_stated_error": float(stated.max(initial=0.0)),
+        "trouble": trouble,
+    }
+
+
+def _of_responses(again: xr.Dataset, archived: xr.Dataset, kind: str) -> dict[str, object]:
+    """Compare the kinds of response point by point, or start by start, and their numbers."""
+    name = {"sweep": "response", "basin": "label", "basin_fractions": "count"}[kind]
+    trouble, differing, apart = "", 0, 0.0
+    if dict(again.sizes) != dict(archived.sizes):
+        sizes = {dim: size for dim, size in again.sizes.items() if archived.sizes.get(dim) != size}
+        trouble = f"made again, it has {sizes}, archived {dict(archived.sizes)}"
+    else:
+        differs = again[name].values != archived[name].values
+        differing = int(differs.sum())
+        apart = max(_apart(again, archived, each) for each in NUMBERS)
+        if differing:
+            place = dict(zip(again[name].dims, np.argwhere(differs)[0].tolist(), strict=True))
+            one, other = again[name].isel(place).item(), archived[name].isel(place).item()
+            trouble = f"{differing} of {differs.size} differ in {name}; the first: "
+            trouble += f"{place}, made again {one}, archived {other}"
+        elif not apart <= CLOSE:
+            trouble = f"amplitudes or radii differ by {apart:.3g} of their size"
+    return {
+        "agrees": not trouble,
+        "compared": int(archived[name].size),
+        "differing": differing,
+        "largest_difference": apart,
+        "trouble": trouble,
+    }
+
+
+def _apart(again: xr.Dataset, archived: xr.Dataset, name: str) -> float:
+    """Return the largest difference of steady whirls, relative to the larger value.
+
+    The numbers of other motions are those of one stretch of them, which another machine may see
+    elsewhere. What is not told by either counts as equal.
+    """
+    one, other = again[name].values, archived[name].values
+    kinds = archived["kind" if "kind" in archived else "response"].values
+    steady = np.isin(kinds, [RESPONSE[kind] for kind in (CONTACT_FREE, SYNCHRONOUS)])
+    same = (one == other) | (np.isnan(one) & np.isnan(other)) | ~steady
+    scale = np.maximum(np.abs(one), np.abs(other))
+    part = np.divide(np.abs(one - other), scale, out=np.zeros_like(scale), where=~same)
+    return float(np.nan_to_num(part, nan=np.inf).max(initial=0.0))

@@ -1,0 +1,152 @@
+"""Basins over a plane of starts."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.basins.dataset import basin_dataset
+from rotor_ida.basins.labelling import (
+    RTOL,
+    check_rotor,
+    check_rtol,
+    check_within,
+    label,
+)
+from rotor_ida.checks import COMPONENTS, check_real
+from rotor_ida.errors import InputError
+from rotor_ida.parallel import Progress
+from rotor_ida.parameters import Rotor
+
+Values = npt.NDArray[np.float64]
+
+
+def basin(
+    rotor: Rotor,
+    *,
+    x: npt.ArrayLike,
+    y: npt.ArrayLike,
+    vx: npt.ArrayLike = 0.0,
+    vy: npt.ArrayLike = 0.0,
+    rtol: float = RTOL,
+    workers: int | None = None,
+    executor: str = "auto",
+    study: str | os.PathLike[str] | None = None,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Say for every start of a plane on which attractor the rotor ends.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        The rotor; damped, since without damping nothing settles.
+    x, y, vx, vy : float or array_like, shape (n,)
+        Components of the start [1]: exactly two are increasing arrays, two are numbers.
+    rtol : float
+        Error allowed in a step, relative to the size of the state and of the eccentricity [1].
+    workers : int, optional
+        How many batches of starts to follow at a time; by default one for each core that may be
+        used.
+    executor : {"auto", "serial", "threads", "processes", "dask"} or str
+        What follows them, as for `rotor_ida.sweep`; ``"auto"`` means threads. The result is the
+        same, bit for bit, on processors of one kind.
+    study : path-like, optional
+        Folder in which batches of starts are kept as they are done, as for `sweep`. With it, an
+        interrupted basin can go on, and one with more starts than memory holds can be computed.
+    progress : callable, optional
+        Called with the number of starts done and their total.
+
+    Returns
+    -------
+    Dataset
+        On the two components that vary: ``label``, the number of the attractor, -1 where the end
+        is not known, -2 where it was not computed; ``response``, its kind as a flag;
+        ``settling_time`` [1]. On ``attractor``: ``kind``, ``amplitude``, ``phase_lag``,
+        ``radius_min``, ``radius_max`` (NaN where they depend on the start), ``confirmed``,
+        ``count``, ``share`` and ``fraction_error``. Scalars: ``undecided_count``,
+        ``undecided_fraction``, ``not_computed_count``.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used.
+    SimulationError
+        If one of ``"processes"`` died, or the scheduler.
+
+    Notes
+    -----
+    An interrupt from the keyboard ends it early: the starts that are not done are labelled as not
+    computed, and the attribute ``interrupted`` is 1. So are starts whose workers of dask keep
+    dying, with the attribute ``not_computed_reason``. Stable whirls in contact are listed even
+    where no start ends on them. ``fraction_error`` is ``sqrt(p (1 - p)/n)``, the standard error
+    that n random starts would have; the error of a grid, whose cells are wrong only along the
+    borders of the basins, is smaller. ``settling_time`` is the time at which a start is known to
+    be captured for good, or else that at which the final window ends.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> axis = np.linspace(-15.0, 15.0, 24)
+    >>> found = basin(Rotor(omega=1.7, zeta=0.07, delta0=0.0), x=axis, y=axis)
+    >>> found.label.dims, found.amplitude.values.round(4)
+    (('x', 'y'), array([1.8796, 9.4872]))
+    >>> int(found["count"].sum()), int(found.undecided_count)
+    (576, 0)
+    """
+    check_rotor(rotor)
+    axes, fixed = _axes_of({"x": x, "y": y, "vx": vx, "vy": vy})
+    (first, rows), (second, columns) = axes.items()
+    places = [COMPONENTS.index(first), COMPONENTS.index(second)]
+
+    def starts(begin: int, end: int) -> Values:
+        """Return the starts with these numbers, row by row."""
+        row, column = np.divmod(np.arange(begin, end), columns.size)
+        states = np.empty((4, end - begin))
+        for name, value in fixed.items():
+            states[COMPONENTS.index(name)] = value
+        states[places[0]], states[places[1]] = rows[row], columns[column]
+        return states
+
+    design = {"kind": "basin", **{name: values.tolist() for name, values in axes.items()}, **fixed}
+    found = label(
+        rotor, starts, rows.size * columns.size, design,
+        rtol=check_rtol(rtol), workers=workers, executor=executor, study=study, progress=progress,
+    )  # fmt: skip
+    shape = (rows.size, columns.size)
+    return basin_dataset(
+        rotor, axes, fixed, found.labels.reshape(shape), found.times.reshape(shape),
+        found.attractors, found.attributes, found.options, found.folder,
+    )  # fmt: skip
+
+
+def _axes_of(given: dict[str, npt.ArrayLike]) -> tuple[dict[str, Values], dict[str, float]]:
+    """Return the components that vary, and those that do not."""
+    varying = [name for name, value in given.items() if np.ndim(value) > 0]
+    if len(varying) != 2:
+        raise InputError(
+            "exactly two of x, y, vx, vy must be arrays and two numbers, got "
+            f"{len(varying)} arrays{': ' if varying else ''}{', '.join(varying)}"
+        )
+    axes = {name: _check_increasing(name, given[name]) for name in varying}
+    fixed = {name: check_real(name, value) for name, value in given.items() if name not in axes}
+    for name, value in fixed.items():
+        check_within(name, np.array([value]))
+    return axes, fixed
+
+
+def _check_increasing(name: str, values: npt.ArrayLike) -> Values:
+    array = np.asarray(values)
+    if array.ndim != 1 or array.size == 0:
+        raise InputError(
+            f"{name} must be a number or a 1-D array with at least one number, got an array of "
+            f"shape {array.shape}"
+        )
+    axis = np.array([check_real(name, value) for value in array.tolist()])
+    falls = np.flatnonzero(np.diff(axis) <= 0.0)
+    if falls.size:
+        before, after = axis[falls[0]], axis[falls[0] + 1]
+        raise InputError(f"{name} must increase, got {float(after)!r} after {float(before)!r}")
+    return check_within(name, axis)

@@ -1,0 +1,117 @@
+"""What became of the starts that were followed, in memory and as bytes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.basins.features import COLUMNS
+from rotor_ida.storage.studies.packing import packed, unpacked
+
+Values = npt.NDArray[np.float64]
+Looks = npt.NDArray[np.float32]
+
+
+@dataclass(slots=True)
+class Undecided:
+    """The orbits that no set has captured: what they do over two windows, and where they end.
+
+    Parameters
+    ----------
+    numbers : ndarray of int64, shape (n,)
+        Which starts.
+    earlier, later : ndarray of float32, shape (n, 5)
+        The columns of `rotor_ida.basins.features` [1].
+    states : ndarray, shape (4, n)
+        States at the end, on the rotating axes [1].
+    """
+
+    numbers: npt.NDArray[np.int64]
+    earlier: Looks
+    later: Looks
+    states: Values
+
+    def every(self, first: int, step: int) -> Undecided:
+        """Return one orbit in `step`, from number `first` on."""
+        return Undecided(
+            self.numbers[first::step],
+            self.earlier[first::step],
+            self.later[first::step],
+            self.states[:, first::step],
+        )
+
+
+@dataclass(slots=True)
+class BatchResult:
+    """What became of a batch of starts.
+
+    Parameters
+    ----------
+    first : int
+        Number of its first start.
+    labels : ndarray of int16, shape (n,)
+        Number of the trapping region, UNDECIDED or NOT_COMPUTED.
+    times : ndarray of float32, shape (n,)
+        Time that it took to decide, or at which following ended [1]; NaN where not computed.
+    undecided : Undecided
+        More about those that no set has captured.
+    """
+
+    first: int
+    labels: npt.NDArray[np.int16]
+    times: npt.NDArray[np.float32]
+    undecided: Undecided
+
+
+def together(parts: Iterable[Undecided]) -> Undecided:
+    """Join parts of the undecided orbits."""
+    kept = list(parts)
+    empty = np.empty((0, COLUMNS), dtype=np.float32)
+    return Undecided(
+        np.concatenate([np.empty(0, dtype=np.int64), *(part.numbers for part in kept)]),
+        np.concatenate([empty, *(part.earlier for part in kept)]),
+        np.concatenate([empty, *(part.later for part in kept)]),
+        np.concatenate([np.empty((4, 0)), *(part.states for part in kept)], axis=1),
+    )
+
+
+def spread(parts: Iterable[Undecided], step: int) -> Iterator[Undecided]:
+    """Yield one orbit in `step` of all parts, as if these were one."""
+    passed = 0
+    for part in parts:
+        yield part.every(-passed % step, step)
+        passed += part.numbers.size
+
+
+def batch_as_bytes(batch: BatchResult) -> bytes:
+    """Return a batch as bytes that `batch_from_bytes` reads."""
+    undecided = batch.undecided
+    arrays = {
+        "first": np.array(batch.first),
+        "labels": batch.labels,
+        "times": batch.times,
+        "numbers": undecided.numbers,
+        "earlier": undecided.earlier,
+        "later": undecided.later,
+        "states": undecided.states,
+    }
+    return packed(arrays, {})
+
+
+def batch_from_bytes(content: bytes) -> BatchResult:
+    """Return the batch that `batch_as_bytes` was given.
+
+    Raises
+    ------
+    ValueError
+        If it cannot have written it.
+    """
+    arrays, _ = unpacked(content)
+    try:
+        undecided = Undecided(*(arrays[name] for name in ("numbers", "earlier", "later", "states")))
+        return BatchResult(int(arrays["first"]), arrays["labels"], arrays["times"], undecided)
+    except (KeyError, TypeError) as error:
+        raise ValueError(f"it holds no batch of starts: {error}") from error

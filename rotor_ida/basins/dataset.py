@@ -1,0 +1,217 @@
+"""Datasets of basins: what the starts of one rotor end on, over a grid or in fractions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.provenance import provenance
+from rotor_ida.schema import FATE, RESPONSE, Column, labelled, labelled_dataset
+from rotor_ida.simulation.dataset import parameter_coordinates
+from rotor_ida.simulation.options import Options
+from rotor_ida.storage.studies.scratch import scratch, slabs
+
+Values = npt.NDArray[np.float64]
+
+LABELLING = (
+    "every start followed in lockstep lanes by DOP853 on the rotating axes until a set captures it "
+    "that no orbit leaves, or by its motion over two windows; attractors confirmed by CVODE"
+)
+TABLE = ("amplitude", "phase_lag", "radius_min", "radius_max")
+
+
+class Described(Protocol):
+    """What is known of an attractor."""
+
+    @property
+    def kind(self) -> str:
+        """Kind of response."""
+
+    @property
+    def amplitude(self) -> float:
+        """Amplitude at the spin speed [1]."""
+
+    @property
+    def phase_lag(self) -> float:
+        """Phase lag [rad]."""
+
+    @property
+    def radius_min(self) -> float:
+        """Smallest radius [1]."""
+
+    @property
+    def radius_max(self) -> float:
+        """Largest radius [1]."""
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether CVODE has been there."""
+
+
+def basin_dataset(
+    rotor: Rotor,
+    axes: Mapping[str, Values],
+    fixed: Mapping[str, float],
+    labels: npt.NDArray[np.int16],
+    times: npt.NDArray[np.float32],
+    attractors: Sequence[Described],
+    attributes: Mapping[str, object],
+    options: Options,
+    folder: Path | None = None,
+) -> xr.Dataset:
+    """Return a grid of starts with what they end on.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        The rotor.
+    axes : mapping of str to ndarray
+        The two components of the start that vary, in the order of the dimensions [1].
+    fixed : mapping of str to float
+        The two others [1].
+    labels : ndarray of int16, shape (n, m)
+        Number of the attractor, or one of `FATE`.
+    times : ndarray of float32, shape (n, m)
+        Settling times [1].
+    attractors : sequence
+        The attractors, by number.
+    attributes : mapping
+        More attributes.
+    options : Options
+        How CVODE confirmed.
+    folder : Path, optional
+        Where arrays go that may be larger than memory.
+    """
+    dims = tuple(axes)
+    variables = {
+        "label": _labels(labels, dims, len(attractors)),
+        "response": _responses(labels, dims, attractors, folder),
+        "settling_time": labelled("settling_time", dims, times),
+        **_attractor_table(labels, attractors),
+    }
+    coordinates = parameter_coordinates(rotor)
+    coordinates |= {name: (name, values) for name, values in axes.items()}
+    coordinates |= {name: ((), value) for name, value in fixed.items()}
+    coordinates["attractor"] = ("attractor", np.arange(len(attractors)))
+    title = "Rotor in a clearance: what each start ends on"
+    told = _attributes(rotor, attributes, options)
+    return labelled_dataset(title, variables, coordinates, told)
+
+
+def fractions_dataset(
+    rotor: Rotor,
+    labels: npt.NDArray[np.int16],
+    attractors: Sequence[Described],
+    attributes: Mapping[str, object],
+    options: Options,
+) -> xr.Dataset:
+    """Return which parts of the starts end on which attractor and kind of response.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        The rotor.
+    labels : ndarray of int16, shape (n,)
+        Number of the attractor of each start, or one of `FATE`.
+    attractors, attributes, options
+        As for `basin_dataset`.
+    """
+    missing, undecided, *ends = _counts(labels, len(attractors)).tolist()
+    of_kind = {number: 0 for word, number in RESPONSE.items() if word != "failed"}
+    of_kind[RESPONSE["unresolved"]] = undecided
+    for each, count in zip(attractors, ends, strict=True):
+        of_kind[RESPONSE[each.kind]] += count
+    kinds, counts = list(of_kind), np.array(list(of_kind.values()))
+    fraction, error = _fractions(counts, labels.size - missing)
+    variables: dict[str, Column | xr.Variable] = {
+        **_attractor_table(labels, attractors),
+        "response_count": ("response", counts),
+        "response_fraction": ("response", fraction),
+        "response_fraction_error": ("response", error),
+    }
+    coordinates = parameter_coordinates(rotor)
+    coordinates["attractor"] = ("attractor", np.arange(len(attractors)))
+    coordinates["response"] = ("response", np.array(kinds, dtype=np.int8))
+    title = "Rotor in a clearance: fractions of starts"
+    told = _attributes(rotor, attributes, options)
+    return labelled_dataset(title, variables, coordinates, told)
+
+
+def _attributes(rotor: Rotor, more: Mapping[str, object], options: Options) -> dict[str, object]:
+    parameters = {name: getattr(rotor, name) for name in PARAMETERS}
+    return {**provenance(options.attributes()), "labelling": LABELLING, **parameters, **more}
+
+
+def _labels(labels: npt.NDArray[np.int16], dims: tuple[str, ...], count: int) -> xr.Variable:
+    variable = labelled("label", dims, labels)
+    variable.attrs["flag_values"] = np.array([*FATE.values(), *range(count)], dtype=np.int16)
+    numbered = [f"attractor_{number}" for number in range(count)]
+    variable.attrs["flag_meanings"] = " ".join([*FATE, *numbered])
+    return variable
+
+
+def _responses(
+    labels: npt.NDArray[np.int16],
+    dims: tuple[str, ...],
+    attractors: Sequence[Described],
+    folder: Path | None,
+) -> xr.Variable:
+    """Return the kind of response of each start; those not computed have a number of their own."""
+    kinds = [RESPONSE[each.kind] for each in attractors]
+    # the two fates stand at the end of the table, where negative numbers find them
+    table = np.array([*kinds, FATE["not_computed"], RESPONSE["unresolved"]], dtype=np.int8)
+    responses = scratch(labels.shape, np.int8, folder)
+    flat, result = labels.reshape(-1), responses.reshape(-1)
+    for slab in slabs(flat.size):
+        result[slab] = table[flat[slab]]
+    variable = labelled("response", dims, responses)
+    words = {**RESPONSE, "not_computed": FATE["not_computed"]}
+    variable.attrs["flag_values"] = np.array(list(words.values()), dtype=np.int8)
+    variable.attrs["flag_meanings"] = " ".join(words)
+    return variable
+
+
+def _attractor_table(
+    labels: npt.NDArray[np.int16], attractors: Sequence[Described]
+) -> dict[str, xr.Variable]:
+    missing, undecided, *ends = _counts(labels, len(attractors)).tolist()
+    counts = np.array(ends, dtype=np.int64)
+    fraction, error = _fractions(np.array([*counts, undecided]), labels.size - missing)
+    columns: dict[str, npt.ArrayLike] = {
+        "kind": np.array([RESPONSE[each.kind] for each in attractors], dtype=np.int8),
+        **{name: np.array([getattr(each, name) for each in attractors], float) for name in TABLE},
+        "confirmed": np.array([each.confirmed for each in attractors], dtype=np.int8),
+        "count": counts,
+        "fraction": fraction[:-1],
+        "fraction_error": error[:-1],
+    }
+    table = {name: labelled(name, "attractor", column) for name, column in columns.items()}
+    table["undecided_count"] = labelled("undecided_count", (), undecided)
+    table["undecided_fraction"] = labelled("undecided_fraction", (), fraction[-1])
+    table["not_computed_count"] = labelled("not_computed_count", (), missing)
+    return table
+
+
+def _counts(labels: npt.NDArray[np.int16], attractors: int) -> npt.NDArray[np.int64]:
+    """Return how many starts were not computed, are undecided, and end on each attractor."""
+    flat, first = labels.reshape(-1), min(FATE.values())
+    counts = np.zeros(attractors - first, dtype=np.int64)
+    for slab in slabs(flat.size):
+        counts += np.bincount(flat[slab] - first, minlength=counts.size)
+    return counts
+
+
+def _fractions(counts: npt.NDArray[np.int64], total: int) -> tuple[Values, Values]:
+    """Return fractions and the standard error ``sqrt(p (1 - p)/n)`` of a random sample."""
+    if total == 0:
+        nothing = np.full(counts.size, math.nan)
+        return nothing, nothing.copy()
+    fraction = counts / total
+    return fraction, np.sqrt(fraction * (1.0 - fraction) / total)

@@ -1,0 +1,117 @@
+"""Shares of random starts."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.basins.dataset import fractions_dataset
+from rotor_ida.basins.labelling import (
+    RTOL,
+    check_rotor,
+    check_rtol,
+    check_within,
+    label,
+)
+from rotor_ida.checks import COMPONENTS, check_count, check_real, check_seed
+from rotor_ida.errors import InputError
+from rotor_ida.parallel import Progress
+from rotor_ida.parameters import Rotor
+
+Values = npt.NDArray[np.float64]
+Range = float | tuple[float, float]
+
+
+def basin_fractions(
+    rotor: Rotor,
+    *,
+    x: Range,
+    y: Range,
+    vx: Range = 0.0,
+    vy: Range = 0.0,
+    starts: int = 10000,
+    seed: int = 0,
+    rtol: float = RTOL,
+    workers: int | None = None,
+    executor: str = "auto",
+    study: str | os.PathLike[str] | None = None,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Say which parts of the starts in a box end on which attractor.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        The rotor; damped, since without damping nothing settles.
+    x, y, vx, vy : float or tuple of float
+        Components of the start [1]: numbers, or ranges ``(low, high)`` from which they are drawn,
+        independently and uniformly.
+    starts : int
+        Number of starts.
+    seed : int
+        Seed of the random numbers: the same seed gives the same starts.
+    rtol, workers, executor, study, progress
+        As for `basin`.
+
+    Returns
+    -------
+    Dataset
+        On ``attractor`` what `basin` tells of each, with ``share`` and its standard error
+        ``fraction_error``; on ``response`` the same for each kind of response: ``response_count``,
+        ``response_fraction``, ``response_fraction_error``; the scalars of `basin`.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used.
+    SimulationError
+        If one of ``"processes"`` died, or the scheduler.
+
+    Notes
+    -----
+    The standard error of a share p of n starts is ``sqrt(p (1 - p)/n)``.
+
+    Examples
+    --------
+    >>> found = basin_fractions(Rotor(omega=1.7, zeta=0.07, delta0=0.0), x=(-15, 15), y=(-15, 15),
+    ...                starts=500)
+    >>> found["count"].values
+    array([ 65, 435])
+    """
+    check_rotor(rotor)
+    given = {"x": x, "y": y, "vx": vx, "vy": vy}
+    box = np.array([_range(name, given[name]) for name in COMPONENTS])
+    count = check_count("starts", starts)
+    chosen = check_seed(seed)
+
+    def drawn(first: int, last: int) -> Values:
+        """Return the starts with these numbers, as if all were drawn in one go."""
+        bits = np.random.PCG64(chosen)
+        bits.advance(len(COMPONENTS) * first)
+        chance = np.random.Generator(bits).random((last - first, len(COMPONENTS)))
+        return np.asarray(box[:, :1] + (box[:, 1:] - box[:, :1]) * chance.T)
+
+    ranges = {name: limits.tolist() for name, limits in zip(COMPONENTS, box, strict=True)}
+    design = {"kind": "basin_fractions", "starts": count, "seed": chosen, **ranges}
+    found = label(
+        rotor, drawn, count, design,
+        rtol=check_rtol(rtol), workers=workers, executor=executor, study=study, progress=progress,
+    )  # fmt: skip
+    attributes = {"starts": count, "seed": chosen, **found.attributes}
+    attributes |= {f"range_{name}": limits for name, limits in zip(COMPONENTS, box, strict=True)}
+    return fractions_dataset(rotor, found.labels, found.attractors, attributes, found.options)
+
+
+def _range(name: str, value: object) -> tuple[float, float]:
+    """Return the ends of a range; a number is a range of no length."""
+    ends = list(value) if isinstance(value, (tuple, list, np.ndarray)) else [value, value]
+    if len(ends) != 2:
+        raise InputError(f"{name} must be a number or a range (low, high), got {value!r}")
+    low, high = (check_real(name, end) for end in ends)
+    if low > high:
+        raise InputError(f"{name} must be a range (low, high) with low <= high, got {value!r}")
+    check_within(name, np.array([low, high]))
+    return low, high

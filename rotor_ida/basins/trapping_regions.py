@@ -1,0 +1,228 @@
+"""Sets of states from which no orbit escapes a stable whirl: a start inside is decided.
+
+On the rotating axes a synchronous whirl is an equilibrium. Round it we look for a quadratic form
+``V`` of the distance in state space that falls along every orbit on a whole ellipsoid ``V <= 1``.
+Then no orbit leaves the ellipsoid, and all in it converge to the whirl.
+
+Notes
+-----
+Write ``xi`` for the state less that of the whirl, ``v`` for the position in it. The equation is
+linear but for the contact force F, and
+
+    F(v) - F(v*) = K (v - v*),    K = mean of DF along the segment from v* to v,
+    DF = s I + (f' - s) n n^T,    n = v/|v|,  s = f(|v|)/|v|.
+
+So ``xi' = (L - E K) xi`` with a constant L and a symmetric 2 x 2 matrix K that varies. Over a
+convex set of positions K lies in the smallest box (three entries) that holds every DF there: a
+mean of members of a convex set is a member. ``d/dt xi^T P xi = xi^T (J^T P + P J) xi`` with
+``J = L - E K`` is affine in K, so if ``J^T P + P J`` is negative definite at the eight corners of
+the box it is so throughout, with one margin: V decays exponentially. The positions of the
+ellipsoid ``xi^T P xi <= c`` are an ellipse with half-widths ``sqrt(c S)``, ``S`` the position
+block of ``P^-1``; its bounding rectangle, along and across the whirl, gives the box. The largest
+such c is found by bisection, and P is the form of largest volume among those that weigh the two
+modes of the linear motion differently; a free search over all P gained 5 % in width. The
+rectangle is kept out of the clearance and of the centre, where DF is not what is written above.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.closed_forms import synchronous_response
+from rotor_ida.equations.contact import contact_stiffness, secant_stiffness
+from rotor_ida.equations.model import rotating_jacobian
+from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.schema import STABILITY
+
+Values = npt.NDArray[np.float64]
+
+# V must fall by this part of the fastest possible rate at least, so that rounding cannot matter.
+MARGIN = 1e-6
+BISECTIONS = 40
+MODE_RATIOS = np.geomspace(1e-2, 1e2, 17)
+# Modes this nearly parallel (near a double eigenvalue) are no basis for a form.
+MOST_SKEW = 1e6
+# Decay slower than this part of the fastest motion is lost in rounding: too close to a fold.
+SLOWEST = 1e-9
+# Forms with axes this unequal, squared, are left alone: rounding could decide.
+MOST_ECCENTRIC = 1e10
+
+
+@dataclass(frozen=True, slots=True)
+class TrappingRegion:
+    """An ellipsoid of states, all of which converge to one stable whirl in contact.
+
+    Parameters
+    ----------
+    amplitude, phase_lag : float
+        The whirl [1], [rad].
+    centre : ndarray, shape (4,)
+        Its state on the rotating axes [1].
+    form : ndarray, shape (4, 4)
+        Positive definite P: the set is ``(z - centre)^T P (z - centre) <= 1``. All infinite
+        where no such set was found.
+    """
+
+    amplitude: float
+    phase_lag: float
+    centre: Values
+    form: Values
+
+    @property
+    def exists(self) -> bool:
+        """Whether a set was found: close to a fold, or to first touch, there may be none."""
+        return bool(np.isfinite(self.form).all())
+
+    @property
+    def numbers(self) -> Values:
+        """Centre and upper triangle of R, ``P = R^T R``, shape (14,), for the kernel."""
+        if not self.exists:  # with a centre at infinity it holds nothing
+            return np.concatenate([np.full(4, np.inf), np.eye(4)[np.triu_indices(4)]])
+        factor = np.linalg.cholesky(self.form).T
+        return np.concatenate([self.centre, factor[np.triu_indices(4)]])
+
+    def holds(self, states: npt.ArrayLike) -> npt.NDArray[np.bool_]:
+        """Return which of the states, shape (..., 4) on the rotating axes, lie in the set."""
+        offset = np.asarray(states, dtype=np.float64) - self.centre
+        if not self.exists:
+            return np.zeros(offset.shape[:-1], dtype=np.bool_)
+        return np.asarray(np.einsum("...i,ij,...j->...", offset, self.form, offset) <= 1.0)
+
+
+def trapping_regions(rotor: Rotor) -> list[TrappingRegion]:
+    """Return a trapping region for each stable whirl in contact, in order of amplitude.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        A rotor that turns and is damped.
+
+    Examples
+    --------
+    >>> sets = trapping_regions(Rotor(omega=1.7, zeta=0.07, delta0=0.0))
+    >>> [round(each.amplitude, 4) for each in sets]
+    [1.8796, 9.4872]
+    """
+    whirls = synchronous_response(omega=rotor.omega, zeta=rotor.zeta, delta0=rotor.delta0)
+    whirls = whirls.squeeze(PARAMETERS)
+    stable = (whirls["stability"] == STABILITY["stable"]) & (whirls["in_contact"] == 1)
+    return [
+        _trapping_region(rotor, amplitude, lag)
+        for amplitude, lag in zip(
+            whirls["amplitude"].values[stable.values].tolist(),
+            whirls["phase_lag"].values[stable.values].tolist(),
+            strict=True,
+        )
+    ]
+
+
+def _trapping_region(rotor: Rotor, amplitude: float, lag: float) -> TrappingRegion:
+    """Return the largest set among those that the linear motion suggests."""
+    problem = _Problem(rotor, amplitude)
+    usable = [form for form in problem.candidates() if _is_usable(form)]
+    best = max(usable, key=problem.log_volume, default=np.eye(4))
+    level = problem.largest_level(best)
+    position = amplitude * complex(math.cos(lag), -math.sin(lag))
+    velocity = 1j * rotor.omega * position
+    centre = np.array([position.real, position.imag, velocity.real, velocity.imag])
+    if level == 0.0:
+        return TrappingRegion(amplitude, lag, centre, np.full((4, 4), np.inf))
+    # from offsets in the plane to offsets along and across the whirl
+    turn = np.kron(np.eye(2), np.array([[math.cos(lag), -math.sin(lag)],
+                                        [math.sin(lag), math.cos(lag)]]))  # fmt: skip
+    return TrappingRegion(amplitude, lag, centre, turn.T @ (best / level) @ turn)
+
+
+def _is_usable(form: Values) -> bool:
+    """Return whether a form is positive definite, far enough from not being so."""
+    values = np.linalg.eigvalsh(form)
+    return bool(values[0] > 0.0 and values[-1] < MOST_ECCENTRIC * values[0])
+
+
+class _Problem:
+    """The motion near one whirl, on axes along and across it."""
+
+    def __init__(self, rotor: Rotor, amplitude: float):
+        self.rotor, self.amplitude = rotor, amplitude
+        self.linear = rotating_jacobian((0.0, 0.0, 0.0, 0.0), Rotor(
+            omega=rotor.omega, zeta=rotor.zeta, delta0=1.0))  # fmt: skip
+
+    def matrix(self, along: float, across: float, mixed: float) -> Values:
+        """Return J for one stiffness matrix K."""
+        matrix = self.linear.copy()
+        matrix[2:, :2] -= [[along, mixed], [mixed, across]]
+        return matrix
+
+    def corners(self, half_along: float, half_across: float) -> Values:
+        """Return J at the corners of the box that holds DF on a rectangle, shape (8, 4, 4)."""
+        delta0 = self.rotor.delta0
+        nearest = self.amplitude - half_along
+        farthest = math.hypot(self.amplitude + half_along, half_across)
+        angle = math.atan2(half_across, nearest)
+        # f', s and f' - s all grow with the radius
+        tangent = [float(contact_stiffness(r, delta0)) for r in (nearest, farthest)]
+        secant = [float(secant_stiffness(r, delta0)) for r in (nearest, farthest)]
+        excess = [t - s for t, s in zip(tangent, secant, strict=True)]
+        along = (secant[0] + excess[0] * math.cos(angle) ** 2, tangent[1])
+        across = (secant[0], secant[1] + excess[1] * math.sin(angle) ** 2)
+        most = excess[1] * 0.5 * math.sin(2.0 * min(angle, 0.25 * math.pi))
+        return np.array(
+            [self.matrix(a, b, c) for a in along for b in across for c in (-most, most)]
+        )
+
+    def falls(self, form: Values, level: float) -> bool:
+        """Return whether V falls everywhere on the ellipsoid ``xi^T P xi <= level``."""
+        widths = np.sqrt(level * np.diag(np.linalg.inv(form)))
+        if self.amplitude - widths[0] <= self.rotor.delta0:
+            return False
+        matrices = self.corners(float(widths[0]), float(widths[1]))
+        rates = np.swapaxes(matrices, 1, 2) @ form + form @ matrices
+        largest = np.linalg.eigvalsh(rates + 2.0 * MARGIN * self.rotor.zeta * form).max()
+        return bool(largest < 0.0)
+
+    def largest_level(self, form: Values) -> float:
+        """Return the largest level found by bisection, 0 if there is none."""
+        room = self.amplitude - self.rotor.delta0
+        high = room**2 / float(np.linalg.inv(form)[0, 0])
+        low = 0.0
+        for _ in range(BISECTIONS):
+            middle = 0.5 * (low + high) if low > 0.0 else 0.1 * high
+            if self.falls(form, middle):
+                low = middle
+            else:
+                high = middle
+            if low > 0.0 and high - low < 1e-3 * low:
+                break
+        return low
+
+    def log_volume(self, form: Values) -> float:
+        """Return the logarithm of the volume of the set, to a constant."""
+        level = self.largest_level(form)
+        if level == 0.0:
+            return -1e3
+        return 2.0 * math.log(level) - 0.5 * float(np.linalg.slogdet(form)[1])
+
+    def candidates(self) -> list[Values]:
+        """Return forms that the linear motion makes fall, with different weights of its modes.
+
+        All eigenvalues of a stable whirl have nearly the same real part: any weighted sum of the
+        squared amplitudes of its modes falls at that rate.
+        """
+        r, delta0 = self.amplitude, self.rotor.delta0
+        tangent, secant = float(contact_stiffness(r, delta0)), float(secant_stiffness(r, delta0))
+        matrix = self.matrix(tangent, secant, 0.0)
+        values, vectors = np.linalg.eig(matrix)
+        if values.real.max() > -SLOWEST * np.abs(values).max():
+            return []
+        if np.linalg.cond(vectors) > MOST_SKEW:
+            return []
+        forms = []
+        inverse = np.linalg.inv(vectors[:, np.argsort(np.abs(values.imag))])
+        for ratio in MODE_RATIOS:
+            weights = np.array([1.0, 1.0, ratio, ratio])
+            forms.append(np.ascontiguousarray(((inverse.conj().T * weights) @ inverse).real))
+        return forms

@@ -1,1 +1,0 @@
-"""Labelled results: what every variable is called, what it means, and how results are built."""

@@ -1,0 +1,134 @@
+"""The contact law: what the bearing ring does to a rotor at distance r from its centre.
+
+One place holds the Hertz exponent. The force, its derivative, the potential, the
+Jacobians, the events and the datasets all ask this module.
+
+References
+----------
+.. [1] "Analytical Nonlinear Response for a Rotor with the Hertz Contact and Clearance",
+   Mechanika 25(6), 2019, eqs (2), (10) and (12).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.equations.compiling import compiled
+
+HERTZ_EXPONENT = 1.5
+Values = npt.NDArray[np.float64]
+
+
+def gap(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
+    """Free distance to the ring, ``delta0 - r`` [1]; negative in contact.
+
+    Examples
+    --------
+    >>> float(gap(0.75, 0.5))
+    -0.25
+    """
+    return np.subtract(delta0, radius, dtype=np.float64)
+
+
+def indentation(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
+    """Depth of the rotor in the ring, ``max(r - delta0, 0)`` [1].
+
+    Examples
+    --------
+    >>> indentation([0.25, 0.75], 0.5)
+    array([0.  , 0.25])
+    """
+    return np.maximum(np.subtract(radius, delta0, dtype=np.float64), 0.0)
+
+
+def contact_force(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
+    """Hertz force towards the centre [1].
+
+    Parameters
+    ----------
+    radius, delta0 : array_like
+        Distance of the rotor from the bearing axis and radial clearance [1]; broadcast.
+
+    Returns
+    -------
+    ndarray
+        ``f(r) = max(r - delta0, 0)**1.5`` [1].
+
+    References
+    ----------
+    Eq. (10) of the paper, Mechanika 25(6), 2019.
+
+    Examples
+    --------
+    >>> contact_force([0.5, 1.5], 0.5)
+    array([0., 1.])
+    """
+    return indentation(radius, delta0) ** HERTZ_EXPONENT
+
+
+def contact_stiffness(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
+    """Slope of the Hertz force, ``f'(r) = 1.5 max(r - delta0, 0)**0.5`` [1].
+
+    Examples
+    --------
+    >>> contact_stiffness([0.5, 1.5], 0.5)
+    array([0. , 1.5])
+    """
+    return HERTZ_EXPONENT * indentation(radius, delta0) ** (HERTZ_EXPONENT - 1.0)
+
+
+def secant_stiffness(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
+    """Force over radius, ``s(r) = f(r) / r`` [1]; zero, its limit, at r = 0.
+
+    Examples
+    --------
+    >>> secant_stiffness([0.0, 4.0], 0.0)
+    array([0., 2.])
+    """
+    radii = np.asarray(radius, dtype=np.float64)
+    force = contact_force(radii, delta0)
+    return np.divide(force, radii, out=np.zeros_like(force), where=force > 0.0)
+
+
+def contact_potential(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
+    """Energy stored in the contact, ``V(r) = (2/5) max(r - delta0, 0)**2.5`` [1].
+
+    References
+    ----------
+    Eq. (12) of the paper, Mechanika 25(6), 2019.
+
+    Examples
+    --------
+    >>> contact_potential([0.5, 1.5], 0.5)
+    array([0. , 0.4])
+    """
+    exponent = HERTZ_EXPONENT + 1.0
+    return indentation(radius, delta0) ** exponent / exponent
+
+
+@compiled
+def force_over_radius(radius: float, delta0: float) -> float:
+    """Scalar ``f(r)/r`` for the integrators' inner loop; zero at r = 0."""
+    depth = radius - delta0
+    if depth <= 0.0:
+        return 0.0
+    return float(depth**HERTZ_EXPONENT / radius)
+
+
+@compiled
+def stiffness(radius: float, delta0: float) -> float:
+    """Scalar ``f'(r)`` for the integrators' inner loop."""
+    depth = radius - delta0
+    if depth <= 0.0:
+        return 0.0
+    return float(HERTZ_EXPONENT * depth ** (HERTZ_EXPONENT - 1.0))
+
+
+@compiled
+def force_of_root(q: float) -> float:
+    """Scalar force in terms of the contact root ``q = sqrt(r - delta0)``: ``q**3``.
+
+    It is analytic through q = 0, which is what makes the regularised contact phase smooth.
+    """
+    return float(q * q * q)

@@ -1,0 +1,268 @@
+"""The rotor as a first-order system, in the fixed frame and in the frame that turns with it.
+
+The state is ``(x, y, vx, vy)``: displacement and velocity as seen by a bystander. In the
+rotating frame the same two vectors are read on axes that turn with the unbalance,
+``Z = z exp(-i omega t)`` and ``W = z' exp(-i omega t)``; there the system is autonomous and
+a synchronous whirl is an equilibrium.
+
+References
+----------
+.. [1] "Analytical Nonlinear Response for a Rotor with the Hertz Contact and Clearance",
+   Mechanika 25(6), 2019, eqs (10), (12) and (13).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.equations.compiling import compiled
+from rotor_ida.equations.contact import contact_potential, force_over_radius, stiffness
+from rotor_ida.parameters import Rotor
+
+Values = npt.NDArray[np.float64]
+
+
+def field(time: float, state: npt.ArrayLike, rotor: Rotor) -> Values:
+    """Rate of change of the state in the fixed frame.
+
+    Parameters
+    ----------
+    time : float
+        Dimensionless time [1].
+    state : array_like, shape (4,)
+        ``(x, y, vx, vy)`` [1].
+    rotor : Rotor
+        The rotor.
+
+    Returns
+    -------
+    ndarray, shape (4,)
+        ``(vx, vy, ax, ay)`` [1].
+
+    Notes
+    -----
+    ``z'' = omega**2 exp(i omega t) - 2 zeta z' - f(|z|) z/|z|``. The force is zero at
+    ``z = 0``, its limit.
+
+    References
+    ----------
+    Eq. (10) of the paper, Mechanika 25(6), 2019.
+
+    Examples
+    --------
+    >>> field(0.0, (1.5, 0.0, 0.0, 0.0), Rotor(omega=2.0, zeta=0.1, delta0=0.5))
+    array([0., 0., 3., 0.])
+    """
+    x, y, vx, vy = np.asarray(state, dtype=np.float64)
+    restoring = force_over_radius(math.hypot(x, y), rotor.delta0)
+    unbalance, angle = rotor.omega**2, rotor.omega * time
+    return np.array(
+        [
+            vx,
+            vy,
+            unbalance * math.cos(angle) - 2.0 * rotor.zeta * vx - restoring * x,
+            unbalance * math.sin(angle) - 2.0 * rotor.zeta * vy - restoring * y,
+        ]
+    )
+
+
+def jacobian(state: npt.ArrayLike, rotor: Rotor) -> Values:
+    """Return the derivative of `field` by the state, shape (4, 4) [1], the same at all times.
+
+    Examples
+    --------
+    >>> jacobian((1.5, 0.0, 0.0, 0.0), Rotor(omega=2.0, zeta=0.0, delta0=0.5))[2:, :2]
+    array([[-1.5       , -0.        ],
+           [-0.        , -0.66666667]])
+    """
+    matrix = np.zeros((4, 4))
+    rotating_jacobian_into(
+        np.asarray(state, dtype=np.float64), matrix, 0.0, rotor.zeta, rotor.delta0
+    )
+    return matrix
+
+
+def rotating_field(state: npt.ArrayLike, rotor: Rotor) -> Values:
+    """Rate of change of the state read on the rotating axes, shape (4,) [1].
+
+    Notes
+    -----
+    ``Z' = W - i omega Z`` and ``W' = omega**2 - (2 zeta + i omega) W - f(|Z|) Z/|Z|``,
+    which is eq. (10) of the paper times ``exp(-i omega t)``.
+
+    Examples
+    --------
+    A contact-free whirl without damping is an equilibrium of amplitude one:
+
+    >>> rotating_field((-1.0, 0.0, 0.0, -2.0), Rotor(omega=2.0, zeta=0.0, delta0=1.5)) + 0.0
+    array([0., 0., 0., 0.])
+    """
+    rate = np.empty(4)
+    rotating_field_into(
+        np.asarray(state, dtype=np.float64), rate, rotor.omega, rotor.zeta, rotor.delta0
+    )
+    return rate
+
+
+def rotating_jacobian(state: npt.ArrayLike, rotor: Rotor) -> Values:
+    """Return the derivative of `rotating_field` by the state, shape (4, 4) [1].
+
+    Its eigenvalues at a synchronous whirl are the whirl's own.
+
+    Examples
+    --------
+    >>> rotating_jacobian((0.0, 0.0, 0.0, 0.0), Rotor(omega=2.0, zeta=0.5, delta0=1.0))[2] + 0.0
+    array([ 0.,  0., -1.,  2.])
+    """
+    matrix = np.zeros((4, 4))
+    rotating_jacobian_into(
+        np.asarray(state, dtype=np.float64), matrix, rotor.omega, rotor.zeta, rotor.delta0
+    )
+    return matrix
+
+
+def rotated(states: npt.ArrayLike, angle: npt.ArrayLike) -> Values:
+    """Rotate displacement and velocity of each state by `angle`.
+
+    With ``angle = -omega t`` it reads fixed-frame states on the rotating axes, with
+    ``+omega t`` it goes back.
+
+    Parameters
+    ----------
+    states : array_like, shape (..., 4)
+        States ``(x, y, vx, vy)`` [1].
+    angle : array_like, shape (...)
+        Angle [rad].
+
+    Returns
+    -------
+    ndarray, shape (..., 4)
+        The rotated states [1].
+
+    Examples
+    --------
+    >>> rotated((1.0, 0.0, 0.0, 2.0), 0.0)
+    array([1., 0., 0., 2.])
+    """
+    given = np.asarray(states, dtype=np.float64)
+    cosine, sine = np.cos(angle), np.sin(angle)
+    x, y, vx, vy = np.moveaxis(given, -1, 0)
+    return np.stack(
+        [
+            cosine * x - sine * y,
+            sine * x + cosine * y,
+            cosine * vx - sine * vy,
+            sine * vx + cosine * vy,
+        ],
+        axis=-1,
+    )
+
+
+def energy(states: npt.ArrayLike, delta0: float) -> Values:
+    """Kinetic energy and contact potential, ``|z'|**2/2 + V(|z|)`` [1].
+
+    Parameters
+    ----------
+    states : array_like, shape (..., 4)
+        States ``(x, y, vx, vy)`` [1], in either frame.
+    delta0 : float
+        Radial clearance [1].
+
+    Returns
+    -------
+    ndarray, shape (...)
+        The energy [1]. It is conserved at ``omega = zeta = 0``.
+
+    References
+    ----------
+    Eq. (13) of the paper, Mechanika 25(6), 2019, which prints |z| for |z'|.
+
+    Examples
+    --------
+    >>> float(energy((1.5, 0.0, 0.0, 2.0), 0.5))
+    2.4
+    """
+    x, y, vx, vy = np.moveaxis(np.asarray(states, dtype=np.float64), -1, 0)
+    kinetic: Values = 0.5 * (vx**2 + vy**2)
+    return kinetic + contact_potential(np.hypot(x, y), delta0)
+
+
+def angular_momentum(states: npt.ArrayLike) -> Values:
+    """Moment of momentum about the bearing axis, ``x vy - y vx`` [1].
+
+    Examples
+    --------
+    >>> float(angular_momentum((1.5, 0.0, 0.0, 2.0)))
+    3.0
+    """
+    x, y, vx, vy = np.moveaxis(np.asarray(states, dtype=np.float64), -1, 0)
+    return np.asarray(x * vy - y * vx)
+
+
+def power(time: npt.ArrayLike, states: npt.ArrayLike, rotor: Rotor) -> Values:
+    """Power that the unbalance puts in less what the damping takes out, ``dE/dt`` [1].
+
+    Parameters
+    ----------
+    time : array_like, shape (...)
+        Dimensionless times [1].
+    states : array_like, shape (..., 4)
+        States ``(x, y, vx, vy)`` [1] in the fixed frame at those times.
+    rotor : Rotor
+        The rotor.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        ``-2 zeta |z'|**2 + Re(omega**2 exp(i omega t) conj(z'))`` [1].
+
+    Examples
+    --------
+    >>> float(power(0.0, (0.0, 0.0, 1.0, 0.0), Rotor(omega=1.0, zeta=0.25, delta0=1.0)))
+    0.5
+    """
+    _, _, vx, vy = np.moveaxis(np.asarray(states, dtype=np.float64), -1, 0)
+    angle = rotor.omega * np.asarray(time, dtype=np.float64)
+    given = rotor.omega**2 * (np.cos(angle) * vx + np.sin(angle) * vy)
+    return np.asarray(given - 2.0 * rotor.zeta * (vx**2 + vy**2))
+
+
+@compiled
+def rotating_field_into(
+    state: Values, rate: Values, omega: float, zeta: float, delta0: float
+) -> None:
+    """Write the rotating-frame rate into `rate`, for the integrators' inner loop."""
+    x, y, vx, vy = state[0], state[1], state[2], state[3]
+    restoring = force_over_radius(math.hypot(x, y), delta0)
+    rate[0] = vx + omega * y
+    rate[1] = vy - omega * x
+    rate[2] = omega * omega - 2.0 * zeta * vx + omega * vy - restoring * x
+    rate[3] = -2.0 * zeta * vy - omega * vx - restoring * y
+
+
+@compiled
+def rotating_jacobian_into(
+    state: Values, matrix: Values, omega: float, zeta: float, delta0: float
+) -> None:
+    """Write the rotating-frame Jacobian into `matrix`, for the integrators' inner loop."""
+    x, y = state[0], state[1]
+    radius = math.hypot(x, y)
+    tangential = force_over_radius(radius, delta0)
+    radial = stiffness(radius, delta0)
+    cosine, sine = (x / radius, y / radius) if radius > 0.0 else (1.0, 0.0)
+    matrix[:, :] = 0.0
+    matrix[0, 1] = omega
+    matrix[0, 2] = 1.0
+    matrix[1, 0] = -omega
+    matrix[1, 3] = 1.0
+    matrix[2, 0] = -(tangential * sine * sine + radial * cosine * cosine)
+    matrix[2, 1] = -(radial - tangential) * cosine * sine
+    matrix[3, 0] = matrix[2, 1]
+    matrix[3, 1] = -(tangential * cosine * cosine + radial * sine * sine)
+    matrix[2, 2] = -2.0 * zeta
+    matrix[2, 3] = omega
+    matrix[3, 2] = -omega
+    matrix[3, 3] = -2.0 * zeta

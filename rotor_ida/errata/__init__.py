@@ -1,9 +1,0 @@
-"""Where the paper is wrong, with the numbers that show it: what makes ``docs/errata.md``.
-
-``python -m rotor_ida.errata FILE`` writes the page.
-"""
-
-from rotor_ida.errata.page import errata_page
-from rotor_ida.errata.scaling import check_scaling, deviations
-
-__all__ = ["check_scaling", "deviations", "errata_page"]

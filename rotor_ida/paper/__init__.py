@@ -1,0 +1,1 @@
+"""The paper: its formulas as printed, its errata, its figures made again."""

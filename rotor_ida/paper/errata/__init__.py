@@ -1,0 +1,9 @@
+"""Where the paper is wrong, with the numbers that show it: what makes ``docs/errata.md``.
+
+``python -m rotor_ida.paper.errata FILE`` writes the page.
+"""
+
+from rotor_ida.paper.errata.page import errata_page
+from rotor_ida.paper.errata.scaling import check_scaling, deviations
+
+__all__ = ["check_scaling", "deviations", "errata_page"]

@@ -1,0 +1,195 @@
+"""Run the scenarios: one script for each figure of the paper and each study of ours."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import dataclass
+from pathlib import Path
+
+from rotor_ida.errors import InputError
+from rotor_ida.paper import freshness
+from rotor_ida.paper.gallery import write_gallery
+from rotor_ida.paper.scenario import check_folder, output_folder
+from rotor_ida.parallel import count_workers
+
+# One scenario draws while the other computes.
+AT_ONCE = 2
+
+
+def scenario_scripts() -> dict[str, Path]:
+    """Return the scenario scripts by name: those installed, or those of the clone.
+
+    Examples
+    --------
+    >>> "fig10_11_amplitude" in scenario_scripts()
+    True
+    """
+    package = Path(__file__).parent
+    for folder in (package / "scenarios", package.parent / "scenarios"):
+        scripts = sorted(folder.glob("[!_]*.py"), key=_figures_first)
+        if scripts:
+            return {script.stem: script for script in scripts}
+    return {}
+
+
+def _figures_first(script: Path) -> tuple[bool, str]:
+    """Return the place of a script: the paper's figures come before our studies."""
+    return not script.stem.startswith("fig"), script.stem
+
+
+def reproduce(
+    folder: str | os.PathLike[str],
+    *,
+    quick: bool = False,
+    only: Sequence[str] | None = None,
+    workers: int | None = None,
+    force: bool = False,
+) -> int:
+    """Run the scenarios, each into a folder of its own name, and make a page of their figures.
+
+    Parameters
+    ----------
+    folder : path-like
+        Where the scenarios' folders and ``index.html`` go; made if it is not there.
+    quick : bool
+        Whether coarse versions will do.
+    only : sequence of str, optional
+        Names of the scenarios to run, or how they begin, such as ``fig06``; by default all.
+    workers : int, optional
+        Number of processes of each; by default one for each core.
+    force : bool
+        Whether to run what is up to date too, and to replace results that no run of this
+        function left there.
+
+    Returns
+    -------
+    int
+        Exit status: 0 if all are done, 1 if one failed; the others are done even then.
+
+    Raises
+    ------
+    InputError
+        If a name is unknown, or results of another origin are there and `force` is false; then
+        nothing was run.
+
+    Notes
+    -----
+    Each script runs in a Python of its own: one that crashes takes no other with it, and its
+    sweeps can start processes as when it is run by hand. What is up to date is left alone: a
+    digest beside the results says from which script, sources, versions and options they came.
+    """
+    scripts = scenario_scripts()
+    chosen = _chosen(scripts, only)
+    root = Path(folder)
+    processes = count_workers(workers)
+    given = ["--quick"] if quick else []
+    origins = {name: freshness.origin_of(script, given) for name, script in chosen.items()}
+    folders = {name: output_folder(root, name) for name in chosen}
+    current = [
+        name for name in chosen if not force and freshness.is_fresh(folders[name], origins[name])
+    ]
+    due = [name for name in chosen if name not in current]
+    for name in due:
+        check_folder(folders[name], force=force or freshness.is_ours(folders[name]))
+    if current:
+        print(f"up to date: {', '.join(current)}", flush=True)
+    at_once = min(AT_ONCE, processes, max(1, len(due)))
+    # a quick sweep is over before further processes have started
+    each = max(1, processes // at_once) if quick else processes
+    command = ["--out", str(root), "--workers", str(each), "--force", *given]
+    jobs = [_Job(name, chosen[name], command, root, origins[name]) for name in due]
+    failed = _run_all(jobs, at_once)
+    page = write_gallery(root, scripts, failed=failed)
+    print(f"figures: {page}", flush=True)
+    if failed:
+        print(f"{len(failed)} of {len(chosen)} failed: {', '.join(failed)}", file=sys.stderr)
+    return 1 if failed else 0
+
+
+@dataclass(frozen=True, slots=True)
+class _Job:
+    """A scenario that is to be run."""
+
+    name: str
+    script: Path
+    options: list[str]
+    root: Path
+    origin: str
+
+    def run(self, *, aside: bool) -> tuple[int, str, float]:
+        """Run the script; return its exit status, what it printed if put aside, and the time."""
+        begin = time.monotonic()
+        folder = output_folder(self.root, self.name)
+        freshness.begin(folder)
+        line = [sys.executable, str(self.script), *self.options]
+        if aside:
+            ended = subprocess.run(
+                line, check=False, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
+            )
+            status, printed = ended.returncode, ended.stdout
+        else:
+            status, printed = subprocess.run(line, check=False).returncode, ""
+        shutil.copyfile(self.script, folder / f"{self.name}.py")
+        freshness.record(folder, "" if status else self.origin)
+        return status, printed, time.monotonic() - begin
+
+
+def _run_all(jobs: Sequence[_Job], at_once: int) -> list[str]:
+    """Run the jobs, some at a time, and return the names of those that failed."""
+    failed = []
+    aside = at_once > 1
+    pool = ThreadPoolExecutor(at_once)
+    try:
+        running = {pool.submit(job.run, aside=aside): job.name for job in jobs}
+        for number, done in enumerate(as_completed(running), start=1):
+            name = running[done]
+            status, printed, seconds = done.result()
+            print(printed, end="", flush=True)
+            took = f"{seconds:.0f} s"
+            if status:
+                failed.append(name)
+                print(f"{name} failed after {took} with exit status {status}", file=sys.stderr)
+            else:
+                print(f"[{number}/{len(jobs)}] {name} done in {took}", flush=True)
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+    return sorted(failed)
+
+
+def _chosen(scripts: Mapping[str, Path], only: Sequence[str] | None) -> dict[str, Path]:
+    if not scripts:
+        raise InputError("no scenario scripts were found beside the package")
+    if only is None:
+        return dict(scripts)
+    chosen: set[str] = set()
+    for word in [only] if isinstance(only, str) else list(only):
+        matching = {name for name in scripts if _names(word, name)}
+        if not matching:
+            raise InputError(
+                f"scenario must be one of {', '.join(scripts)}, or how one begins, got {word!r}"
+            )
+        chosen |= matching
+    return {name: script for name, script in scripts.items() if name in chosen}
+
+
+def _names(word: str, name: str) -> bool:
+    """Return whether a word means a scenario: its name, how it begins, or one of its figures.
+
+    Examples
+    --------
+    >>> [_names(word, "fig10_11_amplitude") for word in ("fig10", "fig11", "fig1", "fig12")]
+    [True, True, False, False]
+    """
+    if word == name:
+        return True
+    numbers = re.match(r"fig((?:\d+_)+)", name)
+    if re.fullmatch(r"fig\d+", word) and numbers:
+        return word[3:] in numbers.group(1).split("_")
+    return bool(word) and name.startswith(word)

@@ -1,0 +1,10 @@
+"""Many independent jobs on all cores: one way for everything that runs them.
+
+Results come as they end. Only a few jobs are in flight at a time, so memory does not grow with
+their number. When a job fails, or the user interrupts, the rest is given up at once.
+"""
+
+from rotor_ida.parallel.executors import choose, count_workers, run_all
+from rotor_ida.parallel.jobs import FailedJob, Progress, Stop
+
+__all__ = ["FailedJob", "Progress", "Stop", "choose", "count_workers", "run_all"]

@@ -1,0 +1,154 @@
+"""Where jobs run: the executors that a user may name, and the one call that runs jobs on them."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import re
+from collections.abc import Generator, Iterable
+
+import numpy as np
+
+from rotor_ida.checks import check_count
+from rotor_ida.errors import InputError
+from rotor_ida.parallel.jobs import FailedJob, Job, Result, Work
+from rotor_ida.parallel.pools import run_in_pool
+
+POOLS = ("threads", "processes")
+EXECUTORS = ("auto", "serial", *POOLS, "dask")
+_ADDRESS = re.compile(r"(tcp|tls|ws|wss)://[^\s/]+:\d+")
+
+
+def count_workers(workers: int | None) -> int:
+    """Return the number of workers: `workers`, or one for each core that may be used."""
+    if workers is not None:
+        return check_count("workers", workers)
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def choose(executor: object, workers: int | None, *, compiled: bool) -> tuple[str, int | None]:
+    """Return which executor to use, and how many workers.
+
+    Parameters
+    ----------
+    executor : str
+        One of `EXECUTORS`, or the address of a scheduler of dask. With ``"auto"`` compiled work is
+        done by threads, other work in this very process, or by processes where more workers than
+        one are wanted.
+    workers : int or None
+        Number of workers; None for one on each core, one where ``"auto"`` finds no compiled
+        work, or as many as the scheduler at an address has.
+    compiled : bool
+        Whether the work is compiled, and so leaves the interpreter's lock to others.
+
+    Examples
+    --------
+    >>> choose("auto", 2, compiled=True), choose("auto", 2, compiled=False)
+    (('threads', 2), ('processes', 2))
+    >>> choose("serial", None, compiled=True)
+    ('serial', 1)
+    """
+    chosen = _check_executor(executor)
+    if chosen == "auto":
+        if not compiled:
+            workers = count_workers(1 if workers is None else workers)
+        chosen = "threads" if compiled else "serial" if workers == 1 else "processes"
+    if chosen not in EXECUTORS:
+        if workers is not None:
+            raise InputError(f"workers must be left to the scheduler {chosen}, got {workers!r}")
+        return chosen, None
+    if chosen != "serial":
+        return chosen, count_workers(workers)
+    if workers is not None and check_count("workers", workers) > 1:
+        raise InputError(f"workers must be 1 with executor 'serial', got {workers!r}")
+    return chosen, 1
+
+
+def _check_executor(executor: object) -> str:
+    """Return an executor that can be had here."""
+    if not isinstance(executor, str) or not (executor in EXECUTORS or _ADDRESS.fullmatch(executor)):
+        words = ", ".join(repr(word) for word in EXECUTORS)
+        raise InputError(
+            f"executor must be one of {words}, or an address such as 'tcp://host:8786', "
+            f"got {executor!r}"
+        )
+    reason = why_not(executor)
+    if reason:
+        raise InputError(f"executor {executor!r} {reason}")
+    return executor
+
+
+def why_not(executor: str) -> str:
+    """Return why an executor, or an address, cannot be had here; empty if it can."""
+    if executor in EXECUTORS and executor != "dask":
+        return ""
+    there = importlib.util.find_spec("distributed") is not None
+    return "" if there else "needs dask: pip install 'rotor-ida[cluster]'"
+
+
+def run_all(
+    work: Work[Job, Result], jobs: Iterable[Job], *, workers: int | None, executor: str
+) -> Generator[tuple[int, Result | FailedJob], None, None]:
+    """Do every job and yield its number and its result as it ends.
+
+    Parameters
+    ----------
+    work : callable
+        Takes a job and an array of one number that turns to 1 when the rest is given up; a long
+        job looks at it now and then and returns early. For anything but threads it must be a
+        function of a module; each process has a number of its own, which stays 0: processes are
+        ended.
+    jobs : iterable
+        The jobs; taken one by one as workers become free.
+    workers, executor
+        From `choose`: how many jobs are done at the same time, and by what.
+
+    Yields
+    ------
+    number : int
+        Place of the job among `jobs`, from 0.
+    result : object
+        What `work` returned for it; `FailedJob` if its workers died of it.
+
+    Raises
+    ------
+    InputError
+        If a scheduler does not answer, or its workers have other versions.
+    SimulationError
+        If a process of a pool died, what the others had in hand being gone with it, or the
+        scheduler.
+
+    Notes
+    -----
+    What `work` raises is raised here. On that, on an interrupt from the keyboard, and when the
+    caller stops asking, jobs that wait are dropped, threads are told to stop, processes are
+    ended, and all of them are gone before control returns. A cluster that was there before
+    stays; its workers finish the jobs that they have begun.
+
+    Examples
+    --------
+    >>> squares = run_all(lambda job, stop: job**2, [1, 2, 3], workers=2, executor="threads")
+    >>> sorted(squares)
+    [(0, 1), (1, 4), (2, 9)]
+    """
+    if executor == "serial":
+        return _one_by_one(work, jobs)
+    if executor in POOLS:
+        return run_in_pool(
+            work, jobs, workers=count_workers(workers), threads=executor == "threads"
+        )
+    from rotor_ida.parallel.cluster import run_on_cluster  # noqa: PLC0415 - not always there
+
+    address = None if executor == "dask" else executor
+    return run_on_cluster(work, jobs, workers=workers, address=address)
+
+
+def _one_by_one(
+    work: Work[Job, Result], jobs: Iterable[Job]
+) -> Generator[tuple[int, Result | FailedJob], None, None]:
+    """Do the jobs in this very process and thread."""
+    stop = np.zeros(1, dtype=np.uint8)
+    for number, job in enumerate(jobs):
+        yield number, work(job, stop)

@@ -1,0 +1,32 @@
+"""What a job is, what does it, and what is left of one that could not be done."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+Job = TypeVar("Job")
+Result = TypeVar("Result")
+Stop = npt.NDArray[np.uint8]
+Work = Callable[[Job, Stop], Result]
+Progress = Callable[[int, int], None]
+
+# Jobs handed out for each worker: one in hand and one that waits.
+IN_FLIGHT = 2
+
+
+@dataclass(frozen=True, slots=True)
+class FailedJob:
+    """What stands in place of the result of a job that took its workers with it.
+
+    Parameters
+    ----------
+    reason : str
+        What became of them.
+    """
+
+    reason: str

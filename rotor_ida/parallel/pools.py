@@ -1,0 +1,98 @@
+"""Jobs done by the threads of this process, or by processes on this machine."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+from collections.abc import Generator, Iterable, Iterator
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    ThreadPoolExecutor,
+    wait,
+)
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from itertools import islice
+from multiprocessing import active_children, get_context, parent_process
+
+import numpy as np
+
+from rotor_ida.errors import SimulationError
+from rotor_ida.parallel.jobs import IN_FLIGHT, FailedJob, Job, Result, Stop, Work
+
+CAUSES = (
+    "killed, out of memory, or started by a script that does not guard its main part with "
+    'if __name__ == "__main__":'
+)
+
+
+def run_in_pool(
+    work: Work[Job, Result], jobs: Iterable[Job], *, workers: int, threads: bool
+) -> Generator[tuple[int, Result | FailedJob], None, None]:
+    """Do the jobs as `run_all` says, by threads or by processes."""
+    stop = np.zeros(1, dtype=np.uint8)
+    others = set(active_children())
+    pool: Executor = (
+        ThreadPoolExecutor(workers)
+        if threads
+        else ProcessPoolExecutor(
+            workers, mp_context=get_context("spawn"), initializer=_end_with_parent
+        )
+    )
+    finished = False
+    try:
+        yield from _as_they_end(pool, work, jobs, stop, workers)
+        finished = True
+    except BrokenProcessPool:
+        raise SimulationError(f"a worker process died: {CAUSES}") from None
+    finally:
+        stop[0] = 1
+        if not finished and not threads:
+            for process in set(active_children()) - others:
+                process.terminate()
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _end_with_parent() -> None:
+    """Let a worker not outlive the process that it works for, even if that is killed."""
+    parent = parent_process()
+
+    def watch() -> None:
+        if parent is not None:
+            parent.join()
+            os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
+def _as_they_end(
+    pool: Executor, work: Work[Job, Result], jobs: Iterable[Job], stop: Stop, workers: int
+) -> Iterator[tuple[int, Result]]:
+    """Keep a few jobs in flight and yield what ends first."""
+    waiting = enumerate(jobs)
+    running: dict[Future[Result], int] = {}
+    while True:
+        with deaf_to_interrupts():
+            for number, job in islice(waiting, IN_FLIGHT * workers - len(running)):
+                running[pool.submit(work, job, stop)] = number
+        if not running:
+            return
+        for future in wait(running, return_when=FIRST_COMPLETED).done:
+            yield running.pop(future), future.result()
+
+
+@contextmanager
+def deaf_to_interrupts() -> Iterator[None]:
+    """Start workers that leave an interrupt from the keyboard to the one who waits for them."""
+    if not hasattr(signal, "pthread_sigmask"):  # not on Windows
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

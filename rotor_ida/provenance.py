@@ -1,0 +1,134 @@
+"""Where a result came from: the attributes that let a reader judge and repeat it."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+import platform
+import re
+import shlex
+import sys
+from collections.abc import Mapping, Sequence
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path, PurePath
+
+SOURCE = "rotor_ida: rotor with Hertz contact and clearance, simulated event by event"
+
+# The folder part of an absolute path, also behind --option=; it means nothing on another machine.
+_FOLDERS = re.compile(r"^(--?[\w-]+=)?(?:[/~]|[A-Za-z]:[\\/]).*[\\/](?=[^\\/])")
+# Versions that do not change the bits of a result.
+_INDIFFERENT = ("python_version", "xarray_version")
+# Folders and modules that draw, describe or store a result but do not compute it.
+_NOT_COMPUTING = frozenset(
+    ["analysis", "cli", "files", "paper", "plot", "resume", "scenarios", "storage", "testing"]
+)
+
+
+def provenance(how: Mapping[str, object]) -> dict[str, object]:
+    """Return the attributes that say what computed a result: source, command, method, versions.
+
+    Parameters
+    ----------
+    how : mapping
+        Method and tolerances, as attributes.
+
+    Examples
+    --------
+    >>> sorted(provenance({"rtol": 1e-10}))[:4]
+    ['command', 'llvmlite_version', 'numba_version', 'numpy_version']
+    """
+    return {"source": SOURCE, "command": command(), **how, **versions()}
+
+
+@cache
+def versions() -> dict[str, object]:
+    """Return the versions of all that computes, as attributes."""
+    names = {"rotor_ida": "rotor-ida", "scikit_sundae": "scikit-sundae"}
+    names |= {name: name for name in ("numpy", "scipy", "numba", "llvmlite", "xarray")}
+    found: dict[str, object] = {f"{name}_version": version(names[name]) for name in names}
+    # imported here so that an archive can be written where no solver is installed
+    found["sundials_version"] = str(importlib.import_module("sksundae").SUNDIALS_VERSION)
+    found["python_version"] = platform.python_version()
+    return found
+
+
+@cache
+def computing() -> dict[str, str]:
+    """Return what decides the bits of a result beside its parameters: versions and sources.
+
+    Examples
+    --------
+    >>> sorted(computing())[:3]
+    ['llvmlite_version', 'numba_version', 'numpy_version']
+    """
+    found = {name: str(each) for name, each in versions().items() if name not in _INDIFFERENT}
+    return found | {"sources": sources_digest()}
+
+
+@cache
+def sources_digest() -> str:
+    """Return the SHA-256 of all sources of this package that compute.
+
+    Examples
+    --------
+    >>> len(sources_digest())
+    64
+    """
+    digest = hashlib.sha256()
+    package = Path(__file__).parent
+    for path in sorted(package.rglob("*.py")):
+        name = path.relative_to(package)
+        if name.parts[0].removesuffix(".py") not in _NOT_COMPUTING:
+            digest.update(f"{name.as_posix()}\0".encode() + path.read_bytes() + b"\0")
+    return digest.hexdigest()
+
+
+def command() -> str:
+    """Return the script or program that is running, with its arguments but without folders.
+
+    Returns
+    -------
+    str
+        As for a shell; in words where nothing could be typed again.
+
+    Examples
+    --------
+    >>> isinstance(command(), str)
+    True
+    """
+    spec = getattr(sys.modules.get("__main__"), "__spec__", None)
+    return described(sys.argv, module=spec.name if spec else "")
+
+
+def described(arguments: Sequence[str], *, module: str = "") -> str:
+    """Return a command line without what only this machine knows.
+
+    Parameters
+    ----------
+    arguments : sequence of str
+        As in ``sys.argv``.
+    module : str
+        Name of the module that ``python -m`` runs; empty for a script.
+
+    Examples
+    --------
+    >>> described(["/home/me/bin/rotor-ida", "simulate", "--omega", "2", "--out=/tmp/run.nc"])
+    'rotor-ida simulate --omega 2 --out=run.nc'
+    >>> described(["/usr/lib/study/__main__.py", "--quick"], module="study.__main__")
+    'python -m study --quick'
+    >>> described([""]), described(["/lib/ipykernel_launcher.py", "-f", "kernel.json"])
+    ('interactive Python', 'a notebook')
+    """
+    program, *rest = arguments or [""]
+    name = PurePath(program).name
+    if "ipykernel" in name or module.startswith("ipykernel"):
+        return "a notebook"
+    if not name:
+        return "interactive Python"
+    if name in {"-", "-c"}:
+        return f"python {name}"
+    started = ["python", "-m", module.removesuffix(".__main__")] if module else [name]
+    shown = shlex.join([*started, *(_FOLDERS.sub(r"\1", word) for word in rest)])
+    # Arguments may be bytes that are no text, which an attribute cannot hold.
+    return shown.encode("utf-8", "backslashreplace").decode().replace("\n", " ")

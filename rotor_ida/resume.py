@@ -1,0 +1,81 @@
+"""Go on with a study, as its own folder says what it computes."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from typing import Any
+
+import xarray as xr
+
+from rotor_ida.basins import basin, basin_fractions
+from rotor_ida.errors import ArchiveError
+from rotor_ida.parallel import Progress
+from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.storage.studies import design_of
+from rotor_ida.sweeps.sweep import sweep
+
+
+def resume(
+    folder: str | os.PathLike[str],
+    *,
+    workers: int | None = None,
+    executor: str = "auto",
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Go on with the study in a folder until it is done.
+
+    Parameters
+    ----------
+    folder : path-like
+        The folder that was given as `study` to `sweep`, `basin` or `basin_fractions`.
+    workers, executor, progress
+        As for the function that began it; they leave no trace in the result.
+
+    Returns
+    -------
+    Dataset
+        What that function returns, to the same bits as if nothing had interrupted it. Where all
+        is done already, nothing is computed again.
+
+    Raises
+    ------
+    InputError
+        If there is no study, or it was begun with other versions of what computes.
+    ArchiveError
+        If another process is at work on it, or its file is damaged or cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from rotor_ida import sweep
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     begun = sweep(omega=[1.2, 1.7], zeta=0.5, delta0=0.5, study=folder)
+    ...     resume(folder).identical(begun)
+    True
+    """
+    design = design_of(folder)
+    try:
+        function, given = _call(design)
+    except (KeyError, TypeError) as error:
+        raise ArchiveError(f"study {str(folder)!r} has a damaged design: {error!r}") from error
+    return function(**given, study=folder, workers=workers, executor=executor, progress=progress)
+
+
+def _call(design: dict[str, Any]) -> tuple[Callable[..., xr.Dataset], dict[str, Any]]:
+    """Return the function that a design is of, and what it was given."""
+    kind = design["kind"]
+    functions: dict[str, Callable[..., xr.Dataset]]
+    functions = {"sweep": sweep, "basin": basin, "basin_fractions": basin_fractions}
+    given = {name: design[name] for name in _GIVEN[kind]}
+    if kind == "sweep":
+        return sweep, {**given, "starts": [tuple(start) for start in design["starts"]]}
+    rotor = Rotor(**{name: design[name] for name in PARAMETERS})
+    return functions[kind], {**given, "rotor": rotor}
+
+
+_GIVEN = {
+    "sweep": ("omega", "zeta", "delta0", "direction", "rtol", "atol", "method", "flight"),
+    "basin": ("x", "y", "vx", "vy", "rtol"),
+    "basin_fractions": ("x", "y", "vx", "vy", "rtol", "starts", "seed"),
+}

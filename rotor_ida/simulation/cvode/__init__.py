@@ -1,0 +1,1 @@
+"""CVODE and IDA: the SUNDIALS libraries, called from Python and from compiled code."""

@@ -1,0 +1,83 @@
+"""The dataset of one simulated run: how it is built, and how it is recognised."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.checks import COMPONENTS, State
+from rotor_ida.errors import InputError
+from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.provenance import provenance
+from rotor_ida.schema import Column, labelled_dataset
+from rotor_ida.simulation.contact_table import contact_columns
+from rotor_ida.simulation.event_errors import EventErrors
+from rotor_ida.simulation.orbit import Orbit
+
+
+def run_dataset(orbit: Orbit, start: State, errors: EventErrors) -> xr.Dataset:
+    """Return a simulated orbit as a labelled dataset.
+
+    Parameters
+    ----------
+    orbit : Orbit
+        The orbit.
+    start : tuple of float
+        Its start ``(x, y, vx, vy)`` [1].
+    errors : EventErrors
+        What is known of the errors of its events.
+    """
+    parameters = {name: getattr(orbit.rotor, name) for name in PARAMETERS}
+    variables: dict[str, Column] = {
+        **_columns("", "t", orbit.states),
+        "starts_in_contact": ((), np.int8(orbit.starts_in_contact)),
+        "event_time": ("event", orbit.event_times),
+        "event_kind": ("event", orbit.event_kinds),
+        **_columns("event_", "event", orbit.event_states),
+        "event_time_error": ("event", errors.event_time_errors),
+        "horizon": ((), errors.horizon),
+        **contact_columns(orbit),
+    }
+    coordinates = parameter_coordinates(orbit.rotor) | {"t": ("t", orbit.times)}
+    attributes = provenance(orbit.options.attributes()) | {
+        **parameters,
+        "start": np.array(start),
+        "duration": orbit.duration,
+        "evaluations": orbit.evaluations,
+    }
+    title = "Rotor in a clearance: one simulated run"
+    return labelled_dataset(title, variables, coordinates, attributes)
+
+
+def check_run(run: object, needed: Sequence[str]) -> xr.Dataset:
+    """Return `run` if it is a dimensionless run of one rotor with the variables needed."""
+    if not isinstance(run, xr.Dataset):
+        raise InputError(f"run must be a run of simulate, got {type(run).__name__}")
+    missing = [name for name in (*PARAMETERS, *needed) if name not in run.variables]
+    if missing:
+        raise InputError(f"run must be a run of simulate; it lacks {', '.join(missing)}")
+    if any(run[name].ndim for name in PARAMETERS):
+        raise InputError("run must be one run; its omega, zeta and delta0 must be scalars")
+    if "length_scale" in run.attrs:
+        raise InputError("run must be dimensionless, got one in SI units: convert the result")
+    return run
+
+
+def rotor_of(run: xr.Dataset) -> Rotor:
+    """Return the rotor of a run."""
+    return Rotor(**{name: float(run[name]) for name in PARAMETERS})
+
+
+def parameter_coordinates(rotor: Rotor) -> dict[str, Column]:
+    """Return the parameters of a rotor as scalar coordinates."""
+    return {name: ((), getattr(rotor, name)) for name in PARAMETERS}
+
+
+def _columns(prefix: str, dim: str, table: npt.NDArray[np.float64]) -> dict[str, Column]:
+    return {
+        f"{prefix}{name}": (dim, np.ascontiguousarray(column))
+        for name, column in zip(COMPONENTS, table.T, strict=True)
+    }

@@ -1,0 +1,133 @@
+"""What the phases ask of an integration, and the root finder that works on any.
+
+An integration takes one internal step at a time and can be read anywhere inside the last one, to
+the solver's own order. There are two: `solver.Integration` calls scikit-sundae from Python,
+`direct.Direct` calls the SUNDIALS libraries from compiled code. The phases are written once for
+both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.equations.compiling import shared
+
+Values = npt.NDArray[np.float64]
+
+# How an integration, or a whole run, stands; the solver's own flags are negative.
+GOES_ON = 0
+NOT_FINITE, NO_ROOT, STUCK, STOPPED = 1001, 1002, 1003, 1004
+MESSAGES = {
+    NOT_FINITE: "the state is no longer finite",
+    NO_ROOT: "a step holds no root",
+    STUCK: "time no longer advances in contact",
+    STOPPED: "interrupted",
+    -1: "Could not reach endpoint after 'max_num_steps'.",
+    -2: "Could not satisfy demanded accuracy for an internal step.",
+    -3: "Error tests failed too many times, or reached min step size.",
+    -4: "Convergence tests failed too many times, or reached min step size.",
+}
+
+# The solver looks at the goal only to choose its first step.
+FAR_GOAL = 1e9
+ROUNDING = 2.0**-52
+MOST_HALVINGS = 200
+
+
+def message_of(status: int) -> str:
+    """Return in words why an integration could not go on."""
+    return MESSAGES.get(status, f"the solver gave up with flag {status}")
+
+
+class Motion(Protocol):
+    """An autonomous system on its way from a start, led one internal step at a time.
+
+    Attributes
+    ----------
+    low, point : float
+        KnownAttractors of the last step.
+    before, values : ndarray
+        Values at those ends; good until the next step.
+    """
+
+    low: float
+    point: float
+    before: Values
+    values: Values
+
+    def restart(self, start: Values, atol: Values) -> int:
+        """Begin anew from `start` at point 0, with absolute tolerances `atol`."""
+
+    def advance(self) -> int:
+        """Take one internal step; return 0, or why it could not be taken."""
+
+    def at(self, point: float) -> Values:
+        """Return the values at a point of the last step; good until the next reading."""
+
+    def glance_at(self, point: float) -> Values:
+        """Do as `at` does, faster and to rounding: for what does not act on the motion."""
+
+    def evaluations(self) -> int:
+        """Return the number of evaluations of the right-hand side since the start."""
+
+
+@shared
+def root(
+    motion: Motion, function: Callable[[Values], float], level: float, low: float, high: float
+) -> float:
+    """Return a point between two points of the last step where `function` reaches `level`.
+
+    Brent's method [1]_. The result is NaN where the difference does not change sign.
+
+    References
+    ----------
+    .. [1] R. P. Brent, "Algorithms for Minimization without Derivatives", 1973, chapter 4.
+    """
+    a, b = low, high
+    fa, fb = function(motion.at(a)) - level, function(motion.at(b)) - level
+    if fa == 0.0:
+        return a
+    if fa * fb > 0.0 or np.isnan(fa) or np.isnan(fb):
+        return np.nan
+    c, fc, step, last = a, fa, b - a, b - a
+    for _ in range(MOST_HALVINGS):
+        if fb * fc > 0.0:
+            c, fc, step, last = a, fa, b - a, b - a
+        if abs(fc) < abs(fb):
+            a, b, c = b, c, b
+            fa, fb, fc = fb, fc, fb
+        tolerance = 2.0 * ROUNDING * abs(b)
+        half = 0.5 * (c - b)
+        if abs(half) <= tolerance or fb == 0.0:
+            break
+        if abs(last) < tolerance or abs(fa) <= abs(fb):
+            step = last = half
+        else:
+            p, q = _interpolated(a, b, c, fa, fb, fc)
+            if 2.0 * p < min(3.0 * half * q - abs(tolerance * q), abs(last * q)):
+                last, step = step, p / q
+            else:
+                step = last = half
+        a, fa = b, fb
+        b += step if abs(step) > tolerance else np.copysign(tolerance, half)
+        fb = function(motion.at(b)) - level
+    return b
+
+
+@shared
+def _interpolated(
+    a: float, b: float, c: float, fa: float, fb: float, fc: float
+) -> tuple[float, float]:
+    """Return the step of the secant or of inverse quadratic interpolation, as p/q with p > 0."""
+    s = fb / fa
+    if a == c:
+        p, q = (c - b) * s, 1.0 - s
+    else:
+        t, r = fa / fc, fb / fc
+        p = s * ((c - b) * t * (t - r) - (b - a) * (r - 1.0))
+        q = (t - 1.0) * (r - 1.0) * (s - 1.0)
+    return (p, -q) if p > 0.0 else (-p, q)

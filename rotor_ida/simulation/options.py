@@ -1,0 +1,117 @@
+"""Method and tolerances of a simulation, and the limits on rotors and starts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from rotor_ida.checks import COMPONENTS, State, check_choice, check_positive
+from rotor_ida.errors import InputError
+from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.simulation.cvode import libraries
+
+Method = Literal["adams", "bdf", "ida"]
+Flight = Literal["exact", "cvode"]
+Backend = Literal["auto", "python", "compiled"]
+
+METHODS: tuple[Method, ...] = ("adams", "bdf", "ida")
+FLIGHTS: tuple[Flight, ...] = ("exact", "cvode")
+BACKENDS: tuple[Backend, ...] = ("auto", "python", "compiled")
+
+TIGHTEST_RTOL = 1e-13
+LOOSEST_RTOL = 1e-3
+TIGHTEST_ATOL = 1e-30
+LOOSEST_ATOL = 1e-2
+TIGHTEST_RTOL_OF_IDA = 1e-12
+# The solver controls the error of a step; a contact takes some hundred of them. Of 0.1, 0.05 and
+# 0.03, with tolerances of the size that each variable comes to, the last gives most for its time.
+STEP_SAFETY = 0.03
+
+# Dimensionless parameters and starts beyond this leave nothing for a tolerance to hold on to.
+LARGEST = 1e6
+# The final window holds whole revolutions: those of slower rotors take too long, and of faster ones
+# it holds too many.
+SLOWEST_TO_SETTLE, FASTEST_TO_SETTLE = 1e-3, 1e3
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Options:
+    """Method and tolerances of a simulation; a bad value raises `InputError`.
+
+    Parameters
+    ----------
+    rtol, atol : float
+        Relative and absolute tolerance wanted of a contact [1]. The solver is given a
+        thirtieth.
+    method : {"adams", "bdf", "ida"}
+        CVODE with Adams or BDF, or IDA.
+    flight : {"exact", "cvode"}
+        Motion inside the clearance in closed form, or integrated by the same solver as the
+        contact.
+    backend : {"auto", "python", "compiled"}
+        How the solver is called: through the public interface of scikit-sundae, or from compiled
+        code, which is many times faster and takes the same steps. ``"auto"`` becomes
+        ``"compiled"`` wherever that can be had.
+    """
+
+    rtol: float = 1e-10
+    atol: float = 1e-12
+    method: Method = "adams"
+    flight: Flight = "exact"
+    backend: Backend = "auto"
+
+    def __post_init__(self) -> None:
+        rtol = check_positive("rtol", self.rtol)
+        if not TIGHTEST_RTOL <= rtol <= LOOSEST_RTOL:
+            raise InputError(f"rtol must lie from {TIGHTEST_RTOL} to {LOOSEST_RTOL}, got {rtol!r}")
+        object.__setattr__(self, "rtol", rtol)
+        atol = check_positive("atol", self.atol)
+        if not TIGHTEST_ATOL <= atol <= LOOSEST_ATOL:
+            raise InputError(f"atol must lie from {TIGHTEST_ATOL} to {LOOSEST_ATOL}, got {atol!r}")
+        object.__setattr__(self, "atol", atol)
+        check_choice("method", self.method, METHODS)
+        if self.method == "ida" and rtol < TIGHTEST_RTOL_OF_IDA:
+            raise InputError(f"rtol must be at least {TIGHTEST_RTOL_OF_IDA} with ida, got {rtol!r}")
+        check_choice("flight", self.flight, FLIGHTS)
+        check_choice("backend", self.backend, BACKENDS)
+        reason = "" if self.backend == "python" else self._why_not_compiled()
+        if self.backend == "compiled" and reason:
+            raise InputError(f"backend 'compiled' cannot be used: {reason}")
+        if self.backend == "auto":
+            object.__setattr__(self, "backend", "python" if reason else "compiled")
+
+    def _why_not_compiled(self) -> str:
+        if self.method == "ida":
+            return "it knows the methods adams and bdf, got 'ida'"
+        return libraries.why_not()
+
+    def attributes(self) -> dict[str, object]:
+        """Return method and tolerances as attributes of a result."""
+        names = ("method", "flight", "backend", "rtol", "atol")
+        return {name: getattr(self, name) for name in names}
+
+    @property
+    def step_rtol(self) -> float:
+        """Relative tolerance of one step of the solver."""
+        return STEP_SAFETY * self.rtol
+
+    @property
+    def step_atol(self) -> float:
+        """Absolute tolerance of one step of the solver."""
+        return STEP_SAFETY * self.atol
+
+
+def check_can_be_followed(rotor: Rotor, start: State, *, settling: bool = False) -> None:
+    """Raise `InputError` for a rotor or start that cannot be followed, or not until it settles."""
+    for name in PARAMETERS:
+        value = getattr(rotor, name)
+        if value > LARGEST:
+            raise InputError(f"{name} must be at most {LARGEST:g} to be simulated, got {value!r}")
+    if settling and rotor.omega and not SLOWEST_TO_SETTLE <= rotor.omega <= FASTEST_TO_SETTLE:
+        raise InputError(
+            f"omega must be 0 or from {SLOWEST_TO_SETTLE} to {FASTEST_TO_SETTLE:g} to settle, got "
+            f"{rotor.omega!r}"
+        )
+    for name, value in zip(COMPONENTS, start, strict=True):
+        if abs(value) > LARGEST:
+            raise InputError(f"start {name} must lie within {LARGEST:g} of zero, got {value!r}")

@@ -1,0 +1,224 @@
+"""The motion so far: where it stands, and all that has been seen on the way.
+
+`Record` is filled by the event loop. In compiled code the same name stands for a structure with
+the same fields.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.equations.compiling import shared, structure
+
+Values = npt.NDArray[np.float64]
+Kinds = npt.NDArray[np.int8]
+Stop = npt.NDArray[np.uint8]
+
+# Time, state, samples, events' times, kinds and states, contacts, evaluations.
+RunResult = tuple[float, Values, Values, Values, Kinds, Values, Values, int]
+
+FIRST_ROOM = 64
+
+
+@dataclass(slots=True)
+class Record:
+    """A run in the making.
+
+    Position, velocity, samples and event states are read on the rotating axes. The tables grow
+    as they fill; only their first `sampled`, `events` and `contacts` rows are part of the run.
+
+    Parameters
+    ----------
+    omega, zeta, delta0 : float
+        The rotor [1].
+    rtol, atol : float
+        Tolerances of one step of the solver [1].
+    exact : bool
+        Whether flight is solved in closed form.
+    duration, slack : float
+        Time to simulate, and how far behind it an event may lie [1].
+    position, velocity : complex
+        Where the rotor is, and how fast it moves, now [1].
+    time : float
+        Now [1].
+    sample_times : ndarray, shape (n,)
+        Times to report [1].
+    states : ndarray, shape (n, 4)
+        ``(x, y, vx, vy)`` at those times [1].
+    event_times, event_kinds, event_states : ndarray
+        The events [1].
+    contact_rows : ndarray, shape (k, 6)
+        Entry, exit and peak time, peak indentation, impulse, angular momentum at the peak [1].
+    next_time : float
+        The first of those times that has not been reported; infinite if none is left [1].
+    sampled, events, contacts, evaluations : int
+        How many there are so far.
+    stop : ndarray, shape (1,)
+        Anything but 0 asks the run to stop.
+    """
+
+    omega: float
+    zeta: float
+    delta0: float
+    rtol: float
+    atol: float
+    exact: bool
+    duration: float
+    slack: float
+    position: complex
+    velocity: complex
+    time: float
+    sample_times: Values
+    states: Values
+    event_times: Values
+    event_kinds: Kinds
+    event_states: Values
+    contact_rows: Values
+    next_time: float
+    sampled: int
+    events: int
+    contacts: int
+    evaluations: int
+    stop: Stop
+
+
+RecordType = structure(Record)
+
+
+@shared
+def new_record(
+    omega: float,
+    zeta: float,
+    delta0: float,
+    rtol: float,
+    atol: float,
+    exact: bool,
+    start: Values,
+    duration: float,
+    slack: float,
+    sample_times: Values,
+    stop: Stop,
+) -> Record:
+    """Return the record of a run that is about to begin."""
+    return Record(
+        omega,
+        zeta,
+        delta0,
+        rtol,
+        atol,
+        exact,
+        duration,
+        slack,
+        complex(start[0], start[1]),
+        complex(start[2], start[3]),
+        0.0,
+        sample_times,
+        np.empty((sample_times.size, 4)),
+        np.empty(FIRST_ROOM),
+        np.empty(FIRST_ROOM, np.int8),
+        np.empty((FIRST_ROOM, 4)),
+        np.empty((FIRST_ROOM, 6)),
+        sample_times[0] if sample_times.size else math.inf,
+        0,
+        0,
+        0,
+        0,
+        stop,
+    )
+
+
+@shared
+def time_left(record: Record) -> float:
+    """Return the time still to go."""
+    return record.duration - record.time
+
+
+@shared
+def next_sample(record: Record, span: float) -> float:
+    """Return the next sample time, counted from now and kept within the next `span`.
+
+    It is infinite where none is left, or none lies within `span`.
+    """
+    # time + left may fall short of the duration by rounding; its sample must not be lost.
+    until = record.duration if span >= time_left(record) else record.time + span
+    if record.next_time > until:
+        return math.inf
+    return min(max(record.next_time - record.time, 0.0), span)
+
+
+@shared
+def record_sample(record: Record, x: float, y: float, vx: float, vy: float) -> None:
+    """Add the next sample."""
+    row = record.states[record.sampled]
+    row[0], row[1], row[2], row[3] = x, y, vx, vy
+    record.sampled += 1
+    more = record.sampled < record.sample_times.size
+    record.next_time = record.sample_times[record.sampled] if more else math.inf
+
+
+@shared
+def advance(record: Record, span: float, position: complex, velocity: complex) -> None:
+    """Go on by `span` to a new position and velocity."""
+    record.time = record.duration if span == time_left(record) else record.time + span
+    record.position = position
+    record.velocity = velocity
+
+
+@shared
+def record_event(record: Record, kind: int) -> None:
+    """Write down an event here and now."""
+    here = record.events
+    if here == record.event_times.size:
+        record.event_times = np.concatenate((record.event_times, np.empty_like(record.event_times)))
+        record.event_kinds = np.concatenate((record.event_kinds, np.empty_like(record.event_kinds)))
+        record.event_states = np.concatenate(
+            (record.event_states, np.empty_like(record.event_states))
+        )
+    record.event_times[here] = record.time
+    record.event_kinds[here] = kind
+    row = record.event_states[here]
+    row[0], row[1] = record.position.real, record.position.imag
+    row[2], row[3] = record.velocity.real, record.velocity.imag
+    record.events = here + 1
+
+
+@shared
+def add_contact(
+    record: Record,
+    entry: float,
+    leaving: float,
+    peak_time: float,
+    indentation: float,
+    impulse: float,
+    moment: float,
+) -> None:
+    """Write down a contact that is over, or that the run begins or ends in."""
+    here = record.contacts
+    if here == record.contact_rows.shape[0]:
+        record.contact_rows = np.concatenate(
+            (record.contact_rows, np.empty_like(record.contact_rows))
+        )
+    row = record.contact_rows[here]
+    row[0], row[1], row[2] = entry, leaving, peak_time
+    row[3], row[4], row[5] = indentation, impulse, moment
+    record.contacts = here + 1
+
+
+@shared
+def result(record: Record) -> RunResult:
+    """Return what a run has come to; every state is read on the rotating axes."""
+    here, moving = record.position, record.velocity
+    return (
+        record.time,
+        np.array([here.real, here.imag, moving.real, moving.imag]),
+        record.states,
+        record.event_times[: record.events].copy(),
+        record.event_kinds[: record.events].copy(),
+        record.event_states[: record.events].copy(),
+        record.contact_rows[: record.contacts].copy(),
+        record.evaluations,
+    )

@@ -1,0 +1,184 @@
+"""The SQLite file of a study: opened, begun, and held against what it was begun with."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import sqlite3
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+from rotor_ida.errors import ArchiveError, InputError
+from rotor_ida.storage.studies.design import Design, as_text, refuse_another
+
+FILE = "study.sqlite"
+FORMAT = 1
+# A reader of the status holds the file for an instant only.
+_PATIENCE = 30.0  # seconds
+
+_TABLES = (
+    "CREATE TABLE design (text TEXT NOT NULL, points INTEGER NOT NULL, digest BLOB NOT NULL)",
+    "CREATE TABLE pieces (number INTEGER PRIMARY KEY, points INTEGER NOT NULL, "
+    "failed INTEGER NOT NULL, reason TEXT NOT NULL, digest BLOB NOT NULL, content BLOB NOT NULL)",
+    "CREATE TABLE sessions (began REAL NOT NULL, seen REAL NOT NULL, points INTEGER NOT NULL)",
+    f"PRAGMA user_version = {FORMAT}",
+)
+# What the disk or the permissions are to blame for, not the file.
+_OF_THE_SYSTEM = frozenset(
+    [
+        *(sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR, sqlite3.SQLITE_READONLY, sqlite3.SQLITE_PERM),
+        *(sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_BUSY, sqlite3.SQLITE_NOMEM),
+    ]
+)
+
+
+@contextmanager
+def connected(place: Path) -> Iterator[sqlite3.Connection]:
+    """Open the file in a folder; who uses it from several threads does so one at a time."""
+    with in_words(place):
+        connection = sqlite3.connect(
+            place / FILE, timeout=_PATIENCE, isolation_level=None, check_same_thread=False
+        )
+        try:
+            connection.execute("PRAGMA trusted_schema = OFF")
+            connection.execute("PRAGMA synchronous = FULL")
+            yield connection
+        finally:
+            connection.close()
+
+
+@contextmanager
+def transaction(connection: sqlite3.Connection) -> Iterator[None]:
+    """Write all that is written meanwhile, or nothing."""
+    connection.execute("BEGIN IMMEDIATE")
+    try:
+        yield
+        connection.execute("COMMIT")
+    except BaseException:
+        with suppress(sqlite3.Error):  # SQLite may have rolled back by itself
+            connection.execute("ROLLBACK")
+        raise
+
+
+@contextmanager
+def in_words(place: Path) -> Iterator[None]:
+    """Say what SQLite says as an error of the study."""
+    try:
+        yield
+    except sqlite3.DatabaseError as error:
+        # what SQLite adds to a code stands above its last eight bits
+        code = getattr(error, "sqlite_errorcode", sqlite3.SQLITE_CORRUPT) & 0xFF
+        intact = code in _OF_THE_SYSTEM
+        hint = "what was kept before is intact" if intact else "it may be damaged"
+        raise ArchiveError(f"cannot use {str(place / FILE)!r}: {error}; {hint}") from error
+
+
+def begin(
+    connection: sqlite3.Connection, place: Path, design: Mapping[str, Any], points: int
+) -> None:
+    """Write the design of a new study; hold that of one that was begun against it."""
+    text = as_text(design)
+    if not _is_begun(connection, place):
+        _refuse_foreign(connection, place)
+        with transaction(connection):
+            for line in _TABLES:
+                connection.execute(line)
+            connection.execute(
+                "INSERT INTO design VALUES (?, ?, ?)", (text, points, _digest(text, points))
+            )
+    begun, _ = begun_with(connection, place)
+    refuse_another(str(place), begun, json.loads(text))
+
+
+def begun_with(connection: sqlite3.Connection, place: Path) -> tuple[Design, int]:
+    """Return the design with which a study was begun, and its number of points.
+
+    Raises
+    ------
+    ArchiveError
+        If they are not what was written.
+    """
+    rows = connection.execute("SELECT text, points, digest FROM design").fetchall()
+    try:
+        ((text, points, digest),) = rows
+        design = json.loads(text) if digest == _digest(text, points) else None
+    except (ValueError, TypeError, RecursionError):
+        design = None
+    if not isinstance(design, dict) or not isinstance(points, int):
+        raise damaged(place, "its design")
+    return design, points
+
+
+@contextmanager
+def reading(folder: str | os.PathLike[str]) -> Iterator[sqlite3.Connection]:
+    """Open the store of the study in a folder to look at it, even while it is worked on."""
+    place = check_folder(folder)
+    try:
+        found = (place / FILE).is_file()
+    except OSError as error:
+        raise InputError(
+            f"folder must be that of a study, got {str(place)!r}: {error.strerror}"
+        ) from error
+    if not found:
+        raise InputError(f"folder must be that of a study, got {str(place)!r}")
+    with connected(place) as connection:
+        if not _is_begun(connection, place):
+            raise InputError(f"folder must be that of a study that was begun, got {str(place)!r}")
+        yield connection
+
+
+def design_of(folder: str | os.PathLike[str]) -> Design:
+    """Return the design with which the study in a folder was begun.
+
+    Raises
+    ------
+    InputError
+        If there is no study.
+    ArchiveError
+        If its file is damaged.
+    """
+    with reading(folder) as connection:
+        return begun_with(connection, Path(folder))[0]
+
+
+def check_folder(folder: object) -> Path:
+    """Return the path of a folder, whether it is there or not."""
+    path = os.fspath(folder) if isinstance(folder, (str, os.PathLike)) else None
+    if not isinstance(path, str) or "\0" in path or not path:
+        raise InputError(f"study must be the path of a folder, got {folder!r}")
+    return Path(path)
+
+
+def damaged(place: Path, what: str) -> ArchiveError:
+    """Return the error for what is not as it was written."""
+    return ArchiveError(
+        f"study {str(place)!r} is damaged: {what} in {FILE} is not what was written; restore the "
+        "file from a copy, or begin another study"
+    )
+
+
+def _is_begun(connection: sqlite3.Connection, place: Path) -> bool:
+    """Return whether there is a study; one that was killed at once is none."""
+    (version,) = connection.execute("PRAGMA user_version").fetchone()
+    if version > FORMAT:
+        raise InputError(
+            f"study {str(place)!r} has format {version}, but this version of rotor_ida goes on "
+            f"with formats up to {FORMAT}: install a newer one"
+        )
+    return bool(version == FORMAT)
+
+
+def _refuse_foreign(connection: sqlite3.Connection, place: Path) -> None:
+    """Refuse a database that holds anything: a study has all its tables, or none yet."""
+    if connection.execute("SELECT 1 FROM sqlite_master").fetchone() is not None:
+        raise InputError(
+            f"study must be a new, an empty or a study's folder, got {str(place)!r}, whose {FILE} "
+            "is of something else"
+        )
+
+
+def _digest(text: str, points: int) -> bytes:
+    return hashlib.sha256(f"{points}\n{text}".encode()).digest()

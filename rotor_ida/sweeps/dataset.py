@@ -1,0 +1,214 @@
+"""The dataset of a sweep: one response for each speed, damping, clearance, start and direction.
+
+The points come in pieces, as rows, in memory or as bytes from a study.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.checks import COMPONENTS, State
+from rotor_ida.parameters import PARAMETERS
+from rotor_ida.provenance import provenance
+from rotor_ida.schema import RESPONSE, STATUS, Column, labelled, labelled_dataset
+from rotor_ida.simulation.options import Options
+from rotor_ida.storage.studies.packing import packed, unpacked
+from rotor_ida.storage.studies.scratch import scratch
+from rotor_ida.sweeps.steady_state import FAILED, SettledResponse
+
+Values = npt.NDArray[np.float64]
+Array = npt.NDArray[np.generic]
+
+DIMS = (*PARAMETERS, "start", "direction")
+WINDOW_QUANTITIES = ("amplitude", "phase_lag", "radius_min", "radius_max")
+ENDS = ("end_x", "end_y", "end_vx", "end_vy")
+EVENT_STATES = ("event_x", "event_y", "event_vx", "event_vy")
+
+# The columns of a sweep with a number for each point, and those with one for each event.
+POINT_COLUMNS: dict[str, type[np.generic]] = {
+    "response": np.int8,
+    **dict.fromkeys(WINDOW_QUANTITIES, np.float64),
+    "window_start": np.float64,
+    "window_end": np.float64,
+    "status": np.int8,
+    "event_count": np.int64,
+    **dict.fromkeys(ENDS, np.float64),
+}
+EVENT_COLUMNS: dict[str, type[np.generic]] = {
+    "event_time": np.float64,
+    "event_kind": np.int8,
+    **dict.fromkeys(EVENT_STATES, np.float64),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """Some points of a sweep.
+
+    Parameters
+    ----------
+    columns : dict of str to ndarray
+        `POINT_COLUMNS` of shape (points,), and `EVENT_COLUMNS` of shape (events,), the events of
+        one point after those of the other.
+    messages : list of str
+        Why each point failed; empty if it did not.
+    """
+
+    columns: dict[str, Array]
+    messages: list[str]
+
+
+Pieces = Callable[[], Iterator[tuple[npt.NDArray[np.int64], Rows]]]
+
+
+def sweep_dataset(
+    axes: Mapping[str, Values],
+    starts: Sequence[State],
+    directions: Sequence[int],
+    pieces: Pieces,
+    options: Options,
+    folder: Path | None = None,
+) -> xr.Dataset:
+    """Return the points of a sweep as a labelled dataset.
+
+    Parameters
+    ----------
+    axes : mapping of str to ndarray
+        The values of ``omega``, ``zeta`` and ``delta0`` [1].
+    starts : sequence of tuple of float
+        The starts ``(x, y, vx, vy)`` [1].
+    directions : sequence of int
+        1 up, -1 down, 0 each speed from its start.
+    pieces : callable
+        Yields, each time it is called, all points in pieces: their places, counted along `DIMS`,
+        and their rows.
+    options : Options
+        How it was simulated.
+    folder : Path, optional
+        Where columns go that may be larger than memory.
+    """
+    shape = (*(axes[name].size for name in PARAMETERS), len(starts), len(directions))
+    coordinates: dict[str, Column] = {name: (name, axes[name]) for name in PARAMETERS}
+    coordinates["start"] = ("start", np.arange(len(starts)))
+    coordinates["direction"] = ("direction", np.array(directions, dtype=np.int8))
+    for name, column in zip(COMPONENTS, np.array(starts).T, strict=True):
+        coordinates[f"start_{name}"] = ("start", column.copy())
+    points = _point_columns(pieces, math.prod(shape), folder)
+    events = _event_columns(pieces, points["event_count"], folder)
+    variables = {
+        name: labelled(name, DIMS, column.reshape(shape)) for name, column in points.items()
+    }
+    variables["event_count"].attrs["sample_dimension"] = "event"
+    variables |= {name: labelled(name, "event", column) for name, column in events.items()}
+    title = "Rotor in a clearance: responses over a range of speeds"
+    return labelled_dataset(title, variables, coordinates, provenance(options.attributes()))
+
+
+def _point_columns(pieces: Pieces, total: int, folder: Path | None) -> dict[str, Array]:
+    """Return the columns with a number, or a message, for each point."""
+    columns = {name: scratch((total,), kind, folder) for name, kind in POINT_COLUMNS.items()}
+    messages: dict[int, str] = {}
+    for places, rows in pieces():
+        for name, column in columns.items():
+            column[places] = rows.columns[name]
+        told = zip(places.tolist(), rows.messages, strict=True)
+        messages |= {place: message for place, message in told if message}
+    width = max(map(len, messages.values()), default=1)
+    texts = scratch((total,), f"<U{width}", folder)
+    texts[:] = ""
+    for place, message in messages.items():
+        texts[place] = message
+    return columns | {"message": texts}
+
+
+def _event_columns(pieces: Pieces, counts: Array, folder: Path | None) -> dict[str, Array]:
+    """Return the columns with a number for each event, in the order of the points."""
+    ends = np.cumsum(counts, dtype=np.int64)
+    total = int(ends[-1])
+    columns = {name: scratch((total,), kind, folder) for name, kind in EVENT_COLUMNS.items()}
+    for places, rows in pieces():
+        first = 0
+        for place, count in zip(places.tolist(), rows.columns["event_count"].tolist(), strict=True):
+            end = int(ends[place])
+            for name, column in columns.items():
+                column[end - count : end] = rows.columns[name][first : first + count]
+            first += count
+    return columns
+
+
+def events_of(dataset: xr.Dataset, index: Mapping[str, int]) -> xr.Dataset:
+    """Return the events of one point of a sweep.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        A sweep.
+    index : mapping of str to int
+        Position of the point along each dimension of ``event_count``; 0 where left out.
+
+    Returns
+    -------
+    Dataset
+        The variables on ``event`` of that point alone.
+    """
+    counts = dataset["event_count"]
+    place = tuple(int(index.get(str(dim), 0)) for dim in counts.dims)
+    flat = int(np.ravel_multi_index(place, counts.shape))
+    ends = np.cumsum(counts.values.ravel())
+    first = int(ends[flat - 1]) if flat else 0
+    names = [name for name, variable in dataset.data_vars.items() if variable.dims == ("event",)]
+    return dataset[names].isel(event=slice(first, int(ends[flat])))
+
+
+def rows_of(points: Sequence[SettledResponse]) -> Rows:
+    """Return points as rows."""
+    columns: dict[str, list[object]] = {
+        "response": [RESPONSE[point.response] for point in points],
+        **{name: [_of_window(point, name) for point in points] for name in WINDOW_QUANTITIES},
+        "window_start": [point.window_start for point in points],
+        "window_end": [point.window_end for point in points],
+        "status": [STATUS["failed" if point.response == FAILED else "done"] for point in points],
+        "event_count": [point.event_times.size for point in points],
+    }
+    for number, name in enumerate(ENDS):
+        columns[name] = [point.end[number] for point in points]
+    arrays: dict[str, Array] = {
+        name: np.array(column, dtype=POINT_COLUMNS[name]) for name, column in columns.items()
+    }
+    arrays["event_time"] = np.concatenate([point.event_times for point in points])
+    arrays["event_kind"] = np.concatenate([point.event_kinds for point in points])
+    states = np.concatenate([point.event_states for point in points])
+    arrays |= dict(zip(EVENT_STATES, states.T, strict=True))
+    return Rows(arrays, [point.message for point in points])
+
+
+def rows_as_bytes(rows: Rows) -> bytes:
+    """Return rows as bytes that `rows_from_bytes` reads."""
+    return packed(rows.columns, {"messages": json.dumps(rows.messages)})
+
+
+def rows_from_bytes(content: bytes) -> Rows:
+    """Return the rows that `rows_as_bytes` was given.
+
+    Raises
+    ------
+    ValueError
+        If it cannot have written them.
+    """
+    columns, texts = unpacked(content)
+    absent = {*POINT_COLUMNS, *EVENT_COLUMNS} - set(columns)
+    if absent or "messages" not in texts:
+        raise ValueError(f"it holds no points of a sweep: it lacks {sorted(absent) or 'messages'}")
+    return Rows(columns, [str(message) for message in json.loads(texts["messages"])])
+
+
+def _of_window(point: SettledResponse, name: str) -> float:
+    return math.nan if point.window is None else float(getattr(point.window, name))

@@ -1,0 +1,133 @@
+"""The points of a sweep, in ramps in which one begins where the one before has ended."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.checks import State
+from rotor_ida.parallel import Stop
+from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.simulation.options import Options
+from rotor_ida.sweeps.steady_state import FAILED, SettledResponse, failed, follow_to_steady_state
+
+Values = npt.NDArray[np.float64]
+Places = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """A ramp with all that a worker needs to follow it."""
+
+    rotors: list[Rotor]
+    start: State
+    options: Options
+
+
+@dataclass(frozen=True)
+class Ramps:
+    """All ramps of a sweep, by number.
+
+    Parameters
+    ----------
+    axes : mapping of str to ndarray
+        The values of ``omega``, ``zeta`` and ``delta0`` [1].
+    starts : sequence of tuple of float
+        The starts ``(x, y, vx, vy)`` [1].
+    directions : sequence of int
+        1 up, -1 down; 0 where each speed begins anew, in a ramp of one point.
+    options : Options
+        How to simulate.
+    """
+
+    axes: Mapping[str, Values]
+    starts: Sequence[State]
+    directions: Sequence[int]
+    options: Options
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Numbers of speeds, dampings, clearances, starts and directions."""
+        sizes = (self.axes[name].size for name in PARAMETERS)
+        return (*sizes, len(self.starts), len(self.directions))
+
+    @property
+    def points(self) -> int:
+        """Number of points of all ramps."""
+        return int(np.prod(self.shape))
+
+    @property
+    def length(self) -> int:
+        """Number of points of each ramp."""
+        return self.shape[0] if self.directions[0] else 1
+
+    def __len__(self) -> int:
+        return self.points // self.length
+
+    def places(self, number: int) -> Places:
+        """Return where the points of a ramp stand among all, in the order of the dimensions."""
+        omega, (zeta, delta0, start, direction) = self._indices(number)
+        others = np.ravel_multi_index((zeta, delta0, start, direction), self.shape[1:])
+        return np.asarray(omega * (self.points // self.shape[0]) + others, dtype=np.int64)
+
+    def job(self, number: int) -> Job:
+        """Return what a worker needs to follow a ramp."""
+        omegas, (zeta, delta0, start, _) = self._indices(number)
+        rotors = [
+            Rotor(
+                omega=float(self.axes["omega"][omega]),
+                zeta=float(self.axes["zeta"][zeta]),
+                delta0=float(self.axes["delta0"][delta0]),
+            )
+            for omega in omegas.tolist()
+        ]
+        return Job(rotors, self.starts[start], self.options)
+
+    def slowest_first(self) -> Places:
+        """Return the numbers of the ramps in an order that leaves no long one to the end.
+
+        Those with much clearance take longest: there the rotor bounces.
+        """
+        clearances = self.axes["delta0"][np.arange(len(self)) // self._strides[1] % self.shape[2]]
+        return np.argsort(-clearances, kind="stable")
+
+    @property
+    def _strides(self) -> tuple[int, int, int, int]:
+        """Ramps from one zeta, delta0, start and direction to the next."""
+        within = self.shape[0] // self.length
+        start = within
+        delta0 = start * self.shape[3]
+        zeta = delta0 * self.shape[2]
+        return zeta, delta0, start, zeta * self.shape[1]
+
+    def _indices(self, number: int) -> tuple[Places, tuple[int, int, int, int]]:
+        """Return the speeds of a ramp, by number, and its other indices."""
+        zeta, delta0, start, direction = (
+            number // stride % size
+            for stride, size in zip(self._strides, self.shape[1:], strict=True)
+        )
+        turn = self.directions[direction]
+        if turn == 0:
+            omega = np.array([number % self.shape[0]])
+        else:
+            omega = np.arange(self.shape[0])[::turn]
+        return omega, (zeta, delta0, start, direction)
+
+
+def follow(job: Job, stop: Stop) -> list[SettledResponse]:
+    """Follow one ramp: each point begins where the last one that did not fail has ended."""
+    state, settled = job.start, []
+    for rotor in job.rotors:
+        if stop[0]:
+            break
+        try:
+            point = follow_to_steady_state(rotor, state, job.options, stop=stop)
+        except Exception as error:  # whatever it is, it is this point's own affair
+            point = failed(state, f"{type(error).__name__}: {error}".rstrip(": "))
+        if point.response != FAILED:
+            state = point.end
+        settled.append(point)
+    return settled

@@ -1,0 +1,194 @@
+"""Sweep speed, damping and clearance, and see on which response the rotor settles."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing
+from itertools import product
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.checks import State, check_axis, check_choice, check_state
+from rotor_ida.errors import InputError
+from rotor_ida.parallel import FailedJob, Progress, choose, run_all
+from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.provenance import computing
+from rotor_ida.simulation.options import Backend, Flight, Method, Options, check_can_be_followed
+from rotor_ida.storage.studies.results import Form, Results, kept_results
+from rotor_ida.sweeps.dataset import Rows, rows_as_bytes, rows_from_bytes, rows_of, sweep_dataset
+from rotor_ida.sweeps.ramps import Places, Ramps, follow
+from rotor_ida.sweeps.steady_state import FAILED, failed
+
+Direction = Literal["up", "down", "both"]
+
+DIRECTIONS: dict[str | None, tuple[int, ...]] = {
+    None: (0,),
+    "up": (1,),
+    "down": (-1,),
+    "both": (1, -1),
+}
+REST: State = (0.0, 0.0, 0.0, 0.0)
+# Failures of the surroundings, not of the point.
+PASSING = ("MemoryError", "OSError")
+FORM = Form(rows_as_bytes, rows_from_bytes)
+
+
+def sweep(
+    *,
+    omega: npt.ArrayLike,
+    zeta: npt.ArrayLike,
+    delta0: npt.ArrayLike,
+    starts: Sequence[State] = (REST,),
+    direction: Direction | None = None,
+    rtol: float = 1e-10,
+    atol: float = 1e-12,
+    method: Method = "adams",
+    flight: Flight = "exact",
+    backend: Backend = "auto",
+    workers: int | None = None,
+    executor: str = "auto",
+    study: str | os.PathLike[str] | None = None,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Follow the rotor until it has settled, at every speed, damping and clearance.
+
+    Parameters
+    ----------
+    omega, zeta, delta0 : array_like, shape (n,) or scalar
+        The parameters to combine [1].
+    starts : sequence of tuple of float
+        Starts ``(x, y, vx, vy)`` [1].
+    direction : {"up", "down", "both"}, optional
+        Without it each speed begins from the starts. With it only the first does (the last,
+        going down), and each further one from the end of the one before, so that jumps and
+        their hysteresis appear.
+    rtol, atol, method, flight, backend
+        As for `simulate`.
+    workers : int, optional
+        How many ramps of points to follow at a time; by default one for each core, or only one
+        with the Python backend and ``executor="auto"``.
+    executor : {"auto", "serial", "threads", "processes", "dask"} or str
+        What follows them. ``"auto"`` means threads with the compiled backend; with the Python
+        backend, which holds the interpreter's lock so that threads would gain nothing, processes
+        if `workers` is above 1, and else ``"serial"``, this very process. ``"dask"`` is a cluster
+        of `workers` processes for this call, and an address such as ``"tcp://host:8786"`` the
+        cluster of that scheduler, with all its workers: see docs/clusters.md. With processes or
+        ``"dask"`` a script must guard its main part with ``if __name__ == "__main__":``. The
+        result is the same, bit for bit.
+    study : path-like, optional
+        Folder in which points are kept as they are done. If it holds some of them already, only
+        the others are followed, to the same bits. It must be new, empty, or of a study of this
+        very sweep, begun with the same versions of what computes.
+    progress : callable, optional
+        Called with the number of points done and their total.
+
+    Returns
+    -------
+    Dataset
+        On ``(omega, zeta, delta0, start, direction)``: ``response`` (its kind, as a flag),
+        ``amplitude`` and ``phase_lag`` of the motion at the spin speed, ``radius_min``,
+        ``radius_max``, ``status``, ``message``, the final window and the state at its end on
+        the rotating axes; the events of all runs in one table, ``event_count`` rows each.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used. A point that fails does not raise: its ``status`` and
+        ``message`` say why; so do those of a ramp whose workers of dask keep dying.
+    SimulationError
+        If one of ``"processes"`` died, or the scheduler.
+
+    Examples
+    --------
+    >>> responses = sweep(omega=[1.2, 1.7], zeta=0.5, delta0=0.5)
+    >>> responses.amplitude.squeeze().values.round(8)
+    array([0.84973087, 0.93446294])
+    """
+    axes = {
+        name: check_axis(name, values)
+        for name, values in (("omega", omega), ("zeta", zeta), ("delta0", delta0))
+    }
+    checked = _check_starts(starts)
+    if direction is not None:
+        check_choice("direction", direction, ("up", "down", "both"))
+        if (axes["omega"][1:] <= axes["omega"][:-1]).any():
+            raise InputError("omega must increase in a sweep up or down")
+    options = Options(rtol=rtol, atol=atol, method=method, flight=flight, backend=backend)
+    place, count = choose(executor, workers, compiled=options.backend != "python")
+    ramps = Ramps(axes, checked, DIRECTIONS[direction], options)
+    for rotor in _rotors(axes):
+        for start in checked:
+            check_can_be_followed(rotor, start, settling=True)
+    with kept_results(study, _design(ramps, direction), ramps.points, FORM) as kept:
+        _follow_all(ramps, kept, place, count, progress)
+
+        def pieces() -> Iterator[tuple[Places, Rows]]:
+            return ((ramps.places(number), rows) for number, rows in kept.results())
+
+        return sweep_dataset(axes, checked, ramps.directions, pieces, options, kept.folder)
+
+
+def _design(ramps: Ramps, direction: Direction | None) -> dict[str, object]:
+    """Return all that decides on the bits of a sweep."""
+    options = ramps.options
+    return {
+        "kind": "sweep",
+        **{name: values.tolist() for name, values in ramps.axes.items()},
+        "starts": [list(start) for start in ramps.starts],
+        "direction": direction,
+        **{name: getattr(options, name) for name in ("rtol", "atol", "method", "flight")},
+        **computing(),
+    }
+
+
+def _follow_all(
+    ramps: Ramps, kept: Results[Rows], executor: str, workers: int | None, progress: Progress | None
+) -> None:
+    """Follow the ramps that are not kept yet, and keep each as it ends."""
+    if progress is not None and kept.points_done:
+        progress(kept.points_done, ramps.points)
+    numbers = ramps.slowest_first()
+    due = numbers[[number not in kept.done for number in numbers.tolist()]].tolist()
+    if not due:
+        return
+    jobs = (ramps.job(number) for number in due)
+    held = 0
+    count = workers and min(workers, len(due))  # the cluster at an address has its own
+    with closing(run_all(follow, jobs, workers=count, executor=executor)) as ended:
+        for turn, found in ended:
+            number = due[turn]
+            if isinstance(found, FailedJob):
+                job = ramps.job(number)
+                points = [failed(job.start, found.reason) for _ in job.rotors]
+            else:
+                points = found
+            reasons = [point.message for point in points if point.response == FAILED]
+            if isinstance(found, FailedJob) or any(
+                reason.startswith(PASSING) for reason in reasons
+            ):
+                kept.hold(number, rows_of(points))  # another time it may be done
+                held += ramps.length
+            else:
+                first = reasons[0] if reasons else ""
+                kept.keep(number, rows_of(points), len(points), failed=len(reasons), reason=first)
+            if progress is not None:
+                progress(kept.points_done + held, ramps.points)
+
+
+def _rotors(axes: Mapping[str, npt.NDArray[np.float64]]) -> Iterator[Rotor]:
+    for omega, zeta, delta0 in product(*(axes[name].tolist() for name in PARAMETERS)):
+        yield Rotor(omega=omega, zeta=zeta, delta0=delta0)
+
+
+def _check_starts(starts: object) -> list[State]:
+    try:
+        listed = list(starts)  # type: ignore[call-overload]
+    except TypeError:
+        raise InputError(f"starts must be a sequence of starts, got {starts!r}") from None
+    if not listed:
+        raise InputError("starts must hold at least one start, got none")
+    return [check_state("start", start) for start in listed]

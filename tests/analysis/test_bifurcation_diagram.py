@@ -1,0 +1,145 @@
+"""Extrema of the radius: exact where motions are known, and the table of a diagram."""
+
+import math
+
+import numpy as np
+import pytest
+
+from rotor_ida import (
+    InputError,
+    Rotor,
+    SimulationError,
+    bifurcation_diagram,
+    simulate,
+    synchronous_response,
+)
+from rotor_ida.analysis import extrema
+from rotor_ida.analysis.extrema import CONSTANT, MAXIMUM, MINIMUM, radius_extrema
+from rotor_ida.analysis.tangent import STUCK
+from rotor_ida.closed_forms import planar_period
+from rotor_ida.schema import RESPONSE
+
+REST = (0.0, 0.0, 0.0, 0.0)
+BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+
+
+def test_planar_vibration_turns_back_at_its_amplitude_every_half_period():
+    """Minima lie at the centre, where the radius is the root of rounding.
+
+    Without clearance the force lacks a second derivative there; each passage costs up to some
+    hundred tolerances.
+    """
+    found = radius_extrema(Rotor(omega=0.0, zeta=0.0, delta0=0.0), (2.0, 0, 0, 0), 20.0, 1e-12)
+    half = 0.5 * float(planar_period(2.0))
+    highest, lowest = found.kinds == MAXIMUM, found.kinds == MINIMUM
+    # the start, where the motion turns back too, may count or not
+    late = found.times[highest] > 1.0
+    times = half * np.arange(1, late.sum() + 1)
+    np.testing.assert_allclose(found.times[highest][late], times, atol=1e-9)
+    np.testing.assert_allclose(found.radii[highest], 2.0, rtol=1e-9)
+    assert found.radii[lowest].max() < 1e-6
+    assert late.sum() == int(20.0 / half)
+
+
+def test_contact_free_whirl_about_another_centre():
+    """|z| runs between ||c| - A| and |c| + A once a revolution."""
+    rotor = Rotor(omega=1.3, zeta=0.0, delta0=5.0)
+    found = radius_extrema(rotor, (-1.0 + 0.4, 0.3, 0.0, -1.3), 100.0, 1e-11)
+    revolutions = 100.0 * 1.3 / (2.0 * math.pi)
+    for kind, radius in ((MAXIMUM, 1.5), (MINIMUM, 0.5)):
+        chosen = found.kinds == kind
+        np.testing.assert_allclose(found.radii[chosen], radius, rtol=1e-11)
+        assert chosen.sum() in (int(revolutions), int(revolutions) + 1)
+        np.testing.assert_allclose(np.diff(found.times[chosen]), 2.0 * math.pi / 1.3, atol=1e-9)
+
+
+def test_largest_radii_of_contacts_are_those_of_the_simulation():
+    """The table of contacts has them from another method, in regularised variables."""
+    run = simulate(BOUNCING, start=(4.0, 0, 0, 0), duration=60.0, samples=2, rtol=1e-12, atol=1e-14)
+    found = radius_extrema(BOUNCING, (4.0, 0, 0, 0), 60.0, 1e-12)
+    # the first and the last contact may peak where the run begins or ends
+    for time, depth in zip(
+        run.peak_time.values[1:-1], run.peak_indentation.values[1:-1], strict=True
+    ):
+        nearest = np.abs(found.times - time).argmin()
+        assert found.kinds[nearest] == MAXIMUM
+        assert found.radii[nearest] == pytest.approx(2.0 + depth, rel=1e-10)
+        assert found.times[nearest] == pytest.approx(time, abs=1e-8)
+    assert (np.diff(found.kinds) != 0).all()
+
+
+def test_no_extremum_is_missed_and_none_is_outside_a_dense_run():
+    rotor = Rotor(omega=1.5, zeta=0.01, delta0=1.4)
+    found = radius_extrema(rotor, REST, 60.0, 1e-12)
+    run = simulate(rotor, start=REST, duration=60.0, samples=60001, rtol=1e-12, atol=1e-14)
+    rate = (run.x * run.vx + run.y * run.vy).values
+    turns = np.flatnonzero((rate[1:-1] > 0.0) != (rate[2:] > 0.0)) + 1
+    assert found.times.size == turns.size
+    np.testing.assert_allclose(found.times, run.t.values[turns], atol=1.1e-3)
+
+
+def test_constant_radius_is_given_once():
+    whirl = synchronous_response(omega=1.2, zeta=0.07, delta0=0.5).isel(branch=0).squeeze()
+    found = bifurcation_diagram(omega=1.2, zeta=0.07, delta0=0.5, starts=[REST])
+    assert found.extremum_kind.values.tolist() == [CONSTANT]
+    assert found.extremum_radius.item() == pytest.approx(whirl.amplitude.item(), rel=1e-8)
+
+
+def test_table_of_a_diagram_belongs_to_its_points():
+    found = bifurcation_diagram(omega=[2.0, 3.0], zeta=0.07, delta0=[0.5, 2.0], starts=[REST])
+    counts = found.extremum_count.values.ravel()
+    assert found.extremum_count.attrs["sample_dimension"] == "extremum"
+    assert counts.sum() == found.sizes["extremum"]
+    ends = np.cumsum(counts)
+    for number, (low, high, kind) in enumerate(
+        zip(
+            found.radius_min.values.ravel(),
+            found.radius_max.values.ravel(),
+            found.response.values.ravel(),
+            strict=True,
+        )
+    ):
+        radii = found.extremum_radius.values[ends[number] - counts[number] : ends[number]]
+        # the sweep has them from cubics between samples
+        assert radii.max() == pytest.approx(high, rel=1e-4)
+        assert radii.min() == pytest.approx(low, abs=1e-3)
+        if kind == RESPONSE["synchronous"]:
+            assert radii.size == 1
+    assert {RESPONSE["bouncing"], RESPONSE["full_contact"]} <= set(found.response.values.ravel())
+
+
+def test_random_starts_come_from_the_seed():
+    arguments = {"omega": 1.2, "zeta": 1.0, "delta0": 0.0, "starts": 3}
+    one, same, other = (
+        bifurcation_diagram(**arguments, seed=seed, reach=2.0) for seed in (1, 1, 2)
+    )
+    assert one.start_x.identical(same.start_x)
+    assert not (one.start_x == other.start_x).any()
+    assert (np.abs(one.start_x) <= 2.0).all()
+    # without clearance and with so much damping there is one whirl
+    assert np.ptp(one.extremum_radius.values) < 1e-8
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"starts": 0}, "starts must be at least 1, got 0"),
+        ({"starts": True}, "starts must be a whole number, got True"),
+        ({"reach": 0.0}, "reach must be positive, got 0.0"),
+        ({"extrema_time": -1.0}, "extrema_time must be positive, got -1.0"),
+        ({"omega": -1.0}, "omega must be zero or positive"),
+    ],
+)
+def test_bad_input_is_refused(wrong, message):
+    with pytest.raises(InputError, match=message):
+        bifurcation_diagram(**{"omega": 1.0, "zeta": 0.5, "delta0": 0.0, **wrong})
+
+
+def test_failure_says_where(monkeypatch):
+    def stuck(states, in_contact, step, *rotor):
+        states[1] = states[0]
+        return STUCK
+
+    monkeypatch.setattr(extrema, "follow_on", stuck)
+    with pytest.raises(SimulationError, match=r"followed to its extrema \(at t = 0\.04"):
+        radius_extrema(BOUNCING, REST, 10.0, 1e-10)

@@ -1,0 +1,142 @@
+"""A result can be made again from its own attributes, also after it has been in an archive."""
+
+import numpy as np
+import pytest
+
+from rotor_ida import (
+    DimensionalRotor,
+    InputError,
+    Rotor,
+    basin,
+    basin_fractions,
+    dimensional,
+    folds,
+    load,
+    save,
+    simulate,
+    sweep,
+)
+from rotor_ida.analysis.verification import differences, rerun
+from rotor_ida.testing import assert_events_close
+
+ROTOR = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+
+
+@pytest.mark.parametrize(("method", "flight"), [("adams", "exact"), ("bdf", "cvode")])
+def test_a_run_is_made_again_to_the_bit(tmp_path, method, flight):
+    run = simulate(
+        ROTOR, start=(0.1, 0, 0, 0), duration=30.0, samples=7, method=method, flight=flight
+    )
+    again = rerun(load(save(run, tmp_path / "run.nc")))
+    assert (again.event_time.values == run.event_time.values).all()
+    assert (again.x.values == run.x.values).all()
+    assert_events_close(again, run)
+
+
+def test_an_archive_that_was_tampered_with_does_not_verify():
+    run = simulate(ROTOR, start=(0, 0, 0, 0), duration=30.0)
+    forged = run.assign(event_time=run.event_time + np.where(run.event_time > 10.0, 1e-6, 0.0))
+    with pytest.raises(AssertionError, match="First difference: event 5, exit"):
+        assert_events_close(rerun(forged), forged)
+
+
+RESULTS = {
+    "sweep": lambda: sweep(
+        omega=[1.2, 1.7, 2.2], zeta=0.3, delta0=[0.5, 1.0], starts=[(0, 0, 0, 0), (3, 0, 0, 1)]
+    ),
+    "up and down": lambda: sweep(omega=[1.2, 1.7], zeta=0.3, delta0=0.5, direction="both"),
+    "basin": lambda: basin(
+        Rotor(omega=1.7, zeta=0.3, delta0=0.5), x=1.0, y=[-2.0, 0.0, 3.0], vx=[0.0, 5.0]
+    ),
+    "basin_fractions": lambda: basin_fractions(
+        ROTOR, x=(-8, 8), y=(-8, 8), vx=1.0, starts=600, seed=4
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", RESULTS)
+def test_a_result_of_many_points_is_made_again_to_the_bit(tmp_path, kind):
+    archived = load(save(RESULTS[kind](), tmp_path / "result.nc"))
+    again = rerun(archived, workers=1)
+    for name, variable in again.variables.items():
+        np.testing.assert_array_equal(variable.values, archived[name].values)
+    found = differences(again, archived)
+    assert (found["agrees"], found["differing"], found["largest_difference"]) == (True, 0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("kind", "forge", "trouble"),
+    [
+        ("sweep", lambda of: of.assign(response=of.response + 1), "12 of 12 differ in response"),
+        ("sweep", lambda of: of.assign(amplitude=of.amplitude * 1.001), "amplitudes or radii"),
+        ("basin", lambda of: of.assign(label=of.label - 1), "6 of 6 differ in label; the first"),
+        (
+            "basin_fractions",
+            lambda of: of.assign({"count": of["count"][::-1].variable}),
+            "differ in count",
+        ),
+    ],
+)
+def test_a_forged_result_of_many_points_does_not_verify(kind, forge, trouble):
+    result = RESULTS[kind]()
+    found = differences(rerun(forge(result)), forge(result))
+    assert not found["agrees"]
+    assert trouble in found["trouble"]
+
+
+def test_another_kind_of_dataset_cannot_be_verified():
+    with pytest.raises(InputError, match="only what simulate, sweep, basin and shares have comp"):
+        rerun(folds(zeta=0.07, delta0=0.0))
+    run = simulate(ROTOR, start=(0, 0, 0, 0), duration=5.0)
+    del run.attrs["rtol"]
+    with pytest.raises(InputError, match="this run cannot be verified: it lacks rtol"):
+        rerun(run)
+
+
+@pytest.mark.parametrize(
+    ("kind", "damage", "message"),
+    [
+        (
+            "sweep",
+            lambda of: of.drop_vars("start_y"),
+            "only what simulate, sweep, basin and shares",
+        ),
+        (
+            "sweep",
+            lambda of: of.drop_vars("amplitude"),
+            "only what simulate, sweep, basin and shar",
+        ),
+        ("sweep", lambda of: of.assign(amplitude=of.amplitude.astype(str)), "amplitude must be nu"),
+        (
+            "basin",
+            lambda of: of.drop_vars("vy"),
+            "only what simulate, sweep, basin and shares have",
+        ),
+        (
+            "basin_fractions",
+            lambda of: of.assign_attrs(starts="many"),
+            "starts must be a whole number, got",
+        ),
+        (
+            "basin_fractions",
+            lambda of: of.assign_attrs(starts=1e300),
+            "starts must be a whole number, got",
+        ),
+        (
+            "basin_fractions",
+            lambda of: of.drop_attrs().assign_attrs(omega=1.0),
+            "it lacks zeta, delta0, lab",
+        ),
+    ],
+)
+def test_a_result_that_lacks_what_it_takes_is_refused(kind, damage, message):
+    with pytest.raises(InputError, match=message):
+        rerun(damage(RESULTS[kind]()))
+
+
+def test_run_in_si_units_is_refused():
+    machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6,
+                               clearance=2e-6, speed=600.0)  # fmt: skip
+    run = simulate(machine.rotor(), start=(0, 0, 0, 0), duration=5.0)
+    with pytest.raises(InputError, match="a result in SI units cannot be verified"):
+        rerun(dimensional(run, machine))

@@ -1,0 +1,211 @@
+"""Basins over a plane: the right labels in the right place, and honest about the rest."""
+
+import numpy as np
+import pytest
+from rotor_ida.dataset import basin as basin_dataset_module
+
+from rotor_ida import InputError, Rotor, basin, load, save
+from rotor_ida.basins import attractors, following, labelling
+from rotor_ida.basins.labelling import label
+from rotor_ida.parallel import FailedJob
+from rotor_ida.schema import FATE, RESPONSE, flags_of
+from rotor_ida.simulation.options import Options
+from rotor_ida.sweeps.steady_state import follow_to_steady_state
+
+FIGURE_7 = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
+AXIS = np.linspace(-15.0, 15.0, 24)
+
+
+@pytest.fixture(scope="module")
+def figure_7():
+    return basin(FIGURE_7, x=AXIS, y=AXIS)
+
+
+def test_zero_velocity_starts_form_one_egg_round_the_small_whirl(figure_7):
+    """The paper's Fig. 7 shows a spider; starts at rest show one convex piece with the origin."""
+    fine = np.linspace(-15.0, 15.0, 64)
+    small = basin(FIGURE_7, x=fine, y=fine).label == 0
+    assert bool(small.sel(x=0.0, y=0.0, method="nearest"))
+    assert not bool(small.sel(x=10.0, y=0.0, method="nearest"))
+    for row in (small.values, small.values.T):
+        changes = np.abs(np.diff(row.astype(int), axis=1)).sum(axis=1)
+        assert (changes <= 2).all()
+    assert figure_7.amplitude.values == pytest.approx([1.8796312367, 9.4872069457], abs=1e-8)
+    assert figure_7.confirmed.values.tolist() == [1, 1]
+
+
+@pytest.mark.parametrize(
+    ("omega", "delta0", "kinds"),
+    [
+        (1.7, 0.0, {"synchronous"}),
+        (2.0, 2.0, {"contact_free", "bouncing"}),
+        (3.0, 0.5, {"synchronous", "full_contact"}),
+    ],
+)
+def test_labels_are_those_of_cvode(omega, delta0, kinds):
+    """On random starts; the script benchmarks/basin_labels.py asks about thousands."""
+    rotor = Rotor(omega=omega, zeta=0.07, delta0=delta0)
+    states = np.zeros((4, 12))
+    states[:2] = np.random.default_rng(3).uniform(-15.0, 15.0, (2, 12))
+    found = label(
+        rotor, lambda a, b: states[:, a:b], 12, {},
+        rtol=1e-6, workers=1, executor="auto", study=None, progress=None,
+    )  # fmt: skip
+    seen = set()
+    for number, state in enumerate(states.T.tolist()):
+        settled = follow_to_steady_state(rotor, tuple(state), Options(rtol=1e-10))
+        if found.labels[number] == FATE["undecided"]:
+            assert settled.response == "unresolved"
+            continue
+        attractor = found.attractors[found.labels[number]]
+        seen.add(attractor.kind)
+        assert settled.response == attractor.kind
+        if attractor.kind != "contact_free":
+            assert settled.window.radius_max == pytest.approx(attractor.radius_max, rel=1e-3)
+    assert seen == kinds
+
+
+def test_a_start_lands_where_its_coordinates_say():
+    """A component of each pair varies; the labels are those of the starts one by one."""
+    rows, columns = np.array([-3.0, 0.5, 9.0]), np.array([-4.0, 6.0])
+    found = basin(FIGURE_7, x=1.0, y=rows, vx=columns, vy=-2.0)
+    assert found.label.dims == ("y", "vx")
+    assert (float(found.x), float(found.vy)) == (1.0, -2.0)
+    for y in rows:
+        for vx in columns:
+            settled = follow_to_steady_state(FIGURE_7, (1.0, y, vx, -2.0), Options())
+            number = int(found.label.sel(y=y, vx=vx))
+            assert settled.window.amplitude == pytest.approx(float(found.amplitude[number]))
+
+
+def test_numbers_add_up(figure_7):
+    assert int(figure_7["count"].sum()) == AXIS.size**2
+    np.testing.assert_allclose(figure_7.fraction, figure_7["count"] / AXIS.size**2)
+    p = figure_7.fraction.values
+    np.testing.assert_allclose(figure_7.fraction_error, np.sqrt(p * (1 - p) / AXIS.size**2))
+    assert (figure_7.response == RESPONSE["synchronous"]).all()
+    assert (figure_7.settling_time > 0.0).all()
+    assert figure_7.label.dtype == np.int16
+    assert figure_7.settling_time.dtype == np.float32
+    assert set(np.unique(figure_7.label)) <= set(flags_of(figure_7.label).values())
+
+
+def test_whoever_does_the_work_finds_the_same_bits():
+    """Of starts many of which no set captures, so that all that a batch brings back counts."""
+    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+    alone = basin(rotor, x=AXIS, y=AXIS, executor="serial")
+    assert set(flags_of(alone.label)) > {"undecided", "attractor_1"}
+    for executor, workers in (("threads", 3), ("processes", 2)):
+        together = basin(rotor, x=AXIS, y=AXIS, executor=executor, workers=workers)
+        assert alone.identical(together)
+
+
+def test_starts_lost_with_their_worker_are_not_computed(monkeypatch, figure_7):
+    true_run_all = following.run_all
+
+    def loses_the_second(*arguments, **options):
+        for number, result in true_run_all(*arguments, **options):
+            yield number, FailedJob("its worker died") if number == 1 else result
+
+    monkeypatch.setattr(following, "SMALLEST_BATCH", 64)
+    monkeypatch.setattr(following, "run_all", loses_the_second)
+    found = basin(FIGURE_7, x=AXIS, y=AXIS)
+    missing = (found.label == FATE["not_computed"]).values.ravel()
+    assert np.flatnonzero(missing).tolist() == list(range(64, 128))
+    assert found.attrs["not_computed_reason"] == "its worker died"
+    assert found.label.where(found.label != FATE["not_computed"], figure_7.label).equals(
+        figure_7.label.astype(float)
+    )
+
+
+def test_it_can_be_kept(figure_7, tmp_path):
+    save(figure_7, tmp_path / "basin.nc")
+    kept = load(tmp_path / "basin.nc")
+    assert kept.label.equals(figure_7.label)
+    assert kept.label.dtype == np.int16
+
+
+def test_a_rotor_that_does_not_turn_comes_to_rest():
+    for delta0 in (0.0, 0.5):
+        found = basin(Rotor(omega=0.0, zeta=0.3, delta0=delta0), x=AXIS[::6], y=AXIS[::6])
+        assert (found.response == RESPONSE["contact_free"]).all()
+        assert found.amplitude.values.tolist() == [0.0]
+
+
+def test_progress_is_told(monkeypatch):
+    monkeypatch.setattr(following, "SMALLEST_BATCH", 100)
+    calls = []
+    basin(FIGURE_7, x=AXIS, y=AXIS, progress=lambda *call: calls.append(call), workers=2)
+    assert len(calls) > 3
+    assert calls[-1] == (576, 576)
+    assert sorted(calls) == calls
+
+
+def test_an_interrupt_keeps_what_is_done(monkeypatch):
+    monkeypatch.setattr(following, "SMALLEST_BATCH", 64)
+
+    def interrupt(done, _total):
+        if done >= 200:
+            raise KeyboardInterrupt
+
+    found = basin(FIGURE_7, x=AXIS, y=AXIS, progress=interrupt, workers=1)
+    assert found.attrs["interrupted"] == 1
+    missing = found.label == FATE["not_computed"]
+    assert 0 < int(missing.sum()) == int(found.not_computed_count) <= 376
+    assert np.isnan(found.settling_time.where(missing, 0.0)).sum() == missing.sum()
+    assert (found.response.values[missing.values] == FATE["not_computed"]).all()
+    whole = basin(FIGURE_7, x=AXIS, y=AXIS)
+    assert (found.label == whole.label).where(~missing, True).all()
+    assert float(found.fraction.sum()) == pytest.approx(1.0)
+
+
+def test_an_interrupt_of_the_confirmation_keeps_the_labels(monkeypatch, figure_7):
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(attractors, "settle", interrupt)
+    found = basin(FIGURE_7, x=AXIS, y=AXIS)
+    assert found.attrs["interrupted"] == 1
+    assert found.label.equals(figure_7.label)
+    assert found.confirmed.values.tolist() == [0, 0]
+    assert found.amplitude.values == pytest.approx([1.8796312367, 9.4872069457])
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"y": 0.0}, "exactly two of x, y, vx, vy must be arrays and two numbers, got 1 arrays: x"),
+        ({"vx": AXIS}, "exactly two of .* got 3 arrays: x, y, vx"),
+        ({"x": [0.0, 0.0]}, "x must increase, got 0.0 after 0.0"),
+        ({"x": []}, r"x must be a number or a 1-D array .* got an array of shape \(0,\)"),
+        ({"x": [[0.0]]}, r"x must be .* got an array of shape \(1, 1\)"),
+        ({"x": [0.0, np.nan]}, "x must be a finite real number, got nan"),
+        ({"x": [0.0, 1e7]}, r"x must lie within 1e\+06 of zero, got 10000000.0"),
+        ({"vx": "fast"}, "vx must be a finite real number, got 'fast'"),
+        ({"rtol": 0.1}, "rtol must lie from 1e-12 to 0.0001, got 0.1"),
+        ({"workers": 0}, "workers must be at least 1, got 0"),
+        ({"executor": "gpu"}, "executor must be one of 'auto', 'serial', .*, got 'gpu'"),
+        ({"rotor": "mine"}, "rotor must be a Rotor, got 'mine'"),
+        ({"rotor": Rotor(omega=1.0, zeta=0.0, delta0=1.0)}, "zeta must be above 0, .* got 0.0"),
+        ({"rotor": Rotor(omega=1.0, zeta=50.0, delta0=1.0)}, "zeta must be .* got 50.0"),
+        (
+            {"rotor": Rotor(omega=1e-5, zeta=0.1, delta0=1.0)},
+            "omega must be 0 or from 0.001",
+        ),
+    ],
+)
+def test_bad_input_gets_one_clear_line(changes, message):
+    arguments = {"rotor": FIGURE_7, "x": AXIS, "y": AXIS, **changes}
+    with pytest.raises(InputError, match=message) as caught:
+        basin(arguments.pop("rotor"), **arguments)
+    assert "\n" not in str(caught.value)
+
+
+def test_every_variable_is_labelled(figure_7):
+    for name, variable in figure_7.variables.items():
+        assert variable.attrs["long_name"], name
+        assert variable.attrs["units"], name
+    for name in ("labelling", "labelling_rtol", "omega", "rtol", "sundials_version", "interrupted"):
+        assert name in figure_7.attrs
+    assert figure_7.attrs["labelling"] == basin_dataset_module.LABELLING
+    assert figure_7.attrs["labelling_rtol"] == labelling.RTOL

@@ -1,0 +1,50 @@
+"""The scenarios run, write what they say, and say something of every figure."""
+
+import importlib.util
+
+import pytest
+
+from rotor_ida import load
+from rotor_ida.paper.gallery import read_entries
+from rotor_ida.paper.reproduction import scenario_scripts
+from rotor_ida.paper.scenario import Settings
+
+# Those with sweeps take longer, and are run by hand and by `rotor-ida reproduce`.
+QUICK = ["dimensional_example", "event_time_convergence", "fig02_03_force_potential",
+         "fig04_05_free_vibration", "fig06_jumps", "fig07_basins", "fig08_09_whirls",
+         "general_solution", "random_starts"]  # fmt: skip
+
+
+def run_quickly(name, folder):
+    spec = importlib.util.spec_from_file_location(name, scenario_scripts()[name])
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    folder.mkdir()
+    module.main(Settings(folder, True, 1, False))
+    return module
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_scenario_writes_archives_and_figures_with_words(name, tmp_path):
+    module = run_quickly(name, tmp_path / name)
+    assert len(module.__doc__.splitlines()) > 2
+    entries = read_entries(tmp_path / name)
+    drawn = {path.stem for path in (tmp_path / name).glob("*.png")}
+    assert drawn == {path.stem for path in (tmp_path / name).glob("*.svg")}
+    assert drawn == {entry.figure for entry in entries}
+    for entry in entries:
+        assert entry.shows.endswith(".")
+        assert entry.found.endswith(".")
+        for archive in entry.archives:
+            dataset = load(tmp_path / name / archive)
+            for variable in dataset.data_vars.values():
+                assert variable.attrs["long_name"]
+
+
+def test_scenario_run_twice_gives_the_same_bytes(tmp_path):
+    for turn in ("one", "two"):
+        run_quickly("fig06_jumps", tmp_path / turn)
+    for path in sorted((tmp_path / "one").glob("*.[ps][nv]g")):
+        assert path.read_bytes() == (tmp_path / "two" / path.name).read_bytes()
+    first, second = (read_entries(tmp_path / turn) for turn in ("one", "two"))
+    assert first == second

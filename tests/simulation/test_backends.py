@@ -1,0 +1,157 @@
+"""Compiled code takes the same steps as Python: the same events, samples and errors."""
+
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+from rotor_ida import InputError, Rotor, SimulationError, simulate
+from rotor_ida.simulation import sundials
+from rotor_ida.simulation.options import Options
+from rotor_ida.simulation.run import run
+from tests.test_reference_events import CASES
+
+ROUNDING = 2.0**-52
+BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+REST = (0.0, 0.0, 0.0, 0.0)
+
+
+def both(case, method, flight):
+    rotor = Rotor(**{name: case[name] for name in ("omega", "zeta", "delta0")})
+    times = np.linspace(0.0, case["duration"], 201)
+    return [
+        run(rotor, tuple(case["start"]), case["duration"], times, options)
+        for options in (
+            Options(rtol=1e-9, atol=1e-11, method=method, flight=flight, backend=backend)
+            for backend in ("python", "compiled")
+        )
+    ]
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case["name"])
+@pytest.mark.parametrize(("method", "flight"), [("adams", "exact"), ("bdf", "cvode")])
+def test_events_and_samples_are_those_of_the_python_backend(case, method, flight):
+    """Only the reading inside a step differs, by rounding, which the orbit may amplify."""
+    python, compiled = both(case, method, flight)
+    assert compiled.event_kinds.tolist() == python.event_kinds.tolist()
+    amplified = 1e3 * ROUNDING * max(case["duration"], 1.0)
+    assert compiled.event_times == pytest.approx(python.event_times, rel=0, abs=amplified)
+    size = max(1.0, np.abs(python.states).max())
+    assert np.abs(compiled.states - python.states).max() < amplified * size
+    assert compiled.contacts == pytest.approx(python.contacts, rel=1e-6, abs=1e-9, nan_ok=True)
+
+
+def test_the_whole_dataset_agrees_with_errors_and_horizon():
+    python, compiled = (
+        simulate(BOUNCING, start=REST, duration=100.0, backend=backend)
+        for backend in ("python", "compiled")
+    )
+    assert compiled.attrs["backend"] == "compiled"
+    for name in python.variables:
+        assert compiled[name].values == pytest.approx(
+            python[name].values, rel=1e-9, abs=1e-12, nan_ok=True
+        ), name
+
+
+def test_auto_is_compiled_where_it_can_be_had(monkeypatch):
+    assert Options().backend == "compiled"
+    assert Options(method="ida").backend == "python"
+    with pytest.raises(InputError, match=r"'compiled' cannot be used: it knows .* got 'ida'"):
+        Options(method="ida", backend="compiled")
+    monkeypatch.setattr(sundials, "why_not", lambda: "the libraries were not found")
+    assert Options().backend == "python"
+    with pytest.raises(InputError, match="'compiled' cannot be used: the libraries were not"):
+        Options(backend="compiled")
+
+
+@pytest.mark.parametrize(
+    ("probe", "version", "reason"),
+    [
+        ((7, 1.25), (7, 9, 0), "index"),
+        ((3, 1.25), (7, 9, 0), "double precision"),
+        ((3, sundials.PROBE), (6, 7, 0), "must be version 7, found 6.7.0"),
+        ((3, sundials.PROBE), (7, 0, 0), "was built with SUNDIALS .*, found 7.0.0"),
+    ],
+)
+def test_libraries_that_do_not_fit_are_not_called(monkeypatch, probe, version, reason):
+    monkeypatch.setattr(sundials, "_probe", lambda *_: probe)
+    monkeypatch.setattr(sundials, "_version", lambda _: version)
+    with pytest.raises(sundials.Unfit, match=reason):
+        sundials._check(None, None)
+
+
+def test_missing_libraries_are_named(monkeypatch, tmp_path):
+    with pytest.raises(sundials.Unfit, match="sundials_cvode is missing"):
+        sundials._library(tmp_path, "cvode")
+    monkeypatch.setattr(sundials.sksundae, "__file__", str(tmp_path / "sksundae" / "__init__.py"))
+    monkeypatch.setattr(sundials.sys, "prefix", str(tmp_path))
+    with pytest.raises(sundials.Unfit, match="were not found beside"):
+        sundials._folder()
+
+
+@pytest.mark.parametrize("name", ["libsundials_core.7.9.0.dylib", "sundials_core-db7c109a.dll"])
+def test_the_layouts_of_other_systems_are_known(tmp_path, name):
+    (tmp_path / name).touch()
+    assert sundials._library(tmp_path, "core").name == name
+
+
+def test_threads_give_what_one_gives():
+    """Eight at once, each with its own solver, and the interpreter left free meanwhile."""
+    times = np.linspace(0.0, 100.0, 11)
+    alone = run(BOUNCING, REST, 100.0, times, Options())
+    found, threads = [], []
+    for _ in range(8):
+        job = lambda: found.append(run(BOUNCING, REST, 100.0, times, Options()))  # noqa: E731
+        threads.append(threading.Thread(target=job))
+        threads[-1].start()
+    for thread in threads:
+        thread.join()
+    assert len(found) == 8
+    for orbit in found:
+        assert (orbit.event_times == alone.event_times).all()
+        assert (orbit.states == alone.states).all()
+
+
+def test_a_run_can_be_asked_to_stop():
+    stop = np.zeros(1, np.uint8)
+    threading.Timer(0.2, lambda: stop.__setitem__(0, 1)).start()
+    begin = time.monotonic()
+    with pytest.raises(SimulationError, match="interrupted"):
+        run(BOUNCING, REST, 1e6, np.array([1e6]), Options(), stop=stop)
+    assert time.monotonic() - begin < 5.0
+
+
+def test_ctrl_c_stops_a_run_in_compiled_code():
+    """Python hears of it in the main thread alone, while the run goes on in another."""
+    program = (
+        "import signal, threading\n"
+        "from rotor_ida import Rotor, simulate\n"
+        "rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)\n"
+        "simulate(rotor, start=(0, 0, 0, 0), duration=1.0)\n"
+        "main = threading.main_thread().ident\n"
+        "threading.Timer(0.5, lambda: signal.pthread_kill(main, signal.SIGINT)).start()\n"
+        "try:\n"
+        "    simulate(rotor, start=(0, 0, 0, 0), duration=1e6)\n"
+        "except KeyboardInterrupt:\n"
+        "    print('stopped', threading.active_count())\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert done.stdout.split() == ["stopped", "1"], done.stderr
+
+
+def test_runs_one_after_the_other_leave_nothing_behind():
+    resource = pytest.importorskip("resource")
+    times = np.array([3.0])
+
+    def largest_after(runs):
+        for _ in range(runs):
+            run(BOUNCING, REST, 3.0, times, Options())
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+    settled = largest_after(300)
+    assert largest_after(3000) - settled < 2048  # KiB; one solver left behind each time is 20 MiB

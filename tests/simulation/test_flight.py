@@ -1,0 +1,118 @@
+"""Flight in closed form, and the search for the first touch that may miss none."""
+
+import cmath
+import math
+
+import mpmath
+import numpy as np
+import pytest
+
+from rotor_ida.simulation.flight import (
+    NEVER,
+    first_touch,
+    fly,
+    fly_over,
+    touch_floor,
+    unbalance_whirl,
+)
+
+
+def exact_position(z0, w0, tau, omega, zeta):
+    """The motion on standing axes, in 40 digits, from the textbook form."""
+    with mpmath.workdps(40):
+        omega, zeta, tau = mpmath.mpf(omega), mpmath.mpf(zeta), mpmath.mpf(tau)
+        z0, w0 = mpmath.mpc(z0), mpmath.mpc(w0)
+        a = -omega / mpmath.mpc(omega, -2 * zeta) if omega else mpmath.mpc(0)
+        w = w0 - 1j * omega * a
+        phi = -mpmath.expm1(-2 * zeta * tau) / (2 * zeta) if zeta else tau
+        return z0 + w * phi + a * (mpmath.expj(omega * tau) - 1)
+
+
+def exact_slope(z0, w0, tau, omega, zeta):
+    """``r r'`` of the same motion."""
+    with mpmath.workdps(40):
+        position = exact_position(z0, w0, tau, omega, zeta)
+        a = -omega / mpmath.mpc(omega, -2 * zeta) if omega else mpmath.mpc(0)
+        w = mpmath.mpc(w0) - 1j * omega * a
+        turn = mpmath.expj(omega * mpmath.mpf(tau))
+        velocity = w * mpmath.exp(-2 * zeta * tau) + 1j * omega * a * turn
+        return (mpmath.conj(position) * velocity).real
+
+
+@pytest.mark.parametrize("zeta", [0.0, 1e-300, 1e-12, 1e-8, 0.07, 2.0])
+@pytest.mark.parametrize("omega", [0.0, 1e-9, 0.6, 8.0])
+def test_flight_is_exact_to_rounding_at_every_damping_and_speed(omega, zeta):
+    z0, w0 = 0.3 - 0.2j, -0.4 + 0.7j
+    for tau in (1e-9, 0.5, 7.0):
+        position, _ = fly(z0, w0, tau, omega, zeta)
+        standing = position * cmath.exp(1j * omega * tau)
+        expected = complex(exact_position(z0, w0, tau, omega, zeta))
+        assert abs(standing - expected) < 2e-15 * (1 + tau + omega * tau)
+
+
+def test_velocity_is_the_derivative_of_position():
+    omega, zeta, tau, h = 1.3, 0.2, 2.0, 1e-5
+    _, velocity = fly(0.1j, 0.5 + 0j, tau, omega, zeta)
+    ahead, behind = (exact_position(0.1j, 0.5 + 0j, tau + s, omega, zeta) for s in (h, -h))
+    expected = complex((ahead - behind) / (2 * h)) * cmath.exp(-1j * omega * tau)
+    assert velocity == pytest.approx(expected, rel=1e-8)
+
+
+def test_the_contact_free_whirl_is_an_equilibrium_of_the_rotating_axes():
+    a = unbalance_whirl(1.7, 0.07)
+    rows = fly_over(a, 1j * 1.7 * a, np.array([0.0, 1.0, 50.0]), 1.7, 0.07)
+    assert rows[:, 0] == pytest.approx(a.real, abs=1e-14)
+    assert rows[:, 1] == pytest.approx(a.imag, abs=1e-14)
+
+
+def graze(rng, penetration):
+    """Return a flight whose |z| peaks at delta0 + penetration, and delta0, from an inner point."""
+    omega, zeta = rng.uniform(0.3, 4.0), rng.choice([0.0, 1e-8, 0.07, 0.5])
+    z0 = rng.normal(scale=0.5) + 1j * rng.normal(scale=0.5)
+    w0 = rng.normal() + 1j * rng.normal()
+    radius = [abs(fly(z0, w0, tau, omega, zeta)[0]) for tau in np.linspace(0.0, 12.0, 4001)]
+    peak = next((k for k in range(1, 4000) if radius[k - 1] < radius[k] > radius[k + 1]), None)
+    if peak is None or radius[peak] <= max(radius[: peak - 1]) or radius[peak] < 0.2:
+        return None
+    with mpmath.workdps(30):
+        step = 12.0 / 4000
+        summit = mpmath.findroot(
+            lambda tau: exact_slope(z0, w0, tau, omega, zeta),
+            ((peak - 1) * step, (peak + 1) * step),
+            solver="anderson",
+        )
+        height = float(abs(exact_position(z0, w0, summit, omega, zeta)))
+    return z0, w0, omega, zeta, float(summit), height - penetration
+
+
+@pytest.mark.parametrize("size", [1e-3, 1e-6, 1e-9, 1e-12])
+def test_no_graze_is_missed_and_none_invented(size):
+    """Each peak found in 30 digits; the ring is put just inside it, then just outside."""
+    rng = np.random.default_rng(7)
+    seen = 0
+    while seen < 15:
+        case = graze(rng, size)
+        if case is None:
+            continue
+        seen += 1
+        z0, w0, omega, zeta, summit, inside = case
+        touch = first_touch(z0, w0, omega, zeta, inside, 2.0 * summit)
+        assert touch < summit
+        assert abs(fly(z0, w0, touch, omega, zeta)[0]) == pytest.approx(inside, abs=4e-15)
+        later = first_touch(z0, w0, omega, zeta, inside + 2.0 * size, summit + 1e-3)
+        assert later == NEVER
+
+
+def test_a_whirl_on_the_ring_or_just_inside_it_is_told_at_once():
+    """A centred whirl whose radius is delta0 never touches, however long it is watched."""
+    a = unbalance_whirl(1.7, 0.07)
+    for room in (0.0, 1e-15, 1e-12, 1e-6):
+        assert first_touch(a, 1.7j * a, 1.7, 0.07, abs(a) + room, 1e9) == NEVER
+
+
+def test_the_floor_is_near_rounding():
+    """A touch of 1e-13 of the clearance is still found, so the stated floor is honest."""
+    assert touch_floor(1.7, 0.07, 2.0) / (2 * 2.0) < 1e-13
+    straight = first_touch(0j, 1 + 0j, 0.0, 0.0, 2.0, 10.0)
+    assert straight == pytest.approx(2.0, rel=1e-15)
+    assert math.isinf(first_touch(0j, 1 + 0j, 0.0, 0.0, 2.0, 1.9))

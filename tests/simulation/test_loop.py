@@ -1,0 +1,312 @@
+"""The event loop: known event times, starts of every kind, conservation and convergence."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.special import beta
+
+from rotor_ida import InputError, Rotor, SimulationError, simulate
+from rotor_ida.equations.model import angular_momentum, energy
+from rotor_ida.simulation.cvode.python import Integration
+from rotor_ida.simulation.record import advance, new_record, next_sample, time_left
+from rotor_ida.simulation.start import starts_in_contact
+
+LEAVING = beta(0.4, 0.5) / math.sqrt(5.0)  # time from rest at A to the ring, times (A-delta0)^1/4
+REST = (0.0, 0.0, 0.0, 0.0)
+HARD = Rotor(omega=0.6, zeta=0.07, delta0=2.0)
+
+
+def planar_events(amplitude, delta0, duration):
+    """Exact events of free planar vibration with clearance, from rest at `amplitude`."""
+    leaving = LEAVING * (amplitude - delta0) ** -0.25
+    crossing = 2.0 * delta0 / (math.sqrt(0.8) * (amplitude - delta0) ** 1.25)
+    times, time = [], leaving
+    while time < duration:
+        times += [time, time + crossing]
+        time += crossing + 2.0 * leaving
+    return np.array([time for time in times if time < duration])
+
+
+def sensitivity(rotor, start, duration=200.0, step=1e-11):
+    """Largest change of each event time with the start, by central differences."""
+    rows = []
+    for number in range(4):
+        moved = []
+        for sign in (1.0, -1.0):
+            shifted = list(start)
+            shifted[number] += sign * step
+            run = simulate(rotor, start=tuple(shifted), duration=duration, rtol=1e-13, atol=1e-15)
+            moved.append(run.event_time.values)
+        rows.append(np.abs(moved[0] - moved[1]) / (2.0 * step))
+    return np.max(rows, axis=0)
+
+
+@pytest.mark.parametrize(
+    ("method", "flight"), [("adams", "exact"), ("bdf", "cvode"), ("ida", "exact")]
+)
+def test_event_times_of_planar_vibration_are_the_exact_ones(method, flight):
+    rotor = Rotor(omega=0.0, zeta=0.0, delta0=1.0)
+    run = simulate(
+        rotor,
+        start=(2.0, 0, 0, 0),
+        duration=60.0,
+        rtol=1e-12,
+        atol=1e-14,
+        method=method,
+        flight=flight,
+    )
+    exact = planar_events(2.0, 1.0, 60.0)
+    assert run.starts_in_contact == 1
+    assert run.event_kind.values.tolist() == [-1, 1] * (exact.size // 2) + [-1] * (exact.size % 2)
+    # Errors grow linearly in conservative motion; 100 rtol a unit of time is ample.
+    assert np.abs(run.event_time.values - exact).max() < 100 * 1e-12 * 60.0
+
+
+def test_event_time_error_falls_with_the_tolerance():
+    """From 1e-6 to 1e-12 by tenfold steps of a hundred; the slope is near one."""
+    rotor = Rotor(omega=0.0, zeta=0.0, delta0=1.0)
+    exact = planar_events(2.0, 1.0, 40.0)
+    tolerances = [1e-6, 1e-8, 1e-10, 1e-12]
+    errors = []
+    for rtol in tolerances:
+        run = simulate(rotor, start=(2.0, 0, 0, 0), duration=40.0, rtol=rtol, atol=rtol / 100)
+        errors.append(np.abs(run.event_time.values - exact).max())
+    slope = np.polyfit(np.log10(tolerances), np.log10(errors), 1)[0]
+    assert (np.diff(errors) < 0.0).all()
+    assert slope == pytest.approx(1.0, abs=0.3)
+
+
+def test_the_hard_case_has_32_events():
+    """DESIGN's hard case: omega 0.6, zeta 0.07, delta0 2 from rest, last event at 162.2477."""
+    runs = [
+        simulate(HARD, start=REST, duration=200.0, rtol=1e-12, atol=1e-14, method=method)
+        for method in ("adams", "bdf", "ida")
+    ]
+    for run in runs:
+        assert run.sizes["event"] == 32
+        assert run.event_time.values[-1] == pytest.approx(162.2477, abs=2e-4)
+    # Each event is more sensitive than the ones before it: K reaches 1.4e7.
+    allowed = 100.0 * 1e-12 * runs[0].event_time.values * np.maximum(sensitivity(HARD, REST), 1.0)
+    for other in runs[1:]:
+        difference = np.abs(runs[0].event_time.values - other.event_time.values)
+        assert (difference < allowed).all()
+
+
+@pytest.mark.parametrize("start", [(0.3, 0.0, 1.0, 0.4), (2.0, 0.0, 0.0, 0.0)])
+def test_energy_and_angular_momentum_are_conserved_over_a_thousand_contacts(start):
+    rotor = Rotor(omega=0.0, zeta=0.0, delta0=1.0)
+    run = simulate(rotor, start=start, duration=5600.0, samples=5001, rtol=1e-12, atol=1e-14)
+    states = np.stack([run[name].values for name in ("x", "y", "vx", "vy")], axis=-1)
+    assert run.sizes["contact"] > 1000
+    assert np.ptp(energy(states, 1.0)) < 1e-8
+    assert np.ptp(angular_momentum(states)) < 1e-8
+
+
+def test_a_start_on_the_ring_goes_where_it_moves():
+    still = Rotor(omega=0.0, zeta=0.0, delta0=1.0)
+    outwards = simulate(still, start=(1.0, 0, 0.5, 0), duration=1.0)
+    inwards = simulate(still, start=(1.0, 0, -0.5, 0), duration=1.0)
+    assert outwards.starts_in_contact == 1
+    assert outwards.sizes["event"] == 0
+    assert inwards.starts_in_contact == 0
+    assert inwards.sizes["event"] == 0
+
+
+def test_a_tangential_start_on_the_ring_is_decided_by_the_radial_acceleration():
+    """Along the ring only the unbalance, omega**2 cos, competes with the centrifugal pull."""
+    free = Rotor(omega=0.0, zeta=0.0, delta0=1.0)
+    pulled_out = simulate(free, start=(1.0, 0, 0, 0.5), duration=3.0)
+    assert pulled_out.starts_in_contact == 1
+    assert pulled_out.peak_indentation.values[0] > 0.01
+    pushed_in = simulate(
+        Rotor(omega=1.0, zeta=0.0, delta0=1.0), start=(-1.0, 0, 0, 0.5), duration=0.5
+    )
+    assert pushed_in.starts_in_contact == 0
+    at_rest = simulate(free, start=(1.0, 0, 0, 0), duration=9.0)
+    assert at_rest.starts_in_contact == 0
+    assert (at_rest.x.values == 1.0).all()
+
+
+def test_an_event_at_the_end_time_belongs_to_the_run():
+    rotor = Rotor(omega=0.0, zeta=0.0, delta0=1.0)
+    leaving = LEAVING * 1.0
+    run = simulate(rotor, start=(2.0, 0, 0, 0), duration=leaving)
+    assert run.event_kind.values.tolist() == [-1]
+    assert run.event_time.item() == pytest.approx(leaving, abs=1e-9)
+    touching = simulate(rotor, start=(0.0, 0, 0.5, 0), duration=2.0)
+    assert touching.event_kind.values.tolist() == [1]
+    assert touching.event_time.item() == pytest.approx(2.0, rel=1e-15)
+
+
+def test_without_clearance_there_are_no_events():
+    run = simulate(Rotor(omega=1.7, zeta=0.07, delta0=0.0), start=REST, duration=50.0)
+    assert run.starts_in_contact == 1
+    assert run.sizes["event"] == 0
+    assert run.sizes["contact"] == 1
+    radius = np.hypot(run.x, run.y)
+    assert run.peak_indentation.item() == pytest.approx(radius.max().item(), rel=1e-3)
+    assert run.peak_indentation.item() >= radius.max().item() - 1e-12
+
+
+def test_a_clearance_never_reached_gives_no_events():
+    run = simulate(Rotor(omega=1.0, zeta=0.1, delta0=15.0), start=REST, duration=500.0)
+    assert run.sizes["event"] == 0
+    assert run.sizes["contact"] == 0
+    assert run.starts_in_contact == 0
+
+
+@pytest.mark.parametrize("flight", ["exact", "cvode"])
+def test_event_states_lie_on_the_ring_to_rounding(flight):
+    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+    run = simulate(rotor, start=REST, duration=100.0, flight=flight)
+    radius = np.hypot(run.event_x.values, run.event_y.values)
+    assert run.sizes["event"] > 30
+    assert radius == pytest.approx(2.0, rel=4e-16)
+    radial = run.event_x * run.event_vx + run.event_y * run.event_vy
+    assert (np.sign(radial) == run.event_kind).all()
+
+
+def test_samples_do_not_depend_on_how_many_there_are():
+    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+    few = simulate(rotor, start=REST, duration=20.0, samples=[5.0, 20.0])
+    many = simulate(rotor, start=REST, duration=20.0, samples=2001)
+    picked = many.sel(t=[5.0, 20.0])
+    assert np.abs(few.x - picked.x).max() < 1e-12
+    assert (few.event_time.values == many.event_time.values).all()
+
+
+@pytest.mark.parametrize("delta0", [0.0, 1.0])
+def test_a_solver_that_gives_up_raises_with_time_and_state(monkeypatch, delta0):
+    take_step = Integration.advance
+
+    def give_up(motion):
+        if motion.point > 0.0:
+            motion.message = "corrector failed"
+            motion.low, motion.before = motion.point, motion.values
+            return -4
+        return take_step(motion)
+
+    monkeypatch.setattr(Integration, "advance", give_up)
+    rotor = Rotor(omega=0.0, zeta=0.0, delta0=delta0)
+    with pytest.raises(SimulationError, match=r"corrector failed \(at t = .*, state") as caught:
+        simulate(rotor, start=(2.0, 0, 0, 0), duration=1.0, backend="python")
+    assert 0.0 < caught.value.time < 1.0
+    assert caught.value.state == pytest.approx((2.0, 0.0, 0.0, 0.0), abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"start": (0, 0, 0)}, r"start must be four numbers \(x, y, vx, vy\), got \(0, 0, 0\)"),
+        ({"start": (0, 0, 0, math.nan)}, "start vy must be a finite real number, got nan"),
+        ({"duration": -1.0}, "duration must be positive, got -1.0"),
+        ({"duration": math.inf}, "duration must be a finite real number, got inf"),
+        ({"samples": 1}, "samples must be at least 2, got 1"),
+        ({"samples": [0.0, 2.0, 1.0]}, "samples must be increasing times"),
+        ({"samples": [0.0, 11.0]}, "samples must lie from 0 to the duration 10.0, got 11.0"),
+        ({"rtol": 1.0}, "rtol must lie from 1e-13 to 0.001, got 1.0"),
+        ({"atol": 0.0}, "atol must be positive, got 0.0"),
+        ({"atol": 1e-99}, "atol must lie from 1e-30 to 0.01, got 1e-99"),
+        ({"method": "rk4"}, "method must be one of 'adams', 'bdf', 'ida', got 'rk4'"),
+        ({"flight": "none"}, "flight must be one of 'exact', 'cvode', got 'none'"),
+        ({"backend": "gpu"}, "backend must be one of 'auto', 'python', 'compiled', got 'gpu'"),
+    ],
+)
+def test_bad_input_gets_one_clear_line(changes, message):
+    arguments = {"start": REST, "duration": 10.0, **changes}
+    with pytest.raises(InputError, match=f"^{message}$"):
+        simulate(HARD, **arguments)
+
+
+def test_the_mode_at_the_start_is_a_function_of_its_own():
+    rotor = (HARD.omega, HARD.zeta, HARD.delta0)
+    assert starts_in_contact(2.1 + 0j, 0j, *rotor)
+    assert not starts_in_contact(1.9 + 0j, 5 + 0j, *rotor)
+
+
+def test_no_sample_is_lost_to_rounding_at_the_end():
+    """time + (duration - time) may fall short of the duration by an ulp."""
+    rng = np.random.default_rng(0)
+    times, durations = rng.uniform(0.0, 60.0, (2, 100_000))
+    short = np.flatnonzero((times < durations) & (times + (durations - times) < durations))
+    assert short.size > 10
+    for number in short[:10]:
+        time, duration = float(times[number]), float(durations[number])
+        samples, start, stop = np.array([duration]), np.zeros(4), np.zeros(1, np.uint8)
+        record = new_record(1, 0, 1, 1e-10, 1e-12, True, start, duration, 0.0, samples, stop)
+        advance(record, time, 0j, 0j)
+        assert next_sample(record, time_left(record)) == time_left(record)
+
+
+@pytest.mark.parametrize("inside", [1e-3, 1e-7, 1e-9, 1e-11])
+@pytest.mark.parametrize("flight", ["exact", "cvode"])
+def test_a_steady_whirl_near_the_ring_has_no_events(inside, flight):
+    """The contact-free whirl, with the ring on it, just outside it and just inside it."""
+    omega, zeta = 1.7, 0.07
+    whirl = -omega / complex(omega, -2.0 * zeta)
+    spin = 1j * omega * whirl
+    start = (whirl.real, whirl.imag, spin.real, spin.imag)
+    for delta0, contact in (
+        (abs(whirl), 0),
+        (abs(whirl) * (1.0 + inside), 0),
+        (abs(whirl) * (1.0 - inside), 1),
+    ):
+        rotor = Rotor(omega=omega, zeta=zeta, delta0=delta0)
+        run = simulate(rotor, start=start, duration=60.0, samples=2, flight=flight)
+        assert run.sizes["event"] == 0
+        assert run.starts_in_contact == contact
+
+
+def test_a_start_on_the_ring_need_not_lie_on_an_axis():
+    rotor = Rotor(omega=0.0, zeta=0.0, delta0=0.3)
+    for angle in np.linspace(0.1, 6.2, 23):
+        x, y = 0.3 * math.cos(angle), 0.3 * math.sin(angle)
+        out = simulate(rotor, start=(x, y, x, y), duration=4.0, samples=2)
+        back = simulate(rotor, start=(x, y, -x, -y), duration=4.0, samples=2)
+        assert (out.starts_in_contact, back.starts_in_contact) == (1, 0)
+        assert back.event_time.values[0] == pytest.approx(2.0, rel=1e-14)
+
+
+def test_an_event_behind_the_end_keeps_its_own_time_and_moves_nothing():
+    """Within 1e-8 of the duration it belongs to the run; the motion up to the end is untouched."""
+    free = Rotor(omega=0.0, zeta=0.0, delta0=1000.0)
+    run = simulate(free, start=(0, 0, 1, 0), duration=1000.0 - 9e-6, samples=[0.0, 1000.0 - 9e-6])
+    assert run.event_time.values == pytest.approx([1000.0], rel=1e-15)
+    assert run.event_time_error.values[0] < 1e-11
+    assert run.x.values[-1] == pytest.approx(1000.0 - 9e-6, rel=1e-15)
+    early = simulate(free, start=(0, 0, 1, 0), duration=999.0)
+    assert early.sizes["event"] == 0
+    bouncing = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+    simulate(bouncing, start=REST, duration=80.8513707, samples=11)
+
+
+@pytest.mark.parametrize("flight", ["exact", "cvode"])
+@pytest.mark.parametrize("inwards", [1e-9, 1e-12])
+def test_a_start_on_the_ring_that_dips_inwards_comes_out_again(flight, inwards):
+    """Inwards at 1e-9 against a centrifugal pull of one: back on the ring after 2e-9."""
+    rotor = Rotor(omega=0.0, zeta=0.0, delta0=1.0)
+    run = simulate(rotor, start=(1.0, 0, -inwards, 1.0), duration=2.0, samples=9, flight=flight)
+    assert run.event_kind.values.tolist()[:1] == [1]
+    assert run.event_time.values[0] < 1e-4
+    assert run.peak_indentation.values[0] > 0.1
+
+
+@pytest.mark.parametrize("method", ["adams", "bdf", "ida"])
+@pytest.mark.parametrize("depth", [1e-14, 1e-11, 1e-8])
+def test_a_start_in_contact_that_is_over_at_once(method, depth):
+    rotor = Rotor(omega=1.7, zeta=0.07, delta0=1.0)
+    run = simulate(rotor, start=(1.0 + depth, 0, -1.0, 0), duration=0.05, method=method)
+    true_depth = (1.0 + depth) - 1.0
+    assert run.starts_in_contact == 1
+    assert run.event_time.values == pytest.approx([true_depth], rel=1e-4)
+
+
+@pytest.mark.parametrize("flight", ["exact", "cvode"])
+def test_where_velocity_and_acceleration_vanish_the_jerk_decides(flight):
+    """At rest on the ring at a right angle to the unbalance: r''' = omega**3 delta0 / delta0."""
+    for y, contact in ((0.5, 1), (-0.5, 0)):
+        rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
+        run = simulate(rotor, start=(0, y, 0, 0), duration=0.3, samples=5, flight=flight)
+        assert run.starts_in_contact == contact
+        assert run.sizes["event"] == 0

@@ -1,0 +1,180 @@
+"""A study that was broken off goes on to the same bits as one that was not."""
+
+import os
+import subprocess
+import sys
+from itertools import count
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from rotor_ida import Rotor, basin, basin_fractions, load, save, settling, sweep
+from rotor_ida.errors import InputError
+from rotor_ida.storage.studies import status
+from rotor_ida.storage.studies.database import FILE
+
+BOUNCER = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+AXIS = np.linspace(-8.0, 8.0, 40)
+
+KINDS = {
+    "sweep": lambda **more: sweep(
+        omega=[0.9, 1.2, 1.7], zeta=[0.3, 0.5], delta0=[0.0, 0.5],
+        starts=[(0, 0, 0, 0), (3, 0, 0, 1)], **more,
+    ),
+    "ramps": lambda **more: sweep(
+        omega=[0.9, 1.2, 1.7], zeta=[0.3, 0.5], delta0=[0.0, 0.5, 1.0], direction="both", **more
+    ),
+    "basin": lambda **more: basin(BOUNCER, x=AXIS, y=AXIS, **more),
+    "basin_fractions": lambda **more: basin_fractions(
+        BOUNCER, x=(-8, 8), y=(-8, 8), vx=(-4, 4), starts=4000, **more
+    ),
+}  # fmt: skip
+
+
+class EnoughError(Exception):
+    """Breaks a study off."""
+
+
+def breaking_off(after):
+    calls = count()
+
+    def progress(_done, _total):
+        if next(calls) == after:
+            raise EnoughError
+
+    return progress
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_it_goes_on_to_the_same_bits(kind, tmp_path):
+    whole = KINDS[kind]()
+    for after in (0, 1):
+        with pytest.raises(EnoughError):
+            KINDS[kind](study=tmp_path, progress=breaking_off(after))
+    found = status(tmp_path)
+    assert 0 < found["done"] < found["points"]
+    told = []
+    again = KINDS[kind](study=tmp_path, progress=lambda *told_now: told.append(told_now))
+    assert told[0] == (found["done"], found["points"])
+    assert told[-1] == (found["points"], found["points"])
+    xr.testing.assert_identical(again, whole)
+    assert os.listdir(tmp_path) == [FILE]
+    finished = status(tmp_path)
+    assert (finished["left"], finished["failed"]) == (0, 0)
+    xr.testing.assert_identical(KINDS[kind](study=tmp_path), whole)
+
+
+def test_an_interrupt_leaves_a_study_that_goes_on(tmp_path):
+    def interrupt(done, _total):
+        if done:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        KINDS["sweep"](study=tmp_path / "sweep", progress=interrupt)
+    assert 0 < status(tmp_path / "sweep")["done"] < 24
+    with pytest.raises(KeyboardInterrupt):
+        KINDS["basin"](study=tmp_path / "basin", progress=interrupt)
+    assert 0 < status(tmp_path / "basin")["done"] < AXIS.size**2
+
+
+def test_a_failure_of_the_surroundings_is_tried_again(tmp_path, monkeypatch):
+    from rotor_ida import ramps
+
+    def has_no_memory(rotor, *rest, **options):
+        if rotor.omega == 2.0:
+            raise MemoryError
+        return settling.follow_to_steady_state(rotor, *rest, **options)
+
+    given = {"omega": [1.0, 2.0], "zeta": 0.5, "delta0": 0.5, "executor": "serial"}
+    with monkeypatch.context() as patch:
+        patch.setattr(ramps, "settle", has_no_memory)
+        found = sweep(**given, study=tmp_path)
+    assert found.message.values.ravel().tolist() == ["", "MemoryError"]
+    assert status(tmp_path)["left"] == 1
+    xr.testing.assert_identical(sweep(**given, study=tmp_path), sweep(**given))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"rtol": 1e-9}, "begun with rtol 1e-10, got 1e-09"),
+        ({"method": "bdf"}, "begun with method 'adams', got 'bdf'"),
+        ({"starts": [(0, 0, 0, 0)]}, "begun with starts"),
+    ],
+)
+def test_another_sweep_is_refused(tmp_path, change, message):
+    given = {"omega": 1.7, "zeta": 0.5, "delta0": 0.5, "starts": [(1, 0, 0, 0)]}
+    sweep(**given, study=tmp_path)
+    with pytest.raises(InputError, match=message):
+        sweep(**given | change, study=tmp_path)
+    with pytest.raises(InputError, match="begun with"):
+        basin(BOUNCER, x=AXIS, y=AXIS, study=tmp_path)
+
+
+def test_another_version_is_refused(tmp_path, monkeypatch):
+    from rotor_ida import sweeps
+
+    given = {"omega": 1.7, "zeta": 0.5, "delta0": 0.5}
+    sweep(**given, study=tmp_path)
+    other = {**sweeps.computing(), "numpy_version": "9.9"}
+    monkeypatch.setattr(sweeps, "computing", lambda: other)
+    with pytest.raises(InputError, match=r"begun with numpy_version '.*', got '9.9'"):
+        sweep(**given, study=tmp_path)
+
+
+def test_only_what_draws_and_tells_does_not_decide_on_the_bits():
+    script = (
+        "import sys, rotor_ida.sweeps.sweep, rotor_ida.basins\n"
+        "from rotor_ida.provenance import NO_PART\n"
+        "used = {name.split('.')[1] for name in sys.modules if name.startswith('rotor_ida.')}\n"
+        "print(sorted(used & NO_PART), end='')"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False
+    )
+    assert (ended.stdout, ended.stderr) == ("[]", "")
+
+
+def test_a_seed_of_numpy_leaves_no_trace(tmp_path):
+    box = {"x": (-8, 8), "y": (-8, 8), "starts": 100}
+    found = basin_fractions(BOUNCER, **box, seed=np.uint8(3), study=tmp_path)
+    assert type(found.attrs["seed"]) is int
+    xr.testing.assert_identical(basin_fractions(BOUNCER, **box, seed=3, study=tmp_path), found)
+
+
+def test_a_point_that_fails_is_recorded_and_the_others_go_on(tmp_path, monkeypatch):
+    from rotor_ida import ramps
+
+    def fails_at_two(rotor, *rest, **options):
+        if rotor.omega == 2.0:
+            raise ValueError("what nobody expected")
+        return settling.follow_to_steady_state(rotor, *rest, **options)
+
+    monkeypatch.setattr(ramps, "settle", fails_at_two)
+    given = {"omega": [1.0, 2.0, 3.0], "zeta": 0.5, "delta0": 0.5, "executor": "serial"}
+    found = sweep(**given, study=tmp_path)
+    told = status(tmp_path)
+    assert (told["done"], told["failed"], told["left"]) == (3, 1, 0)
+    assert told["reasons"] == ["ValueError: what nobody expected"]
+    assert found.status.values.ravel().tolist() == [0, 1, 0]
+    assert found.message.values.ravel()[1] == "ValueError: what nobody expected"
+    monkeypatch.undo()
+    xr.testing.assert_identical(sweep(**given, study=tmp_path), found)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_columns_on_the_disk_hold_the_same_bits(kind, tmp_path, monkeypatch):
+    from rotor_ida.storage.studies import scratch
+
+    whole = KINDS[kind]()
+    monkeypatch.setattr(scratch, "LARGE", 1)
+    monkeypatch.setattr(scratch, "SLAB", 100)
+    on_disk = KINDS[kind](study=tmp_path / "study")
+    xr.testing.assert_identical(on_disk, whole)
+    saved = load(save(on_disk, tmp_path / "result.nc"))
+    assert (
+        saved.attrs["content_sha256"]
+        == load(save(whole, tmp_path / "whole.nc")).attrs["content_sha256"]
+    )
+    assert os.listdir(tmp_path / "study") == [FILE]

@@ -1,0 +1,72 @@
+"""Every kind of archive that is written: sound to CF's checker and to readers other than ours."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+import rotor_ida
+from tests.kinds import KINDS, a_run
+
+
+@pytest.fixture(scope="module", params=KINDS)
+def archive(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("kinds")
+    return rotor_ida.save(KINDS[request.param](), folder / f"{request.param}.nc")
+
+
+def what_the_checker_says(path: Path) -> tuple[bool, str]:
+    """Return whether CF's checker is content, as its exit status would say, and its report."""
+    runner = pytest.importorskip("compliance_checker.runner")
+    suite = runner.CheckSuite
+    suite.load_all_available_checkers()
+    report = path.with_suffix(".txt")
+    passed, errors = runner.ComplianceChecker.run_checker(
+        str(path), ["cf:1.11"], 0, "normal", output_filename=str(report)
+    )
+    return passed and not errors, report.read_text()
+
+
+@pytest.mark.filterwarnings("default")
+def test_checker_of_cf_is_content(archive: Path) -> None:
+    passed, report = what_the_checker_says(archive)
+    assert passed, report
+
+
+def test_h5netcdf_reads_the_same(archive: Path) -> None:
+    pytest.importorskip("h5netcdf")
+    pytest.importorskip("h5py")
+    loaded = rotor_ida.load(archive)
+    with xr.open_dataset(archive, engine="h5netcdf") as seen:
+        for name, variable in loaded.variables.items():
+            if name in loaded.dims and variable.dtype.kind == "U":
+                same = seen.variables[f"{name}_label"]
+                assert same.values.tolist() == variable.values.tolist()
+            else:
+                assert variable.identical(seen.variables[name].load()), name
+
+
+@pytest.mark.skipif(shutil.which("ncdump") is None, reason="ncdump is not installed")
+def test_ncdump_shows_the_header(archive: Path) -> None:
+    shown = subprocess.run(["ncdump", "-h", archive], capture_output=True, text=True, check=True)
+    assert ':Conventions = "CF-1.11"' in shown.stdout
+    assert not shown.stderr
+
+
+def test_no_attribute_holds_what_flags_should(archive: Path) -> None:
+    for name, variable in rotor_ida.load(archive).variables.items():
+        assert variable.dtype.kind in "iuf" or name in {"message", "machine"}
+
+
+@pytest.mark.filterwarnings("default")
+def test_checker_finds_what_the_domain_variable_cures(tmp_path: Path) -> None:
+    path = tmp_path / "plain.nc"
+    plain = a_run().assign_attrs(history="2026-11-21T15:00:00Z made")
+    plain.to_netcdf(path, encoding={name: {"_FillValue": None} for name in plain.variables})
+    passed, report = what_the_checker_says(path)
+    assert not passed
+    assert "'t' should have standard_name='t'" in report
