@@ -10,7 +10,6 @@ import numpy.typing as npt
 import xarray as xr
 
 CONVENTIONS = "CF-1.11"
-FORMAT_VERSION = 2
 
 # Dimensions and values of a variable.
 Column = tuple[Hashable | Sequence[Hashable], npt.ArrayLike]

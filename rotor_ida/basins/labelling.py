@@ -20,8 +20,8 @@ from rotor_ida.parallel import Progress, choose
 from rotor_ida.parameters import Rotor
 from rotor_ida.provenance import computing
 from rotor_ida.simulation.options import LARGEST, Options, check_can_be_followed
-from rotor_ida.storage.studies.results import Form, kept_results
-from rotor_ida.storage.studies.scratch import slabs
+from rotor_ida.storage.studies.arrays import stretches
+from rotor_ida.storage.studies.results import Form, open_results
 
 Values = npt.NDArray[np.float64]
 
@@ -91,7 +91,7 @@ def label(
     """
     place, several = choose(executor, workers, compiled=True)
     options = Options()
-    with kept_results(study, {**design, **_design(rotor, rtol, options)}, count, FORM) as kept:
+    with open_results(study, {**design, **_design(rotor, rtol, options)}, count, FORM) as kept:
         found = follow_starts(
             known_attractors(rotor), starts, count, kept,
             tolerance=rtol, workers=several, executor=place, progress=progress,
@@ -127,9 +127,9 @@ def _witnesses(found: FollowedStarts, starts: Starts) -> list[Values]:
     """
     numbers = range(len(found.ends.sets) + found.ends.has_free)
     first = [np.empty(0, dtype=np.int64) for _ in numbers]
-    for slab in slabs(found.labels.size):
+    for stretch in stretches(found.labels.size):
         for number in numbers:
-            members = slab.start + np.flatnonzero(found.labels[slab] == number)
+            members = stretch.start + np.flatnonzero(found.labels[stretch] == number)
             members = np.concatenate([first[number], members])
             order = np.argsort(found.times[members], kind="stable")
             first[number] = members[order[:WITNESSES]]

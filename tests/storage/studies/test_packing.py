@@ -6,7 +6,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
-
 from rotor_ida.storage.studies.packing import packed, unpacked
 
 KINDS = st.sampled_from(["i1", "i2", "i8", "f4", "f8", "u1"])

@@ -6,7 +6,6 @@ import sys
 
 import numpy as np
 import pytest
-
 from rotor_ida.storage.studies.scratch import LARGE, scratch
 
 
