@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.figure import Figure
+from rotor_ida.plot.units import alike, label_of, suited, unit_of
 
 from rotor_ida import (
     DimensionalRotor,
@@ -47,7 +48,6 @@ from rotor_ida.plot import (
     plot_spectrum,
     plot_surface,
 )
-from rotor_ida.plot.units import alike, label_of, suited, unit_of
 
 REST = (0.0, 0.0, 0.0, 0.0)
 MACHINE = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=418.0, eccentricity=5e-6,
