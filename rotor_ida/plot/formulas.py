@@ -291,7 +291,7 @@ def plot_solutions(compared: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     ----------
     compared : Dataset
         ``x`` and ``y`` on ``t``, and ``solution_x`` and ``solution_y`` on ``solution`` and
-        ``time``; the coordinate ``solution`` names them.
+        ``t``; the coordinate ``solution`` names them.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
