@@ -19,7 +19,8 @@ UNITS = {
     "energy": "J",
     "rate": "s-1",
 }
-PREFIXES = {"p": 1e-12, "n": 1e-9, "u": 1e-6, "m": 1e-3, "": 1.0, "k": 1e3, "M": 1e6}
+# How many units with the prefix make one without.
+PREFIXES = {"p": 1e12, "n": 1e9, "u": 1e6, "m": 1e3, "": 1.0, "k": 1e-3, "M": 1e-6}
 
 
 def dimensional(
@@ -86,7 +87,7 @@ def dimensional(
     if not isinstance(units, Mapping):
         raise InputError(f"units must be a mapping such as {{'length': 'mm'}}, got {units!r}")
     chosen = UNITS | {kind: _checked(kind, unit) for kind, unit in units.items()}
-    scales = {kind: in_si[kind] / _sizes(kind)[unit] for kind, unit in chosen.items()}
+    scales = {kind: in_si[kind] * _parts(kind)[unit] for kind, unit in chosen.items()}
     converted = {}
     for name, variable in dataset.variables.items():
         quantity = QUANTITIES.get(str(name))
@@ -99,19 +100,19 @@ def dimensional(
     )
 
 
-def _sizes(kind: str) -> dict[str, float]:
-    """Return what each unit of a kind is in units without a prefix; rates take none."""
+def _parts(kind: str) -> dict[str, float]:
+    """Return how many of each unit of a kind make one without a prefix; rates take none."""
     base = UNITS[kind]
     if kind == "rate":
         return {base: 1.0}
-    return {prefix + base: size for prefix, size in PREFIXES.items()}
+    return {prefix + base: parts for prefix, parts in PREFIXES.items()}
 
 
 def _checked(kind: str, unit: str) -> str:
     """Return a unit as UDUNITS writes it, if it is one of its kind."""
     if kind not in UNITS:
         raise InputError(f"units must be of {', '.join(UNITS)}, got {kind!r}")
-    allowed = _sizes(kind)
+    allowed = _parts(kind)
     # the micro sign and the Greek letter look the same
     plain = str(unit).replace("\u00b5", "u").replace("\u03bc", "u")
     written = plain.replace("1/s", "s-1").replace("/s", " s-1")

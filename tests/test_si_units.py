@@ -49,7 +49,7 @@ def test_units_may_be_written_as_readers_do(plain, kind, wanted, written):
 
 
 def test_rates_are_per_second():
-    found = lyapunov_exponent(MACHINE.rotor(), start=REST, duration=50.0)
+    found = lyapunov_exponent(MACHINE.rotor(), start=REST, duration=200.0)
     shown = dimensional(found, MACHINE, units={"rate": "1/s", "time": "ms"})
     assert shown.running_exponent.attrs["units"] == "s-1"
     assert shown.attrs["rate_scale"] == MACHINE.reference_frequency

@@ -73,6 +73,8 @@ def plot_basin(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     colours += _shades(dataset["kind"])
     with style():
         ax = axes_or_new(ax, width=4.6, height=5.0)
+        label_axis(ax.xaxis, horizontal, dataset[horizontal])
+        label_axis(ax.yaxis, vertical, dataset[vertical])
         ax.grid(visible=False)
         ax.pcolormesh(
             dataset[horizontal].values,
@@ -87,8 +89,6 @@ def plot_basin(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
             ax.set_aspect("equal")
         else:
             ax.set_box_aspect(1.0)
-        label_axis(ax.xaxis, horizontal, dataset[horizontal])
-        label_axis(ax.yaxis, vertical, dataset[vertical])
         ax.set_title(_title(dataset))
         handles = _handles(dataset, colours)
         legend_below(ax, columns=1 + (len(handles) > 3), handles=handles)

@@ -78,21 +78,22 @@ def plot_section(section: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     at = str(section.attrs.get("section", ""))
     z = section["rotating_x"].values + 1j * section["rotating_y"].values
     w = section["rotating_vx"].values + 1j * section["rotating_vy"].values
+    length = scale_of(section, "length")
     with style():
         ax = axes_or_new(ax, width=4.0, height=4.0)
-        size = _mark_size(z)
         if at in ("entry", "exit"):
             across, up = _together(np.angle(z)), (w * z.conj()).real / np.abs(z)
+            units = (1.0, scale_of(section, "velocity"))
             ax.set_xlabel(LABELS["angle"])
             label_axis(ax.yaxis, "radial_velocity", section["rotating_vx"])
         else:
-            draw_ring(ax, one_value("section", section, "delta0") * scale_of(section, "length"))
-            across, up = z.real, z.imag
+            across, up, units = z.real, z.imag, (length, length)
             label_axis(ax.xaxis, "rotating_x", section["rotating_x"])
             label_axis(ax.yaxis, "rotating_y", section["rotating_y"])
+            draw_ring(ax, one_value("section", section, "delta0") * length)
             ax.set_aspect("equal", adjustable="datalim")
-        ax.plot(across, up, ls="", marker="o", ms=size, mec="none", mfc=BLUE, zorder=3.0)
-        _leave_room(ax)
+        ax.plot(across, up, ls="", marker="o", ms=_mark_size(z), mec="none", mfc=BLUE, zorder=3.0)
+        _leave_room(ax, *units)
         if not z.size:
             ax.text(0.5, 0.5, "no crossing", transform=ax.transAxes, ha="center", va="center")
         ax.set_title(WORDS.get(at, title_of("section", section)) + _counted(z))
@@ -141,6 +142,8 @@ def plot_spectrum(
     highest = float(height.max(initial=0.0)) or 1.0
     with style():
         ax = axes_or_new(ax)
+        label_axis(ax.xaxis, over, lines[over])
+        label_axis(ax.yaxis, "whirl_amplitude", lines["whirl_amplitude"])
         for words, colour, chosen in (
             ("backward whirl", ORANGE, frequency <= 0.0),
             ("forward whirl", BLUE, frequency >= 0.0),
@@ -153,8 +156,6 @@ def plot_spectrum(
         ax.set_xlim(-limit, limit)
         # room for the legend
         ax.set_ylim(FLOOR * highest, 30.0 * highest)
-        label_axis(ax.xaxis, over, lines[over])
-        label_axis(ax.yaxis, "whirl_amplitude", lines["whirl_amplitude"])
         own_legend(ax).set_loc("upper left")
     return ax
 
@@ -192,6 +193,8 @@ def plot_exponents(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     found = check_dataset("found", found, needed)
     with style():
         ax = axes_or_new(ax)
+        label_axis(ax.xaxis, "t", found["t"])
+        label_axis(ax.yaxis, "running_exponent", found["running_exponent"])
         ax.axhline(0.0, color=GREY, lw=0.7, zorder=1.5)
         for number, (colour, dashes) in enumerate(LINES):
             part = found.isel(exponent=number)
@@ -200,8 +203,6 @@ def plot_exponents(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
             ax.plot(part["t"], part["running_exponent"], color=colour, ls=dashes, lw=1.1,
                     label=words)  # fmt: skip
         ax.set_xlim(0.0, float(found["t"].values[-1]))
-        label_axis(ax.xaxis, "t", found["t"])
-        label_axis(ax.yaxis, "running_exponent", found["running_exponent"])
         low, high = float(found["lyapunov_exponent"].min()), float(found["lyapunov_exponent"].max())
         room = max(high - low, abs(high), abs(low)) or 1.0
         # the first, still unsettled means may lie outside
@@ -243,10 +244,13 @@ def _mark_size(z: npt.NDArray[np.complex128]) -> float:
     return 4.5 if distinct <= FEW else 3.0 if distinct <= 200 else 1.6
 
 
-def _leave_room(ax: Axes) -> None:
-    """Widen limits that would blow rounding up to the size of the panel."""
-    for low, high, widen in ((*ax.get_xlim(), ax.set_xlim), (*ax.get_ylim(), ax.set_ylim)):
-        least = LEAST_SPAN * max(1.0, abs(low), abs(high))
+def _leave_room(ax: Axes, across: float, up: float) -> None:
+    """Widen limits that would blow rounding up, of values of these orders, to the whole panel."""
+    for low, high, widen, order in (
+        (*ax.get_xlim(), ax.set_xlim, across),
+        (*ax.get_ylim(), ax.set_ylim, up),
+    ):
+        least = LEAST_SPAN * max(order, abs(low), abs(high))
         if high - low < least:
             middle = 0.5 * (low + high)
             widen(middle - 0.5 * least, middle + 0.5 * least)

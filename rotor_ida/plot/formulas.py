@@ -261,6 +261,8 @@ def plot_portrait(
     unit = unit_of(runs["period"])
     with style():
         ax = axes_or_new(ax)
+        label_axis(ax.xaxis, along, runs[along])
+        label_axis(ax.yaxis, f"v{along}", runs[f"v{along}"])
         for number in range(runs.sizes["start"]):
             run = runs.isel(start=number)
             colour, line = look(number)
@@ -279,8 +281,6 @@ def plot_portrait(
         ax.margins(y=0.11)
         if "delta0" in runs.coords:
             ax.set_title(title_of("runs", runs, ["delta0"]))
-        label_axis(ax.xaxis, along, runs[along])
-        label_axis(ax.yaxis, f"v{along}", runs[f"v{along}"])
     return ax
 
 
@@ -317,6 +317,8 @@ def plot_solutions(compared: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     compared = check_dataset("compared", compared, CLAIMED)
     with style():
         ax = axes_or_new(ax, width=7.0, height=2.6)
+        label_axis(ax.xaxis, "t", compared["t"])
+        label_axis(ax.yaxis, "x", compared["x"])
         ax.plot(compared["t"].values, compared["x"].values, color=INK, lw=1.4,
                 label="simulated")  # fmt: skip
         for number, name in enumerate(compared["solution"].values.tolist(), start=1):
@@ -325,8 +327,6 @@ def plot_solutions(compared: xr.Dataset, *, ax: Axes | None = None) -> Axes:
             ax.plot(here["t"].values, here["solution_x"].values, color=colour, ls=line,
                     lw=1.0, label=str(name))  # fmt: skip
         ax.set_xlim(float(compared["t"][0]), float(compared["t"][-1]))
-        label_axis(ax.xaxis, "t", compared["t"])
-        label_axis(ax.yaxis, "x", compared["x"])
         own_legend(ax)
     return ax
 
@@ -366,6 +366,8 @@ def plot_deviation(compared: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     error = (across**2 + up**2) ** 0.5
     with style():
         ax = axes_or_new(ax, width=7.0, height=2.6)
+        label_axis(ax.xaxis, "t", compared["t"])
+        label_axis(ax.yaxis, "deviation", compared["x"])
         for number, name in enumerate(compared["solution"].values.tolist(), start=1):
             colour, line = LOOKS[number]
             values = error.sel(solution=name).values
@@ -373,8 +375,6 @@ def plot_deviation(compared: xr.Dataset, *, ax: Axes | None = None) -> Axes:
             ax.semilogy(compared["t"].values, shown, color=colour, ls=line, lw=1.1,
                         label=str(name))  # fmt: skip
         ax.set_xlim(float(compared["t"][0]), float(compared["t"][-1]))
-        label_axis(ax.xaxis, "t", compared["t"])
-        label_axis(ax.yaxis, "deviation", compared["x"])
         own_legend(ax)
     return ax
 

@@ -104,6 +104,7 @@ def plot_run(run: xr.Dataset) -> Figure:
         history[3].set_xlabel(label_of("t", run["t"]))
         figure.align_ylabels(history)
         orbit = figure.add_subplot(grid[:, 1])
+        orbit.set(xlabel=label_of("x", run["x"]), ylabel=label_of("y", run["y"]))
         _draw_orbit(orbit, run, path)
         shared_legend(figure, [history[2], orbit], columns=7, outer=False)
         figure.suptitle(title_of("run", run), fontsize=10.0)
@@ -141,6 +142,8 @@ def plot_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     run = check_dataset("run", run, NEEDED)
     with style():
         ax = axes_or_new(ax, width=4.0, height=4.9)
+        label_axis(ax.xaxis, "x", run["x"])
+        label_axis(ax.yaxis, "y", run["y"])
         _draw_orbit(ax, run, path_of(run))
         legend_below(ax)
         ax.set_title(title_of("run", run))
@@ -180,9 +183,9 @@ def plot_rotating_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     seen = run.assign(event_x=("event", event_x), event_y=("event", event_y))
     with style():
         ax = axes_or_new(ax, width=4.0, height=4.9)
-        _draw_orbit(ax, seen, replace(path, x=x, y=y))
         label_axis(ax.xaxis, "rotating_x", run["x"])
         label_axis(ax.yaxis, "rotating_y", run["y"])
+        _draw_orbit(ax, seen, replace(path, x=x, y=y))
         legend_below(ax)
         ax.set_title(title_of("run", run))
     return ax
@@ -365,13 +368,13 @@ def plot_forces(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     time = forces["t"].values
     with style():
         ax = axes_or_new(ax)
+        label_axis(ax.xaxis, "t", forces["t"])
+        label_axis(ax.yaxis, "force", forces["force"])
         ax.plot(time, forces["force"].values, color=BLUE, lw=0.9, label="force")
         ax.plot(*_peaks(forces), ls="", marker="o", ms=2.8, mec=RED, mfc="white", mew=0.8,
                 label="peak of a contact")  # fmt: skip
         ax.set_xlim(float(time[0]), float(time[-1]))
         ax.set_ylim(bottom=0.0)
-        label_axis(ax.xaxis, "t", forces["t"])
-        label_axis(ax.yaxis, "force", forces["force"])
     return ax
 
 
@@ -409,6 +412,7 @@ def plot_force_peaks(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     peaks, share = peaks[order], share[order]
     with style():
         ax = axes_or_new(ax)
+        label_axis(ax.xaxis, "peak_force", forces["peak_force"])
         if peaks.size > 1:
             ax.step(np.append(peaks[0], peaks), np.append(0.0, share), where="post", color=RED)
             ax.set_xlim(0.0, 1.08 * float(peaks[-1]))
@@ -416,7 +420,6 @@ def plot_force_peaks(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
             words = "fewer than two whole contacts"
             ax.text(0.5, 0.5, words, transform=ax.transAxes, ha="center", va="center")
         ax.set_ylim(0.0, 1.02)
-        label_axis(ax.xaxis, "peak_force", forces["peak_force"])
         ax.set_ylabel(LABELS["peak_fraction"])
     return ax
 
@@ -586,8 +589,6 @@ def _draw_orbit(ax: Axes, run: xr.Dataset, path: Path) -> None:
     _draw_motion(ax, path, path.x, path.y, width=_line_width(run), heavier=1.2)
     _mark_events(ax, run, run["event_x"].values, run["event_y"].values)
     ax.plot(path.x[0], path.y[0], ls="", marker="s", ms=4.5, color=INK, label="start", zorder=3.1)
-    label_axis(ax.xaxis, "x", run["x"])
-    label_axis(ax.yaxis, "y", run["y"])
     ax.set_aspect("equal", adjustable="datalim")
     ax.autoscale_view()
 

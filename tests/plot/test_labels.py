@@ -139,9 +139,16 @@ def test_sections_spectra_forces_and_exponents(plain):
     entries = poincare_section(ROTOR, start=REST, revolutions=10, at="entry")
     ax = plot_section(in_units(entries))
     assert units_on(ax)[1] == "mm/s"
-    assert_scaled(ax, plot_section(entries), 1.0, 1e3 * MACHINE.velocity_scale)
+    bare, velocity = plot_section(entries), 1e3 * MACHINE.velocity_scale
+    assert_scaled(ax, bare, 1.0, velocity)
+    np.testing.assert_allclose(ax.get_ylim(), velocity * np.array(bare.get_ylim()))
     turns = poincare_section(ROTOR, start=REST, revolutions=10)
     assert_scaled(plot_section(in_units(turns)), plot_section(turns), MICROMETRES, MICROMETRES)
+    steady = turns.isel(crossing=[-1])
+    in_metres, bare = plot_section(dimensional(steady, MACHINE)), plot_section(steady)
+    np.testing.assert_allclose(
+        in_metres.get_ylim(), MACHINE.length_scale * np.array(bare.get_ylim())
+    )
     assert units_on(plot_spectrum(in_units(spectrum(plain)))) == ("", "µm")
     forces = contact_forces(plain)
     ax = plot_forces(in_units(forces))
