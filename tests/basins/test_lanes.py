@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rotor_ida import Rotor
-from rotor_ida.basins.features import ROWS, watch_step
+from rotor_ida.basins.features import ROWS, measure_step
 from rotor_ida.basins.lanes import (
     ADVANCE,
     BUFFER,
@@ -105,7 +105,7 @@ def test_a_step_that_is_too_long_is_taken_back():
 
 
 @pytest.mark.skipif(platform.machine() not in {"x86_64", "AMD64"}, reason="reads x86 assembly")
-@pytest.mark.parametrize(("kernel", "rows"), [(step_lanes, BUFFER), (watch_step, ROWS * LANES)])
+@pytest.mark.parametrize(("kernel", "rows"), [(step_lanes, BUFFER), (measure_step, ROWS * LANES)])
 def test_the_loop_over_lanes_is_vector_code(kernel, rows):
     """A branch, or a function too long to be inlined, would cost a factor of four in silence."""
     settings = {"fastmath": {"contract", "nsz", "arcp", "reassoc"}, "error_model": "numpy"}
