@@ -1,4 +1,4 @@
-"""Trapping regions: ellipsoids round a stable whirl that no orbit leaves; a start in one is decided.
+"""Trapping regions: ellipsoids round a stable whirl that no orbit leaves: starts inside are sure.
 
 On the rotating axes a synchronous whirl is an equilibrium. A quadratic Lyapunov function ``V`` of
 the distance to it in state space falls along every orbit on the ellipsoid ``V <= 1``: no orbit
