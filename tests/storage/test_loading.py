@@ -1,4 +1,4 @@
-"""What load refuses: other files, damage, and forgeries."""
+"""What load refuses: other files, other formats, and damage."""
 
 from __future__ import annotations
 
@@ -15,8 +15,6 @@ from rotor_ida.errors import ArchiveError, InputError
 from rotor_ida.storage.archive import load, reading, save
 from rotor_ida.storage.archive.checksum import append_seal
 from tests.kinds import a_dataset
-
-forgeries = pytest.importorskip("tests.storage.forgeries", reason="forgeries need h5py")
 
 
 def refused(path: Path, message: str) -> None:
@@ -151,20 +149,6 @@ def test_absurd_strings_are_refused(archive: Path, monkeypatch: pytest.MonkeyPat
         archive.with_name("texts.nc"),
     )
     refused(path, "declares absurdly long strings in 'message'")
-
-
-@pytest.mark.parametrize(("forgery", "message"), forgeries.SEALED_AGAIN.items())
-def test_forged_archive_is_refused(
-    forgery: str, message: str, archive: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    forgeries.FORGERIES[forgery](archive)
-    with monkeypatch.context() as patch:
-        patch.setattr(netCDF4, "Dataset", None)  # netCDF must not open it at all
-        refused(archive, "it has no seal; xarray.open_dataset and ncdump may still open it")
-    append_seal(archive)
-    if "outside" in message:
-        monkeypatch.setattr(netCDF4, "Dataset", None)
-    refused(archive, message)
 
 
 def test_file_replaced_while_it_is_read_is_read_again(
