@@ -5,8 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,29 +13,26 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 from matplotlib.figure import Figure
-from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    ProgressColumn,
-    Task,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
-from rich.text import Text
 
 from rotor_ida.checks import check_axis, check_count, check_positive
 from rotor_ida.closed_forms import curve, folds, peak_amplitude
 from rotor_ida.errors import InputError, RotorError
 from rotor_ida.paper.gallery import Entry, add_entry
 from rotor_ida.parallel import count_workers
+from rotor_ida.parallel.progress import progress_bar
 from rotor_ida.plot import save_figure
 from rotor_ida.storage.archive import save
 
+__all__ = [
+    "Settings",
+    "check_folder",
+    "output_folder",
+    "progress_bar",
+    "run_script",
+    "speeds_of_curves",
+]
+
 Values = npt.NDArray[np.float64]
-Report = Callable[[int, int], None]
 
 DEFAULT_FOLDER = "results"
 
@@ -175,32 +171,6 @@ def run_script(
         return 1
     print(f"written to {folder}")
     return 0
-
-
-class _RateColumn(ProgressColumn):
-    """Points a second."""
-
-    def render(self, task: Task) -> Text:
-        rate = task.finished_speed or task.speed
-        return Text("" if rate is None else f"{rate:.3g}/s")
-
-
-@contextmanager
-def progress_bar(description: str) -> Iterator[Report]:
-    """Show a progress bar with the time left on standard error.
-
-    Yields
-    ------
-    callable
-        To be called with the number of points done and their total, as by `rotor_ida.sweep`.
-    """
-    columns = (
-        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), _RateColumn(),
-        TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(),
-    )  # fmt: skip
-    with Progress(*columns, console=Console(stderr=True)) as bar:
-        task = bar.add_task(description, total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
 
 
 def speeds_of_curves(

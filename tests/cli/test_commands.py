@@ -81,6 +81,19 @@ def test_negative_components_of_a_start_are_read(program: Program):
     ]  # fmt: skip
 
 
+def test_simulate_begins_from_rest(program: Program):
+    words = [word for word in RUN if word != "--start"]
+    del words[6:10]
+    answer = program("simulate", *words, "--json")
+    assert json.loads(answer.out) == json.loads(program("simulate", *RUN, "--json").out)
+
+
+@pytest.mark.parametrize("name", ["motion", "motion.png", "motion.svg"])
+def test_a_figure_is_named_by_either_file_or_without_ending(program: Program, name: str):
+    assert program("simulate", *RUN, "--figure", name).status == 0
+    assert {path.name for path in Path().iterdir()} == {"motion.png", "motion.svg"}
+
+
 def test_a_file_is_replaced_only_by_force(program: Program):
     Path("run.nc").write_text("mine")
     refused = program("simulate", *RUN, "--out", "run.nc")
