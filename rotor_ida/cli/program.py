@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import sys
 from collections.abc import Sequence
 from importlib.metadata import version
@@ -123,9 +122,10 @@ def misread(error: CycloptsError) -> str:
         choices = ", ".join(map(repr, get_args(error.target_type)))
         given = "" if error.token is None else error.token.value
         return f"{name} must be one of {choices}, got {given!r}"
-    if isinstance(error, ValidationError):
-        bound = re.sub(">=", "at least", re.sub("<=", "at most", error.exception_message))
-        return f"{name} {bound[:1].lower()}{bound[1:].rstrip('.')}, got {error.value}"
+    if isinstance(error, ValidationError) and error.argument is not None:
+        bound = error.exception_message.replace(">=", "at least").replace("<=", "at most")
+        given = error.argument.tokens[0].value
+        return f"{name} {bound[:1].lower()}{bound[1:].rstrip('.')}, got {given}"
     return _misplaced(error, option)
 
 

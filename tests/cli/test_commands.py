@@ -282,7 +282,7 @@ def test_reproduce_passes_its_options_on(
     answer = program("reproduce", "--out", "x", "--quick", "--only", "a", "b", "--workers", 3)
     assert (answer.status, answer.out, answer.err) == (status, "", "going on\n")
     options = {"quick": True, "only": ["a", "b"], "workers": 3, "force": False}
-    assert calls == [("x", options)]
+    assert calls == [(Path("x"), options)]
 
 
 def test_a_long_table_is_cut_and_says_so(program: Program):

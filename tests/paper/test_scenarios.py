@@ -1,6 +1,7 @@
 """The scenarios run, write what they say, and say something of every figure."""
 
 import importlib.util
+import re
 
 import pytest
 
@@ -33,6 +34,8 @@ def test_scenario_writes_archives_and_figures_with_words(name, tmp_path):
     assert drawn == {path.stem for path in (tmp_path / name).glob("*.svg")}
     assert drawn == {entry.figure for entry in entries}
     for entry in entries:
+        words = " ".join([entry.shows, entry.paper, entry.found, entry.verdict])
+        assert not re.search(r"\b(omega|zeta|delta0|lambda\d|theta|sqrt)\b|\^|\de[-+]\d|\w'", words)
         assert entry.shows.endswith(".")
         assert entry.found.endswith(".")
         for archive in entry.archives:
