@@ -48,7 +48,8 @@ REST: State = (0.0, 0.0, 0.0, 0.0)
 Start = Annotated[
     State,
     Parameter(
-        help="Start X Y VX VY. Without it, from rest.",
+        help="Where the motion begins; without it, at rest on the axis.",
+        metavar="X Y VX VY",
         converter=parsing.converter(parsing.start),
         negative=(),
         show_default=False,
@@ -57,7 +58,8 @@ Start = Annotated[
 Starts = Annotated[
     list[State],
     Parameter(
-        help="Start X Y VX VY; may be given several times. Without it, from rest.",
+        help="Where each motion begins, given once or more; without it, at rest on the axis.",
+        metavar="X Y VX VY",
         converter=parsing.converter(parsing.starts),
         consume_multiple=True,
         negative=(),
@@ -67,7 +69,8 @@ Starts = Annotated[
 Component = Annotated[
     float | list[float],
     Parameter(
-        help="Component of the start: number or START:STOP:COUNT.",
+        help="Component of the start.",
+        metavar="FLOAT|START:STOP:COUNT",
         converter=parsing.converter(parsing.number_or_range),
         negative=(),
     ),
@@ -75,7 +78,8 @@ Component = Annotated[
 Range = Annotated[
     float | tuple[float, float],
     Parameter(
-        help="Component of the starts: number, or range LOW:HIGH.",
+        help="Component of the starts, or the range they are drawn from.",
+        metavar="FLOAT|LOW:HIGH",
         converter=parsing.converter(parsing.number_or_ends),
         negative=(),
     ),
@@ -144,6 +148,7 @@ class JobOptions:
         str,
         Parameter(
             help="What does the work: auto, serial, threads, processes, dask, or an address of "
-            "dask."
+            "dask.",
+            metavar="NAME|ADDRESS",
         ),
     ] = "auto"

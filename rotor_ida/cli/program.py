@@ -7,7 +7,18 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from typing import Literal, TextIO, get_args, get_origin
 
-from cyclopts import App, CoercionError, CycloptsError, ValidationError
+from cyclopts import (
+    App,
+    Argument,
+    CoercionError,
+    CycloptsError,
+    MissingArgumentError,
+    Token,
+    UnknownCommandError,
+    UnknownOptionError,
+    UnusedCliTokensError,
+    ValidationError,
+)
 from rich.console import Console
 
 from rotor_ida.cli.commands.archive import compare, show, verify
@@ -114,36 +125,30 @@ def _words_for(error: BaseException) -> str:
 
 def misread(error: CycloptsError) -> str:
     """Return in one line what could not be read, in the form of this package's own messages."""
-    if isinstance(error.__cause__, InputError):  # from a converter of ours
-        return str(error.__cause__)
-    option = error.argument.name if error.argument is not None else ""
+    option = "" if error.argument is None else error.argument.name
     name = option.removeprefix("--")
-    if isinstance(error, CoercionError) and get_origin(error.target_type) is Literal:
-        choices = ", ".join(map(repr, get_args(error.target_type)))
-        given = "" if error.token is None else error.token.value
-        return f"{name} must be one of {choices}, got {given!r}"
-    if isinstance(error, ValidationError) and error.argument is not None:
-        bound = error.exception_message.replace(">=", "at least").replace("<=", "at most")
-        given = error.argument.tokens[0].value
-        return f"{name} {bound[:1].lower()}{bound[1:].rstrip('.')}, got {given}"
-    return _misplaced(error, option)
-
-
-def _misplaced(error: CycloptsError, option: str) -> str:
-    """Return in one line which word is missing or too many; the classes differ by version."""
-    kind, unused = type(error).__name__, error.unused_tokens or []
-    token = getattr(error, "token", None)
-    if kind == "UnknownOptionError" and token is not None:
-        return f"unknown option {token.keyword or token.value!r}"
-    if kind == "UnusedCliTokensError" and unused:
-        return f"unexpected argument {unused[0]!r}"
-    if kind in {"UnknownCommandError", "InvalidCommandError"} and error.root_input_tokens:
-        return f"unknown command {error.root_input_tokens[0]!r}: see rotor-ida --help"
-    if kind == "MissingArgumentError" and option:
-        return _missing(option, unused, getattr(error, "tokens_so_far", []))
-    error.verbose = False
-    message = str(error)
-    return message[:1].lower() + message[1:].rstrip(".")
+    match error:
+        case CycloptsError(__cause__=InputError() as cause):  # from a converter of ours
+            said = str(cause)
+        case CoercionError(token=Token() as token, target_type=kind) if get_origin(kind) is Literal:
+            choices = ", ".join(map(repr, get_args(kind)))
+            said = f"{name} must be one of {choices}, got {token.value!r}"
+        case ValidationError(argument=Argument(tokens=[Token() as token, *_])):
+            bound = error.exception_message.replace(">=", "at least").replace("<=", "at most")
+            said = f"{name} {bound[:1].lower()}{bound[1:].rstrip('.')}, got {token.value}"
+        case UnknownOptionError(token=token):
+            said = f"unknown option {token.keyword or token.value!r}"
+        case UnusedCliTokensError(unused_tokens=[first, *_]):
+            said = f"unexpected argument {first!r}"
+        case UnknownCommandError(root_input_tokens=[first, *_]):
+            said = f"unknown command {first!r}: see rotor-ida --help"
+        case MissingArgumentError() if option:
+            said = _missing(option, error.unused_tokens or [], error.tokens_so_far)
+        case _:
+            error.verbose = False
+            said = f"{error}".rstrip(".")
+            said = said[:1].lower() + said[1:]
+    return said
 
 
 def _missing(option: str, unused: Sequence[str], given: Sequence[str]) -> str:
