@@ -183,6 +183,8 @@ def test_an_interrupted_sample_has_no_result_yet(program: Program, monkeypatch: 
          "x must be a range (low, high) with low <= high, got (2.0, 1.0)"),
         (["fractions", "--omega", "1", "--zeta", "1", "--delta0", "1", "--x", "0:1", "--y", "0",
           "--seed", "-1"], "seed must be at least 0, got -1"),
+        (["fractions", "--omega", "1", "--zeta", "1", "--delta0", "1", "--x", "0:1", "--y", "0",
+          "--starts", "5000001"], "starts must be at most 5000000 without --study, got 5000001"),
     ],
 )  # fmt: skip
 def test_bad_input_gets_one_line_and_loses_nothing(

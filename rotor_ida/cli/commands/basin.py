@@ -5,8 +5,9 @@ from __future__ import annotations
 import rotor_ida
 from rotor_ida.cli import options
 from rotor_ida.cli.output import Output, answer_whole, working
-from rotor_ida.cli.parsing import check_points
+from rotor_ida.cli.parsing import MOST_POINTS, check_points
 from rotor_ida.cli.report import Report
+from rotor_ida.errors import InputError
 
 
 def basin(
@@ -74,7 +75,8 @@ def fractions(
     """
     output = Output(out=out, as_json=as_json, force=force)
     output.check()
-    check_points(range(starts), in_study=study is not None)
+    if study is None and starts > MOST_POINTS:
+        raise InputError(f"starts must be at most {MOST_POINTS} without --study, got {starts}")
     with working("fractions", study) as progress:
         dataset = rotor_ida.basin_fractions(
             rotor.rotor(),
