@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shlex
 import sys
 from collections.abc import Callable, Iterator
@@ -26,6 +25,7 @@ RESULT = "result.nc"
 OUT_ENDING = ".nc"
 PICTURES = (".png", ".svg")
 MOST_PANELS = 12
+FORCED = "--force is given"
 
 
 @Parameter(name="*")
@@ -52,17 +52,20 @@ class Output:
 
     def check(self, *, panels: int = 1) -> None:
         """Refuse files that cannot be written, so that nothing that is computed is lost."""
+        from rotor_ida.files import check_target  # noqa: PLC0415 - takes a moment
+
         if self.out is not None:
             if self.out.suffix != OUT_ENDING:
                 raise InputError(f"out must end in {OUT_ENDING}, got {str(self.out)!r}")
-            _check_file("out", self.out, self.force)
+            check_target("out", self.out, overwrite=self.force, permission=FORCED)
         if self.figure is not None:
             check_panels(panels)
             if self.figure.suffix not in {"", *PICTURES} or self.figure.name in {"", ".."}:
                 word = str(self.figure)
                 raise InputError(f"figure must be NAME, NAME.png or NAME.svg, got {word!r}")
             for ending in PICTURES:
-                _check_file("figure", self.figure.with_suffix(ending), self.force)
+                picture = self.figure.with_suffix(ending)
+                check_target("figure", picture, overwrite=self.force, permission=FORCED)
 
 
 def check_panels(panels: int) -> int:
@@ -72,20 +75,6 @@ def check_panels(panels: int) -> int:
             f"figure can show at most {MOST_PANELS} pairs of zeta and delta0, got {panels}"
         )
     return panels
-
-
-def _check_file(name: str, path: Path, force: bool) -> None:
-    word = str(path)
-    if path.is_dir():
-        raise InputError(f"{name} must be a file, got the folder {word!r}")
-    if not path.parent.is_dir():
-        raise InputError(f"{name} must be in a folder that exists, got {word!r}")
-    if path.exists() and not path.is_file():
-        raise InputError(f"{name} must be a file, got the device or pipe {word!r}")
-    if path.exists() and not force:
-        raise InputError(f"{name} must not exist unless --force is given, got {word!r}")
-    if not os.access(path.parent, os.W_OK):
-        raise InputError(f"{name} must be in a folder that can be written to, got {word!r}")
 
 
 def answer(

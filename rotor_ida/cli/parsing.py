@@ -136,8 +136,8 @@ def starts(name: str, words: Sequence[str]) -> list[State]:
 
 def path(name: str, words: Sequence[str]) -> Path:
     """Return a word as a path."""
-    if not words[0] or "\0" in words[0]:
-        raise InputError(f"{name} must be a path, got {words[0]!r}")
+    if not words[0]:  # which pathlib takes for the folder it is in
+        raise InputError(f"{name} must be a path, got ''")
     return Path(words[0])
 
 
