@@ -79,7 +79,7 @@ def main(settings: Settings) -> None:
             for value, error in zip(
                 found.lyapunov_exponent.values, found.lyapunov_error.values, strict=True
             )
-        )
+        ).replace("-", "−")
         print(f"{name}: Lyapunov exponents {shown}")
         largest, error = found.lyapunov_exponent[0].item(), found.lyapunov_error[0].item()
         meaning = (
@@ -94,8 +94,8 @@ def main(settings: Settings) -> None:
             "whirl, Lyapunov exponents, contact forces.",
             paper="",
             found=f"Lyapunov exponents {shown}, with the standard error of the last digits in "
-            f"brackets: {meaning}. Their sum is {found.exponent_sum.item():.5f}, "
-            "and must be -4 zeta.",
+            f"brackets: {meaning}. Minus their sum is {-found.exponent_sum.item():.5f}, "
+            "and must be 4ζ.",
         )  # fmt: skip
 
 

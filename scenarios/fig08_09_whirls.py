@@ -53,7 +53,7 @@ def main(settings: Settings) -> None:
     radius = np.hypot(run.x, run.y).sel(t=slice(0.5 * DRAWN, None))
     draw(
         "bouncing", run, "bouncing", settings,
-        shows="With a clearance of 2, at omega = 2, from rest: contact and flight in their "
+        shows="With a clearance of 2, at ω = 2, from rest: contact and flight in their "
         "colours.",
         paper="",
         found=f"The rotor enters and leaves contact for ever, from t = {0.5 * DRAWN:g} on with |z| "

@@ -1,4 +1,4 @@
-"""Eqs (24)-(28): the "general solution" of the paper beside the simulated motion.
+"""Eqs (24)–(28): the "general solution" of the paper beside the simulated motion.
 
 The paper adds two exponentials to the whirl. The equation is nonlinear, so that solutions do not
 add up; three different exponents are given, and the phase has the wrong sign. Shown are the
@@ -124,9 +124,9 @@ def draw(compared: xr.Dataset, name: str, words: str, settings: Settings) -> Non
         found += f"; {LINEARISED}: never off by more than {float(linear.max()):.2g}"
     settings.show(
         figure, name, archives=[name],
-        shows=f"x over time from {words}: simulated, and by eqs (24)-(28); below, the distance "
+        shows=f"x over time from {words}: simulated, and by eqs (24)–(28); below, the distance "
         "from the simulated motion.",
-        paper='z = C3 exp(lambda1 t) + C4 exp(lambda2 t) + A exp(i(omega t + theta)) is "the '
+        paper='z = C₃ exp(λ₁t) + C₄ exp(λ₂t) + A exp(i(ωt + θ)) is "the '
         'general solution".',
         verdict="Wrong: no solution of the nonlinear equation; off by "
         f"{float(at_five.sel(solution='as printed')):.3g} at t = 5."
