@@ -6,11 +6,11 @@ import importlib.util
 import os
 import re
 from collections.abc import Generator, Iterable
-
-import numpy as np
+from functools import partial
 
 from rotor_ida.checks import check_count
 from rotor_ida.errors import InputError
+from rotor_ida.parallel.interruptible import interruptible
 from rotor_ida.parallel.jobs import FailedJob, Job, Result, Work
 from rotor_ida.parallel.pools import run_in_pool
 
@@ -148,7 +148,6 @@ def run_all(
 def _one_by_one(
     work: Work[Job, Result], jobs: Iterable[Job]
 ) -> Generator[tuple[int, Result | FailedJob], None, None]:
-    """Do the jobs in this very process and thread."""
-    stop = np.zeros(1, dtype=np.uint8)
+    """Do the jobs in this very process."""
     for number, job in enumerate(jobs):
-        yield number, work(job, stop)
+        yield number, interruptible(partial(work, job))

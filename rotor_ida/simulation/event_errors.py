@@ -20,9 +20,9 @@ import numpy.typing as npt
 
 from rotor_ida.checks import State
 from rotor_ida.errors import SimulationError
+from rotor_ida.parallel.jobs import Stop
 from rotor_ida.simulation.options import LOOSEST_ATOL, LOOSEST_RTOL, TIGHTEST_ATOL, Options
 from rotor_ida.simulation.orbit import Orbit
-from rotor_ida.simulation.record import Stop
 from rotor_ida.simulation.run import run
 
 Values = npt.NDArray[np.float64]

@@ -13,10 +13,10 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.equations.compiling import shared, structure
+from rotor_ida.parallel.jobs import Stop
 
 Values = npt.NDArray[np.float64]
 Kinds = npt.NDArray[np.int8]
-Stop = npt.NDArray[np.uint8]
 
 # Time, state, samples, events' times, kinds and states, contacts, evaluations.
 RunResult = tuple[float, Values, Values, Values, Kinds, Values, Values, int]

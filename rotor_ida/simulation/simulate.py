@@ -8,13 +8,12 @@ import xarray as xr
 
 from rotor_ida.checks import State, check_axis, check_count, check_positive, check_state
 from rotor_ida.errors import InputError
+from rotor_ida.parallel import Stop, interruptible
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.dataset import run_dataset
 from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors
-from rotor_ida.simulation.interruptible import interruptible
 from rotor_ida.simulation.options import Backend, Flight, Method, Options, check_can_be_followed
 from rotor_ida.simulation.orbit import Orbit
-from rotor_ida.simulation.record import Stop
 from rotor_ida.simulation.run import run
 
 Values = npt.NDArray[np.float64]

@@ -11,10 +11,10 @@ import numpy.typing as npt
 from rotor_ida.checks import State
 from rotor_ida.equations.model import rotated
 from rotor_ida.errors import SimulationError
+from rotor_ida.parallel import Stop
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import Orbit
-from rotor_ida.simulation.record import Stop
 from rotor_ida.simulation.run import run
 from rotor_ida.sweeps.response import UNRESOLVED, Features, classify, features_of
 
