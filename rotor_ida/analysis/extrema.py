@@ -1,8 +1,8 @@
 """Local maxima and minima of the distance from the bearing axis, as roots of r r'.
 
 The motion is followed by the one-step method of `tangent`, from knot to knot. Between two knots
-``g = r r' = x vx + y vy`` is told by the cubic with its exact slopes; each root of that is then
-polished by following the motion from the knot to it, and by Newton's method.
+``g = r r' = x vx + y vy`` is approximated by the cubic with its exact slopes; each root of the
+cubic is then polished by following the motion from the knot to it, and by Newton's method.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def radius_extrema(rotor: Rotor, start: State, duration: float, rtol: float, sto
     start : tuple of float
         ``(x, y, vx, vy)`` on the rotating axes [1].
     duration : float
-        Time to look at [1].
+        Time to follow the motion for [1].
     rtol : float
         Tolerance of one step, relative to the size of the state [1].
     stop : ndarray, shape (1,)

@@ -1,4 +1,4 @@
-"""Sections through a motion: where it stands once a revolution, or at each contact event."""
+"""Sections through a motion: its states once a revolution, or at each contact event."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def poincare_section(
     start : tuple of float
         ``(x, y, vx, vy)`` at time 0 [1].
     revolutions : int
-        Number of revolutions to look at.
+        Number of revolutions in the section.
     skip : int
         Number of revolutions before these, left out as a transient.
     at : {"revolution", "entry", "exit", "peak"}

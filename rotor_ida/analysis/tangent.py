@@ -64,8 +64,8 @@ def follow_stretches(
     Parameters
     ----------
     bundle : ndarray, shape (5, 4)
-        The state on the rotating axes, then four orthonormal tangent vectors; what they have
-        become at the end takes their place [1].
+        The state on the rotating axes, then four orthonormal tangent vectors; overwritten
+        with those at the end [1].
     in_contact : bool
         Whether the motion begins in contact.
     span : float
@@ -138,7 +138,7 @@ def follow_from(
     rtol: float,
     stop: Stop,
 ) -> int:
-    """Write into each row of `reached` what becomes of that row of `states` after its span."""
+    """Write into `reached` the state that follows on each row of `states` after its span."""
     bundle = np.zeros((5, 4))
     for row in range(states.shape[0]):
         bundle[0] = states[row]

@@ -81,8 +81,8 @@ def fly_over(z0: complex, w0: complex, taus: Values, omega: float, zeta: float) 
 def touch_floor(omega: float, zeta: float, delta0: float) -> float:
     """Return the smallest ``|z|**2 - delta0**2`` that stands clear of rounding.
 
-    A touch whose indentation stays below ``touch_floor/(2 delta0)``, about 1e-14 of the
-    lengths involved, is not told from a miss.
+    A graze below an indentation of ``touch_floor/(2 delta0)``, about 1e-14 of the lengths
+    involved, may be missed or invented.
     """
     return 64.0 * ROUNDING * delta0 * (delta0 + abs(unbalance_whirl(omega, zeta)))
 

@@ -28,7 +28,7 @@ from rotor_ida.simulation.start import contact_start, starts_in_contact
 
 @shared
 def run_events(record: Record, contact: Motion, free: Motion) -> int:
-    """Carry a run from its start to its end, and write down what happens on the way.
+    """Follow a run from its start to its end, and record its samples, events and contacts.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def _stay_in_contact(record: Record, free: Motion) -> int:
 
 @shared
 def _contact(record: Record, contact: Motion, entry: float) -> int:
-    """Follow one contact, write its row, and mark its exit if it has one."""
+    """Follow one contact, record its exit if it has one, and add its row."""
     began, left = record.time, time_left(record)
     if left <= 0.0:
         moment = (record.position.conjugate() * record.velocity).imag

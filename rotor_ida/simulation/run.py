@@ -146,7 +146,7 @@ def _in_compiled_code(
     stop: Stop,
 ) -> tuple[int, str, RunResult]:
     """Run the event loop in compiled code, over the SUNDIALS libraries themselves."""
-    status, seen = _go(
+    status, seen = _run_compiled(
         np.array([rotor.omega, rotor.zeta, rotor.delta0]),
         options.step_rtol,
         options.step_atol,
@@ -163,7 +163,7 @@ def _in_compiled_code(
 
 
 @compiled
-def _go(
+def _run_compiled(
     parameters: Values,
     rtol: float,
     atol: float,

@@ -81,10 +81,11 @@ def simulate(
     -----
     ``z'' + 2 zeta z' + max(|z| - delta0, 0)**1.5 z/|z| = omega**2 exp(i omega t)``. An event
     within ``min(100 rtol, 1e-8) duration`` behind the end belongs to the run. A start
-    exactly on the ring is in contact if it moves outwards, or is about to. Touches with an
-    indentation below about 1e-13 of the lengths involved are not told from misses.
-    ``event_time_error`` comes from a second run with looser tolerances; it is infinite beyond
-    ``horizon``, from where on the start no longer determines the orbit at these tolerances.
+    exactly on the ring is in contact if it moves outwards, or is about to. Grazes
+    below an indentation of about 1e-13 of the lengths involved may be missed or invented.
+    ``event_time_error`` comes from a second run with looser tolerances, and includes the spacing
+    of doubles. It is infinite beyond ``horizon``: from there on the start no longer determines
+    the orbit at these tolerances.
 
     References
     ----------
@@ -112,8 +113,8 @@ def simulate(
         orbit = run(rotor, first, end, times, options, slack=slack, stop=stop)
         return orbit, estimate_event_errors(orbit, first, slack=slack, stop=stop)
 
-    orbit, trusted = interruptible(run_twice)
-    return run_dataset(orbit, first, trusted)
+    orbit, errors = interruptible(run_twice)
+    return run_dataset(orbit, first, errors)
 
 
 def _sample_times(samples: object, duration: float) -> Values:

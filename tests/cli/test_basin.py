@@ -58,7 +58,10 @@ def test_an_interrupt_saves_what_is_done(program: Program, monkeypatch: pytest.M
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 def test_an_interrupt_from_the_keyboard_is_answered_at_once(tmp_path: Path):
-    code = "import sys; from rotor_ida.cli import main; sys.exit(main(sys.argv[1:]))"
+    code = (
+        "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "from rotor_ida.cli import main; sys.exit(main(sys.argv[1:]))"
+    )
     words = [str(word) for word in FIGURE_7] + ["--x=-15:15:2000", "--y=-15:15:2000"]
     line = [sys.executable, "-c", code, *words, "--out", "basin.nc"]
     folder = os.fspath(Path(rotor_ida.__file__).parents[1])

@@ -90,7 +90,7 @@ def test_who_stops_asking_leaves_nothing_behind():
 
 
 INTERRUPTED = """
-import sys, time, threading, multiprocessing
+import signal, sys, time, threading, multiprocessing
 sys.path.insert(0, {folder!r})
 from rotor_ida.parallel import run_all
 
@@ -101,6 +101,7 @@ def work(job, stop):
         time.sleep(0.01)
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in a shell's background
     try:
         for _ in run_all(work, range(10), workers=2, executor={executor!r}):
             print("started", flush=True)
