@@ -7,10 +7,12 @@ import pytest
 
 from rotor_ida.parallel import interruptible
 
+# Each long call would take minutes; the short one before it compiles what is not cached.
 PROGRAM = """
-import signal, sys, threading
-import rotor_ida
-from rotor_ida import Rotor
+import signal, threading
+from rotor_ida import (
+    Rotor, bifurcation_diagram, lyapunov_exponent, poincare_section, simulate, sweep
+)
 
 class Late(Exception):
     pass
@@ -21,53 +23,40 @@ def late(number, frame):
 # where a shell starts a job in the background, SIGINT is ignored
 signal.signal(signal.SIGINT, signal.default_int_handler)
 signal.signal(signal.SIGALRM, late)
-rotor, rest = Rotor(omega=2.0, zeta=0.07, delta0=2.0), (0.0, 0.0, 0.0, 0.0)
-{first}
-number, expected = {signal}
 main = threading.main_thread().ident
-threading.Timer(0.5, lambda: signal.pthread_kill(main, number)).start()
-try:
-    {call}
-    print("was not stopped")
-except expected:
-    print("stopped", threading.active_count())
+rotor, rest = Rotor(omega=2.0, zeta=0.07, delta0=2.0), (0.0, 0.0, 0.0, 0.0)
+drifting = Rotor(omega=1.0, zeta=0.0, delta0=1.5)
+point = {"omega": 2.0, "zeta": 0.07, "delta0": 2.0, "starts": [rest]}
+calls = {
+    "run": (lambda time: simulate(rotor, start=rest, duration=time), 1.0, 1e7),
+    "flight": (lambda time: simulate(drifting, start=(-1, 0, 1e-9, -1), duration=time), 1.0, 1e9),
+    "exponents": (lambda time: lyapunov_exponent(rotor, start=rest, duration=time), 200.0, 1e6),
+    "entries": (lambda n: poincare_section(rotor, start=rest, revolutions=n, at="entry"), 1, 10**6),
+    "peaks": (lambda n: poincare_section(rotor, start=rest, revolutions=n, at="peak"), 1, 10**5),
+    "diagram": (lambda time: bifurcation_diagram(**point, extrema_time=time), 10.0, 3e5),
+    "sweep": (lambda n: sweep(**point | {"omega": range(2, 2 + n)}, executor="serial"), 1, 900),
+}
+for name, (call, short, long) in calls.items():
+    call(short)
+    for number, expected in ((signal.SIGINT, KeyboardInterrupt), (signal.SIGALRM, Late)):
+        threading.Timer(0.5, signal.pthread_kill, (main, number)).start()
+        try:
+            call(long)
+            print(name, "was not stopped")
+        except expected:
+            print(name, threading.active_count(), flush=True)
 """
-INTERRUPT = "signal.SIGINT, KeyboardInterrupt"
-ALARM = "signal.SIGALRM, Late"
-SIMULATE = "rotor_ida.simulate(rotor, start=rest, duration={})"
-EXPONENTS = "rotor_ida.lyapunov_exponent(rotor, start=rest, duration={})"
-SECTION = 'rotor_ida.poincare_section(rotor, start=rest, revolutions={}, at="PLACE")'
-DIAGRAM = (
-    "rotor_ida.bifurcation_diagram(omega=2.0, zeta=0.07, delta0=2.0, starts=[rest], "
-    "extrema_time={})"
-)
-DRIFT = (
-    "rotor_ida.simulate(Rotor(omega=1.0, zeta=0.0, delta0=1.5), "
-    "start=(-1.0, 0.0, 1e-9, -1.0), duration={}, samples=2)"
-)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
-@pytest.mark.parametrize(
-    ("call", "short", "long", "signal"),
-    [
-        (SIMULATE, "1.0", "1e7", INTERRUPT),
-        (SIMULATE, "1.0", "1e7", ALARM),
-        (DRIFT, "1.0", "1e9", INTERRUPT),
-        (EXPONENTS, "200.0", "1e6", INTERRUPT),
-        (SECTION.replace("PLACE", "entry"), "2", "10**6", ALARM),
-        (SECTION.replace("PLACE", "peak"), "2", "10**5", INTERRUPT),
-        (DIAGRAM, "10.0", "3e5", INTERRUPT),
-    ],
-    ids=["run", "run, alarm", "long flight", "exponents", "entries", "peaks", "diagram"],
-)
-def test_long_work_in_compiled_code_is_stopped(call, short, long, signal):
-    """Each would take minutes; the short call before it compiles what is not cached."""
-    program = PROGRAM.format(first=call.format(short), call=call.format(long), signal=signal)
+def test_long_work_in_compiled_code_is_stopped_and_its_thread_ends():
     done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, timeout=240, check=False
+        [sys.executable, "-c", PROGRAM], capture_output=True, text=True, timeout=270, check=False
     )
-    assert done.stdout.split() == ["stopped", "1"], done.stdout + done.stderr
+    names = ("run", "flight", "exponents", "entries", "peaks", "diagram", "sweep")
+    assert done.stdout.split("\n")[:-1] == [f"{name} 1" for name in names for _ in range(2)], (
+        done.stderr
+    )
 
 
 def test_what_the_work_returns_or_raises_is_passed_on():
