@@ -1,12 +1,15 @@
 """Compiled code takes the same steps as Python: the same events, samples and errors."""
 
 import threading
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from rotor_ida import InputError, Rotor, SimulationError, simulate
 from rotor_ida.simulation.cvode import libraries
+from rotor_ida.simulation.cvode.python import Integration
+from rotor_ida.simulation.motion import STUCK
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
 from tests.test_reference_events import CASES
@@ -118,6 +121,19 @@ def test_a_run_can_be_asked_to_stop():
     with pytest.raises(SimulationError, match="interrupted") as stopped:
         run(BOUNCING, REST, 1e7, np.array([1e7]), Options(), stop=stop)
     assert stopped.value.time < 1e7
+
+
+def test_an_integration_that_stands_still_is_given_up():
+    """At a time whose spacing of doubles is longer than the step."""
+
+    class Standing:
+        def step(self, goal, how):
+            return SimpleNamespace(success=True, t=0.0, y=np.zeros(1), nfev=1)
+
+    integration = Integration(Options(backend="python"), lambda values, rate: None)
+    integration._solver = Standing()
+    assert integration.advance() == STUCK
+    assert integration.message == "time no longer advances"
 
 
 def test_runs_one_after_the_other_leave_nothing_behind():
