@@ -63,7 +63,7 @@ def draw_design(design: xr.Dataset, settings: Settings) -> None:
     for ax in (axes[0], axes[2]):
         ax.set_ylim(bottom=0.0)
     with style():
-        figure.suptitle(parameter_text(zeta=ZETA), fontsize=10.0)
+        figure.suptitle(parameter_text({"zeta": ZETA}), fontsize=10.0)
     first, last = design.isel(delta0=0), design.isel(delta0=-1)
     settings.show(
         figure, "design", archives=["design"],

@@ -36,7 +36,7 @@ def main(settings: Settings) -> None:
     duration = 40.0 if settings.quick else 80.0
     start = (0.0, 0.0, 0.0, 0.0)
     run = simulate(rotor, start=start, duration=duration, samples=4001)
-    machine = dimensional(run, MACHINE)
+    machine = dimensional(run, MACHINE, units={"length": "µm", "time": "ms"})
     settings.keep(run, "run")
     settings.keep(machine, "machine")
     force = float(contact_summary(run).largest_force) * MACHINE.force_scale

@@ -138,7 +138,7 @@ def draw_portraits(portraits: xr.Dataset, settings: Settings) -> None:
         plot_portrait(here.isel(start=slice(0, half)), along="x", ax=axes[2 * row])
         plot_portrait(here.isel(start=slice(half, None)), along="y", ax=axes[2 * row + 1])
         with style():
-            words = parameter_text(delta0=delta0)
+            words = parameter_text({"delta0": delta0})
             axes[2 * row].set_title(f"{words},  from rest at $x_0$")
             axes[2 * row + 1].set_title(f"{words},  from the centre with $y_0$′")
     settings.show(

@@ -77,7 +77,7 @@ def draw(name: str, run: xr.Dataset, archive: str, settings: Settings, **texts: 
     shared_legend(figure, axes, columns=6, outer=False)
     with style():
         parameters = {each: float(run[each]) for each in ("omega", "zeta", "delta0")}
-        figure.suptitle(parameter_text(**parameters), fontsize=10.0)
+        figure.suptitle(parameter_text(parameters), fontsize=10.0)
     settings.show(figure, name, archives=[archive], **texts)
 
 

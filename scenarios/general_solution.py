@@ -112,7 +112,7 @@ def draw(compared: xr.Dataset, name: str, words: str, settings: Settings) -> Non
     axes[1].set_ylim(max(1e-6, 0.5 * float(error.where(error > 0.0)[:, 20:].min())), 100.0)
     with style():
         parameters = {each: float(compared[each]) for each in Rotor.__slots__}
-        axes[0].set_title(f"{parameter_text(**parameters)},  from {words}")
+        axes[0].set_title(f"{parameter_text(parameters)},  from {words}")
     shared_legend(figure, axes, columns=4 if compared.sizes["solution"] < 4 else 3, outer=False)
     found = "; ".join(
         f"{each}: off by {float(at_five.sel(solution=each)):.3g} at t = 5"

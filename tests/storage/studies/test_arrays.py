@@ -1,4 +1,4 @@
-"""Arrays on the disk: where there is no room for one, one line says so."""
+"""Arrays as bytes, to the last bit, and on the disk: where there is no room, one line says so."""
 
 import os
 import subprocess
@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pytest
 
-from rotor_ida.storage.studies.scratch import LARGE, scratch
+from rotor_ida.storage.studies.arrays import LARGE, scratch
 
 
 def test_a_large_array_leaves_no_file(tmp_path):
@@ -23,7 +23,7 @@ def test_a_full_disk_is_told_in_words(tmp_path):
 import resource, signal
 import numpy as np
 from pathlib import Path
-from rotor_ida.storage.studies.scratch import LARGE, scratch
+from rotor_ida.storage.studies.arrays import LARGE, scratch
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (2**16, 2**16))
 scratch((LARGE,), np.int8, Path({str(tmp_path)!r}))

@@ -1,8 +1,8 @@
-"""Files that look like archives and are made to harm a reader; `damage.py` holds them against load.
+"""Files that look like archives and are made to harm a reader.
 
 Each function gives an archive a part that no archive has. It is written with h5py, whose HDF5 asks
-no questions, and the seal of the archive is lost by it, as it would be for anyone who does not
-know this package.
+no questions, and the seal of the archive is lost by it. Those of `SEALED_AGAIN` are refused even
+if the forger seals them.
 """
 
 import os
@@ -119,7 +119,7 @@ def many_variables(path):
 def other_content(path):
     """Write a file that has nothing of an archive but its attributes."""
     with netCDF4.Dataset(path, "w") as file:
-        file.rotor_ida_format = 2
+        file.rotor_ida_format = 3
         file.content_sha256 = "0" * 64
 
 
@@ -132,4 +132,18 @@ FORGERIES = {
     name: made
     for name, made in list(globals().items())
     if callable(made) and getattr(made, "__module__", "") == __name__ and made is not Path
+}
+# Not those that only take as much time and memory as they declare, nor the one that is too long.
+SEALED_AGAIN = {
+    "external_link": "is not a sound archive: it holds 'outside', which is a link",
+    "external_storage": "holds 'outside', whose data are in another file",
+    "soft_link": "holds 'turned', which is a link",
+    "virtual_dataset": "holds 'outside', which is put together from other variables",
+    "vast_variable": r"declares 8e\+13 bytes",
+    "deep_groups": "holds 'g', which is not a variable",
+    "cyclic_links": "holds '(round|self)', which is not a variable",
+    "user_types": "is not a sound archive",
+    "missing_filter": "cannot read .*, which may be damaged",
+    "many_variables": "does not have the checksum",
+    "other_content": "does not have the checksum",
 }
