@@ -53,7 +53,11 @@ def test_status_tells_how_far_it_is(program: Program):
 
 @pytest.mark.skipif(os.name != "posix", reason="sends an interrupt")
 def test_an_interrupt_says_how_to_go_on(program: Program):
-    line = [sys.executable, "-c", "import sys, rotor_ida.cli; sys.exit(rotor_ida.cli.main())"]
+    code = (
+        "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "import rotor_ida.cli; sys.exit(rotor_ida.cli.main())"
+    )
+    line = [sys.executable, "-c", code]
     running = subprocess.Popen(
         [*line, *LONG], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
