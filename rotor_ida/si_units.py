@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import xarray as xr
 
+from rotor_ida.checks import check_instance
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import DimensionalRotor
 from rotor_ida.schema import QUANTITIES
@@ -56,6 +57,8 @@ def dimensional(dataset: xr.Dataset, machine: DimensionalRotor) -> xr.Dataset:
     >>> dimensional(run, machine).t.attrs["units"]
     's'
     """
+    check_instance("dataset", dataset, xr.Dataset)
+    check_instance("machine", machine, DimensionalRotor)
     if "length_scale" in dataset.attrs:
         raise InputError("the dataset is in SI units already")
     scales = {

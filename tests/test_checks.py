@@ -6,13 +6,18 @@ import numpy as np
 import pytest
 
 from rotor_ida.checks import (
+    check_array,
     check_axis,
     check_choice,
     check_count,
+    check_duration,
     check_nonnegative,
     check_positive,
     check_real,
     check_state,
+    check_states,
+    check_vector,
+    shown,
 )
 from rotor_ida.errors import InputError
 

@@ -43,10 +43,7 @@ def whole_number(name: str, word: str, minimum: int, maximum: int) -> int:
     ...
     rotor_ida.errors.InputError: workers must be a whole number, got '2.5'
     """
-    count = check_count(name, _int(word), minimum)
-    if count > maximum:
-        raise InputError(f"{name} must be at most {maximum}, got {count}")
-    return count
+    return check_count(name, _int(word), minimum, maximum)
 
 
 def samples(word: str) -> int:

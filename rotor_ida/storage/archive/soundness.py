@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rotor_ida import schema
+from rotor_ida.checks import shown
 from rotor_ida.errors import ArchiveError, InputError
 from rotor_ida.storage.archive.content import FORMAT
 from rotor_ida.storage.archive.conventions import DOMAIN
@@ -31,7 +32,7 @@ _LENGTH_FIELD = slice(28, 36)
 def check_source(path: object) -> Path:
     """Return the path of a file that exists."""
     if not isinstance(path, (str, os.PathLike)) or not str(path):
-        raise InputError(f"path must be the path of a file, got {path!r}")
+        raise InputError(f"path must be the path of a file, got {shown(path)}")
     source = Path(path)
     if os.path.isdir(source):
         raise InputError(f"path must be a file, got the folder {str(source)!r}")

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import xarray as xr
 
+from rotor_ida import checks
 from rotor_ida.errors import ArchiveError, InputError
 from rotor_ida.provenance import command
 from rotor_ida.storage.archive.content import CHECKSUM, archived_form
@@ -114,13 +115,13 @@ def _of_this_file(dataset: xr.Dataset, moment: str, checksum: str) -> dict[str, 
 
 def _check_path(path: object) -> Path:
     if not isinstance(path, (str, os.PathLike)) or "\0" in str(path) or not str(path):
-        raise InputError(f"path must be the path of a file, got {path!r}")
+        raise InputError(f"path must be the path of a file, got {checks.shown(path)}")
     return Path(path)
 
 
 def _check_target(shown: Path, target: Path, overwrite: object) -> None:
     if not isinstance(overwrite, bool):
-        raise InputError(f"overwrite must be true or false, got {overwrite!r}")
+        raise InputError(f"overwrite must be true or false, got {checks.shown(overwrite)}")
     if os.path.isdir(target):
         raise InputError(f"path must be a file, got the folder {str(shown)!r}")
     if not os.path.isdir(target.parent):

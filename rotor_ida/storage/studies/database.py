@@ -11,6 +11,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from rotor_ida.checks import shown
 from rotor_ida.errors import ArchiveError, InputError
 from rotor_ida.storage.studies.design import Design, as_text, refuse_another
 
@@ -148,7 +149,7 @@ def check_folder(folder: object) -> Path:
     """Return the path of a folder, whether it is there or not."""
     path = os.fspath(folder) if isinstance(folder, (str, os.PathLike)) else None
     if not isinstance(path, str) or "\0" in path or not path:
-        raise InputError(f"study must be the path of a folder, got {folder!r}")
+        raise InputError(f"study must be the path of a folder, got {shown(folder)}")
     return Path(path)
 
 
