@@ -20,7 +20,7 @@ from rotor_ida.checks import (
     check_seed,
     is_scalar,
 )
-from rotor_ida.errors import SimulationError
+from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.parallel import FailedJob, Stop, choose, run_all
 from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.schema import STATUS, labelled
@@ -82,8 +82,9 @@ def bifurcation_diagram(
     Raises
     ------
     InputError
-        If an argument cannot be used. A point that fails does not raise: its ``status`` and
-        ``message`` say why, and it has no extrema.
+        If an argument cannot be used, or a damping is zero: without damping no motion settles. A
+        point that fails does not raise: its ``status`` and ``message`` say why, and it has no
+        extrema.
 
     Notes
     -----
@@ -104,6 +105,8 @@ def bifurcation_diagram(
     """
     window, seed = check_positive("extrema_time", extrema_time), check_seed(seed)
     farthest = check_positive("reach", reach, LARGEST)
+    if not check_axis("zeta", zeta).all():
+        raise InputError("zeta must be above 0, where nothing settles, got 0.0")
     for speed in check_axis("omega", omega).tolist():
         check_knots("extrema_time", Rotor(omega=speed, zeta=0.0, delta0=0.0), window)
     told = {"title": "Extrema of the radius over a range of speeds", "extrema_time": window}
