@@ -69,7 +69,7 @@ def test_any_value_is_shown_in_one_short_line():
         "a\nb" * 1000, 10**400, 10**5000, [10**5000], list(range(1000)), many, 1j, [[0] * 99] * 99,
         xr.DataArray(many, name="omega"), pd.Series(many),
     ):  # fmt: skip
-        assert 0 < len(shown(value)) <= 200
+        assert 0 < len(shown(value)) <= 160
         assert "\n" not in shown(value)
 
 

@@ -186,3 +186,21 @@ def test_odd_values_are_refused_in_one_line_or_used(name, tmp_path, monkeypatch)
     monkeypatch.chdir(tmp_path)
     troubles = [f"{call}: {trouble}" for call, trouble in odd_calls(name, tmp_path) if trouble]
     assert not troubles, "\n".join(troubles)
+
+
+def test_labelled_values_are_numbers_starts_and_ranges():
+    """What comes out of one function goes into the next, and changes no bit."""
+    whirls, responses = rotor_ida.synchronous_response(omega=[1.2], zeta=0.5, delta0=0.5), swept()
+    again = rotor_ida.synchronous_response(
+        omega=responses.omega, zeta=responses.zeta, delta0=responses.delta0
+    )
+    assert again.identical(whirls)
+    rest = xr.DataArray(list(REST), dims="component")
+    assert rotor_ida.simulate(ROTOR, start=rest, duration=run().t[-1], samples=33).equals(run())
+    table = np.array([REST])
+    assert rotor_ida.sweep(omega=1.2, zeta=0.5, delta0=0.5, starts=table).equals(responses)
+    plain, labelled = (
+        rotor_ida.basin_fractions(ROTOR, x=ends, y=np.array(0.0), starts=np.array(5))
+        for ends in ((-1.0, 1.0), xr.DataArray([-1.0, 1.0]))
+    )
+    assert labelled.equals(plain)

@@ -64,7 +64,7 @@ def choose(executor: object, workers: int | None, *, compiled: bool) -> tuple[st
     if chosen != "serial":
         return chosen, count_workers(workers)
     if workers is not None and count_workers(workers) > 1:
-        raise InputError(f"workers must be 1 with executor 'serial', got {workers!r}")
+        raise InputError(f"workers must be 1 with executor 'serial', got {shown(workers)}")
     return chosen, 1
 
 
