@@ -37,7 +37,7 @@ COARSEST_TIME = 1e-6
 # Python and NumPy count these among the numbers.
 _NO_NUMBERS: tuple[type, ...] = (bool, np.bool_, np.timedelta64)
 # Paths are text, and seldom longer than this.
-_LONGEST_SHOWN = 200
+_LONGEST_SHOWN = 160
 _short = Repr()
 _short.maxstring = _LONGEST_SHOWN
 _short.maxother = _short.maxlong = _LONGEST_SHOWN // 2
@@ -48,8 +48,8 @@ def shown(value: object) -> str:
 
     Examples
     --------
-    >>> shown(1.5), shown("a\nb"), len(shown(10**400)), shown([0] * 1000)
-    ('1.5', "'a\\nb'", 100, '[0, 0, 0, 0, 0, 0, ...]')
+    >>> shown(1.5), shown("a\nb"), len(shown(10**400)) < 100, shown([0] * 1000)
+    ('1.5', "'a\\nb'", True, '[0, 0, 0, 0, 0, 0, ...]')
     """
     try:
         text = " ".join(_short.repr(value).split())
@@ -172,7 +172,8 @@ def check_states(name: str, values: object) -> list[State]:
         raise InputError(f"{name} must be a sequence of starts, got {shown(values)}")
     if given.size == 0:
         raise InputError(f"{name} must hold at least one start, got none")
-    return [check_state("start", row) for row in given]
+    # a list shows in a message what it was given
+    return [check_state("start", row) for row in (values if isinstance(values, list) else given)]
 
 
 def check_array(name: str, values: object, *, largest: float = math.inf) -> Values:

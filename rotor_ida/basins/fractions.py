@@ -115,7 +115,5 @@ def _range(name: str, value: object) -> tuple[float, float]:
         raise InputError(f"{name} must be a number or a range (low, high), got {shown(value)}")
     low, high = ends[0], ends[-1]
     if low > high:
-        raise InputError(
-            f"{name} must be a range (low, high) with low <= high, got ({low!r}, {high!r})"
-        )
+        raise InputError(f"{name} must be a range (low, high) with low <= high, got {shown(value)}")
     return low, high

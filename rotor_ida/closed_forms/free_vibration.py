@@ -153,13 +153,10 @@ def amplitude_from_speed(speed: float, delta0: float = 0.0) -> float:
     >>> round(amplitude_from_speed(2.0), 12)
     1.903653938716
     """
-    leaving = abs(check_real("speed", speed))
+    leaving = check_nonnegative("speed", abs(check_real("speed", speed)), LARGEST_NUMBER)
     clearance = check_nonnegative("delta0", delta0, LARGEST_NUMBER)
-    if not 0.0 < leaving <= LARGEST_NUMBER:
-        raise InputError(
-            f"speed must not be zero, where the rotor stays, nor above {LARGEST_NUMBER:g}, got "
-            f"{leaving!r}"
-        )
+    if leaving == 0.0:
+        raise InputError("speed must not be zero, got 0.0: the rotor would stay where it is")
     return clearance + math.pow(math.sqrt(1.25) * leaving, 0.8)
 
 
@@ -168,11 +165,13 @@ def _depth_and_clearance(amplitude: float, delta0: float) -> tuple[float, float]
     clearance = check_nonnegative("delta0", delta0, LARGEST_NUMBER)
     size = check_real("amplitude", amplitude)
     depth = size - clearance
-    if not SMALLEST_DEPTH <= depth <= LARGEST_NUMBER:
+    if depth <= 0.0:
         raise InputError(
-            f"amplitude must be above delta0 = {clearance!r} for the rotor to touch, by "
-            f"{SMALLEST_DEPTH:g} to {LARGEST_NUMBER:g}, got {size!r}"
+            f"amplitude must be above delta0 = {clearance!r} for the rotor to touch, got {size!r}"
         )
+    if not SMALLEST_DEPTH <= depth <= LARGEST_NUMBER:
+        allowed = f"from {SMALLEST_DEPTH:g} to {LARGEST_NUMBER:g}"
+        raise InputError(f"amplitude must be {allowed} above delta0, got {size!r}")
     return depth, clearance
 
 
