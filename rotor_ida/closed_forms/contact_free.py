@@ -167,7 +167,9 @@ def _checked_times(time: npt.ArrayLike, began: float) -> Values:
     times = check_array("time", time)
     early = times[times < began]
     if early.size:
-        raise InputError(f"time must not be before start_time = {began!r}, got {float(early[0])!r}")
+        raise InputError(
+            f"time must be finite and not before start_time = {began!r}, got {float(early[0])!r}"
+        )
     return times
 
 
