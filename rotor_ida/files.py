@@ -19,6 +19,7 @@ from pathlib import Path
 
 from filelock import FileLock, Timeout
 
+from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
 
 _UNFINISHED = "rotor_ida-part"
@@ -47,7 +48,7 @@ def check_path(name: str, path: object, *, kind: str = "file") -> Path:
     """
     text = os.fspath(path) if isinstance(path, (str, os.PathLike)) else None
     if not isinstance(text, str) or "\0" in text or not text:
-        raise InputError(f"{name} must be the path of a {kind}, got {path!r}")
+        raise InputError(f"{name} must be the path of a {kind}, got {shown(path)}")
     return Path(text)
 
 
@@ -76,21 +77,21 @@ def check_target(
     ...
     rotor_ida.errors.InputError: out must be a file, got the folder '...'
     """
-    shown = check_path(name, path)
+    given = check_path(name, path)
     if not isinstance(overwrite, bool):
-        raise InputError(f"overwrite must be true or false, got {overwrite!r}")
-    target = _behind_links(shown)
+        raise InputError(f"overwrite must be true or false, got {shown(overwrite)}")
+    target = _behind_links(given)
     if os.path.isdir(target):
-        raise InputError(f"{name} must be a file, got the folder {str(shown)!r}")
+        raise InputError(f"{name} must be a file, got the folder {str(given)!r}")
     if not os.path.isdir(target.parent):
-        raise InputError(f"{name} must be in a folder that exists, got {str(shown)!r}")
+        raise InputError(f"{name} must be in a folder that exists, got {str(given)!r}")
     if os.path.exists(target) and not os.path.isfile(target):
-        raise InputError(f"{name} must be a file, got the device or pipe {str(shown)!r}")
+        raise InputError(f"{name} must be a file, got the device or pipe {str(given)!r}")
     if os.path.exists(target) and not overwrite:
-        raise already_there(name, shown, permission)
+        raise already_there(name, given, permission)
     if not os.access(target.parent, os.W_OK):
-        raise InputError(f"{name} must be in a folder that can be written to, got {str(shown)!r}")
-    return shown
+        raise InputError(f"{name} must be in a folder that can be written to, got {str(given)!r}")
+    return given
 
 
 def already_there(name: str, path: Path, permission: str = "overwrite is true") -> InputError:

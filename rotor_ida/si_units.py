@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import xarray as xr
 
+from rotor_ida.checks import check_instance
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import DimensionalRotor
 from rotor_ida.schema import QUANTITIES
@@ -71,6 +72,8 @@ def dimensional(
     >>> shown.x.attrs["units"], round(shown.attrs["length_scale"], 9)
     ('um', 1.0)
     """
+    check_instance("dataset", dataset, xr.Dataset)
+    check_instance("machine", machine, DimensionalRotor)
     if "length_scale" in dataset.attrs:
         raise InputError("the dataset is in SI units already")
     in_si = {

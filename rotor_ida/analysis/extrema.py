@@ -15,10 +15,10 @@ import numpy.typing as npt
 from scipy.interpolate import CubicHermiteSpline
 
 from rotor_ida.analysis.tangent import DONE, follow_from, follow_on
-from rotor_ida.checks import State
+from rotor_ida.checks import MOST_NUMBERS, State
 from rotor_ida.equations.contact import secant_stiffness
 from rotor_ida.equations.model import rotated
-from rotor_ida.errors import SimulationError
+from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.start import starts_in_contact
@@ -81,8 +81,7 @@ def radius_extrema(rotor: Rotor, start: State, duration: float, rtol: float, sto
     SimulationError
         If the integration was stuck, or asked to stop.
     """
-    rate = max(KNOTS_A_REVOLUTION * rotor.omega / (2.0 * math.pi), KNOTS_A_TIME)
-    times = np.linspace(0.0, duration, math.ceil(duration * rate) + 1)
+    times = np.linspace(0.0, duration, math.ceil(duration * _knots_a_time(rotor)) + 1)
     step = float(times[1])
     states, in_contact = _knots(rotor, start, step, times.size, rtol, stop)
     radius = np.hypot(states[:, 0], states[:, 1])
@@ -103,6 +102,17 @@ def radius_extrema(rotor: Rotor, start: State, duration: float, rtol: float, sto
     # so close to an extremum the square of the radius is a parabola
     squares = (reached[keep, :2] ** 2).sum(axis=1) - g[keep] ** 2 / slope[keep]
     return Extrema(found[keep], np.sqrt(np.maximum(squares, 0.0)), kinds, reached[keep])
+
+
+def check_knots(name: str, rotor: Rotor, duration: float) -> None:
+    """Refuse a time in which there are more knots than memory holds."""
+    longest = MOST_NUMBERS / _knots_a_time(rotor)
+    if duration > longest:
+        raise InputError(f"{name} must be at most {longest:.6g}, got {duration!r}")
+
+
+def _knots_a_time(rotor: Rotor) -> float:
+    return max(KNOTS_A_REVOLUTION * rotor.omega / (2.0 * math.pi), KNOTS_A_TIME)
 
 
 def _knots(

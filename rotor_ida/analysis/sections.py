@@ -9,12 +9,19 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.analysis.extrema import MAXIMUM, radius_extrema
-from rotor_ida.checks import State, check_choice, check_count, check_state
+from rotor_ida.analysis.extrema import MAXIMUM, check_knots, radius_extrema
+from rotor_ida.checks import (
+    State,
+    check_choice,
+    check_count,
+    check_duration,
+    check_instance,
+    check_state,
+)
 from rotor_ida.equations.model import rotated
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Stop, interruptible
-from rotor_ida.parameters import Rotor, check_rotor
+from rotor_ida.parameters import Rotor
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import Column, labelled_dataset
 from rotor_ida.simulation.dataset import parameter_coordinates
@@ -32,7 +39,7 @@ NAMES = ("rotating_x", "rotating_y", "rotating_vx", "rotating_vy")
 def poincare_section(
     rotor: Rotor,
     *,
-    start: State,
+    start: npt.ArrayLike,
     revolutions: int,
     skip: int = 0,
     at: At = "revolution",
@@ -45,12 +52,12 @@ def poincare_section(
     ----------
     rotor : Rotor
         The rotor; it must turn.
-    start : tuple of float
+    start : array_like, shape (4,)
         ``(x, y, vx, vy)`` at time 0 [1].
     revolutions : int
-        Number of revolutions in the section.
+        Number of revolutions in the section, at most 10 million.
     skip : int
-        Number of revolutions before these, left out as a transient.
+        Number of revolutions before these, left out as a transient, at most 10 million.
     at : {"revolution", "entry", "exit", "peak"}
         Once a revolution, when the unbalance points along x; at each contact entry or exit; or
         at each local maximum of the distance from the bearing axis.
@@ -91,7 +98,7 @@ def poincare_section(
     >>> section.rotating_x.values.round(6)
     array([-1.40959, -1.40959, -1.40959, -1.40959])
     """
-    rotor = check_rotor(rotor)
+    check_instance("rotor", rotor, Rotor)
     first = check_state("start", start)
     check_can_be_followed(rotor, first)
     if rotor.omega == 0.0:
@@ -103,6 +110,9 @@ def poincare_section(
         raise InputError(f"delta0 must be positive for a section at each {at}, got 0.0")
     options = Options(rtol=rtol, atol=atol)
     period = 2.0 * math.pi / rotor.omega
+    check_duration("the time of skip and revolutions", (left_out + count) * period, rotor.omega)
+    if at == "peak":
+        check_knots("the time of revolutions", rotor, count * period)
 
     def follow(stop: Stop) -> tuple[Values, Values]:
         state = first

@@ -12,13 +12,11 @@ from typing import Any, TypeVar
 
 from cyclopts import Token
 
-from rotor_ida.checks import State, check_real, check_state
+from rotor_ida.checks import MOST_POINTS_OF_STUDY, State, check_real, check_state
 from rotor_ida.errors import InputError
 
 LARGEST_RANGE = 1_000_000
 MOST_POINTS = 5_000_000
-# What a study has not in hand is on the disk.
-MOST_POINTS_OF_STUDY = 10_000_000_000
 
 Value = TypeVar("Value")
 

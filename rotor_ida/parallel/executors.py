@@ -8,7 +8,7 @@ import re
 from collections.abc import Generator, Iterable
 from functools import partial
 
-from rotor_ida.checks import check_count
+from rotor_ida.checks import MOST_WORKERS, check_count, shown
 from rotor_ida.errors import InputError
 from rotor_ida.parallel.interruptible import interruptible
 from rotor_ida.parallel.jobs import FailedJob, Job, Result, Work
@@ -22,7 +22,7 @@ _ADDRESS = re.compile(r"(tcp|tls|ws|wss)://[^\s/]+:\d+")
 def count_workers(workers: int | None) -> int:
     """Return the number of workers: `workers`, or one for each core that may be used."""
     if workers is not None:
-        return check_count("workers", workers)
+        return check_count("workers", workers, maximum=MOST_WORKERS)
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
@@ -57,12 +57,14 @@ def choose(executor: object, workers: int | None, *, compiled: bool) -> tuple[st
         chosen = "threads" if compiled else "serial" if workers == 1 else "processes"
     if chosen not in EXECUTORS:
         if workers is not None:
-            raise InputError(f"workers must be left to the scheduler {chosen}, got {workers!r}")
+            raise InputError(
+                f"workers must be left to the scheduler {chosen}, got {shown(workers)}"
+            )
         return chosen, None
     if chosen != "serial":
         return chosen, count_workers(workers)
-    if workers is not None and check_count("workers", workers) > 1:
-        raise InputError(f"workers must be 1 with executor 'serial', got {workers!r}")
+    if workers is not None and count_workers(workers) > 1:
+        raise InputError(f"workers must be 1 with executor 'serial', got {shown(workers)}")
     return chosen, 1
 
 
@@ -72,7 +74,7 @@ def _check_executor(executor: object) -> str:
         words = ", ".join(repr(word) for word in EXECUTORS)
         raise InputError(
             f"executor must be one of {words}, or an address such as 'tcp://host:8786', "
-            f"got {executor!r}"
+            f"got {shown(executor)}"
         )
     reason = why_not(executor)
     if reason:

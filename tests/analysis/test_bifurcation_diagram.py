@@ -13,11 +13,12 @@ from rotor_ida import (
     simulate,
     synchronous_response,
 )
+from rotor_ida.analysis import bifurcation_diagram as bifurcation_module
 from rotor_ida.analysis import extrema
 from rotor_ida.analysis.extrema import CONSTANT, MAXIMUM, MINIMUM, radius_extrema
 from rotor_ida.analysis.tangent import STUCK
 from rotor_ida.closed_forms import planar_period
-from rotor_ida.schema import RESPONSE
+from rotor_ida.schema import RESPONSE, STATUS
 
 GO_ON = np.zeros(1, np.uint8)
 REST = (0.0, 0.0, 0.0, 0.0)
@@ -131,11 +132,34 @@ def test_random_starts_come_from_the_seed():
         ({"reach": 0.0}, "reach must be positive, got 0.0"),
         ({"extrema_time": -1.0}, "extrema_time must be positive, got -1.0"),
         ({"omega": -1.0}, "omega must be zero or positive"),
+        ({"zeta": [0.5, 0.0]}, "zeta must be above 0, where nothing settles, got 0.0"),
+        ({"reach": 1e308}, r"reach must be at most 1e\+06, got 1e\+308"),
+        ({"extrema_time": 1e9}, "extrema_time must be at most 625000, got 1000000000.0"),
+        ({"starts": 10**9}, "starts must be at most 10000000, got 1000000000"),
     ],
 )
 def test_bad_input_is_refused(wrong, message):
     with pytest.raises(InputError, match=message):
         bifurcation_diagram(**{"omega": 1.0, "zeta": 0.5, "delta0": 0.0, **wrong})
+
+
+def test_workers_leave_no_trace():
+    arguments = {"omega": [2.0, 3.0], "zeta": 0.07, "delta0": 2.0, "starts": 3}
+    one, two = (bifurcation_diagram(**arguments, workers=workers) for workers in (1, 2))
+    assert one.identical(two)
+
+
+def test_a_point_whose_motion_cannot_be_followed_on_has_failed(monkeypatch):
+    def stuck(rotor, start, duration, rtol):
+        if rotor.omega == 2.0:
+            raise SimulationError("stuck", time=0.5, state=start)
+        return radius_extrema(rotor, start, duration, rtol)
+
+    monkeypatch.setattr(bifurcation_module, "radius_extrema", stuck)
+    found = bifurcation_diagram(omega=[2.0, 3.0], zeta=0.5, delta0=0.0, starts=[REST])
+    assert found.status.values.ravel().tolist() == [STATUS["failed"], STATUS["done"]]
+    assert found.message.values.ravel()[0].startswith("stuck (at t = 0.5")
+    assert found.extremum_count.values.ravel().tolist() == [0, 1]
 
 
 def test_failure_says_where(monkeypatch):
