@@ -96,7 +96,7 @@ def plot_basin(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
 
 
 def plot_basin_fractions(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
-    """Draw the shares of starts by kind of response over the speed, one upon the other.
+    """Draw the fractions of starts by kind of response over the speed, one upon the other.
 
     Parameters
     ----------
