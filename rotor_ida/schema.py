@@ -71,7 +71,7 @@ QUANTITIES: dict[str, Quantity] = {
     "zeta": Quantity("damping ratio"),
     "delta0": Quantity("radial clearance over eccentricity"),
     # a run
-    "t": Quantity("dimensionless time", scale="time"),
+    "t": Quantity("time", scale="time"),
     "x": Quantity("horizontal displacement", scale="length"),
     "y": Quantity("vertical displacement", scale="length"),
     "vx": Quantity("horizontal velocity", scale="velocity"),

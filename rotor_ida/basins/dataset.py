@@ -21,8 +21,8 @@ from rotor_ida.storage.studies.arrays import scratch, stretches
 Values = npt.NDArray[np.float64]
 
 LABELLING = (
-    "every start followed in lockstep lanes by DOP853 on the rotating axes until a set captures it "
-    "that no orbit leaves, or by its motion over two windows; attractors confirmed by CVODE"
+    "every start followed in lockstep lanes by DOP853 on the rotating axes until a trapping region "
+    "holds it, or matched by features of its motion; attractors confirmed by CVODE"
 )
 TABLE = ("amplitude", "phase_lag", "radius_min", "radius_max")
 

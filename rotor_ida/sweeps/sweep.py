@@ -1,4 +1,4 @@
-"""Sweep speed, damping and clearance, and see on which response the rotor settles."""
+"""Sweeps: the settled response at each speed, damping and clearance."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ DIRECTIONS: dict[str | None, tuple[int, ...]] = {
     "both": (1, -1),
 }
 REST: State = (0.0, 0.0, 0.0, 0.0)
-# Failures of the surroundings, not of the point.
+# Failures of the surroundings, not of the point: another attempt may succeed.
 PASSING = ("MemoryError", "OSError")
 FORM = Form(rows_as_bytes, rows_from_bytes)
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
-from rotor_ida.cli import options, parsing
+from rotor_ida.cli import options
 
 Only = Annotated[
     list[str] | None,
@@ -18,8 +19,10 @@ Only = Annotated[
 
 def reproduce(
     *,
-    out: Annotated[str, Parameter(help="Folder for archives and figures.")] = "results",
-    quick: Annotated[bool, Parameter(help="Coarser and faster.", negative=())] = False,
+    out: Annotated[Path, Parameter(help="Folder for archives and figures.")] = Path("results"),
+    quick: Annotated[
+        bool, Parameter(help="Coarser and faster.", negative=(), show_default=False)
+    ] = False,
     only: Only = None,
     workers: options.Workers = None,
     force: options.Force = False,
@@ -33,5 +36,4 @@ def reproduce(
     """
     from rotor_ida.paper import reproduction  # noqa: PLC0415 - heavy, and not for --help
 
-    processes = parsing.workers(workers)
-    return reproduction.reproduce(out, quick=quick, only=only, workers=processes, force=force)
+    return reproduction.reproduce(out, quick=quick, only=only, workers=workers, force=force)

@@ -5,25 +5,28 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from concurrent.futures import Future
-from typing import TypeVar
 
 import numpy as np
 
-from rotor_ida.simulation.record import Stop
-
-Result = TypeVar("Result")
+from rotor_ida.parallel.jobs import Result, Stop
 
 
 def interruptible(work: Callable[[Stop], Result]) -> Result:
-    """Return the result of `work`; where Ctrl-C arrives meanwhile, stop it and raise.
+    """Return the result of `work`; stop it if an exception arrives meanwhile.
 
-    Python hears of Ctrl-C in its main thread only, and not while that runs compiled code. So
-    the work is done in a thread of its own while the main one listens.
+    Python runs the handlers of signals in its main thread only, and not while that runs compiled
+    code. So the work is done in a thread of its own while the main one waits for it, and for
+    Ctrl-C, a time limit, or whatever else raises.
 
     Parameters
     ----------
     work : callable
         Called with an array that holds 0 until it should stop.
+
+    Examples
+    --------
+    >>> interruptible(lambda stop: "stopped" if stop[0] else "done")
+    'done'
     """
     stop = np.zeros(1, np.uint8)
     if threading.current_thread() is not threading.main_thread():
@@ -40,8 +43,6 @@ def interruptible(work: Callable[[Stop], Result]) -> Result:
     thread.start()
     try:
         return future.result()
-    except KeyboardInterrupt:
-        stop[0] = 1
-        raise
     finally:
+        stop[0] = 1
         thread.join()
