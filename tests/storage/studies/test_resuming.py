@@ -89,7 +89,7 @@ def test_a_failure_of_the_surroundings_is_tried_again(tmp_path, monkeypatch):
 
     given = {"omega": [1.0, 2.0], "zeta": 0.5, "delta0": 0.5, "executor": "serial"}
     with monkeypatch.context() as patch:
-        patch.setattr(ramps, "settle", has_no_memory)
+        patch.setattr(ramps, "follow_to_steady_state", has_no_memory)
         found = sweep(**given, study=tmp_path)
     assert found.message.values.ravel().tolist() == ["", "MemoryError"]
     assert status(tmp_path)["left"] == 1
@@ -152,7 +152,7 @@ def test_a_point_that_fails_is_recorded_and_the_others_go_on(tmp_path, monkeypat
             raise ValueError("what nobody expected")
         return steady_state.follow_to_steady_state(rotor, *rest, **options)
 
-    monkeypatch.setattr(ramps, "settle", fails_at_two)
+    monkeypatch.setattr(ramps, "follow_to_steady_state", fails_at_two)
     given = {"omega": [1.0, 2.0, 3.0], "zeta": 0.5, "delta0": 0.5, "executor": "serial"}
     found = sweep(**given, study=tmp_path)
     told = status(tmp_path)
