@@ -231,6 +231,12 @@ def test_doctor_finds_this_installation_well(program: Program):
     assert {check["result"] for check in record["checks"]} == {"ok"}
 
 
+def test_doctor_says_whether_kernels_are_cached(program: Program, monkeypatch: pytest.MonkeyPatch):
+    assert json.loads(program("doctor", "--json").out)["kernels_cached"] is True
+    monkeypatch.setattr("rotor_ida.equations.compiling.cache_folder", lambda: None)
+    assert "kernels are not cached" in program("doctor").out
+
+
 def test_doctor_finds_a_solver_that_is_wrong(program: Program, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("rotor_ida.closed_forms.planar_period", lambda _depth: 6.0)
     answer = program("doctor")

@@ -34,6 +34,7 @@ def doctor(*, as_json: options.AsJson = False) -> Report:
 
         rotor-ida doctor --json
     """
+    from rotor_ida.equations.compiling import cache_folder  # noqa: PLC0415 - not for --help
     from rotor_ida.parallel.executors import EXECUTORS, why_not  # noqa: PLC0415 - not for --help
 
     backends = [name for name in get_args(Backend) if name != "auto"]
@@ -46,19 +47,23 @@ def doctor(*, as_json: options.AsJson = False) -> Report:
         if all(check["result"] == "ok" for check in found)
     ]
     executors = [name for name in EXECUTORS if name != "auto" and not why_not(name)]
-    versions = _versions()
+    versions, cached = _versions(), cache_folder() is not None
     failed = sum(check["result"] == "failed" for check in checks)
     return Report(
         record={
             "versions": versions,
             "backends": usable,
             "executors": executors,
+            "kernels_cached": cached,
             "checks": checks,
         },
         parts=[
             pairs("Versions", versions),
             f"Backends that can be used: {', '.join(usable) or 'none'}",
             f"Executors that can be used: {', '.join(executors)}",
+            "Compiled kernels are cached on disk"
+            if cached
+            else "Compiled kernels are not cached: no folder for them can be written",
             table("Checks", checks, list(checks[0])),
         ],
         as_json=as_json,
