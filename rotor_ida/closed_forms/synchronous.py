@@ -7,10 +7,11 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.checks import check_axis
+from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.closed_forms.contacting_whirls import contacting_whirls
 from rotor_ida.closed_forms.stability import growth_rate
 from rotor_ida.errors import InputError
-from rotor_ida.schema import CONVENTIONS, STABILITY, labelled
+from rotor_ida.schema import STABILITY, labelled_dataset
 
 Values = npt.NDArray[np.float64]
 Columns = dict[str, npt.NDArray[np.generic]]
@@ -74,9 +75,9 @@ def synchronous_response(*, omega: object, zeta: object, delta0: object) -> xr.D
     array([2, 1, 0], dtype=int8)
     """
     axes = {
-        "omega": _checked("omega", omega, smallest=_SMALLEST_SPEED),
-        "zeta": _checked("zeta", zeta),
-        "delta0": _checked("delta0", delta0),
+        "omega": checked_axis("omega", omega, smallest=_SMALLEST_SPEED),
+        "zeta": checked_axis("zeta", zeta),
+        "delta0": checked_axis("delta0", delta0),
     }
     shape = tuple(values.size for values in axes.values())
     grid = [part.ravel() for part in np.meshgrid(*axes.values(), indexing="ij")]
@@ -88,22 +89,19 @@ def synchronous_response(*, omega: object, zeta: object, delta0: object) -> xr.D
     present = np.isfinite(columns["amplitude"]).sum(axis=1).max()
 
     dims = ("omega", "zeta", "delta0", "branch")
-    coords = {name: labelled(name, name, values) for name, values in axes.items()}
-    coords["branch"] = labelled("branch", "branch", np.arange(present))
-    variables = {
-        name: labelled(name, dims, values[:, :present].reshape(*shape, present))
-        for name, values in columns.items()
-    }
-    attributes = {
-        "Conventions": CONVENTIONS,
-        "title": "Synchronous whirls of a rotor with Hertz contact and clearance",
-        "source": _SOURCE,
-        "references": _REFERENCES,
-    }
-    return xr.Dataset(variables, coords, attributes)
+    return labelled_dataset(
+        "Synchronous whirls of a rotor with Hertz contact and clearance",
+        {
+            name: (dims, values[:, :present].reshape(*shape, present))
+            for name, values in columns.items()
+        },
+        {name: (name, values) for name, values in axes.items()}
+        | {"branch": ("branch", np.arange(present))},
+        {"source": _SOURCE, "references": _REFERENCES},
+    )
 
 
-def _checked(name: str, values: object, *, smallest: float = 0.0) -> Values:
+def checked_axis(name: str, values: object, *, smallest: float = 0.0) -> Values:
     """Return the axis, refusing magnitudes whose powers leave the range of doubles."""
     axis = check_axis(name, values)
     outside = (axis > _LARGEST) | ((axis > 0.0) & (axis < smallest))
@@ -118,11 +116,11 @@ def _branches(omega: Values, zeta: Values, delta0: Values) -> Columns:
     turning = omega > 0.0
     contacting = contacting_whirls(np.where(turning, omega, 1.0), zeta, delta0)
     contact_free = contacting.contact_free | ~turning
-    free_amplitude, free_lag = _contact_free(omega, zeta, delta0)
+    free = complex_amplitude(omega, zeta)
 
     touching = np.where(turning[:, None], contacting.amplitude, np.nan)
-    amplitude = _side_by_side(free_amplitude, touching, contact_free)
-    lag = _side_by_side(free_lag, contacting.phase_lag, contact_free)
+    amplitude = _side_by_side(np.minimum(np.abs(free), delta0), touching, contact_free)
+    lag = _side_by_side(np.abs(np.angle(free)), contacting.phase_lag, contact_free)
     in_contact = _side_by_side(np.zeros_like(omega), np.ones_like(touching), contact_free)
     determinant = _side_by_side(np.ones_like(omega), contacting.determinant, contact_free)
 
@@ -148,15 +146,6 @@ def _branches(omega: Values, zeta: Values, delta0: Values) -> Columns:
         "in_contact": np.where(present, in_contact, 0.0).astype(np.int8),
         "growth_rate": growth,
     }
-
-
-def _contact_free(omega: Values, zeta: Values, delta0: Values) -> tuple[Values, Values]:
-    """Return amplitude, never beyond the clearance by rounding, and phase lag."""
-    turning = omega > 0.0
-    resistance = np.hypot(omega, 2.0 * zeta)
-    amplitude = np.divide(omega, resistance, out=np.zeros_like(omega), where=turning)
-    lag = np.where(turning, np.arctan2(2.0 * zeta, -omega), 0.0)
-    return np.minimum(amplitude, delta0), lag
 
 
 def _side_by_side(free: Values, touching: Values, contact_free: npt.NDArray[np.bool_]) -> Values:

@@ -1,0 +1,697 @@
+"""The response curve as a curve: its points in order, over the speed or over the clearance.
+
+At a given amplitude A a contacting whirl has at most two speeds, one on each flank of the
+resonance, and at a given speed at most two clearances. So the curve is traced along A, flank by
+flank. The points at which it turns or leaves the range are computed apart, each exactly: tips,
+where the flanks meet, folds, the first touch, and the whirls at the limits of the range. Between
+two of them it is monotone, and points are set where it is long or bends.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import groupby, pairwise
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+from scipy.optimize import brentq
+
+from rotor_ida.checks import check_axis, check_count, check_nonnegative, check_positive
+from rotor_ida.closed_forms.contact_free import complex_amplitude
+from rotor_ida.closed_forms.contacting_whirls import contacting_whirls
+from rotor_ida.closed_forms.folds import folds
+from rotor_ida.closed_forms.synchronous import checked_axis
+from rotor_ida.equations.contact import contact_force, secant_stiffness
+from rotor_ida.errors import InputError
+from rotor_ida.schema import STABILITY, labelled_dataset
+
+Values = npt.NDArray[np.float64]
+# Amplitude and the speed or clearance at which a whirl has it.
+_Place = tuple[float, float]
+
+_REFERENCES = "Mechanika 25(6), 2019, eqs (10) and (21)-(23), with the force corrected"
+_SOURCE = "rotor_ida closed forms: the amplitude equation, solved at given amplitudes"
+# Rounds in which points move to where the curve is long or bends.
+_ROUNDS = 4
+
+
+def response_curve(
+    *, zeta: object, delta0: object, limits: tuple[float, float], points: int = 200
+) -> xr.Dataset:
+    """Return every synchronous whirl over the spin speed, in order along the curve.
+
+    Parameters
+    ----------
+    zeta, delta0 : float or sequence of float, shapes (m,) and (k,)
+        Damping ratios and clearances [1].
+    limits : tuple of two floats
+        Lowest and highest speed [1].
+    points : int
+        Number of points between one fold, tip, first touch or limit and the next.
+
+    Returns
+    -------
+    Dataset
+        On (zeta, delta0, point): ``omega``, ``amplitude`` [1], ``phase_lag`` [rad],
+        ``stability`` and ``in_contact`` (flags), and ``piece``, the number of the connected
+        piece: first the contact-free whirl, then those in contact. An isola ends with the point
+        that it begins with. A curve with fewer points than another ends in NaN, the flag
+        ``absent`` and piece -1.
+
+    Raises
+    ------
+    InputError
+        If `limits` are not two speeds, the lower one first and the higher one at most 1e15, or
+        a value is none that `folds` takes.
+
+    Notes
+    -----
+    With ``q = omega**2`` and ``s = f(A)/A`` the amplitude equation is a quadratic in q at given
+    A (see `speeds_at_amplitude`). The flanks meet at the tips, where
+    ``h(A) = (A - delta0)**1.5 / (A**2 (A + sqrt(A**2 - 1))) = 2 zeta**2``; without damping they
+    never do. From the implicit derivative of P (see `contacting_whirls`), ``dP/dA = 2 A D`` and
+    ``dP/dq = -q (1 + cos(theta)**2 + 2 A cos(theta))``: the last factor is positive on the slower
+    flank and negative on the faster, so there a whirl is stable where the speed rises with A,
+    here where it falls, and stability changes at folds alone. The first fold or touch of a
+    piece has the stability of what comes before it on the curve.
+
+    References
+    ----------
+    Eqs (21)-(23) and Figs 6 and 10 of the paper, Mechanika 25(6), 2019, with the force
+    corrected.
+
+    Examples
+    --------
+    >>> found = response_curve(zeta=0.07, delta0=2.0, limits=(0.05, 3.0))
+    >>> isola = found.where(found.piece == 1, drop=True).squeeze()
+    >>> round(isola.amplitude.max().item(), 3), bool(isola.omega[0] == isola.omega[-1])
+    (11.346, True)
+    """
+    dampings, clearances = check_axis("zeta", zeta), check_axis("delta0", delta0)
+    span, count = _checked_limits("limits", limits), check_count("points", points, 2)
+    checked_axis("limits", span, smallest=1e-50)
+    found = folds(zeta=dampings, delta0=clearances)
+    turns = np.stack([found["fold_omega"].values, found["fold_amplitude"].values], axis=-1)
+    curves = [
+        _over_speed(float(damping), float(clearance), turns[i, k], span, count)
+        for i, damping in enumerate(dampings)
+        for k, clearance in enumerate(clearances)
+    ]
+    return _labelled("omega", curves, {"zeta": dampings, "delta0": clearances})
+
+
+def clearance_curve(
+    *, omega: object, zeta: object, limits: tuple[float, float], points: int = 200
+) -> xr.Dataset:
+    """Return every synchronous whirl over the clearance, in order along the curve.
+
+    Parameters
+    ----------
+    omega, zeta : float or sequence of float, shapes (n,) and (m,)
+        Spin speeds, above zero, and damping ratios [1].
+    limits : tuple of two floats
+        Smallest and largest clearance [1].
+    points : int
+        Number of points between one fold, tip, first touch or limit and the next.
+
+    Returns
+    -------
+    Dataset
+        On (omega, zeta, point): ``delta0`` and the other variables of `response_curve`.
+
+    Raises
+    ------
+    InputError
+        If `limits` are not two clearances, the smaller one first, or a value is none that
+        `synchronous_response` takes.
+
+    Notes
+    -----
+    With ``q = omega**2`` a whirl of amplitude A needs ``s = q +- sqrt(q**2/A**2 - 4 zeta**2 q)``,
+    so ``A <= omega/(2 zeta)``, and as ``s = u**3/A`` (the Hertz exponent) the clearance is
+    ``A - (s A)**(2/3)``. The flanks meet at the largest A, where theta is a quarter turn; without
+    damping they never do. A whirl is stable where the clearance rises with A on the stiffer
+    flank, theta below a quarter turn, and where it falls on the softer one.
+
+    There is at most one fold on either side of the largest value of
+
+        ``g(w) = (R - w) (w**2/(1 + w**2))**(1/6)``,  ``R = omega/(2 zeta)``,
+
+    at ``3 w**3 + 4 w = R``: where ``g = (2/3) (omega**2 r)**(2/3) r/R`` with ``r**2 = 1 + R**2``,
+    and there ``A = R (R w + 1)/(r sqrt(1 + w**2))``. That is the derivative of the clearance
+    by theta, with ``w = -tan(theta + arctan(1/R))``. Without damping the fold is at
+    ``A = 1 + (8/27) q**2``.
+
+    References
+    ----------
+    Eqs (21)-(23) and section 4.2.1 of the paper, Mechanika 25(6), 2019, with the force
+    corrected.
+
+    Examples
+    --------
+    >>> found = clearance_curve(omega=1.7, zeta=0.07, limits=(0.0, 3.0))
+    >>> round(found.delta0.where(found.in_contact == 1).max().item(), 4)
+    1.3966
+    """
+    speeds = checked_axis("omega", omega, smallest=1e-50)
+    for speed in speeds:
+        check_positive("omega", float(speed))
+    dampings = checked_axis("zeta", zeta)
+    span, count = _checked_limits("limits", limits), check_count("points", points, 2)
+    checked_axis("limits", span)
+    curves = [
+        _over_clearance(float(speed), float(damping), span, count)
+        for speed in speeds
+        for damping in dampings
+    ]
+    return _labelled("delta0", curves, {"omega": speeds, "zeta": dampings})
+
+
+def backbone(amplitude: object, delta0: float = 0.0) -> Values:
+    """Return the speed on the backbone: that of a free circular whirl.
+
+    Parameters
+    ----------
+    amplitude : float or sequence of float, shape (n,)
+        Amplitudes A [1].
+    delta0 : float
+        Clearance [1].
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        ``omega = sqrt(f(A)/A)`` [1]; zero inside the clearance.
+
+    Raises
+    ------
+    InputError
+        If a value is not a finite real number that is zero or positive.
+
+    References
+    ----------
+    Eq. (17) of the paper, Mechanika 25(6), 2019, as a speed.
+
+    Examples
+    --------
+    >>> backbone([1.0, 16.0])
+    array([1., 2.])
+    """
+    clearance = check_nonnegative("delta0", delta0)
+    return np.sqrt(secant_stiffness(check_axis("amplitude", amplitude), clearance))
+
+
+def speeds_at_amplitude(amplitude: object, *, zeta: float, delta0: float) -> Values:
+    """Return the two speeds at which a contacting whirl has a given amplitude.
+
+    Parameters
+    ----------
+    amplitude : float or sequence of float, shape (n,)
+        Amplitudes A [1].
+    zeta, delta0 : float
+        Damping ratio and clearance [1].
+
+    Returns
+    -------
+    ndarray, shape (n, 2)
+        The slower and the faster speed [1]: the flank below resonance and the one above; NaN
+        where the curve has no such point, and inside the clearance.
+
+    Raises
+    ------
+    InputError
+        If a value is not a finite real number that is zero or positive.
+
+    Notes
+    -----
+    With ``q = omega**2`` and ``s = f(A)/A`` the curve is the quadratic
+    ``(A**2 - 1) q**2 + A**2 (4 zeta**2 - 2 s) q + A**2 s**2 = 0``. Unlike the curve at given
+    speeds it needs no search, and it has full resolution near the tip, whose amplitude is
+    `peak_amplitude`. Below A = 1 only the flank below resonance is left.
+
+    References
+    ----------
+    Eqs (21)-(23) of the paper, Mechanika 25(6), 2019, with the force corrected.
+
+    Examples
+    --------
+    >>> speeds_at_amplitude([0.5, 2.0], zeta=0.0, delta0=0.0)
+    array([[0.48549177,        nan],
+           [0.97098354, 1.68179283]])
+    """
+    m = 4.0 * check_nonnegative("zeta", zeta) ** 2
+    A = check_axis("amplitude", amplitude)
+    clearance = check_nonnegative("delta0", delta0)
+    s = secant_stiffness(A, clearance)
+    inside = _discriminant(A, s, m)
+    exists = (s > 0.0) & (inside >= 0.0) & ((A < 1.0) | (2.0 * s > m))
+    slower, faster = _flanks(A, m, clearance)
+    faster = np.where(A > 1.0, faster, np.nan)
+    return np.where(exists[:, None], np.stack([slower, faster], axis=1), np.nan)
+
+
+def _discriminant(A: Values, s: Values, m: float) -> Values:
+    """Return the discriminant of the quadratic in q over ``4 A**4``."""
+    # as a product: near the tip the sum would cancel
+    rest = np.sqrt(np.maximum((A - 1.0) * (A + 1.0), 0.0))
+    lean = np.divide(2.0 * s, A, out=np.zeros_like(A), where=A > 0.0) - m * A
+    product = (lean - m * rest) * (lean + m * rest)
+    return np.where(A >= 1.0, product, lean**2 + m**2 * (1.0 - A) * (1.0 + A))
+
+
+def _flanks(A: Values, m: float, delta0: float) -> tuple[Values, Values]:
+    """Return the slower and the faster speed at amplitudes that the curve has."""
+    s = secant_stiffness(A, delta0)
+    middle = 2.0 * s - m
+    root = np.sqrt(np.maximum(_discriminant(A, s, m), 0.0))
+    # the slower speed is 2 s**2/(middle + root); written so that nothing cancels
+    total = middle + root
+    below_one = 2.0 * (1.0 - A) * (1.0 + A)
+    conjugate = np.divide(A * A * (root - middle), below_one, out=np.zeros_like(A), where=A < 1.0)
+    direct = np.divide(2.0 * s * s, total, out=np.zeros_like(A), where=total > 0.0)
+    slower = np.where(middle > 0.0, direct, conjugate)
+    faster = np.divide(A * A * total, -below_one, out=np.full_like(A, np.inf), where=A > 1.0)
+    return np.sqrt(slower), np.sqrt(np.maximum(faster, 0.0))
+
+
+def peak_amplitude(*, zeta: float, delta0: float) -> float:
+    """Return the largest amplitude on the response curve of contacting whirls.
+
+    Parameters
+    ----------
+    zeta : float
+        Damping ratio [1], above zero: without damping the curve has no tip.
+    delta0 : float
+        Clearance [1].
+
+    Returns
+    -------
+    float
+        Amplitude of the tip [1]; NaN where the damping is so strong that the amplitude stays
+        below 1 and only approaches it at high speed.
+
+    Raises
+    ------
+    InputError
+        If a value is not a finite real number that is zero or positive, or `zeta` is zero.
+
+    Notes
+    -----
+    At the tip the two speeds of `speeds_at_amplitude` are one, which is where
+    ``h(A) = (A - delta0)**1.5 / (A**2 (A + sqrt(A**2 - 1))) = 2 zeta**2``. Beyond the last
+    maximum of h, a root of ``3 A**4 - (12 delta0**2 - 1) A**2 - 8 delta0 A + 16 delta0**2``,
+    h falls for ever.
+
+    References
+    ----------
+    Eqs (21)-(23) of the paper, Mechanika 25(6), 2019, with the force corrected.
+
+    Examples
+    --------
+    >>> tip = peak_amplitude(zeta=0.07, delta0=0.0)
+    >>> round(tip, 6), speeds_at_amplitude(tip - 1e-9, zeta=0.07, delta0=0.0).round(3).tolist()
+    (13.7..., [[1.9..., 1.9...]])
+    """
+    tips = _tips(check_positive("zeta", zeta), check_nonnegative("delta0", delta0))
+    return tips[-1] if tips else math.nan
+
+
+def _tips(zeta: float, delta0: float) -> list[float]:
+    """Return the amplitudes above 1 at which the flanks meet, ascending; none without damping."""
+    if zeta == 0.0:
+        return []
+
+    def excess(A: float) -> float:
+        decay = float(A * A * (A + np.sqrt((A - 1.0) * (A + 1.0))))
+        return float((A - delta0) ** 1.5) / decay - 2.0 * zeta * zeta
+
+    lowest = max(1.0, delta0)
+    highest = max(lowest, (2.0 * zeta * zeta) ** (-2.0 / 3.0)) * 1.000001 + 1e-6
+    turns = np.roots([3.0, 0.0, 1.0 - 12.0 * delta0**2, -8.0 * delta0, 16.0 * delta0**2])
+    turns = np.sort(turns.real[np.abs(turns.imag) < 1e-9 * (1.0 + delta0)])
+    turns = turns[(turns > lowest) & (turns < highest)]
+    edges = [lowest, *(float(turn) for turn in turns), highest]
+    return [
+        float(brentq(excess, low, high, xtol=1e-300, rtol=4.0 * np.finfo(float).eps))
+        for low, high in pairwise(edges)
+        if (excess(low) >= 0.0) != (excess(high) >= 0.0)
+    ]
+
+
+def _tip_speed(A: float, zeta: float, delta0: float) -> float:
+    """Return the one speed at a tip, ``omega**2 = A**2 (s - 2 zeta**2)/(A**2 - 1)``."""
+    s = float(secant_stiffness(A, delta0))
+    return math.sqrt(A * A * (s - 2.0 * zeta * zeta) / ((A - 1.0) * (A + 1.0)))
+
+
+def peaks(*, zeta: npt.ArrayLike, delta0: npt.ArrayLike) -> xr.Dataset:
+    """Return the largest contacting whirl for each damping and clearance.
+
+    Parameters
+    ----------
+    zeta : float or sequence of float, shape (m,)
+        Damping ratios [1], above zero.
+    delta0 : float or sequence of float, shape (k,)
+        Clearances [1].
+
+    Returns
+    -------
+    Dataset
+        On (zeta, delta0): ``peak_amplitude``, ``peak_omega`` and ``peak_contact_force`` [1];
+        NaN where the damping leaves no peak.
+
+    Raises
+    ------
+    InputError
+        If a value is not a finite real number that is zero or positive, or a damping is zero.
+
+    Notes
+    -----
+    At the tip the quadratic of `speeds_at_amplitude` has one root,
+    ``omega**2 = A**2 (s - 2 zeta**2)/(A**2 - 1)`` with ``s = f(A)/A``.
+
+    References
+    ----------
+    Section 4.2.1 and Fig. 10 of the paper, Mechanika 25(6), 2019.
+
+    Examples
+    --------
+    >>> found = peaks(zeta=0.07, delta0=[0.0, 2.0])
+    >>> found.peak_amplitude.values.round(3), found.peak_contact_force.values.round(2)
+    (array([[13.768, 11.346]]), array([[51.09, 28.57]]))
+    """
+    dampings, clearances = check_axis("zeta", zeta), check_axis("delta0", delta0)
+    table = np.array([[_peak(float(z), float(d)) for d in clearances] for z in dampings])
+    names = ("peak_amplitude", "peak_omega", "peak_contact_force")
+    return labelled_dataset(
+        "Largest contacting whirls of a rotor with Hertz contact and clearance",
+        {name: (("zeta", "delta0"), table[..., k]) for k, name in enumerate(names)},
+        {"zeta": ("zeta", dampings), "delta0": ("delta0", clearances)},
+    )
+
+
+def _peak(zeta: float, delta0: float) -> tuple[float, float, float]:
+    A = peak_amplitude(zeta=zeta, delta0=delta0)
+    if math.isnan(A):
+        return math.nan, math.nan, math.nan
+    return A, _tip_speed(A, zeta, delta0), float(contact_force(A, delta0))
+
+
+@dataclass(frozen=True, slots=True)
+class _Chain:
+    """Both flanks of a part of the curve: from `begin` up to `top` and down to `end`.
+
+    Parameters
+    ----------
+    flank : int
+        The flank from `begin` to `top`: +1 where a whirl is stable as the value rises with the
+        amplitude, -1 where as it falls. The flank from `top` to `end` is the other one.
+    begin, top, end : tuple of two floats
+        Amplitude and value there, infinite where the flank never ends.
+    """
+
+    flank: int
+    begin: _Place
+    top: _Place
+    end: _Place
+
+
+@dataclass(frozen=True, slots=True)
+class _Marks:
+    """Places on the flanks, in no order, between which the curve is monotone."""
+
+    flank: npt.NDArray[np.int_]
+    amplitude: Values
+    value: Values
+
+    def between(self, begin: _Place, end: _Place, flank: int) -> list[_Place]:
+        """Return `begin`, the marks on the flank between, in order along it, and `end`."""
+        low, high = sorted((begin[0], end[0]))
+        inside = (self.flank == flank) & (self.amplitude > low) & (self.amplitude < high)
+        places = sorted(
+            zip(self.amplitude[inside].tolist(), self.value[inside].tolist(), strict=True)
+        )
+        return [begin, *(places if begin[0] < end[0] else places[::-1]), end]
+
+
+@dataclass(frozen=True, slots=True)
+class _Piece:
+    """A connected piece of the curve, shape (n,)."""
+
+    amplitude: Values
+    value: Values
+    stability: npt.NDArray[np.int8]
+    in_contact: int
+
+
+def _over_speed(
+    zeta: float, delta0: float, turns: Values, limits: _Place, points: int
+) -> list[_Piece]:
+    """Return the pieces of the curve over the speed; `turns` has speed and amplitude of folds."""
+    m = 4.0 * zeta * zeta
+    touch = math.inf
+    if delta0 < 1.0:
+        touch = 2.0 * zeta * delta0 / math.sqrt((1.0 - delta0) * (1.0 + delta0))
+    present = delta0 >= 1.0 or zeta > 0.0
+    pieces = []
+    low, high = limits[0], min(limits[1], touch)
+    if present and low < high:
+        speed, amplitude = _spread(
+            lambda omega: np.abs(complex_amplitude(omega, zeta)),
+            (low, abs(complex(complex_amplitude(low, zeta)))),
+            (high, min(abs(complex(complex_amplitude(high, zeta))), delta0)), points,
+        )  # fmt: skip
+        pieces.append(_contact_free_piece(amplitude, speed))
+
+    tips: list[_Place] = [(A, _tip_speed(A, zeta, delta0)) for A in _tips(zeta, delta0)]
+    chains = []
+    if delta0 < 1.0:
+        # an odd number of tips: the first one ends what begins at the first touch
+        far = (math.inf, math.inf) if zeta == 0.0 else (1.0, math.inf)
+        top = tips.pop(0) if len(tips) % 2 else far
+        chains.append(_Chain(1, (delta0, touch), top, (1.0, math.inf)))
+    elif zeta == 0.0:
+        chains.append(_Chain(1, (delta0, 0.0), (math.inf, math.inf), (delta0, 0.0)))
+    chains += [
+        _Chain(1, low_tip, high_tip, low_tip)
+        for low_tip, high_tip in zip(tips[::2], tips[1::2], strict=True)
+    ]
+
+    at_limits = np.array([omega for omega in limits if omega > 0.0])
+    whirls = contacting_whirls(at_limits, 0.0 * at_limits + zeta, 0.0 * at_limits + delta0)
+    rows, columns = np.nonzero(np.isfinite(whirls.amplitude))
+    turns = turns[np.isfinite(turns[:, 0])]
+    amplitude = np.concatenate([whirls.amplitude[rows, columns], turns[:, 1]])
+    omega = np.concatenate([at_limits[rows], turns[:, 0]])
+    # at a fold the phase lag is beyond a quarter turn
+    sine = np.minimum(2.0 * zeta * turns[:, 1] / turns[:, 0], 1.0)
+    lag = np.concatenate([whirls.phase_lag[rows, columns], math.pi - np.arcsin(sine)])
+    slope = 1.0 + np.cos(lag) ** 2 + 2.0 * amplitude * np.cos(lag)
+    marks = _Marks(np.where(slope > 0.0, 1, -1), amplitude, omega)
+
+    def speed_on(flank: int) -> Callable[[Values], Values]:
+        return lambda A: _flanks(A, m, delta0)[0 if flank == 1 else 1]
+
+    return pieces + _traced(chains, marks, speed_on, limits, points, damped=zeta > 0.0)
+
+
+def _over_clearance(omega: float, zeta: float, limits: _Place, points: int) -> list[_Piece]:
+    """Return the pieces of the curve over the clearance."""
+    q = omega * omega
+    touch = abs(complex(complex_amplitude(omega, zeta)))
+    pieces = []
+    if touch < limits[1]:
+        ends = np.array([max(limits[0], touch), limits[1]])
+        pieces.append(_contact_free_piece(np.full(2, touch), ends))
+
+    largest = omega / (2.0 * zeta) if zeta > 0.0 else math.inf
+
+    def clearance_on(flank: int) -> Callable[[Values], Values]:
+        def clearance(A: Values) -> Values:
+            sine = A / largest
+            cosine = flank * np.sqrt(np.maximum((1.0 - sine) * (1.0 + sine), 0.0))
+            return A - np.cbrt(q * np.maximum(A + cosine, 0.0)) ** 2
+
+        return clearance
+
+    top = (math.inf, math.inf)
+    if zeta > 0.0:
+        top = (largest, float(clearance_on(1)(np.array([largest]))[0]))
+    chain = _Chain(-1, (touch, touch), top, (0.0, -(np.cbrt(q) ** 2)))
+
+    at_limits = np.array(limits)
+    whirls = contacting_whirls(0.0 * at_limits + omega, 0.0 * at_limits + zeta, at_limits)
+    rows, columns = np.nonzero(np.isfinite(whirls.amplitude))
+    turns = _turns_over_clearance(omega, zeta)
+    marks = _Marks(
+        np.concatenate([
+            np.where(np.cos(whirls.phase_lag[rows, columns]) > 0.0, 1, -1),
+            np.full(turns.size, -1),
+        ]),
+        np.concatenate([whirls.amplitude[rows, columns], turns]),
+        np.concatenate([at_limits[rows], clearance_on(-1)(turns)]),
+    )  # fmt: skip
+    return pieces + _traced([chain], marks, clearance_on, limits, points, damped=zeta > 0.0)
+
+
+def _turns_over_clearance(omega: float, zeta: float) -> Values:
+    """Return the amplitudes of the folds over the clearance: see `clearance_curve`."""
+    q = omega * omega
+    if zeta == 0.0:
+        return np.array([1.0 + (8.0 / 27.0) * q * q])
+    R = omega / (2.0 * zeta)
+    r = math.hypot(1.0, R)
+
+    def excess(w: float) -> float:
+        cosine_squared = 1.0 / (1.0 + w * w)
+        return (R - w) * math.cbrt(w * math.sqrt(cosine_squared)) - bound
+
+    bound = (2.0 / 3.0) * math.cbrt(q * r) ** 2 * (r / R)
+    summit = float(brentq(lambda w: 3.0 * w**3 + 4.0 * w - R, 0.0, R, xtol=1e-300, rtol=1e-15))
+    if excess(summit) <= 0.0:
+        return np.empty(0)
+    w = np.array([
+        brentq(excess, *ends, xtol=1e-300, rtol=1e-15) for ends in ((0.0, summit), (summit, R))
+    ])  # fmt: skip
+    return R * (R * w + 1.0) / (r * np.hypot(1.0, w))
+
+
+def _traced(
+    chains: Sequence[_Chain],
+    marks: _Marks,
+    value_on: Callable[[int], Callable[[Values], Values]],
+    limits: _Place,
+    points: int,
+    *,
+    damped: bool,
+) -> list[_Piece]:
+    """Return the pieces of the contacting curve whose values lie within the limits."""
+    pieces = []
+    for chain in chains:
+        arcs = [
+            (flank, *ends)
+            for flank, begin, end in (
+                (chain.flank, chain.begin, chain.top), (-chain.flank, chain.top, chain.end)
+            )
+            for ends in pairwise(marks.between(begin, end, flank))
+            if ends[0] != ends[1]
+        ]  # fmt: skip
+        inside = [limits[0] <= min(a[1], b[1]) <= max(a[1], b[1]) <= limits[1] for _, a, b in arcs]
+        if chain.begin == chain.end and not all(inside):
+            # a closed curve of which a part is left out begins behind that
+            first = inside.index(False)
+            arcs, inside = arcs[first:] + arcs[:first], inside[first:] + inside[:first]
+        for kept, group in groupby(zip(inside, arcs, strict=True), key=lambda each: each[0]):
+            if kept:
+                pieces.append(_joined([arc for _, arc in group], value_on, points, damped=damped))
+    return pieces
+
+
+def _joined(
+    arcs: Sequence[tuple[int, _Place, _Place]],
+    value_on: Callable[[int], Callable[[Values], Values]],
+    points: int,
+    *,
+    damped: bool,
+) -> _Piece:
+    """Return one piece of successive arcs."""
+    amplitudes, values, flags = [], [], []
+    for number, (flank, begin, end) in enumerate(arcs):
+        amplitude, value = _spread(value_on(flank), begin, end, points)
+        lasting = flank * (end[1] - begin[1]) * (end[0] - begin[0]) > 0.0
+        flag = STABILITY["unstable"]
+        if lasting:
+            flag = STABILITY["stable"] if damped else STABILITY["neutral"]
+        first = 0 if number == 0 else 1  # the arcs share their ends
+        amplitudes.append(amplitude[first:])
+        values.append(value[first:])
+        flags.append(np.full(amplitude.size - first, flag, dtype=np.int8))
+    return _Piece(
+        np.concatenate(amplitudes), np.concatenate(values), np.concatenate(flags), in_contact=1
+    )
+
+
+def _contact_free_piece(amplitude: Values, value: Values) -> _Piece:
+    flags = np.full(amplitude.size, STABILITY["neutral"], dtype=np.int8)
+    return _Piece(amplitude, value, flags, in_contact=0)
+
+
+def _spread(
+    value_at: Callable[[Values], Values], begin: _Place, end: _Place, points: int
+) -> tuple[Values, Values]:
+    """Return points of a monotone arc, more of them where it is long or bends.
+
+    Lengths and angles are those in the arc's own frame, scaled to a unit square, and a quarter
+    turn counts as much as a side.
+    """
+    width, height = end[0] - begin[0], end[1] - begin[1]
+    fraction = 0.5 - 0.5 * np.cos(np.linspace(0.0, math.pi, points))
+    for _ in range(_ROUNDS):
+        across, up = np.diff(fraction), np.diff(_values(value_at, begin, end, fraction))
+        up = up / height if height else up
+        bend = np.abs(np.diff(np.arctan2(up, across))) / math.pi
+        weight = np.hypot(across, up) + np.append(bend, 0.0) + np.append(0.0, bend)
+        along = np.append(0.0, np.cumsum(weight))
+        fraction = np.interp(np.linspace(0.0, along[-1], points), along, fraction)
+    first = begin[0] + width * fraction
+    first[-1] = end[0]
+    return first, _values(value_at, begin, end, fraction)
+
+
+def _values(
+    value_at: Callable[[Values], Values], begin: _Place, end: _Place, fraction: Values
+) -> Values:
+    """Return the values along an arc, none beyond its ends by rounding."""
+    inner = value_at(begin[0] + (end[0] - begin[0]) * fraction[1:-1])
+    low, high = sorted((begin[1], end[1]))
+    return np.concatenate([[begin[1]], np.clip(inner, low, high), [end[1]]])
+
+
+def _labelled(
+    varied: str, curves: Sequence[Sequence[_Piece]], axes: Mapping[str, Values]
+) -> xr.Dataset:
+    """Return the dataset of curves, one for each point of the grid of the two axes."""
+    shape = tuple(axis.size for axis in axes.values())
+    longest = max((sum(piece.value.size for piece in pieces) for pieces in curves), default=0)
+    table = np.full((len(curves), 2, longest), np.nan)
+    flags = np.zeros((len(curves), 3, longest), dtype=np.int8)
+    flags[:, 0], flags[:, 2] = STABILITY["absent"], -1
+    for row, pieces in enumerate(curves):
+        first = 0
+        for number, piece in enumerate(pieces):
+            here = slice(first, first + piece.value.size)
+            table[row, :, here] = piece.value, piece.amplitude
+            flags[row, 0, here] = piece.stability
+            flags[row, 1:, here] = [[piece.in_contact], [number]]
+            first = here.stop
+    value, amplitude = (table[:, k].reshape(*shape, longest) for k in range(2))
+    grid = dict(zip(axes, np.meshgrid(*axes.values(), indexing="ij"), strict=True))
+    parameters = {name: values[..., None] for name, values in grid.items()} | {varied: value}
+    dims = (*axes, "point")
+    lag = _phase_lag(amplitude, **parameters)
+    columns = {varied: value, "amplitude": amplitude, "phase_lag": lag} | {
+        name: flags[:, k].reshape(value.shape)
+        for k, name in enumerate(("stability", "in_contact", "piece"))
+    }
+    return labelled_dataset(
+        "Response curve of a rotor with Hertz contact and clearance",
+        {name: (dims, column) for name, column in columns.items()},
+        {name: (name, axis) for name, axis in axes.items()}
+        | {"point": ("point", np.arange(longest))},
+        {"source": _SOURCE, "references": _REFERENCES},
+    )
+
+
+def _phase_lag(amplitude: Values, *, omega: Values, zeta: Values, delta0: Values) -> Values:
+    stiffness = secant_stiffness(amplitude, delta0)
+    return np.arctan2(2.0 * zeta * omega, stiffness - omega * omega)
+
+
+def _checked_limits(name: str, limits: object) -> _Place:
+    """Return the two ends of a range."""
+    ends = check_axis(name, limits)
+    if ends.size != 2 or ends[0] >= ends[1]:
+        raise InputError(f"{name} must be two numbers, the lower first, got {limits!r}")
+    return float(ends[0]), float(ends[1])
