@@ -14,9 +14,9 @@ import sys
 
 import numpy as np
 
-from rotor_ida import folds, synchronous_response
-from rotor_ida.closed_forms import cusp, free_periods, jumps
-from rotor_ida.paper.scenario import Settings, run_script, speeds_of_curves
+from rotor_ida import folds
+from rotor_ida.closed_forms import cusp, free_periods, jumps, response_curve
+from rotor_ida.paper.scenario import Settings, run_script
 from rotor_ida.plot import (
     mixed_panels,
     plot_amplitude,
@@ -28,13 +28,11 @@ from rotor_ida.plot import (
 )
 
 DAMPINGS = [0.07, 1.0, 1.5, 2.0]
-LOWEST, HIGHEST = 0.02, 3.0
+LIMITS = (0.02, 3.0)
 
 
 def main(settings: Settings) -> None:
-    points = 150 if settings.quick else 400
-    omega = speeds_of_curves(zeta=0.07, delta0=0.0, lowest=LOWEST, highest=HIGHEST, points=points)
-    exact = synchronous_response(omega=omega, zeta=DAMPINGS, delta0=0.0)
+    exact = response_curve(zeta=DAMPINGS, delta0=0.0, limits=LIMITS)
     found = jumps(zeta=0.07, delta0=0.0)
     backbone = free_periods(amplitude=np.linspace(0.02, 14.0, 300), delta0=[0.0, 0.5])
     limit = cusp(delta0=np.linspace(0.0, 3.0, 61 if settings.quick else 301))

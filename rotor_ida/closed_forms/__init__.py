@@ -5,7 +5,7 @@ other's independent witness.
 """
 
 from rotor_ida.closed_forms.contact_free import ContactFreeWhirl, contact_free_whirl, flight
-from rotor_ida.closed_forms.folds import cusp_zeta, folds
+from rotor_ida.closed_forms.folds import cusp, cusp_zeta, folds, jumps
 from rotor_ida.closed_forms.free_vibration import (
     amplitude_from_speed,
     centre_speed,
@@ -13,7 +13,6 @@ from rotor_ida.closed_forms.free_vibration import (
     free_periods,
     planar_period,
 )
-from rotor_ida.closed_forms.jumps import cusp, jumps
 from rotor_ida.closed_forms.response_curve import (
     backbone,
     clearance_curve,
