@@ -16,7 +16,7 @@ from .errors import RotorError as RotorError
 from .errors import SimulationError as SimulationError
 from .parameters import DimensionalRotor as DimensionalRotor
 from .parameters import Rotor as Rotor
-from .resume import resume as resume
+from .resuming import resume as resume
 from .si_units import dimensional as dimensional
 from .simulation.contact_table import contact_summary as contact_summary
 from .simulation.simulate import simulate as simulate

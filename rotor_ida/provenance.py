@@ -20,8 +20,9 @@ _FOLDERS = re.compile(r"^(--?[\w-]+=)?(?:[/~]|[A-Za-z]:[\\/]).*[\\/](?=[^\\/])")
 # Versions that do not change the bits of a result.
 _INDIFFERENT = ("python_version", "xarray_version")
 # Folders and modules that draw, describe or store a result but do not compute it.
-_NOT_COMPUTING = frozenset(
-    ["analysis", "cli", "files", "paper", "plot", "resume", "scenarios", "storage", "testing"]
+NOT_COMPUTING = (
+    *("analysis", "cli", "files", "paper", "plot"),
+    *("resuming", "scenarios", "storage/archive", "testing"),
 )
 
 
@@ -79,7 +80,7 @@ def sources_digest() -> str:
     package = Path(__file__).parent
     for path in sorted(package.rglob("*.py")):
         name = path.relative_to(package)
-        if name.parts[0].removesuffix(".py") not in _NOT_COMPUTING:
+        if not any(name.with_suffix("").is_relative_to(part) for part in NOT_COMPUTING):
             digest.update(f"{name.as_posix()}\0".encode() + path.read_bytes() + b"\0")
     return digest.hexdigest()
 

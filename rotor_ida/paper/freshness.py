@@ -38,7 +38,7 @@ def origin_of(script: Path, options: Sequence[str]) -> str:
         SHA-256 of the script, of the sources and versions of what computes, and of the options.
     """
     digest = hashlib.sha256()
-    package = Path(__file__).parent
+    package = Path(__file__).parents[1]
     sources = [path for path in package.rglob("*.py") if package / "scenarios" not in path.parents]
     for path in [script, *sorted(sources)]:
         name = path.name if path == script else path.relative_to(package).as_posix()

@@ -31,7 +31,7 @@ def scenario_scripts() -> dict[str, Path]:
     >>> "fig10_11_amplitude" in scenario_scripts()
     True
     """
-    package = Path(__file__).parent
+    package = Path(__file__).parents[1]
     for folder in (package / "scenarios", package.parent / "scenarios"):
         scripts = sorted(folder.glob("[!_]*.py"), key=_figures_first)
         if scripts:

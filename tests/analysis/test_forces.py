@@ -41,7 +41,7 @@ def test_integral_of_the_force_is_the_impulse_of_each_contact(run):
         span = slice(run.entry_time.values[row], run.exit_time.values[row])
         part = forces.force.sel(t=span)
         # the ends between samples hold a force of (0.001 r')**1.5
-        assert simpson(part, x=part.time) == pytest.approx(run.impulse.values[row], abs=1e-6)
+        assert simpson(part, x=part.t) == pytest.approx(run.impulse.values[row], abs=1e-6)
 
 
 def test_share_of_peaks_is_a_distribution_of_whole_contacts(run):

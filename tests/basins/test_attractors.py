@@ -5,7 +5,7 @@ import pytest
 
 from rotor_ida import Rotor
 from rotor_ida.basins import attractors as attractors_module
-from rotor_ida.basins import follow_starts as survey_module
+from rotor_ida.basins import following
 from rotor_ida.basins.attractors import Attractor, attractors_of
 from rotor_ida.basins.batches import BatchResult, Undecided
 from rotor_ida.basins.following import FollowedStarts
@@ -110,7 +110,7 @@ def test_of_very_many_orbits_some_serve_as_examples_for_all(confirmed, monkeypat
     whole = survey_of(BOUNCER, earlier, later)
     sort(whole)
     assert np.unique(whole.labels, return_counts=True)[1].tolist() == [10, 300, 200]
-    monkeypatch.setattr(survey_module, "MOST_EXAMPLES", 60)
+    monkeypatch.setattr(following, "MOST_EXAMPLES", 60)
     some = survey_of(BOUNCER, earlier, later)
     assert some.examples().numbers.tolist() == list(range(0, 510, 9))
     sort(some)

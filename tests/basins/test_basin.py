@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from rotor_ida.dataset import basin as basin_dataset_module
 
 from rotor_ida import InputError, Rotor, basin, load, save
 from rotor_ida.basins import attractors, following, labelling
+from rotor_ida.basins import dataset as basin_dataset_module
 from rotor_ida.basins.labelling import label
 from rotor_ida.parallel import FailedJob
 from rotor_ida.schema import FATE, RESPONSE, flags_of

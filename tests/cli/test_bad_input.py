@@ -154,7 +154,7 @@ def test_what_can_be_written_is_asked_before_anything_is_computed(
     def never(*_args: object, **_options: object) -> None:
         raise AssertionError("it was computed")
 
-    monkeypatch.setattr("rotor_ida.simulation.simulate.simulate", never)
-    monkeypatch.setattr("rotor_ida.sweeps.sweep.sweep", never)
+    monkeypatch.setattr("rotor_ida.simulate", never)
+    monkeypatch.setattr("rotor_ida.sweep", never)
     for command in (simulate(out="nowhere/a.nc"), sweep(figure="nowhere/a.png")):
         assert program(*command.split()).status == 2

@@ -48,7 +48,7 @@ def test_an_interrupt_saves_what_is_done(program: Program, monkeypatch: pytest.M
     done["label"][1, 1] = FATE["not_computed"]
     done["not_computed_count"] = done["not_computed_count"].copy(data=1)
     done.attrs["interrupted"] = 1
-    monkeypatch.setattr("rotor_ida.basins.basin", lambda *_, **__: done)
+    monkeypatch.setattr("rotor_ida.basin", lambda *_, **__: done)
     answer = program(*FIGURE_7, *GRID, "--out", "basin.nc")
     assert answer.status == 130
     assert answer.err == "rotor-ida: interrupted: 3 of 4 starts are done\n"

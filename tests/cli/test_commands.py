@@ -157,7 +157,7 @@ def test_a_sweep_with_failed_points_keeps_them_and_says_so(
     swept["status"][1] = 1
     swept["message"] = swept["message"].astype("<U20")
     swept["message"][1] = "the solver gave up"
-    monkeypatch.setattr("rotor_ida.sweeps.sweep.sweep", lambda **_: swept)
+    monkeypatch.setattr("rotor_ida.sweep", lambda **_: swept)
     answer = program("sweep", *SWEEP, "--out", "sweep.nc")
     assert answer.status == 1
     assert answer.err == "rotor-ida: 2 of 4 points failed; the first: the solver gave up\n"
@@ -248,7 +248,7 @@ def test_doctor_finds_a_solver_that_is_missing(program: Program, monkeypatch: py
     def missing(*_args: object, **_options: object) -> None:
         raise ImportError("no module named sksundae")
 
-    monkeypatch.setattr("rotor_ida.simulation.simulate.simulate", missing)
+    monkeypatch.setattr("rotor_ida.simulate", missing)
     answer = program("doctor")
     assert answer.status == 1
     assert "ImportError: no module named sksundae" in answer.out

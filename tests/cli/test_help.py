@@ -20,7 +20,7 @@ from rotor_ida.cli.commands.swept import sweep
 Program = Callable[..., Any]
 
 COMMANDS = [
-    *("reproduce", "simulate", "response", "sweep", "basin", "basin_fractions", "status", "resume"),
+    *("reproduce", "simulate", "response", "sweep", "basin", "fractions", "status", "resume"),
     *("compare", "verify", "show", "doctor"),
 ]
 

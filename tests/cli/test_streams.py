@@ -40,7 +40,7 @@ def test_what_the_solver_writes_to_descriptor_1_is_not_in_the_result(
         print("from Python")
         return quiet(*args, **options)  # type: ignore[arg-type]
 
-    monkeypatch.setattr("rotor_ida.simulation.simulate.simulate", noisy)
+    monkeypatch.setattr("rotor_ida.simulate", noisy)
     answer = program(*RUN, "--json")
     assert json.loads(answer.out)["kind"] == "run"
     assert sorted(answer.err.splitlines()) == ["[WARNING][rank 0] from C", "from Python"]
@@ -78,7 +78,7 @@ def test_a_solver_that_gives_up_is_status_1_and_one_line(
         os.write(1, b"[ERROR][rank 0] mxstep steps taken before reaching tout\n")
         raise SimulationError("too much work", time=1.5, state=(0.0, 1.0, 2.0, 3.0))
 
-    monkeypatch.setattr("rotor_ida.simulation.simulate.simulate", fail)
+    monkeypatch.setattr("rotor_ida.simulate", fail)
     answer = program(*RUN, "--out", "run.nc")
     assert (answer.status, answer.out) == (1, "")
     assert answer.err.splitlines()[1] == (
@@ -106,7 +106,7 @@ def test_what_stops_a_command_gets_one_line(
     def stop(*_args: object, **_options: object) -> None:
         raise error
 
-    monkeypatch.setattr("rotor_ida.simulation.simulate.simulate", stop)
+    monkeypatch.setattr("rotor_ida.simulate", stop)
     answer = program(*RUN)
     assert (answer.status, answer.out) == (status, "")
     assert answer.err.startswith(f"rotor-ida: {line}")
@@ -155,7 +155,7 @@ def test_what_was_computed_is_printed_even_if_it_cannot_be_kept(
     def full(*_args: object, **_options: object) -> None:
         raise ArchiveError("cannot write run.nc: No space left on device")
 
-    monkeypatch.setattr("rotor_ida.storage.archive.save", full)
+    monkeypatch.setattr("rotor_ida.save", full)
     answer = program(*RUN, "--out", "run.nc", "--json")
     assert answer.status == 1
     assert json.loads(answer.out)["kind"] == "run"

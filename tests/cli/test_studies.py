@@ -116,7 +116,7 @@ def test_how_to_go_on_can_be_typed(program: Program, folder: str, word: str):
 
 def test_what_cannot_be_drawn_is_refused_before_anything_is_computed(program: Program):
     box = ["--zeta", "0.5", "--delta0", "0.5", "--x=-5:5", "--y=-5:5", "--starts", "9"]
-    program("basin_fractions", "--omega", "1.7", *box, "--study", "drawn")
+    program("fractions", "--omega", "1.7", *box, "--study", "drawn")
     many = ["--zeta", "0.5:0.9:13", "--delta0", "0.5"]
     program("sweep", "--omega", "1.7", *many, "--study", "many")
     for folder, message in (

@@ -15,8 +15,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from rotor_ida import contact
 from rotor_ida.closed_forms import folds, stability_determinant, synchronous_response
+from rotor_ida.equations import contact
 from rotor_ida.errors import InputError
 from rotor_ida.schema import STABILITY
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numba
 
-from rotor_ida import compiling
+from rotor_ida.equations import compiling
 
 
 def test_where_no_folder_can_be_written_kernels_still_run(monkeypatch):
@@ -20,12 +20,14 @@ def test_where_no_folder_can_be_written_kernels_still_run(monkeypatch):
 
 def test_a_change_in_what_a_kernel_calls_makes_it_anew(tmp_path):
     """numba alone would see no change in the kernel's own file, and keep the old force."""
-    package = Path(compiling.__file__).parent
+    package = Path(compiling.__file__).parents[1]
     copy = tmp_path / "rotor_ida"
-    for name in ("__init__", "compiling", "contact", "model", "parameters", "checks", "errors"):
-        target = copy / f"{name}.py"
-        target.parent.mkdir(exist_ok=True)
-        target.write_text((package / f"{name}.py").read_text("utf-8"), "utf-8")
+    names = ("__init__.py", "__init__.pyi", "parameters.py", "checks.py", "errors.py")
+    modules = ("__init__", "compiling", "contact", "model")
+    for name in (*names, *(f"equations/{module}.py" for module in modules)):
+        target = copy / name
+        target.parent.mkdir(exist_ok=True, parents=True)
+        target.write_text((package / name).read_text("utf-8"), "utf-8")
     program = (
         "import numpy as np\n"
         "from rotor_ida import Rotor\n"
@@ -46,6 +48,6 @@ def test_a_change_in_what_a_kernel_calls_makes_it_anew(tmp_path):
         return float(done.stdout)
 
     assert force() == -1.0
-    law = copy / "contact.py"
+    law = copy / "equations" / "contact.py"
     law.write_text(law.read_text("utf-8").replace("depth**HERTZ", "2.0 * depth**HERTZ"), "utf-8")
     assert force() == -2.0

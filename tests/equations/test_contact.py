@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rotor_ida import contact
+from rotor_ida.equations import contact
 
 lengths = st.floats(0.0, 50.0)
 

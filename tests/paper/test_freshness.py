@@ -2,7 +2,7 @@
 
 import pytest
 
-from rotor_ida import freshness
+from rotor_ida.paper import freshness
 
 
 @pytest.fixture

@@ -1,6 +1,7 @@
 import pytest
 
-from rotor_ida import InputError, load, reproduction
+from rotor_ida import InputError, load
+from rotor_ida.paper import reproduction
 from rotor_ida.paper.reproduction import reproduce, scenario_scripts
 from rotor_ida.paper.scenario import Settings, run_script
 

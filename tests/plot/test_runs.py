@@ -96,5 +96,5 @@ def test_draws_on_the_axes_given(run):
 
 def test_another_dataset_is_refused(exact):
     for plot in (plot_run, plot_orbit):
-        with pytest.raises(InputError, match=r"run must hold .* it lacks time, x, y"):
+        with pytest.raises(InputError, match=r"run must hold .* it lacks t, x, y"):
             plot(exact)

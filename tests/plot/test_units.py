@@ -217,7 +217,7 @@ def test_clearances_periods_fields_extrema_and_basins(curves):
 
 
 def test_solutions_and_their_deviations(plain):
-    times = plain.time.values[::1000]
+    times = plain.t.values[::1000]
     table = ("solution", "t"), [[0.0, 1.0, 2.0]]
     line = ("t", [0.5, 0.5, 0.5])
     claimed = xr.Dataset(

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rotor_ida import InputError, Rotor, SimulationError, simulate
-from rotor_ida.simulation import sundials
+from rotor_ida.simulation.cvode import libraries
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
 from tests.test_reference_events import CASES
@@ -61,7 +61,7 @@ def test_auto_is_compiled_where_it_can_be_had(monkeypatch):
     assert Options(method="ida").backend == "python"
     with pytest.raises(InputError, match=r"'compiled' cannot be used: it knows .* got 'ida'"):
         Options(method="ida", backend="compiled")
-    monkeypatch.setattr(sundials, "why_not", lambda: "the libraries were not found")
+    monkeypatch.setattr(libraries, "why_not", lambda: "the libraries were not found")
     assert Options().backend == "python"
     with pytest.raises(InputError, match="'compiled' cannot be used: the libraries were not"):
         Options(backend="compiled")
@@ -72,30 +72,30 @@ def test_auto_is_compiled_where_it_can_be_had(monkeypatch):
     [
         ((7, 1.25), (7, 9, 0), "index"),
         ((3, 1.25), (7, 9, 0), "double precision"),
-        ((3, sundials.PROBE), (6, 7, 0), "must be version 7, found 6.7.0"),
-        ((3, sundials.PROBE), (7, 0, 0), "was built with SUNDIALS .*, found 7.0.0"),
+        ((3, libraries.PROBE), (6, 7, 0), "must be version 7, found 6.7.0"),
+        ((3, libraries.PROBE), (7, 0, 0), "was built with SUNDIALS .*, found 7.0.0"),
     ],
 )
 def test_libraries_that_do_not_fit_are_not_called(monkeypatch, probe, version, reason):
-    monkeypatch.setattr(sundials, "_probe", lambda *_: probe)
-    monkeypatch.setattr(sundials, "_version", lambda _: version)
-    with pytest.raises(sundials.Unfit, match=reason):
-        sundials._check(None, None)
+    monkeypatch.setattr(libraries, "_probe", lambda *_: probe)
+    monkeypatch.setattr(libraries, "_version", lambda _: version)
+    with pytest.raises(libraries.Unfit, match=reason):
+        libraries._check(None, None)
 
 
 def test_missing_libraries_are_named(monkeypatch, tmp_path):
-    with pytest.raises(sundials.Unfit, match="sundials_cvode is missing"):
-        sundials._library(tmp_path, "cvode")
-    monkeypatch.setattr(sundials.sksundae, "__file__", str(tmp_path / "sksundae" / "__init__.py"))
-    monkeypatch.setattr(sundials.sys, "prefix", str(tmp_path))
-    with pytest.raises(sundials.Unfit, match="were not found beside"):
-        sundials._folder()
+    with pytest.raises(libraries.Unfit, match="sundials_cvode is missing"):
+        libraries._library(tmp_path, "cvode")
+    monkeypatch.setattr(libraries.sksundae, "__file__", str(tmp_path / "sksundae" / "__init__.py"))
+    monkeypatch.setattr(libraries.sys, "prefix", str(tmp_path))
+    with pytest.raises(libraries.Unfit, match="were not found beside"):
+        libraries._folder()
 
 
 @pytest.mark.parametrize("name", ["libsundials_core.7.9.0.dylib", "sundials_core-db7c109a.dll"])
 def test_the_layouts_of_other_systems_are_known(tmp_path, name):
     (tmp_path / name).touch()
-    assert sundials._library(tmp_path, "core").name == name
+    assert libraries._library(tmp_path, "core").name == name
 
 
 def test_threads_give_what_one_gives():

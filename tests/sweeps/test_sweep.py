@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from rotor_ida import InputError, SimulationError, sweep, synchronous_response
-from rotor_ida import ramps as chains_module
-from rotor_ida import sweeps as sweeps_module
 from rotor_ida.parallel import FailedJob
 from rotor_ida.schema import RESPONSE, flags_of
+from rotor_ida.sweeps import ramps as ramps_module
+from rotor_ida.sweeps import sweep as sweep_module
 from rotor_ida.sweeps.dataset import events_of
 
 
@@ -68,16 +68,16 @@ def test_whoever_does_the_work_finds_the_same_bits(executor, backend):
 
 
 def test_a_point_that_fails_is_labelled_and_stops_nothing(monkeypatch):
-    from rotor_ida import settling
+    from rotor_ida.sweeps import steady_state
 
-    true_run = settling.run
+    true_run = steady_state.run
 
     def fails_at_two(rotor, *rest, **options):
         if rotor.omega == 2.0:
             raise SimulationError("corrector failed", time=1.0, state=(0.0, 0.0, 0.0, 0.0))
         return true_run(rotor, *rest, **options)
 
-    monkeypatch.setattr(settling, "run", fails_at_two)
+    monkeypatch.setattr(steady_state, "run", fails_at_two)
     responses = sweep(omega=[1.0, 2.0, 3.0], zeta=0.5, delta0=0.5, direction="up").squeeze()
     assert responses.status.values.tolist() == [0, 1, 0]
     assert responses.response.values[1] == RESPONSE["failed"]
@@ -88,14 +88,14 @@ def test_a_point_that_fails_is_labelled_and_stops_nothing(monkeypatch):
 
 @pytest.mark.parametrize("error", [ValueError("a slip"), MemoryError()])
 def test_even_an_error_of_ours_stops_no_other_point(monkeypatch, error):
-    true_settle = chains_module.settle
+    true_settle = ramps_module.settle
 
     def slips_at_two(rotor, *rest, **options):
         if rotor.omega == 2.0:
             raise error
         return true_settle(rotor, *rest, **options)
 
-    monkeypatch.setattr(chains_module, "settle", slips_at_two)
+    monkeypatch.setattr(ramps_module, "settle", slips_at_two)
     found = sweep(omega=[1.0, 2.0, 3.0], zeta=0.5, delta0=0.5, direction="up").squeeze()
     assert found.status.values.tolist() == [0, 1, 0]
     assert found.message.values[1] in {"ValueError: a slip", "MemoryError"}
@@ -109,7 +109,7 @@ def test_a_chain_that_is_lost_with_its_worker_is_labelled(monkeypatch):
                 FailedJob("its worker died") if number == 1 else work(job, np.zeros(1, np.uint8)),
             )
 
-    monkeypatch.setattr(sweeps_module, "run_all", loses_the_second)
+    monkeypatch.setattr(sweep_module, "run_all", loses_the_second)
     found = sweep(omega=[1.0, 2.0], zeta=0.5, delta0=0.5, direction="both").squeeze()
     assert found.status.values.tolist() == [[0, 1], [0, 1]]
     assert found.message.values[:, 1].tolist() == ["its worker died"] * 2

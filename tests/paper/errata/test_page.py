@@ -18,7 +18,7 @@ KNOWN = {
                        "printed_lag": 2.98142},
     "unstable": {"amplitude": 6.19321, "growth": 0.09830},
     "captions": {"rest": 1.87963, "ten": 9.48721},
-    "cusp": {"without": 0.15604517},
+    "cusps": {"without": 0.15604517},
     "clearance": {"a": 3.363, "b": 4.319, "c": 5.214, "d": 6.873},
 }  # fmt: skip
 

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rotor_ida import Rotor, basin, basin_fractions, load, save, settling, sweep
+from rotor_ida import Rotor, basin, basin_fractions, load, save, sweep
 from rotor_ida.errors import InputError
 from rotor_ida.storage.studies import status
 from rotor_ida.storage.studies.database import FILE
+from rotor_ida.sweeps import steady_state
 
 BOUNCER = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 AXIS = np.linspace(-8.0, 8.0, 40)
@@ -79,12 +80,12 @@ def test_an_interrupt_leaves_a_study_that_goes_on(tmp_path):
 
 
 def test_a_failure_of_the_surroundings_is_tried_again(tmp_path, monkeypatch):
-    from rotor_ida import ramps
+    from rotor_ida.sweeps import ramps
 
     def has_no_memory(rotor, *rest, **options):
         if rotor.omega == 2.0:
             raise MemoryError
-        return settling.follow_to_steady_state(rotor, *rest, **options)
+        return steady_state.follow_to_steady_state(rotor, *rest, **options)
 
     given = {"omega": [1.0, 2.0], "zeta": 0.5, "delta0": 0.5, "executor": "serial"}
     with monkeypatch.context() as patch:
@@ -113,7 +114,7 @@ def test_another_sweep_is_refused(tmp_path, change, message):
 
 
 def test_another_version_is_refused(tmp_path, monkeypatch):
-    from rotor_ida import sweeps
+    from rotor_ida.sweeps import sweep as sweeps
 
     given = {"omega": 1.7, "zeta": 0.5, "delta0": 0.5}
     sweep(**given, study=tmp_path)
@@ -126,9 +127,9 @@ def test_another_version_is_refused(tmp_path, monkeypatch):
 def test_only_what_draws_and_tells_does_not_decide_on_the_bits():
     script = (
         "import sys, rotor_ida.sweeps.sweep, rotor_ida.basins\n"
-        "from rotor_ida.provenance import NO_PART\n"
-        "used = {name.split('.')[1] for name in sys.modules if name.startswith('rotor_ida.')}\n"
-        "print(sorted(used & NO_PART), end='')"
+        "from rotor_ida.provenance import NOT_COMPUTING\n"
+        "used = [name.replace('.', '/').removeprefix('rotor_ida/') for name in sys.modules]\n"
+        "print([name for name in used if name.startswith(NOT_COMPUTING)], end='')"
     )
     ended = subprocess.run(
         [sys.executable, "-c", script], capture_output=True, text=True, check=False
@@ -144,12 +145,12 @@ def test_a_seed_of_numpy_leaves_no_trace(tmp_path):
 
 
 def test_a_point_that_fails_is_recorded_and_the_others_go_on(tmp_path, monkeypatch):
-    from rotor_ida import ramps
+    from rotor_ida.sweeps import ramps
 
     def fails_at_two(rotor, *rest, **options):
         if rotor.omega == 2.0:
             raise ValueError("what nobody expected")
-        return settling.follow_to_steady_state(rotor, *rest, **options)
+        return steady_state.follow_to_steady_state(rotor, *rest, **options)
 
     monkeypatch.setattr(ramps, "settle", fails_at_two)
     given = {"omega": [1.0, 2.0, 3.0], "zeta": 0.5, "delta0": 0.5, "executor": "serial"}
