@@ -13,14 +13,8 @@ from rotor_ida.closed_forms.free_vibration import (
     free_periods,
     planar_period,
 )
-from rotor_ida.closed_forms.response_curve import (
-    backbone,
-    clearance_curve,
-    peak_amplitude,
-    peaks,
-    response_curve,
-    speeds_at_amplitude,
-)
+from rotor_ida.closed_forms.peaks import backbone, peak_amplitude, peaks, speeds_at_amplitude
+from rotor_ida.closed_forms.response_curve import clearance_curve, response_curve
 from rotor_ida.closed_forms.restoring import restoring_field
 from rotor_ida.closed_forms.stability import eigenvalues, stability_determinant
 from rotor_ida.closed_forms.synchronous import synchronous_response

@@ -70,7 +70,7 @@ def complex_amplitude(omega: npt.ArrayLike, zeta: npt.ArrayLike) -> ComplexValue
 
     Examples
     --------
-    >>> abs(complex_amplitude(3.0, 2.0)).round(12)
+    >>> round(abs(complex(complex_amplitude(3.0, 2.0))), 12)
     0.6
     """
     speed, damping = np.broadcast_arrays(np.asarray(omega, dtype=np.float64), zeta)

@@ -19,12 +19,13 @@ import numpy.typing as npt
 import xarray as xr
 from scipy.optimize import brentq
 
-from rotor_ida.checks import check_axis, check_count, check_nonnegative, check_positive
+from rotor_ida.checks import check_axis, check_count, check_positive
 from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.closed_forms.contacting_whirls import contacting_whirls
 from rotor_ida.closed_forms.folds import folds
+from rotor_ida.closed_forms.peaks import flank_speeds, tip_speed, tips
 from rotor_ida.closed_forms.synchronous import checked_axis
-from rotor_ida.equations.contact import contact_force, secant_stiffness
+from rotor_ida.equations.contact import secant_stiffness
 from rotor_ida.errors import InputError
 from rotor_ida.schema import STABILITY, labelled_dataset
 
@@ -170,235 +171,6 @@ def clearance_curve(
     return _labelled("delta0", curves, {"omega": speeds, "zeta": dampings})
 
 
-def backbone(amplitude: object, delta0: float = 0.0) -> Values:
-    """Return the speed on the backbone: that of a free circular whirl.
-
-    Parameters
-    ----------
-    amplitude : float or sequence of float, shape (n,)
-        Amplitudes A [1].
-    delta0 : float
-        Clearance [1].
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        ``omega = sqrt(f(A)/A)`` [1]; zero inside the clearance.
-
-    Raises
-    ------
-    InputError
-        If a value is not a finite real number that is zero or positive.
-
-    References
-    ----------
-    Eq. (17) of the paper, Mechanika 25(6), 2019, as a speed.
-
-    Examples
-    --------
-    >>> backbone([1.0, 16.0])
-    array([1., 2.])
-    """
-    clearance = check_nonnegative("delta0", delta0)
-    return np.sqrt(secant_stiffness(check_axis("amplitude", amplitude), clearance))
-
-
-def speeds_at_amplitude(amplitude: object, *, zeta: float, delta0: float) -> Values:
-    """Return the two speeds at which a contacting whirl has a given amplitude.
-
-    Parameters
-    ----------
-    amplitude : float or sequence of float, shape (n,)
-        Amplitudes A [1].
-    zeta, delta0 : float
-        Damping ratio and clearance [1].
-
-    Returns
-    -------
-    ndarray, shape (n, 2)
-        The slower and the faster speed [1]: the flank below resonance and the one above; NaN
-        where the curve has no such point, and inside the clearance.
-
-    Raises
-    ------
-    InputError
-        If a value is not a finite real number that is zero or positive.
-
-    Notes
-    -----
-    With ``q = omega**2`` and ``s = f(A)/A`` the curve is the quadratic
-    ``(A**2 - 1) q**2 + A**2 (4 zeta**2 - 2 s) q + A**2 s**2 = 0``. Unlike the curve at given
-    speeds it needs no search, and it has full resolution near the tip, whose amplitude is
-    `peak_amplitude`. Below A = 1 only the flank below resonance is left.
-
-    References
-    ----------
-    Eqs (21)-(23) of the paper, Mechanika 25(6), 2019, with the force corrected.
-
-    Examples
-    --------
-    >>> speeds_at_amplitude([0.5, 2.0], zeta=0.0, delta0=0.0)
-    array([[0.48549177,        nan],
-           [0.97098354, 1.68179283]])
-    """
-    m = 4.0 * check_nonnegative("zeta", zeta) ** 2
-    A = check_axis("amplitude", amplitude)
-    clearance = check_nonnegative("delta0", delta0)
-    s = secant_stiffness(A, clearance)
-    inside = _discriminant(A, s, m)
-    exists = (s > 0.0) & (inside >= 0.0) & ((A < 1.0) | (2.0 * s > m))
-    slower, faster = _flanks(A, m, clearance)
-    faster = np.where(A > 1.0, faster, np.nan)
-    return np.where(exists[:, None], np.stack([slower, faster], axis=1), np.nan)
-
-
-def _discriminant(A: Values, s: Values, m: float) -> Values:
-    """Return the discriminant of the quadratic in q over ``4 A**4``."""
-    # as a product: near the tip the sum would cancel
-    rest = np.sqrt(np.maximum((A - 1.0) * (A + 1.0), 0.0))
-    lean = np.divide(2.0 * s, A, out=np.zeros_like(A), where=A > 0.0) - m * A
-    product = (lean - m * rest) * (lean + m * rest)
-    return np.where(A >= 1.0, product, lean**2 + m**2 * (1.0 - A) * (1.0 + A))
-
-
-def _flanks(A: Values, m: float, delta0: float) -> tuple[Values, Values]:
-    """Return the slower and the faster speed at amplitudes that the curve has."""
-    s = secant_stiffness(A, delta0)
-    middle = 2.0 * s - m
-    root = np.sqrt(np.maximum(_discriminant(A, s, m), 0.0))
-    # the slower speed is 2 s**2/(middle + root); written so that nothing cancels
-    total = middle + root
-    below_one = 2.0 * (1.0 - A) * (1.0 + A)
-    conjugate = np.divide(A * A * (root - middle), below_one, out=np.zeros_like(A), where=A < 1.0)
-    direct = np.divide(2.0 * s * s, total, out=np.zeros_like(A), where=total > 0.0)
-    slower = np.where(middle > 0.0, direct, conjugate)
-    faster = np.divide(A * A * total, -below_one, out=np.full_like(A, np.inf), where=A > 1.0)
-    return np.sqrt(slower), np.sqrt(np.maximum(faster, 0.0))
-
-
-def peak_amplitude(*, zeta: float, delta0: float) -> float:
-    """Return the largest amplitude on the response curve of contacting whirls.
-
-    Parameters
-    ----------
-    zeta : float
-        Damping ratio [1], above zero: without damping the curve has no tip.
-    delta0 : float
-        Clearance [1].
-
-    Returns
-    -------
-    float
-        Amplitude of the tip [1]; NaN where the damping is so strong that the amplitude stays
-        below 1 and only approaches it at high speed.
-
-    Raises
-    ------
-    InputError
-        If a value is not a finite real number that is zero or positive, or `zeta` is zero.
-
-    Notes
-    -----
-    At the tip the two speeds of `speeds_at_amplitude` are one, which is where
-    ``h(A) = (A - delta0)**1.5 / (A**2 (A + sqrt(A**2 - 1))) = 2 zeta**2``. Beyond the last
-    maximum of h, a root of ``3 A**4 - (12 delta0**2 - 1) A**2 - 8 delta0 A + 16 delta0**2``,
-    h falls for ever.
-
-    References
-    ----------
-    Eqs (21)-(23) of the paper, Mechanika 25(6), 2019, with the force corrected.
-
-    Examples
-    --------
-    >>> tip = peak_amplitude(zeta=0.07, delta0=0.0)
-    >>> round(tip, 6), speeds_at_amplitude(tip - 1e-9, zeta=0.07, delta0=0.0).round(3).tolist()
-    (13.7..., [[1.9..., 1.9...]])
-    """
-    tips = _tips(check_positive("zeta", zeta), check_nonnegative("delta0", delta0))
-    return tips[-1] if tips else math.nan
-
-
-def _tips(zeta: float, delta0: float) -> list[float]:
-    """Return the amplitudes above 1 at which the flanks meet, ascending; none without damping."""
-    if zeta == 0.0:
-        return []
-
-    def excess(A: float) -> float:
-        decay = float(A * A * (A + np.sqrt((A - 1.0) * (A + 1.0))))
-        return float((A - delta0) ** 1.5) / decay - 2.0 * zeta * zeta
-
-    lowest = max(1.0, delta0)
-    highest = max(lowest, (2.0 * zeta * zeta) ** (-2.0 / 3.0)) * 1.000001 + 1e-6
-    turns = np.roots([3.0, 0.0, 1.0 - 12.0 * delta0**2, -8.0 * delta0, 16.0 * delta0**2])
-    turns = np.sort(turns.real[np.abs(turns.imag) < 1e-9 * (1.0 + delta0)])
-    turns = turns[(turns > lowest) & (turns < highest)]
-    edges = [lowest, *(float(turn) for turn in turns), highest]
-    return [
-        float(brentq(excess, low, high, xtol=1e-300, rtol=4.0 * np.finfo(float).eps))
-        for low, high in pairwise(edges)
-        if (excess(low) >= 0.0) != (excess(high) >= 0.0)
-    ]
-
-
-def _tip_speed(A: float, zeta: float, delta0: float) -> float:
-    """Return the one speed at a tip, ``omega**2 = A**2 (s - 2 zeta**2)/(A**2 - 1)``."""
-    s = float(secant_stiffness(A, delta0))
-    return math.sqrt(A * A * (s - 2.0 * zeta * zeta) / ((A - 1.0) * (A + 1.0)))
-
-
-def peaks(*, zeta: npt.ArrayLike, delta0: npt.ArrayLike) -> xr.Dataset:
-    """Return the largest contacting whirl for each damping and clearance.
-
-    Parameters
-    ----------
-    zeta : float or sequence of float, shape (m,)
-        Damping ratios [1], above zero.
-    delta0 : float or sequence of float, shape (k,)
-        Clearances [1].
-
-    Returns
-    -------
-    Dataset
-        On (zeta, delta0): ``peak_amplitude``, ``peak_omega`` and ``peak_contact_force`` [1];
-        NaN where the damping leaves no peak.
-
-    Raises
-    ------
-    InputError
-        If a value is not a finite real number that is zero or positive, or a damping is zero.
-
-    Notes
-    -----
-    At the tip the quadratic of `speeds_at_amplitude` has one root,
-    ``omega**2 = A**2 (s - 2 zeta**2)/(A**2 - 1)`` with ``s = f(A)/A``.
-
-    References
-    ----------
-    Section 4.2.1 and Fig. 10 of the paper, Mechanika 25(6), 2019.
-
-    Examples
-    --------
-    >>> found = peaks(zeta=0.07, delta0=[0.0, 2.0])
-    >>> found.peak_amplitude.values.round(3), found.peak_contact_force.values.round(2)
-    (array([[13.768, 11.346]]), array([[51.09, 28.57]]))
-    """
-    dampings, clearances = check_axis("zeta", zeta), check_axis("delta0", delta0)
-    table = np.array([[_peak(float(z), float(d)) for d in clearances] for z in dampings])
-    names = ("peak_amplitude", "peak_omega", "peak_contact_force")
-    return labelled_dataset(
-        "Largest contacting whirls of a rotor with Hertz contact and clearance",
-        {name: (("zeta", "delta0"), table[..., k]) for k, name in enumerate(names)},
-        {"zeta": ("zeta", dampings), "delta0": ("delta0", clearances)},
-    )
-
-
-def _peak(zeta: float, delta0: float) -> tuple[float, float, float]:
-    A = peak_amplitude(zeta=zeta, delta0=delta0)
-    if math.isnan(A):
-        return math.nan, math.nan, math.nan
-    return A, _tip_speed(A, zeta, delta0), float(contact_force(A, delta0))
-
-
 @dataclass(frozen=True, slots=True)
 class _Chain:
     """Both flanks of a part of the curve: from `begin` up to `top` and down to `end`.
@@ -465,18 +237,18 @@ def _over_speed(
         )  # fmt: skip
         pieces.append(_contact_free_piece(amplitude, speed))
 
-    tips: list[_Place] = [(A, _tip_speed(A, zeta, delta0)) for A in _tips(zeta, delta0)]
+    ends: list[_Place] = [(A, tip_speed(A, zeta, delta0)) for A in tips(zeta, delta0)]
     chains = []
     if delta0 < 1.0:
         # an odd number of tips: the first one ends what begins at the first touch
         far = (math.inf, math.inf) if zeta == 0.0 else (1.0, math.inf)
-        top = tips.pop(0) if len(tips) % 2 else far
+        top = ends.pop(0) if len(ends) % 2 else far
         chains.append(_Chain(1, (delta0, touch), top, (1.0, math.inf)))
     elif zeta == 0.0:
         chains.append(_Chain(1, (delta0, 0.0), (math.inf, math.inf), (delta0, 0.0)))
     chains += [
         _Chain(1, low_tip, high_tip, low_tip)
-        for low_tip, high_tip in zip(tips[::2], tips[1::2], strict=True)
+        for low_tip, high_tip in zip(ends[::2], ends[1::2], strict=True)
     ]
 
     at_limits = np.array([omega for omega in limits if omega > 0.0])
@@ -492,7 +264,7 @@ def _over_speed(
     marks = _Marks(np.where(slope > 0.0, 1, -1), amplitude, omega)
 
     def speed_on(flank: int) -> Callable[[Values], Values]:
-        return lambda A: _flanks(A, m, delta0)[0 if flank == 1 else 1]
+        return lambda A: flank_speeds(A, m, delta0)[0 if flank == 1 else 1]
 
     return pieces + _traced(chains, marks, speed_on, limits, points, damped=zeta > 0.0)
 
