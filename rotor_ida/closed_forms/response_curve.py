@@ -76,8 +76,9 @@ def response_curve(
     never do. From the implicit derivative of P (see `contacting_whirls`), ``dP/dA = 2 A D`` and
     ``dP/dq = -q (1 + cos(theta)**2 + 2 A cos(theta))``: the last factor is positive on the slower
     flank and negative on the faster, so there a whirl is stable where the speed rises with A,
-    here where it falls, and stability changes at folds alone. The first fold or touch of a
-    piece has the stability of what comes before it on the curve.
+    here where it falls, and stability changes at folds alone. A fold has the stability of what
+    comes before it on the curve. Without damping the flanks of ``delta0 >= 1`` meet at rest; they
+    count as two pieces.
 
     References
     ----------
@@ -155,7 +156,7 @@ def clearance_curve(
     --------
     >>> found = clearance_curve(omega=1.7, zeta=0.07, limits=(0.0, 3.0))
     >>> round(found.delta0.where(found.in_contact == 1).max().item(), 4)
-    1.3966
+    1.4589
     """
     speeds = checked_axis("omega", omega, smallest=1e-50)
     for speed in speeds:
@@ -351,7 +352,7 @@ def _traced(
             if ends[0] != ends[1]
         ]  # fmt: skip
         inside = [limits[0] <= min(a[1], b[1]) <= max(a[1], b[1]) <= limits[1] for _, a, b in arcs]
-        if chain.begin == chain.end and not all(inside):
+        if chain.begin == chain.end and math.isfinite(chain.top[0]) and not all(inside):
             # a closed curve of which a part is left out begins behind that
             first = inside.index(False)
             arcs, inside = arcs[first:] + arcs[:first], inside[first:] + inside[:first]

@@ -96,7 +96,6 @@ def test_stability_changes_at_the_folds_and_nowhere_else(zeta, delta0):
     same = np.diff(points["piece"]) == 0
     change = np.flatnonzero(same & (np.diff(points["stability"]) != 0))
     found = sorted(zip(points["omega"][change], points["amplitude"][change], strict=True))
-    # an isola passes the fold at its lowest point where it begins and ends
     expected = np.stack([exact.fold_omega.values.ravel(), exact.fold_amplitude.values.ravel()])
     np.testing.assert_array_equal(np.array(found).reshape(-1, 2), expected.T[inside])
 
