@@ -74,8 +74,9 @@ def complex_amplitude(omega: npt.ArrayLike, zeta: npt.ArrayLike) -> ComplexValue
     0.6
     """
     speed, damping = np.broadcast_arrays(np.asarray(omega, dtype=np.float64), zeta)
-    nothing = np.zeros(speed.shape, dtype=np.complex128)
-    return np.divide(-speed, speed - 2j * damping, out=nothing, where=speed > 0.0)
+    whirl = np.zeros(speed.shape, dtype=np.complex128)
+    np.divide(-speed, speed - 2j * damping, out=whirl, where=speed > 0.0)
+    return whirl
 
 
 def contact_free_whirl(rotor: Rotor) -> ContactFreeWhirl:

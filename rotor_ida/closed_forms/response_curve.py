@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import groupby, pairwise
 
 import numpy as np
@@ -210,6 +211,31 @@ class _Marks:
 
 
 @dataclass(frozen=True, slots=True)
+class _Law:
+    """How one curve runs, and how it is to be traced.
+
+    Parameters
+    ----------
+    value : callable
+        Speeds or clearances on a flank at amplitudes.
+    lag : callable
+        Phase lags [rad] at amplitudes and such values.
+    limits : tuple of two floats
+        Range of the values.
+    points : int
+        Number of points of each monotone arc.
+    lasting : {"stable", "neutral"}
+        What whirls are that are not unstable.
+    """
+
+    value: Callable[[int, Values], Values]
+    lag: Callable[[Values, Values], Values]
+    limits: _Place
+    points: int
+    lasting: str
+
+
+@dataclass(frozen=True, slots=True)
 class _Piece:
     """A connected piece of the curve, shape (n,)."""
 
@@ -223,7 +249,13 @@ def _over_speed(
     zeta: float, delta0: float, turns: Values, limits: _Place, points: int
 ) -> list[_Piece]:
     """Return the pieces of the curve over the speed; `turns` has speed and amplitude of folds."""
-    m = 4.0 * zeta * zeta
+
+    def speed(flank: int, A: Values) -> Values:
+        return flank_speeds(A, 4.0 * zeta * zeta, delta0)[0 if flank == 1 else 1]
+
+    def lag(A: Values, omega: Values) -> Values:
+        return _phase_lag(A, omega=omega, zeta=zeta, delta0=delta0)
+
     touch = math.inf
     if delta0 < 1.0:
         touch = 2.0 * zeta * delta0 / math.sqrt((1.0 - delta0) * (1.0 + delta0))
@@ -231,12 +263,13 @@ def _over_speed(
     pieces = []
     low, high = limits[0], min(limits[1], touch)
     if present and low < high:
-        speed, amplitude = _spread(
+        highest = min(abs(complex(complex_amplitude(high, zeta))), delta0)
+        speeds, amplitude = _spread(
             lambda omega: np.abs(complex_amplitude(omega, zeta)),
-            (low, abs(complex(complex_amplitude(low, zeta)))),
-            (high, min(abs(complex(complex_amplitude(high, zeta))), delta0)), points,
+            lambda omega, A: lag(A, omega),
+            ((low, abs(complex(complex_amplitude(low, zeta)))), (high, highest)), points,
         )  # fmt: skip
-        pieces.append(_contact_free_piece(amplitude, speed))
+        pieces.append(_contact_free_piece(amplitude, speeds))
 
     ends: list[_Place] = [(A, tip_speed(A, zeta, delta0)) for A in tips(zeta, delta0)]
     chains = []
@@ -260,14 +293,11 @@ def _over_speed(
     omega = np.concatenate([at_limits[rows], turns[:, 0]])
     # at a fold the phase lag is beyond a quarter turn
     sine = np.minimum(2.0 * zeta * turns[:, 1] / turns[:, 0], 1.0)
-    lag = np.concatenate([whirls.phase_lag[rows, columns], math.pi - np.arcsin(sine)])
-    slope = 1.0 + np.cos(lag) ** 2 + 2.0 * amplitude * np.cos(lag)
+    lags = np.concatenate([whirls.phase_lag[rows, columns], math.pi - np.arcsin(sine)])
+    slope = 1.0 + np.cos(lags) ** 2 + 2.0 * amplitude * np.cos(lags)
     marks = _Marks(np.where(slope > 0.0, 1, -1), amplitude, omega)
-
-    def speed_on(flank: int) -> Callable[[Values], Values]:
-        return lambda A: flank_speeds(A, m, delta0)[0 if flank == 1 else 1]
-
-    return pieces + _traced(chains, marks, speed_on, limits, points, damped=zeta > 0.0)
+    law = _Law(speed, lag, limits, points, lasting="stable" if zeta > 0.0 else "neutral")
+    return pieces + _traced(chains, marks, law)
 
 
 def _over_clearance(omega: float, zeta: float, limits: _Place, points: int) -> list[_Piece]:
@@ -281,17 +311,17 @@ def _over_clearance(omega: float, zeta: float, limits: _Place, points: int) -> l
 
     largest = omega / (2.0 * zeta) if zeta > 0.0 else math.inf
 
-    def clearance_on(flank: int) -> Callable[[Values], Values]:
-        def clearance(A: Values) -> Values:
-            sine = A / largest
-            cosine = flank * np.sqrt(np.maximum((1.0 - sine) * (1.0 + sine), 0.0))
-            return A - np.cbrt(q * np.maximum(A + cosine, 0.0)) ** 2
+    def clearance(flank: int, A: Values) -> Values:
+        sine = A / largest
+        cosine = flank * np.sqrt(np.maximum((1.0 - sine) * (1.0 + sine), 0.0))
+        return np.asarray(A - np.cbrt(q * np.maximum(A + cosine, 0.0)) ** 2)
 
-        return clearance
+    def lag(A: Values, delta0: Values) -> Values:
+        return _phase_lag(A, omega=omega, zeta=zeta, delta0=delta0)
 
     top = (math.inf, math.inf)
     if zeta > 0.0:
-        top = (largest, float(clearance_on(1)(np.array([largest]))[0]))
+        top = (largest, float(clearance(1, np.array(largest))))
     chain = _Chain(-1, (touch, touch), top, (0.0, -(np.cbrt(q) ** 2)))
 
     at_limits = np.array(limits)
@@ -304,9 +334,10 @@ def _over_clearance(omega: float, zeta: float, limits: _Place, points: int) -> l
             np.full(turns.size, -1),
         ]),
         np.concatenate([whirls.amplitude[rows, columns], turns]),
-        np.concatenate([at_limits[rows], clearance_on(-1)(turns)]),
+        np.concatenate([at_limits[rows], clearance(-1, turns)]),
     )  # fmt: skip
-    return pieces + _traced([chain], marks, clearance_on, limits, points, damped=zeta > 0.0)
+    law = _Law(clearance, lag, limits, points, lasting="stable" if zeta > 0.0 else "neutral")
+    return pieces + _traced([chain], marks, law)
 
 
 def _turns_over_clearance(omega: float, zeta: float) -> Values:
@@ -328,18 +359,10 @@ def _turns_over_clearance(omega: float, zeta: float) -> Values:
     w = np.array([
         brentq(excess, *ends, xtol=1e-300, rtol=1e-15) for ends in ((0.0, summit), (summit, R))
     ])  # fmt: skip
-    return R * (R * w + 1.0) / (r * np.hypot(1.0, w))
+    return np.asarray(R * (R * w + 1.0) / (r * np.hypot(1.0, w)))
 
 
-def _traced(
-    chains: Sequence[_Chain],
-    marks: _Marks,
-    value_on: Callable[[int], Callable[[Values], Values]],
-    limits: _Place,
-    points: int,
-    *,
-    damped: bool,
-) -> list[_Piece]:
+def _traced(chains: Sequence[_Chain], marks: _Marks, law: _Law) -> list[_Piece]:
     """Return the pieces of the contacting curve whose values lie within the limits."""
     pieces = []
     for chain in chains:
@@ -351,32 +374,25 @@ def _traced(
             for ends in pairwise(marks.between(begin, end, flank))
             if ends[0] != ends[1]
         ]  # fmt: skip
-        inside = [limits[0] <= min(a[1], b[1]) <= max(a[1], b[1]) <= limits[1] for _, a, b in arcs]
+        low, high = law.limits
+        inside = [low <= min(a[1], b[1]) <= max(a[1], b[1]) <= high for _, a, b in arcs]
         if chain.begin == chain.end and math.isfinite(chain.top[0]) and not all(inside):
             # a closed curve of which a part is left out begins behind that
             first = inside.index(False)
             arcs, inside = arcs[first:] + arcs[:first], inside[first:] + inside[:first]
         for kept, group in groupby(zip(inside, arcs, strict=True), key=lambda each: each[0]):
             if kept:
-                pieces.append(_joined([arc for _, arc in group], value_on, points, damped=damped))
+                pieces.append(_joined([arc for _, arc in group], law))
     return pieces
 
 
-def _joined(
-    arcs: Sequence[tuple[int, _Place, _Place]],
-    value_on: Callable[[int], Callable[[Values], Values]],
-    points: int,
-    *,
-    damped: bool,
-) -> _Piece:
+def _joined(arcs: Sequence[tuple[int, _Place, _Place]], law: _Law) -> _Piece:
     """Return one piece of successive arcs."""
     amplitudes, values, flags = [], [], []
     for number, (flank, begin, end) in enumerate(arcs):
-        amplitude, value = _spread(value_on(flank), begin, end, points)
+        amplitude, value = _spread(partial(law.value, flank), law.lag, (begin, end), law.points)
         lasting = flank * (end[1] - begin[1]) * (end[0] - begin[0]) > 0.0
-        flag = STABILITY["unstable"]
-        if lasting:
-            flag = STABILITY["stable"] if damped else STABILITY["neutral"]
+        flag = STABILITY[law.lasting if lasting else "unstable"]
         first = 0 if number == 0 else 1  # the arcs share their ends
         amplitudes.append(amplitude[first:])
         values.append(value[first:])
@@ -392,34 +408,39 @@ def _contact_free_piece(amplitude: Values, value: Values) -> _Piece:
 
 
 def _spread(
-    value_at: Callable[[Values], Values], begin: _Place, end: _Place, points: int
+    value_at: Callable[[Values], Values],
+    lag_at: Callable[[Values, Values], Values],
+    ends: tuple[_Place, _Place],
+    points: int,
 ) -> tuple[Values, Values]:
-    """Return points of a monotone arc, more of them where it is long or bends.
+    """Return points of a monotone arc, more of them where it is long, bends or the lag changes.
 
-    Lengths and angles are those in the arc's own frame, scaled to a unit square, and a quarter
-    turn counts as much as a side.
+    Lengths and angles are those in the arc's own frame, scaled to a unit square; a quarter turn
+    of the line and half a turn of the phase lag count as much as a side.
     """
-    width, height = end[0] - begin[0], end[1] - begin[1]
+    (first, low), (last, high) = ends
     fraction = 0.5 - 0.5 * np.cos(np.linspace(0.0, math.pi, points))
     for _ in range(_ROUNDS):
-        across, up = np.diff(fraction), np.diff(_values(value_at, begin, end, fraction))
-        up = up / height if height else up
+        value = _values(value_at, ends, fraction)
+        turn = np.abs(np.diff(lag_at(first + (last - first) * fraction, value))) / math.pi
+        across, up = np.diff(fraction), np.diff(value) / ((high - low) or 1.0)
         bend = np.abs(np.diff(np.arctan2(up, across))) / math.pi
-        weight = np.hypot(across, up) + np.append(bend, 0.0) + np.append(0.0, bend)
+        weight = np.hypot(across, up) + turn + np.append(bend, 0.0) + np.append(0.0, bend)
         along = np.append(0.0, np.cumsum(weight))
         fraction = np.interp(np.linspace(0.0, along[-1], points), along, fraction)
-    first = begin[0] + width * fraction
-    first[-1] = end[0]
-    return first, _values(value_at, begin, end, fraction)
+    position = first + (last - first) * fraction
+    position[-1] = last
+    return position, _values(value_at, ends, fraction)
 
 
 def _values(
-    value_at: Callable[[Values], Values], begin: _Place, end: _Place, fraction: Values
+    value_at: Callable[[Values], Values], ends: tuple[_Place, _Place], fraction: Values
 ) -> Values:
     """Return the values along an arc, none beyond its ends by rounding."""
-    inner = value_at(begin[0] + (end[0] - begin[0]) * fraction[1:-1])
-    low, high = sorted((begin[1], end[1]))
-    return np.concatenate([[begin[1]], np.clip(inner, low, high), [end[1]]])
+    (first, begin), (last, end) = ends
+    inner = value_at(first + (last - first) * fraction[1:-1])
+    inside = np.clip(inner, min(begin, end), max(begin, end))
+    return np.concatenate([[begin], inside, [end]])
 
 
 def _labelled(
@@ -457,9 +478,11 @@ def _labelled(
     )
 
 
-def _phase_lag(amplitude: Values, *, omega: Values, zeta: Values, delta0: Values) -> Values:
+def _phase_lag(
+    amplitude: Values, *, omega: float | Values, zeta: float | Values, delta0: float | Values
+) -> Values:
     stiffness = secant_stiffness(amplitude, delta0)
-    return np.arctan2(2.0 * zeta * omega, stiffness - omega * omega)
+    return np.asarray(np.arctan2(2.0 * zeta * omega, stiffness - omega * omega))
 
 
 def _checked_limits(name: str, limits: object) -> _Place:

@@ -15,6 +15,7 @@ from rotor_ida import (
     simulate,
     spectrum,
 )
+from rotor_ida.closed_forms import response_curve
 from rotor_ida.plot import (
     plot_exponents,
     plot_extrema,

@@ -18,9 +18,14 @@ from rotor_ida import (
     simulate,
     spectrum,
     sweep,
-    synchronous_response,
 )
-from rotor_ida.closed_forms import free_periods, jumps, restoring_field
+from rotor_ida.closed_forms import (
+    clearance_curve,
+    free_periods,
+    jumps,
+    response_curve,
+    restoring_field,
+)
 from rotor_ida.plot import (
     plot_amplitude,
     plot_backbone,
@@ -69,9 +74,8 @@ def machine(plain):
 
 @pytest.fixture(scope="module")
 def curves():
-    omega = np.linspace(0.1, 2.0, 39)
     return {
-        "exact": synchronous_response(omega=omega, zeta=ROTOR.zeta, delta0=0.5),
+        "exact": response_curve(zeta=ROTOR.zeta, delta0=0.5, limits=(0.1, 2.0)),
         "fold_points": folds(zeta=ROTOR.zeta, delta0=0.5),
         "simulated": sweep(omega=[0.4, 0.8], zeta=ROTOR.zeta, delta0=0.5),
     }
@@ -189,7 +193,7 @@ def test_what_is_drawn_on_a_response_takes_its_unit(curves):
 
 
 def test_clearances_periods_fields_extrema_and_basins(curves):
-    exact = synchronous_response(omega=0.8, zeta=ROTOR.zeta, delta0=[0.0, 0.5, 1.0])
+    exact = clearance_curve(omega=0.8, zeta=ROTOR.zeta, limits=(0.0, 1.0))
     simulated = sweep(omega=[0.8], zeta=ROTOR.zeta, delta0=[0.5])
     ax = plot_over_clearance(dimensional(exact, MACHINE), simulated=dimensional(simulated, MACHINE))
     assert ax.get_ylabel() == "amplitude $A$ [µm]"
