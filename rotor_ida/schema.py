@@ -158,9 +158,9 @@ QUANTITIES: dict[str, Quantity] = {
     "fold_omega": Quantity("spin speed of the fold over the reference frequency"),
     "fold_amplitude": Quantity("amplitude of the synchronous whirl at the fold", scale="length"),
     "landing_amplitude": Quantity("amplitude of the whirl that is left at a fold", scale="length"),
-    "cusp_zeta": Quantity("damping ratio above which no fold is left"),
-    "cusp_omega": Quantity("spin speed at which the last folds merge"),
-    "cusp_amplitude": Quantity("amplitude at which the last folds merge", scale="length"),
+    "cusp_zeta": Quantity("damping ratio at the cusp, above which the response curve has no fold"),
+    "cusp_omega": Quantity("spin speed at the cusp, where the last folds merge"),
+    "cusp_amplitude": Quantity("amplitude at the cusp, where the last folds merge", scale="length"),
     "peak_amplitude": Quantity("largest amplitude of a contacting whirl", scale="length"),
     "peak_omega": Quantity("spin speed at which the amplitude is largest"),
     "peak_contact_force": Quantity("contact force where the amplitude is largest", scale="force"),
@@ -207,14 +207,14 @@ QUANTITIES: dict[str, Quantity] = {
     "count": Quantity("number of starts that end on the attractor"),
     "fraction": Quantity("part of the computed starts that end on the attractor"),
     "fraction_error": Quantity(
-        "standard error of the share, if the starts were drawn at random from their range"
+        "standard error of the fraction, if the starts were drawn at random from their range"
     ),
     "undecided_count": Quantity("number of starts whose end is not known"),
     "undecided_fraction": Quantity("part of the computed starts whose end is not known"),
     "not_computed_count": Quantity("number of starts that were not followed to the end"),
     "response_count": Quantity("number of starts that end on a response of the kind"),
     "response_fraction": Quantity("part of the computed starts that end on a response of the kind"),
-    "response_fraction_error": Quantity("standard error of the share of the kind of response"),
+    "response_fraction_error": Quantity("standard error of the fraction of the kind of response"),
     # comparison
     "matched_branch": Quantity("number of the branch that the response is on, -1 where on none"),
     "amplitude_error": Quantity("simulated minus exact amplitude, relative to the exact one"),

@@ -55,15 +55,15 @@ def contact_forces(run: xr.Dataset) -> xr.Dataset:
     stiffness = secant_stiffness(radius, delta0)
     peaks = run["peak_force"].values
     whole = np.isfinite(run["entry_time"].values) & np.isfinite(run["exit_time"].values)
-    share = np.full(peaks.shape, np.nan)
-    share[whole] = rankdata(peaks[whole], method="max") / max(int(whole.sum()), 1)
+    fraction = np.full(peaks.shape, np.nan)
+    fraction[whole] = rankdata(peaks[whole], method="max") / max(int(whole.sum()), 1)
     columns: dict[str, Column] = {
         "force": ("t", contact_force(radius, delta0)),
         "force_x": ("t", -stiffness * x),
         "force_y": ("t", -stiffness * y),
         "peak_time": ("contact", run["peak_time"].values),
         "peak_force": ("contact", peaks),
-        "peak_fraction": ("contact", share),
+        "peak_fraction": ("contact", fraction),
     }
     coordinates = parameter_coordinates(rotor_of(run)) | {"t": ("t", run["t"].values)}
     return labelled_dataset("Contact forces of one run", columns, coordinates, origin_of(run))

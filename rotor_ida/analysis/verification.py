@@ -126,8 +126,8 @@ def _kind_of(dataset: xr.Dataset) -> str:
                 raise InputError(f"{words[0]} must be numbers, got {dataset[words[0]].dtype}")
             return kind
     raise InputError(
-        "only what simulate, sweep, basin and shares have computed can be verified, got a dataset "
-        f"of {', '.join(map(str, dataset.data_vars)) or 'nothing'}"
+        "only what simulate, sweep, basin and basin_fractions have computed can be verified, got a "
+        f"dataset of {', '.join(map(str, dataset.data_vars)) or 'nothing'}"
     )
 
 

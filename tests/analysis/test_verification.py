@@ -85,7 +85,9 @@ def test_a_forged_result_of_many_points_does_not_verify(kind, forge, trouble):
 
 
 def test_another_kind_of_dataset_cannot_be_verified():
-    with pytest.raises(InputError, match="only what simulate, sweep, basin and shares have comp"):
+    with pytest.raises(
+        InputError, match="only what simulate, sweep, basin and basin_fractions comp"
+    ):
         rerun(folds(zeta=0.07, delta0=0.0))
     run = simulate(ROTOR, start=(0, 0, 0, 0), duration=5.0)
     del run.attrs["rtol"]
@@ -110,7 +112,7 @@ def test_another_kind_of_dataset_cannot_be_verified():
         (
             "basin",
             lambda of: of.drop_vars("vy"),
-            "only what simulate, sweep, basin and shares have",
+            "only what simulate, sweep, basin and basin_fractions",
         ),
         (
             "basin_fractions",

@@ -113,7 +113,7 @@ ROWS = (
         "ω = 1.7, δ₀ = 0: A = {amplitude:.5f}, growth rate {growth:.5f}", numbers.unstable,
     ),
     Row(
-        "Fig. 6", "jumps", "only below a critical damping",
+        "Fig. 6", "jumps", "only below the damping of a cusp",
         "no fold above ζ = {without:.9f} at δ₀ = 0, and none at any clearance above {anywhere:.6f}"
         ", which is reached at δ₀ = {at:.4f}", numbers.cusps,
     ),
