@@ -7,7 +7,7 @@ too strong for a jump: at delta0 = 0 none is left above zeta = 0.156045, and abo
 any clearance.
 
 Writes the curves (curves.nc), the folds and jumps (jumps.nc), the backbones (backbone.nc), the
-limits (cusp.nc), and the figures as PNG and SVG.
+cusps (cusp.nc), and the figures as PNG and SVG.
 """
 
 import sys
@@ -65,8 +65,8 @@ def main(settings: Settings) -> None:
     figure, (ax,) = mixed_panels(1, 1, width=5.4, height=3.4)
     plot_cusp(limit, highest=highest, ax=ax)
     settings.show(
-        figure, "fig06_jump_limit", archives=["cusp"],
-        shows="The damping above which the response curve has no fold, over the clearance.",
+        figure, "fig06_cusp", archives=["cusp"],
+        shows="The cusp: damping above which the response curve has no fold, against clearance.",
         found=f"{limit.cusp_zeta[0].item():.9f} without clearance. It rises with the clearance "
         f"to {highest.cusp_zeta.item():.6f} at delta0 = {highest.delta0.item():.4f} and falls "
         "from there on. Above that no rotor jumps.",

@@ -73,10 +73,14 @@ def complex_amplitude(omega: npt.ArrayLike, zeta: npt.ArrayLike) -> ComplexValue
     >>> round(abs(complex(complex_amplitude(3.0, 2.0))), 12)
     0.6
     """
-    speed, damping = np.broadcast_arrays(np.asarray(omega, dtype=np.float64), zeta)
-    whirl = np.zeros(speed.shape, dtype=np.complex128)
-    np.divide(-speed, speed - 2j * damping, out=whirl, where=speed > 0.0)
-    return whirl
+    speed, resistance = np.broadcast_arrays(
+        np.asarray(omega, dtype=np.float64), 2.0 * np.asarray(zeta, dtype=np.float64)
+    )
+    size, turning = np.hypot(speed, resistance), speed > 0.0
+    # a quotient of complex numbers would overflow at the smallest speeds
+    cosine = np.divide(speed, size, out=np.zeros_like(size), where=turning)
+    sine = np.divide(resistance, size, out=np.zeros_like(size), where=turning)
+    return np.asarray(0.0 - cosine * (cosine + 1j * sine))
 
 
 def contact_free_whirl(rotor: Rotor) -> ContactFreeWhirl:
