@@ -71,8 +71,8 @@ def time_of_heyoka(rotor, states, batch, **options):
 
 def time_of_kernel(rotor, states, tolerance):
     """Return core time a start [s] of the kernel over the same span, with nothing to capture."""
-    ends = known_attractors(rotor)
-    arguments = (rotor.omega, rotor.zeta, ends.clearance), np.empty((0, 14)), NOWHERE
+    known = known_attractors(rotor)
+    arguments = (rotor.omega, rotor.zeta, known.clearance), np.empty((0, 14)), NOWHERE
     for _ in range(2):  # the first compiles
         copy = states.copy()
         labels = np.full(states.shape[1], NOT_COMPUTED, dtype=np.int16)

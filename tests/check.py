@@ -1,34 +1,61 @@
 """The whole test command: style, types, layout, doctests and tests, one after the other."""
 
+import argparse
+import os
 import subprocess
 import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
+LINT_IMPORTS = "from importlinter.cli import lint_imports_command; lint_imports_command()"
+TESTS = ["-m", "pytest", "-n", "auto", "--dist", "worksteal"]
 CHECKS = {
-    "style": ["ruff", "check", "."],
-    "format": ["ruff", "format", "--check", "."],
-    "types": ["mypy"],
-    "layout": ["importlinter.cli", "lint"],
-    "tests": ["pytest", "-n", "auto", "--dist", "worksteal"],
+    "style": ["-m", "ruff", "check", "."],
+    "format": ["-m", "ruff", "format", "--check", "."],
+    "types": ["-m", "mypy"],
+    "layout": ["-c", LINT_IMPORTS],
+    "tests": TESTS,
 }
+# Closed forms, drawing, files, words and messages: they do not ask what numba compiles for.
+WITHOUT_COMPILED_ARITHMETIC = [
+    "tests/cli/test_bad_input.py",
+    "tests/cli/test_help.py",
+    "tests/cli/test_parsing.py",
+    "tests/cli/test_streams.py",
+    "tests/closed_forms",
+    "tests/plot",
+    "tests/paper/test_typesetting.py",
+    "tests/storage/test_archive.py",
+    "tests/storage/test_conformance.py",
+    "tests/storage/test_forged_archives.py",
+    "tests/storage/test_large_archives.py",
+    "rotor_ida/cli",
+    "rotor_ida/closed_forms",
+    "rotor_ida/plot",
+]
 
 
-def run(name, command):
+def run(name, arguments):
     """Run one check with this Python and return whether it passed."""
     print(f"== {name}", flush=True)
-    module, *rest = command
-    if module == "importlinter.cli":
-        start = "from importlinter.cli import lint_imports_command; lint_imports_command()"
-        line = [sys.executable, "-c", start]
-    else:
-        line = [sys.executable, "-m", module, *rest]
-    return subprocess.run(line, cwd=ROOT, check=False).returncode == 0
+    return subprocess.run([sys.executable, *arguments], cwd=ROOT, check=False).returncode == 0
 
 
 def main():
     """Run every check, even after one has failed; exit 1 if one has."""
-    failed = [name for name, command in CHECKS.items() if not run(name, command)]
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument(
+        "--generic",
+        action="store_true",
+        help="only the tests that depend on compiled arithmetic, compiled for a processor with "
+        "nothing but what all of its kind have",
+    )
+    checks = CHECKS
+    if parser.parse_args().generic:
+        os.environ["NUMBA_CPU_NAME"] = "generic"
+        ignored = [f"--ignore={path}" for path in WITHOUT_COMPILED_ARITHMETIC]
+        checks = {"tests for the generic processor": [*TESTS, *ignored]}
+    failed = [name for name, arguments in checks.items() if not run(name, arguments)]
     print(f"== failed: {', '.join(failed)}" if failed else "== all passed", flush=True)
     return 1 if failed else 0
 

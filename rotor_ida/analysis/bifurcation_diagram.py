@@ -11,6 +11,7 @@ import xarray as xr
 
 from rotor_ida.analysis.extrema import Extrema, radius_extrema
 from rotor_ida.checks import COMPONENTS, State, check_count, check_positive, check_seed
+from rotor_ida.parallel import Stop, interruptible
 from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.schema import STATUS, labelled
 from rotor_ida.simulation.options import Options
@@ -99,7 +100,9 @@ def bifurcation_diagram(
     )  # fmt: skip
     settled = swept.isel(direction=0, drop=True).drop_dims("event")
     options = Options(rtol=rtol, atol=atol)
-    found = [_extrema(settled, index, window, options) for index in _indices(settled)]
+    found = interruptible(
+        lambda stop: [_extrema(settled, at, window, options, stop) for at in _indices(settled)]
+    )
     counts = np.array([part.radii.size for part in found]).reshape(
         [settled.sizes[dim] for dim in DIMS]
     )
@@ -132,7 +135,7 @@ def _indices(settled: xr.Dataset) -> list[dict[str, int]]:
 
 
 def _extrema(
-    settled: xr.Dataset, index: dict[str, int], window: float, options: Options
+    settled: xr.Dataset, index: dict[str, int], window: float, options: Options, stop: Stop
 ) -> Extrema:
     """Return the extrema of one point from the end of its run on."""
     place = tuple(index.values())
@@ -141,7 +144,7 @@ def _extrema(
         return Extrema(nothing, nothing, nothing.astype(np.int8), np.empty((0, 4)))
     rotor = Rotor(**{name: float(settled[name].values[index[name]]) for name in DIMS[:3]})
     x, y, vx, vy = (float(settled[f"end_{name}"].values[place]) for name in COMPONENTS)
-    return radius_extrema(rotor, (x, y, vx, vy), window, options.step_rtol)
+    return radius_extrema(rotor, (x, y, vx, vy), window, options.step_rtol, stop)
 
 
 def _column(name: str, parts: list[npt.NDArray[np.generic]]) -> xr.Variable:

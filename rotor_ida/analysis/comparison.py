@@ -66,7 +66,7 @@ def compare(dataset: xr.Dataset) -> xr.Dataset:
     allowed = exact["in_contact"] == (dataset["response"] == RESPONSE["synchronous"])
     could_lie = dataset["response"].isin([RESPONSE["synchronous"], RESPONSE["contact_free"]])
     candidates = difference.where(allowed & could_lie)
-    nearest = candidates.fillna(np.inf).argmin("branch")
+    nearest = candidates.fillna(np.inf).reduce(np.argmin, "branch")
     distance = candidates.isel(branch=nearest).drop_vars("branch")
     matched = distance < ON_BRANCH
 

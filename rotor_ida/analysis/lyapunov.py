@@ -12,6 +12,7 @@ from rotor_ida.analysis.tangent import DONE, follow_stretches
 from rotor_ida.checks import State, check_count, check_positive, check_state
 from rotor_ida.equations.model import rotated
 from rotor_ida.errors import InputError, SimulationError
+from rotor_ida.parallel import Stop, interruptible
 from rotor_ida.parameters import Rotor, check_rotor
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import Column, labelled_dataset
@@ -126,7 +127,8 @@ def lyapunov_exponent(
     if not TIGHTEST_RTOL <= tolerance <= LOOSEST_RTOL:
         raise InputError(f"rtol must lie from {TIGHTEST_RTOL} to {LOOSEST_RTOL}, got {tolerance!r}")
     span = length / (count * each)
-    stretches = _stretches(rotor, first, math.ceil(lead / span), count * each, span, tolerance)
+    spans = (math.ceil(lead / span), count * each)
+    stretches = interruptible(lambda stop: _stretches(rotor, first, *spans, span, tolerance, stop))
     exponents, errors = _means(stretches / span, count, -4.0 * rotor.zeta)
     order = np.argsort(-exponents, kind="stable")
     shown = np.unique(np.linspace(1, count * each, min(SHOWN, count * each)).astype(int))
@@ -148,7 +150,7 @@ def lyapunov_exponent(
 
 
 def _stretches(
-    rotor: Rotor, start: State, lead: int, count: int, span: float, rtol: float
+    rotor: Rotor, start: State, lead: int, count: int, span: float, rtol: float, stop: Stop
 ) -> Values:
     """Return the logarithms of the stretching over each span after the transient."""
     x, y, vx, vy = start
@@ -160,7 +162,7 @@ def _stretches(
     )
     stretches = np.full((lead + count, 4), np.nan)
     done = follow_stretches(
-        bundle, in_contact, span, stretches, rotor.omega, rotor.zeta, rotor.delta0, rtol
+        bundle, in_contact, span, stretches, rotor.omega, rotor.zeta, rotor.delta0, rtol, stop
     )
     if done != DONE or not np.isfinite(stretches).all():
         time = span * int(np.isfinite(stretches).all(axis=1).sum())

@@ -1,7 +1,7 @@
 """Basins: which of very many starts of one rotor ends on which attractor.
 
-*Follow each start until a set captures it that no orbit leaves; look at the motion of the others
-over two windows; group these into attractors; let CVODE confirm each attractor.*
+*Follow each start until a trapping region holds it; describe the motion of the others by features
+over two windows of time; cluster these into attractors; let CVODE confirm each attractor.*
 """
 
 from rotor_ida.basins.basin import basin

@@ -1,4 +1,4 @@
-"""Which attractors there are, and which start ends on which."""
+"""The attractors of a rotor, each confirmed by CVODE, and the labels of its undecided starts."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from rotor_ida.basins.batches import Undecided
 from rotor_ida.basins.clustering import (
     ACCURACY,
     Numbers,
-    also_in,
-    groups,
+    clusters,
     limits_of,
-    slighter_and_slighter,
+    touching,
+    within,
 )
 from rotor_ida.basins.features import MEAN_X, MEAN_Y, RADIUS_MAX, RADIUS_MIN
 from rotor_ida.basins.following import FollowedStarts
 from rotor_ida.basins.kernel import UNDECIDED
-from rotor_ida.basins.matching import Examples, Labels, on_their_way
+from rotor_ida.basins.matching import Labels, NearestFeatures, approaching
 from rotor_ida.checks import State
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.options import Options
@@ -29,9 +29,9 @@ from rotor_ida.sweeps.steady_state import SettledResponse, follow_to_steady_stat
 
 Values = npt.NDArray[np.float64]
 
-# How many orbits of an attractor CVODE is asked about before the attractor is doubted.
+# CVODE follows so many orbits of an attractor before the attractor counts as unconfirmed.
 WITNESSES = 3
-# Numbers from CVODE and from the kernel agree within this part.
+# Features from CVODE and from the kernel agree to this relative difference.
 AGREEMENT = 0.02
 
 
@@ -48,7 +48,7 @@ class Attractor:
     radius_min, radius_max : float
         Smallest and largest distance from the bearing axis [1]; NaN where it depends on the start.
     confirmed : bool
-        Whether CVODE has followed an orbit to it; the numbers are then CVODE's.
+        Whether CVODE has followed an orbit to it; amplitudes and radii are then CVODE's.
     """
 
     kind: str
@@ -60,72 +60,71 @@ class Attractor:
 
 
 def attractors_of(
-    survey: FollowedStarts, starts: list[Values], options: Options
+    results: FollowedStarts, starts: list[Values], options: Options
 ) -> list[Attractor]:
-    """Sort the undecided starts of a survey into attractors, and confirm every attractor.
+    """Find the attractors of the undecided starts, and confirm every attractor.
 
     Parameters
     ----------
-    survey : FollowedStarts
-        What became of the starts; its labels are changed to the numbers of the attractors in the
-        list returned.
+    results : FollowedStarts
+        Results of the starts; labels of undecided ones are changed to the numbers of the
+        attractors in the list returned.
     starts : list of ndarray, shape (m, 4)
-        For each trapping region, and then for the contact-free whirl, some starts that it has
-        captured [1].
+        For each known attractor some starts that certainly end there [1].
     options : Options
         How CVODE is to confirm.
     """
-    known = _known(survey)
-    if not survey.interrupted:
+    known = _known_attractors(results)
+    if not results.interrupted:
         known = [
-            _confirm_known(survey.ends.rotor, attractor, captured, options)
-            for attractor, captured in zip(known, starts, strict=True)
+            _confirm_known(results.known.rotor, attractor, trapped, options)
+            for attractor, trapped in zip(known, starts, strict=True)
         ]
-    left = survey.examples()
-    mine, found = _sorted(survey, left, len(known), options)
-    if left.numbers.size == survey.undecided_count:
-        survey.labels[left.numbers] = mine
+    orbits = results.sample()
+    labels, found = _clustered(results, orbits, len(known), options)
+    if orbits.numbers.size == results.undecided_count:
+        results.labels[orbits.numbers] = labels
     else:
-        examples = Examples(survey.ends, left, mine)
-        for part in survey.undecided():
-            survey.labels[part.numbers] = examples.labels_of(part)
+        nearest = NearestFeatures(results.known, orbits, labels)
+        for batch in results.undecided():
+            results.labels[batch.numbers] = nearest.labels_of(batch)
     return known + found
 
 
-def _sorted(
-    survey: FollowedStarts, left: Undecided, known: int, options: Options
+def _clustered(
+    results: FollowedStarts, orbits: Undecided, known: int, options: Options
 ) -> tuple[Labels, list[Attractor]]:
     """Return the labels of undecided orbits, and the attractors that were not known before."""
-    mine = on_their_way(survey.ends, left)
-    open_ = (mine == UNDECIDED) & ~slighter_and_slighter(survey.ends, left)
-    kinds, members_of = groups(survey.ends.rotor, left, open_)
+    labels = approaching(results.known, orbits)
+    unmatched = (labels == UNDECIDED) & ~touching(results.known, orbits)
+    kinds, members_of = clusters(results.known.rotor, orbits, unmatched)
     found: list[Attractor] = []
     for kind, members in zip(kinds, members_of, strict=True):
-        seen: Attractor | None = _described(kind, left, members)
-        if seen is not None and not survey.interrupted:
-            seen = _confirm(survey.ends.rotor, seen, left, members, options)
-        if seen is None:
+        attractor: Attractor | None = _from_features(kind, orbits, members)
+        if attractor is not None and not results.interrupted:
+            attractor = _confirm(results.known.rotor, attractor, orbits, members, options)
+        if attractor is None:
             continue
-        number = _same(seen, found)
+        number = _number_of_same(attractor, found)
         if number is None:
             number = len(found)
-            found.append(seen)
-        mine[members] = known + number
-        limits = limits_of(left, members)
-        mine[also_in(left, limits, open_ & (mine == UNDECIDED))] = known + number
-    return mine, found
+            found.append(attractor)
+        labels[members] = known + number
+        limits = limits_of(orbits, members)
+        labels[within(orbits, limits, unmatched & (labels == UNDECIDED))] = known + number
+    return labels, found
 
 
-def _known(survey: FollowedStarts) -> list[Attractor]:
-    """Return the attractors that the closed forms tell."""
-    rotor = survey.ends.rotor
+def _known_attractors(results: FollowedStarts) -> list[Attractor]:
+    """Return the attractors that closed forms give."""
+    rotor = results.known.rotor
     kind = CONTACT_FREE if rotor.omega == 0.0 else SYNCHRONOUS
     known = [
         Attractor(kind, each.amplitude, each.phase_lag, each.amplitude, each.amplitude)
-        for each in survey.ends.sets
+        for each in results.known.regions
     ]
-    if survey.ends.has_free:
-        whirl = complex(survey.ends.free[0], survey.ends.free[1])
+    if results.known.has_free:
+        whirl = complex(results.known.free[0], results.known.free[1])
         lag = math.atan2(-whirl.imag, whirl.real) if whirl else 0.0
         known.append(Attractor(CONTACT_FREE, abs(whirl), lag, math.nan, math.nan))
     return known
@@ -134,7 +133,7 @@ def _known(survey: FollowedStarts) -> list[Attractor]:
 def _confirm_known(
     rotor: Rotor, attractor: Attractor, starts: Values, options: Options
 ) -> Attractor:
-    """Let CVODE follow starts that a trapping region has caught, until one ends there."""
+    """Let CVODE follow starts that certainly end there, until one does."""
     for start in starts:
         settled = follow_to_steady_state(rotor, _state(start), options)
         window = settled.window
@@ -147,24 +146,24 @@ def _confirm_known(
     return attractor
 
 
-def _described(kind: str, left: Undecided, members: Numbers) -> Attractor:
-    """Return an attractor as the kernel saw it, in the middle of its orbits."""
-    middle = np.median(left.later[members].astype(np.float64), axis=0)
+def _from_features(kind: str, orbits: Undecided, members: Numbers) -> Attractor:
+    """Return an attractor with the median features of its orbits."""
+    middle = np.median(orbits.later[members].astype(np.float64), axis=0)
     mean = complex(middle[MEAN_X], middle[MEAN_Y])
     lag = math.atan2(-mean.imag, mean.real)
     return Attractor(kind, abs(mean), lag, float(middle[RADIUS_MIN]), float(middle[RADIUS_MAX]))
 
 
 def _confirm(
-    rotor: Rotor, attractor: Attractor, left: Undecided, members: Numbers, options: Options
+    rotor: Rotor, attractor: Attractor, orbits: Undecided, members: Numbers, options: Options
 ) -> Attractor | None:
-    """Let CVODE follow the orbits nearest to the middle; None if it sees something else."""
-    extremes = left.later[members][:, [RADIUS_MIN, RADIUS_MAX]].astype(np.float64)
+    """Let CVODE follow the orbits nearest to the median; None if it finds another motion."""
+    extremes = orbits.later[members][:, [RADIUS_MIN, RADIUS_MAX]].astype(np.float64)
     middle = np.array([attractor.radius_min, attractor.radius_max])
     spread = np.ptp(extremes, axis=0).max() + AGREEMENT * attractor.radius_max
     order = np.argsort(np.abs(extremes - middle).max(axis=1), kind="stable")
     for member in members[order[:WITNESSES]]:
-        settled = follow_to_steady_state(rotor, _state(left.states[:, member]), options)
+        settled = follow_to_steady_state(rotor, _state(orbits.states[:, member]), options)
         window = settled.window
         if window is None or settled.response != attractor.kind:
             continue
@@ -174,8 +173,8 @@ def _confirm(
     return None
 
 
-def _same(attractor: Attractor, found: list[Attractor]) -> int | None:
-    """Return the number of an attractor found before that is the same, as CVODE sees it."""
+def _number_of_same(attractor: Attractor, found: list[Attractor]) -> int | None:
+    """Return the number of the same attractor, as CVODE found it, among those found before."""
     for number, other in enumerate(found):
         apart = max(
             abs(attractor.radius_min - other.radius_min),

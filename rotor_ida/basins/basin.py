@@ -37,7 +37,7 @@ def basin(
     study: str | os.PathLike[str] | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Say for every start of a plane on which attractor the rotor ends.
+    """Return the attractor on which the rotor ends, for every start of a plane.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def basin(
         is not known, -2 where it was not computed; ``response``, its kind as a flag;
         ``settling_time`` [1]. On ``attractor``: ``kind``, ``amplitude``, ``phase_lag``,
         ``radius_min``, ``radius_max`` (NaN where they depend on the start), ``confirmed``,
-        ``count``, ``share`` and ``fraction_error``. Scalars: ``undecided_count``,
+        ``count``, ``fraction`` and ``fraction_error``. Scalars: ``undecided_count``,
         ``undecided_fraction``, ``not_computed_count``.
 
     Raises
@@ -84,9 +84,9 @@ def basin(
     where no start ends on them. ``fraction_error`` is ``sqrt(p (1 - p)/n)``, the standard error
     that n random starts would have; the error of a grid, whose cells are wrong only along the
     borders of the basins, is smaller. ``settling_time`` is the time at which a start is known to
-    be captured for good, or else that at which the final window ends.
+    be on its attractor for good, or else that at which the final window ends.
 
-    Examples
+    NearestFeatures
     --------
     >>> import numpy as np
     >>> axis = np.linspace(-15.0, 15.0, 24)

@@ -1,4 +1,4 @@
-"""What became of the starts that were followed, in memory and as bytes."""
+"""Results of the starts that were followed, batch by batch, in memory and as bytes."""
 
 from __future__ import annotations
 
@@ -9,29 +9,29 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.basins.features import COLUMNS
-from rotor_ida.storage.studies.packing import packed, unpacked
+from rotor_ida.storage.studies.arrays import packed, unpacked
 
 Values = npt.NDArray[np.float64]
-Looks = npt.NDArray[np.float32]
+Features = npt.NDArray[np.float32]
 
 
 @dataclass(slots=True)
 class Undecided:
-    """The orbits that no set has captured: what they do over two windows, and where they end.
+    """Orbits that no trapping region holds: features over two windows, and states at the end.
 
     Parameters
     ----------
     numbers : ndarray of int64, shape (n,)
-        Which starts.
+        Numbers of their starts.
     earlier, later : ndarray of float32, shape (n, 5)
-        The columns of `rotor_ida.basins.features` [1].
+        Features over the two windows: the columns of `rotor_ida.basins.features` [1].
     states : ndarray, shape (4, n)
         States at the end, on the rotating axes [1].
     """
 
     numbers: npt.NDArray[np.int64]
-    earlier: Looks
-    later: Looks
+    earlier: Features
+    later: Features
     states: Values
 
     def every(self, first: int, step: int) -> Undecided:
@@ -46,7 +46,7 @@ class Undecided:
 
 @dataclass(slots=True)
 class BatchResult:
-    """What became of a batch of starts.
+    """Results of a batch of starts.
 
     Parameters
     ----------
@@ -55,9 +55,9 @@ class BatchResult:
     labels : ndarray of int16, shape (n,)
         Number of the trapping region, UNDECIDED or NOT_COMPUTED.
     times : ndarray of float32, shape (n,)
-        Time that it took to decide, or at which following ended [1]; NaN where not computed.
+        Time at which the start was decided, or given up [1]; NaN where not computed.
     undecided : Undecided
-        More about those that no set has captured.
+        More about those that no trapping region holds.
     """
 
     first: int
@@ -66,19 +66,19 @@ class BatchResult:
     undecided: Undecided
 
 
-def together(parts: Iterable[Undecided]) -> Undecided:
+def joined(parts: Iterable[Undecided]) -> Undecided:
     """Join parts of the undecided orbits."""
-    kept = list(parts)
+    listed = list(parts)
     empty = np.empty((0, COLUMNS), dtype=np.float32)
     return Undecided(
-        np.concatenate([np.empty(0, dtype=np.int64), *(part.numbers for part in kept)]),
-        np.concatenate([empty, *(part.earlier for part in kept)]),
-        np.concatenate([empty, *(part.later for part in kept)]),
-        np.concatenate([np.empty((4, 0)), *(part.states for part in kept)], axis=1),
+        np.concatenate([np.empty(0, dtype=np.int64), *(part.numbers for part in listed)]),
+        np.concatenate([empty, *(part.earlier for part in listed)]),
+        np.concatenate([empty, *(part.later for part in listed)]),
+        np.concatenate([np.empty((4, 0)), *(part.states for part in listed)], axis=1),
     )
 
 
-def spread(parts: Iterable[Undecided], step: int) -> Iterator[Undecided]:
+def thinned(parts: Iterable[Undecided], step: int) -> Iterator[Undecided]:
     """Yield one orbit in `step` of all parts, as if these were one."""
     passed = 0
     for part in parts:
@@ -98,7 +98,7 @@ def batch_as_bytes(batch: BatchResult) -> bytes:
         "later": undecided.later,
         "states": undecided.states,
     }
-    return packed(arrays, {})
+    return packed(arrays)
 
 
 def batch_from_bytes(content: bytes) -> BatchResult:
@@ -109,7 +109,7 @@ def batch_from_bytes(content: bytes) -> BatchResult:
     ValueError
         If it cannot have written it.
     """
-    arrays, _ = unpacked(content)
+    arrays = unpacked(content)
     try:
         undecided = Undecided(*(arrays[name] for name in ("numbers", "earlier", "later", "states")))
         return BatchResult(int(arrays["first"]), arrays["labels"], arrays["times"], undecided)

@@ -1,4 +1,4 @@
-"""What orbits do over a window of whole revolutions: extremes of the radius, mean whirl, wander."""
+"""Features of a motion over whole revolutions: extreme radii, mean whirl, stray from the mean."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ def shifted(z: State, h: float, k: State) -> State:
 
 
 @inlined_for_lanes
-def watch_step(lanes: Values, h: float, omega: float, zeta: float, delta0: float | None) -> None:
-    """Advance every lane by a classic Runge-Kutta step and note what it does there."""
+def measure_step(lanes: Values, h: float, omega: float, zeta: float, delta0: float | None) -> None:
+    """Advance every lane by a classic Runge-Kutta step and update its features."""
     widest_vectors()
     for i in range(LANES):
         z = (lanes[X + i], lanes[Y + i], lanes[U + i], lanes[V + i])
@@ -64,15 +64,15 @@ def watch_step(lanes: Values, h: float, omega: float, zeta: float, delta0: float
 
 
 @compiled_for_lanes
-def watch(
+def measure(
     states: Values,
     rotor: tuple[float, float, float | None],
     step: float,
     count: int,
-    found: Values,
+    features: Values,
     stop: npt.NDArray[np.uint8],
 ) -> None:
-    """Follow each state for `count` steps and describe its motion.
+    """Follow each state for `count` steps and describe its motion by features.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def watch(
         Step of time [1].
     count : int
         Number of steps.
-    found : ndarray, shape (n, 5)
+    features : ndarray, shape (n, 5)
         Becomes smallest and largest radius, mean position on the rotating axes, and the largest
         distance from there to a corner of the box in which the motion stays [1].
     stop : ndarray of uint8, shape (1,)
@@ -106,16 +106,16 @@ def watch(
         for _ in range(count):
             if stop[0] != 0:
                 return
-            watch_step(lanes, step, omega, zeta, delta0)
+            measure_step(lanes, step, omega, zeta, delta0)
         for i in range(used):
             j = first + i
             states[0, j], states[1, j] = lanes[X + i], lanes[Y + i]
             states[2, j], states[3, j] = lanes[U + i], lanes[V + i]
             x, y = lanes[SUM_X + i] / count, lanes[SUM_Y + i] / count
-            found[j, RADIUS_MIN] = math.sqrt(max(lanes[LOW + i], 0.0))
-            found[j, RADIUS_MAX] = math.sqrt(lanes[HIGH + i])
-            found[j, MEAN_X], found[j, MEAN_Y] = x, y
-            found[j, WANDER] = math.hypot(
+            features[j, RADIUS_MIN] = math.sqrt(max(lanes[LOW + i], 0.0))
+            features[j, RADIUS_MAX] = math.sqrt(lanes[HIGH + i])
+            features[j, MEAN_X], features[j, MEAN_Y] = x, y
+            features[j, WANDER] = math.hypot(
                 max(lanes[HIGH_X + i] - x, x - lanes[LOW_X + i]),
                 max(lanes[HIGH_Y + i] - y, y - lanes[LOW_Y + i]),
             )

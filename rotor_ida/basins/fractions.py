@@ -1,4 +1,4 @@
-"""Shares of random starts."""
+"""Basin fractions: how many of the random starts in a box end on each attractor."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def basin_fractions(
     study: str | os.PathLike[str] | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Say which parts of the starts in a box end on which attractor.
+    """Return the fractions of random starts in a box that end on each attractor.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def basin_fractions(
     Returns
     -------
     Dataset
-        On ``attractor`` what `basin` tells of each, with ``share`` and its standard error
+        On ``attractor`` what `basin` tells of each, with ``fraction`` and its standard error
         ``fraction_error``; on ``response`` the same for each kind of response: ``response_count``,
         ``response_fraction``, ``response_fraction_error``; the scalars of `basin`.
 
@@ -72,9 +72,9 @@ def basin_fractions(
 
     Notes
     -----
-    The standard error of a share p of n starts is ``sqrt(p (1 - p)/n)``.
+    The standard error of a fraction p of n starts is ``sqrt(p (1 - p)/n)``.
 
-    Examples
+    NearestFeatures
     --------
     >>> found = basin_fractions(Rotor(omega=1.7, zeta=0.07, delta0=0.0), x=(-15, 15), y=(-15, 15),
     ...                starts=500)

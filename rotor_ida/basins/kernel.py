@@ -1,4 +1,4 @@
-"""Many starts followed side by side, each until its end is certain or its time is up.
+"""Many starts followed side by side, each until its attractor is certain or its time is up.
 
 All orbits of one rotor are integrated on the rotating axes in lockstep: every quantity is a row of
 `LANES` numbers in one flat array, one orbit in each lane. A step advances all lanes with one loop
@@ -19,18 +19,18 @@ Labels = npt.NDArray[np.int16]
 Times = npt.NDArray[np.float32]
 
 NOT_COMPUTED, UNDECIDED = -2, -1
-NOBODY = -1
+NO_START = -1
 FIRST_STEP = 0.02
 MOST_STEPS = 200_000
 
 
 @inlined_for_lanes
-def mark_captured(lanes: Values, sets: Values) -> None:
+def find_trapped(lanes: Values, regions: Values) -> None:
     """Write into the row INSIDE 1 + the number of the trapping region that holds the lane, or 0."""
     for i in range(LANES):
         lanes[INSIDE + i] = 0.0
-    for number in range(sets.shape[0]):
-        cx, cy, cu, cv, a, b, c, d, e, f, g, k, m, n = sets[number]
+    for number in range(regions.shape[0]):
+        cx, cy, cu, cv, a, b, c, d, e, f, g, k, m, n = regions[number]
         code = number + 1.0
         for i in range(LANES):
             x, y = lanes[X + i] - cx, lanes[Y + i] - cy
@@ -42,8 +42,8 @@ def mark_captured(lanes: Values, sets: Values) -> None:
 
 
 @inlined_for_lanes
-def mark_free(lanes: Values, code: float, omega: float, zeta: float, free: Values) -> None:
-    """Mark the lanes whose orbit will never touch the ring again.
+def find_contact_free(lanes: Values, code: float, omega: float, zeta: float, free: Values) -> None:
+    """Write `code` into the row INSIDE where an orbit will never touch the ring again.
 
     Out of contact the centre of the whirl moves straight from c to c + drift; the orbit stays
     inside the clearance exactly when both ends do with the whirl's own radius to spare.
@@ -68,12 +68,12 @@ def next_waiting(labels: Labels, number: int) -> int:
 
 
 @inlined_for_lanes
-def load(lanes: Values, i: int, states: Values, number: int) -> int:
-    """Put a start into a lane and return its number; if there is none left, let the lane rest."""
+def load_start(lanes: Values, i: int, states: Values, number: int) -> int:
+    """Put a start into a lane and return its number; without one, leave the lane at rest."""
     if number >= states.shape[1]:
         lanes[X + i] = lanes[Y + i] = lanes[U + i] = lanes[V + i] = 0.0
         lanes[TIME + i], lanes[STEP + i] = 0.0, 0.0
-        return NOBODY
+        return NO_START
     lanes[X + i], lanes[Y + i] = states[0, number], states[1, number]
     lanes[U + i], lanes[V + i] = states[2, number], states[3, number]
     lanes[TIME + i], lanes[STEP + i] = 0.0, FIRST_STEP
@@ -81,10 +81,10 @@ def load(lanes: Values, i: int, states: Values, number: int) -> int:
 
 
 @inlined_for_lanes
-def unload(
+def record_result(
     lanes: Values, i: int, states: Values, labels: Labels, times: Times, number: int
 ) -> None:
-    """Take the outcome of a start from its lane."""
+    """Copy the result of a start from its lane."""
     labels[number] = np.int16(lanes[INSIDE + i]) - 1 if lanes[INSIDE + i] > 0.0 else UNDECIDED
     times[number] += np.float32(lanes[TIME + i])
     states[0, number], states[1, number] = lanes[X + i], lanes[Y + i]
@@ -97,7 +97,7 @@ def follow(
     labels: Labels,
     times: Times,
     rotor: tuple[float, float, float | None],
-    sets: Values,
+    regions: Values,
     free: Values,
     duration: float,
     tolerance: float,
@@ -110,14 +110,14 @@ def follow(
     states : ndarray, shape (4, n)
         Starts on the rotating axes [1]; overwritten by the states at the end.
     labels : ndarray of int16, shape (n,)
-        Becomes the number of the trapping region, ``len(sets)`` for the contact-free ones, or
+        Becomes the number of the trapping region, ``len(regions)`` for the contact-free ones, or
         UNDECIDED. What is not done when `stop` is set stays NOT_COMPUTED. Starts that have a
         label of zero or more already are left alone.
     times : ndarray of float32, shape (n,)
         The time that each took is added [1].
     rotor : tuple of float
         omega, zeta and delta0, None for no clearance [1].
-    sets : ndarray, shape (m, 14)
+    regions : ndarray, shape (m, 14)
         Centre and upper triangular factor of each trapping region.
     free : ndarray, shape (3,)
         Contact-free whirl on the rotating axes, and the squared radius within which its centre
@@ -128,27 +128,27 @@ def follow(
         Set to 1 by another thread to end early.
     """
     omega, zeta, delta0 = rotor
-    lanes, owner = np.zeros(BUFFER), np.full(LANES, NOBODY)
+    lanes, owner = np.zeros(BUFFER), np.full(LANES, NO_START)
     steps = np.zeros(LANES, dtype=np.int64)
     waiting, active = 0, 0
     for i in range(LANES):
         waiting = next_waiting(labels, waiting)
-        owner[i] = load(lanes, i, states, waiting)
+        owner[i] = load_start(lanes, i, states, waiting)
         waiting += 1
-        active += owner[i] != NOBODY
+        active += owner[i] != NO_START
     while active > 0 and stop[0] == 0:
-        mark_captured(lanes, sets)
+        find_trapped(lanes, regions)
         if free[2] >= 0.0:
-            mark_free(lanes, sets.shape[0] + 1.0, omega, zeta, free)
+            find_contact_free(lanes, regions.shape[0] + 1.0, omega, zeta, free)
         for i in range(LANES):
             steps[i] += 1
             under_way = lanes[TIME + i] < duration and steps[i] < MOST_STEPS
-            if owner[i] == NOBODY or (under_way and lanes[INSIDE + i] == 0.0):
+            if owner[i] == NO_START or (under_way and lanes[INSIDE + i] == 0.0):
                 continue
-            unload(lanes, i, states, labels, times, owner[i])
+            record_result(lanes, i, states, labels, times, owner[i])
             waiting = next_waiting(labels, waiting)
-            owner[i] = load(lanes, i, states, waiting)
+            owner[i] = load_start(lanes, i, states, waiting)
             waiting += 1
-            active -= owner[i] == NOBODY
+            active -= owner[i] == NO_START
             steps[i] = 0
         step_lanes(lanes, omega, zeta, delta0, tolerance)

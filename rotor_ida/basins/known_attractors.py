@@ -1,4 +1,4 @@
-"""What is certain about the ends of a rotor's orbits before any is followed."""
+"""The attractors that closed forms give, each with a set of states that certainly end there."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ Values = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class KnownAttractors:
-    """What is certain about the ends of a rotor's orbits before any is followed.
+    """The attractors of a rotor that closed forms give, before any start is followed.
 
     Parameters
     ----------
     rotor : Rotor
         The rotor.
-    sets : list of TrappingRegion
+    regions : list of TrappingRegion
         Of each stable whirl in contact; their numbers are labels.
     free : ndarray, shape (3,)
         Contact-free whirl on the rotating axes [1] and the squared radius within which its centre
-        stays; negative if there is none. Its label is ``len(sets)``.
+        stays; negative if there is none. Its label is ``len(regions)``.
     """
 
     rotor: Rotor
-    sets: list[TrappingRegion]
+    regions: list[TrappingRegion]
     free: Values
 
     @property
@@ -45,15 +45,15 @@ class KnownAttractors:
 
 
 def known_attractors(rotor: Rotor) -> KnownAttractors:
-    """Return the trapping regions of a damped rotor."""
+    """Return the known attractors of a damped rotor."""
     if rotor.omega == 0.0 and rotor.delta0 == 0.0:
-        # The energy only falls, and all comes to rest; as slowly as 1/t**2, so that nearby is near.
+        # All comes to rest, for energy only falls, but as slowly as 1/t**2: close by is enough.
         near = TrappingRegion(0.0, 0.0, np.zeros(4), 1e4 * np.eye(4))
         return KnownAttractors(rotor, [near], np.array([0.0, 0.0, -1.0]))
     nothing = np.array([0.0, 0.0, -1.0])
-    sets = trapping_regions(rotor) if rotor.omega > 0.0 else []
+    regions = trapping_regions(rotor) if rotor.omega > 0.0 else []
     whirl = unbalance_whirl(rotor.omega, rotor.zeta)
     room = rotor.delta0 - abs(whirl)
     return KnownAttractors(
-        rotor, sets, np.array([whirl.real, whirl.imag, room**2]) if room > 0.0 else nothing
+        rotor, regions, np.array([whirl.real, whirl.imag, room**2]) if room > 0.0 else nothing
     )

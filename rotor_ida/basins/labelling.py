@@ -1,4 +1,4 @@
-"""From starts to labels and attractors: what grids and random samples have in common."""
+"""From starts to labels and attractors, for grids and random samples alike."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from rotor_ida.parallel import Progress, choose
 from rotor_ida.parameters import Rotor
 from rotor_ida.provenance import computing
 from rotor_ida.simulation.options import LARGEST, Options, check_can_be_followed
-from rotor_ida.storage.studies.results import Form, kept_results
-from rotor_ida.storage.studies.scratch import slabs
+from rotor_ida.storage.studies.arrays import stretches
+from rotor_ida.storage.studies.results import Form, open_results
 
 Values = npt.NDArray[np.float64]
 
@@ -85,31 +85,32 @@ def label(
     study: str | os.PathLike[str] | None,
     progress: Progress | None,
 ) -> Labelled:
-    """Follow the starts, given from one number up to another as (4, n), and sort them.
+    """Follow the starts and match each to an attractor.
 
-    `design` says what the starts are, for a study.
+    `starts` gives those from one number up to another, as (4, n); `design` says for a study what
+    they are.
     """
     place, several = choose(executor, workers, compiled=True)
     options = Options()
-    with kept_results(study, {**design, **_design(rotor, rtol, options)}, count, FORM) as kept:
+    with open_results(study, {**design, **_design(rotor, rtol, options)}, count, FORM) as kept:
         found = follow_starts(
             known_attractors(rotor), starts, count, kept,
             tolerance=rtol, workers=several, executor=place, progress=progress,
         )  # fmt: skip
-        captured = _witnesses(found, starts)
+        trapped = _witnesses(found, starts)
         try:
-            attractors = attractors_of(found, captured, options)
+            attractors = attractors_of(found, trapped, options)
         except KeyboardInterrupt:  # labels without confirmation are better than none
             if study is not None:
                 raise
             found.interrupted = True
-            attractors = attractors_of(found, captured, options)
+            attractors = attractors_of(found, trapped, options)
         attributes: dict[str, object] = {
             "labelling_rtol": rtol,
             "interrupted": int(found.interrupted),
         }
-        if found.lost:
-            attributes["not_computed_reason"] = found.lost
+        if found.not_computed_reason:
+            attributes["not_computed_reason"] = found.not_computed_reason
         return Labelled(found.labels, found.times, attractors, attributes, options, kept.folder)
 
 
@@ -120,16 +121,16 @@ def _design(rotor: Rotor, rtol: float, options: Options) -> dict[str, object]:
 
 
 def _witnesses(found: FollowedStarts, starts: Starts) -> list[Values]:
-    """Return for each attractor known beforehand the starts that it captured first.
+    """Return, for each known attractor, the starts that were decided first.
 
-    They are the ones least likely to lie so near to the border of the basin that another
-    integrator ends elsewhere.
+    These are the least likely to lie so near to a boundary of its basin that another integrator
+    ends elsewhere.
     """
-    numbers = range(len(found.ends.sets) + found.ends.has_free)
+    numbers = range(len(found.known.regions) + found.known.has_free)
     first = [np.empty(0, dtype=np.int64) for _ in numbers]
-    for slab in slabs(found.labels.size):
+    for stretch in stretches(found.labels.size):
         for number in numbers:
-            members = slab.start + np.flatnonzero(found.labels[slab] == number)
+            members = stretch.start + np.flatnonzero(found.labels[stretch] == number)
             members = np.concatenate([first[number], members])
             order = np.argsort(found.times[members], kind="stable")
             first[number] = members[order[:WITNESSES]]

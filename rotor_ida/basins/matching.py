@@ -1,4 +1,4 @@
-"""Sort undecided orbits: on their way to a whirl, or like others whose attractor is known."""
+"""Match undecided orbits to attractors: whirls that they approach, or the nearest features."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from scipy.spatial import KDTree
 from rotor_ida.basins.batches import Undecided
 from rotor_ida.basins.clustering import (
     Numbers,
-    also_in,
-    extremes,
+    extreme_radii,
     lasting,
     limits_of,
-    reach_of,
-    slighter_and_slighter,
+    matching_distance,
+    touching,
+    within,
 )
 from rotor_ida.basins.features import MEAN_X, MEAN_Y, WANDER
 from rotor_ida.basins.kernel import UNDECIDED
@@ -23,21 +23,21 @@ from rotor_ida.sweeps.response import LASTING
 
 Labels = npt.NDArray[np.int16]
 
-# An orbit this close to a whirl, as a part of its amplitude, and closer than before, is on its way
-# there even if no trapping region holds it yet.
+# An orbit that is this close to a whirl, relative to its amplitude, and closer than before
+# approaches it, even if no trapping region holds it yet.
 NEAR = 0.02
 
 
-def on_their_way(ends: KnownAttractors, left: Undecided) -> npt.NDArray[np.int16]:
-    """Return the labels of orbits that creep towards a stable whirl, UNDECIDED for the others."""
-    if ends.rotor.omega == 0.0:  # energy only falls: everything comes to rest
-        return np.zeros(left.numbers.size, dtype=np.int16)
-    labels = np.full(left.numbers.size, UNDECIDED, dtype=np.int16)
-    for number, each in enumerate(ends.sets):
+def approaching(known: KnownAttractors, orbits: Undecided) -> npt.NDArray[np.int16]:
+    """Return the labels of orbits that approach a stable whirl, UNDECIDED for the others."""
+    if known.rotor.omega == 0.0:  # energy only falls: everything comes to rest
+        return np.zeros(orbits.numbers.size, dtype=np.int16)
+    labels = np.full(orbits.numbers.size, UNDECIDED, dtype=np.int16)
+    for number, each in enumerate(known.regions):
         distance = [
-            np.hypot(look[:, MEAN_X] - each.centre[0], look[:, MEAN_Y] - each.centre[1])
-            + look[:, WANDER]
-            for look in (left.earlier, left.later)
+            np.hypot(window[:, MEAN_X] - each.centre[0], window[:, MEAN_Y] - each.centre[1])
+            + window[:, WANDER]
+            for window in (orbits.earlier, orbits.later)
         ]
         near = (distance[1] <= NEAR * each.amplitude) & (distance[1] <= LASTING * distance[0])
         still = distance[1] <= 1e-5 * each.amplitude
@@ -45,46 +45,46 @@ def on_their_way(ends: KnownAttractors, left: Undecided) -> npt.NDArray[np.int16
     return labels
 
 
-class Examples:
-    """Orbits that were sorted into attractors, by which many more are sorted one part at a time.
+class NearestFeatures:
+    """Orbits whose attractors are known: others are matched to those with the nearest features.
 
     Parameters
     ----------
-    ends : KnownAttractors
-        The rotor and its trapping regions.
-    sorted_ : Undecided
-        The orbits.
+    known : KnownAttractors
+        The rotor and the attractors that closed forms give.
+    orbits : Undecided
+        The orbits whose attractors are known.
     labels : ndarray of int16, shape (n,)
         Their labels.
     """
 
-    def __init__(self, ends: KnownAttractors, sorted_: Undecided, labels: Labels) -> None:
-        self._ends = ends
-        first = len(ends.sets) + ends.has_free
-        in_groups = labels >= first
+    def __init__(self, known: KnownAttractors, orbits: Undecided, labels: Labels) -> None:
+        self._known = known
+        first = len(known.regions) + known.has_free
+        in_clusters = labels >= first
         self._kinds = {}
         self._limits = {}
-        for kind, members in lasting(ends.rotor, sorted_, in_groups).items():
+        for kind, members in lasting(known.rotor, orbits, in_clusters).items():
             if members.size:
-                tree = KDTree(extremes(sorted_.later[members]))
-                self._kinds[kind] = (tree, reach_of(sorted_, members), labels[members])
+                tree = KDTree(extreme_radii(orbits.later[members]))
+                self._kinds[kind] = (tree, matching_distance(orbits, members), labels[members])
             for number in np.unique(labels[members]).tolist():
-                self._limits[number] = limits_of(sorted_, members[labels[members] == number])
+                self._limits[number] = limits_of(orbits, members[labels[members] == number])
 
-    def labels_of(self, left: Undecided) -> Labels:
-        """Return the labels of other orbits: each that of the orbit most like it."""
-        mine = on_their_way(self._ends, left)
-        open_ = (mine == UNDECIDED) & ~slighter_and_slighter(self._ends, left)
-        for kind, candidates in lasting(self._ends.rotor, left, open_).items():
-            mine[candidates] = self._nearest(kind, left, candidates)
+    def labels_of(self, orbits: Undecided) -> Labels:
+        """Return the labels of other orbits: each that of the orbit with the nearest features."""
+        labels = approaching(self._known, orbits)
+        unmatched = (labels == UNDECIDED) & ~touching(self._known, orbits)
+        for kind, candidates in lasting(self._known.rotor, orbits, unmatched).items():
+            labels[candidates] = self._nearest(kind, orbits, candidates)
         for number, limits in self._limits.items():
-            mine[also_in(left, limits, open_ & (mine == UNDECIDED))] = number
-        return mine
+            labels[within(orbits, limits, unmatched & (labels == UNDECIDED))] = number
+        return labels
 
-    def _nearest(self, kind: str, left: Undecided, candidates: Numbers) -> Labels:
+    def _nearest(self, kind: str, orbits: Undecided, candidates: Numbers) -> Labels:
         if kind not in self._kinds or not candidates.size:
             return np.full(candidates.size, UNDECIDED, dtype=np.int16)
         tree, reach, labels = self._kinds[kind]
-        distance, place = tree.query(extremes(left.later[candidates]), p=np.inf)
-        near = distance <= np.maximum(reach_of(left, candidates), reach[place])
+        distance, place = tree.query(extreme_radii(orbits.later[candidates]), p=np.inf)
+        near = distance <= np.maximum(matching_distance(orbits, candidates), reach[place])
         return np.where(near, labels[place], np.int16(UNDECIDED))

@@ -1,13 +1,13 @@
-"""Sets of states from which no orbit escapes a stable whirl: a start inside is decided.
+"""Trapping regions: ellipsoids round a stable whirl that no orbit leaves: starts inside are sure.
 
-On the rotating axes a synchronous whirl is an equilibrium. Round it we look for a quadratic form
-``V`` of the distance in state space that falls along every orbit on a whole ellipsoid ``V <= 1``.
-Then no orbit leaves the ellipsoid, and all in it converge to the whirl.
+On the rotating axes a synchronous whirl is an equilibrium. A quadratic Lyapunov function ``V`` of
+the distance to it in state space falls along every orbit on the ellipsoid ``V <= 1``: no orbit
+leaves the ellipsoid, and all in it converge to the whirl.
 
 Notes
 -----
-Write ``xi`` for the state less that of the whirl, ``v`` for the position in it. The equation is
-linear but for the contact force F, and
+Write ``xi`` for the state minus that of the whirl, ``v`` for its position. The equation is linear
+but for the contact force F, for which the mean-value form holds:
 
     F(v) - F(v*) = K (v - v*),    K = mean of DF along the segment from v* to v,
     DF = s I + (f' - s) n n^T,    n = v/|v|,  s = f(|v|)/|v|.
@@ -15,13 +15,20 @@ linear but for the contact force F, and
 So ``xi' = (L - E K) xi`` with a constant L and a symmetric 2 x 2 matrix K that varies. Over a
 convex set of positions K lies in the smallest box (three entries) that holds every DF there: a
 mean of members of a convex set is a member. ``d/dt xi^T P xi = xi^T (J^T P + P J) xi`` with
-``J = L - E K`` is affine in K, so if ``J^T P + P J`` is negative definite at the eight corners of
-the box it is so throughout, with one margin: V decays exponentially. The positions of the
-ellipsoid ``xi^T P xi <= c`` are an ellipse with half-widths ``sqrt(c S)``, ``S`` the position
-block of ``P^-1``; its bounding rectangle, along and across the whirl, gives the box. The largest
-such c is found by bisection, and P is the form of largest volume among those that weigh the two
-modes of the linear motion differently; a free search over all P gained 5 % in width. The
-rectangle is kept out of the clearance and of the centre, where DF is not what is written above.
+``J = L - E K`` is affine in K. So if ``J^T P + P J`` is negative definite at the eight corners of
+the box it is so throughout, with one margin, and V decays exponentially: quadratic stability over a
+polytope of matrices [1]_. The positions of the ellipsoid ``xi^T P xi <= c`` are an ellipse with
+half-widths ``sqrt(c S)``, ``S`` the diagonal of ``P^-1``; its bounding rectangle, along and across
+the whirl, gives the box. The largest such c is found by bisection, and P is the form of largest
+volume among those that weigh the two modes of the linear motion differently; a free search over
+all P gained 5 % in width. The rectangle stays outside the clearance and off the centre, where DF
+is not as written above.
+
+References
+----------
+.. [1] Boyd, El Ghaoui, Feron and Balakrishnan, Linear Matrix Inequalities in System and Control
+   Theory, 1994, chapter 5: quadratic stability and invariant ellipsoids of polytopic differential
+   inclusions; section 4.3: a nonlinear system in such an inclusion, by the mean-value theorem.
 """
 
 from __future__ import annotations
@@ -40,15 +47,15 @@ from rotor_ida.schema import STABILITY
 
 Values = npt.NDArray[np.float64]
 
-# V must fall by this part of the fastest possible rate at least, so that rounding cannot matter.
+# V must fall at this fraction of the fastest possible rate or faster: rounding cannot matter.
 MARGIN = 1e-6
 BISECTIONS = 40
 MODE_RATIOS = np.geomspace(1e-2, 1e2, 17)
-# Modes this nearly parallel (near a double eigenvalue) are no basis for a form.
+# Near a double eigenvalue the modes are nearly parallel: beyond this condition they give no form.
 MOST_SKEW = 1e6
-# Decay slower than this part of the fastest motion is lost in rounding: too close to a fold.
+# Too close to a fold, decay slower than this fraction of the fastest motion is lost in rounding.
 SLOWEST = 1e-9
-# Forms with axes this unequal, squared, are left alone: rounding could decide.
+# Forms with axes more unequal than this, squared, are refused: rounding could decide.
 MOST_ECCENTRIC = 1e10
 
 
@@ -63,8 +70,8 @@ class TrappingRegion:
     centre : ndarray, shape (4,)
         Its state on the rotating axes [1].
     form : ndarray, shape (4, 4)
-        Positive definite P: the set is ``(z - centre)^T P (z - centre) <= 1``. All infinite
-        where no such set was found.
+        Positive definite P: the region is ``(z - centre)^T P (z - centre) <= 1``. All infinite
+        where no such region was found.
     """
 
     amplitude: float
@@ -74,7 +81,7 @@ class TrappingRegion:
 
     @property
     def exists(self) -> bool:
-        """Whether a set was found: close to a fold, or to first touch, there may be none."""
+        """Whether a region was found: close to a fold, or to first touch, there may be none."""
         return bool(np.isfinite(self.form).all())
 
     @property
@@ -86,7 +93,7 @@ class TrappingRegion:
         return np.concatenate([self.centre, factor[np.triu_indices(4)]])
 
     def holds(self, states: npt.ArrayLike) -> npt.NDArray[np.bool_]:
-        """Return which of the states, shape (..., 4) on the rotating axes, lie in the set."""
+        """Return which of the states, shape (..., 4) on the rotating axes, lie in the region."""
         offset = np.asarray(states, dtype=np.float64) - self.centre
         if not self.exists:
             return np.zeros(offset.shape[:-1], dtype=np.bool_)
@@ -101,10 +108,10 @@ def trapping_regions(rotor: Rotor) -> list[TrappingRegion]:
     rotor : Rotor
         A rotor that turns and is damped.
 
-    Examples
+    NearestFeatures
     --------
-    >>> sets = trapping_regions(Rotor(omega=1.7, zeta=0.07, delta0=0.0))
-    >>> [round(each.amplitude, 4) for each in sets]
+    >>> regions = trapping_regions(Rotor(omega=1.7, zeta=0.07, delta0=0.0))
+    >>> [round(each.amplitude, 4) for each in regions]
     [1.8796, 9.4872]
     """
     whirls = synchronous_response(omega=rotor.omega, zeta=rotor.zeta, delta0=rotor.delta0)
@@ -121,7 +128,7 @@ def trapping_regions(rotor: Rotor) -> list[TrappingRegion]:
 
 
 def _trapping_region(rotor: Rotor, amplitude: float, lag: float) -> TrappingRegion:
-    """Return the largest set among those that the linear motion suggests."""
+    """Return the largest region among those that the linear motion suggests."""
     problem = _Problem(rotor, amplitude)
     usable = [form for form in problem.candidates() if _is_usable(form)]
     best = max(usable, key=problem.log_volume, default=np.eye(4))
@@ -138,7 +145,7 @@ def _trapping_region(rotor: Rotor, amplitude: float, lag: float) -> TrappingRegi
 
 
 def _is_usable(form: Values) -> bool:
-    """Return whether a form is positive definite, far enough from not being so."""
+    """Return whether a form is positive definite by a safe margin."""
     values = np.linalg.eigvalsh(form)
     return bool(values[0] > 0.0 and values[-1] < MOST_ECCENTRIC * values[0])
 
@@ -200,7 +207,7 @@ class _Problem:
         return low
 
     def log_volume(self, form: Values) -> float:
-        """Return the logarithm of the volume of the set, to a constant."""
+        """Return the logarithm of the volume of the region, up to a constant."""
         level = self.largest_level(form)
         if level == 0.0:
             return -1e3

@@ -6,11 +6,11 @@ import importlib.util
 import os
 import re
 from collections.abc import Generator, Iterable
-
-import numpy as np
+from functools import partial
 
 from rotor_ida.checks import check_count
 from rotor_ida.errors import InputError
+from rotor_ida.parallel.interruptible import interruptible
 from rotor_ida.parallel.jobs import FailedJob, Job, Result, Work
 from rotor_ida.parallel.pools import run_in_pool
 
@@ -97,7 +97,7 @@ def run_all(
     ----------
     work : callable
         Takes a job and an array of one number that turns to 1 when the rest is given up; a long
-        job looks at it now and then and returns early. For anything but threads it must be a
+        job checks it now and then and returns early. For anything but threads it must be a
         function of a module; each process has a number of its own, which stays 0: processes are
         ended.
     jobs : iterable
@@ -108,7 +108,7 @@ def run_all(
     Yields
     ------
     number : int
-        Place of the job among `jobs`, from 0.
+        Position of the job in `jobs`, from 0.
     result : object
         What `work` returned for it; `FailedJob` if its workers died of it.
 
@@ -117,8 +117,8 @@ def run_all(
     InputError
         If a scheduler does not answer, or its workers have other versions.
     SimulationError
-        If a process of a pool died, what the others had in hand being gone with it, or the
-        scheduler.
+        If a process of a pool died, so that the jobs of the others are lost too, or the
+        scheduler did.
 
     Notes
     -----
@@ -148,7 +148,6 @@ def run_all(
 def _one_by_one(
     work: Work[Job, Result], jobs: Iterable[Job]
 ) -> Generator[tuple[int, Result | FailedJob], None, None]:
-    """Do the jobs in this very process and thread."""
-    stop = np.zeros(1, dtype=np.uint8)
+    """Do the jobs in this very process."""
     for number, job in enumerate(jobs):
-        yield number, work(job, stop)
+        yield number, interruptible(partial(work, job))

@@ -11,15 +11,20 @@ from matplotlib.axes import Axes
 from rotor_ida.plot.appearance import (
     axes_or_new,
     check_dataset,
+    look,
     one_value,
     own_legend,
     style,
 )
-from rotor_ida.plot.labels import KIND_WORDS, LABELS, parameter_text
-from rotor_ida.plot.layout import look
+from rotor_ida.plot.labels import (
+    KIND_WORDS,
+    LABELS,
+    check_same_units,
+    label_axis,
+    parameter_text,
+)
 from rotor_ida.plot.responses import CURVE, draw_curve
 from rotor_ida.plot.simulated import KINDS
-from rotor_ida.plot.units import alike, label_of, suited
 from rotor_ida.schema import flags_of
 
 
@@ -27,7 +32,6 @@ def plot_over_clearance(
     exact: xr.Dataset,
     *,
     simulated: xr.Dataset | None = None,
-    units: Mapping[str, str] | None = None,
     ax: Axes | None = None,
 ) -> Axes:
     r"""Draw the whirls at one speed over the clearance, and what a simulated rotor does there.
@@ -40,9 +44,6 @@ def plot_over_clearance(
     simulated : Dataset, optional
         What `rotor_ida.sweep` returned at the same speed and damping. Responses on a whirl are
         marks, all others bars over the range of the distance from the bearing axis.
-    units : mapping of str to str, optional
-        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
-        those with the SI prefix that suits.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
@@ -64,17 +65,17 @@ def plot_over_clearance(
     'clearance $\\delta_0$'
     """
     exact = check_dataset("exact", exact, CURVE)
-    exact = suited(exact, ["amplitude"], units=units, ax=ax)
     omega, zeta = (one_value("exact", exact, name) for name in ("omega", "zeta"))
     with style():
         ax = axes_or_new(ax)
         draw_curve(ax, exact, over="delta0", quantity="amplitude")
         if simulated is not None:
-            _draw_simulated(ax, alike("simulated", simulated, exact))
+            check_same_units("simulated", simulated, exact)
+            _draw_simulated(ax, simulated)
         ax.set_xlabel(LABELS["delta0"])
-        ax.set_ylabel(label_of("amplitude", exact["amplitude"]))
+        label_axis(ax.yaxis, "amplitude", exact["amplitude"])
         ax.set_ylim(bottom=0.0)
-        ax.set_title(parameter_text(omega=omega, zeta=zeta))
+        ax.set_title(parameter_text({"omega": omega, "zeta": zeta}))
         own_legend(ax)
     return ax
 
@@ -110,7 +111,6 @@ def plot_by_clearance(
     names: Mapping[str, str],
     *,
     label: str,
-    units: Mapping[str, str] | None = None,
     ax: Axes | None = None,
 ) -> Axes:
     """Draw some quantities over the clearance.
@@ -124,9 +124,6 @@ def plot_by_clearance(
         What each quantity is called in the legend.
     label : str
         What the vertical axis is called; the unit of the first quantity is added.
-    units : mapping of str to str, optional
-        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
-        those with the SI prefix that suits.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
@@ -147,7 +144,7 @@ def plot_by_clearance(
     >>> plot_by_clearance(table, {"peak_amplitude": "peak"}, label="amplitude $A$").get_ylabel()
     'amplitude $A$'
     """
-    table = suited(check_dataset("table", table, ("delta0", *names)), [*names], units=units, ax=ax)
+    table = check_dataset("table", table, ("delta0", *names))
     with style():
         ax = axes_or_new(ax)
         for number, (name, words) in enumerate(names.items()):
@@ -161,7 +158,7 @@ def plot_by_clearance(
             ax.plot(delta0, column.values.ravel(), ls="", marker=".", ms=2.8, mew=0.0,
                     color=colour, label=words)  # fmt: skip
         ax.set_xlabel(LABELS["delta0"])
-        ax.set_ylabel(label_of("", table[next(iter(names))], words=label))
+        label_axis(ax.yaxis, "", table[next(iter(names))], words=label)
         if len(names) > 1:
             own_legend(ax)
     return ax

@@ -8,13 +8,12 @@ import xarray as xr
 
 from rotor_ida.checks import State, check_axis, check_count, check_positive, check_state
 from rotor_ida.errors import InputError
+from rotor_ida.parallel import Stop, interruptible
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.dataset import run_dataset
 from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors
-from rotor_ida.simulation.interruptible import interruptible
 from rotor_ida.simulation.options import Backend, Flight, Method, Options, check_can_be_followed
 from rotor_ida.simulation.orbit import Orbit
-from rotor_ida.simulation.record import Stop
 from rotor_ida.simulation.run import run
 
 Values = npt.NDArray[np.float64]
@@ -82,10 +81,11 @@ def simulate(
     -----
     ``z'' + 2 zeta z' + max(|z| - delta0, 0)**1.5 z/|z| = omega**2 exp(i omega t)``. An event
     within ``min(100 rtol, 1e-8) duration`` behind the end belongs to the run. A start
-    exactly on the ring is in contact if it moves outwards, or is about to. Touches with an
-    indentation below about 1e-13 of the lengths involved are not told from misses.
-    ``event_time_error`` comes from a second run with looser tolerances; it is infinite beyond
-    ``horizon``, from where on the start no longer determines the orbit at these tolerances.
+    exactly on the ring is in contact if it moves outwards, or is about to. Grazes
+    below an indentation of about 1e-13 of the lengths involved may be missed or invented.
+    ``event_time_error`` comes from a second run with looser tolerances, and includes the spacing
+    of doubles. It is infinite beyond ``horizon``: from there on the start no longer determines
+    the orbit at these tolerances.
 
     References
     ----------
@@ -113,8 +113,8 @@ def simulate(
         orbit = run(rotor, first, end, times, options, slack=slack, stop=stop)
         return orbit, estimate_event_errors(orbit, first, slack=slack, stop=stop)
 
-    orbit, trusted = interruptible(run_twice)
-    return run_dataset(orbit, first, trusted)
+    orbit, errors = interruptible(run_twice)
+    return run_dataset(orbit, first, errors)
 
 
 def _sample_times(samples: object, duration: float) -> Values:

@@ -1,4 +1,4 @@
-"""Sweep speed, damping and clearance, and see on which response the rotor settles."""
+"""Sweeps: the settled response at each speed, damping and clearance."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from rotor_ida.parallel import FailedJob, Progress, choose, run_all
 from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.provenance import computing
 from rotor_ida.simulation.options import Backend, Flight, Method, Options, check_can_be_followed
-from rotor_ida.storage.studies.results import Form, Results, kept_results
+from rotor_ida.storage.studies.results import Form, Results, open_results
 from rotor_ida.sweeps.dataset import Rows, rows_as_bytes, rows_from_bytes, rows_of, sweep_dataset
 from rotor_ida.sweeps.ramps import Places, Ramps, follow
 from rotor_ida.sweeps.steady_state import FAILED, failed
@@ -32,7 +32,7 @@ DIRECTIONS: dict[str | None, tuple[int, ...]] = {
     "both": (1, -1),
 }
 REST: State = (0.0, 0.0, 0.0, 0.0)
-# Failures of the surroundings, not of the point.
+# Failures of the surroundings, not of the point: another attempt may succeed.
 PASSING = ("MemoryError", "OSError")
 FORM = Form(rows_as_bytes, rows_from_bytes)
 
@@ -123,7 +123,7 @@ def sweep(
     for rotor in _rotors(axes):
         for start in checked:
             check_can_be_followed(rotor, start, settling=True)
-    with kept_results(study, _design(ramps, direction), ramps.points, FORM) as kept:
+    with open_results(study, _design(ramps, direction), ramps.points, FORM) as kept:
         _follow_all(ramps, kept, place, count, progress)
 
         def pieces() -> Iterator[tuple[Places, Rows]]:

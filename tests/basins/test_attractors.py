@@ -1,4 +1,4 @@
-"""Groups: attractors that differ are kept apart, a chaotic one is not split, doubt is said."""
+"""Clustering: different attractors stay apart, a chaotic one stays whole, doubt is reported."""
 
 import numpy as np
 import pytest
@@ -23,10 +23,10 @@ def confirmed(monkeypatch):
     monkeypatch.setattr(attractors_module, "_confirm", lambda _rotor, attractor, *_: attractor)
 
 
-def survey_of(rotor, earlier, later):
-    """Return a survey in which every start is undecided with these windows."""
+def results_of(rotor, earlier, later):
+    """Return results in which every start is undecided, with these features."""
     count = len(later)
-    left = Undecided(
+    orbits = Undecided(
         np.arange(count),
         np.asarray(earlier, dtype=np.float32),
         np.asarray(later, dtype=np.float32),
@@ -35,11 +35,11 @@ def survey_of(rotor, earlier, later):
     labels = np.full(count, UNDECIDED, dtype=np.int16)
     times = np.zeros(count, np.float32)
     kept = InMemory()
-    kept.keep(0, BatchResult(0, labels.copy(), times, left), count)
+    kept.keep(0, BatchResult(0, labels.copy(), times, orbits), count)
     return FollowedStarts(known_attractors(rotor), labels, times, kept, count)
 
 
-def windows(low, high, count, scatter, seed=0):
+def radii(low, high, count, scatter, seed=0):
     random = np.random.default_rng(seed)
     columns = np.zeros((count, 5))
     columns[:, 0] = low + scatter * random.uniform(-1.0, 1.0, count)
@@ -48,91 +48,91 @@ def windows(low, high, count, scatter, seed=0):
     return columns
 
 
-def sort(survey):
-    nobody = [np.empty((0, 4))] * (len(survey.ends.sets) + survey.ends.has_free)
-    return attractors_of(survey, nobody, Options())
+def found_in(results):
+    nobody = [np.empty((0, 4))] * (len(results.known.regions) + results.known.has_free)
+    return attractors_of(results, nobody, Options())
 
 
 def test_two_periodic_motions_are_two_attractors(confirmed):
     """They differ by one part in a hundred; from one window to the next, in ten thousand."""
-    one, two = windows(1.9, 4.10, 30, 1e-4), windows(1.9, 4.15, 20, 1e-4)
-    survey = survey_of(BOUNCER, np.vstack([one, two]), np.vstack([one, two]) + 1e-5)
-    found = sort(survey)
+    one, two = radii(1.9, 4.10, 30, 1e-4), radii(1.9, 4.15, 20, 1e-4)
+    results = results_of(BOUNCER, np.vstack([one, two]), np.vstack([one, two]) + 1e-5)
+    found = found_in(results)
     assert [each.kind for each in found] == ["contact_free", "bouncing", "bouncing"]
-    assert survey.labels.tolist() == [1] * 30 + [2] * 20
+    assert results.labels.tolist() == [1] * 30 + [2] * 20
 
 
 @pytest.mark.parametrize("count", [12, 300, 4000])
 def test_a_chaotic_motion_is_one_attractor(confirmed, count):
-    earlier = windows(1.5, 4.0, count, 0.3, seed=1)
-    survey = survey_of(BOUNCER, earlier, windows(1.5, 4.0, count, 0.3, seed=2))
-    assert len(sort(survey)) == 2
-    assert (survey.labels == 1).mean() > 0.9
+    earlier = radii(1.5, 4.0, count, 0.3, seed=1)
+    results = results_of(BOUNCER, earlier, radii(1.5, 4.0, count, 0.3, seed=2))
+    assert len(found_in(results)) == 2
+    assert (results.labels == 1).mean() > 0.9
 
 
 def test_motions_that_die_away_stay_undecided(confirmed):
-    later = windows(1.9, 2.2, 10, 1e-4)
-    survey = survey_of(BOUNCER, windows(1.9, 2.4, 10, 1e-4), later)
-    assert len(sort(survey)) == 1
-    assert (survey.labels == UNDECIDED).all()
+    later = radii(1.9, 2.2, 10, 1e-4)
+    results = results_of(BOUNCER, radii(1.9, 2.4, 10, 1e-4), later)
+    assert len(found_in(results)) == 1
+    assert (results.labels == UNDECIDED).all()
 
 
 def test_touches_that_get_slighter_for_ever_are_no_bouncing(confirmed):
-    """They can last for so long that two windows look alike; but each pushes inwards."""
+    """They can last for so long that two windows agree; but each pushes inwards."""
     rotor = Rotor(omega=1.0, zeta=1.0, delta0=3.0)
-    look = windows(2.1, 3.0027, 10, 1e-5)
+    features = radii(2.1, 3.0027, 10, 1e-5)
     whirl = -rotor.omega / complex(rotor.omega, -2.0 * rotor.zeta)
-    look[:, 2:4] = whirl.real, whirl.imag
-    survey = survey_of(rotor, look, look)
-    sort(survey)
-    assert (survey.labels == UNDECIDED).all()
+    features[:, 2:4] = whirl.real, whirl.imag
+    results = results_of(rotor, features, features)
+    found_in(results)
+    assert (results.labels == UNDECIDED).all()
 
 
 def test_an_orbit_near_a_stable_whirl_and_nearing_it_belongs_to_it(confirmed):
     rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
-    survey = survey_of(rotor, np.zeros((2, 5)), np.zeros((2, 5)))
-    x, y = survey.ends.sets[1].centre[:2]
+    results = results_of(rotor, np.zeros((2, 5)), np.zeros((2, 5)))
+    x, y = results.known.regions[1].centre[:2]
     radius = np.hypot(x, y)
-    left = next(survey.undecided())
-    left.earlier[:] = radius, radius, x, y, 0.3
-    left.later[:] = radius, radius, x, y, 0.1
-    left.later[1, 4] = 0.29  # this one does not come nearer
-    sort(survey)
-    assert survey.labels.tolist() == [1, UNDECIDED]
+    orbits = next(results.undecided())
+    orbits.earlier[:] = radius, radius, x, y, 0.3
+    orbits.later[:] = radius, radius, x, y, 0.1
+    orbits.later[1, 4] = 0.29  # this one does not come nearer
+    found_in(results)
+    assert results.labels.tolist() == [1, UNDECIDED]
 
 
-def test_of_very_many_orbits_some_serve_as_examples_for_all(confirmed, monkeypatch):
+def test_of_very_many_orbits_a_sample_is_clustered_and_the_rest_matched(confirmed, monkeypatch):
     """Two periodic motions and one of wide scatter: the same labels as when all are compared."""
-    one, two = windows(1.9, 4.10, 300, 1e-4), windows(1.9, 4.15, 200, 1e-4, seed=1)
-    dying = windows(1.9, 2.4, 10, 1e-4)
+    one, two = radii(1.9, 4.10, 300, 1e-4), radii(1.9, 4.15, 200, 1e-4, seed=1)
+    dying = radii(1.9, 2.4, 10, 1e-4)
     earlier = np.vstack([one, dying, two])
-    later = np.vstack([one, windows(1.9, 2.2, 10, 1e-4), two])
-    whole = survey_of(BOUNCER, earlier, later)
-    sort(whole)
+    later = np.vstack([one, radii(1.9, 2.2, 10, 1e-4), two])
+    whole = results_of(BOUNCER, earlier, later)
+    found_in(whole)
     assert np.unique(whole.labels, return_counts=True)[1].tolist() == [10, 300, 200]
-    monkeypatch.setattr(following, "MOST_EXAMPLES", 60)
-    some = survey_of(BOUNCER, earlier, later)
-    assert some.examples().numbers.tolist() == list(range(0, 510, 9))
-    sort(some)
+    monkeypatch.setattr(following, "LARGEST_SAMPLE", 60)
+    some = results_of(BOUNCER, earlier, later)
+    assert some.sample().numbers.tolist() == list(range(0, 510, 9))
+    found_in(some)
     np.testing.assert_array_equal(some.labels, whole.labels)
 
 
 def test_what_cvode_denies_is_undecided():
-    """The windows are of bouncing, but from these states CVODE finds the contact-free whirl."""
-    look = windows(1.9, 4.1, 5, 1e-4)
-    survey = survey_of(BOUNCER, look, look)
-    x, y, _ = survey.ends.free
-    next(survey.undecided()).states[:] = np.array([[x], [y], [-2.0 * y], [2.0 * x]])
-    assert len(sort(survey)) == 1
-    assert (survey.labels == UNDECIDED).all()
+    """The features are of bouncing, but from these states CVODE finds the contact-free whirl."""
+    features = radii(1.9, 4.1, 5, 1e-4)
+    results = results_of(BOUNCER, features, features)
+    x, y, _ = results.known.free
+    next(results.undecided()).states[:] = np.array([[x], [y], [-2.0 * y], [2.0 * x]])
+    assert len(found_in(results)) == 1
+    assert (results.labels == UNDECIDED).all()
 
 
-def test_after_an_interrupt_nothing_is_confirmed_but_all_is_told():
-    look = windows(1.9, 4.1, 5, 1e-4)
-    survey = survey_of(BOUNCER, look, look)
-    survey.interrupted = True
-    found = sort(survey)
-    assert (survey.labels == 1).all()
+def test_after_an_interrupt_nothing_is_confirmed_but_all_is_labelled():
+    features = radii(1.9, 4.1, 5, 1e-4)
+    results = results_of(BOUNCER, features, features)
+    results.interrupted = True
+    found = found_in(results)
+    assert (results.labels == 1).all()
     assert not any(each.confirmed for each in found)
     assert isinstance(found[1], Attractor)
     assert found[1].radius_max == pytest.approx(4.1, abs=1e-3)

@@ -91,7 +91,7 @@ def test_numbers_add_up(figure_7):
 
 
 def test_whoever_does_the_work_finds_the_same_bits():
-    """Of starts many of which no set captures, so that all that a batch brings back counts."""
+    """Many of these starts stay undecided, so that all that a batch returns counts."""
     rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
     alone = basin(rotor, x=AXIS, y=AXIS, executor="serial")
     assert set(flags_of(alone.label)) > {"undecided", "attractor_1"}

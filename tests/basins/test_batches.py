@@ -1,4 +1,4 @@
-"""What became of a batch of starts: as bytes and back, and evenly spread examples of many."""
+"""Results of a batch of starts: as bytes and back, and an even sample of many."""
 
 import numpy as np
 import pytest
@@ -8,22 +8,22 @@ from rotor_ida.basins.batches import (
     Undecided,
     batch_as_bytes,
     batch_from_bytes,
-    spread,
-    together,
+    joined,
+    thinned,
 )
 
 
 def undecided(numbers):
     count = len(numbers)
-    looks = np.arange(5.0 * count, dtype=np.float32).reshape(count, 5)
-    return Undecided(np.array(numbers, dtype=np.int64), looks, -looks, np.ones((4, count)))
+    features = np.arange(5.0 * count, dtype=np.float32).reshape(count, 5)
+    return Undecided(np.array(numbers, dtype=np.int64), features, -features, np.ones((4, count)))
 
 
 @pytest.mark.parametrize("step", [1, 2, 3, 7])
-def test_parts_are_spread_as_if_they_were_one(step):
+def test_parts_are_thinned_as_if_they_were_one(step):
     whole = list(range(100, 123))
     parts = [undecided(whole[:5]), undecided([]), undecided(whole[5:6]), undecided(whole[6:])]
-    assert together(spread(parts, step)).numbers.tolist() == whole[::step]
+    assert joined(thinned(parts, step)).numbers.tolist() == whole[::step]
 
 
 def test_every_bit_of_a_batch_comes_back():

@@ -1,10 +1,10 @@
-"""Windows: extremes and mean of the motion as the simulator sees them."""
+"""Features: extremes and mean of the motion as the simulator finds them."""
 
 import numpy as np
 import pytest
 
 from rotor_ida import Rotor
-from rotor_ida.basins.features import MEAN_X, MEAN_Y, RADIUS_MAX, RADIUS_MIN, WANDER, watch
+from rotor_ida.basins.features import MEAN_X, MEAN_Y, RADIUS_MAX, RADIUS_MIN, WANDER, measure
 from rotor_ida.simulation.options import Options
 from rotor_ida.sweeps.steady_state import durations, follow_to_steady_state
 
@@ -20,7 +20,7 @@ def test_a_window_agrees_with_the_simulator(omega, delta0, start):
     states = np.tile(np.array(settled.end)[:, None], 3)
     found = np.zeros((3, 5))
     parameters = (omega, 0.07, delta0 or None)
-    watch(states, parameters, length / (samples - 1), samples - 1, found, np.zeros(1, np.uint8))
+    measure(states, parameters, length / (samples - 1), samples - 1, found, np.zeros(1, np.uint8))
     window = settled.window
     # the classic method errs by about 1e-4 at sixty-four steps a revolution
     assert found[0, RADIUS_MIN] == pytest.approx(window.radius_min, rel=1e-3)

@@ -1,4 +1,4 @@
-"""Shares of random starts: repeatable, with an error that is the spread of repetitions."""
+"""Basin fractions of random starts: repeatable, with an error that is the spread of repetitions."""
 
 import numpy as np
 import pytest

@@ -15,13 +15,13 @@ NOTHING = np.array([0.0, 0.0, -1.0])
 GO_ON = np.zeros(1, dtype=np.uint8)
 
 
-def followed(rotor, states, *, sets=None, free=NOTHING, duration, tolerance=1e-6, stop=GO_ON):
+def followed(rotor, states, *, regions=None, free=NOTHING, duration, tolerance=1e-6, stop=GO_ON):
     states = states.copy()
     labels = np.full(states.shape[1], NOT_COMPUTED, dtype=np.int16)
     times = np.zeros(states.shape[1], dtype=np.float32)
-    sets = np.empty((0, 14)) if sets is None else sets
+    regions = np.empty((0, 14)) if regions is None else regions
     parameters = (rotor.omega, rotor.zeta, rotor.delta0 or None)
-    follow(states, labels, times, parameters, sets, free, duration, tolerance, stop)
+    follow(states, labels, times, parameters, regions, free, duration, tolerance, stop)
     return states, labels, times
 
 
@@ -32,12 +32,12 @@ def random_states(count, half_width=10.0, seed=0):
 @pytest.mark.parametrize("count", [1, LANES - 1, 5 * LANES + 3])
 def test_a_start_does_not_depend_on_its_neighbours(count):
     rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
-    ends = known_attractors(rotor)
+    known = known_attractors(rotor)
     states = random_states(count)
-    _, labels, times = followed(rotor, states, sets=_table(ends.sets), duration=500.0)
+    _, labels, times = followed(rotor, states, regions=_table(known.regions), duration=500.0)
     assert (labels >= 0).all()
     for number in (0, count // 2, count - 1):
-        alone = followed(rotor, states[:, [number]], sets=_table(ends.sets), duration=500.0)
+        alone = followed(rotor, states[:, [number]], regions=_table(known.regions), duration=500.0)
         assert alone[1][0] == labels[number]
         assert alone[2][0] == times[number]
 

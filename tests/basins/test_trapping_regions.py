@@ -28,9 +28,9 @@ def states_of(each, scale, count, seed=0):
 
 @pytest.mark.parametrize("rotor", ROTORS)
 def test_v_falls_on_the_boundary_and_inside(rotor):
-    sets = trapping_regions(rotor)
-    assert sets
-    for each in sets:
+    regions = trapping_regions(rotor)
+    assert regions
+    for each in regions:
         for scale in (1.0, 0.7, 0.3, 1e-3):
             for state in states_of(each, scale, 400):
                 rate = rotating_field(state, rotor)
@@ -60,7 +60,7 @@ def test_the_set_lies_in_contact_and_is_no_dwarf():
         assert reach > 0.05 * whirl.amplitude
 
 
-def test_sets_shrink_towards_a_fold():
+def test_regions_shrink_towards_a_fold():
     fold = float(folds(zeta=0.07, delta0=0.0)["fold_omega"].min())
     sizes = []
     for beyond in (0.1, 0.01, 0.001):
@@ -76,7 +76,7 @@ def test_a_rotor_without_stable_whirl_has_no_set():
 @pytest.mark.parametrize("beyond", [1e-12, 1e-9, 1e-6, 1e-4])
 @pytest.mark.parametrize("zeta", [1e-4, 0.07])
 def test_next_to_a_fold_there_is_a_small_set_or_none(zeta, beyond):
-    """Where decay is lost in rounding no set is claimed; warnings are errors here."""
+    """Where decay is lost in rounding no region is claimed; warnings are errors here."""
     for fold in folds(zeta=zeta, delta0=0.3)["fold_omega"].values.ravel():
         for side in (-1.0, 1.0):
             rotor = Rotor(omega=float(fold) * (1.0 + side * beyond), zeta=zeta, delta0=0.3)

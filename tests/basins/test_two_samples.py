@@ -1,4 +1,4 @@
-"""The share of random starts by response does not hang on the sample."""
+"""The fractions of random starts by response do not depend on the sample."""
 
 import numpy as np
 import pytest

@@ -81,6 +81,19 @@ def test_negative_components_of_a_start_are_read(program: Program):
     ]  # fmt: skip
 
 
+def test_simulate_begins_from_rest(program: Program):
+    words = [word for word in RUN if word != "--start"]
+    del words[6:10]
+    answer = program("simulate", *words, "--json")
+    assert json.loads(answer.out) == json.loads(program("simulate", *RUN, "--json").out)
+
+
+@pytest.mark.parametrize("name", ["motion", "motion.png", "motion.svg"])
+def test_a_figure_is_named_by_either_file_or_without_ending(program: Program, name: str):
+    assert program("simulate", *RUN, "--figure", name).status == 0
+    assert {path.name for path in Path().iterdir()} == {"motion.png", "motion.svg"}
+
+
 def test_a_file_is_replaced_only_by_force(program: Program):
     Path("run.nc").write_text("mine")
     refused = program("simulate", *RUN, "--out", "run.nc")
@@ -269,7 +282,7 @@ def test_reproduce_passes_its_options_on(
     answer = program("reproduce", "--out", "x", "--quick", "--only", "a", "b", "--workers", 3)
     assert (answer.status, answer.out, answer.err) == (status, "", "going on\n")
     options = {"quick": True, "only": ["a", "b"], "workers": 3, "force": False}
-    assert calls == [("x", options)]
+    assert calls == [(Path("x"), options)]
 
 
 def test_a_long_table_is_cut_and_says_so(program: Program):

@@ -166,11 +166,11 @@ def test_a_point_that_fails_is_recorded_and_the_others_go_on(tmp_path, monkeypat
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_columns_on_the_disk_hold_the_same_bits(kind, tmp_path, monkeypatch):
-    from rotor_ida.storage.studies import scratch
+    from rotor_ida.storage.studies import arrays
 
     whole = KINDS[kind]()
-    monkeypatch.setattr(scratch, "LARGE", 1)
-    monkeypatch.setattr(scratch, "SLAB", 100)
+    monkeypatch.setattr(arrays, "LARGE", 1)
+    monkeypatch.setattr(arrays, "STRETCH", 100)
     on_disk = KINDS[kind](study=tmp_path / "study")
     xr.testing.assert_identical(on_disk, whole)
     saved = load(save(on_disk, tmp_path / "result.nc"))
