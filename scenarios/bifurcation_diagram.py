@@ -11,8 +11,9 @@ import sys
 
 import numpy as np
 
-from rotor_ida import bifurcation_diagram, synchronous_response
-from rotor_ida.paper.scenario import Settings, progress_bar, run_script, speeds_of_curves
+from rotor_ida import bifurcation_diagram
+from rotor_ida.closed_forms import response_curve
+from rotor_ida.paper.scenario import Settings, progress_bar, run_script
 from rotor_ida.plot import panels, plot_extrema, shared_legend
 from rotor_ida.schema import flags_of
 
@@ -23,8 +24,7 @@ LOWEST, HIGHEST = 0.05, 3.0
 
 def main(settings: Settings) -> None:
     parameters = {"zeta": ZETA, "delta0": CLEARANCES}
-    dense = speeds_of_curves(**parameters, lowest=LOWEST, highest=HIGHEST)
-    exact = synchronous_response(omega=dense, **parameters)
+    exact = response_curve(**parameters, limits=(LOWEST, HIGHEST))
     settings.keep(exact, "exact")
     speeds = np.linspace(LOWEST, HIGHEST, 13 if settings.quick else 60)
     with progress_bar("many starts") as progress:

@@ -5,7 +5,7 @@ its speed and the force there. Below resonance it raises the amplitude, at omega
 6.9. Above resonance the curve promises contact-free whirl; what a rotor that starts from rest does
 there is to bounce, and further out than without clearance.
 
-Writes the peaks and folds (design.nc), the whirls over the clearance (whirls.nc), the simulated
+Writes the peaks and folds (design.nc), the curves over the clearance (curves.nc), the simulated
 responses (simulated.nc), and the figures as PNG and SVG.
 """
 
@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida import folds, sweep, synchronous_response
-from rotor_ida.closed_forms import peaks
+from rotor_ida.closed_forms import clearance_curve, peaks
 from rotor_ida.equations.contact import contact_force
 from rotor_ida.paper.scenario import Settings, progress_bar, run_script
 from rotor_ida.plot import (
@@ -41,13 +41,13 @@ def main(settings: Settings) -> None:
     settings.keep(design, "design")
     draw_design(design, settings)
 
-    exact = synchronous_response(omega=SPEEDS, zeta=ZETA, delta0=clearances)
+    exact = clearance_curve(omega=SPEEDS, zeta=ZETA, limits=(0.0, 3.0))
     with progress_bar("from rest at each clearance") as progress:
         simulated = sweep(
             omega=SPEEDS, zeta=ZETA, delta0=np.linspace(0.0, 3.0, 4 if settings.quick else 13),
             workers=settings.workers, progress=progress,
         )  # fmt: skip
-    settings.keep(exact, "whirls")
+    settings.keep(exact, "curves")
     settings.keep(simulated, "simulated")
     draw_responses(exact, simulated, settings)
 
@@ -91,7 +91,7 @@ def draw_responses(exact: xr.Dataset, simulated: xr.Dataset, settings: Settings)
     at_rest = simulated.response.sel(fast).squeeze() == RESPONSE["contact_free"]
     free = float(simulated.delta0[at_rest.values].min())
     settings.show(
-        figure, "responses", archives=["whirls", "simulated"],
+        figure, "responses", archives=["curves", "simulated"],
         shows="Whirls over the clearance at four speeds, and what a rotor settles on from rest.",
         paper="The amplitude can be reduced by increasing the clearance.",
         verdict="False below resonance; above it the rotor bounces further out, until the ring is "

@@ -7,16 +7,16 @@ too strong for a jump: at delta0 = 0 none is left above zeta = 0.156045, and abo
 any clearance.
 
 Writes the curves (curves.nc), the folds and jumps (jumps.nc), the backbones (backbone.nc), the
-limits (cusp.nc), and the figures as PNG and SVG.
+cusps (cusp.nc), and the figures as PNG and SVG.
 """
 
 import sys
 
 import numpy as np
 
-from rotor_ida import folds, synchronous_response
-from rotor_ida.closed_forms import cusp, free_periods, jumps
-from rotor_ida.paper.scenario import Settings, run_script, speeds_of_curves
+from rotor_ida import folds
+from rotor_ida.closed_forms import cusp, free_periods, jumps, response_curve
+from rotor_ida.paper.scenario import Settings, run_script
 from rotor_ida.plot import (
     mixed_panels,
     plot_amplitude,
@@ -28,13 +28,11 @@ from rotor_ida.plot import (
 )
 
 DAMPINGS = [0.07, 1.0, 1.5, 2.0]
-LOWEST, HIGHEST = 0.02, 3.0
+LIMITS = (0.02, 3.0)
 
 
 def main(settings: Settings) -> None:
-    points = 150 if settings.quick else 400
-    omega = speeds_of_curves(zeta=0.07, delta0=0.0, lowest=LOWEST, highest=HIGHEST, points=points)
-    exact = synchronous_response(omega=omega, zeta=DAMPINGS, delta0=0.0)
+    exact = response_curve(zeta=DAMPINGS, delta0=0.0, limits=LIMITS)
     found = jumps(zeta=0.07, delta0=0.0)
     backbone = free_periods(amplitude=np.linspace(0.02, 14.0, 300), delta0=[0.0, 0.5])
     limit = cusp(delta0=np.linspace(0.0, 3.0, 61 if settings.quick else 301))
@@ -67,8 +65,8 @@ def main(settings: Settings) -> None:
     figure, (ax,) = mixed_panels(1, 1, width=5.4, height=3.4)
     plot_cusp(limit, highest=highest, ax=ax)
     settings.show(
-        figure, "fig06_jump_limit", archives=["cusp"],
-        shows="The damping above which the response curve has no fold, over the clearance.",
+        figure, "fig06_cusp", archives=["cusp"],
+        shows="The cusp: damping above which the response curve has no fold, against clearance.",
         found=f"{limit.cusp_zeta[0].item():.9f} without clearance. It rises with the clearance "
         f"to {highest.cusp_zeta.item():.6f} at δ₀ = {highest.delta0.item():.4f} and falls "
         "from there on. Above that no rotor jumps.",

@@ -23,15 +23,9 @@ from rich.table import Table
 
 from rotor_ida import compare, folds, sweep, synchronous_response
 from rotor_ida.analysis.comparison import summarise
-from rotor_ida.closed_forms import free_periods
+from rotor_ida.closed_forms import free_periods, response_curve
 from rotor_ida.paper.printed import phase_31
-from rotor_ida.paper.scenario import (
-    Settings,
-    progress_bar,
-    run_script,
-    scientific,
-    speeds_of_curves,
-)
+from rotor_ida.paper.scenario import Settings, progress_bar, run_script, scientific
 from rotor_ida.plot import panels, plot_amplitude, plot_backbone, plot_phase, shared_legend
 from rotor_ida.schema import RESPONSE
 
@@ -45,10 +39,8 @@ DIRECTIONS = {0: "rest", 1: "up", -1: "down"}
 
 def main(settings: Settings) -> None:
     parameters = {"zeta": ZETA, "delta0": CLEARANCES}
-    dense = speeds_of_curves(**parameters, lowest=LOWEST, highest=HIGHEST)
-    fold_points = folds(**parameters)
     exact = xr.merge(
-        [synchronous_response(omega=dense, **parameters), fold_points],
+        [response_curve(**parameters, limits=(LOWEST, HIGHEST)), folds(**parameters)],
         compat="equals", join="exact", combine_attrs="override",
     )  # fmt: skip
     settings.keep(exact, "fig10")
@@ -104,7 +96,7 @@ def draw(
 def of_curves(quantity: str, exact: xr.Dataset) -> dict[str, str]:
     """Return what the gallery says of Fig. 10."""
     counts = exact.fold_omega.notnull().sum("fold").squeeze()
-    peaks = exact.amplitude.where(exact.in_contact == 1).max(["omega", "branch"]).squeeze()
+    peaks = exact.amplitude.where(exact.in_contact == 1).max("point").squeeze()
     rows = ", ".join(
         f"{int(counts.sel(delta0=d))} folds and a peak of {float(peaks.sel(delta0=d)):.2f} at "
         f"δ₀ = {d:g}"

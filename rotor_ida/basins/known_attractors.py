@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from rotor_ida.basins.trapping_regions import TrappingRegion, trapping_regions
 from rotor_ida.parameters import Rotor
+from rotor_ida.simulation.flight import unbalance_whirl
 
 Values = npt.NDArray[np.float64]
 
@@ -51,8 +52,7 @@ def known_attractors(rotor: Rotor) -> KnownAttractors:
         return KnownAttractors(rotor, [near], np.array([0.0, 0.0, -1.0]))
     nothing = np.array([0.0, 0.0, -1.0])
     regions = trapping_regions(rotor) if rotor.omega > 0.0 else []
-    resistance = complex(rotor.omega, -2.0 * rotor.zeta)
-    whirl = -rotor.omega / resistance
+    whirl = unbalance_whirl(rotor.omega, rotor.zeta)
     room = rotor.delta0 - abs(whirl)
     return KnownAttractors(
         rotor, regions, np.array([whirl.real, whirl.imag, room**2]) if room > 0.0 else nothing

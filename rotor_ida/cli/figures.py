@@ -5,21 +5,16 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-import rotor_ida
-from rotor_ida import plot
+from rotor_ida import folds, plot
 from rotor_ida.cli.describe import kind_of
 from rotor_ida.cli.output import check_panels
+from rotor_ida.closed_forms import response_curve
 from rotor_ida.errors import InputError
-from rotor_ida.paper.scenario import speeds_of_curves
 from rotor_ida.plot.labels import LABELS
 
-# Number of speeds of the exact curve where it has no tip.
-CURVE_POINTS = 600
 # Up to so many speeds of a table of whirls are marked.
 FEW_SPEEDS = 30
 
@@ -50,14 +45,14 @@ def figure_of(dataset: xr.Dataset) -> Figure:
     figure, axes = plot.panels(rows, columns, width=2.4 + 2.4 * columns, height=1.6 + 2.0 * rows)
     for ax, (zeta, delta0) in zip(axes, pairs, strict=False):
         part = dataset.sel(zeta=[zeta], delta0=[delta0])
+        few = kind == "whirls" and part.sizes["omega"] <= FEW_SPEEDS
         plot.plot_amplitude(
-            _curve_behind(part, zeta, delta0),
+            response_curve(zeta=zeta, delta0=delta0, limits=_limits_of(part)),
+            whirls=part if few else None,
             simulated=part if kind == "sweep" else None,
-            fold_points=_folds(zeta, delta0),
+            fold_points=folds(zeta=zeta, delta0=delta0),
             ax=ax,
         )
-        if kind == "whirls" and part.sizes["omega"] <= FEW_SPEEDS:
-            _mark_whirls(part, ax)
     shown = axes[: len(pairs)]
     for ax in axes[len(pairs) :]:
         ax.remove()
@@ -69,31 +64,9 @@ def figure_of(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def _mark_whirls(whirls: xr.Dataset, ax: Axes) -> None:
-    """Mark the whirls at the speeds asked for, where they are few."""
-    table = whirls["amplitude"].squeeze(["zeta", "delta0"])
-    speeds = np.broadcast_to(table["omega"].values[:, None], table.shape)
-    with plot.style():
-        ax.plot(speeds.ravel(), table.values.ravel(), ls="", marker="o", ms=3.6, color="#3f90da",
-                label="whirl at a given speed", zorder=3.1)  # fmt: skip
-
-
-def _folds(zeta: float, delta0: float) -> xr.Dataset | None:
-    """Return the folds, or nothing where the parameters are too extreme for them."""
-    try:
-        return rotor_ida.folds(zeta=zeta, delta0=delta0)
-    except InputError:
-        return None
-
-
-def _curve_behind(sweep: xr.Dataset, zeta: float, delta0: float) -> xr.Dataset:
-    speeds = sweep["omega"].values
-    lowest, highest = float(speeds.min()), float(speeds.max())
-    if speeds.size < 3:
+def _limits_of(part: xr.Dataset) -> tuple[float, float]:
+    """Return the range of speeds to draw: a wider one round one or two."""
+    lowest, highest = float(part["omega"].min()), float(part["omega"].max())
+    if part.sizes["omega"] < 3:
         lowest, highest = 0.5 * lowest, 1.2 * highest
-    if zeta > 0.0 and 0.0 < lowest < highest:
-        dense = speeds_of_curves(zeta=zeta, delta0=delta0, lowest=lowest, highest=highest)
-    else:
-        dense = np.linspace(lowest, highest, CURVE_POINTS)
-    omega = np.union1d(speeds, dense)
-    return rotor_ida.synchronous_response(omega=omega, zeta=zeta, delta0=delta0)
+    return lowest, highest or 1.0

@@ -5,17 +5,16 @@ other's independent witness.
 """
 
 from rotor_ida.closed_forms.contact_free import ContactFreeWhirl, contact_free_whirl, flight
-from rotor_ida.closed_forms.curve import backbone, curve, peak_amplitude
-from rotor_ida.closed_forms.folds import cusp_zeta, folds
+from rotor_ida.closed_forms.folds import cusp, cusp_zeta, folds, jumps
 from rotor_ida.closed_forms.free_vibration import (
     amplitude_from_speed,
     centre_speed,
     circular_period,
+    free_periods,
     planar_period,
 )
-from rotor_ida.closed_forms.jumps import cusp, jumps
-from rotor_ida.closed_forms.peaks import peaks
-from rotor_ida.closed_forms.periods import free_periods
+from rotor_ida.closed_forms.peaks import backbone, peak_amplitude, peaks, speeds_at_amplitude
+from rotor_ida.closed_forms.response_curve import clearance_curve, response_curve
 from rotor_ida.closed_forms.restoring import restoring_field
 from rotor_ida.closed_forms.stability import eigenvalues, stability_determinant
 from rotor_ida.closed_forms.synchronous import synchronous_response
@@ -26,8 +25,8 @@ __all__ = [
     "backbone",
     "centre_speed",
     "circular_period",
+    "clearance_curve",
     "contact_free_whirl",
-    "curve",
     "cusp",
     "cusp_zeta",
     "eigenvalues",
@@ -38,7 +37,9 @@ __all__ = [
     "peak_amplitude",
     "peaks",
     "planar_period",
+    "response_curve",
     "restoring_field",
+    "speeds_at_amplitude",
     "stability_determinant",
     "synchronous_response",
 ]

@@ -29,7 +29,7 @@ def bracketed_newton(
     evaluate : callable
         ``evaluate(points, rows)`` gives values and slopes of the functions number `rows`.
     low, high : ndarray, shape (n,)
-        KnownAttractors of the brackets; the function changes sign between them.
+        Ends of the brackets; the function changes sign between them.
     rising : ndarray of bool, shape (n,)
         Whether the function is negative at `low`.
     start : ndarray, shape (n,), optional

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from dataclasses import dataclass
 
@@ -49,6 +50,39 @@ class ContactFreeWhirl:
         return not math.isnan(self.largest_centre_offset)
 
 
+def complex_amplitude(omega: npt.ArrayLike, zeta: npt.ArrayLike) -> ComplexValues:
+    """Return the complex amplitude ``a = -omega/(omega - 2 i zeta)`` of the contact-free whirl.
+
+    Parameters
+    ----------
+    omega, zeta : array_like
+        Spin speed and damping ratio [1]; they broadcast.
+
+    Returns
+    -------
+    ndarray of complex
+        ``a`` of ``z = c + a exp(i omega t)`` [1]: its modulus is A_f, its angle minus the phase
+        lag; 0 at rest.
+
+    References
+    ----------
+    Eq. (10) of the paper, Mechanika 25(6), 2019, with f = 0.
+
+    Examples
+    --------
+    >>> round(abs(complex(complex_amplitude(3.0, 2.0))), 12)
+    0.6
+    """
+    speed, resistance = np.broadcast_arrays(
+        np.asarray(omega, dtype=np.float64), 2.0 * np.asarray(zeta, dtype=np.float64)
+    )
+    size, turning = np.hypot(speed, resistance), speed > 0.0
+    # a quotient of complex numbers would overflow at the smallest speeds
+    cosine = np.divide(speed, size, out=np.zeros_like(size), where=turning)
+    sine = np.divide(resistance, size, out=np.zeros_like(size), where=turning)
+    return np.asarray(0.0 - cosine * (cosine + 1j * sine))
+
+
 def contact_free_whirl(rotor: Rotor) -> ContactFreeWhirl:
     """Return the neutral family of contact-free whirls.
 
@@ -79,13 +113,11 @@ def contact_free_whirl(rotor: Rotor) -> ContactFreeWhirl:
     (0.6, 0.4)
     """
     check_instance("rotor", rotor, Rotor)
-    if rotor.omega == 0.0:
-        return ContactFreeWhirl(amplitude=0.0, phase_lag=0.0, largest_centre_offset=rotor.delta0)
-    amplitude = rotor.omega / math.hypot(rotor.omega, 2.0 * rotor.zeta)
-    room = rotor.delta0 - amplitude
+    whirl = complex(complex_amplitude(rotor.omega, rotor.zeta))
+    room = rotor.delta0 - abs(whirl)
     return ContactFreeWhirl(
-        amplitude=amplitude,
-        phase_lag=math.atan2(2.0 * rotor.zeta, -rotor.omega),
+        amplitude=abs(whirl),
+        phase_lag=abs(cmath.phase(whirl)),
         largest_centre_offset=room if room >= 0.0 else math.nan,
     )
 
@@ -151,8 +183,7 @@ def flight(time: npt.ArrayLike, *, rotor: Rotor, start: object, start_time: floa
     reach = _reach(elapsed.high, zeta)
     turn_less_one = _turn_less_one(omega, elapsed)
     decay_less_one = np.expm1(-2.0 * zeta * elapsed.high)
-    response = -omega / complex(omega, -2.0 * zeta) if omega > 0.0 else 0.0
-    whirl = response * (1.0 + _turn_less_one(omega, DoubleDouble.of(began)))
+    whirl = complex_amplitude(omega, zeta) * (1.0 + _turn_less_one(omega, DoubleDouble.of(began)))
 
     start_velocity = complex(vx, vy)
     position = complex(x, y) + start_velocity * reach

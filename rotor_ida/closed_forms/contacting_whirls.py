@@ -4,6 +4,7 @@ With ``u = sqrt(A - delta0)`` and ``q = omega**2`` a contacting whirl is a root 
 
     P(u) = F**2 - q**2 + 4 zeta**2 q A**2,    A = delta0 + u**2,    F = u**3 - q A.
 
+It is a polynomial because the Hertz exponent is 3/2, which makes the force u**3.
 Between two neighbouring extrema of P there is at most one root, so the extrema are found
 first, from those of the derivative, and so on down to a quadratic. What decides whether a
 root exists is the sign of P at an extremum, and that is computed with 32 digits. As

@@ -1,8 +1,9 @@
 """Where folds lie: one curve for each clearance, from which each damping picks its folds.
 
 Let theta be the phase lag, ``A = delta0 + u**2``, ``q = omega**2``, ``a = -cos(theta)`` and
-``b = A - a``. A contacting whirl obeys ``u**3 = q b`` and ``2 zeta A = omega sin(theta)``. With
-these the condition of a fold, D = 0, loses both q and zeta and becomes
+``b = A - a``. A contacting whirl obeys ``u**3 = q b``, as the Hertz exponent is 3/2, and
+``2 zeta A = omega sin(theta)``. With these the condition of a fold, D = 0, loses both q and zeta
+and becomes
 
     (A + 2 delta0) a b = 2 u**2,    a + b = A:                                      (locus)
 

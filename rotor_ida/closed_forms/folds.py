@@ -1,4 +1,4 @@
-"""Folds: the speeds at which a synchronous whirl vanishes and the rotor has to jump."""
+"""Folds: where a synchronous whirl vanishes, what is left to jump to, and the cusp beyond them."""
 
 from __future__ import annotations
 
@@ -7,14 +7,20 @@ import math
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
+from scipy.optimize import minimize_scalar
 
 from rotor_ida.checks import check_axis, check_points, check_real
-from rotor_ida.closed_forms.fold_locus import fold_locus, folds_on_side
-from rotor_ida.schema import CONVENTIONS, labelled
+from rotor_ida.closed_forms.fold_locus import fold_locus, folds_on_side, locus_points
+from rotor_ida.closed_forms.synchronous import synchronous_response
+from rotor_ida.schema import STABILITY, labelled, labelled_dataset
 
 Values = npt.NDArray[np.float64]
 
 _SMALLEST_DAMPING, _LARGEST = 1e-20, 1e6
+# At a fold two whirls are one, up to the root of rounding.
+_SAME = 1e-5
+# Between these clearances the damping of the cusp rises to its one maximum and falls again.
+_HUMP = (0.5, 0.8)
 
 
 def folds(*, zeta: object, delta0: object) -> xr.Dataset:
@@ -72,26 +78,76 @@ def folds(*, zeta: object, delta0: object) -> xr.Dataset:
         table[:, number, : column.shape[1]] = column
 
     dims = ("zeta", "delta0", "fold")
-    coords = {
-        "zeta": labelled("zeta", "zeta", dampings),
-        "delta0": labelled("delta0", "delta0", clearances),
-        "fold": labelled("fold", "fold", np.arange(most)),
-    }
-    variables = {
-        "fold_omega": labelled("fold_omega", dims, table[..., 0]),
-        "fold_amplitude": labelled("fold_amplitude", dims, table[..., 1]),
-    }
-    attributes = {
-        "Conventions": CONVENTIONS,
-        "title": "Folds of the synchronous whirls of a rotor with Hertz contact and clearance",
-        "source": "rotor_ida closed forms: crossings of the damping along the locus of folds",
-        "references": "Mechanika 25(6), 2019, Fig. 6",
-    }
-    return xr.Dataset(variables, coords, attributes)
+    return labelled_dataset(
+        "Folds of the synchronous whirls of a rotor with Hertz contact and clearance",
+        {"fold_omega": (dims, table[..., 0]), "fold_amplitude": (dims, table[..., 1])},
+        {
+            "zeta": ("zeta", dampings),
+            "delta0": ("delta0", clearances),
+            "fold": ("fold", np.arange(most)),
+        },
+        {
+            "source": "rotor_ida closed forms: crossings of the damping along the locus of folds",
+            "references": "Mechanika 25(6), 2019, Fig. 6",
+        },
+    )
+
+
+def jumps(*, zeta: object, delta0: object) -> xr.Dataset:
+    """Return every fold with the whirl that is left there to jump to.
+
+    Parameters
+    ----------
+    zeta, delta0 : float or sequence of float, shapes (m,) and (k,)
+        Damping ratios and clearances [1].
+
+    Returns
+    -------
+    Dataset
+        On (zeta, delta0, fold): ``fold_omega`` and ``fold_amplitude`` [1] of `folds`, and
+        ``landing_amplitude`` [1], the amplitude of the one other whirl at that speed that is not
+        unstable; NaN where there is none, or a choice.
+
+    Raises
+    ------
+    InputError
+        As `folds`.
+
+    Notes
+    -----
+    A rotor that jumps need not land on a synchronous whirl: with clearance it may go on
+    bouncing. What is given is where the curve lets it land.
+
+    References
+    ----------
+    Fig. 6 of the paper, Mechanika 25(6), 2019.
+
+    Examples
+    --------
+    >>> jumps(zeta=0.07, delta0=0.0).landing_amplitude.values.ravel().round(4)
+    array([7.7963, 1.4727])
+    """
+    found = folds(zeta=zeta, delta0=delta0)
+    landing = np.full(found["fold_omega"].shape, np.nan)
+    for index in np.ndindex(landing.shape):
+        omega = float(found["fold_omega"].values[index])
+        if not math.isnan(omega):
+            here = synchronous_response(
+                omega=omega,
+                zeta=float(found["zeta"].values[index[0]]),
+                delta0=float(found["delta0"].values[index[1]]),
+            )
+            amplitude = here["amplitude"].values.ravel()
+            fold = float(found["fold_amplitude"].values[index])
+            lasting = np.isin(here["stability"], (STABILITY["stable"], STABILITY["neutral"]))
+            others = amplitude[lasting.ravel() & (np.abs(amplitude - fold) > _SAME * fold)]
+            landing[index] = others[0] if others.size == 1 else math.nan
+    dims = found["fold_omega"].dims
+    return found.assign(landing_amplitude=labelled("landing_amplitude", dims, landing))
 
 
 def cusp_zeta(delta0: float) -> float:
-    """Return the damping ratio above which no fold, and so no jump, is left.
+    """Return the damping ratio of the cusp: above it the response curve has no fold.
 
     Parameters
     ----------
@@ -122,12 +178,77 @@ def cusp_zeta(delta0: float) -> float:
     >>> round(cusp_zeta(0.0), 8)
     0.15604517
     """
-    clearance = _checked("delta0", check_real("delta0", delta0)).item()
-    sides = fold_locus(clearance, 1e-3)
-    largest = max(
-        float(np.max(side.damping, initial=0.0, where=side.damping > 0.0)) for side in sides
+    return _cusp(_checked("delta0", check_real("delta0", delta0)).item())[0]
+
+
+def cusp(*, delta0: object = None) -> xr.Dataset:
+    """Return the cusp of each clearance: damping above which the response curve has no fold.
+
+    Parameters
+    ----------
+    delta0 : float or sequence of float, shape (k,), optional
+        Clearances [1]. By default the one whose cusp has the largest damping: above that no
+        rotor jumps, whatever its clearance.
+
+    Returns
+    -------
+    Dataset
+        On delta0: ``cusp_zeta``, the supremum of the damping ratios at which the response
+        curve has any fold, and ``cusp_omega`` and ``cusp_amplitude``, where the last
+        two folds merge [1].
+
+    Raises
+    ------
+    InputError
+        If a clearance is not a finite real number that is zero or positive, is above 1e6, or
+        lies between 0 and 1e-20.
+
+    Notes
+    -----
+    `cusp_zeta` says how it is found. The number of folds need not fall as the damping
+    grows: at ``delta0 = 0.7237`` it goes 4, 2, 4, 2, 0. The cusp is where it becomes 0 for good.
+
+    References
+    ----------
+    Fig. 6 of the paper, Mechanika 25(6), 2019, which shows jumps and does not say where they end.
+
+    Examples
+    --------
+    >>> limit = cusp(delta0=[0.0, 1.0])
+    >>> limit.cusp_zeta.values.round(6)
+    array([0.156045, 0.183409])
+    >>> anywhere = cusp()
+    >>> round(anywhere.cusp_zeta.item(), 8), round(anywhere.delta0.item(), 4)
+    (0.25100303, 0.7009)
+    """
+    clearances = _checked("delta0", _worst_clearance() if delta0 is None else delta0)
+    rows = np.array([_cusp(float(clearance)) for clearance in clearances])
+    names = ("cusp_zeta", "cusp_omega", "cusp_amplitude")
+    return labelled_dataset(
+        "Cusps: damping above which the response curve has no fold",
+        {name: ("delta0", column) for name, column in zip(names, rows.T, strict=True)},
+        {"delta0": ("delta0", clearances)},
     )
-    return 0.5 * math.sqrt(largest)
+
+
+def _worst_clearance() -> float:
+    """Return the clearance whose cusp has the largest damping, which has one hump over it."""
+    found = minimize_scalar(
+        lambda delta0: -_cusp(delta0)[0], bounds=_HUMP, method="bounded", options={"xatol": 1e-9}
+    )
+    return float(found.x)
+
+
+def _cusp(delta0: float) -> tuple[float, float, float]:
+    """Return damping ratio, speed and amplitude where the last two folds merge."""
+    best, place, where = -1.0, 0.0, 0
+    for locus in fold_locus(delta0, 1e-3):
+        damping = np.where(np.isfinite(locus.damping), locus.damping, -1.0)
+        largest = int(damping.argmax())
+        if damping[largest] > best:
+            best, place, where = float(damping[largest]), float(locus.u[largest]), locus.side
+    b = float(locus_points(place, delta0, where).b)
+    return 0.5 * math.sqrt(best), math.sqrt(place**3 / b), delta0 + place**2
 
 
 def _checked(name: str, values: object) -> Values:

@@ -1,13 +1,19 @@
-"""Periods of free, undamped vibration: the nonlinearity seen on its own."""
+"""Free, undamped vibration, the nonlinearity seen on its own: periods, speeds, amplitudes.
+
+The powers 2/5, 1/4, 3/4, 4/5 and 5/4 and the Beta function follow from the Hertz exponent 3/2.
+"""
 
 from __future__ import annotations
 
 import math
 
+import numpy.typing as npt
+import xarray as xr
 from scipy.special import beta
 
-from rotor_ida.checks import LARGEST_NUMBER, check_nonnegative, check_real
+from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_nonnegative, check_points, check_real
 from rotor_ida.errors import InputError
+from rotor_ida.schema import labelled, labelled_dataset
 
 # Time in which a rotor released at indentation 1 leaves the contact: (1/sqrt 5) B(2/5, 1/2).
 SMALLEST_DEPTH = 1e-200
@@ -158,6 +164,62 @@ def amplitude_from_speed(speed: float, delta0: float = 0.0) -> float:
     if leaving == 0.0:
         raise InputError("speed must not be zero, got 0.0: the rotor would stay where it is")
     return clearance + math.pow(math.sqrt(1.25) * leaving, 0.8)
+
+
+def free_periods(*, amplitude: npt.ArrayLike, delta0: npt.ArrayLike) -> xr.Dataset:
+    """Return the periods of free whirl on a circle and of free vibration on a line.
+
+    Parameters
+    ----------
+    amplitude : float or sequence of float, shape (n,)
+        Amplitudes A [1].
+    delta0 : float or sequence of float, shape (k,)
+        Clearances [1].
+
+    Returns
+    -------
+    Dataset
+        ``circular_period`` and ``planar_period`` [1] on (delta0, amplitude); NaN where the
+        rotor does not reach the ring.
+
+    Raises
+    ------
+    InputError
+        If a value is not a finite real number that is zero or positive.
+
+    Notes
+    -----
+    Without clearance both fall like ``A**(-1/4)``: the ring hardens. With clearance the flight
+    takes ever longer as the amplitude comes down to it, and the periods grow without bound.
+
+    References
+    ----------
+    Eq. (17) and Fig. 4 of the paper, Mechanika 25(6), 2019.
+
+    Examples
+    --------
+    >>> periods = free_periods(amplitude=[2.0, 8.0], delta0=0.0)
+    >>> periods.circular_period.values.round(5)
+    array([[5.28351, 3.736  ]])
+    """
+    sizes = check_axis("amplitude", amplitude, largest=LARGEST_NUMBER)
+    clearances = check_axis("delta0", delta0, largest=LARGEST_NUMBER)
+    check_points(clearances, sizes)
+    laws = {"circular_period": circular_period, "planar_period": planar_period}
+    variables = {
+        name: (("delta0", "amplitude"), [
+            [law(size, clearance) if size > clearance else math.nan for size in sizes]
+            for clearance in clearances
+        ])
+        for name, law in laws.items()
+    }  # fmt: skip
+    largest = labelled("amplitude", "amplitude", sizes)
+    largest.attrs["long_name"] = "largest distance from the bearing axis"
+    return labelled_dataset(
+        "Periods of free vibration of a rotor with Hertz contact and clearance",
+        variables,
+        {"delta0": ("delta0", clearances), "amplitude": largest},
+    )
 
 
 def _depth_and_clearance(amplitude: float, delta0: float) -> tuple[float, float]:

@@ -8,7 +8,7 @@ import xarray as xr
 
 from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_points, check_vector
 from rotor_ida.equations.contact import contact_potential, secant_stiffness
-from rotor_ida.schema import CONVENTIONS, labelled
+from rotor_ida.schema import labelled_dataset
 
 
 def restoring_field(*, x: npt.ArrayLike, y: npt.ArrayLike, delta0: npt.ArrayLike) -> xr.Dataset:
@@ -55,14 +55,13 @@ def restoring_field(*, x: npt.ArrayLike, y: npt.ArrayLike, delta0: npt.ArrayLike
     radius = np.hypot(across, up[:, None])
     secant = secant_stiffness(radius, clearance[:, None, None])
     dims = ("delta0", "y", "x")
-    variables = {
-        "restoring_x": labelled("restoring_x", dims, secant * across),
-        "restoring_y": labelled("restoring_y", dims, secant * up[:, None]),
-        "potential": labelled(
-            "potential", dims, contact_potential(radius, clearance[:, None, None])
-        ),
-    }
-    axes = {"delta0": clearance, "y": up, "x": across}
-    coordinates = {name: labelled(name, name, values) for name, values in axes.items()}
-    title = "Restoring force and potential of a ring with clearance"
-    return xr.Dataset(variables, coordinates, {"Conventions": CONVENTIONS, "title": title})
+    potential = contact_potential(radius, clearance[:, None, None])
+    return labelled_dataset(
+        "Restoring force and potential of a ring with clearance",
+        {
+            "restoring_x": (dims, secant * across),
+            "restoring_y": (dims, secant * up[:, None]),
+            "potential": (dims, potential),
+        },
+        {"delta0": ("delta0", clearance), "y": ("y", up), "x": ("x", across)},
+    )

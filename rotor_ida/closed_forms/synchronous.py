@@ -7,15 +7,16 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_points
+from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.closed_forms.contacting_whirls import contacting_whirls
 from rotor_ida.closed_forms.stability import growth_rate
-from rotor_ida.schema import CONVENTIONS, STABILITY, labelled
+from rotor_ida.schema import STABILITY, labelled_dataset
 
 Values = npt.NDArray[np.float64]
 Columns = dict[str, npt.NDArray[np.generic]]
 
 _POINTS_AT_A_TIME = 16384  # keeps the working arrays inside the processor's cache
-_SMALLEST_SPEED = 1e-50
+SMALLEST_SPEED = 1e-50
 _SOURCE = "rotor_ida closed forms: real roots of the amplitude equation, with 32-digit residuals"
 _REFERENCES = (
     "Analytical Nonlinear Response for a Rotor with the Hertz Contact and Clearance, "
@@ -72,7 +73,7 @@ def synchronous_response(*, omega: object, zeta: object, delta0: object) -> xr.D
     array([2, 1, 0], dtype=int8)
     """
     axes = {
-        "omega": check_axis("omega", omega, smallest=_SMALLEST_SPEED, largest=LARGEST_NUMBER),
+        "omega": check_axis("omega", omega, smallest=SMALLEST_SPEED, largest=LARGEST_NUMBER),
         "zeta": check_axis("zeta", zeta, largest=LARGEST_NUMBER),
         "delta0": check_axis("delta0", delta0, largest=LARGEST_NUMBER),
     }
@@ -87,19 +88,16 @@ def synchronous_response(*, omega: object, zeta: object, delta0: object) -> xr.D
     present = np.isfinite(columns["amplitude"]).sum(axis=1).max()
 
     dims = ("omega", "zeta", "delta0", "branch")
-    coords = {name: labelled(name, name, values) for name, values in axes.items()}
-    coords["branch"] = labelled("branch", "branch", np.arange(present))
-    variables = {
-        name: labelled(name, dims, values[:, :present].reshape(*shape, present))
-        for name, values in columns.items()
-    }
-    attributes = {
-        "Conventions": CONVENTIONS,
-        "title": "Synchronous whirls of a rotor with Hertz contact and clearance",
-        "source": _SOURCE,
-        "references": _REFERENCES,
-    }
-    return xr.Dataset(variables, coords, attributes)
+    return labelled_dataset(
+        "Synchronous whirls of a rotor with Hertz contact and clearance",
+        {
+            name: (dims, values[:, :present].reshape(*shape, present))
+            for name, values in columns.items()
+        },
+        {name: (name, values) for name, values in axes.items()}
+        | {"branch": ("branch", np.arange(present))},
+        {"source": _SOURCE, "references": _REFERENCES},
+    )
 
 
 def _branches(omega: Values, zeta: Values, delta0: Values) -> Columns:
@@ -107,11 +105,11 @@ def _branches(omega: Values, zeta: Values, delta0: Values) -> Columns:
     turning = omega > 0.0
     contacting = contacting_whirls(np.where(turning, omega, 1.0), zeta, delta0)
     contact_free = contacting.contact_free | ~turning
-    free_amplitude, free_lag = _contact_free(omega, zeta, delta0)
+    free = complex_amplitude(omega, zeta)
 
     touching = np.where(turning[:, None], contacting.amplitude, np.nan)
-    amplitude = _side_by_side(free_amplitude, touching, contact_free)
-    lag = _side_by_side(free_lag, contacting.phase_lag, contact_free)
+    amplitude = _side_by_side(np.minimum(np.abs(free), delta0), touching, contact_free)
+    lag = _side_by_side(np.abs(np.angle(free)), contacting.phase_lag, contact_free)
     in_contact = _side_by_side(np.zeros_like(omega), np.ones_like(touching), contact_free)
     determinant = _side_by_side(np.ones_like(omega), contacting.determinant, contact_free)
 
@@ -137,15 +135,6 @@ def _branches(omega: Values, zeta: Values, delta0: Values) -> Columns:
         "in_contact": np.where(present, in_contact, 0.0).astype(np.int8),
         "growth_rate": growth,
     }
-
-
-def _contact_free(omega: Values, zeta: Values, delta0: Values) -> tuple[Values, Values]:
-    """Return amplitude, never beyond the clearance by rounding, and phase lag."""
-    turning = omega > 0.0
-    resistance = np.hypot(omega, 2.0 * zeta)
-    amplitude = np.divide(omega, resistance, out=np.zeros_like(omega), where=turning)
-    lag = np.where(turning, np.arctan2(2.0 * zeta, -omega), 0.0)
-    return np.minimum(amplitude, delta0), lag
 
 
 def _side_by_side(free: Values, touching: Values, contact_free: npt.NDArray[np.bool_]) -> Values:

@@ -1,7 +1,10 @@
 """The contact law: what the bearing ring does to a rotor at distance r from its centre.
 
-One place holds the Hertz exponent. The force, its derivative, the potential, the
-Jacobians, the events and the datasets all ask this module.
+The force, its derivative, the potential, the Jacobians, the events and the datasets ask this
+module for the Hertz exponent. Where the force is written as the cube of ``sqrt(r - delta0)``, the
+exponent 3/2 itself is used, and said so: in the polynomials of the whirls and the locus of their
+folds, the periods of free vibration, the variables of the contact phase, and the lanes of the
+basins.
 
 References
 ----------

@@ -9,14 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
-import numpy.typing as npt
 import xarray as xr
 from cyclopts import App, CycloptsError, Parameter
 from matplotlib.figure import Figure
 
-from rotor_ida.checks import check_axis, check_count, check_positive
-from rotor_ida.closed_forms import curve, folds, peak_amplitude
 from rotor_ida.errors import InputError, RotorError
 from rotor_ida.paper.gallery import Entry, add_entry
 from rotor_ida.parallel import count_workers
@@ -31,10 +27,7 @@ __all__ = [
     "progress_bar",
     "run_script",
     "scientific",
-    "speeds_of_curves",
 ]
-
-Values = npt.NDArray[np.float64]
 
 DEFAULT_FOLDER = Path("results")
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -204,43 +197,3 @@ def scientific(number: float) -> str:
     digit, power = f"{number:.0e}".split("e")
     ten = f"10{str(int(power)).translate(_RAISED)}"
     return ten if digit == "1" else f"{digit}·{ten}"
-
-
-def speeds_of_curves(
-    *, zeta: float, delta0: object, lowest: float, highest: float, points: int = 400
-) -> Values:
-    """Return speeds at which the response curves are smooth when drawn.
-
-    Parameters
-    ----------
-    zeta : float
-        Damping ratio [1], above zero.
-    delta0 : float or sequence of float
-        Clearances [1].
-    lowest, highest : float
-        Range of the speed [1].
-    points : int
-        Number of amplitudes for each curve, and of equally spaced speeds besides.
-
-    Returns
-    -------
-    ndarray
-        Speeds, increasing [1]: equally spaced ones, the folds, and those at which the curves
-        reach equally spaced amplitudes, which lie close together where the curves are steep.
-
-    Examples
-    --------
-    >>> omega = speeds_of_curves(zeta=0.07, delta0=[0.0, 1.0], lowest=0.05, highest=3.0)
-    >>> float(omega.min()), float(omega.max())
-    (0.05, 3.0)
-    """
-    slowest, fastest = check_positive("lowest", lowest), check_positive("highest", highest)
-    found = [np.linspace(slowest, fastest, check_count("points", points, 2))]
-    for clearance in check_axis("delta0", delta0):
-        tip = peak_amplitude(zeta=zeta, delta0=float(clearance))
-        if np.isfinite(tip):
-            amplitude = np.linspace(clearance, tip, points + 1)[1:]
-            found.append(curve(amplitude, zeta=zeta, delta0=float(clearance)).ravel())
-    found.append(folds(zeta=zeta, delta0=delta0)["fold_omega"].values.ravel())
-    omega = np.unique(np.concatenate(found))
-    return np.asarray(omega[(omega >= slowest) & (omega <= fastest)])

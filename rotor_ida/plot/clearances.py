@@ -8,11 +8,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from rotor_ida.errors import InputError
 from rotor_ida.plot.appearance import (
-    INK,
-    STABLE,
-    UNSTABLE,
     axes_or_new,
     check_dataset,
     look,
@@ -20,7 +16,6 @@ from rotor_ida.plot.appearance import (
     own_legend,
     style,
 )
-from rotor_ida.plot.branches import trace_branches
 from rotor_ida.plot.labels import (
     KIND_WORDS,
     LABELS,
@@ -28,14 +23,9 @@ from rotor_ida.plot.labels import (
     label_axis,
     parameter_text,
 )
+from rotor_ida.plot.responses import CURVE, draw_curve
 from rotor_ida.plot.simulated import KINDS
 from rotor_ida.schema import flags_of
-
-LINES = {
-    "stable": (STABLE, "-", 1.3),
-    "unstable": (UNSTABLE, (0, (4, 2)), 1.0),
-    "neutral": ("contact-free whirl", (0, (7, 1.6, 1.2, 1.6)), 1.0),
-}
 
 
 def plot_over_clearance(
@@ -49,8 +39,8 @@ def plot_over_clearance(
     Parameters
     ----------
     exact : Dataset
-        What `rotor_ida.synchronous_response` returned, for one ``omega`` and one ``zeta`` and
-        many clearances.
+        What `rotor_ida.closed_forms.clearance_curve` returned, for one ``omega`` and one
+        ``zeta``.
     simulated : Dataset, optional
         What `rotor_ida.sweep` returned at the same speed and damping. Responses on a whirl are
         marks, all others bars over the range of the distance from the bearing axis.
@@ -69,30 +59,16 @@ def plot_over_clearance(
 
     Examples
     --------
-    >>> from rotor_ida import synchronous_response
-    >>> exact = synchronous_response(omega=1.2, zeta=0.07, delta0=[0.0, 0.1, 0.2])
+    >>> from rotor_ida.closed_forms import clearance_curve
+    >>> exact = clearance_curve(omega=1.2, zeta=0.07, limits=(0.0, 3.0))
     >>> plot_over_clearance(exact).get_xlabel()
     'clearance $\\delta_0$'
     """
-    exact = check_dataset("exact", exact, ("omega", "zeta", "delta0", "amplitude", "stability"))
+    exact = check_dataset("exact", exact, CURVE)
     omega, zeta = (one_value("exact", exact, name) for name in ("omega", "zeta"))
-    table = exact.squeeze([name for name in ("omega", "zeta") if name in exact.dims])
-    if "delta0" not in table.dims:
-        raise InputError("exact must hold several clearances, got one")
-    table = table.transpose("delta0", "branch", ...)
-    flags = flags_of(exact["stability"])
-    words = {flag: word for word, flag in flags.items()}
-    nothing = np.empty(0)
-    branches = trace_branches(
-        table["delta0"].values, table["amplitude"].values, table["amplitude"].values,
-        table["stability"].values, unstable=flags["unstable"], fold_omega=nothing,
-        fold_value=nothing,
-    )  # fmt: skip
     with style():
         ax = axes_or_new(ax)
-        for branch in branches:
-            label, line, width = LINES[words[branch.stability]]
-            ax.plot(branch.omega, branch.value, ls=line, lw=width, color=INK, label=label)
+        draw_curve(ax, exact, over="delta0", quantity="amplitude")
         if simulated is not None:
             check_same_units("simulated", simulated, exact)
             _draw_simulated(ax, simulated)

@@ -47,7 +47,7 @@ def plot_extrema(
     found : Dataset
         What `rotor_ida.bifurcation_diagram` returned, for one ``zeta``.
     exact : Dataset, optional
-        What `rotor_ida.synchronous_response` returned, for the same ``zeta`` and one
+        What `rotor_ida.closed_forms.response_curve` returned, for the same ``zeta`` and one
         ``delta0``: drawn under the extrema, and only those of this clearance are shown.
     fold_points : Dataset, optional
         What `rotor_ida.folds` returned for the same parameters.

@@ -1,4 +1,4 @@
-"""Jumps of the response curve, its backbone, and the damping above which none is left."""
+"""Jumps of the response curve, its backbone, and its cusp."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from rotor_ida.plot.appearance import (
     style,
 )
 from rotor_ida.plot.labels import LABELS, hold_units, label_axis, scale_of
-from rotor_ida.plot.responses import plot_amplitude, plot_phase
+from rotor_ida.plot.responses import CURVE, plot_amplitude, plot_phase
 
 BACKBONE = "backbone"
 
@@ -45,9 +45,8 @@ def plot_jumps(jumps: xr.Dataset, *, ax: Axes) -> Axes:
 
     Examples
     --------
-    >>> from rotor_ida import synchronous_response
-    >>> from rotor_ida.closed_forms import jumps
-    >>> ax = plot_amplitude(synchronous_response(omega=[1.5, 2.0], zeta=0.07, delta0=0.0))
+    >>> from rotor_ida.closed_forms import jumps, response_curve
+    >>> ax = plot_amplitude(response_curve(zeta=0.07, delta0=0.0, limits=(0.05, 3.0)))
     >>> plot_jumps(jumps(zeta=0.07, delta0=0.0), ax=ax) is ax
     True
     """
@@ -122,7 +121,7 @@ def plot_by_damping(
     Parameters
     ----------
     exact : Dataset
-        What `rotor_ida.synchronous_response` returned, for one ``delta0``.
+        What `rotor_ida.closed_forms.response_curve` returned, for one ``delta0``.
     quantity : {"amplitude", "phase_lag"}
         What to draw.
     ax : Axes, optional
@@ -140,13 +139,13 @@ def plot_by_damping(
 
     Examples
     --------
-    >>> from rotor_ida import synchronous_response
-    >>> exact = synchronous_response(omega=[0.5, 1.0, 1.5], zeta=[1.0, 2.0], delta0=0.0)
+    >>> from rotor_ida.closed_forms import response_curve
+    >>> exact = response_curve(zeta=[1.0, 2.0], delta0=0.0, limits=(0.05, 3.0))
     >>> ax = plot_by_damping(exact, "amplitude")
     >>> [text.get_text() for text in ax.get_legend().get_texts()]
     ['$\\zeta = 1$', '$\\zeta = 2$']
     """
-    exact = check_dataset("exact", exact, ("omega", "zeta", "delta0", "amplitude", "phase_lag"))
+    exact = check_dataset("exact", exact, CURVE)
     draw = plot_amplitude if quantity == "amplitude" else plot_phase
     with style():
         ax = axes_or_new(ax)
@@ -167,14 +166,14 @@ def plot_by_damping(
 def plot_cusp(
     limit: xr.Dataset, *, highest: xr.Dataset | None = None, ax: Axes | None = None
 ) -> Axes:
-    r"""Draw the damping above which no jump is left over the clearance.
+    r"""Draw the cusp: damping above which the response curve has no fold, against clearance.
 
     Parameters
     ----------
     limit : Dataset
         What `rotor_ida.closed_forms.cusp` returned for many clearances.
     highest : Dataset, optional
-        What it returned without a clearance: the highest limit is marked.
+        What it returned without a clearance: the cusp of largest damping is marked.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 

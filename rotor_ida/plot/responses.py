@@ -1,4 +1,4 @@
-"""Response curves over the spin speed: the exact branches, and what simulations do beside them."""
+"""Response curves over the spin speed: the exact curve, and what simulations do beside it."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import PARAMETERS
 from rotor_ida.plot.appearance import (
+    BLUE,
     CONTACT_FREE,
     FOLD,
     INK,
@@ -24,7 +25,6 @@ from rotor_ida.plot.appearance import (
     own_legend,
     style,
 )
-from rotor_ida.plot.branches import trace_branches
 from rotor_ida.plot.labels import check_same_units, label_axis, parameter_text, scale_of
 from rotor_ida.plot.simulated import draw_simulated
 from rotor_ida.schema import flags_of
@@ -36,11 +36,13 @@ LINES = {
     "unstable": (UNSTABLE, (0, (4, 2)), 1.0),
     "neutral": (NEUTRAL, (0, (7, 1.6, 1.2, 1.6)), 1.0),
 }
+CURVE = ("omega", "zeta", "delta0", "amplitude", "phase_lag", "stability", "in_contact", "piece")
 
 
 def plot_amplitude(
     exact: xr.Dataset,
     *,
+    whirls: xr.Dataset | None = None,
     simulated: xr.Dataset | None = None,
     fold_points: xr.Dataset | None = None,
     ax: Axes | None = None,
@@ -50,8 +52,11 @@ def plot_amplitude(
     Parameters
     ----------
     exact : Dataset
-        What `rotor_ida.synchronous_response` returned, for one ``zeta`` and one ``delta0`` and
-        many speeds. Speeds from `rotor_ida.closed_forms.curve` among them make the tip smooth.
+        What `rotor_ida.closed_forms.response_curve` returned, for one ``zeta`` and one
+        ``delta0``.
+    whirls : Dataset, optional
+        What `rotor_ida.synchronous_response` returned, for the same parameters: the whirls at
+        its speeds are marked.
     simulated : Dataset, optional
         What `rotor_ida.sweep` returned, for the same parameters. Responses that are synchronous
         or contact-free are marks at their amplitude, by direction of the sweep; all others are
@@ -74,20 +79,22 @@ def plot_amplitude(
 
     Examples
     --------
-    >>> from rotor_ida import folds, synchronous_response
+    >>> from rotor_ida import folds
+    >>> from rotor_ida.closed_forms import response_curve
     >>> ax = plot_amplitude(
-    ...     synchronous_response(omega=np.linspace(0.05, 3.0, 60), zeta=0.07, delta0=0.5),
+    ...     response_curve(zeta=0.07, delta0=0.5, limits=(0.05, 3.0)),
     ...     fold_points=folds(zeta=0.07, delta0=0.5),
     ... )
     >>> ax.get_ylabel()
     'amplitude $A$'
     """
-    return _plot("amplitude", exact, simulated, fold_points, ax)
+    return _plot("amplitude", exact, whirls, simulated, fold_points, ax)
 
 
 def plot_phase(
     exact: xr.Dataset,
     *,
+    whirls: xr.Dataset | None = None,
     simulated: xr.Dataset | None = None,
     fold_points: xr.Dataset | None = None,
     ax: Axes | None = None,
@@ -96,7 +103,7 @@ def plot_phase(
 
     Parameters
     ----------
-    exact, simulated, fold_points, ax
+    exact, whirls, simulated, fold_points, ax
         As for `plot_amplitude`. Of a simulated response that is neither synchronous nor
         contact-free the phase of the part at the spin speed is marked.
 
@@ -112,24 +119,23 @@ def plot_phase(
 
     Examples
     --------
-    >>> from rotor_ida import synchronous_response
-    >>> ax = plot_phase(synchronous_response(omega=[1.0, 1.1, 1.2], zeta=0.5, delta0=0.0))
+    >>> from rotor_ida.closed_forms import response_curve
+    >>> ax = plot_phase(response_curve(zeta=0.5, delta0=0.0, limits=(0.5, 2.0)))
     >>> ax.get_ylabel()
     'phase lag $\\theta$'
     """
-    return _plot("phase_lag", exact, simulated, fold_points, ax)
+    return _plot("phase_lag", exact, whirls, simulated, fold_points, ax)
 
 
 def _plot(
     quantity: str,
     exact: xr.Dataset,
+    whirls: xr.Dataset | None,
     simulated: xr.Dataset | None,
     fold_points: xr.Dataset | None,
     ax: Axes | None,
 ) -> Axes:
-    exact = check_dataset(
-        "exact", exact, (*PARAMETERS, "amplitude", "phase_lag", "stability", "in_contact")
-    )
+    exact = check_dataset("exact", exact, CURVE)
     zeta, delta0 = (one_value("exact", exact, name) for name in ("zeta", "delta0"))
     fold_omega, fold_value = np.empty(0), np.empty(0)
     if fold_points is not None:
@@ -137,6 +143,10 @@ def _plot(
         _check_same("fold_points", fold_points, exact)
         check_same_units("fold_points", fold_points, exact)
         fold_omega, fold_value = _folds(fold_points, quantity, zeta, exact)
+    if whirls is not None:
+        check_dataset("whirls", whirls, (*PARAMETERS, "amplitude", "phase_lag"))
+        _check_same("whirls", whirls, exact)
+        check_same_units("whirls", whirls, exact)
     if simulated is not None:
         needed = ("response", "amplitude", "phase_lag", "radius_min", "radius_max", "direction")
         check_dataset("simulated", simulated, (*PARAMETERS, *needed))
@@ -148,7 +158,11 @@ def _plot(
     highest = max(float(values.max()) for values in shown)
     with style():
         ax = axes_or_new(ax)
-        _draw_exact(ax, exact, quantity, fold_omega, fold_value)
+        draw_curve(ax, exact, over="omega", quantity=quantity)
+        if whirls is not None:
+            omega, height = xr.broadcast(whirls["omega"], whirls[quantity])
+            ax.plot(omega.values.ravel(), height.values.ravel(), ls="", marker="o", ms=3.6,
+                    color=BLUE, label="whirl at a given speed", zorder=3.1)  # fmt: skip
         if fold_omega.size:
             ax.plot(
                 fold_omega, fold_value, ls="", marker="D", ms=4.0, mfc="white", mec=INK, mew=1.0,
@@ -186,45 +200,34 @@ def _folds(
     return omega, math.pi - np.arcsin(sine)
 
 
-def _draw_exact(
-    ax: Axes, exact: xr.Dataset, quantity: str, fold_omega: Values, fold_value: Values
-) -> None:
-    table = exact.squeeze([name for name in ("zeta", "delta0") if name in exact.dims])
-    if "omega" not in table.dims:
-        table = table.expand_dims("omega")
-    table = table.transpose("omega", "branch", ...).sortby("omega")
-    flags = flags_of(exact["stability"])
-    branches = trace_branches(
-        table["omega"].values,
-        table["amplitude"].values,
-        table[quantity].values,
-        table["stability"].values,
-        unstable=flags["unstable"],
-        fold_omega=fold_omega,
-        fold_value=fold_value,
-    )
-    words = {flag: word for word, flag in flags.items()}
-    neutral = exact["stability"] == flags["neutral"]
-    for stability in sorted({branch.stability for branch in branches}):
-        label, line, width = LINES[words[stability]]
+def draw_curve(ax: Axes, curve: xr.Dataset, *, over: str, quantity: str) -> None:
+    """Draw the pieces of a response curve, a line for each stability."""
+    x, y = curve[over].values.ravel(), curve[quantity].values.ravel()
+    stability, piece = curve["stability"].values.ravel(), curve["piece"].values.ravel()
+    flags = flags_of(curve["stability"])
+    in_contact = curve["in_contact"].values.ravel() == 1
+    turns = np.flatnonzero((np.diff(piece) != 0) | (np.diff(stability) != 0)) + 1
+    lines: dict[int, list[Values]] = {}
+    for points in np.split(np.arange(x.size), turns):
+        first, last = int(points[0]), int(points[-1])
+        if first > 0 and piece[first - 1] == piece[first]:
+            first -= 1  # the fold, where the line before ends
+        line = np.stack([x[first : last + 1], y[first : last + 1]])
+        lines.setdefault(int(stability[last]), []).extend((line, np.full((2, 1), math.nan)))
+    for word, (label, dashes, width) in LINES.items():
+        flag = flags[word]
+        if flag not in lines:
+            continue
         # without damping contacting whirls are neutral too
-        if label == NEUTRAL and not (neutral & (exact["in_contact"] == 1)).any():
-            label = CONTACT_FREE
-        omega: list[float] = []
-        value: list[float] = []
-        for branch in branches:
-            if branch.stability == stability:
-                omega += [*branch.omega, math.nan]
-                value += [*branch.value, math.nan]
-        ax.plot(omega, value, ls=line, lw=width, color=INK, label=label, zorder=2.5)
+        free = word == "neutral" and not in_contact[stability == flag].any()
+        ax.plot(*np.concatenate(lines[flag], axis=1), ls=dashes, lw=width, color=INK,
+                label=CONTACT_FREE if free else label, zorder=2.5)  # fmt: skip
 
 
 def _finish(ax: Axes, quantity: str, exact: xr.Dataset, highest: float) -> None:
-    omega = np.atleast_1d(exact["omega"].values)
     label_axis(ax.xaxis, "omega", exact["omega"])
     label_axis(ax.yaxis, quantity, exact[quantity])
-    if omega.size > 1:
-        ax.set_xlim(0.0, 1.02 * float(omega.max()))
+    ax.set_xlim(0.0, 1.02 * float(exact["omega"].max()))
     if quantity == "amplitude":
         # panels may share this axis with taller ones
         before = 0.0 if ax.get_autoscaley_on() else ax.get_ylim()[1]

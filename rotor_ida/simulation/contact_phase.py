@@ -2,7 +2,8 @@
 
 The Hertz force has a kink of order 1.5 at |z| = delta0, which costs an integrator its order.
 With ``q = sqrt(|z| - delta0)`` and a fictitious time u, ``dt = q du``, the motion in contact is
-analytic through entry and exit, and the exit is a simple root of q:
+analytic through entry and exit, and the exit is a simple root of q. This rests on the exponent
+3/2, which makes the force q**3:
 
     q' = p/2                                                     p     radial velocity
     p' = q (h**2/r**3 - 2 zeta p - q**3 + omega**2 c)            h     angular momentum

@@ -22,6 +22,7 @@ from scipy.interpolate import CubicHermiteSpline
 from rotor_ida.equations.contact import secant_stiffness
 from rotor_ida.equations.model import rotated
 from rotor_ida.parameters import Rotor
+from rotor_ida.simulation.flight import unbalance_whirl
 
 Values = npt.NDArray[np.float64]
 
@@ -119,7 +120,7 @@ class Features:
         Each touch pushes the centre inwards, so the next one is slighter. That goes on for ever,
         too slowly for two windows to distinguish it from bouncing.
         """
-        whirl = _free_whirl(self.rotor)
+        whirl = unbalance_whirl(self.rotor.omega, self.rotor.zeta)
         if abs(whirl) >= self.rotor.delta0 or not self.touches:
             return False
         stray = abs(cmath.rect(self.amplitude, -self.phase_lag) - whirl)
@@ -217,15 +218,10 @@ def _lasts(earlier: Features, later: Features) -> bool:
     return LASTING <= ratio <= 1.0 / LASTING
 
 
-def _free_whirl(rotor: Rotor) -> complex:
-    """Return the contact-free whirl on the rotating axes, also where the ring leaves no room."""
-    return -rotor.omega / complex(rotor.omega, -2.0 * rotor.zeta) if rotor.omega > 0.0 else 0j
-
-
 def _future_if_free(rotor: Rotor, position: complex, velocity: complex) -> tuple[float, float]:
     """Return how far a free whirl's centre would still drift, and how far out it would go."""
     omega, zeta = rotor.omega, rotor.zeta
-    whirl = _free_whirl(rotor)
+    whirl = unbalance_whirl(omega, zeta)
     surplus = velocity - 1j * omega * whirl
     if surplus != 0.0 and zeta == 0.0:
         return math.inf, math.inf

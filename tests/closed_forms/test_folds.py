@@ -1,4 +1,4 @@
-"""Folds, the backbone and the curve at given amplitude, against 50-digit references."""
+"""Folds, jumps and the cusp, against 50-digit references."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rotor_ida.closed_forms import (
-    backbone,
-    curve,
+    cusp,
     cusp_zeta,
     folds,
+    jumps,
     peak_amplitude,
     stability_determinant,
     synchronous_response,
@@ -86,18 +86,18 @@ def test_folds_of_the_design_without_clearance():
 
 # Without clearance the two folds merge at A = 12/sqrt(10), a = 2/sqrt(10), b = sqrt(10), where
 # d/dA [(1 - a**2)/(sqrt(A) b)] = 0; so 4 zeta**2 = 0.6/(sqrt(A) sqrt(10)).
-CRITICAL_DAMPING = np.sqrt(0.15 / (np.sqrt(12.0) * 10.0**0.25))
+CUSP_ZETA = np.sqrt(0.15 / (np.sqrt(12.0) * 10.0**0.25))
 
 
 def test_jumps_without_clearance_need_a_damping_below_0_15604517():
-    assert cusp_zeta(0.0) == pytest.approx(CRITICAL_DAMPING, rel=1e-15)
-    assert pytest.approx(0.156045165, abs=5e-10) == CRITICAL_DAMPING
-    assert len(found_at(CRITICAL_DAMPING * (1.0 - 1e-13), 0.0)) == 2
-    assert len(found_at(CRITICAL_DAMPING * (1.0 + 1e-13), 0.0)) == 0
+    assert cusp_zeta(0.0) == pytest.approx(CUSP_ZETA, rel=1e-15)
+    assert pytest.approx(0.156045165, abs=5e-10) == CUSP_ZETA
+    assert len(found_at(CUSP_ZETA * (1.0 - 1e-13), 0.0)) == 2
+    assert len(found_at(CUSP_ZETA * (1.0 + 1e-13), 0.0)) == 0
 
 
 @pytest.mark.parametrize("delta0", [0.0, 0.1, 0.5, 0.65, 0.9, 1.0, 3.0, 50.0])
-def test_no_fold_above_the_critical_damping(delta0):
+def test_no_fold_above_the_cusp(delta0):
     critical = cusp_zeta(delta0)
     assert len(found_at(critical * (1.0 + 1e-12), delta0)) == 0
     assert len(found_at(critical * (1.0 - 1e-12), delta0)) == 2
@@ -210,54 +210,6 @@ def test_parameters_out_of_range_of_the_locus_are_refused():
         folds(zeta=0.1, delta0=-1.0)
 
 
-def test_backbone_is_the_speed_of_the_undamped_free_whirl():
-    amplitudes = np.array([0.2, 0.5, 1.5, 10.0])
-    expected = [0.0, 0.0, np.sqrt(1.0 / 1.5), np.sqrt(9.5**1.5 / 10.0)]
-    np.testing.assert_allclose(backbone(amplitudes, 0.5), expected, rtol=1e-15)
-
-
-@pytest.mark.parametrize("delta0", [0.0, 0.5, 1.0, 2.0])
-@pytest.mark.parametrize("zeta", [0.0, 0.01, 0.07, 0.5, 2.0])
-def test_curve_at_given_amplitude_finds_the_whirls_again(zeta, delta0):
-    whirls = synchronous_response(omega=np.linspace(0.15, 3.0, 40), zeta=zeta, delta0=delta0)
-    touching = whirls.in_contact.values.ravel() == 1
-    amplitude = whirls.amplitude.values.ravel()[touching]
-    omega = np.broadcast_to(whirls.omega.values[:, None, None, None], whirls.amplitude.shape)
-    omega = omega.ravel()[touching]
-    assert amplitude.size > 0 or zeta >= 0.5
-    speeds = curve(amplitude, zeta=zeta, delta0=delta0) if amplitude.size else np.empty((0, 2))
-    error = np.nanmin(np.abs(speeds / omega[:, None] - 1.0), axis=1, initial=np.inf)
-    # omega is as uncertain as A near the touch and the tip, where A hardly changes with omega
-    assert (error < 1e-6).all()
-    assert np.median(error) < 1e-14 if error.size else True
-
-
-def test_curve_ends_at_its_peak():
-    for zeta, delta0 in [(0.07, 0.0), (0.01, 0.5), (0.07, 1.0), (0.1, 2.0), (1e-4, 0.3)]:
-        tip = peak_amplitude(zeta=zeta, delta0=delta0)
-        beyond, at_most = curve([tip * (1 + 1e-12), tip * (1 - 1e-12)], zeta=zeta, delta0=delta0)
-        assert np.isnan(beyond).all()
-        assert np.isfinite(at_most).all()
-        assert at_most[1] / at_most[0] - 1.0 < 1e-5
-
-
-def test_peak_amplitude_is_the_largest_on_a_dense_curve():
-    for zeta, delta0 in [
-        (0.07, 0.0),
-        (0.2, 0.0),
-        (0.2, 0.5),
-        (0.1, 0.9),
-        (0.1, 1.5),
-        (0.19, 0.95),
-    ]:
-        omega = np.linspace(0.05, 6.0, 20001)
-        whirls = synchronous_response(omega=omega, zeta=zeta, delta0=delta0)
-        contacting = whirls.amplitude.where(whirls.in_contact == 1)
-        assert float(contacting.max()) == pytest.approx(
-            peak_amplitude(zeta=zeta, delta0=delta0), rel=1e-5
-        )
-
-
 @pytest.mark.parametrize("delta0", [1.0, 1.5, 3.0, 50.0])
 def test_peak_of_an_isola_vanishes_with_its_folds(delta0):
     critical = cusp_zeta(delta0)
@@ -269,15 +221,86 @@ def test_peak_of_an_isola_vanishes_with_its_folds(delta0):
     assert np.isnan(peak_amplitude(zeta=critical * (1.0 + 1e-10), delta0=delta0))
 
 
-def test_flanks_of_the_curve_lie_on_either_side_of_the_backbone():
-    amplitude = np.linspace(1.2, 9.0, 50)
-    slower, faster = curve(amplitude, zeta=0.07, delta0=0.5).T
-    assert (slower < backbone(amplitude, 0.5)).all()
-    assert (faster > backbone(amplitude, 0.5)).all()
+def fold_count(zeta, delta0):
+    return int(folds(zeta=zeta, delta0=delta0).fold_omega.count())
 
 
-def test_strong_damping_leaves_no_peak():
-    assert np.isnan(peak_amplitude(zeta=1.0, delta0=0.0))
-    assert np.isnan(peak_amplitude(zeta=0.3, delta0=2.0))
-    with pytest.raises(InputError, match=r"zeta must be positive, got 0\.0"):
-        peak_amplitude(zeta=0.0, delta0=0.0)
+def test_rotor_lands_on_a_stable_whirl_of_the_curve():
+    found = jumps(zeta=0.07, delta0=0.0)
+    omega = found.fold_omega.values.ravel()
+    for speed, landing in zip(omega, found.landing_amplitude.values.ravel(), strict=True):
+        beside = synchronous_response(omega=speed * (1.0 + 1e-9), zeta=0.07, delta0=0.0)
+        stable = beside.amplitude.where(beside.stability == 0).values.ravel()
+        assert np.nanmin(abs(stable / landing - 1.0)) < 1e-7
+    up, down = found.landing_amplitude.values.ravel()
+    first, last = found.fold_amplitude.values.ravel()
+    assert up > first
+    assert down < last
+
+
+def test_strong_damping_has_no_jump():
+    assert int(jumps(zeta=[1.0, 1.5, 2.0], delta0=0.0).fold_omega.count()) == 0
+
+
+@pytest.mark.parametrize("delta0", [0.0, 0.1, 0.39, 0.5, 0.70086, 0.7237, 0.9, 1.0, 2.0, 10.0])
+def test_cusp_is_where_the_last_fold_goes(delta0):
+    last = cusp(delta0=delta0).cusp_zeta.item()
+    assert fold_count(last * (1.0 - 1e-9), delta0) >= 2
+    assert all(fold_count(last * factor, delta0) == 0 for factor in (1.0 + 1e-9, 1.01, 1.3, 5.0))
+
+
+def test_number_of_folds_need_not_fall_with_the_damping():
+    found = folds(zeta=np.linspace(0.05, 0.26, 1500), delta0=0.7237)
+    counts = found.fold_omega.notnull().sum("fold").values.ravel()
+    assert [4, *counts[1:][np.diff(counts) != 0]] == [4, 2, 4, 2, 0]
+
+
+def test_cusp_without_clearance():
+    assert cusp(delta0=0.0).cusp_zeta.item() == pytest.approx(0.156045165, abs=5e-10)
+
+
+def test_cusp_of_largest_damping_bounds_every_clearance():
+    highest = cusp()
+    scan = np.concatenate([np.linspace(0.0, 3.0, 121), np.geomspace(3.0, 1e3, 15)])
+    table = cusp(delta0=scan).cusp_zeta
+    assert highest.cusp_zeta.item() >= float(table.max())
+    assert highest.cusp_zeta.item() == pytest.approx(0.2510030, abs=5e-8)
+    assert abs(highest.delta0.item() - scan[int(table.values.argmax())]) <= 0.0125
+
+
+@pytest.mark.parametrize("delta0", [0.0, 0.5, 0.70086, 1.5])
+def test_last_folds_merge_where_it_says(delta0):
+    last = cusp(delta0=delta0)
+    zeta = last.cusp_zeta.item() * (1.0 - 1e-12)
+    found = folds(zeta=zeta, delta0=delta0)
+    # the two folds are apart by the root of what is missing to the cusp
+    omega = last.cusp_omega.item()
+    assert float(abs(found.fold_omega / omega - 1.0).min()) < 1e-4
+    place = {"omega": omega, "zeta": last.cusp_zeta.item(), "delta0": delta0}
+    determinant = stability_determinant(last.cusp_amplitude.item(), **place)
+    assert abs(float(determinant)) < 1e-9
+
+
+def test_scalar_and_table_agree():
+    assert cusp(delta0=0.3).cusp_zeta.item() == cusp_zeta(0.3)
+
+
+def test_cusp_of_a_negative_clearance_is_refused():
+    with pytest.raises(InputError, match="delta0 must be zero or positive"):
+        cusp(delta0=-0.1)
+
+
+def test_landings_with_clearance_are_whirls_that_last():
+    found = jumps(zeta=0.07, delta0=[0.5, 2.0])
+    columns = [
+        found[name].transpose("delta0", ...).values.reshape(2, -1)
+        for name in ("fold_omega", "landing_amplitude")
+    ]
+    table = zip(*columns, found.delta0.values, strict=True)
+    for omega, landing, delta0 in table:
+        for speed, amplitude in zip(omega, landing, strict=True):
+            if np.isfinite(speed):
+                here = synchronous_response(omega=speed, zeta=0.07, delta0=delta0)
+                lasting = here.amplitude.where(here.stability != 1).values
+                assert np.nanmin(abs(lasting - amplitude)) < 1e-12
+    assert found.landing_amplitude.notnull().sum("fold").values.tolist() == [[4, 2]]

@@ -1,10 +1,10 @@
-"""Peaks: on the dense curve, and falling with the clearance."""
+"""The curve at given amplitude: flanks beside the backbone, and the peak where they meet."""
 
 import numpy as np
 import pytest
 
 from rotor_ida import InputError, synchronous_response
-from rotor_ida.closed_forms import peaks
+from rotor_ida.closed_forms import backbone, peak_amplitude, peaks, speeds_at_amplitude
 from rotor_ida.equations.contact import contact_force
 
 
@@ -36,3 +36,71 @@ def test_no_peak_with_strong_damping():
     assert np.isnan(peaks(zeta=1.0, delta0=0.0).peak_omega.item())
     with pytest.raises(InputError, match="zeta must be positive"):
         peaks(zeta=0.0, delta0=0.0)
+
+
+def test_backbone_is_the_speed_of_the_undamped_free_whirl():
+    amplitudes = np.array([0.2, 0.5, 1.5, 10.0])
+    expected = [0.0, 0.0, np.sqrt(1.0 / 1.5), np.sqrt(9.5**1.5 / 10.0)]
+    np.testing.assert_allclose(backbone(amplitudes, 0.5), expected, rtol=1e-15)
+
+
+@pytest.mark.parametrize("delta0", [0.0, 0.5, 1.0, 2.0])
+@pytest.mark.parametrize("zeta", [0.0, 0.01, 0.07, 0.5, 2.0])
+def test_curve_at_given_amplitude_finds_the_whirls_again(zeta, delta0):
+    whirls = synchronous_response(omega=np.linspace(0.15, 3.0, 40), zeta=zeta, delta0=delta0)
+    touching = whirls.in_contact.values.ravel() == 1
+    amplitude = whirls.amplitude.values.ravel()[touching]
+    omega = np.broadcast_to(whirls.omega.values[:, None, None, None], whirls.amplitude.shape)
+    omega = omega.ravel()[touching]
+    assert amplitude.size > 0 or zeta >= 0.5
+    speeds = (
+        speeds_at_amplitude(amplitude, zeta=zeta, delta0=delta0)
+        if amplitude.size
+        else np.empty((0, 2))
+    )
+    error = np.nanmin(np.abs(speeds / omega[:, None] - 1.0), axis=1, initial=np.inf)
+    # omega is as uncertain as A near the touch and the tip, where A hardly changes with omega
+    assert (error < 1e-6).all()
+    assert np.median(error) < 1e-14 if error.size else True
+
+
+def test_curve_ends_at_its_peak():
+    for zeta, delta0 in [(0.07, 0.0), (0.01, 0.5), (0.07, 1.0), (0.1, 2.0), (1e-4, 0.3)]:
+        tip = peak_amplitude(zeta=zeta, delta0=delta0)
+        beyond, at_most = speeds_at_amplitude(
+            [tip * (1 + 1e-12), tip * (1 - 1e-12)], zeta=zeta, delta0=delta0
+        )
+        assert np.isnan(beyond).all()
+        assert np.isfinite(at_most).all()
+        assert at_most[1] / at_most[0] - 1.0 < 1e-5
+
+
+def test_peak_amplitude_is_the_largest_on_a_dense_curve():
+    for zeta, delta0 in [
+        (0.07, 0.0),
+        (0.2, 0.0),
+        (0.2, 0.5),
+        (0.1, 0.9),
+        (0.1, 1.5),
+        (0.19, 0.95),
+    ]:
+        omega = np.linspace(0.05, 6.0, 20001)
+        whirls = synchronous_response(omega=omega, zeta=zeta, delta0=delta0)
+        contacting = whirls.amplitude.where(whirls.in_contact == 1)
+        assert float(contacting.max()) == pytest.approx(
+            peak_amplitude(zeta=zeta, delta0=delta0), rel=1e-5
+        )
+
+
+def test_flanks_of_the_curve_lie_on_either_side_of_the_backbone():
+    amplitude = np.linspace(1.2, 9.0, 50)
+    slower, faster = speeds_at_amplitude(amplitude, zeta=0.07, delta0=0.5).T
+    assert (slower < backbone(amplitude, 0.5)).all()
+    assert (faster > backbone(amplitude, 0.5)).all()
+
+
+def test_strong_damping_leaves_no_peak():
+    assert np.isnan(peak_amplitude(zeta=1.0, delta0=0.0))
+    assert np.isnan(peak_amplitude(zeta=0.3, delta0=2.0))
+    with pytest.raises(InputError, match=r"zeta must be positive, got 0\.0"):
+        peak_amplitude(zeta=0.0, delta0=0.0)

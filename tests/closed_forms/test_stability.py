@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from rotor_ida import DimensionalRotor, dimensional
 from rotor_ida.closed_forms import eigenvalues, stability_determinant, synchronous_response
 
 
@@ -17,7 +18,7 @@ def stiffnesses(amplitude: float, delta0: float) -> tuple[float, float]:
 
 
 def matrix(amplitude: float, omega: float, zeta: float, delta0: float) -> np.ndarray:
-    """[[0, I], [-K, -C]] of the motion in the rotating frame (DESIGN section 3)."""
+    """[[0, I], [-K, -C]] of the motion in the rotating frame."""
     tangent, secant = stiffnesses(amplitude, delta0)
     q = omega**2
     K = np.array([[tangent - q, -2 * zeta * omega], [2 * zeta * omega, secant - q]])
@@ -100,3 +101,15 @@ def test_arrays_give_what_single_numbers_give():
     for place, amplitude in np.ndenumerate(amplitudes):
         alone = eigenvalues(amplitude, omega=1.7, zeta=0.07, delta0=0.5)
         np.testing.assert_allclose(found[place], alone, rtol=1e-15)
+
+
+def test_growth_rate_of_a_machine_is_in_seconds():
+    machine = DimensionalRotor(
+        mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6, clearance=2e-6,
+        speed=600.0,
+    )  # fmt: skip
+    whirls = synchronous_response(omega=1.7, zeta=0.07, delta0=0.0)
+    found = dimensional(whirls, machine)
+    assert found.growth_rate.attrs["units"] == "s-1"
+    expected = whirls.growth_rate * machine.reference_frequency
+    np.testing.assert_allclose(found.growth_rate.values, expected.values, rtol=1e-15)

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rotor_ida import Rotor, folds, simulate, synchronous_response
-from rotor_ida.paper.scenario import speeds_of_curves
+from rotor_ida import Rotor, folds, simulate
+from rotor_ida.closed_forms import response_curve
 from rotor_ida.schema import RESPONSE, labelled
 
 ZETA, DELTA0 = 0.07, 0.5
@@ -11,8 +11,7 @@ ZETA, DELTA0 = 0.07, 0.5
 
 @pytest.fixture(scope="session")
 def exact():
-    omega = speeds_of_curves(zeta=ZETA, delta0=DELTA0, lowest=0.05, highest=3.0, points=80)
-    return synchronous_response(omega=omega, zeta=ZETA, delta0=DELTA0)
+    return response_curve(zeta=ZETA, delta0=DELTA0, limits=(0.05, 3.0))
 
 
 @pytest.fixture(scope="session")

@@ -1,14 +1,14 @@
 import numpy as np
 import pytest
 
-from rotor_ida import InputError, folds, synchronous_response
-from rotor_ida.closed_forms import peaks
+from rotor_ida import InputError, folds
+from rotor_ida.closed_forms import clearance_curve, peaks, response_curve
 from rotor_ida.plot import plot_by_clearance, plot_over_clearance
 
 
 @pytest.fixture(scope="module")
 def whirls():
-    return synchronous_response(omega=1.2, zeta=0.07, delta0=np.linspace(0.0, 3.0, 61))
+    return clearance_curve(omega=1.2, zeta=0.07, limits=(0.0, 3.0))
 
 
 def test_every_whirl_is_on_a_line_of_its_stability(whirls):
@@ -44,9 +44,9 @@ def test_quantities_with_a_further_dimension_are_points():
 
 
 def test_what_cannot_be_drawn_is_refused(whirls):
-    with pytest.raises(InputError, match="exact must hold several clearances, got one"):
-        plot_over_clearance(whirls.sel(delta0=0.0))
-    several = synchronous_response(omega=[1.2, 1.3], zeta=0.07, delta0=[0.0, 1.0])
+    with pytest.raises(InputError, match="exact must hold one omega, got"):
+        plot_over_clearance(response_curve(zeta=0.07, delta0=0.5, limits=(0.05, 3.0)))
+    several = clearance_curve(omega=[1.2, 1.3], zeta=0.07, limits=(0.0, 1.0))
     with pytest.raises(InputError, match="exact must hold one omega, got 2"):
         plot_over_clearance(several)
     with pytest.raises(InputError, match="table must hold"):

@@ -18,9 +18,14 @@ from rotor_ida import (
     simulate,
     spectrum,
     sweep,
-    synchronous_response,
 )
-from rotor_ida.closed_forms import free_periods, jumps, restoring_field
+from rotor_ida.closed_forms import (
+    clearance_curve,
+    free_periods,
+    jumps,
+    response_curve,
+    restoring_field,
+)
 from rotor_ida.plot import (
     plot_amplitude,
     plot_backbone,
@@ -73,9 +78,8 @@ def machine(plain):
 
 @pytest.fixture(scope="module")
 def curves():
-    omega = np.linspace(0.1, 2.0, 39)
     return {
-        "exact": synchronous_response(omega=omega, zeta=ROTOR.zeta, delta0=0.5),
+        "exact": response_curve(zeta=ROTOR.zeta, delta0=0.5, limits=(0.1, 2.0)),
         "fold_points": folds(zeta=ROTOR.zeta, delta0=0.5),
         "simulated": sweep(omega=[0.4, 0.8], zeta=ROTOR.zeta, delta0=0.5),
     }
@@ -177,7 +181,7 @@ def test_backbone_and_jumps_on_a_response(curves, curves_in_units):
 
 
 def test_clearances_and_extrema(curves_in_units):
-    exact = synchronous_response(omega=0.8, zeta=ROTOR.zeta, delta0=[0.0, 0.5, 1.0])
+    exact = clearance_curve(omega=0.8, zeta=ROTOR.zeta, limits=(0.0, 1.0))
     simulated = sweep(omega=[0.8], zeta=ROTOR.zeta, delta0=[0.5])
     ax = plot_over_clearance(in_units(exact), simulated=in_units(simulated))
     assert units_on(ax) == ("", "µm")

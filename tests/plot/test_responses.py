@@ -5,6 +5,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from rotor_ida import InputError, synchronous_response
+from rotor_ida.closed_forms import response_curve
 from rotor_ida.plot import panels, plot_amplitude, plot_phase, shared_legend
 from rotor_ida.plot.labels import LABELS
 
@@ -54,13 +55,35 @@ def test_folds_are_marked_where_they_are(exact, fold_points):
 
 
 def test_folds_lie_on_the_phase_curve(exact, fold_points):
-    """Two branches of the phase close in on it from the last speed before it."""
     marks = line(plot_phase(exact, fold_points=fold_points), "fold")
-    lags = marks.get_ydata()
-    assert ((lags > 0.5 * math.pi) & (lags < math.pi)).all()
-    last = exact.sel(omega=slice(0.0, marks.get_xdata()[-1] - 1e-9)).isel(omega=-1).squeeze()
-    below, above = sorted(np.sort(last["phase_lag"].values - lags[-1])[:2])
-    assert -0.1 < below <= 0.0 <= above < 0.1
+    for omega, lag in zip(marks.get_xdata(), marks.get_ydata(), strict=True):
+        assert 0.5 * math.pi < lag < math.pi
+        on_curve = exact["phase_lag"].values[exact["omega"].values == omega]
+        np.testing.assert_allclose(on_curve, lag, rtol=1e-7)
+
+
+def test_lines_of_a_curve_meet_at_its_folds(exact, fold_points):
+    """Each fold is the end of a stable and of an unstable line; pieces are apart."""
+    ax = plot_amplitude(exact)
+    for omega in fold_points["fold_omega"].values.ravel():
+        for label in ("stable whirl", "unstable whirl"):
+            x = line(ax, label).get_xdata()
+            (place,) = np.flatnonzero(x == omega)
+            assert np.isnan(x[np.clip([place - 1, place + 1], 0, x.size - 1)]).any() or place == 0
+    free = line(ax, "contact-free whirl").get_ydata()
+    assert np.nanmax(free) == 0.5
+
+
+def test_whirls_at_given_speeds_are_marked(exact):
+    whirls = synchronous_response(omega=[1.2, 1.7], zeta=0.07, delta0=0.5)
+    marks = line(plot_amplitude(exact, whirls=whirls), "whirl at a given speed")
+    shown = marks.get_ydata()
+    np.testing.assert_array_equal(
+        shown[np.isfinite(shown)], whirls.amplitude.values[whirls.amplitude.notnull()]
+    )
+    assert set(marks.get_xdata()) == {1.2, 1.7}
+    with pytest.raises(InputError, match=r"whirls must have the delta0 of exact, 0\.5, got 0\.0"):
+        plot_amplitude(exact, whirls=synchronous_response(omega=1.2, zeta=0.07, delta0=0.0))
 
 
 def test_responses_that_no_curve_shows_are_bars_over_their_radius(exact, simulated):
@@ -100,7 +123,7 @@ def test_draws_on_the_axes_given(exact):
 
 def test_panels_share_the_tallest_range_and_one_legend(exact):
     figure, axes = panels(1, 2)
-    flat = synchronous_response(omega=np.linspace(0.1, 3.0, 30), zeta=1.0, delta0=0.0)
+    flat = response_curve(zeta=1.0, delta0=0.0, limits=(0.05, 3.0))
     plot_amplitude(exact, ax=axes[0])
     plot_amplitude(flat, ax=axes[1])
     shared_legend(figure, axes)
@@ -111,7 +134,7 @@ def test_panels_share_the_tallest_range_and_one_legend(exact):
 
 
 def test_several_clearances_are_refused():
-    several = synchronous_response(omega=[1.0, 2.0], zeta=0.07, delta0=[0.0, 1.0])
+    several = response_curve(zeta=0.07, delta0=[0.0, 1.0], limits=(0.05, 3.0))
     with pytest.raises(InputError, match=r"exact must hold one delta0, got 2.*\.sel\(delta0"):
         plot_amplitude(several)
     assert plot_amplitude(several.sel(delta0=1.0)).lines
@@ -135,14 +158,13 @@ def test_another_dataset_is_refused(plot, run, exact, fold_points):
 
 
 def test_contacting_whirls_without_damping_are_not_called_contact_free():
-    undamped = synchronous_response(omega=np.linspace(0.1, 3.0, 30), zeta=0.0, delta0=0.5)
+    undamped = response_curve(zeta=0.0, delta0=0.5, limits=(0.05, 3.0))
     assert "neutral whirl" in legend_texts(plot_amplitude(undamped))
     assert "contact-free whirl" not in legend_texts(plot_amplitude(undamped))
 
 
 def test_folds_outside_the_range_of_speeds_are_not_marked(fold_points):
-    omega = np.linspace(1.0, 1.5, 20)
-    exact = synchronous_response(omega=omega, zeta=0.07, delta0=0.5)
+    exact = response_curve(zeta=0.07, delta0=0.5, limits=(1.0, 1.5))
     (marks,) = (
         line for line in plot_amplitude(exact, fold_points=fold_points).lines
         if line.get_label() == "fold"

@@ -1,0 +1,494 @@
+"""The response curve as a curve: its points in order, over the speed or over the clearance.
+
+At a given amplitude A a contacting whirl has at most two speeds, one on each flank of the
+resonance, and at a given speed at most two clearances. So the curve is traced along A, flank by
+flank. The points at which it turns or leaves the range are computed apart, each exactly: tips,
+where the flanks meet, folds, the first touch, and the whirls at the limits of the range. Between
+two of them it is monotone, and points are set where it is long or bends.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from itertools import groupby, pairwise
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+from scipy.optimize import brentq
+
+from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_count, check_positive, shown
+from rotor_ida.closed_forms.contact_free import complex_amplitude
+from rotor_ida.closed_forms.contacting_whirls import contacting_whirls
+from rotor_ida.closed_forms.folds import folds
+from rotor_ida.closed_forms.peaks import flank_speeds, tip_speed, tips
+from rotor_ida.closed_forms.synchronous import SMALLEST_SPEED
+from rotor_ida.equations.contact import secant_stiffness
+from rotor_ida.errors import InputError
+from rotor_ida.schema import STABILITY, labelled_dataset
+
+Values = npt.NDArray[np.float64]
+# Amplitude and the speed or clearance at which a whirl has it.
+_Place = tuple[float, float]
+
+_REFERENCES = "Mechanika 25(6), 2019, eqs (10) and (21)-(23), with the force corrected"
+_SOURCE = "rotor_ida closed forms: the amplitude equation, solved at given amplitudes"
+# Rounds in which points move to where the curve is long or bends.
+_ROUNDS = 4
+# Between one landmark and the next; a figure shows some hundred.
+MOST_POINTS = 100_000
+
+
+def response_curve(
+    *, zeta: object, delta0: object, limits: tuple[float, float], points: int = 200
+) -> xr.Dataset:
+    """Return every synchronous whirl over the spin speed, in order along the curve.
+
+    Parameters
+    ----------
+    zeta, delta0 : float or sequence of float, shapes (m,) and (k,)
+        Damping ratios and clearances [1].
+    limits : tuple of two floats
+        Lowest and highest speed [1].
+    points : int
+        Number of points between one fold, tip, first touch or limit and the next.
+
+    Returns
+    -------
+    Dataset
+        On (zeta, delta0, point): ``omega``, ``amplitude`` [1], ``phase_lag`` [rad],
+        ``stability`` and ``in_contact`` (flags), and ``piece``, the number of the connected
+        piece: first the contact-free whirl, then those in contact. An isola ends with the point
+        that it begins with. A curve with fewer points than another ends in NaN, the flag
+        ``absent`` and piece -1.
+
+    Raises
+    ------
+    InputError
+        If `limits` are not two speeds, the lower one first and the higher one at most 1e15, or
+        a value is none that `folds` takes.
+
+    Notes
+    -----
+    With ``q = omega**2`` and ``s = f(A)/A`` the amplitude equation is a quadratic in q at given
+    A (see `speeds_at_amplitude`). The flanks meet at the tips, where
+    ``h(A) = (A - delta0)**1.5 / (A**2 (A + sqrt(A**2 - 1))) = 2 zeta**2``; without damping they
+    never do. From the implicit derivative of P (see `contacting_whirls`), ``dP/dA = 2 A D`` and
+    ``dP/dq = -q (1 + cos(theta)**2 + 2 A cos(theta))``: the last factor is positive on the slower
+    flank and negative on the faster, so there a whirl is stable where the speed rises with A,
+    here where it falls, and stability changes at folds alone. A fold has the stability of what
+    comes before it on the curve. Without damping the flanks of ``delta0 >= 1`` meet at rest; they
+    count as two pieces.
+
+    References
+    ----------
+    Eqs (21)-(23) and Figs 6 and 10 of the paper, Mechanika 25(6), 2019, with the force
+    corrected.
+
+    Examples
+    --------
+    >>> found = response_curve(zeta=0.07, delta0=2.0, limits=(0.05, 3.0))
+    >>> isola = found.where(found.piece == 1, drop=True).squeeze()
+    >>> round(isola.amplitude.max().item(), 3), bool(isola.omega[0] == isola.omega[-1])
+    (11.346, True)
+    """
+    dampings, clearances = check_axis("zeta", zeta), check_axis("delta0", delta0)
+    span = _checked_limits(limits, smallest=SMALLEST_SPEED)
+    count = check_count("points", points, 2, MOST_POINTS)
+    found = folds(zeta=dampings, delta0=clearances)
+    turns = np.stack([found["fold_omega"].values, found["fold_amplitude"].values], axis=-1)
+    curves = [
+        _over_speed(float(damping), float(clearance), turns[i, k], span, count)
+        for i, damping in enumerate(dampings)
+        for k, clearance in enumerate(clearances)
+    ]
+    return _labelled("omega", curves, {"zeta": dampings, "delta0": clearances})
+
+
+def clearance_curve(
+    *, omega: object, zeta: object, limits: tuple[float, float], points: int = 200
+) -> xr.Dataset:
+    """Return every synchronous whirl over the clearance, in order along the curve.
+
+    Parameters
+    ----------
+    omega, zeta : float or sequence of float, shapes (n,) and (m,)
+        Spin speeds, above zero, and damping ratios [1].
+    limits : tuple of two floats
+        Smallest and largest clearance [1].
+    points : int
+        Number of points between one fold, tip, first touch or limit and the next.
+
+    Returns
+    -------
+    Dataset
+        On (omega, zeta, point): ``delta0`` and the other variables of `response_curve`.
+
+    Raises
+    ------
+    InputError
+        If `limits` are not two clearances, the smaller one first, or a value is none that
+        `synchronous_response` takes.
+
+    Notes
+    -----
+    With ``q = omega**2`` a whirl of amplitude A needs ``s = q +- sqrt(q**2/A**2 - 4 zeta**2 q)``,
+    so ``A <= omega/(2 zeta)``, and as ``s = u**3/A`` (the Hertz exponent) the clearance is
+    ``A - (s A)**(2/3)``. The flanks meet at the largest A, where theta is a quarter turn; without
+    damping they never do. A whirl is stable where the clearance rises with A on the stiffer
+    flank, theta below a quarter turn, and where it falls on the softer one.
+
+    There is at most one fold on either side of the largest value of
+
+        ``g(w) = (R - w) (w**2/(1 + w**2))**(1/6)``,  ``R = omega/(2 zeta)``,
+
+    at ``3 w**3 + 4 w = R``: where ``g = (2/3) (omega**2 r)**(2/3) r/R`` with ``r**2 = 1 + R**2``,
+    and there ``A = R (R w + 1)/(r sqrt(1 + w**2))``. That is the derivative of the clearance
+    by theta, with ``w = -tan(theta + arctan(1/R))``. Without damping the fold is at
+    ``A = 1 + (8/27) q**2``.
+
+    References
+    ----------
+    Eqs (21)-(23) and section 4.2.1 of the paper, Mechanika 25(6), 2019, with the force
+    corrected.
+
+    Examples
+    --------
+    >>> found = clearance_curve(omega=1.7, zeta=0.07, limits=(0.0, 3.0))
+    >>> round(found.delta0.where(found.in_contact == 1).max().item(), 4)
+    1.4589
+    """
+    speeds = check_axis("omega", omega, smallest=SMALLEST_SPEED, largest=LARGEST_NUMBER)
+    for speed in speeds:
+        check_positive("omega", float(speed))
+    dampings = check_axis("zeta", zeta, largest=LARGEST_NUMBER)
+    span, count = _checked_limits(limits), check_count("points", points, 2, MOST_POINTS)
+    curves = [
+        _over_clearance(float(speed), float(damping), span, count)
+        for speed in speeds
+        for damping in dampings
+    ]
+    return _labelled("delta0", curves, {"omega": speeds, "zeta": dampings})
+
+
+@dataclass(frozen=True, slots=True)
+class _Chain:
+    """Both flanks of a part of the curve: from `begin` up to `top` and down to `end`.
+
+    Parameters
+    ----------
+    flank : int
+        The flank from `begin` to `top`: +1 where a whirl is stable as the value rises with the
+        amplitude, -1 where as it falls. The flank from `top` to `end` is the other one.
+    begin, top, end : tuple of two floats
+        Amplitude and value there, infinite where the flank never ends.
+    """
+
+    flank: int
+    begin: _Place
+    top: _Place
+    end: _Place
+
+
+@dataclass(frozen=True, slots=True)
+class _Marks:
+    """Places on the flanks, in no order, between which the curve is monotone."""
+
+    flank: npt.NDArray[np.int_]
+    amplitude: Values
+    value: Values
+
+    def between(self, begin: _Place, end: _Place, flank: int) -> list[_Place]:
+        """Return `begin`, the marks on the flank between, in order along it, and `end`."""
+        low, high = sorted((begin[0], end[0]))
+        inside = (self.flank == flank) & (self.amplitude > low) & (self.amplitude < high)
+        places = sorted(
+            zip(self.amplitude[inside].tolist(), self.value[inside].tolist(), strict=True)
+        )
+        return [begin, *(places if begin[0] < end[0] else places[::-1]), end]
+
+
+@dataclass(frozen=True, slots=True)
+class _Law:
+    """How one curve runs, and how it is to be traced.
+
+    Parameters
+    ----------
+    value : callable
+        Speeds or clearances on a flank at amplitudes.
+    lag : callable
+        Phase lags [rad] at amplitudes and such values.
+    limits : tuple of two floats
+        Range of the values.
+    points : int
+        Number of points of each monotone arc.
+    lasting : {"stable", "neutral"}
+        What whirls are that are not unstable.
+    """
+
+    value: Callable[[int, Values], Values]
+    lag: Callable[[Values, Values], Values]
+    limits: _Place
+    points: int
+    lasting: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Piece:
+    """A connected piece of the curve, shape (n,)."""
+
+    amplitude: Values
+    value: Values
+    stability: npt.NDArray[np.int8]
+    in_contact: int
+
+
+def _over_speed(
+    zeta: float, delta0: float, turns: Values, limits: _Place, points: int
+) -> list[_Piece]:
+    """Return the pieces of the curve over the speed; `turns` has speed and amplitude of folds."""
+
+    def speed(flank: int, A: Values) -> Values:
+        return flank_speeds(A, 4.0 * zeta * zeta, delta0)[0 if flank == 1 else 1]
+
+    def lag(A: Values, omega: Values) -> Values:
+        return _phase_lag(A, omega=omega, zeta=zeta, delta0=delta0)
+
+    touch = math.inf
+    if delta0 < 1.0:
+        touch = 2.0 * zeta * delta0 / math.sqrt((1.0 - delta0) * (1.0 + delta0))
+    present = delta0 >= 1.0 or zeta > 0.0
+    pieces = []
+    low, high = limits[0], min(limits[1], touch)
+    if present and low < high:
+        highest = min(abs(complex(complex_amplitude(high, zeta))), delta0)
+        speeds, amplitude = _spread(
+            lambda omega: np.abs(complex_amplitude(omega, zeta)),
+            lambda omega, A: lag(A, omega),
+            ((low, abs(complex(complex_amplitude(low, zeta)))), (high, highest)), points,
+        )  # fmt: skip
+        pieces.append(_contact_free_piece(amplitude, speeds))
+
+    ends: list[_Place] = [(A, tip_speed(A, zeta, delta0)) for A in tips(zeta, delta0)]
+    chains = []
+    if delta0 < 1.0:
+        # an odd number of tips: the first one ends what begins at the first touch
+        far = (math.inf, math.inf) if zeta == 0.0 else (1.0, math.inf)
+        top = ends.pop(0) if len(ends) % 2 else far
+        chains.append(_Chain(1, (delta0, touch), top, (1.0, math.inf)))
+    elif zeta == 0.0:
+        chains.append(_Chain(1, (delta0, 0.0), (math.inf, math.inf), (delta0, 0.0)))
+    chains += [
+        _Chain(1, low_tip, high_tip, low_tip)
+        for low_tip, high_tip in zip(ends[::2], ends[1::2], strict=True)
+    ]
+
+    at_limits = np.array([omega for omega in limits if omega > 0.0])
+    whirls = contacting_whirls(at_limits, 0.0 * at_limits + zeta, 0.0 * at_limits + delta0)
+    rows, columns = np.nonzero(np.isfinite(whirls.amplitude))
+    turns = turns[np.isfinite(turns[:, 0])]
+    amplitude = np.concatenate([whirls.amplitude[rows, columns], turns[:, 1]])
+    omega = np.concatenate([at_limits[rows], turns[:, 0]])
+    # at a fold the phase lag is beyond a quarter turn
+    sine = np.minimum(2.0 * zeta * turns[:, 1] / turns[:, 0], 1.0)
+    lags = np.concatenate([whirls.phase_lag[rows, columns], math.pi - np.arcsin(sine)])
+    slope = 1.0 + np.cos(lags) ** 2 + 2.0 * amplitude * np.cos(lags)
+    marks = _Marks(np.where(slope > 0.0, 1, -1), amplitude, omega)
+    law = _Law(speed, lag, limits, points, lasting="stable" if zeta > 0.0 else "neutral")
+    return pieces + _traced(chains, marks, law)
+
+
+def _over_clearance(omega: float, zeta: float, limits: _Place, points: int) -> list[_Piece]:
+    """Return the pieces of the curve over the clearance."""
+    q = omega * omega
+    touch = abs(complex(complex_amplitude(omega, zeta)))
+    pieces = []
+    if touch < limits[1]:
+        ends = np.array([max(limits[0], touch), limits[1]])
+        pieces.append(_contact_free_piece(np.full(2, touch), ends))
+
+    largest = omega / (2.0 * zeta) if zeta > 0.0 else math.inf
+
+    def clearance(flank: int, A: Values) -> Values:
+        sine = A / largest
+        cosine = flank * np.sqrt(np.maximum((1.0 - sine) * (1.0 + sine), 0.0))
+        return np.asarray(A - np.cbrt(q * np.maximum(A + cosine, 0.0)) ** 2)
+
+    def lag(A: Values, delta0: Values) -> Values:
+        return _phase_lag(A, omega=omega, zeta=zeta, delta0=delta0)
+
+    top = (math.inf, math.inf)
+    if zeta > 0.0:
+        top = (largest, float(clearance(1, np.array(largest))))
+    chain = _Chain(-1, (touch, touch), top, (0.0, -(np.cbrt(q) ** 2)))
+
+    at_limits = np.array(limits)
+    whirls = contacting_whirls(0.0 * at_limits + omega, 0.0 * at_limits + zeta, at_limits)
+    rows, columns = np.nonzero(np.isfinite(whirls.amplitude))
+    turns = _turns_over_clearance(omega, zeta)
+    marks = _Marks(
+        np.concatenate([
+            np.where(np.cos(whirls.phase_lag[rows, columns]) > 0.0, 1, -1),
+            np.full(turns.size, -1),
+        ]),
+        np.concatenate([whirls.amplitude[rows, columns], turns]),
+        np.concatenate([at_limits[rows], clearance(-1, turns)]),
+    )  # fmt: skip
+    law = _Law(clearance, lag, limits, points, lasting="stable" if zeta > 0.0 else "neutral")
+    return pieces + _traced([chain], marks, law)
+
+
+def _turns_over_clearance(omega: float, zeta: float) -> Values:
+    """Return the amplitudes of the folds over the clearance: see `clearance_curve`."""
+    q = omega * omega
+    if zeta == 0.0:
+        return np.array([1.0 + (8.0 / 27.0) * q * q])
+    R = omega / (2.0 * zeta)
+    r = math.hypot(1.0, R)
+
+    def excess(w: float) -> float:
+        cosine_squared = 1.0 / (1.0 + w * w)
+        return (R - w) * math.cbrt(w * math.sqrt(cosine_squared)) - bound
+
+    bound = (2.0 / 3.0) * math.cbrt(q * r) ** 2 * (r / R)
+    summit = float(brentq(lambda w: 3.0 * w**3 + 4.0 * w - R, 0.0, R, xtol=1e-300, rtol=1e-15))
+    if excess(summit) <= 0.0:
+        return np.empty(0)
+    w = np.array([
+        brentq(excess, *ends, xtol=1e-300, rtol=1e-15) for ends in ((0.0, summit), (summit, R))
+    ])  # fmt: skip
+    return np.asarray(R * (R * w + 1.0) / (r * np.hypot(1.0, w)))
+
+
+def _traced(chains: Sequence[_Chain], marks: _Marks, law: _Law) -> list[_Piece]:
+    """Return the pieces of the contacting curve whose values lie within the limits."""
+    pieces = []
+    for chain in chains:
+        arcs = [
+            (flank, *ends)
+            for flank, begin, end in (
+                (chain.flank, chain.begin, chain.top), (-chain.flank, chain.top, chain.end)
+            )
+            for ends in pairwise(marks.between(begin, end, flank))
+            if ends[0] != ends[1]
+        ]  # fmt: skip
+        low, high = law.limits
+        inside = [low <= min(a[1], b[1]) <= max(a[1], b[1]) <= high for _, a, b in arcs]
+        if chain.begin == chain.end and math.isfinite(chain.top[0]) and not all(inside):
+            # a closed curve of which a part is left out begins behind that
+            first = inside.index(False)
+            arcs, inside = arcs[first:] + arcs[:first], inside[first:] + inside[:first]
+        for kept, group in groupby(zip(inside, arcs, strict=True), key=lambda each: each[0]):
+            if kept:
+                pieces.append(_joined([arc for _, arc in group], law))
+    return pieces
+
+
+def _joined(arcs: Sequence[tuple[int, _Place, _Place]], law: _Law) -> _Piece:
+    """Return one piece of successive arcs."""
+    amplitudes, values, flags = [], [], []
+    for number, (flank, begin, end) in enumerate(arcs):
+        amplitude, value = _spread(partial(law.value, flank), law.lag, (begin, end), law.points)
+        lasting = flank * (end[1] - begin[1]) * (end[0] - begin[0]) > 0.0
+        flag = STABILITY[law.lasting if lasting else "unstable"]
+        first = 0 if number == 0 else 1  # the arcs share their ends
+        amplitudes.append(amplitude[first:])
+        values.append(value[first:])
+        flags.append(np.full(amplitude.size - first, flag, dtype=np.int8))
+    return _Piece(
+        np.concatenate(amplitudes), np.concatenate(values), np.concatenate(flags), in_contact=1
+    )
+
+
+def _contact_free_piece(amplitude: Values, value: Values) -> _Piece:
+    flags = np.full(amplitude.size, STABILITY["neutral"], dtype=np.int8)
+    return _Piece(amplitude, value, flags, in_contact=0)
+
+
+def _spread(
+    value_at: Callable[[Values], Values],
+    lag_at: Callable[[Values, Values], Values],
+    ends: tuple[_Place, _Place],
+    points: int,
+) -> tuple[Values, Values]:
+    """Return points of a monotone arc, more of them where it is long, bends or the lag changes.
+
+    Lengths and angles are those in the arc's own frame, scaled to a unit square; a quarter turn
+    of the line and half a turn of the phase lag count as much as a side.
+    """
+    (first, low), (last, high) = ends
+    fraction = 0.5 - 0.5 * np.cos(np.linspace(0.0, math.pi, points))
+    for _ in range(_ROUNDS):
+        value = _values(value_at, ends, fraction)
+        turn = np.abs(np.diff(lag_at(first + (last - first) * fraction, value))) / math.pi
+        across, up = np.diff(fraction), np.diff(value) / ((high - low) or 1.0)
+        bend = np.abs(np.diff(np.arctan2(up, across))) / math.pi
+        weight = np.hypot(across, up) + turn + np.append(bend, 0.0) + np.append(0.0, bend)
+        along = np.append(0.0, np.cumsum(weight))
+        fraction = np.interp(np.linspace(0.0, along[-1], points), along, fraction)
+    position = first + (last - first) * fraction
+    position[-1] = last
+    return position, _values(value_at, ends, fraction)
+
+
+def _values(
+    value_at: Callable[[Values], Values], ends: tuple[_Place, _Place], fraction: Values
+) -> Values:
+    """Return the values along an arc, none beyond its ends by rounding."""
+    (first, begin), (last, end) = ends
+    inner = value_at(first + (last - first) * fraction[1:-1])
+    inside = np.clip(inner, min(begin, end), max(begin, end))
+    return np.concatenate([[begin], inside, [end]])
+
+
+def _labelled(
+    varied: str, curves: Sequence[Sequence[_Piece]], axes: Mapping[str, Values]
+) -> xr.Dataset:
+    """Return the dataset of curves, one for each point of the grid of the two axes."""
+    shape = tuple(axis.size for axis in axes.values())
+    longest = max((sum(piece.value.size for piece in pieces) for pieces in curves), default=0)
+    table = np.full((len(curves), 2, longest), np.nan)
+    flags = np.zeros((len(curves), 3, longest), dtype=np.int8)
+    flags[:, 0], flags[:, 2] = STABILITY["absent"], -1
+    for row, pieces in enumerate(curves):
+        first = 0
+        for number, piece in enumerate(pieces):
+            here = slice(first, first + piece.value.size)
+            table[row, :, here] = piece.value, piece.amplitude
+            flags[row, 0, here] = piece.stability
+            flags[row, 1:, here] = [[piece.in_contact], [number]]
+            first = here.stop
+    value, amplitude = (table[:, k].reshape(*shape, longest) for k in range(2))
+    grid = dict(zip(axes, np.meshgrid(*axes.values(), indexing="ij"), strict=True))
+    parameters = {name: values[..., None] for name, values in grid.items()} | {varied: value}
+    dims = (*axes, "point")
+    lag = _phase_lag(amplitude, **parameters)
+    columns = {varied: value, "amplitude": amplitude, "phase_lag": lag} | {
+        name: flags[:, k].reshape(value.shape)
+        for k, name in enumerate(("stability", "in_contact", "piece"))
+    }
+    return labelled_dataset(
+        "Response curve of a rotor with Hertz contact and clearance",
+        {name: (dims, column) for name, column in columns.items()},
+        {name: (name, axis) for name, axis in axes.items()}
+        | {"point": ("point", np.arange(longest))},
+        {"source": _SOURCE, "references": _REFERENCES},
+    )
+
+
+def _phase_lag(
+    amplitude: Values, *, omega: float | Values, zeta: float | Values, delta0: float | Values
+) -> Values:
+    stiffness = secant_stiffness(amplitude, delta0)
+    return np.asarray(np.arctan2(2.0 * zeta * omega, stiffness - omega * omega))
+
+
+def _checked_limits(limits: object, *, smallest: float = 0.0) -> _Place:
+    """Return the two ends of a range."""
+    ends = check_axis("limits", limits, smallest=smallest, largest=LARGEST_NUMBER)
+    if ends.size != 2 or ends[0] >= ends[1]:
+        raise InputError(f"limits must be two numbers, the lower first, got {shown(limits)}")
+    return float(ends[0]), float(ends[1])
