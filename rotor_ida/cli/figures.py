@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from rotor_ida import folds, plot
 from rotor_ida.cli.describe import kind_of
-from rotor_ida.cli.output import check_panels
+from rotor_ida.cli.options import check_panels
 from rotor_ida.closed_forms import response_curve
 from rotor_ida.errors import InputError
 from rotor_ida.plot.labels import LABELS

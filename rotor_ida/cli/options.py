@@ -9,13 +9,23 @@ from typing import Annotated
 from cyclopts import Parameter
 from cyclopts.validators import Number
 
-from rotor_ida.checks import LARGEST_SEED, State
+from rotor_ida.checks import LARGEST_SEED, MOST_NUMBERS, MOST_WORKERS, State
 from rotor_ida.cli import parsing
+from rotor_ida.errors import InputError
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.options import Backend, Flight, Method
 
-MOST_SAMPLES = 10_000_000
-MOST_WORKERS = 512
+# A figure with more cannot be read.
+MOST_PANELS = 12
+
+
+def check_panels(panels: int) -> int:
+    """Return a number of panels that can still be read."""
+    if panels > MOST_PANELS:
+        raise InputError(
+            f"figure can show at most {MOST_PANELS} pairs of zeta and delta0, got {panels}"
+        )
+    return panels
 
 
 def _number(text: str) -> Parameter:
@@ -91,7 +101,7 @@ Seed = Annotated[int, _whole_number("Seed of the random numbers.", 0, LARGEST_SE
 
 Duration = Annotated[float, _number("Time to simulate.")]
 Samples = Annotated[
-    int, _whole_number("Number of times at which the motion is kept.", 2, MOST_SAMPLES)
+    int, _whole_number("Number of times at which the motion is kept.", 2, MOST_NUMBERS)
 ]
 Rtol = Annotated[float, _number("Relative tolerance.")]
 Workers = Annotated[

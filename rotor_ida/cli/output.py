@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 RESULT = "result.nc"
 OUT_ENDING = ".nc"
 PICTURES = (".png", ".svg")
-MOST_PANELS = 12
 FORCED = "--force is given"
 
 
@@ -59,22 +58,13 @@ class Output:
                 raise InputError(f"out must end in {OUT_ENDING}, got {str(self.out)!r}")
             check_target("out", self.out, overwrite=self.force, permission=FORCED)
         if self.figure is not None:
-            check_panels(panels)
+            options.check_panels(panels)
             if self.figure.suffix not in {"", *PICTURES} or self.figure.name in {"", ".."}:
                 word = str(self.figure)
                 raise InputError(f"figure must be NAME, NAME.png or NAME.svg, got {word!r}")
             for ending in PICTURES:
                 picture = self.figure.with_suffix(ending)
                 check_target("figure", picture, overwrite=self.force, permission=FORCED)
-
-
-def check_panels(panels: int) -> int:
-    """Return a number of panels that can still be read."""
-    if panels > MOST_PANELS:
-        raise InputError(
-            f"figure can show at most {MOST_PANELS} pairs of zeta and delta0, got {panels}"
-        )
-    return panels
 
 
 def answer(
