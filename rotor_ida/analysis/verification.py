@@ -26,10 +26,7 @@ HOW = ("rtol", "atol", "method", "flight")
 NUMBERS = ("amplitude", "phase_lag", "radius_min", "radius_max")
 # Variables by which a kind of result is known, and attributes that it takes to compute it again.
 NEEDED = {
-    "run": (
-        ("event_time", "event_time_error", "t"),
-        (*PARAMETERS, "start", "duration", *HOW),
-    ),
+    "run": (("event_time", "event_time_error", "t"), (*PARAMETERS, "start", "duration", *HOW)),
     "sweep": (("event_count", "response", "direction", *STARTS, *PARAMETERS, *NUMBERS), HOW),
     "basin": (
         ("label", "settling_time", "kind", *COMPONENTS, *NUMBERS),

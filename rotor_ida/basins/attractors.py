@@ -9,14 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.basins.batches import Undecided
-from rotor_ida.basins.clustering import (
-    ACCURACY,
-    Numbers,
-    clusters,
-    limits_of,
-    touching,
-    within,
-)
+from rotor_ida.basins.clustering import ACCURACY, Numbers, clusters, limits_of, touching, within
 from rotor_ida.basins.features import MEAN_X, MEAN_Y, RADIUS_MAX, RADIUS_MIN
 from rotor_ida.basins.following import FollowedStarts
 from rotor_ida.basins.kernel import UNDECIDED

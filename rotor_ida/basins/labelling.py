@@ -14,12 +14,7 @@ from rotor_ida.basins.attractors import WITNESSES, Attractor, attractors_of
 from rotor_ida.basins.batches import batch_as_bytes, batch_from_bytes
 from rotor_ida.basins.following import FollowedStarts, Starts, follow_starts
 from rotor_ida.basins.known_attractors import known_attractors
-from rotor_ida.checks import (
-    MOST_POINTS_OF_STUDY,
-    check_instance,
-    check_positive,
-    check_progress,
-)
+from rotor_ida.checks import MOST_POINTS_OF_STUDY, check_instance, check_positive, check_progress
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress, choose
 from rotor_ida.parameters import Rotor

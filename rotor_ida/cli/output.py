@@ -106,10 +106,7 @@ def answer(
             failures.append(f"cannot write {output.figure}: {error.strerror or error}")
     record, parts = describe(dataset, most=most)
     return Report(
-        record=record,
-        parts=[*parts, *written],
-        as_json=output.as_json,
-        trouble="; ".join(failures),
+        record=record, parts=[*parts, *written], as_json=output.as_json, trouble="; ".join(failures)
     )
 
 

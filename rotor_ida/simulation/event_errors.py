@@ -76,13 +76,7 @@ def estimate_event_errors(
     try:
         looser = _scaled(orbit, factor)
         other = run(
-            orbit.rotor,
-            start,
-            orbit.duration,
-            orbit.times,
-            looser,
-            slack=2.0 * slack,
-            stop=stop,
+            orbit.rotor, start, orbit.duration, orbit.times, looser, slack=2.0 * slack, stop=stop
         )
     except SimulationError as error:
         return EventErrors(np.full(orbit.event_times.size, np.inf), error.time)

@@ -114,12 +114,7 @@ class _Trajectory:
 
 
 def follow_to_steady_state(
-    rotor: Rotor,
-    start: State,
-    options: Options,
-    *,
-    doublings: int = 3,
-    stop: Stop | None = None,
+    rotor: Rotor, start: State, options: Options, *, doublings: int = 3, stop: Stop | None = None
 ) -> SettledResponse:
     """Follow a rotor until the kind of its response is decided, or no doubling is left.
 

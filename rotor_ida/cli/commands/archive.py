@@ -64,11 +64,7 @@ def compare(
 
 
 def verify(
-    file: options.File,
-    /,
-    *,
-    workers: options.Workers = None,
-    as_json: options.AsJson = False,
+    file: options.File, /, *, workers: options.Workers = None, as_json: options.AsJson = False
 ) -> Report:
     """Compute an archived run, sweep or basin again, and hold it against the archive.
 

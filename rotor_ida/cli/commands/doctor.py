@@ -100,8 +100,7 @@ def _check_backend(backend: Backend) -> list[Check]:
         return [_check(f"{backend}: free vibration", "absent", reason)]
     return [
         _attempt(
-            f"{backend}: free vibration, flight {flight}",
-            partial(_vibration, backend, flight),
+            f"{backend}: free vibration, flight {flight}", partial(_vibration, backend, flight)
         )
         for flight in get_args(Flight)
     ]

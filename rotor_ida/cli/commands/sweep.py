@@ -13,8 +13,7 @@ from rotor_ida.cli.parsing import check_points
 from rotor_ida.cli.report import Report
 
 Direction = Annotated[
-    Literal["up", "down", "both"] | None,
-    Parameter(help="Follow the response from speed to speed."),
+    Literal["up", "down", "both"] | None, Parameter(help="Follow the response from speed to speed.")
 ]
 
 

@@ -21,13 +21,7 @@ from rotor_ida.simulation import cartesian_phase, contact_phase
 from rotor_ida.simulation.contact_phase import contact_field
 from rotor_ida.simulation.cvode import libraries
 
-PLACE, FLAG, SIZE, REAL, NOTHING = (
-    types.intp,
-    types.intc,
-    types.int64,
-    types.float64,
-    types.void,
-)
+PLACE, FLAG, SIZE, REAL, NOTHING = (types.intp, types.intc, types.int64, types.float64, types.void)
 REALS = types.CPointer(types.float64)
 
 
