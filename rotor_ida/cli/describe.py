@@ -186,21 +186,16 @@ def _comparison(dataset: xr.Dataset, most: int | None) -> Description:
         "points": points,
         **attributes_of(dataset),
     }
-    parts: list[RenderableType] = [
-        table("On an exact branch, by clearance", summary, _summary_columns(summary))
-    ]
-    if most is not None:
-        parts += _rows("Points", points, names, most, digits=6)
-    return record, parts
-
-
-def _summary_columns(summary: Sequence[Record]) -> list[str]:
-    """Return the columns to show: of the kinds of response only those that there are."""
-    return [
+    # of the kinds of response only those that there are
+    columns = [
         name
         for name in summary[0]
         if name not in RESPONSE or any(row[name] != 0 for row in summary)
     ]
+    parts: list[RenderableType] = [table("On an exact branch, by clearance", summary, columns)]
+    if most is not None:
+        parts += _rows("Points", points, names, most, digits=6)
+    return record, parts
 
 
 def _whirls(dataset: xr.Dataset, most: int | None) -> Description:
@@ -295,8 +290,11 @@ def value_of(dataset: xr.Dataset, name: str) -> object:
 
 def attributes_of(dataset: xr.Dataset) -> Record:
     """Return where a dataset came from: method, versions, and what else its attributes say."""
-    plain = {str(name): _plain(value) for name, value in dataset.attrs.items()}
-    plain = {name: value for name, value in plain.items() if name not in HOUSEKEEPING}
+    plain = {
+        str(name): value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
+        for name, value in dataset.attrs.items()
+        if name not in HOUSEKEEPING
+    }
     record: Record = {}
     method = {name: plain.pop(name) for name in METHOD if name in plain}
     versions = {
@@ -319,7 +317,3 @@ def _in_words(values: list[Any], variable: xr.DataArray) -> list[Any]:
     if flags == NO_YES:
         words = {0: False, 1: True}
     return [words[value] for value in values]
-
-
-def _plain(value: object) -> object:
-    return value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value

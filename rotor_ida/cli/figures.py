@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import xarray as xr
 from matplotlib.figure import Figure
@@ -17,11 +16,6 @@ from rotor_ida.plot.labels import LABELS
 
 # Up to so many speeds of a table of whirls are marked.
 FEW_SPEEDS = 30
-
-
-def draw(dataset: xr.Dataset, stem: Path, *, overwrite: bool) -> list[Path]:
-    """Draw a dataset into files whose names begin with `stem`."""
-    return plot.save_figure(figure_of(dataset), stem, overwrite=overwrite)
 
 
 def figure_of(dataset: xr.Dataset) -> Figure:

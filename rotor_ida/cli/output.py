@@ -30,19 +30,7 @@ FORCED = "--force is given"
 @Parameter(name="*")
 @dataclass(frozen=True, kw_only=True)
 class Output:
-    """What to do with a result.
-
-    Parameters
-    ----------
-    out : Path or None
-        The netCDF archive to write.
-    figure : Path or None
-        The figure to draw: one of its files, or their name without the ending.
-    as_json : bool
-        Whether to print JSON.
-    force : bool
-        Whether a file that is there may be replaced.
-    """
+    """What to do with a result."""
 
     out: options.Out = None
     figure: options.Figure = None
@@ -97,10 +85,12 @@ def answer(
             except (RotorError, OSError) as error:
                 failures.append(str(error))
     if output.figure is not None:
-        from rotor_ida.cli.figures import draw  # noqa: PLC0415 - only who draws needs it
+        from rotor_ida.cli.figures import figure_of  # noqa: PLC0415 - only who draws needs it
+        from rotor_ida.plot import save_figure  # noqa: PLC0415
 
+        stem = output.figure.with_suffix("")
         try:
-            files = draw(dataset, output.figure.with_suffix(""), overwrite=output.force)
+            files = save_figure(figure_of(dataset), stem, overwrite=output.force)
             written += [f"wrote {file}" for file in files]
         except OSError as error:
             failures.append(f"cannot write {output.figure}: {error.strerror or error}")

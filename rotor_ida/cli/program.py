@@ -21,14 +21,9 @@ from cyclopts import (
 )
 from rich.console import Console
 
-from rotor_ida.cli.commands.archive import compare, show, verify
-from rotor_ida.cli.commands.basin import basin, fractions
+from rotor_ida.cli.commands.compute import basin, fractions, reproduce, response, simulate, sweep
 from rotor_ida.cli.commands.doctor import doctor
-from rotor_ida.cli.commands.reproduce import reproduce
-from rotor_ida.cli.commands.response import response
-from rotor_ida.cli.commands.simulate import simulate
-from rotor_ida.cli.commands.study import resume, status
-from rotor_ida.cli.commands.sweep import sweep
+from rotor_ida.cli.commands.stored import compare, resume, show, status, verify
 from rotor_ida.cli.report import FAILED, INTERRUPTED, Report, console_on, text_of
 from rotor_ida.cli.streams import results_only
 from rotor_ida.errors import InputError, RotorError
@@ -65,8 +60,17 @@ def main(words: Sequence[str] | None = None) -> int:
             return _run(list(sys.argv[1:] if words is None else words), results)
         except BrokenPipeError:
             return PIPE_CLOSED
-        except (CycloptsError, RotorError, OSError, MemoryError, KeyboardInterrupt) as error:
-            return _complain(_words_for(error), _status_of(error))
+        except CycloptsError as error:
+            return _complain(misread(error), BAD_INPUT)
+        except KeyboardInterrupt as error:
+            return _complain(str(error) or "interrupted", INTERRUPTED)
+        except MemoryError:
+            return _complain("not enough memory for this much data", FAILED)
+        except (RotorError, OSError) as error:
+            said = str(error)
+            if isinstance(error, OSError) and error.strerror:
+                said = f"{error.filename or 'standard output'}: {error.strerror}"
+            return _complain(said, BAD_INPUT if isinstance(error, InputError) else FAILED)
 
 
 def application(console: Console) -> App:
@@ -103,24 +107,6 @@ def _write(text: str, results: TextIO) -> None:
     """Write all of it, so that an error of the stream is met here."""
     results.write(text)
     results.flush()
-
-
-def _status_of(error: BaseException) -> int:
-    if isinstance(error, (CycloptsError, InputError)):
-        return BAD_INPUT
-    return INTERRUPTED if isinstance(error, KeyboardInterrupt) else FAILED
-
-
-def _words_for(error: BaseException) -> str:
-    if isinstance(error, CycloptsError):
-        return misread(error)
-    if isinstance(error, KeyboardInterrupt):
-        return str(error) or "interrupted"
-    if isinstance(error, MemoryError):
-        return "not enough memory for this much data"
-    if isinstance(error, OSError) and error.strerror:
-        return f"{error.filename or 'standard output'}: {error.strerror}"
-    return str(error)
 
 
 def misread(error: CycloptsError) -> str:

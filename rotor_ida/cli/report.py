@@ -15,6 +15,8 @@ from rich.table import Table
 FAILED, INTERRUPTED = 1, 130
 # Wide enough that no number is ever cut when the output is a file or a pipe.
 NO_TERMINAL_WIDTH = 10_000
+# Rows of a table of a whole run or archive; all are printed with --json.
+FIRST_ROWS = 10
 
 Record = Mapping[str, object]
 

@@ -15,9 +15,7 @@ from typing import Any, get_args, get_type_hints
 import pytest
 
 import rotor_ida
-from rotor_ida.cli.commands.basin import basin, fractions
-from rotor_ida.cli.commands.simulate import simulate
-from rotor_ida.cli.commands.sweep import sweep
+from rotor_ida.cli.commands.compute import basin, fractions, simulate, sweep
 
 Program = Callable[..., Any]
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Literal, get_args
+from typing import get_args
 
 import rotor_ida
 from rotor_ida.cli import options
@@ -23,7 +23,6 @@ PACKAGES = (
 RELEASE, CLEARANCE = 2.0, 0.5
 LARGEST_ERROR = 1e-8
 
-Result = Literal["ok", "failed", "absent"]
 Check = dict[str, str]
 
 
@@ -97,7 +96,7 @@ def _check_backend(backend: Backend) -> list[Check]:
     """
     reason = _why_not(backend)
     if reason:
-        return [_check(f"{backend}: free vibration", "absent", reason)]
+        return [{"check": f"{backend}: free vibration", "result": "absent", "seen": reason}]
     return [
         _attempt(
             f"{backend}: free vibration, flight {flight}", partial(_vibration, backend, flight)
@@ -151,10 +150,7 @@ def _archive() -> str:
 
 def _attempt(name: str, attempt: Callable[[], str]) -> Check:
     try:
-        return _check(name, "ok", attempt())
+        result, seen = "ok", attempt()
     except Exception as error:  # whatever is broken here is the answer
-        return _check(name, "failed", " ".join(f"{type(error).__name__}: {error}".split()))
-
-
-def _check(name: str, result: Result, seen: str) -> Check:
+        result, seen = "failed", " ".join(f"{type(error).__name__}: {error}".split())
     return {"check": name, "result": result, "seen": seen}

@@ -1,17 +1,18 @@
-"""The commands show, compare and verify: what an archive holds, and whether it holds."""
+"""The commands for what is on disk: show, compare and verify archives; go on with studies."""
 
 from __future__ import annotations
 
+import math
 import os
-from dataclasses import replace
+from dataclasses import asdict, replace
+from datetime import timedelta
+from pathlib import Path
 
 import rotor_ida
 from rotor_ida.cli import options
-from rotor_ida.cli.output import Output, answer, read, working
-from rotor_ida.cli.report import Report, pairs
+from rotor_ida.cli.output import Output, answer, answer_whole, read, working
+from rotor_ida.cli.report import FIRST_ROWS, Report, pairs
 from rotor_ida.errors import InputError
-
-FIRST_ROWS = 10
 
 
 def show(
@@ -84,3 +85,55 @@ def verify(
     return Report(
         record=record, parts=[pairs("Computed again", shown)], as_json=as_json, trouble=trouble
     )
+
+
+def status(folder: options.Folder, /, *, as_json: options.AsJson = False) -> Report:
+    """Say how far a study is: points done, failed and left, and how long these will take.
+
+    Of the study that the example of fractions began, even while it runs:
+
+        rotor-ida status study
+    """
+    found = rotor_ida.status(folder)
+    reasons = found.pop("reasons")
+    assert isinstance(reasons, list)
+    rows = {name: entry for name, entry in found.items() if name != "seconds_left"}
+    left = found["seconds_left"]
+    assert isinstance(left, float)
+    rows["time_left"] = "" if math.isnan(left) else timedelta(seconds=round(left))
+    rows |= {f"reason_{number}": reason for number, reason in enumerate(reasons, start=1)}
+    return Report(
+        record={"folder": str(folder), **found, "reasons": reasons},
+        parts=[pairs(f"Study {folder}", rows)],
+        as_json=as_json,
+    )
+
+
+def resume(
+    folder: options.Folder,
+    /,
+    *,
+    jobs: options.JobOptions = options.JobOptions(),
+    output: Output = Output(),
+) -> Report:
+    """Go on with a study until it is done, and write its result.
+
+    Of the study that the example of fractions began:
+
+        rotor-ida resume study
+    """
+    output.check(panels=1 if output.figure is None else _panels(folder))
+    with working("study", folder) as progress:
+        dataset = rotor_ida.resume(folder, **asdict(jobs), progress=progress)
+        return answer_whole(dataset, output, folder)
+
+
+def _panels(folder: Path) -> int:
+    """Return how many panels the figure of a study has; refuse a study that has none."""
+    from rotor_ida.storage.studies import design_of  # noqa: PLC0415 - heavy, and not for --help
+
+    design = design_of(folder)
+    if design.get("kind") == "basin_fractions":
+        raise InputError("figure must be of a sweep or basin, got a study of basin fractions")
+    axes = (design.get(name) for name in ("zeta", "delta0"))
+    return math.prod(len(axis) for axis in axes if isinstance(axis, list))

@@ -1,0 +1,243 @@
+"""The commands that compute: one run, responses over speed, basins, and the whole paper again."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+
+import rotor_ida
+from rotor_ida.cli import options
+from rotor_ida.cli.output import Output, answer, answer_whole, working
+from rotor_ida.cli.parsing import MOST_POINTS, check_points
+from rotor_ida.cli.report import FIRST_ROWS, Report
+from rotor_ida.errors import InputError
+
+# More rows are for programs, with --json or --out.
+MOST_ROWS = 1000
+
+WithFolds = Annotated[
+    bool,
+    Parameter(
+        help="Also list the folds; alone if no --omega is given.", negative=(), show_default=False
+    ),
+]
+
+Direction = Annotated[
+    Literal["up", "down", "both"] | None, Parameter(help="Follow the response from speed to speed.")
+]
+
+Only = Annotated[
+    list[str] | None,
+    Parameter(
+        help="Names of the scenarios to run, or how they begin.", consume_multiple=True, negative=()
+    ),
+]
+
+
+def simulate(
+    *,
+    rotor: options.RotorOptions,
+    duration: options.Duration,
+    start: options.Start = options.REST,
+    samples: options.Samples = 1001,
+    solver: options.SolverOptions = options.SolverOptions(),
+    output: Output = Output(),
+) -> Report:
+    r"""Simulate one rotor from one start, with every contact entry and exit.
+
+    From rest, with the result kept in a file:
+
+        rotor-ida simulate --omega 1.2 --zeta 0.07 --delta0 0.5 --duration 20 \
+            --out run.nc
+
+    From a start of its own, drawn into motion.png and motion.svg:
+
+        rotor-ida simulate --omega 1.2 --zeta 0.07 --delta0 0.5 --duration 20 \
+            --start 3 0 0 -1 --figure motion
+    """
+    output.check()
+    run = rotor_ida.simulate(
+        rotor.rotor(), start=start, duration=duration, samples=samples, **asdict(solver)
+    )
+    return answer(run, output, most=FIRST_ROWS)
+
+
+def response(
+    *,
+    zeta: options.Zetas,
+    delta0: options.Delta0s,
+    omega: options.Omegas | None = None,
+    folds: WithFolds = False,
+    output: Output = Output(),
+) -> Report:
+    r"""List every exact synchronous whirl, with its stability.
+
+    At two speeds, with the folds; then over a range of speeds into a file:
+
+        rotor-ida response --omega 1.2 1.7 --zeta 0.07 --delta0 0.5 --folds
+
+        rotor-ida response --omega 0.5:3:251 --zeta 0.07 --delta0 0 2 \
+            --out whirls.nc --figure whirls.png
+    """
+    if omega is None and not folds:
+        raise InputError("omega must hold at least one number, got none")
+    if omega is None and output.figure is not None:
+        raise InputError("figure must be of whirls: give --omega")
+    check_points(omega or [0.0], zeta, delta0)
+    output.check(panels=len(zeta) * len(delta0))
+    if omega is None:
+        return answer(rotor_ida.folds(zeta=zeta, delta0=delta0), output, most=MOST_ROWS)
+    whirls = rotor_ida.synchronous_response(omega=omega, zeta=zeta, delta0=delta0)
+    if folds:
+        found = rotor_ida.folds(zeta=zeta, delta0=delta0)
+        whirls = whirls.assign({name: found[name] for name in ("fold_omega", "fold_amplitude")})
+    return answer(whirls, output, most=MOST_ROWS)
+
+
+def sweep(
+    *,
+    omega: options.Omegas,
+    zeta: options.Zetas,
+    delta0: options.Delta0s,
+    start: options.Starts = [options.REST],  # noqa: B006 - never changed
+    direction: Direction = None,
+    jobs: options.JobOptions = options.JobOptions(),
+    solver: options.SolverOptions = options.SolverOptions(),
+    study: options.Study = None,
+    output: Output = Output(),
+) -> Report:
+    r"""Follow the rotor at every speed, damping and clearance until it has settled.
+
+    From rest and from far out, at three speeds and two clearances:
+
+        rotor-ida sweep --omega 1.2:2:3 --zeta 0.5 --delta0 0 0.5 \
+            --start 0 0 0 0 --start 10 0 0 0 --workers 1 --out sweep.nc
+    """
+    check_points(omega, zeta, delta0, start, in_study=study is not None)
+    output.check(panels=len(zeta) * len(delta0))
+    from rotor_ida.parallel import count_workers  # noqa: PLC0415 - heavy, and not for --help
+
+    # The program guards its main part: all cores, whatever the backend.
+    every_core = jobs.workers is None and jobs.executor == "auto"
+    with working("sweep", study) as progress:
+        dataset = rotor_ida.sweep(
+            omega=omega,
+            zeta=zeta,
+            delta0=delta0,
+            starts=start,
+            direction=direction,
+            **asdict(solver),
+            workers=count_workers(None) if every_core else jobs.workers,
+            executor=jobs.executor,
+            study=study,
+            progress=progress,
+        )
+        return answer_whole(dataset, output, study)
+
+
+def basin(
+    *,
+    rotor: options.RotorOptions,
+    x: options.Component,
+    y: options.Component,
+    vx: options.Component = 0.0,
+    vy: options.Component = 0.0,
+    rtol: options.Rtol = 1e-6,
+    jobs: options.JobOptions = options.JobOptions(),
+    study: options.Study = None,
+    output: Output = Output(),
+) -> Report:
+    r"""Say for every start of a plane on which attractor the rotor ends.
+
+    Two components of the start are ranges, two are numbers; here the velocities are 0:
+
+        rotor-ida basin --omega 1.7 --zeta 0.07 --delta0 0 \
+            --x=-15:15:64 --y=-15:15:64 --out basin.nc
+
+    Interrupted, it writes what is done; with status 130 the rest is marked as not computed.
+    """
+    axes = [part for part in (x, y, vx, vy) if isinstance(part, list)]
+    check_points(*axes, in_study=study is not None)
+    output.check()
+    with working("basin", study) as progress:
+        dataset = rotor_ida.basin(
+            rotor.rotor(),
+            x=x,
+            y=y,
+            vx=vx,
+            vy=vy,
+            rtol=rtol,
+            **asdict(jobs),
+            study=study,
+            progress=progress,
+        )
+        return answer_whole(dataset, output, study)
+
+
+def fractions(
+    *,
+    rotor: options.RotorOptions,
+    x: options.Range,
+    y: options.Range,
+    vx: options.Range = 0.0,
+    vy: options.Range = 0.0,
+    starts: options.StartCount = 10_000,
+    seed: options.Seed = 0,
+    rtol: options.Rtol = 1e-6,
+    jobs: options.JobOptions = options.JobOptions(),
+    study: options.Study = None,
+    out: options.Out = None,
+    as_json: options.AsJson = False,
+    force: options.Force = False,
+) -> Report:
+    r"""Say which fraction of random starts ends on which attractor.
+
+    Of starts drawn from a square, kept in a folder as they are done:
+
+        rotor-ida fractions --omega 2 --zeta 0.07 --delta0 2 --x=-15:15 --y=-15:15 \
+            --starts 2000 --study study
+    """
+    output = Output(out=out, as_json=as_json, force=force)
+    output.check()
+    if study is None and starts > MOST_POINTS:
+        raise InputError(f"starts must be at most {MOST_POINTS} without --study, got {starts}")
+    with working("fractions", study) as progress:
+        dataset = rotor_ida.basin_fractions(
+            rotor.rotor(),
+            x=x,
+            y=y,
+            vx=vx,
+            vy=vy,
+            starts=starts,
+            seed=seed,
+            rtol=rtol,
+            **asdict(jobs),
+            study=study,
+            progress=progress,
+        )
+        return answer_whole(dataset, output, study)
+
+
+def reproduce(
+    *,
+    out: Annotated[Path, Parameter(help="Folder for archives and figures.")] = Path("results"),
+    quick: Annotated[
+        bool, Parameter(help="Coarser and faster.", negative=(), show_default=False)
+    ] = False,
+    only: Only = None,
+    workers: options.Workers = None,
+    force: options.Force = False,
+) -> int:
+    """Compute every figure of the paper and every study again, on a page index.html.
+
+    What is up to date is left alone; one that fails does not stop the others. One of them, coarse
+    but quick, named in full or by how it begins:
+
+        rotor-ida reproduce --only fig06_jumps --quick --out results
+    """
+    from rotor_ida.paper import reproduction  # noqa: PLC0415 - heavy, and not for --help
+
+    return reproduction.reproduce(out, quick=quick, only=only, workers=workers, force=force)
