@@ -102,6 +102,14 @@ def check_positive(name: str, value: object, largest: float = math.inf) -> float
     return number
 
 
+def check_between(name: str, value: object, least: float, most: float) -> float:
+    """Return `value` as a positive float from `least` to `most`."""
+    number = check_positive(name, value)
+    if not least <= number <= most:
+        raise InputError(f"{name} must lie from {least} to {most}, got {number!r}")
+    return number
+
+
 def check_count(name: str, value: object, minimum: int = 1, maximum: int = MOST_NUMBERS) -> int:
     """Return `value` as an int from `minimum` to `maximum`."""
     count = _scalar(name, value)

@@ -72,12 +72,13 @@ def compare(dataset: xr.Dataset) -> xr.Dataset:
     matched = distance < ON_BRANCH
 
     amplitude_error = (amplitude - exact["amplitude"]) / exact["amplitude"]
-    phase_error = _wrapped(lag - exact["phase_lag"])
+    # from -pi to pi
+    phase_error = (lag - exact["phase_lag"] + np.pi) % (2.0 * np.pi) - np.pi
     columns = {
         "matched_branch": nearest.where(matched, -1).astype(np.int8),
-        "amplitude_error": _at(amplitude_error, nearest).where(matched),
-        "phase_error": _at(phase_error, nearest).where(matched),
-        "digits": _digits(distance).where(matched),
+        "amplitude_error": amplitude_error.isel(branch=nearest).where(matched),
+        "phase_error": phase_error.isel(branch=nearest).where(matched),
+        "digits": -np.log10(np.maximum(distance, 10.0**-ALL_DIGITS)).where(matched),
     }
     variables = {
         name: labelled(name, dims, column.transpose(*dims).values)
@@ -157,20 +158,6 @@ def _relative_distance(
     # A rotor at rest is exactly on its branch of amplitude 0.
     scale = exact["amplitude"].where(exact["amplitude"] != 0.0, 1.0)
     return distance / scale
-
-
-def _wrapped(angle: xr.DataArray) -> xr.DataArray:
-    """Return an angle in [-pi, pi)."""
-    return (angle + np.pi) % (2.0 * np.pi) - np.pi
-
-
-def _at(errors: xr.DataArray, branch: xr.DataArray) -> xr.DataArray:
-    return errors.isel(branch=branch).drop_vars("branch")
-
-
-def _digits(distance: xr.DataArray) -> xr.DataArray:
-    floor = 10.0**-ALL_DIGITS
-    return xr.DataArray(-np.log10(np.maximum(distance, floor)))
 
 
 def _exact_variables(exact: xr.Dataset) -> dict[str, xr.Variable]:

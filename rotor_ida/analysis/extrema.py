@@ -122,10 +122,9 @@ def _knots(
     x, y, vx, vy = start
     states, in_contact = np.full((count, 4), np.nan), np.empty(count, dtype=np.bool_)
     states[0] = start
-    in_contact[0] = starts_in_contact(
-        complex(x, y), complex(vx, vy), rotor.omega, rotor.zeta, rotor.delta0
-    )
-    done = follow_on(states, in_contact, step, rotor.omega, rotor.zeta, rotor.delta0, rtol, stop)
+    parameters = (rotor.omega, rotor.zeta, rotor.delta0)
+    in_contact[0] = starts_in_contact(complex(x, y), complex(vx, vy), *parameters)
+    done = follow_on(states, in_contact, step, parameters, rtol, stop)
     if done != DONE:
         last = int(np.isfinite(states).all(axis=1).sum()) - 1
         raise _failure(rotor, last * step, states[last])
@@ -154,10 +153,9 @@ def _polished(
     """Return states near the extrema, the times from their knots to them, and which are found."""
     reached = np.full_like(states, np.nan)
     change = np.zeros_like(offsets)
+    parameters = (rotor.omega, rotor.zeta, rotor.delta0)
     for _ in range(ATTEMPTS):
-        done = follow_from(
-            states, in_contact, offsets, reached, rotor.omega, rotor.zeta, rotor.delta0, rtol, stop
-        )
+        done = follow_from(states, in_contact, offsets, reached, parameters, rtol, stop)
         if done != DONE:
             row = int(np.argmin(np.isfinite(reached).all(axis=1)))
             raise _failure(rotor, float(times[row]), states[row])

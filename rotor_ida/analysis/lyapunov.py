@@ -12,6 +12,7 @@ from rotor_ida.analysis.tangent import DONE, follow_stretches
 from rotor_ida.checks import (
     MOST_NUMBERS,
     State,
+    check_between,
     check_count,
     check_duration,
     check_instance,
@@ -125,10 +126,8 @@ def lyapunov_exponent(
     check_instance("rotor", rotor, Rotor)
     first = check_state("start", start)
     check_can_be_followed(rotor, first)
-    lead, length = (
-        check_positive(name, value, LONGEST)
-        for name, value in (("transient", transient), ("duration", duration))
-    )
+    lead = check_positive("transient", transient, LONGEST)
+    length = check_positive("duration", duration, LONGEST)
     check_duration("transient + duration", lead + length, rotor.omega)
     count = check_count("batches", batches, FEWEST_BATCHES)
     each = int(length / (count * SPAN))
@@ -137,9 +136,7 @@ def lyapunov_exponent(
             f"duration must be at least {SPANS_A_BATCH * SPAN:g} for each of {count} batches, "
             f"got {length!r}"
         )
-    tolerance = check_positive("rtol", rtol)
-    if not TIGHTEST_RTOL <= tolerance <= LOOSEST_RTOL:
-        raise InputError(f"rtol must lie from {TIGHTEST_RTOL} to {LOOSEST_RTOL}, got {tolerance!r}")
+    tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
     span = length / (count * each)
     spans = (math.ceil(lead / span), count * each)
     stretches = interruptible(lambda stop: _stretches(rotor, first, *spans, span, tolerance, stop))
@@ -171,13 +168,10 @@ def _stretches(
     bundle = np.vstack([start, np.eye(4)])
     # Not along the axes: these are special directions of a rotor that starts at rest.
     bundle[1:] = np.linalg.qr(np.vander([1.0, 0.7, -0.4, -0.9]))[0]
-    in_contact = starts_in_contact(
-        complex(x, y), complex(vx, vy), rotor.omega, rotor.zeta, rotor.delta0
-    )
+    parameters = (rotor.omega, rotor.zeta, rotor.delta0)
+    in_contact = starts_in_contact(complex(x, y), complex(vx, vy), *parameters)
     stretches = np.full((lead + count, 4), np.nan)
-    done = follow_stretches(
-        bundle, in_contact, span, stretches, rotor.omega, rotor.zeta, rotor.delta0, rtol, stop
-    )
+    done = follow_stretches(bundle, in_contact, span, stretches, parameters, rtol, stop)
     if done != DONE or not np.isfinite(stretches).all():
         time = span * int(np.isfinite(stretches).all(axis=1).sum())
         x, y, vx, vy = rotated(bundle[0], rotor.omega * time).tolist()

@@ -32,6 +32,7 @@ from rotor_ida.parallel.jobs import Stop
 from rotor_ida.simulation.flight import drift, first_touch, fly
 
 Values = npt.NDArray[np.float64]
+Parameters = tuple[float, float, float]
 
 DONE, STUCK = 0, 1
 
@@ -53,9 +54,7 @@ def follow_stretches(
     in_contact: bool,
     span: float,
     stretches: Values,
-    omega: float,
-    zeta: float,
-    delta0: float,
+    rotor: Parameters,
     rtol: float,
     stop: Stop,
 ) -> int:
@@ -73,8 +72,8 @@ def follow_stretches(
     stretches : ndarray, shape (n, 4)
         Filled with the logarithms of the factors by which each of n spans stretches the
         vectors [1].
-    omega, zeta, delta0 : float
-        The rotor [1].
+    rotor : tuple of float
+        omega, zeta and delta0 [1].
     rtol : float
         Tolerance of one step relative to the size of state and vectors [1].
     stop : ndarray, shape (1,)
@@ -87,7 +86,7 @@ def follow_stretches(
     """
     mode = np.array([1.0 if in_contact else 0.0, 1e-3])
     for row in range(stretches.shape[0]):
-        if _follow(bundle, mode, span, omega, zeta, delta0, rtol, stop) != DONE:
+        if _follow(bundle, mode, span, rotor, rtol, stop) != DONE:
             return STUCK
         orthonormalise(bundle, stretches[row])
     return DONE
@@ -98,9 +97,7 @@ def follow_on(
     states: Values,
     in_contact: npt.NDArray[np.bool_],
     span: float,
-    omega: float,
-    zeta: float,
-    delta0: float,
+    rotor: Parameters,
     rtol: float,
     stop: Stop,
 ) -> int:
@@ -112,14 +109,14 @@ def follow_on(
         States on the rotating axes, of which the first is given [1].
     in_contact : ndarray of bool, shape (n,)
         Whether each is in contact; the first is given.
-    span, omega, zeta, delta0, rtol, stop
+    span, rotor, rtol, stop
         As for `follow_stretches`.
     """
     bundle = np.zeros((5, 4))
     bundle[0] = states[0]
     mode = np.array([1.0 if in_contact[0] else 0.0, 1e-3])
     for row in range(1, states.shape[0]):
-        if _follow(bundle, mode, span, omega, zeta, delta0, rtol, stop) != DONE:
+        if _follow(bundle, mode, span, rotor, rtol, stop) != DONE:
             return STUCK
         states[row] = bundle[0]
         in_contact[row] = mode[0] > 0.0
@@ -132,9 +129,7 @@ def follow_from(
     in_contact: npt.NDArray[np.bool_],
     spans: Values,
     reached: Values,
-    omega: float,
-    zeta: float,
-    delta0: float,
+    rotor: Parameters,
     rtol: float,
     stop: Stop,
 ) -> int:
@@ -143,7 +138,7 @@ def follow_from(
     for row in range(states.shape[0]):
         bundle[0] = states[row]
         mode = np.array([1.0 if in_contact[row] else 0.0, max(spans[row], 1e-6)])
-        if spans[row] > 0.0 and _follow(bundle, mode, spans[row], omega, zeta, delta0, rtol, stop):
+        if spans[row] > 0.0 and _follow(bundle, mode, spans[row], rotor, rtol, stop):
             return STUCK
         reached[row] = bundle[0]
     return DONE
@@ -171,20 +166,14 @@ def orthonormalise(bundle: Values, stretch: Values) -> None:
 
 @compiled
 def _follow(
-    bundle: Values,
-    mode: Values,
-    span: float,
-    omega: float,
-    zeta: float,
-    delta0: float,
-    rtol: float,
-    stop: Stop,
+    bundle: Values, mode: Values, span: float, rotor: Parameters, rtol: float, stop: Stop
 ) -> int:
     """Alternate flight and contact over `span`; `mode` keeps whether in contact, and the step."""
+    omega, zeta, delta0 = rotor
     left = span
     for _ in range(_PATIENCE):
         if mode[0] > 0.0:
-            passed = _stay_in_contact(bundle, mode, left, omega, zeta, delta0, rtol, stop)
+            passed = _stay_in_contact(bundle, mode, left, rotor, rtol, stop)
             if passed < 0.0:
                 return STUCK
         else:
@@ -230,17 +219,10 @@ def _put_on_the_ring(bundle: Values, delta0: float) -> None:
 
 @compiled
 def _stay_in_contact(
-    bundle: Values,
-    mode: Values,
-    left: float,
-    omega: float,
-    zeta: float,
-    delta0: float,
-    rtol: float,
-    stop: Stop,
+    bundle: Values, mode: Values, left: float, rotor: Parameters, rtol: float, stop: Stop
 ) -> float:
     """Integrate until the exit or for `left`; return the time passed, negative if stuck."""
-    rotor = (omega, zeta, delta0)
+    delta0 = rotor[2]
     rates = np.empty((STAGES + 1, 5, 4))
     trial, matrix = np.empty((5, 4)), np.zeros((4, 4))
     _write_rate(bundle, rates[0], matrix, rotor)
@@ -281,7 +263,7 @@ def _land_on_exit(
     rates: Values,
     trial: Values,
     matrix: Values,
-    rotor: tuple[float, float, float],
+    rotor: Parameters,
     rtol: float,
 ) -> float:
     """Shorten a step that leaves the contact so that it ends on the ring: Newton in a bracket."""
@@ -310,9 +292,7 @@ def _radial(bundle: Values) -> float:
 
 
 @compiled
-def _write_rate(
-    bundle: Values, rate: Values, matrix: Values, rotor: tuple[float, float, float]
-) -> None:
+def _write_rate(bundle: Values, rate: Values, matrix: Values, rotor: Parameters) -> None:
     """Write the rate of change of the state and of its tangent vectors."""
     omega, zeta, delta0 = rotor
     rotating_field_into(bundle[0], rate[0], omega, zeta, delta0)
@@ -332,7 +312,7 @@ def _step(
     rates: Values,
     trial: Values,
     matrix: Values,
-    rotor: tuple[float, float, float],
+    rotor: Parameters,
     rtol: float,
 ) -> float:
     """Write the bundle after one step into `trial`; return its error in tolerances.

@@ -80,7 +80,7 @@ def rerun(
     again: dict[str, Callable[..., xr.Dataset]] = {
         "sweep": _sweep,
         "basin": _basin,
-        "basin_fractions": _shares,
+        "basin_fractions": _basin_fractions,
     }
     return again[kind](dataset, workers=workers, progress=progress)
 
@@ -155,7 +155,9 @@ def _basin(dataset: xr.Dataset, workers: int | None, progress: Progress | None) 
     return basin(_rotor(dataset), **starts, workers=workers, progress=progress)
 
 
-def _shares(dataset: xr.Dataset, workers: int | None, progress: Progress | None) -> xr.Dataset:
+def _basin_fractions(
+    dataset: xr.Dataset, workers: int | None, progress: Progress | None
+) -> xr.Dataset:
     given = dataset.attrs
     drawn: dict[str, Any] = {
         name: tuple(np.atleast_1d(given[f"range_{name}"]).tolist()) for name in COMPONENTS

@@ -9,7 +9,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.basins.dataset import basin_dataset
-from rotor_ida.basins.labelling import RTOL, check_rotor, check_rtol, label
+from rotor_ida.basins.labelling import RTOL, check_rotor, label
 from rotor_ida.checks import COMPONENTS, check_vector, is_scalar
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress
@@ -81,7 +81,7 @@ def basin(
     borders of the basins, is smaller. ``settling_time`` is the time at which a start is known to
     be on its attractor for good, or else that at which the final window ends.
 
-    NearestFeatures
+    Examples
     --------
     >>> import numpy as np
     >>> axis = np.linspace(-15.0, 15.0, 24)
@@ -108,13 +108,9 @@ def basin(
     design = {"kind": "basin", **{name: values.tolist() for name, values in axes.items()}, **fixed}
     found = label(
         rotor, starts, rows.size * columns.size, design,
-        rtol=check_rtol(rtol), workers=workers, executor=executor, study=study, progress=progress,
+        rtol=rtol, workers=workers, executor=executor, study=study, progress=progress,
     )  # fmt: skip
-    shape = (rows.size, columns.size)
-    return basin_dataset(
-        rotor, axes, fixed, found.labels.reshape(shape), found.times.reshape(shape),
-        found.attractors, found.attributes, found.options, found.folder,
-    )  # fmt: skip
+    return basin_dataset(rotor, axes, fixed, found)
 
 
 def _axes_of(given: dict[str, npt.ArrayLike]) -> tuple[dict[str, Values], dict[str, float]]:

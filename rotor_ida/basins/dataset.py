@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.basins.attractors import Attractor
+from rotor_ida.basins.labelling import Labelled
 from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import FATE, RESPONSE, Column, labelled, labelled_dataset
@@ -27,44 +28,8 @@ LABELLING = (
 TABLE = ("amplitude", "phase_lag", "radius_min", "radius_max")
 
 
-class Described(Protocol):
-    """What is known of an attractor."""
-
-    @property
-    def kind(self) -> str:
-        """Kind of response."""
-
-    @property
-    def amplitude(self) -> float:
-        """Amplitude at the spin speed [1]."""
-
-    @property
-    def phase_lag(self) -> float:
-        """Phase lag [rad]."""
-
-    @property
-    def radius_min(self) -> float:
-        """Smallest radius [1]."""
-
-    @property
-    def radius_max(self) -> float:
-        """Largest radius [1]."""
-
-    @property
-    def confirmed(self) -> bool:
-        """Whether CVODE has been there."""
-
-
 def basin_dataset(
-    rotor: Rotor,
-    axes: Mapping[str, Values],
-    fixed: Mapping[str, float],
-    labels: npt.NDArray[np.int16],
-    times: npt.NDArray[np.float32],
-    attractors: Sequence[Described],
-    attributes: Mapping[str, object],
-    options: Options,
-    folder: Path | None = None,
+    rotor: Rotor, axes: Mapping[str, Values], fixed: Mapping[str, float], found: Labelled
 ) -> xr.Dataset:
     """Return a grid of starts with what they end on.
 
@@ -76,23 +41,15 @@ def basin_dataset(
         The two components of the start that vary, in the order of the dimensions [1].
     fixed : mapping of str to float
         The two others [1].
-    labels : ndarray of int16, shape (n, m)
-        Number of the attractor, or one of `FATE`.
-    times : ndarray of float32, shape (n, m)
-        Settling times [1].
-    attractors : sequence
-        The attractors, by number.
-    attributes : mapping
-        More attributes.
-    options : Options
-        How CVODE confirmed.
-    folder : Path, optional
-        Where arrays go that may be larger than memory.
+    found : Labelled
+        The starts, row by row, with what they end on.
     """
+    attractors, shape = found.attractors, tuple(values.size for values in axes.values())
+    labels, times = found.labels.reshape(shape), found.times.reshape(shape)
     dims = tuple(axes)
     variables = {
         "label": _labels(labels, dims, len(attractors)),
-        "response": _responses(labels, dims, attractors, folder),
+        "response": _responses(labels, dims, attractors, found.folder),
         "settling_time": labelled("settling_time", dims, times),
         **_attractor_table(labels, attractors),
     }
@@ -101,16 +58,12 @@ def basin_dataset(
     coordinates |= {name: ((), value) for name, value in fixed.items()}
     coordinates["attractor"] = ("attractor", np.arange(len(attractors)))
     title = "Rotor in a clearance: what each start ends on"
-    told = _attributes(rotor, attributes, options)
+    told = _attributes(rotor, found.attributes, found.options)
     return labelled_dataset(title, variables, coordinates, told)
 
 
 def fractions_dataset(
-    rotor: Rotor,
-    labels: npt.NDArray[np.int16],
-    attractors: Sequence[Described],
-    attributes: Mapping[str, object],
-    options: Options,
+    rotor: Rotor, found: Labelled, attributes: Mapping[str, object]
 ) -> xr.Dataset:
     """Return which parts of the starts end on which attractor and kind of response.
 
@@ -118,11 +71,12 @@ def fractions_dataset(
     ----------
     rotor : Rotor
         The rotor.
-    labels : ndarray of int16, shape (n,)
-        Number of the attractor of each start, or one of `FATE`.
-    attractors, attributes, options
-        As for `basin_dataset`.
+    found : Labelled
+        The starts with what they end on.
+    attributes : mapping
+        How the starts were drawn.
     """
+    labels, attractors = found.labels, found.attractors
     missing, undecided, *ends = _counts(labels, len(attractors)).tolist()
     of_kind = {number: 0 for word, number in RESPONSE.items() if word != "failed"}
     of_kind[RESPONSE["unresolved"]] = undecided
@@ -140,7 +94,7 @@ def fractions_dataset(
     coordinates["attractor"] = ("attractor", np.arange(len(attractors)))
     coordinates["response"] = ("response", np.array(kinds, dtype=np.int8))
     title = "Rotor in a clearance: fractions of starts"
-    told = _attributes(rotor, attributes, options)
+    told = _attributes(rotor, {**attributes, **found.attributes}, found.options)
     return labelled_dataset(title, variables, coordinates, told)
 
 
@@ -160,7 +114,7 @@ def _labels(labels: npt.NDArray[np.int16], dims: tuple[str, ...], count: int) ->
 def _responses(
     labels: npt.NDArray[np.int16],
     dims: tuple[str, ...],
-    attractors: Sequence[Described],
+    attractors: Sequence[Attractor],
     folder: Path | None,
 ) -> xr.Variable:
     """Return the kind of response of each start; those not computed have a number of their own."""
@@ -179,7 +133,7 @@ def _responses(
 
 
 def _attractor_table(
-    labels: npt.NDArray[np.int16], attractors: Sequence[Described]
+    labels: npt.NDArray[np.int16], attractors: Sequence[Attractor]
 ) -> dict[str, xr.Variable]:
     missing, undecided, *ends = _counts(labels, len(attractors)).tolist()
     counts = np.array(ends, dtype=np.int64)

@@ -9,7 +9,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.basins.dataset import fractions_dataset
-from rotor_ida.basins.labelling import RTOL, check_rotor, check_rtol, label
+from rotor_ida.basins.labelling import RTOL, check_rotor, label
 from rotor_ida.checks import (
     COMPONENTS,
     MOST_POINTS_OF_STUDY,
@@ -77,7 +77,7 @@ def basin_fractions(
     -----
     The standard error of a fraction p of n starts is ``sqrt(p (1 - p)/n)``.
 
-    NearestFeatures
+    Examples
     --------
     >>> found = basin_fractions(Rotor(omega=1.7, zeta=0.07, delta0=0.0), x=(-15, 15), y=(-15, 15),
     ...                starts=500)
@@ -101,11 +101,11 @@ def basin_fractions(
     design = {"kind": "basin_fractions", "starts": count, "seed": chosen, **ranges}
     found = label(
         rotor, drawn, count, design,
-        rtol=check_rtol(rtol), workers=workers, executor=executor, study=study, progress=progress,
+        rtol=rtol, workers=workers, executor=executor, study=study, progress=progress,
     )  # fmt: skip
-    attributes = {"starts": count, "seed": chosen, **found.attributes}
+    attributes = {"starts": count, "seed": chosen}
     attributes |= {f"range_{name}": limits for name, limits in zip(COMPONENTS, box, strict=True)}
-    return fractions_dataset(rotor, found.labels, found.attractors, attributes, found.options)
+    return fractions_dataset(rotor, found, attributes)
 
 
 def _range(name: str, value: object) -> tuple[float, float]:

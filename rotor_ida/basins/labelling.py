@@ -14,10 +14,10 @@ from rotor_ida.basins.attractors import WITNESSES, Attractor, attractors_of
 from rotor_ida.basins.batches import batch_as_bytes, batch_from_bytes
 from rotor_ida.basins.following import FollowedStarts, Starts, follow_starts
 from rotor_ida.basins.known_attractors import known_attractors
-from rotor_ida.checks import MOST_POINTS_OF_STUDY, check_instance, check_positive, check_progress
+from rotor_ida.checks import MOST_POINTS_OF_STUDY, check_between, check_instance, check_progress
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress, choose
-from rotor_ida.parameters import Rotor
+from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.provenance import computing
 from rotor_ida.simulation.options import Options, check_can_be_followed
 from rotor_ida.storage.studies.arrays import stretches
@@ -58,21 +58,13 @@ def check_rotor(rotor: object) -> Rotor:
     return rotor
 
 
-def check_rtol(rtol: object) -> float:
-    """Return a tolerance that the kernel can hold."""
-    value = check_positive("rtol", rtol)
-    if not TIGHTEST <= value <= LOOSEST:
-        raise InputError(f"rtol must lie from {TIGHTEST} to {LOOSEST}, got {value!r}")
-    return value
-
-
 def label(
     rotor: Rotor,
     starts: Starts,
     count: int,
     design: Mapping[str, object],
     *,
-    rtol: float,
+    rtol: object,
     workers: int | None,
     executor: str,
     study: str | os.PathLike[str] | None,
@@ -87,12 +79,13 @@ def label(
     if count > most:
         raise InputError(f"starts must be at most {most}, got {count}: a study keeps more on disk")
     check_progress(progress)
+    tolerance = check_between("rtol", rtol, TIGHTEST, LOOSEST)
     place, several = choose(executor, workers, compiled=True)
     options = Options()
-    with open_results(study, {**design, **_design(rotor, rtol, options)}, count, FORM) as kept:
+    with open_results(study, {**design, **_design(rotor, tolerance, options)}, count, FORM) as kept:
         found = follow_starts(
             known_attractors(rotor), starts, count, kept,
-            tolerance=rtol, workers=several, executor=place, progress=progress,
+            tolerance=tolerance, workers=several, executor=place, progress=progress,
         )  # fmt: skip
         trapped = _witnesses(found, starts)
         try:
@@ -102,10 +95,8 @@ def label(
                 raise
             found.interrupted = True
             attractors = attractors_of(found, trapped, options)
-        attributes: dict[str, object] = {
-            "labelling_rtol": rtol,
-            "interrupted": int(found.interrupted),
-        }
+        attributes: dict[str, object] = {"labelling_rtol": tolerance}
+        attributes["interrupted"] = int(found.interrupted)
         if found.not_computed_reason:
             attributes["not_computed_reason"] = found.not_computed_reason
         return Labelled(found.labels, found.times, attractors, attributes, options, kept.folder)
@@ -113,7 +104,7 @@ def label(
 
 def _design(rotor: Rotor, rtol: float, options: Options) -> dict[str, object]:
     """Return what decides on the bits of the labels beside the starts."""
-    parameters = {"omega": rotor.omega, "zeta": rotor.zeta, "delta0": rotor.delta0}
+    parameters = {name: getattr(rotor, name) for name in PARAMETERS}
     return {**parameters, "rtol": rtol, "confirmed_with_rtol": options.rtol, **computing()}
 
 

@@ -108,7 +108,7 @@ def trapping_regions(rotor: Rotor) -> list[TrappingRegion]:
     rotor : Rotor
         A rotor that turns and is damped.
 
-    NearestFeatures
+    Examples
     --------
     >>> regions = trapping_regions(Rotor(omega=1.7, zeta=0.07, delta0=0.0))
     >>> [round(each.amplitude, 4) for each in regions]

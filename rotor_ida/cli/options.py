@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 from cyclopts import Parameter
 from cyclopts.validators import Number
@@ -117,6 +117,18 @@ Study = Annotated[
 Out = Annotated[Path | None, _path("Write the result to this new netCDF file.")]
 Figure = Annotated[
     Path | None, _path("Draw the result into NAME.png and NAME.svg; give NAME or either file.")
+]
+Results = Annotated[Path, Parameter(help="Folder for archives and figures.")]
+Direction = Annotated[
+    Literal["up", "down", "both"] | None, Parameter(help="Follow the response from speed to speed.")
+]
+WithFolds = Annotated[bool, _flag("Also list the folds; alone if no --omega is given.")]
+Quick = Annotated[bool, _flag("Coarser and faster.")]
+Names = Annotated[
+    list[str] | None,
+    Parameter(
+        help="Names of the scenarios to run, or how they begin.", consume_multiple=True, negative=()
+    ),
 ]
 AsJson = Annotated[bool, _flag("Print one JSON object, not tables.", name="--json")]
 Force = Annotated[bool, _flag("Replace files that are there.")]

@@ -21,12 +21,6 @@ IN_FLIGHT = 2
 
 @dataclass(frozen=True, slots=True)
 class FailedJob:
-    """The result of a job whose workers died.
-
-    Parameters
-    ----------
-    reason : str
-        How they died.
-    """
+    """The result of a job whose workers died, and how they did."""
 
     reason: str

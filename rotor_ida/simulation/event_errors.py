@@ -21,7 +21,7 @@ import numpy.typing as npt
 from rotor_ida.checks import State
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel.jobs import Stop
-from rotor_ida.simulation.options import LOOSEST_ATOL, LOOSEST_RTOL, TIGHTEST_ATOL, Options
+from rotor_ida.simulation.options import LOOSEST_ATOL, LOOSEST_RTOL, TIGHTEST_ATOL
 from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run
 
@@ -73,8 +73,9 @@ def estimate_event_errors(
     """
     can_be_looser = APART * orbit.options.rtol <= LOOSEST_RTOL
     factor = APART if can_be_looser else 1.0 / APART
+    atol = min(max(factor * orbit.options.atol, TIGHTEST_ATOL), LOOSEST_ATOL)
     try:
-        looser = _scaled(orbit, factor)
+        looser = replace(orbit.options, rtol=factor * orbit.options.rtol, atol=atol)
         other = run(
             orbit.rotor, start, orbit.duration, orbit.times, looser, slack=2.0 * slack, stop=stop
         )
@@ -90,12 +91,6 @@ def estimate_event_errors(
     if horizon < orbit.duration:
         errors[orbit.event_times > horizon] = np.inf
     return EventErrors(errors, horizon)
-
-
-def _scaled(orbit: Orbit, factor: float) -> Options:
-    options = orbit.options
-    atol = min(max(factor * options.atol, TIGHTEST_ATOL), LOOSEST_ATOL)
-    return replace(options, rtol=factor * options.rtol, atol=atol)
 
 
 def _partners(orbit: Orbit, other: Orbit) -> npt.NDArray[np.intp]:

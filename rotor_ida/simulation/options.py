@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from rotor_ida.checks import COMPONENTS, State, check_choice, check_positive
+from rotor_ida.checks import COMPONENTS, State, check_between, check_choice
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import PARAMETERS, Rotor
 
@@ -60,13 +60,9 @@ class Options:
     backend: Backend = "auto"
 
     def __post_init__(self) -> None:
-        rtol = check_positive("rtol", self.rtol)
-        if not TIGHTEST_RTOL <= rtol <= LOOSEST_RTOL:
-            raise InputError(f"rtol must lie from {TIGHTEST_RTOL} to {LOOSEST_RTOL}, got {rtol!r}")
+        rtol = check_between("rtol", self.rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
+        atol = check_between("atol", self.atol, TIGHTEST_ATOL, LOOSEST_ATOL)
         object.__setattr__(self, "rtol", rtol)
-        atol = check_positive("atol", self.atol)
-        if not TIGHTEST_ATOL <= atol <= LOOSEST_ATOL:
-            raise InputError(f"atol must lie from {TIGHTEST_ATOL} to {LOOSEST_ATOL}, got {atol!r}")
         object.__setattr__(self, "atol", atol)
         check_choice("method", self.method, METHODS)
         if self.method == "ida" and rtol < TIGHTEST_RTOL_OF_IDA:

@@ -69,33 +69,28 @@ class Orbit:
 
 def check_orbit(orbit: Orbit) -> None:
     """Raise `InvariantError` at the first place where an orbit contradicts the mechanics."""
-    _check_finite(orbit)
+    for times, states in ((orbit.times, orbit.states), (orbit.event_times, orbit.event_states)):
+        wrong = np.asarray(~np.isfinite(states).all(axis=1))
+        _refuse(wrong, "the state is not finite", times, states)
     if orbit.rotor.delta0 == 0.0:
         return
     _check_events(orbit)
     _check_sides(orbit)
-    _check_contacts(orbit)
-
-
-def _check_finite(orbit: Orbit) -> None:
-    for times, states in ((orbit.times, orbit.states), (orbit.event_times, orbit.event_states)):
-        wrong = np.asarray(~np.isfinite(states).all(axis=1))
-        if wrong.any():
-            _fail("the state is not finite", wrong, times, states)
+    entry, leaving, peak_time = orbit.contacts.T[:3]
+    wrong = (peak_time < entry) | (peak_time > leaving)
+    ends = np.tile(orbit.end, (wrong.size, 1))
+    _refuse(wrong, "a contact peaks outside its own span", peak_time, ends)
 
 
 def _check_events(orbit: Orbit) -> None:
     times, kinds, states = orbit.event_times, orbit.event_kinds, orbit.event_states
-    backwards = np.asarray(np.diff(times, prepend=-np.inf) <= 0.0)
-    if backwards.any():
-        _fail("event times do not increase", backwards, times, states)
+    backwards = np.diff(times, prepend=-np.inf) <= 0.0
+    _refuse(backwards, "event times do not increase", times, states)
     expected = np.where(np.arange(kinds.size) % 2 == orbit.starts_in_contact, ENTRY, -ENTRY)
-    if (kinds != expected).any():
-        _fail("entry and exit do not alternate", kinds != expected, times, states)
+    _refuse(kinds != expected, "entry and exit do not alternate", times, states)
     radius = np.hypot(states[:, 0], states[:, 1])
     off = np.abs(radius - orbit.rotor.delta0) > ON_THE_RING * orbit.rotor.delta0
-    if off.any():
-        _fail("an event does not lie at |z| = delta0", off, times, states)
+    _refuse(off, "an event does not lie at |z| = delta0", times, states)
 
 
 def _check_sides(orbit: Orbit) -> None:
@@ -106,22 +101,12 @@ def _check_sides(orbit: Orbit) -> None:
     depth = np.hypot(orbit.states[:, 0], orbit.states[:, 1]) - delta0
     allowed = WRONG_SIDE * (options.rtol * delta0 + options.atol)
     wrong = np.where(in_contact, depth < -allowed, depth > allowed)
+    _refuse(wrong, "a sample lies on the wrong side of the ring", orbit.times, orbit.states)
+
+
+def _refuse(wrong: npt.NDArray[np.bool_], message: str, times: Values, states: Values) -> None:
+    """Raise with the first time and state that is wrong, if there is one."""
     if wrong.any():
-        _fail("a sample lies on the wrong side of the ring", wrong, orbit.times, orbit.states)
-
-
-def _check_contacts(orbit: Orbit) -> None:
-    entry, leaving, peak_time = orbit.contacts.T[:3]
-    wrong = (peak_time < entry) | (peak_time > leaving)
-    if wrong.any():
-        row = int(np.argmax(wrong))
-        raise InvariantError(
-            "a contact peaks outside its own span",
-            time=float(peak_time[row]),
-            state=tuple(orbit.end.tolist()),
-        )
-
-
-def _fail(message: str, wrong: npt.NDArray[np.bool_], times: Values, states: Values) -> None:
-    place = int(np.argmax(wrong))
-    raise InvariantError(message, time=float(times[place]), state=tuple(states[place].tolist()))
+        place = int(np.argmax(wrong))
+        state = tuple(states[place].tolist())
+        raise InvariantError(message, time=float(times[place]), state=state)

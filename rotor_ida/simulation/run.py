@@ -25,6 +25,9 @@ from rotor_ida.simulation.start import starts_in_contact
 
 Values = npt.NDArray[np.float64]
 
+# The arguments of `new_record`.
+Given = tuple[float, float, float, float, float, bool, Values, float, float, Values, Stop]
+
 
 def run(
     rotor: Rotor,
@@ -63,16 +66,18 @@ def run(
     InvariantError
         If the result contradicts the mechanics.
     """
-    way = _in_compiled_code if options.backend == "compiled" else _in_python
-    status, message, seen = way(
-        rotor,
-        np.array(start),
-        duration,
-        sample_times,
-        options,
-        slack,
-        np.zeros(1, np.uint8) if stop is None else stop,
-    )
+    asked = np.zeros(1, np.uint8) if stop is None else stop
+    parameters = (rotor.omega, rotor.zeta, rotor.delta0)
+    how = (options.step_rtol, options.step_atol, options.flight == "exact")
+    given = (*parameters, *how, np.array(start), duration, slack, sample_times, asked)
+    if options.backend == "compiled":
+        fields = np.array([field.address for field in callbacks()])
+        status, seen = _in_compiled_code(
+            given, np.array(parameters), METHODS[options.method], fields
+        )
+        message = message_of(status)
+    else:
+        status, message, seen = _in_python(given, options)
     omega = rotor.omega
     if status != GOES_ON:
         x, y, vx, vy = rotated(seen[1], omega * seen[0]).tolist()
@@ -97,17 +102,9 @@ def run(
     return orbit
 
 
-def _in_python(
-    rotor: Rotor,
-    start: Values,
-    duration: float,
-    sample_times: Values,
-    options: Options,
-    slack: float,
-    stop: Stop,
-) -> tuple[int, str, RunResult]:
+def _in_python(given: Given, options: Options) -> tuple[int, str, RunResult]:
     """Run the event loop in Python, over scikit-sundae's public interface."""
-    omega, zeta, delta0 = rotor.omega, rotor.zeta, rotor.delta0
+    omega, zeta, delta0 = given[:3]
 
     def in_contact(state: Values, rate: Values) -> None:
         contact_field(state, rate, omega, zeta, delta0)
@@ -118,68 +115,18 @@ def _in_python(
     def derivative(state: Values, matrix: Values) -> None:
         rotating_jacobian_into(state, matrix, omega, zeta, delta0)
 
-    record = new_record(
-        omega,
-        zeta,
-        delta0,
-        options.step_rtol,
-        options.step_atol,
-        options.flight == "exact",
-        start,
-        duration,
-        slack,
-        sample_times,
-        stop,
-    )
+    record = new_record(*given)
     contact, free = Integration(options, in_contact), Integration(options, anywhere, derivative)
     status = run_events(record, contact, free)
     return status, contact.message or free.message or message_of(status), result(record)
 
 
-def _in_compiled_code(
-    rotor: Rotor,
-    start: Values,
-    duration: float,
-    sample_times: Values,
-    options: Options,
-    slack: float,
-    stop: Stop,
-) -> tuple[int, str, RunResult]:
-    """Run the event loop in compiled code, over the SUNDIALS libraries themselves."""
-    status, seen = _run_compiled(
-        np.array([rotor.omega, rotor.zeta, rotor.delta0]),
-        options.step_rtol,
-        options.step_atol,
-        options.flight == "exact",
-        METHODS[options.method],
-        start,
-        duration,
-        slack,
-        sample_times,
-        stop,
-        np.array([field.address for field in callbacks()]),
-    )
-    return status, message_of(status), seen
-
-
 @compiled
-def _run_compiled(
-    parameters: Values,
-    rtol: float,
-    atol: float,
-    exact: bool,
-    method: int,
-    start: Values,
-    duration: float,
-    slack: float,
-    sample_times: Values,
-    stop: Stop,
-    fields: npt.NDArray[np.int64],
+def _in_compiled_code(
+    given: Given, parameters: Values, method: int, fields: npt.NDArray[np.int64]
 ) -> tuple[int, RunResult]:
-    omega, zeta, delta0 = parameters
-    record = new_record(
-        omega, zeta, delta0, rtol, atol, exact, start, duration, slack, sample_times, stop
-    )
+    """Run the event loop in compiled code, over the SUNDIALS libraries themselves."""
+    record, rtol = new_record(*given), given[3]
     contact = open_direct(contact_phase.SIZE, method, rtol, parameters, fields[0], 0)
     free = open_direct(cartesian_phase.SIZE, method, rtol, parameters, fields[1], fields[2])
     status = run_events(record, contact, free)

@@ -14,12 +14,12 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.checks import COMPONENTS, State
+from rotor_ida.checks import COMPONENTS
 from rotor_ida.parameters import PARAMETERS
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import RESPONSE, STATUS, Column, labelled, labelled_dataset
-from rotor_ida.simulation.options import Options
 from rotor_ida.storage.studies.arrays import packed, scratch, unpacked
+from rotor_ida.sweeps.ramps import Ramps
 from rotor_ida.sweeps.steady_state import FAILED, SettledResponse
 
 Values = npt.NDArray[np.float64]
@@ -68,47 +68,34 @@ class Rows:
 Pieces = Callable[[], Iterator[tuple[npt.NDArray[np.int64], Rows]]]
 
 
-def sweep_dataset(
-    axes: Mapping[str, Values],
-    starts: Sequence[State],
-    directions: Sequence[int],
-    pieces: Pieces,
-    options: Options,
-    folder: Path | None = None,
-) -> xr.Dataset:
+def sweep_dataset(ramps: Ramps, pieces: Pieces, folder: Path | None = None) -> xr.Dataset:
     """Return the points of a sweep as a labelled dataset.
 
     Parameters
     ----------
-    axes : mapping of str to ndarray
-        The values of ``omega``, ``zeta`` and ``delta0`` [1].
-    starts : sequence of tuple of float
-        The starts ``(x, y, vx, vy)`` [1].
-    directions : sequence of int
-        1 up, -1 down, 0 each speed from its start.
+    ramps : Ramps
+        The parameters, starts and directions, and how they were simulated.
     pieces : callable
         Yields, each time it is called, all points in pieces: their places, counted along `DIMS`,
         and their rows.
-    options : Options
-        How it was simulated.
     folder : Path, optional
         Where columns go that may be larger than memory.
     """
-    shape = (*(axes[name].size for name in PARAMETERS), len(starts), len(directions))
-    coordinates: dict[str, Column] = {name: (name, axes[name]) for name in PARAMETERS}
+    starts = ramps.starts
+    coordinates: dict[str, Column] = {name: (name, ramps.axes[name]) for name in PARAMETERS}
     coordinates["start"] = ("start", np.arange(len(starts)))
-    coordinates["direction"] = ("direction", np.array(directions, dtype=np.int8))
+    coordinates["direction"] = ("direction", np.array(ramps.directions, dtype=np.int8))
     for name, column in zip(COMPONENTS, np.array(starts).T, strict=True):
         coordinates[f"start_{name}"] = ("start", column.copy())
-    points = _point_columns(pieces, math.prod(shape), folder)
+    points = _point_columns(pieces, ramps.points, folder)
     events = _event_columns(pieces, points["event_count"], folder)
     variables = {
-        name: labelled(name, DIMS, column.reshape(shape)) for name, column in points.items()
+        name: labelled(name, DIMS, column.reshape(ramps.shape)) for name, column in points.items()
     }
     variables["event_count"].attrs["sample_dimension"] = "event"
     variables |= {name: labelled(name, "event", column) for name, column in events.items()}
     title = "Rotor in a clearance: responses over a range of speeds"
-    return labelled_dataset(title, variables, coordinates, provenance(options.attributes()))
+    return labelled_dataset(title, variables, coordinates, provenance(ramps.options.attributes()))
 
 
 def _point_columns(pieces: Pieces, total: int, folder: Path | None) -> dict[str, Array]:

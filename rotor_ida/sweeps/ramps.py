@@ -129,7 +129,8 @@ def follow(job: Job, stop: Stop) -> list[SettledResponse]:
         try:
             point = follow_to_steady_state(rotor, state, job.options, stop=stop)
         except Exception as error:  # it must not end the other points
-            point = failed(state, f"{type(error).__name__}: {error}".rstrip(": "))
+            reason = f"{type(error).__name__}: {error}".rstrip(": ")
+            point = failed(rotor, state, job.options, reason)
         if point.response != FAILED:
             state = point.end
         settled.append(point)

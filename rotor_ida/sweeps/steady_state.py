@@ -163,19 +163,9 @@ def follow_to_steady_state(
         return trajectory.settled(FAILED, None, math.nan, str(error))
 
 
-def failed(start: State, reason: str) -> SettledResponse:
+def failed(rotor: Rotor, start: State, options: Options, reason: str) -> SettledResponse:
     """Return the failed response of a rotor that could not be followed from `start`."""
-    return SettledResponse(
-        response=FAILED,
-        window=None,
-        window_start=math.nan,
-        window_end=0.0,
-        event_times=np.empty(0),
-        event_kinds=np.empty(0, dtype=np.int8),
-        event_states=np.empty((0, 4)),
-        end=start,
-        message=reason,
-    )
+    return _Trajectory(rotor, options, start).settled(FAILED, None, math.nan, reason)
 
 
 def durations(rotor: Rotor) -> tuple[float, float, int]:

@@ -138,7 +138,7 @@ def sweep(
         def pieces() -> Iterator[tuple[Places, Rows]]:
             return ((ramps.places(number), rows) for number, rows in kept.results())
 
-        return sweep_dataset(axes, checked, ramps.directions, pieces, options, kept.folder)
+        return sweep_dataset(ramps, pieces, kept.folder)
 
 
 def _design(ramps: Ramps, direction: Direction | None) -> dict[str, object]:
@@ -172,7 +172,7 @@ def _follow_all(
             number = due[turn]
             if isinstance(found, FailedJob):
                 job = ramps.job(number)
-                points = [failed(job.start, found.reason) for _ in job.rotors]
+                points = [failed(each, job.start, job.options, found.reason) for each in job.rotors]
             else:
                 points = found
             reasons = [point.message for point in points if point.response == FAILED]

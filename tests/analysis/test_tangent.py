@@ -23,8 +23,7 @@ def followed(rotor, start, duration, rtol):
     parameters = (rotor.omega, rotor.zeta, rotor.delta0)
     in_contact = starts_in_contact(complex(*start[:2]), complex(*start[2:]), *parameters)
     stretch = np.empty((1, 4))
-    settings = (*parameters, rtol, GO_ON)
-    assert follow_stretches(bundle, in_contact, duration, stretch, *settings) == DONE
+    assert follow_stretches(bundle, in_contact, duration, stretch, parameters, rtol, GO_ON) == DONE
     return bundle, stretch[0]
 
 

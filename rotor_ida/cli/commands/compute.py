@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Literal
-
-from cyclopts import Parameter
 
 import rotor_ida
 from rotor_ida.cli import options
@@ -17,24 +14,6 @@ from rotor_ida.errors import InputError
 
 # More rows are for programs, with --json or --out.
 MOST_ROWS = 1000
-
-WithFolds = Annotated[
-    bool,
-    Parameter(
-        help="Also list the folds; alone if no --omega is given.", negative=(), show_default=False
-    ),
-]
-
-Direction = Annotated[
-    Literal["up", "down", "both"] | None, Parameter(help="Follow the response from speed to speed.")
-]
-
-Only = Annotated[
-    list[str] | None,
-    Parameter(
-        help="Names of the scenarios to run, or how they begin.", consume_multiple=True, negative=()
-    ),
-]
 
 
 def simulate(
@@ -70,7 +49,7 @@ def response(
     zeta: options.Zetas,
     delta0: options.Delta0s,
     omega: options.Omegas | None = None,
-    folds: WithFolds = False,
+    folds: options.WithFolds = False,
     output: Output = Output(),
 ) -> Report:
     r"""List every exact synchronous whirl, with its stability.
@@ -103,7 +82,7 @@ def sweep(
     zeta: options.Zetas,
     delta0: options.Delta0s,
     start: options.Starts = [options.REST],  # noqa: B006 - never changed
-    direction: Direction = None,
+    direction: options.Direction = None,
     jobs: options.JobOptions = options.JobOptions(),
     solver: options.SolverOptions = options.SolverOptions(),
     study: options.Study = None,
@@ -223,11 +202,9 @@ def fractions(
 
 def reproduce(
     *,
-    out: Annotated[Path, Parameter(help="Folder for archives and figures.")] = Path("results"),
-    quick: Annotated[
-        bool, Parameter(help="Coarser and faster.", negative=(), show_default=False)
-    ] = False,
-    only: Only = None,
+    out: options.Results = Path("results"),
+    quick: options.Quick = False,
+    only: options.Names = None,
     workers: options.Workers = None,
     force: options.Force = False,
 ) -> int:

@@ -283,73 +283,21 @@ def _evaluations(motion: Any) -> int:
     return int(integers[ANSWER])
 
 
-@overload_attribute(DirectType, "low")
-def _low(motion: Any) -> Any:  # noqa: ARG001 - types
-    def get(motion: Any) -> Any:
-        return reals_of(motion)[LOW]
-
-    return get
-
-
-@overload_attribute(DirectType, "point")
-def _point(motion: Any) -> Any:  # noqa: ARG001 - types
-    def get(motion: Any) -> Any:
-        return reals_of(motion)[POINT]
-
-    return get
-
-
-@overload_attribute(DirectType, "before")
-def _before(motion: Any) -> Any:  # noqa: ARG001 - types
-    def get(motion: Any) -> Any:
-        return row_of(motion, BEFORE)
-
-    return get
-
-
-@overload_attribute(DirectType, "values")
-def _values(motion: Any) -> Any:  # noqa: ARG001 - types
-    def get(motion: Any) -> Any:
-        return row_of(motion, VALUES)
-
-    return get
-
-
-@overload_method(DirectType, "restart")
-def _method_restart(motion: Any, start: Any, atol: Any) -> Any:  # noqa: ARG001 - types
-    def call(motion: Any, start: Any, atol: Any) -> Any:
-        return _restart(motion, start, atol)
-
-    return call
-
-
-@overload_method(DirectType, "advance", inline="always")
-def _method_advance(motion: Any) -> Any:  # noqa: ARG001 - types
-    def call(motion: Any) -> Any:
-        return _advance(motion)
-
-    return call
-
-
-@overload_method(DirectType, "at")
-def _method_at(motion: Any, point: Any) -> Any:  # noqa: ARG001 - types
-    def call(motion: Any, point: Any) -> Any:
-        return _at(motion, point)
-
-    return call
-
-
-@overload_method(DirectType, "glance_at")
-def _method_glance_at(motion: Any, point: Any) -> Any:  # noqa: ARG001 - types
-    def call(motion: Any, point: Any) -> Any:
-        return _glance_at(motion, point)
-
-    return call
-
-
-@overload_method(DirectType, "evaluations")
-def _method_evaluations(motion: Any) -> Any:  # noqa: ARG001 - types
-    def call(motion: Any) -> Any:
-        return _evaluations(motion)
-
-    return call
+# The fields and methods of a `Motion` in compiled code: numba calls a function with the types of
+# the arguments, and compiles the function that it returns.
+# ruff: noqa: ARG005, PLW0108
+overload_attribute(DirectType, "low")(lambda motion: lambda motion: reals_of(motion)[LOW])
+overload_attribute(DirectType, "point")(lambda motion: lambda motion: reals_of(motion)[POINT])
+overload_attribute(DirectType, "before")(lambda motion: lambda motion: row_of(motion, BEFORE))
+overload_attribute(DirectType, "values")(lambda motion: lambda motion: row_of(motion, VALUES))
+overload_method(DirectType, "restart")(
+    lambda motion, start, atol: lambda motion, start, atol: _restart(motion, start, atol)
+)
+overload_method(DirectType, "advance", inline="always")(
+    lambda motion: lambda motion: _advance(motion)
+)
+overload_method(DirectType, "at")(lambda motion, point: lambda motion, point: _at(motion, point))
+overload_method(DirectType, "glance_at")(
+    lambda motion, point: lambda motion, point: _glance_at(motion, point)
+)
+overload_method(DirectType, "evaluations")(lambda motion: lambda motion: _evaluations(motion))

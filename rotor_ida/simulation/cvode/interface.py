@@ -57,26 +57,16 @@ cvode_count = _external("CVodeGetNumRhsEvals", FLAG, PLACE, PLACE)
 
 
 def _contact_rhs(_time: float, state: Any, rate: Any, parameters: Any) -> int:
-    rotor = carray(parameters, 3)
-    contact_field(
-        carray(vector_data(state), contact_phase.SIZE),
-        carray(vector_data(rate), contact_phase.SIZE),
-        rotor[0],
-        rotor[1],
-        rotor[2],
-    )
+    rotor, size = carray(parameters, 3), contact_phase.SIZE
+    here, slope = carray(vector_data(state), size), carray(vector_data(rate), size)
+    contact_field(here, slope, rotor[0], rotor[1], rotor[2])
     return 0
 
 
 def _free_rhs(_time: float, state: Any, rate: Any, parameters: Any) -> int:
-    rotor = carray(parameters, 3)
-    rotating_field_into(
-        carray(vector_data(state), cartesian_phase.SIZE),
-        carray(vector_data(rate), cartesian_phase.SIZE),
-        rotor[0],
-        rotor[1],
-        rotor[2],
-    )
+    rotor, size = carray(parameters, 3), cartesian_phase.SIZE
+    here, slope = carray(vector_data(state), size), carray(vector_data(rate), size)
+    rotating_field_into(here, slope, rotor[0], rotor[1], rotor[2])
     return 0
 
 
@@ -84,13 +74,8 @@ def _free_jacobian(
     _time: float, state: Any, _rate: Any, matrix: Any, parameters: Any, _a: Any, _b: Any, _c: Any
 ) -> int:
     rotor, size = carray(parameters, 3), cartesian_phase.SIZE
-    rotating_jacobian_into(
-        carray(vector_data(state), size),
-        farray(matrix_data(matrix), (size, size)),
-        rotor[0],
-        rotor[1],
-        rotor[2],
-    )
+    here, slopes = carray(vector_data(state), size), farray(matrix_data(matrix), (size, size))
+    rotating_jacobian_into(here, slopes, rotor[0], rotor[1], rotor[2])
     return 0
 
 
@@ -107,8 +92,5 @@ def callbacks() -> tuple[Any, Any, Any]:
         raise InputError(f"backend 'compiled' cannot be used: {reason}")
     rhs = signature(FLAG, REAL, PLACE, PLACE, REALS)
     derivative = signature(FLAG, REAL, PLACE, PLACE, PLACE, REALS, PLACE, PLACE, PLACE)
-    return (
-        callback(rhs, _contact_rhs),
-        callback(rhs, _free_rhs),
-        callback(derivative, _free_jacobian),
-    )
+    fields = callback(rhs, _contact_rhs), callback(rhs, _free_rhs)
+    return *fields, callback(derivative, _free_jacobian)
