@@ -29,7 +29,7 @@ STUDIES = {
     ),
     "basin": "basin --omega 2 --zeta 0.07 --delta0 2 --x=-15:15:300 --y=-15:15:300",
     "basin_fractions": (
-        "shares --omega 3 --zeta 0.07 --delta0 0.5 --x=-9:9 --y=-9:9 --vx=-5:5 --vy=-5:5 "
+        "fractions --omega 3 --zeta 0.07 --delta0 0.5 --x=-9:9 --y=-9:9 --vx=-5:5 --vy=-5:5 "
         "--starts 60000"
     ),
 }

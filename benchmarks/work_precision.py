@@ -22,10 +22,10 @@ from rotor_ida.plot.appearance import (
     PURPLE,
     RED,
     panels,
-    parameter_text,
     shared_legend,
     style,
 )
+from rotor_ida.plot.labels import parameter_text
 
 TOLERANCES = [10.0**-power for power in range(5, 13)]
 WAYS = {
@@ -82,7 +82,7 @@ def draw(results, path):
                 )
             ax.set_xscale("log")
             ax.set_yscale("log")
-            title = parameter_text(omega=case.omega, delta0=case.delta0)
+            title = parameter_text({"omega": case.omega, "delta0": case.delta0})
             ax.set_title(f"{case.name}\n{title}")
             ax.set_xlabel("worst error of a state")
             ax.tick_params(which="minor", length=0.0)

@@ -1,23 +1,62 @@
-"""Checks of what a user passes in: each returns the clean value or raises one clear line."""
+"""Checks of what a user passes in: each returns the clean value or raises one clear line.
+
+A number is whatever NumPy takes for one, a vector likewise: scalars, arrays of NumPy, xarray and
+pandas, lists, tuples and ranges. What comes out is plain floats.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence, Sized
 from numbers import Integral, Real
-from typing import Any
+from reprlib import Repr
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.errors import InputError
 
+Values = npt.NDArray[np.float64]
 State = tuple[float, float, float, float]
+Kind = TypeVar("Kind")
 
 # The components of a state, in their order everywhere.
 COMPONENTS = ("x", "y", "vx", "vy")
 
 LARGEST_SEED = 2**63 - 1
+MOST_WORKERS = 512
+# What fits into the memory of most machines: numbers of an axis, samples, points of a grid.
+MOST_NUMBERS = 10_000_000
+MOST_POINTS_OF_STUDY = 10_000_000_000
+# Powers of larger numbers leave the range of doubles.
+LARGEST_NUMBER = 1e15
+# The spacing of doubles at the end of a motion, in radians of the revolution or in time.
+COARSEST_TIME = 1e-6
+
+# Python and NumPy count these among the numbers.
+_NO_NUMBERS: tuple[type, ...] = (bool, np.bool_, np.timedelta64)
+# Paths are text, and seldom longer than this.
+_LONGEST_SHOWN = 160
+_short = Repr()
+_short.maxstring = _LONGEST_SHOWN
+_short.maxother = _short.maxlong = _LONGEST_SHOWN // 2
+
+
+def shown(value: object) -> str:
+    r"""Return a value as a message shows it: in one short line.
+
+    Examples
+    --------
+    >>> shown(1.5), shown("a\nb"), len(shown(10**400)) < 100, shown([0] * 1000)
+    ('1.5', "'a\\nb'", True, '[0, 0, 0, 0, 0, 0, ...]')
+    """
+    try:
+        text = " ".join(_short.repr(value).split())
+    except ValueError:  # Python shows no whole number of so many digits
+        text = f"a number of type {type(value).__name__} too long to show"
+    half = _LONGEST_SHOWN // 2
+    return text if len(text) <= 2 * half else f"{text[: half - 3]}...{text[-half:]}"
 
 
 def check_real(name: str, value: object) -> float:
@@ -32,85 +71,187 @@ def check_real(name: str, value: object) -> float:
     ...
     rotor_ida.errors.InputError: omega must be a finite real number, got '2'
     """
-    if isinstance(value, np.ndarray) and value.ndim == 0:
-        value = value[()]
-    if isinstance(value, (bool, np.bool_)) or not isinstance(value, Real):
-        raise InputError(f"{name} must be a finite real number, got {value!r}")
-    try:
-        number = float(value)
-    except (OverflowError, ValueError):
-        number = math.inf
-    if not math.isfinite(number):
-        raise InputError(f"{name} must be a finite real number, got {value!r}")
-    return number
+    scalar = _scalar(name, value)
+    if isinstance(scalar, Real) and not isinstance(scalar, _NO_NUMBERS):
+        try:
+            number = float(scalar)
+        except (OverflowError, ValueError):
+            number = math.inf
+        if math.isfinite(number):
+            return number
+    raise InputError(f"{name} must be a finite real number, got {shown(value)}")
 
 
-def check_nonnegative(name: str, value: object) -> float:
-    """Return `value` as a finite float that is zero or more."""
+def check_nonnegative(name: str, value: object, largest: float = math.inf) -> float:
+    """Return `value` as a finite float from zero to `largest`."""
     number = check_real(name, value)
     if number < 0.0:
         raise InputError(f"{name} must be zero or positive, got {number!r}")
+    if number > largest:
+        raise InputError(f"{name} must be at most {largest:g}, got {number!r}")
     return number + 0.0
 
 
-def check_positive(name: str, value: object) -> float:
-    """Return `value` as a finite float above zero."""
+def check_positive(name: str, value: object, largest: float = math.inf) -> float:
+    """Return `value` as a finite float above zero and up to `largest`."""
     number = check_real(name, value)
     if number <= 0.0:
         raise InputError(f"{name} must be positive, got {number!r}")
+    if number > largest:
+        raise InputError(f"{name} must be at most {largest:g}, got {number!r}")
     return number
 
 
-def check_count(name: str, value: object, minimum: int = 1) -> int:
-    """Return `value` as an int of at least `minimum`."""
-    if isinstance(value, (bool, np.bool_)) or not isinstance(value, Integral):
-        raise InputError(f"{name} must be a whole number, got {value!r}")
-    if value < minimum:
-        raise InputError(f"{name} must be at least {minimum}, got {int(value)!r}")
-    return int(value)
+def check_count(name: str, value: object, minimum: int = 1, maximum: int = MOST_NUMBERS) -> int:
+    """Return `value` as an int from `minimum` to `maximum`."""
+    count = _scalar(name, value)
+    if isinstance(count, _NO_NUMBERS) or not isinstance(count, Integral):
+        raise InputError(f"{name} must be a whole number, got {shown(value)}")
+    whole = int(count)
+    if whole < minimum:
+        raise InputError(f"{name} must be at least {minimum}, got {shown(whole)}")
+    if whole > maximum:
+        raise InputError(f"{name} must be at most {maximum}, got {shown(whole)}")
+    return whole
 
 
 def check_seed(value: object) -> int:
     """Return the seed of random numbers, which must go into an archive too."""
-    seed = check_count("seed", value, minimum=0)
-    if seed > LARGEST_SEED:
-        raise InputError(f"seed must be at most {LARGEST_SEED}, got {seed}")
-    return seed
+    return check_count("seed", value, minimum=0, maximum=LARGEST_SEED)
 
 
 def check_choice(name: str, value: object, allowed: Sequence[str]) -> str:
     """Return `value` if it is one of the words in `allowed`."""
     if not isinstance(value, str) or value not in allowed:
         words = ", ".join(repr(word) for word in allowed)
-        raise InputError(f"{name} must be one of {words}, got {value!r}")
+        raise InputError(f"{name} must be one of {words}, got {shown(value)}")
     return value
+
+
+def check_instance(name: str, value: object, kind: type[Kind]) -> Kind:
+    """Return `value` if it is of a kind."""
+    if not isinstance(value, kind):
+        raise InputError(f"{name} must be a {kind.__name__}, got {shown(value)}")
+    return value
+
+
+def check_progress(progress: Callable[[int, int], None] | None) -> None:
+    """Refuse what cannot be told of progress."""
+    if progress is not None and not callable(progress):
+        raise InputError(f"progress must be a function or None, got {shown(progress)}")
+
+
+def check_duration(name: str, value: object, omega: float) -> float:
+    """Return a positive time, up to which a double still tells one phase from the next."""
+    duration = check_positive(name, value)
+    finest = COARSEST_TIME / max(omega, 1.0)
+    if np.spacing(duration) > finest:
+        bound = math.ldexp(1.0, math.floor(math.log2(finest)) + 53)
+        raise InputError(
+            f"{name} must be below {bound:.6g} at omega {omega:g}, where the spacing of doubles "
+            f"is still small against a revolution, got {duration!r}"
+        )
+    return duration
 
 
 def check_state(name: str, value: object) -> State:
     """Return `value` as the four finite floats ``(x, y, vx, vy)``."""
-    given: Any = value
-    try:
-        numbers = list(given)
-    except TypeError:
-        numbers = []
-    if len(numbers) != 4 or isinstance(value, (str, bytes, dict)):
-        raise InputError(f"{name} must be four numbers (x, y, vx, vy), got {value!r}")
+    given = _array(name, value)
+    if given.shape != (4,):
+        raise InputError(f"{name} must be four numbers (x, y, vx, vy), got {shown(value)}")
     x, y, vx, vy = (
-        check_real(f"{name} {part}", number)
-        for part, number in zip(COMPONENTS, numbers, strict=True)
+        check_real(f"{name} {part}", number) for part, number in zip(COMPONENTS, given, strict=True)
     )
     return (x, y, vx, vy)
 
 
-def check_axis(name: str, values: object) -> npt.NDArray[np.float64]:
-    """Return `values`, a scalar or a sequence, as a 1-D array of finite numbers >= 0."""
-    listed: Any = values.tolist() if isinstance(values, np.ndarray) else values
-    if isinstance(listed, (str, bytes, dict)):
-        raise InputError(f"{name} must be a number or a sequence of numbers, got {values!r}")
-    try:
-        numbers = list(listed)
-    except TypeError:
-        numbers = [listed]
-    if not numbers:
+def check_states(name: str, values: object) -> list[State]:
+    """Return `values`, a sequence of states or an array of shape (n, 4), as states."""
+    given = _array(name, values)
+    if given.ndim == 0:
+        raise InputError(f"{name} must be a sequence of starts, got {shown(values)}")
+    if given.size == 0:
+        raise InputError(f"{name} must hold at least one start, got none")
+    # a list shows in a message what it was given
+    return [check_state("start", row) for row in (values if isinstance(values, list) else given)]
+
+
+def check_array(name: str, values: object, *, largest: float = math.inf) -> Values:
+    """Return `values`, of any shape, as an array of finite floats within `largest` of zero."""
+    given = _array(name, values)
+    if given.dtype.kind not in "iuf" or not np.isfinite(given).all():
+        listed = [check_real(name, number) for number in given.ravel()]
+        given = np.array(listed).reshape(given.shape)
+    numbers = given.astype(np.float64)
+    outside = numbers[np.abs(numbers) > largest]
+    if outside.size:
+        raise InputError(f"{name} must lie within {largest:g} of zero, got {float(outside[0])!r}")
+    return numbers
+
+
+def check_vector(name: str, values: object, *, largest: float = math.inf) -> Values:
+    """Return `values`, a number or a vector, as a 1-D array of finite floats."""
+    numbers = check_array(name, values, largest=largest)
+    if numbers.ndim > 1:
+        raise InputError(
+            f"{name} must be a number or a vector of numbers, got an array of shape "
+            f"{shown(numbers.shape)}"
+        )
+    if numbers.size == 0:
         raise InputError(f"{name} must hold at least one number, got none")
-    return np.array([check_nonnegative(name, number) for number in numbers])
+    return np.atleast_1d(numbers)
+
+
+def check_axis(
+    name: str, values: object, *, smallest: float = 0.0, largest: float = math.inf
+) -> Values:
+    """Return `values`, a number or a vector, as a 1-D array of finite numbers >= 0.
+
+    Numbers above `largest` are refused, and those below `smallest` that are not zero.
+    """
+    axis = check_vector(name, values)
+    if (axis < 0.0).any():
+        raise InputError(f"{name} must be zero or positive, got {float(axis[axis < 0.0][0])!r}")
+    outside = axis[(axis > largest) | ((axis > 0.0) & (axis < smallest))]
+    if outside.size:
+        allowed = f"0 or between {smallest:g} and" if smallest else "at most"
+        raise InputError(f"{name} must be {allowed} {largest:g}, got {float(outside[0])!r}")
+    return axis + 0.0
+
+
+def check_points(*axes: Sized, most: int = MOST_NUMBERS) -> None:
+    """Refuse a grid of too many points."""
+    points = math.prod(len(axis) for axis in axes)
+    if points > most:
+        raise InputError(f"the grid must have at most {most} points, got {points}")
+
+
+def is_scalar(name: str, value: object) -> bool:
+    """Return whether a value, whatever it is, has no dimensions."""
+    return _array(name, value).ndim == 0
+
+
+def _scalar(name: str, value: object) -> object:
+    """Return what an array of no dimensions holds, anything else as it is."""
+    if hasattr(value, "__array__") and not isinstance(value, np.generic):
+        given = _array(name, value)
+        return given[()] if given.ndim == 0 else value
+    return value
+
+
+def _array(name: str, values: object) -> npt.NDArray[Any]:
+    """Return `values` as an array; what is no array yet becomes one of objects, each as given."""
+    try:
+        length = len(values)  # type: ignore[arg-type]
+    except TypeError:
+        length = 1
+    except OverflowError:
+        length = MOST_NUMBERS + 1
+    if length > MOST_NUMBERS and not isinstance(values, str):
+        raise InputError(f"{name} must hold at most {MOST_NUMBERS} numbers, got {shown(values)}")
+    if np.ma.is_masked(values):
+        raise InputError(f"{name} must have no masked values, got {shown(values)}")
+    try:
+        return np.asarray(values, dtype=None if hasattr(values, "__array__") else object)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} must be numbers, got {shown(values)}") from None

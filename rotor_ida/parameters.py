@@ -9,6 +9,8 @@ from rotor_ida.checks import check_nonnegative, check_positive
 from rotor_ida.errors import InputError
 
 PARAMETERS = ("omega", "zeta", "delta0")
+# Quotients and products of smaller or larger scales leave the range of doubles.
+SMALLEST_SCALE = 1e-100
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -56,13 +58,6 @@ class Rotor:
             object.__setattr__(self, name, check_nonnegative(name, getattr(self, name)))
 
 
-def check_rotor(rotor: object) -> Rotor:
-    """Return `rotor` if it is one."""
-    if not isinstance(rotor, Rotor):
-        raise InputError(f"rotor must be a Rotor, got {rotor!r}")
-    return rotor
-
-
 @dataclass(frozen=True, kw_only=True, slots=True)
 class DimensionalRotor:
     """The same rotor as an engineer measures it, in SI units.
@@ -86,7 +81,8 @@ class DimensionalRotor:
     ------
     InputError
         If mass, contact_stiffness or eccentricity is not a positive finite number,
-        or one of the others is not a finite number that is zero or positive.
+        or one of the others is not a finite number that is zero or positive; or if
+        the scales leave the range of doubles.
 
     Notes
     -----
@@ -117,6 +113,13 @@ class DimensionalRotor:
             object.__setattr__(self, name, check_positive(name, getattr(self, name)))
         for name in ("damping", "clearance", "speed"):
             object.__setattr__(self, name, check_nonnegative(name, getattr(self, name)))
+        scales = (self.reference_frequency, self.velocity_scale, self.force_scale)
+        if not all(SMALLEST_SCALE < scale < 1.0 / SMALLEST_SCALE for scale in scales):
+            raise InputError(
+                "mass, contact_stiffness and eccentricity must give scales of frequency, velocity "
+                f"and force between {SMALLEST_SCALE:g} and {1.0 / SMALLEST_SCALE:g}, got "
+                f"{', '.join(f'{scale:.3g}' for scale in scales)}"
+            )
 
     @property
     def reference_frequency(self) -> float:

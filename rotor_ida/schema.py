@@ -10,7 +10,6 @@ import numpy.typing as npt
 import xarray as xr
 
 CONVENTIONS = "CF-1.11"
-FORMAT_VERSION = 2
 
 # Dimensions and values of a variable.
 Column = tuple[Hashable | Sequence[Hashable], npt.ArrayLike]
@@ -72,7 +71,7 @@ QUANTITIES: dict[str, Quantity] = {
     "zeta": Quantity("damping ratio"),
     "delta0": Quantity("radial clearance over eccentricity"),
     # a run
-    "t": Quantity("dimensionless time", scale="time"),
+    "t": Quantity("time", scale="time"),
     "x": Quantity("horizontal displacement", scale="length"),
     "y": Quantity("vertical displacement", scale="length"),
     "vx": Quantity("horizontal velocity", scale="velocity"),

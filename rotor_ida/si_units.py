@@ -1,9 +1,12 @@
-"""Results of a real machine in SI units."""
+"""Results of a real machine in SI units, with the prefixes that are asked for."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import xarray as xr
 
+from rotor_ida.checks import check_instance
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import DimensionalRotor
 from rotor_ida.schema import QUANTITIES
@@ -17,9 +20,13 @@ UNITS = {
     "energy": "J",
     "rate": "s-1",
 }
+# How many units with the prefix make one without.
+PREFIXES = {"p": 1e12, "n": 1e9, "u": 1e6, "m": 1e3, "": 1.0, "k": 1e-3, "M": 1e-6}
 
 
-def dimensional(dataset: xr.Dataset, machine: DimensionalRotor) -> xr.Dataset:
+def dimensional(
+    dataset: xr.Dataset, machine: DimensionalRotor, *, units: Mapping[str, str] | None = None
+) -> xr.Dataset:
     """Return a result with displacements, times, velocities and forces in SI units.
 
     Parameters
@@ -28,16 +35,22 @@ def dimensional(dataset: xr.Dataset, machine: DimensionalRotor) -> xr.Dataset:
         A dimensionless result of this package.
     machine : DimensionalRotor
         The machine it belongs to.
+    units : mapping of str to str, optional
+        Units other than m, s, m/s, N, N s, J and 1/s, by kind: ``length``, ``time``, ``velocity``,
+        ``force``, ``impulse`` or ``energy``, such as ``{"length": "µm", "time": "ms"}``. The
+        prefixes are p, n, µ (or u), m, k and M. Figures show the units that the dataset has.
 
     Returns
     -------
     Dataset
-        The same variables in m, s, m/s and N; parameters, phases, kinds and counts unchanged.
+        The same variables in those units; parameters, phases, kinds and counts unchanged. Each
+        variable's attribute ``units`` has its unit as UDUNITS writes it (``um``, ``m s-1``); the
+        attributes ``length_scale``, ``time_scale`` and so on say what a dimensionless 1 is in them.
 
     Raises
     ------
     InputError
-        If the dataset is in SI units already.
+        If the dataset is in SI units already, or a unit is none of its kind.
 
     Notes
     -----
@@ -55,10 +68,15 @@ def dimensional(dataset: xr.Dataset, machine: DimensionalRotor) -> xr.Dataset:
     >>> run = simulate(machine.rotor(), start=(0, 0, 0, 0), duration=20.0)
     >>> dimensional(run, machine).t.attrs["units"]
     's'
+    >>> shown = dimensional(run, machine, units={"length": "µm"})
+    >>> shown.x.attrs["units"], round(shown.attrs["length_scale"], 9)
+    ('um', 1.0)
     """
+    check_instance("dataset", dataset, xr.Dataset)
+    check_instance("machine", machine, DimensionalRotor)
     if "length_scale" in dataset.attrs:
         raise InputError("the dataset is in SI units already")
-    scales = {
+    in_si = {
         "length": machine.length_scale,
         "time": machine.time_scale,
         "velocity": machine.velocity_scale,
@@ -67,12 +85,40 @@ def dimensional(dataset: xr.Dataset, machine: DimensionalRotor) -> xr.Dataset:
         "energy": machine.force_scale * machine.length_scale,
         "rate": machine.reference_frequency,
     }
+    if units is None:
+        units = {}
+    if not isinstance(units, Mapping):
+        raise InputError(f"units must be a mapping such as {{'length': 'mm'}}, got {units!r}")
+    chosen = UNITS | {kind: _checked(kind, unit) for kind, unit in units.items()}
+    scales = {kind: in_si[kind] * _parts(kind)[unit] for kind, unit in chosen.items()}
     converted = {}
     for name, variable in dataset.variables.items():
         quantity = QUANTITIES.get(str(name))
         if quantity is not None and quantity.scale:
-            attributes = {**variable.attrs, "units": UNITS[quantity.scale]}
+            attributes = {**variable.attrs, "units": chosen[quantity.scale]}
             values = variable.values * scales[quantity.scale]
             converted[name] = xr.Variable(variable.dims, values, attributes)
-    result = dataset.assign({name: converted[name] for name in converted})
-    return result.assign_attrs(**{f"{kind}_scale": value for kind, value in scales.items()})
+    return dataset.assign(converted).assign_attrs(
+        {f"{kind}_scale": value for kind, value in scales.items()}
+    )
+
+
+def _parts(kind: str) -> dict[str, float]:
+    """Return how many of each unit of a kind make one without a prefix; rates take none."""
+    base = UNITS[kind]
+    if kind == "rate":
+        return {base: 1.0}
+    return {prefix + base: parts for prefix, parts in PREFIXES.items()}
+
+
+def _checked(kind: str, unit: str) -> str:
+    """Return a unit as UDUNITS writes it, if it is one of its kind."""
+    if kind not in UNITS:
+        raise InputError(f"units must be of {', '.join(UNITS)}, got {kind!r}")
+    allowed = _parts(kind)
+    # the micro sign and the Greek letter look the same
+    plain = str(unit).replace("\u00b5", "u").replace("\u03bc", "u")
+    written = plain.replace("1/s", "s-1").replace("/s", " s-1")
+    if written not in allowed:
+        raise InputError(f"the unit of {kind} must be one of {', '.join(allowed)}, got {unit!r}")
+    return written

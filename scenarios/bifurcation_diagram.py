@@ -55,7 +55,7 @@ def beyond(found):
     swings = found.response.isin([flags["bouncing"], flags["full_contact"]])
     anywhere = swings.any([dim for dim in swings.dims if dim not in {"omega", "delta0"}])
     return [
-        f"at delta0 = {delta0:g} from omega = {found.omega[swing].min().item():.3g} on"
+        f"at δ₀ = {delta0:g} from ω = {found.omega[swing].min().item():.3g} on"
         for delta0 in CLEARANCES
         if (swing := anywhere.sel(delta0=delta0).values).any()
     ]

@@ -63,15 +63,15 @@ def draw_design(design: xr.Dataset, settings: Settings) -> None:
     for ax in (axes[0], axes[2]):
         ax.set_ylim(bottom=0.0)
     with style():
-        figure.suptitle(parameter_text(zeta=ZETA), fontsize=10.0)
+        figure.suptitle(parameter_text({"zeta": ZETA}), fontsize=10.0)
     first, last = design.isel(delta0=0), design.isel(delta0=-1)
     settings.show(
         figure, "design", archives=["design"],
-        shows=f"Over the clearance, at zeta = {ZETA}: largest amplitude, speeds of peak and jumps, "
+        shows=f"Over the clearance, at ζ = {ZETA}: largest amplitude, speeds of peak and jumps, "
         "and the contact force at the peak.",
         paper="To reduce the risk of rotor rotation, increase the clearance.",
         verdict="True of the peak, its speed and its force.",
-        found=f"True of the peak: from delta0 = 0 to 3 the largest amplitude falls from "
+        found=f"True of the peak: from δ₀ = 0 to 3 the largest amplitude falls from "
         f"{first.peak_amplitude.item():.2f} to {last.peak_amplitude.item():.2f}, its speed from "
         f"{first.peak_omega.item():.3f} to {last.peak_omega.item():.3f}, the force from "
         f"{first.peak_contact_force.item():.1f} to {last.peak_contact_force.item():.1f}.",
@@ -96,12 +96,12 @@ def draw_responses(exact: xr.Dataset, simulated: xr.Dataset, settings: Settings)
         paper="The amplitude can be reduced by increasing the clearance.",
         verdict="False below resonance; above it the rotor bounces further out, until the ring is "
         "too far to be reached.",
-        found=f"Below resonance it grows: at omega = 1.2, delta0 = 0, 0.5, 1, 2 it is {rising}. At "
-        f"omega = 2 the rotor from rest comes out to {float(reach.sel(fast)[0]):.2f} without "
-        f"clearance and to {float(reach.sel(fast).sel(delta0=2.0)):.2f} with delta0 = 2, where it "
+        found=f"Below resonance it grows: at ω = 1.2, δ₀ = 0, 0.5, 1, 2 it is {rising}. At "
+        f"ω = 2 the rotor from rest comes out to {float(reach.sel(fast)[0]):.2f} without "
+        f"clearance and to {float(reach.sel(fast).sel(delta0=2.0)):.2f} with δ₀ = 2, where it "
         f"bounces; the largest force goes from {float(force.sel(fast)[0]):.2f} to "
         f"{float(force.sel(fast).sel(delta0=2.0)):.2f}. From "
-        f"delta0 = {free:g} on it comes to contact-free whirl.",
+        f"δ₀ = {free:g} on it comes to contact-free whirl.",
     )  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""A machine in SI units, and the check of eq. (9): omega_0^2 = k sqrt(D)/m, not k/m.
+"""A machine in SI units, and the check of eq. (9): ω₀² = k√D/m, not k/m.
 
 A disc of 4 kg with an eccentricity of 10 micrometres turns at 3,000 rpm in a ring with 20
 micrometres of clearance. The run gives micrometres, milliseconds and newtons. The dimensional
@@ -18,7 +18,7 @@ import xarray as xr
 
 from rotor_ida import DimensionalRotor, contact_summary, dimensional, simulate
 from rotor_ida.paper.errata import check_scaling, deviations
-from rotor_ida.paper.scenario import Settings, run_script
+from rotor_ida.paper.scenario import Settings, run_script, scientific
 from rotor_ida.plot import mixed_panels, plot_machine, style
 
 MACHINE = DimensionalRotor(
@@ -36,7 +36,7 @@ def main(settings: Settings) -> None:
     duration = 40.0 if settings.quick else 80.0
     start = (0.0, 0.0, 0.0, 0.0)
     run = simulate(rotor, start=start, duration=duration, samples=4001)
-    machine = dimensional(run, MACHINE)
+    machine = dimensional(run, MACHINE, units={"length": "µm", "time": "ms"})
     settings.keep(run, "run")
     settings.keep(machine, "machine")
     force = float(contact_summary(run).largest_force) * MACHINE.force_scale
@@ -44,7 +44,7 @@ def main(settings: Settings) -> None:
         plot_machine(machine), "machine", archives=["machine", "run"],
         shows=f"A disc of {MACHINE.mass:g} kg from rest at 3,000 rpm: orbit, radius and contact "
         "force.",
-        found=f"omega = {rotor.omega:.4g}, zeta = {rotor.zeta:.4g}, delta0 = {rotor.delta0:.4g}: "
+        found=f"ω = {rotor.omega:.4g}, ζ = {rotor.zeta:.4g}, δ₀ = {rotor.delta0:.4g}: "
         f"{run.sizes['contact']} contacts in {1e3 * duration * MACHINE.time_scale:.0f} ms; the "
         f"ring bears up to {force:.2f} N, the disc comes out to "
         f"{1e6 * float(np.hypot(machine.x, machine.y).max()):.1f} µm.",
@@ -72,11 +72,11 @@ def draw_check(checked: xr.Dataset, settings: Settings) -> None:
         figure, "scaling", archives=["scaling"],
         shows="Eq. (7) in SI units beside dimensionless runs, scaled with the right and with the "
         "printed reference frequency.",
-        paper="omega_0^2 = k/m, above eq. (8).",
-        verdict="Wrong: k sqrt(D)/m.",
-        found=f"With k sqrt(D)/m the runs differ by {apart['k sqrt(D)/m']:.0e} of the "
+        paper="ω₀² = k/m, above eq. (8).",
+        verdict="Wrong: k√D/m.",
+        found=f"With k√D/m the runs differ by {scientific(apart['k sqrt(D)/m'])} of the "
         f"largest displacement, with k/m by {apart['k/m']:.2g} of it; k/m is no frequency "
-        "squared, since k is in N/m^1.5.",
+        "squared, since k is in N/(m√m).",
     )  # fmt: skip
 
 

@@ -18,7 +18,7 @@ from rotor_ida import Rotor, simulate
 from rotor_ida.closed_forms import restoring_field
 from rotor_ida.equations.model import energy
 from rotor_ida.paper.printed import hamiltonian
-from rotor_ida.paper.scenario import Settings, run_script
+from rotor_ida.paper.scenario import Settings, run_script, scientific
 from rotor_ida.plot import mixed_panels, plot_cuts, plot_surface, style
 
 CLEARANCES = (0.0, 0.5)
@@ -61,10 +61,10 @@ def draw_force(field: xr.Dataset, settings: Settings) -> None:
     one, two = (restoring_field(x=1.0, y=y, delta0=0.5).restoring_x.item() for y in (0.0, 2.0))
     settings.show(
         figure, "fig02_force", archives=["field"],
-        shows="The restoring force over the plane, without clearance and with delta0 = 0.5.",
+        shows="The restoring force over the plane, without clearance and with δ₀ = 0.5.",
         paper="f = f(x) + i f(y); f(x) decreases from positive to negative with x.",
         verdict="Wrong: the force depends on both coordinates, and rises.",
-        found=f"f_x depends on y too and never decreases with x: at delta0 = 0.5 it is {one:.4f} "
+        found=f"fₓ depends on y too and never decreases with x: at δ₀ = 0.5 it is {one:.4f} "
         f"at (1, 0) and {two:.4f} at (1, 2).",
     )  # fmt: skip
 
@@ -80,7 +80,7 @@ def draw_potential(field: xr.Dataset, settings: Settings) -> None:
         shows="The energy stored in the contact, over the plane and along x.",
         paper="The potential curves are concave under any combination of parameters.",
         verdict="Wrong: the potential is convex.",
-        found="They are convex: the curvatures f(r)/r and 1.5 (r - delta0)^0.5 are never negative. "
+        found="They are convex: the curvatures f(r)/r and 1.5 √(r − δ₀) are never negative. "
         "Inside the clearance the potential is flat.",
     )  # fmt: skip
 
@@ -99,10 +99,10 @@ def draw_energy(run: xr.Dataset, settings: Settings) -> None:
         figure, "eq13_energy", archives=["energy"],
         shows="The energy along a free orbit with clearance 0.5, through "
         f"{run.sizes['event']} contact events.",
-        paper="H = |z|^2/2 + V, eq. (13).",
-        verdict="Wrong: |z'|^2/2 + V is conserved, the printed sum is not.",
-        found=f"|z'|^2/2 + V is conserved to {drift:.0e} of itself. The printed sum runs from "
-        f"{low:.3g} to {high:.3g}.",
+        paper="H = |z|²/2 + V, eq. (13).",
+        verdict="Wrong: |z′|²/2 + V is conserved, the printed sum is not.",
+        found=f"|z′|²/2 + V is conserved to {scientific(drift)} of itself. The printed sum runs "
+        f"from {low:.3g} to {high:.3g}.",
     )  # fmt: skip
 
 

@@ -23,7 +23,7 @@ from rotor_ida.closed_forms import (
     free_periods,
     planar_period,
 )
-from rotor_ida.paper.scenario import Settings, run_script
+from rotor_ida.paper.scenario import Settings, run_script, scientific
 from rotor_ida.plot import (
     mixed_panels,
     parameter_text,
@@ -125,7 +125,7 @@ def draw_periods(exact: xr.Dataset, simulated: xr.Dataset, settings: Settings) -
         verdict="Wrong: the shorter.",
         found=f"The shorter: on a circle T = {circular_period(2.0):.5f} at A = 2 and "
         f"{circular_period(8.0):.5f} at A = 8. On a line it is {longer:.3f} % longer. "
-        f"Simulated periods agree to {worst:.0e}.",
+        f"Simulated periods agree to {scientific(worst)}.",
     )  # fmt: skip
 
 
@@ -138,18 +138,18 @@ def draw_portraits(portraits: xr.Dataset, settings: Settings) -> None:
         plot_portrait(here.isel(start=slice(0, half)), along="x", ax=axes[2 * row])
         plot_portrait(here.isel(start=slice(half, None)), along="y", ax=axes[2 * row + 1])
         with style():
-            words = parameter_text(delta0=delta0)
+            words = parameter_text({"delta0": delta0})
             axes[2 * row].set_title(f"{words},  from rest at $x_0$")
             axes[2 * row + 1].set_title(f"{words},  from the centre with $y_0$′")
     settings.show(
         figure, "fig05_portraits", archives=["portraits"],
-        shows="Phase portraits for starts (x0, 0, 0, 0) and (0, 0, 0, y0') with x0 and y0' "
+        shows="Phase portraits for starts (x₀, 0, 0, 0) and (0, 0, 0, y₀′) with x₀ and y₀′ "
         "= 0, 2, 4, 6, 8, with their periods T.",
         paper="The same starts, with the period of a circle.",
         verdict=f"The period of a line is {longer:.2f} % longer.",
-        found=f"From speed y0' the rotor comes to A = (1.25 y0'^2)^0.4: "
-        f"{amplitude_from_speed(8.0):.4g} at y0' = 8. The axis is crossed at "
-        f"{centre_speed(8.0):.4g} from x0 = 8. Periods fall as the amplitude grows; with "
+        found=f"From speed y₀′ the rotor comes to the A at which A²√A = 1.25 y₀′²: "
+        f"{amplitude_from_speed(8.0):.4g} at y₀′ = 8. The axis is crossed at "
+        f"{centre_speed(8.0):.4g} from x₀ = 8. Periods fall as the amplitude grows; with "
         "clearance the portraits are flat where the rotor flies.",
     )  # fmt: skip
 

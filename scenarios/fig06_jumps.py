@@ -59,8 +59,8 @@ def main(settings: Settings) -> None:
         shows="Amplitude and phase lag over the speed without clearance: weak damping above, the "
         "strong dampings of the paper below.",
         paper="The frequency response shows the jump bifurcation phenomenon.",
-        verdict="Only at zeta = 0.07; not at the three other dampings.",
-        found=f"At zeta = 0.07 the rotor jumps down at {up:.6f} and up at {down:.6f}; the other "
+        verdict="Only at ζ = 0.07; not at the three other dampings.",
+        found=f"At ζ = 0.07 the rotor jumps down at {up:.6f} and up at {down:.6f}; the other "
         "three dampings have no jump.",
     )  # fmt: skip
 
@@ -70,7 +70,7 @@ def main(settings: Settings) -> None:
         figure, "fig06_jump_limit", archives=["cusp"],
         shows="The damping above which the response curve has no fold, over the clearance.",
         found=f"{limit.cusp_zeta[0].item():.9f} without clearance. It rises with the clearance "
-        f"to {highest.cusp_zeta.item():.6f} at delta0 = {highest.delta0.item():.4f} and falls "
+        f"to {highest.cusp_zeta.item():.6f} at δ₀ = {highest.delta0.item():.4f} and falls "
         "from there on. Above that no rotor jumps.",
     )  # fmt: skip
 

@@ -43,7 +43,7 @@ def main(settings: Settings) -> None:
     settings.show(
         figure, "fig07", archives=[f"plane_{name}" for name in PLANES],
         shows="Which whirl each start comes to, for four planes of starts: at rest; from the "
-        "centre with any velocity; everywhere with x' = -15; and on the x axis with any y'.",
+        "centre with any velocity; everywhere with x′ = −15; and on the x axis with any y′.",
         paper="The shape of the attraction region looks like a spider.",
         verdict="For starts at rest it is one smooth egg.",
         found=f"For starts at rest it is one smooth egg round the small whirl, {small:.1%} of the "
@@ -59,7 +59,7 @@ def main(settings: Settings) -> None:
         plane = follow(rotor, {"x": 15.0, "y": 15.0}, {}, coarse, settings)
         settings.keep(plane, f"clearance_{delta0:g}")
         plot_basin(plane, ax=ax)
-        words.append(f"{kinds_reached(plane)} at delta0 = {delta0:g}")
+        words.append(f"{kinds_reached(plane)} at δ₀ = {delta0:g}")
     settings.show(
         figure, "clearances", archives=[f"clearance_{delta0:g}" for delta0 in CLEARANCES],
         shows="The plane of starts at rest for four clearances.",

@@ -53,7 +53,7 @@ def main(settings: Settings) -> None:
     radius = np.hypot(run.x, run.y).sel(t=slice(0.5 * DRAWN, None))
     draw(
         "bouncing", run, "bouncing", settings,
-        shows="With a clearance of 2, at omega = 2, from rest: contact and flight in their "
+        shows="With a clearance of 2, at ω = 2, from rest: contact and flight in their "
         "colours.",
         paper="",
         found=f"The rotor enters and leaves contact for ever, from t = {0.5 * DRAWN:g} on with |z| "
@@ -77,7 +77,7 @@ def draw(name: str, run: xr.Dataset, archive: str, settings: Settings, **texts: 
     shared_legend(figure, axes, columns=6, outer=False)
     with style():
         parameters = {each: float(run[each]) for each in ("omega", "zeta", "delta0")}
-        figure.suptitle(parameter_text(**parameters), fontsize=10.0)
+        figure.suptitle(parameter_text(parameters), fontsize=10.0)
     settings.show(figure, name, archives=[archive], **texts)
 
 

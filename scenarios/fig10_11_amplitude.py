@@ -25,7 +25,13 @@ from rotor_ida import compare, folds, sweep, synchronous_response
 from rotor_ida.analysis.comparison import summarise
 from rotor_ida.closed_forms import free_periods
 from rotor_ida.paper.printed import phase_31
-from rotor_ida.paper.scenario import Settings, progress_bar, run_script, speeds_of_curves
+from rotor_ida.paper.scenario import (
+    Settings,
+    progress_bar,
+    run_script,
+    scientific,
+    speeds_of_curves,
+)
 from rotor_ida.plot import panels, plot_amplitude, plot_backbone, plot_phase, shared_legend
 from rotor_ida.schema import RESPONSE
 
@@ -101,15 +107,15 @@ def of_curves(quantity: str, exact: xr.Dataset) -> dict[str, str]:
     peaks = exact.amplitude.where(exact.in_contact == 1).max(["omega", "branch"]).squeeze()
     rows = ", ".join(
         f"{int(counts.sel(delta0=d))} folds and a peak of {float(peaks.sel(delta0=d)):.2f} at "
-        f"delta0 = {d:g}"
+        f"δ₀ = {d:g}"
         for d in CLEARANCES[::-1]
     )
     shows = (
-        f"Every synchronous whirl at zeta = {ZETA}: {quantity} over speed for four clearances, "
+        f"Every synchronous whirl at ζ = {ZETA}: {quantity} over speed for four clearances, "
         "with stability and folds."
     )
     isola = (
-        "From delta0 = 1 on the contacting whirls are a curve of their own, an isola, beside the "
+        "From δ₀ = 1 on the contacting whirls are a curve of their own, an isola, beside the "
         "contact-free family."
     )
     if quantity == "amplitude":
@@ -124,9 +130,9 @@ def of_curves(quantity: str, exact: xr.Dataset) -> dict[str, str]:
     printed = phase_31(whirl.amplitude.item(), **given)
     return {
         "shows": shows,
-        "paper": "Eq. (31) has f(A)/A^2 for the stiffness.",
+        "paper": "Eq. (31) has f(A)/A² for the stiffness.",
         "verdict": "Wrong: f(A)/A.",
-        "found": f"At omega = 1.2, delta0 = 0.5 the lag is {whirl.phase_lag.item():.5f}; eq. (31) "
+        "found": f"At ω = 1.2, δ₀ = 0.5 the lag is {whirl.phase_lag.item():.5f}; eq. (31) "
         f"as printed gives {printed:.5f}. {isola}",
     }
 
@@ -134,7 +140,7 @@ def of_curves(quantity: str, exact: xr.Dataset) -> dict[str, str]:
 def of_sweeps(quantity: str, compared: xr.Dataset) -> dict[str, str]:
     """Return what the gallery says of Fig. 11."""
     rows = ", ".join(
-        f"{row['on_branch']} of {row['points']} at delta0 = {row['delta0']:g}"
+        f"{row['on_branch']} of {row['points']} at δ₀ = {row['delta0']:g}"
         for row in summarise(compared.sel(direction=[0]))[::-1]
     )
     digits = float(compared.digits.min())
@@ -148,8 +154,9 @@ def of_sweeps(quantity: str, compared: xr.Dataset) -> dict[str, str]:
     if quantity == "phase":
         error = float(np.abs(compared.phase_error).max())
         return texts | {
-            "found": f"On an exact whirl the simulated lag is right to {error:.0e}. A rotor that "
-            "bounces or swings has many harmonics: marked is the lag of the one at the spin speed."
+            "found": f"On an exact whirl the simulated lag is right to {scientific(error)}. A "
+            "rotor that bounces or swings has many harmonics: marked is the lag of the one at the "
+            "spin speed."
         }
     times = f"{reached} times" if reached else "never"
     return texts | {
@@ -157,13 +164,13 @@ def of_sweeps(quantity: str, compared: xr.Dataset) -> dict[str, str]:
         "whirl.",
         "found": f"From rest on one of the exact whirls: {rows}. There curve and simulation agree "
         f"to {digits:.1f} digits or more. Elsewhere the rotor bounces, or its radius oscillates; "
-        f"from rest it comes {times} to the contacting branch at delta0 = 2.",
+        f"from rest it comes {times} to the contacting branch at δ₀ = 2.",
     }
 
 
 def table(compared: xr.Dataset) -> Table:
     """Return how many points lie on an exact branch, to how many digits, and what others do."""
-    title = f"Simulated responses beside the exact whirls at zeta = {ZETA}"
+    title = f"Simulated responses beside the exact whirls at ζ = {ZETA}"
     shown = Table("speed", title=title, box=SIMPLE_HEAD, padding=0, show_edge=False)
     for name in COLUMNS:
         shown.add_column(name.replace("_", "\n"), justify="right")

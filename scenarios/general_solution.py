@@ -1,4 +1,4 @@
-"""Eqs (24)-(28): the "general solution" of the paper beside the simulated motion.
+"""Eqs (24)–(28): the "general solution" of the paper beside the simulated motion.
 
 The paper adds two exponentials to the whirl. The equation is nonlinear, so that solutions do not
 add up; three different exponents are given, and the phase has the wrong sign. Shown are the
@@ -112,7 +112,7 @@ def draw(compared: xr.Dataset, name: str, words: str, settings: Settings) -> Non
     axes[1].set_ylim(max(1e-6, 0.5 * float(error.where(error > 0.0)[:, 20:].min())), 100.0)
     with style():
         parameters = {each: float(compared[each]) for each in Rotor.__slots__}
-        axes[0].set_title(f"{parameter_text(**parameters)},  from {words}")
+        axes[0].set_title(f"{parameter_text(parameters)},  from {words}")
     shared_legend(figure, axes, columns=4 if compared.sizes["solution"] < 4 else 3, outer=False)
     found = "; ".join(
         f"{each}: off by {float(at_five.sel(solution=each)):.3g} at t = 5"
@@ -124,9 +124,9 @@ def draw(compared: xr.Dataset, name: str, words: str, settings: Settings) -> Non
         found += f"; {LINEARISED}: never off by more than {float(linear.max()):.2g}"
     settings.show(
         figure, name, archives=[name],
-        shows=f"x over time from {words}: simulated, and by eqs (24)-(28); below, the distance "
+        shows=f"x over time from {words}: simulated, and by eqs (24)–(28); below, the distance "
         "from the simulated motion.",
-        paper='z = C3 exp(lambda1 t) + C4 exp(lambda2 t) + A exp(i(omega t + theta)) is "the '
+        paper='z = C₃ exp(λ₁t) + C₄ exp(λ₂t) + A exp(i(ωt + θ)) is "the '
         'general solution".',
         verdict="Wrong: no solution of the nonlinear equation; off by "
         f"{float(at_five.sel(solution='as printed')):.3g} at t = 5."

@@ -83,7 +83,7 @@ def off_the_curve(over_speed: xr.Dataset, delta0: float) -> list[str]:
     most = over_speed.response_fraction.where(off, 0.0).sum("response").values > 0.5
     if not most.any():
         return []
-    return [f"from omega = {over_speed.omega[most].min().item():.2g} on at delta0 = {delta0:g}"]
+    return [f"from ω = {over_speed.omega[most].min().item():.2g} on at δ₀ = {delta0:g}"]
 
 
 def apart(one: xr.Dataset, other: xr.Dataset) -> float:

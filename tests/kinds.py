@@ -1,4 +1,4 @@
-"""One small dataset of every kind that goes into an archive."""
+"""Small datasets: one of every kind that goes into an archive, and one with all it can hold."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import xarray as xr
 
 import rotor_ida
 from rotor_ida import DimensionalRotor, Rotor
+from rotor_ida.schema import labelled
 
 CENTRED = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
 REST = (0.0, 0.0, 0.0, 0.0)
@@ -58,3 +59,39 @@ KINDS: dict[str, Callable[[], xr.Dataset]] = {
         omega=[1.2], zeta=0.2, delta0=0.0, starts=1, extrema_time=20.0
     ),
 }
+
+
+def a_dataset(samples: int = 50, seed: int = 0) -> xr.Dataset:
+    """Return a dataset with all that an archive can hold: numbers, flags, texts, nothing."""
+    motion = np.random.default_rng(seed)
+    radius = motion.normal(size=(samples, 2))
+    radius[3:5, 1] = [np.nan, -0.0]
+    return xr.Dataset(
+        {
+            "x": ("t", motion.normal(size=samples), {"long_name": "displacement", "units": "1"}),
+            "radius_max": (("t", "start"), radius),
+            "response": labelled("response", "start", np.array([1, -1], dtype=np.int8)),
+            "message": ("start", np.array(["", "gave up at t = 3 — naïvely"])),
+            "event_time": labelled("event_time", "event", np.zeros(0)),
+            "event_kind": labelled("event_kind", "event", np.zeros(0, dtype=np.int8)),
+            "note": ("event", np.zeros(0, dtype="U4")),
+            "starts_in_contact": labelled("starts_in_contact", (), np.int8(1)),
+            "title_of_run": ((), "one run"),
+        },
+        coords={
+            "t": labelled("t", "t", np.linspace(0, 9, samples)),
+            "omega": labelled("omega", (), 1.7),
+            "label": ("start", np.array(["rest", "far"])),
+        },
+        attrs={
+            "title": "a run",
+            "empty": "",
+            "greek": "ω₀ = √(k√D/m)\n",
+            "rtol": 1e-10,
+            "samples": samples,
+            "nothing": np.nan,
+            "small": np.int8(-3),
+            "start": np.array([0.0, np.inf, -0.0, np.nan]),
+            "none_of_them": np.zeros(0, dtype=np.int16),
+        },
+    )

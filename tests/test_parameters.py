@@ -45,6 +45,19 @@ def test_a_rotor_is_frozen_and_keyword_only():
         Rotor(1.0, 0.1, 0.5)
 
 
+def test_values_of_a_result_make_a_rotor():
+    run = simulate(Rotor(omega=1.2, zeta=0.5, delta0=0.5), start=(0, 0, 0, 0), duration=1.0)
+    rotor = Rotor(omega=run.omega, zeta=run.zeta, delta0=np.array(0.5))
+    assert rotor == Rotor(omega=1.2, zeta=0.5, delta0=0.5)
+    assert {type(getattr(rotor, name)) for name in ("omega", "zeta", "delta0")} == {float}
+
+
+def test_a_machine_whose_scales_leave_the_range_of_doubles_is_refused():
+    values = {**dataclasses.asdict(MACHINE), "mass": 1e300, "contact_stiffness": 1e-300}
+    with pytest.raises(InputError, match="must give scales of frequency, velocity and force"):
+        DimensionalRotor(**values)
+
+
 @pytest.mark.parametrize("name", ["mass", "contact_stiffness", "eccentricity"])
 def test_a_machine_needs_mass_stiffness_and_eccentricity(name):
     values = {**dataclasses.asdict(MACHINE), name: 0.0}

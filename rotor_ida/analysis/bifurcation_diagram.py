@@ -2,21 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from numbers import Integral
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.analysis.extrema import Extrema, radius_extrema
-from rotor_ida.checks import COMPONENTS, State, check_count, check_positive, check_seed
+from rotor_ida.analysis.extrema import Extrema, check_knots, radius_extrema
+from rotor_ida.checks import (
+    COMPONENTS,
+    State,
+    check_axis,
+    check_count,
+    check_positive,
+    check_seed,
+    is_scalar,
+)
+from rotor_ida.errors import InputError, SimulationError
+from rotor_ida.parallel import FailedJob, Stop, choose, run_all
 from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.schema import STATUS, labelled
-from rotor_ida.simulation.options import Options
+from rotor_ida.simulation.options import LARGEST, Options
 from rotor_ida.sweeps.sweep import sweep
-
-Values = npt.NDArray[np.float64]
 
 DIMS = (*PARAMETERS, "start")
 KEPT = ("response", "radius_min", "radius_max", "status", "message")
@@ -27,13 +36,13 @@ def bifurcation_diagram(
     omega: npt.ArrayLike,
     zeta: npt.ArrayLike,
     delta0: npt.ArrayLike,
-    starts: int | Sequence[State] = 8,
+    starts: int | npt.ArrayLike = 8,
     seed: int = 0,
     reach: float = 5.0,
     extrema_time: float = 100.0,
     rtol: float = 1e-10,
     atol: float = 1e-12,
-    workers: int | None = 1,
+    workers: int | None = None,
     executor: str = "auto",
     progress: Callable[[int, int], None] | None = None,
 ) -> xr.Dataset:
@@ -43,19 +52,21 @@ def bifurcation_diagram(
     ----------
     omega, zeta, delta0 : array_like, shape (n,) or scalar
         The parameters to combine [1].
-    starts : int or sequence of tuple of float
+    starts : int or array_like, shape (n, 4)
         Number of random starts, or the starts ``(x, y, vx, vy)`` themselves [1]. Each speed has
         the same ones.
     seed : int
         Seed of the random starts.
     reach : float
-        Random starts are drawn evenly from ``-reach`` to ``reach`` in each of x, y, vx, vy [1].
+        Random starts are drawn evenly from ``-reach`` to ``reach`` in each of x, y, vx, vy, at
+        most 1e6 [1].
     extrema_time : float
-        Length of the window, after the rotor has settled, in which extrema are looked for [1].
+        Length of the window, after the rotor has settled, in which extrema are looked for [1]; at
+        most 10 million times the step between knots.
     rtol, atol : float
         Relative and absolute tolerance [1].
     workers, executor
-        As for `rotor_ida.sweep`.
+        As for `rotor_ida.sweep`: by default all cores, for the motions and for their extrema.
     progress : callable, optional
         Called with the number of points done and their total.
 
@@ -71,8 +82,9 @@ def bifurcation_diagram(
     Raises
     ------
     InputError
-        If an argument cannot be used. A point that fails does not raise: its ``status`` and
-        ``message`` say why, and it has no extrema.
+        If an argument cannot be used, or a damping is zero: without damping no motion settles. A
+        point that fails does not raise: its ``status`` and ``message`` say why, and it has no
+        extrema.
 
     Notes
     -----
@@ -91,58 +103,81 @@ def bifurcation_diagram(
     >>> found.extremum_radius.values.round(8)
     array([0.84973087, 0.93446294])
     """
-    window = check_positive("extrema_time", extrema_time)
-    chosen = _starts(starts, seed, reach)
+    window, seed = check_positive("extrema_time", extrema_time), check_seed(seed)
+    farthest = check_positive("reach", reach, LARGEST)
+    if not check_axis("zeta", zeta).all():
+        raise InputError("zeta must be above 0, where nothing settles, got 0.0")
+    for speed in check_axis("omega", omega).tolist():
+        check_knots("extrema_time", Rotor(omega=speed, zeta=0.0, delta0=0.0), window)
+    told = {"title": "Extrema of the radius over a range of speeds", "extrema_time": window}
+    if is_scalar("starts", starts):
+        shape = (check_count("starts", starts), len(COMPONENTS))
+        starts = np.random.default_rng(seed).uniform(-farthest, farthest, shape)
+        told |= {"seed": seed, "reach": farthest}
     swept = sweep(
-        omega=omega, zeta=zeta, delta0=delta0, starts=chosen, rtol=rtol, atol=atol,
+        omega=omega, zeta=zeta, delta0=delta0, starts=starts, rtol=rtol, atol=atol,
         workers=workers, executor=executor, progress=progress,
     )  # fmt: skip
     settled = swept.isel(direction=0, drop=True).drop_dims("event")
     options = Options(rtol=rtol, atol=atol)
-    found = [_extrema(settled, index, window, options) for index in _indices(settled)]
-    counts = np.array([part.radii.size for part in found]).reshape(
-        [settled.sizes[dim] for dim in DIMS]
-    )
-    result = settled[list(KEPT)].assign(
+    return _with_extrema(settled, window, options, workers, executor).assign_attrs(told)
+
+
+def _with_extrema(
+    settled: xr.Dataset, window: float, options: Options, workers: int | None, executor: str
+) -> xr.Dataset:
+    """Return what is kept of a sweep with the extrema of its points from the ends of their runs on.
+
+    A point whose motion cannot be followed on has failed.
+    """
+    result = settled[list(KEPT)].copy(deep=True)
+    status, message = result["status"].values.ravel(), result["message"].values.ravel().tolist()
+    due = np.flatnonzero(status == STATUS["done"])
+    radii, kinds = [np.empty(0)] * status.size, [np.empty(0, np.int8)] * status.size
+    place, count = choose(executor, workers, compiled=options.backend != "python")
+    work = partial(_extrema, window=window, rtol=options.step_rtol)
+    jobs = _jobs(settled, due)
+    with closing(run_all(work, jobs, workers=count, executor=place)) as ended:
+        for turn, found in ended:
+            number = int(due[turn])
+            if isinstance(found, Extrema):
+                radii[number], kinds[number] = found.radii, found.kinds
+            else:
+                status[number], message[number] = STATUS["failed"], found.reason
+    shape = result["status"].shape
+    counts = np.array([part.size for part in radii]).reshape(shape)
+    result = result.assign(
+        status=labelled("status", DIMS, status.reshape(shape)),
+        message=labelled("message", DIMS, np.array(message).reshape(shape)),
         extremum_count=labelled("extremum_count", DIMS, counts),
-        extremum_radius=_column("extremum_radius", [part.radii for part in found]),
-        extremum_kind=_column("extremum_kind", [part.kinds for part in found]),
+        extremum_radius=labelled("extremum_radius", "extremum", np.concatenate(radii)),
+        extremum_kind=labelled("extremum_kind", "extremum", np.concatenate(kinds)),
     )
     result["extremum_count"].attrs["sample_dimension"] = "extremum"
-    title = "Extrema of the radius over a range of speeds"
-    told = {"title": title, "extrema_time": window}
-    if isinstance(starts, Integral):
-        told |= {"seed": seed, "reach": float(reach)}
-    return result.assign_attrs(told)
+    return result
 
 
-def _starts(starts: int | Sequence[State], seed: object, reach: object) -> Sequence[State]:
-    """Return the starts, drawn at random if only their number is given."""
-    if not isinstance(starts, (int, Integral)):
-        return starts
-    count = check_count("starts", starts)
-    farthest = check_positive("reach", reach)
-    random = np.random.default_rng(check_seed(seed))
-    return [tuple(row) for row in random.uniform(-farthest, farthest, (count, 4)).tolist()]
-
-
-def _indices(settled: xr.Dataset) -> list[dict[str, int]]:
-    shape = [settled.sizes[dim] for dim in DIMS]
-    return [dict(zip(DIMS, index, strict=True)) for index in np.ndindex(*shape)]
+def _jobs(settled: xr.Dataset, numbers: npt.NDArray[np.intp]) -> Iterator[tuple[Rotor, State]]:
+    """Yield rotor and end, on the rotating axes, of the points with these numbers."""
+    shape = settled["status"].shape
+    ends = np.stack([settled[f"end_{name}"].values.ravel() for name in COMPONENTS], axis=-1)
+    for number in numbers.tolist():
+        index = np.unravel_index(number, shape)
+        rotor = Rotor(
+            **{name: settled[name].values[at] for name, at in zip(PARAMETERS, index, strict=False)}
+        )
+        x, y, vx, vy = ends[number].tolist()
+        yield rotor, (x, y, vx, vy)
 
 
 def _extrema(
-    settled: xr.Dataset, index: dict[str, int], window: float, options: Options
-) -> Extrema:
-    """Return the extrema of one point from the end of its run on."""
-    place = tuple(index.values())
-    if settled["status"].values[place] == STATUS["failed"]:
-        nothing = np.empty(0)
-        return Extrema(nothing, nothing, nothing.astype(np.int8), np.empty((0, 4)))
-    rotor = Rotor(**{name: float(settled[name].values[index[name]]) for name in DIMS[:3]})
-    x, y, vx, vy = (float(settled[f"end_{name}"].values[place]) for name in COMPONENTS)
-    return radius_extrema(rotor, (x, y, vx, vy), window, options.step_rtol)
-
-
-def _column(name: str, parts: list[npt.NDArray[np.generic]]) -> xr.Variable:
-    return labelled(name, "extremum", np.concatenate(parts))
+    job: tuple[Rotor, State], stop: Stop, *, window: float, rtol: float
+) -> Extrema | FailedJob:
+    """Return the extrema of one motion, or why it cannot be followed."""
+    rotor, start = job
+    if stop[0]:
+        return FailedJob("given up")
+    try:
+        return radius_extrema(rotor, start, window, rtol, stop)
+    except SimulationError as error:
+        return FailedJob(str(error))

@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.checks import check_instance
 from rotor_ida.closed_forms import synchronous_response
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import PARAMETERS
@@ -137,9 +138,8 @@ def summarise(compared: xr.Dataset) -> list[dict[str, object]]:
     return rows
 
 
-def _check_is_sweep(dataset: object) -> None:
-    if not isinstance(dataset, xr.Dataset):
-        raise InputError(f"compare needs a Dataset, got {type(dataset).__name__}")
+def _check_is_sweep(dataset: xr.Dataset) -> None:
+    check_instance("dataset", dataset, xr.Dataset)
     missing = [name for name in (*NEEDED, *PARAMETERS) if name not in dataset.variables]
     missing += [name for name in PARAMETERS if name not in dataset.dims and name not in missing]
     if missing:

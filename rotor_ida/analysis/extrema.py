@@ -1,8 +1,8 @@
 """Local maxima and minima of the distance from the bearing axis, as roots of r r'.
 
 The motion is followed by the one-step method of `tangent`, from knot to knot. Between two knots
-``g = r r' = x vx + y vy`` is told by the cubic with its exact slopes; each root of that is then
-polished by following the motion from the knot to it, and by Newton's method.
+``g = r r' = x vx + y vy`` is approximated by the cubic with its exact slopes; each root of the
+cubic is then polished by following the motion from the knot to it, and by Newton's method.
 """
 
 from __future__ import annotations
@@ -15,10 +15,11 @@ import numpy.typing as npt
 from scipy.interpolate import CubicHermiteSpline
 
 from rotor_ida.analysis.tangent import DONE, follow_from, follow_on
-from rotor_ida.checks import State
+from rotor_ida.checks import MOST_NUMBERS, State
 from rotor_ida.equations.contact import secant_stiffness
 from rotor_ida.equations.model import rotated
-from rotor_ida.errors import SimulationError
+from rotor_ida.errors import InputError, SimulationError
+from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.start import starts_in_contact
 
@@ -54,7 +55,7 @@ class Extrema:
     states: Values
 
 
-def radius_extrema(rotor: Rotor, start: State, duration: float, rtol: float) -> Extrema:
+def radius_extrema(rotor: Rotor, start: State, duration: float, rtol: float, stop: Stop) -> Extrema:
     """Return the extrema of the radius from `start` on.
 
     Parameters
@@ -64,9 +65,11 @@ def radius_extrema(rotor: Rotor, start: State, duration: float, rtol: float) -> 
     start : tuple of float
         ``(x, y, vx, vy)`` on the rotating axes [1].
     duration : float
-        Time to look at [1].
+        Time to follow the motion for [1].
     rtol : float
         Tolerance of one step, relative to the size of the state [1].
+    stop : ndarray, shape (1,)
+        Anything but 0 asks the search to stop.
 
     Returns
     -------
@@ -76,19 +79,18 @@ def radius_extrema(rotor: Rotor, start: State, duration: float, rtol: float) -> 
     Raises
     ------
     SimulationError
-        If the integration was stuck.
+        If the integration was stuck, or asked to stop.
     """
-    rate = max(KNOTS_A_REVOLUTION * rotor.omega / (2.0 * math.pi), KNOTS_A_TIME)
-    times = np.linspace(0.0, duration, math.ceil(duration * rate) + 1)
+    times = np.linspace(0.0, duration, math.ceil(duration * _knots_a_time(rotor)) + 1)
     step = float(times[1])
-    states, in_contact = _knots(rotor, start, step, times.size, rtol)
+    states, in_contact = _knots(rotor, start, step, times.size, rtol, stop)
     radius = np.hypot(states[:, 0], states[:, 1])
     if np.ptp(radius) <= STEADY * radius.max():
         kinds = np.array([CONSTANT], dtype=np.int8)
         return Extrema(times[:1], radius.mean(keepdims=True), kinds, states[:1])
     knots, offsets = _guesses(rotor, times, states)
     reached, offsets, good = _polished(
-        rotor, times[knots], states[knots], in_contact[knots], offsets, step, rtol
+        rotor, times[knots], states[knots], in_contact[knots], offsets, step, rtol, stop
     )
     g, slope = _radial(rotor, reached)
     keep = np.flatnonzero(good)
@@ -102,8 +104,19 @@ def radius_extrema(rotor: Rotor, start: State, duration: float, rtol: float) -> 
     return Extrema(found[keep], np.sqrt(np.maximum(squares, 0.0)), kinds, reached[keep])
 
 
+def check_knots(name: str, rotor: Rotor, duration: float) -> None:
+    """Refuse a time in which there are more knots than memory holds."""
+    longest = MOST_NUMBERS / _knots_a_time(rotor)
+    if duration > longest:
+        raise InputError(f"{name} must be at most {longest:.6g}, got {duration!r}")
+
+
+def _knots_a_time(rotor: Rotor) -> float:
+    return max(KNOTS_A_REVOLUTION * rotor.omega / (2.0 * math.pi), KNOTS_A_TIME)
+
+
 def _knots(
-    rotor: Rotor, start: State, step: float, count: int, rtol: float
+    rotor: Rotor, start: State, step: float, count: int, rtol: float, stop: Stop
 ) -> tuple[Values, npt.NDArray[np.bool_]]:
     """Return states at equally spaced times, and whether each is in contact."""
     x, y, vx, vy = start
@@ -112,7 +125,7 @@ def _knots(
     in_contact[0] = starts_in_contact(
         complex(x, y), complex(vx, vy), rotor.omega, rotor.zeta, rotor.delta0
     )
-    done = follow_on(states, in_contact, step, rotor.omega, rotor.zeta, rotor.delta0, rtol)
+    done = follow_on(states, in_contact, step, rotor.omega, rotor.zeta, rotor.delta0, rtol, stop)
     if done != DONE:
         last = int(np.isfinite(states).all(axis=1).sum()) - 1
         raise _failure(rotor, last * step, states[last])
@@ -136,13 +149,14 @@ def _polished(
     offsets: Values,
     step: float,
     rtol: float,
+    stop: Stop,
 ) -> tuple[Values, Values, npt.NDArray[np.bool_]]:
     """Return states near the extrema, the times from their knots to them, and which are found."""
     reached = np.full_like(states, np.nan)
     change = np.zeros_like(offsets)
     for _ in range(ATTEMPTS):
         done = follow_from(
-            states, in_contact, offsets, reached, rotor.omega, rotor.zeta, rotor.delta0, rtol
+            states, in_contact, offsets, reached, rotor.omega, rotor.zeta, rotor.delta0, rtol, stop
         )
         if done != DONE:
             row = int(np.argmin(np.isfinite(reached).all(axis=1)))

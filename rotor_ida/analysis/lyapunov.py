@@ -9,10 +9,19 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.analysis.tangent import DONE, follow_stretches
-from rotor_ida.checks import State, check_count, check_positive, check_state
+from rotor_ida.checks import (
+    MOST_NUMBERS,
+    State,
+    check_count,
+    check_duration,
+    check_instance,
+    check_positive,
+    check_state,
+)
 from rotor_ida.equations.model import rotated
 from rotor_ida.errors import InputError, SimulationError
-from rotor_ida.parameters import Rotor, check_rotor
+from rotor_ida.parallel import Stop, interruptible
+from rotor_ida.parameters import Rotor
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import Column, labelled_dataset
 from rotor_ida.simulation.dataset import parameter_coordinates
@@ -27,12 +36,14 @@ SPANS_A_BATCH = 20
 FEWEST_BATCHES = 4
 TIGHTEST_RTOL, LOOSEST_RTOL = 1e-13, 1e-4
 SHOWN = 400
+# Each span leaves four numbers in memory.
+LONGEST = SPAN * MOST_NUMBERS
 
 
 def lyapunov_exponent(
     rotor: Rotor,
     *,
-    start: State,
+    start: npt.ArrayLike,
     transient: float = 500.0,
     duration: float = 5000.0,
     batches: int = 20,
@@ -44,13 +55,13 @@ def lyapunov_exponent(
     ----------
     rotor : Rotor
         The rotor.
-    start : tuple of float
+    start : array_like, shape (4,)
         ``(x, y, vx, vy)`` at time 0 [1].
     transient : float
-        Time to settle before the mean is taken [1]; the tangent vectors turn into their
-        directions in it too.
+        Time to settle before the mean is taken [1], at most 5 million; the tangent vectors turn
+        into their directions in it too.
     duration : float
-        Time over which the mean is taken [1], at least 10 for each batch.
+        Time over which the mean is taken [1], at least 10 for each batch, at most 5 million.
     batches : int
         Number of parts of `duration`, at least 4, whose scatter gives the error.
     rtol : float
@@ -111,10 +122,14 @@ def lyapunov_exponent(
     >>> found.lyapunov_exponent.values.round(5)
     array([-0.07, -0.07, -0.07, -0.07])
     """
-    rotor = check_rotor(rotor)
+    check_instance("rotor", rotor, Rotor)
     first = check_state("start", start)
     check_can_be_followed(rotor, first)
-    lead, length = check_positive("transient", transient), check_positive("duration", duration)
+    lead, length = (
+        check_positive(name, value, LONGEST)
+        for name, value in (("transient", transient), ("duration", duration))
+    )
+    check_duration("transient + duration", lead + length, rotor.omega)
     count = check_count("batches", batches, FEWEST_BATCHES)
     each = int(length / (count * SPAN))
     if each < SPANS_A_BATCH:
@@ -126,7 +141,8 @@ def lyapunov_exponent(
     if not TIGHTEST_RTOL <= tolerance <= LOOSEST_RTOL:
         raise InputError(f"rtol must lie from {TIGHTEST_RTOL} to {LOOSEST_RTOL}, got {tolerance!r}")
     span = length / (count * each)
-    stretches = _stretches(rotor, first, math.ceil(lead / span), count * each, span, tolerance)
+    spans = (math.ceil(lead / span), count * each)
+    stretches = interruptible(lambda stop: _stretches(rotor, first, *spans, span, tolerance, stop))
     exponents, errors = _means(stretches / span, count, -4.0 * rotor.zeta)
     order = np.argsort(-exponents, kind="stable")
     shown = np.unique(np.linspace(1, count * each, min(SHOWN, count * each)).astype(int))
@@ -148,7 +164,7 @@ def lyapunov_exponent(
 
 
 def _stretches(
-    rotor: Rotor, start: State, lead: int, count: int, span: float, rtol: float
+    rotor: Rotor, start: State, lead: int, count: int, span: float, rtol: float, stop: Stop
 ) -> Values:
     """Return the logarithms of the stretching over each span after the transient."""
     x, y, vx, vy = start
@@ -160,7 +176,7 @@ def _stretches(
     )
     stretches = np.full((lead + count, 4), np.nan)
     done = follow_stretches(
-        bundle, in_contact, span, stretches, rotor.omega, rotor.zeta, rotor.delta0, rtol
+        bundle, in_contact, span, stretches, rotor.omega, rotor.zeta, rotor.delta0, rtol, stop
     )
     if done != DONE or not np.isfinite(stretches).all():
         time = span * int(np.isfinite(stretches).all(axis=1).sum())

@@ -1,4 +1,4 @@
-"""Sections through a motion: where it stands once a revolution, or at each contact event."""
+"""Sections through a motion: its states once a revolution, or at each contact event."""
 
 from __future__ import annotations
 
@@ -9,11 +9,19 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.analysis.extrema import MAXIMUM, radius_extrema
-from rotor_ida.checks import State, check_choice, check_count, check_state
+from rotor_ida.analysis.extrema import MAXIMUM, check_knots, radius_extrema
+from rotor_ida.checks import (
+    State,
+    check_choice,
+    check_count,
+    check_duration,
+    check_instance,
+    check_state,
+)
 from rotor_ida.equations.model import rotated
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import Rotor, check_rotor
+from rotor_ida.parallel import Stop, interruptible
+from rotor_ida.parameters import Rotor
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import Column, labelled_dataset
 from rotor_ida.simulation.dataset import parameter_coordinates
@@ -31,7 +39,7 @@ NAMES = ("rotating_x", "rotating_y", "rotating_vx", "rotating_vy")
 def poincare_section(
     rotor: Rotor,
     *,
-    start: State,
+    start: npt.ArrayLike,
     revolutions: int,
     skip: int = 0,
     at: At = "revolution",
@@ -44,12 +52,12 @@ def poincare_section(
     ----------
     rotor : Rotor
         The rotor; it must turn.
-    start : tuple of float
+    start : array_like, shape (4,)
         ``(x, y, vx, vy)`` at time 0 [1].
     revolutions : int
-        Number of revolutions to look at.
+        Number of revolutions in the section, at most 10 million.
     skip : int
-        Number of revolutions before these, left out as a transient.
+        Number of revolutions before these, left out as a transient, at most 10 million.
     at : {"revolution", "entry", "exit", "peak"}
         Once a revolution, when the unbalance points along x; at each contact entry or exit; or
         at each local maximum of the distance from the bearing axis.
@@ -90,7 +98,7 @@ def poincare_section(
     >>> section.rotating_x.values.round(6)
     array([-1.40959, -1.40959, -1.40959, -1.40959])
     """
-    rotor = check_rotor(rotor)
+    check_instance("rotor", rotor, Rotor)
     first = check_state("start", start)
     check_can_be_followed(rotor, first)
     if rotor.omega == 0.0:
@@ -102,12 +110,19 @@ def poincare_section(
         raise InputError(f"delta0 must be positive for a section at each {at}, got 0.0")
     options = Options(rtol=rtol, atol=atol)
     period = 2.0 * math.pi / rotor.omega
-    state = first
-    if left_out:
-        end = run(rotor, first, left_out * period, np.empty(0), options).end
-        x, y, vx, vy = rotated(end, -rotor.omega * left_out * period).tolist()
-        state = (x, y, vx, vy)
-    times, states = _crossings(rotor, state, count, at, options)
+    check_duration("the time of skip and revolutions", (left_out + count) * period, rotor.omega)
+    if at == "peak":
+        check_knots("the time of revolutions", rotor, count * period)
+
+    def follow(stop: Stop) -> tuple[Values, Values]:
+        state = first
+        if left_out:
+            end = run(rotor, first, left_out * period, np.empty(0), options, stop=stop).end
+            x, y, vx, vy = rotated(end, -rotor.omega * left_out * period).tolist()
+            state = (x, y, vx, vy)
+        return _crossings(rotor, state, count, at, options, stop)
+
+    times, states = interruptible(follow)
     columns: dict[str, Column] = {"crossing_time": ("crossing", left_out * period + times)}
     columns |= {
         name: ("crossing", np.ascontiguousarray(column))
@@ -121,21 +136,21 @@ def poincare_section(
 
 
 def _crossings(
-    rotor: Rotor, start: State, count: int, at: str, options: Options
+    rotor: Rotor, start: State, count: int, at: str, options: Options, stop: Stop
 ) -> tuple[Values, Values]:
     """Return the times of the crossings, from `start` on, and the states on rotating axes."""
     period = 2.0 * math.pi / rotor.omega
     duration = count * period
     if at == "peak":
-        extrema = radius_extrema(rotor, start, duration, options.step_rtol)
+        extrema = radius_extrema(rotor, start, duration, options.step_rtol, stop)
         chosen = extrema.kinds == MAXIMUM
         return extrema.times[chosen], extrema.states[chosen]
     if at == "revolution":
         times = np.minimum(period * np.arange(count + 1), duration)
-        orbit = run(rotor, start, duration, times, options)
+        orbit = run(rotor, start, duration, times, options, stop=stop)
         # the axes point along x again: turning by whole revolutions would only add rounding
         return times, orbit.states
-    orbit = run(rotor, start, duration, np.empty(0), options)
+    orbit = run(rotor, start, duration, np.empty(0), options, stop=stop)
     chosen = orbit.event_kinds == (ENTRY if at == "entry" else EXIT)
     times = orbit.event_times[chosen]
     return times, rotated(orbit.event_states[chosen], -rotor.omega * times)

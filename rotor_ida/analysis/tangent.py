@@ -26,8 +26,9 @@ import numpy as np
 import numpy.typing as npt
 from scipy.integrate import DOP853
 
-from rotor_ida.equations.compiling import compiled
+from rotor_ida.equations.compiling import asked_to_stop, compiled
 from rotor_ida.equations.model import rotating_field_into, rotating_jacobian_into
+from rotor_ida.parallel.jobs import Stop
 from rotor_ida.simulation.flight import drift, first_touch, fly
 
 Values = npt.NDArray[np.float64]
@@ -56,14 +57,15 @@ def follow_stretches(
     zeta: float,
     delta0: float,
     rtol: float,
+    stop: Stop,
 ) -> int:
     """Follow a state and its four tangent vectors, and say how much these were stretched.
 
     Parameters
     ----------
     bundle : ndarray, shape (5, 4)
-        The state on the rotating axes, then four orthonormal tangent vectors; what they have
-        become at the end takes their place [1].
+        The state on the rotating axes, then four orthonormal tangent vectors; overwritten
+        with those at the end [1].
     in_contact : bool
         Whether the motion begins in contact.
     span : float
@@ -75,15 +77,17 @@ def follow_stretches(
         The rotor [1].
     rtol : float
         Tolerance of one step relative to the size of state and vectors [1].
+    stop : ndarray, shape (1,)
+        Anything but 0 asks the integration to stop.
 
     Returns
     -------
     int
-        0 if all was done, 1 if the integration was stuck.
+        0 if all was done; 1 if the integration was stuck, or asked to stop.
     """
     mode = np.array([1.0 if in_contact else 0.0, 1e-3])
     for row in range(stretches.shape[0]):
-        if _follow(bundle, mode, span, omega, zeta, delta0, rtol) != DONE:
+        if _follow(bundle, mode, span, omega, zeta, delta0, rtol, stop) != DONE:
             return STUCK
         orthonormalise(bundle, stretches[row])
     return DONE
@@ -98,6 +102,7 @@ def follow_on(
     zeta: float,
     delta0: float,
     rtol: float,
+    stop: Stop,
 ) -> int:
     """Fill all rows but the first with the states that follow on it, `span` apart.
 
@@ -107,14 +112,14 @@ def follow_on(
         States on the rotating axes, of which the first is given [1].
     in_contact : ndarray of bool, shape (n,)
         Whether each is in contact; the first is given.
-    span, omega, zeta, delta0, rtol : float
-        As for `follow_stretches` [1].
+    span, omega, zeta, delta0, rtol, stop
+        As for `follow_stretches`.
     """
     bundle = np.zeros((5, 4))
     bundle[0] = states[0]
     mode = np.array([1.0 if in_contact[0] else 0.0, 1e-3])
     for row in range(1, states.shape[0]):
-        if _follow(bundle, mode, span, omega, zeta, delta0, rtol) != DONE:
+        if _follow(bundle, mode, span, omega, zeta, delta0, rtol, stop) != DONE:
             return STUCK
         states[row] = bundle[0]
         in_contact[row] = mode[0] > 0.0
@@ -131,13 +136,14 @@ def follow_from(
     zeta: float,
     delta0: float,
     rtol: float,
+    stop: Stop,
 ) -> int:
-    """Write into each row of `reached` what becomes of that row of `states` after its span."""
+    """Write into `reached` the state that follows on each row of `states` after its span."""
     bundle = np.zeros((5, 4))
     for row in range(states.shape[0]):
         bundle[0] = states[row]
         mode = np.array([1.0 if in_contact[row] else 0.0, max(spans[row], 1e-6)])
-        if spans[row] > 0.0 and _follow(bundle, mode, spans[row], omega, zeta, delta0, rtol):
+        if spans[row] > 0.0 and _follow(bundle, mode, spans[row], omega, zeta, delta0, rtol, stop):
             return STUCK
         reached[row] = bundle[0]
     return DONE
@@ -172,17 +178,20 @@ def _follow(
     zeta: float,
     delta0: float,
     rtol: float,
+    stop: Stop,
 ) -> int:
     """Alternate flight and contact over `span`; `mode` keeps whether in contact, and the step."""
     left = span
     for _ in range(_PATIENCE):
         if mode[0] > 0.0:
-            passed = _stay_in_contact(bundle, mode, left, omega, zeta, delta0, rtol)
+            passed = _stay_in_contact(bundle, mode, left, omega, zeta, delta0, rtol, stop)
             if passed < 0.0:
                 return STUCK
         else:
             z, w = complex(bundle[0, 0], bundle[0, 1]), complex(bundle[0, 2], bundle[0, 3])
-            touch = first_touch(z, w, omega, zeta, delta0, left)
+            touch = first_touch(z, w, omega, zeta, delta0, left, stop)
+            if asked_to_stop(stop):
+                return STUCK
             passed = min(touch, left)
             _fly(bundle, passed, omega, zeta)
             if touch <= left:
@@ -228,6 +237,7 @@ def _stay_in_contact(
     zeta: float,
     delta0: float,
     rtol: float,
+    stop: Stop,
 ) -> float:
     """Integrate until the exit or for `left`; return the time passed, negative if stuck."""
     rotor = (omega, zeta, delta0)
@@ -236,6 +246,8 @@ def _stay_in_contact(
     _write_rate(bundle, rates[0], matrix, rotor)
     passed, size = 0.0, mode[1]
     for _ in range(_PATIENCE):
+        if asked_to_stop(stop):
+            return -1.0
         last = size >= left - passed
         length = left - passed if last else size
         error = _step(bundle, length, rates, trial, matrix, rotor, rtol)

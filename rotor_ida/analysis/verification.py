@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from rotor_ida.basins import basin, basin_fractions
-from rotor_ida.checks import COMPONENTS, State, check_count
+from rotor_ida.checks import COMPONENTS
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress
 from rotor_ida.parameters import PARAMETERS, Rotor
@@ -135,7 +135,7 @@ def _run(dataset: xr.Dataset) -> xr.Dataset:
     given = dataset.attrs
     return simulate(
         _rotor(dataset),
-        start=cast(State, tuple(np.atleast_1d(given["start"]).tolist())),
+        start=given["start"],
         duration=given["duration"],
         samples=dataset["t"].values,
         **{name: given[name] for name in HOW},
@@ -163,7 +163,7 @@ def _shares(dataset: xr.Dataset, workers: int | None, progress: Progress | None)
     drawn: dict[str, Any] = {
         name: tuple(np.atleast_1d(given[f"range_{name}"]).tolist()) for name in COMPONENTS
     }
-    drawn |= {name: check_count(name, given[name], 0) for name in ("starts", "seed")}
+    drawn |= {name: given[name] for name in ("starts", "seed")}
     drawn["rtol"] = given["labelling_rtol"]
     return basin_fractions(_rotor(dataset), **drawn, workers=workers, progress=progress)
 

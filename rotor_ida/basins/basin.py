@@ -9,17 +9,12 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.basins.dataset import basin_dataset
-from rotor_ida.basins.labelling import (
-    RTOL,
-    check_rotor,
-    check_rtol,
-    check_within,
-    label,
-)
-from rotor_ida.checks import COMPONENTS, check_real
+from rotor_ida.basins.labelling import RTOL, check_rotor, check_rtol, label
+from rotor_ida.checks import COMPONENTS, check_vector, is_scalar
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress
 from rotor_ida.parameters import Rotor
+from rotor_ida.simulation.options import LARGEST
 
 Values = npt.NDArray[np.float64]
 
@@ -124,29 +119,21 @@ def basin(
 
 def _axes_of(given: dict[str, npt.ArrayLike]) -> tuple[dict[str, Values], dict[str, float]]:
     """Return the components that vary, and those that do not."""
-    varying = [name for name, value in given.items() if np.ndim(value) > 0]
+    varying = [name for name, value in given.items() if not is_scalar(name, value)]
     if len(varying) != 2:
         raise InputError(
             "exactly two of x, y, vx, vy must be arrays and two numbers, got "
             f"{len(varying)} arrays{': ' if varying else ''}{', '.join(varying)}"
         )
-    axes = {name: _check_increasing(name, given[name]) for name in varying}
-    fixed = {name: check_real(name, value) for name, value in given.items() if name not in axes}
-    for name, value in fixed.items():
-        check_within(name, np.array([value]))
+    checked = {name: check_vector(name, value, largest=LARGEST) for name, value in given.items()}
+    axes = {name: _check_increasing(name, checked[name]) for name in varying}
+    fixed = {name: values.item() for name, values in checked.items() if name not in axes}
     return axes, fixed
 
 
-def _check_increasing(name: str, values: npt.ArrayLike) -> Values:
-    array = np.asarray(values)
-    if array.ndim != 1 or array.size == 0:
-        raise InputError(
-            f"{name} must be a number or a 1-D array with at least one number, got an array of "
-            f"shape {array.shape}"
-        )
-    axis = np.array([check_real(name, value) for value in array.tolist()])
+def _check_increasing(name: str, axis: Values) -> Values:
     falls = np.flatnonzero(np.diff(axis) <= 0.0)
     if falls.size:
         before, after = axis[falls[0]], axis[falls[0] + 1]
         raise InputError(f"{name} must increase, got {float(after)!r} after {float(before)!r}")
-    return check_within(name, axis)
+    return axis

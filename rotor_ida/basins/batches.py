@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.basins.features import COLUMNS
-from rotor_ida.storage.studies.packing import packed, unpacked
+from rotor_ida.storage.studies.arrays import packed, unpacked
 
 Values = npt.NDArray[np.float64]
 Features = npt.NDArray[np.float32]
@@ -98,7 +98,7 @@ def batch_as_bytes(batch: BatchResult) -> bytes:
         "later": undecided.later,
         "states": undecided.states,
     }
-    return packed(arrays, {})
+    return packed(arrays)
 
 
 def batch_from_bytes(content: bytes) -> BatchResult:
@@ -109,7 +109,7 @@ def batch_from_bytes(content: bytes) -> BatchResult:
     ValueError
         If it cannot have written it.
     """
-    arrays, _ = unpacked(content)
+    arrays = unpacked(content)
     try:
         undecided = Undecided(*(arrays[name] for name in ("numbers", "earlier", "later", "states")))
         return BatchResult(int(arrays["first"]), arrays["labels"], arrays["times"], undecided)

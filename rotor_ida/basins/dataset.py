@@ -16,7 +16,7 @@ from rotor_ida.provenance import provenance
 from rotor_ida.schema import FATE, RESPONSE, Column, labelled, labelled_dataset
 from rotor_ida.simulation.dataset import parameter_coordinates
 from rotor_ida.simulation.options import Options
-from rotor_ida.storage.studies.scratch import scratch, slabs
+from rotor_ida.storage.studies.arrays import scratch, stretches
 
 Values = npt.NDArray[np.float64]
 
@@ -169,8 +169,8 @@ def _responses(
     table = np.array([*kinds, FATE["not_computed"], RESPONSE["unresolved"]], dtype=np.int8)
     responses = scratch(labels.shape, np.int8, folder)
     flat, result = labels.reshape(-1), responses.reshape(-1)
-    for slab in slabs(flat.size):
-        result[slab] = table[flat[slab]]
+    for stretch in stretches(flat.size):
+        result[stretch] = table[flat[stretch]]
     variable = labelled("response", dims, responses)
     words = {**RESPONSE, "not_computed": FATE["not_computed"]}
     variable.attrs["flag_values"] = np.array(list(words.values()), dtype=np.int8)
@@ -203,8 +203,8 @@ def _counts(labels: npt.NDArray[np.int16], attractors: int) -> npt.NDArray[np.in
     """Return how many starts were not computed, are undecided, and end on each attractor."""
     flat, first = labels.reshape(-1), min(FATE.values())
     counts = np.zeros(attractors - first, dtype=np.int64)
-    for slab in slabs(flat.size):
-        counts += np.bincount(flat[slab] - first, minlength=counts.size)
+    for stretch in stretches(flat.size):
+        counts += np.bincount(flat[stretch] - first, minlength=counts.size)
     return counts
 
 

@@ -16,8 +16,8 @@ from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED, follow
 from rotor_ida.basins.known_attractors import KnownAttractors
 from rotor_ida.basins.trapping_regions import TrappingRegion
 from rotor_ida.parallel import FailedJob, Progress, Stop, run_all
+from rotor_ida.storage.studies.arrays import scratch
 from rotor_ida.storage.studies.results import Results
-from rotor_ida.storage.studies.scratch import scratch
 from rotor_ida.sweeps.response import PATIENCE
 from rotor_ida.sweeps.steady_state import DECAY_TIMES, durations
 

@@ -9,20 +9,23 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.basins.dataset import fractions_dataset
-from rotor_ida.basins.labelling import (
-    RTOL,
-    check_rotor,
-    check_rtol,
-    check_within,
-    label,
+from rotor_ida.basins.labelling import RTOL, check_rotor, check_rtol, label
+from rotor_ida.checks import (
+    COMPONENTS,
+    MOST_POINTS_OF_STUDY,
+    check_count,
+    check_seed,
+    check_vector,
+    is_scalar,
+    shown,
 )
-from rotor_ida.checks import COMPONENTS, check_count, check_real, check_seed
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress
 from rotor_ida.parameters import Rotor
+from rotor_ida.simulation.options import LARGEST
 
 Values = npt.NDArray[np.float64]
-Range = float | tuple[float, float]
+Range = npt.ArrayLike
 
 
 def basin_fractions(
@@ -46,11 +49,11 @@ def basin_fractions(
     ----------
     rotor : Rotor
         The rotor; damped, since without damping nothing settles.
-    x, y, vx, vy : float or tuple of float
+    x, y, vx, vy : float or array_like, shape (2,)
         Components of the start [1]: numbers, or ranges ``(low, high)`` from which they are drawn,
         independently and uniformly.
     starts : int
-        Number of starts.
+        Number of starts: at most 100 million, or 10 billion in a study.
     seed : int
         Seed of the random numbers: the same seed gives the same starts.
     rtol, workers, executor, study, progress
@@ -84,7 +87,7 @@ def basin_fractions(
     check_rotor(rotor)
     given = {"x": x, "y": y, "vx": vx, "vy": vy}
     box = np.array([_range(name, given[name]) for name in COMPONENTS])
-    count = check_count("starts", starts)
+    count = check_count("starts", starts, maximum=MOST_POINTS_OF_STUDY)
     chosen = check_seed(seed)
 
     def drawn(first: int, last: int) -> Values:
@@ -107,11 +110,10 @@ def basin_fractions(
 
 def _range(name: str, value: object) -> tuple[float, float]:
     """Return the ends of a range; a number is a range of no length."""
-    ends = list(value) if isinstance(value, (tuple, list, np.ndarray)) else [value, value]
-    if len(ends) != 2:
-        raise InputError(f"{name} must be a number or a range (low, high), got {value!r}")
-    low, high = (check_real(name, end) for end in ends)
+    ends = check_vector(name, value, largest=LARGEST).tolist()
+    if len(ends) > 2 or (len(ends) == 1 and not is_scalar(name, value)):
+        raise InputError(f"{name} must be a number or a range (low, high), got {shown(value)}")
+    low, high = ends[0], ends[-1]
     if low > high:
-        raise InputError(f"{name} must be a range (low, high) with low <= high, got {value!r}")
-    check_within(name, np.array([low, high]))
+        raise InputError(f"{name} must be a range (low, high) with low <= high, got {shown(value)}")
     return low, high

@@ -14,14 +14,19 @@ from rotor_ida.basins.attractors import WITNESSES, Attractor, attractors_of
 from rotor_ida.basins.batches import batch_as_bytes, batch_from_bytes
 from rotor_ida.basins.following import FollowedStarts, Starts, follow_starts
 from rotor_ida.basins.known_attractors import known_attractors
-from rotor_ida.checks import check_positive
+from rotor_ida.checks import (
+    MOST_POINTS_OF_STUDY,
+    check_instance,
+    check_positive,
+    check_progress,
+)
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress, choose
 from rotor_ida.parameters import Rotor
 from rotor_ida.provenance import computing
-from rotor_ida.simulation.options import LARGEST, Options, check_can_be_followed
-from rotor_ida.storage.studies.results import Form, kept_results
-from rotor_ida.storage.studies.scratch import slabs
+from rotor_ida.simulation.options import Options, check_can_be_followed
+from rotor_ida.storage.studies.arrays import stretches
+from rotor_ida.storage.studies.results import Form, open_results
 
 Values = npt.NDArray[np.float64]
 
@@ -30,6 +35,8 @@ RTOL = 1e-6
 TIGHTEST, LOOSEST = 1e-12, 1e-4
 # Stiffer rotors take the explicit method too many steps.
 MOST_DAMPING = 20.0
+# Without a study all labels are in memory.
+MOST_STARTS = 100_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,8 +53,7 @@ class Labelled:
 
 def check_rotor(rotor: object) -> Rotor:
     """Return a rotor whose starts can be labelled."""
-    if not isinstance(rotor, Rotor):
-        raise InputError(f"rotor must be a Rotor, got {rotor!r}")
+    rotor = check_instance("rotor", rotor, Rotor)
     check_can_be_followed(rotor, (0.0, 0.0, 0.0, 0.0), settling=True)
     if not 0.0 < rotor.zeta <= MOST_DAMPING:
         raise InputError(
@@ -55,14 +61,6 @@ def check_rotor(rotor: object) -> Rotor:
             f"basin, got {rotor.zeta!r}"
         )
     return rotor
-
-
-def check_within(name: str, values: Values) -> Values:
-    """Return start values that can be followed."""
-    if np.abs(values).max() > LARGEST:
-        outside = float(values[np.argmax(np.abs(values))])
-        raise InputError(f"{name} must lie within {LARGEST:g} of zero, got {outside!r}")
-    return values
 
 
 def check_rtol(rtol: object) -> float:
@@ -90,9 +88,13 @@ def label(
     `starts` gives those from one number up to another, as (4, n); `design` says for a study what
     they are.
     """
+    most = MOST_STARTS if study is None else MOST_POINTS_OF_STUDY
+    if count > most:
+        raise InputError(f"starts must be at most {most}, got {count}: a study keeps more on disk")
+    check_progress(progress)
     place, several = choose(executor, workers, compiled=True)
     options = Options()
-    with kept_results(study, {**design, **_design(rotor, rtol, options)}, count, FORM) as kept:
+    with open_results(study, {**design, **_design(rotor, rtol, options)}, count, FORM) as kept:
         found = follow_starts(
             known_attractors(rotor), starts, count, kept,
             tolerance=rtol, workers=several, executor=place, progress=progress,
@@ -128,9 +130,9 @@ def _witnesses(found: FollowedStarts, starts: Starts) -> list[Values]:
     """
     numbers = range(len(found.known.regions) + found.known.has_free)
     first = [np.empty(0, dtype=np.int64) for _ in numbers]
-    for slab in slabs(found.labels.size):
+    for stretch in stretches(found.labels.size):
         for number in numbers:
-            members = slab.start + np.flatnonzero(found.labels[slab] == number)
+            members = stretch.start + np.flatnonzero(found.labels[stretch] == number)
             members = np.concatenate([first[number], members])
             order = np.argsort(found.times[members], kind="stable")
             first[number] = members[order[:WITNESSES]]

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 import rotor_ida
 from rotor_ida import plot
 from rotor_ida.cli.describe import kind_of
-from rotor_ida.cli.targets import check_panels
+from rotor_ida.cli.output import check_panels
 from rotor_ida.errors import InputError
 from rotor_ida.paper.scenario import speeds_of_curves
 from rotor_ida.plot.labels import LABELS

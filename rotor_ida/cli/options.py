@@ -1,92 +1,154 @@
-"""Options that several commands share, with their help."""
+"""Options that several commands share: their types, their help, and the groups they come in."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Annotated, Any
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
 
 from cyclopts import Parameter
+from cyclopts.validators import Number
 
-Words = list[str]
+from rotor_ida.checks import LARGEST_SEED, State
+from rotor_ida.cli import parsing
+from rotor_ida.parameters import Rotor
+from rotor_ida.simulation.options import Backend, Flight, Method
 
-
-def _one_word_a_start(_kind: type, tokens: Sequence[Any]) -> Words:
-    """Return the words after each ``--start`` as one, so that several starts keep apart."""
-    starts: Words = []
-    for token in tokens:
-        if token.index == 0:
-            starts.append(token.value)
-        else:
-            starts[-1] += f" {token.value}"
-    return starts
+MOST_SAMPLES = 10_000_000
+MOST_WORKERS = 512
 
 
-def _several(text: str) -> Parameter:
-    return Parameter(help=text, consume_multiple=True, negative=())
+def _number(text: str) -> Parameter:
+    return Parameter(help=text, converter=parsing.converter(parsing.number))
 
 
-Omega = Annotated[str, Parameter(help="Spin speed over the reference frequency.")]
-Zeta = Annotated[str, Parameter(help="Damping ratio.")]
-Delta0 = Annotated[str, Parameter(help="Radial clearance over eccentricity.")]
+def _numbers(text: str) -> Parameter:
+    reading = parsing.converter(parsing.numbers)
+    return Parameter(help=text, converter=reading, consume_multiple=True, negative=())
 
-Omegas = Annotated[Words, _several("Spin speeds: numbers, or START:STOP:COUNT.")]
-Zetas = Annotated[Words, _several("Damping ratios: numbers, or START:STOP:COUNT.")]
-Delta0s = Annotated[Words, _several("Clearances: numbers, or START:STOP:COUNT.")]
 
+def _whole_number(text: str, lowest: int, highest: int) -> Parameter:
+    reading = parsing.converter(parsing.whole_number)
+    return Parameter(help=text, converter=reading, validator=Number(gte=lowest, lte=highest))
+
+
+def _path(text: str, *, name: str | None = None) -> Parameter:
+    return Parameter(name=name, help=text, converter=parsing.converter(parsing.path))
+
+
+def _flag(text: str, *, name: str | None = None) -> Parameter:
+    return Parameter(name=name, help=text, negative=(), show_default=False)
+
+
+Omegas = Annotated[list[float], _numbers("Spin speeds: numbers, or START:STOP:COUNT.")]
+Zetas = Annotated[list[float], _numbers("Damping ratios: numbers, or START:STOP:COUNT.")]
+Delta0s = Annotated[list[float], _numbers("Clearances: numbers, or START:STOP:COUNT.")]
+
+REST: State = (0.0, 0.0, 0.0, 0.0)
 Start = Annotated[
-    Words,
+    State,
     Parameter(
-        help="Start X Y VX VY.",
-        consume_multiple=True,
+        help="Where the motion begins; without it, at rest on the axis.",
+        metavar="X Y VX VY",
+        converter=parsing.converter(parsing.start),
         negative=(),
-        converter=_one_word_a_start,
-    ),
-]
-Starts = Annotated[
-    Words,
-    Parameter(
-        help="Start X Y VX VY; may be given several times. Without it, from rest.",
-        consume_multiple=True,
-        negative=(),
-        converter=_one_word_a_start,
         show_default=False,
     ),
 ]
-
-Component = Annotated[str, Parameter(help="Component of the start: number or START:STOP:COUNT.")]
-Duration = Annotated[str, Parameter(help="Time to simulate.")]
-Samples = Annotated[str, Parameter(help="Number of times at which the motion is kept.")]
-Direction = Annotated[
-    str | None,
-    Parameter(help="Follow the response from speed to speed: up, down or both."),
-]
-Workers = Annotated[str | None, Parameter(help="Jobs done at a time; by default one a core.")]
-Executor = Annotated[
-    str,
+Starts = Annotated[
+    list[State],
     Parameter(
-        help="What does the work: auto, serial, threads, processes, dask, or an address of dask."
+        help="Where each motion begins, given once or more; without it, at rest on the axis.",
+        metavar="X Y VX VY",
+        converter=parsing.converter(parsing.starts),
+        consume_multiple=True,
+        negative=(),
+        show_default=False,
     ),
 ]
-Rtol = Annotated[str, Parameter(help="Relative tolerance.")]
-Atol = Annotated[str, Parameter(help="Absolute tolerance.")]
-Method = Annotated[str, Parameter(help="Solver of the contact: adams, bdf or ida.")]
-Flight = Annotated[str, Parameter(help="Motion inside the clearance: exact or cvode.")]
-Backend = Annotated[str, Parameter(help="How the solver is called: auto, python or compiled.")]
+Component = Annotated[
+    float | list[float],
+    Parameter(
+        help="Component of the start.",
+        metavar="FLOAT|START:STOP:COUNT",
+        converter=parsing.converter(parsing.number_or_range),
+        negative=(),
+    ),
+]
+Range = Annotated[
+    float | tuple[float, float],
+    Parameter(
+        help="Component of the starts, or the range they are drawn from.",
+        metavar="FLOAT|LOW:HIGH",
+        converter=parsing.converter(parsing.number_or_ends),
+        negative=(),
+    ),
+]
+StartCount = Annotated[
+    int, _whole_number("Number of random starts.", 1, parsing.MOST_POINTS_OF_STUDY)
+]
+Seed = Annotated[int, _whole_number("Seed of the random numbers.", 0, LARGEST_SEED)]
 
-File = Annotated[str, Parameter(name="FILE", help="An archive that this program wrote.")]
+Duration = Annotated[float, _number("Time to simulate.")]
+Samples = Annotated[
+    int, _whole_number("Number of times at which the motion is kept.", 2, MOST_SAMPLES)
+]
+Rtol = Annotated[float, _number("Relative tolerance.")]
+Workers = Annotated[
+    int | None, _whole_number("Jobs done at a time; by default one a core.", 1, MOST_WORKERS)
+]
+
+File = Annotated[Path, _path("An archive that this program wrote.", name="FILE")]
+Folder = Annotated[Path, _path("The folder of a study.", name="FOLDER")]
 Study = Annotated[
-    str | None,
-    Parameter(help="Keep what is done in this folder, so that it can go on; result in result.nc."),
+    Path | None,
+    _path("Keep what is done in this folder, so that it can go on; result in result.nc."),
 ]
-Folder = Annotated[str, Parameter(name="FOLDER", help="The folder of a study.")]
-Seed = Annotated[str, Parameter(help="Seed of the random numbers.")]
-StartCount = Annotated[str, Parameter(help="Number of random starts.")]
-Range = Annotated[str, Parameter(help="Component of the starts: number, or range LOW:HIGH.")]
-Out = Annotated[str | None, Parameter(help="Write the result to this new netCDF file.")]
+Out = Annotated[Path | None, _path("Write the result to this new netCDF file.")]
 Figure = Annotated[
-    str | None, Parameter(help="Draw the result into NAME.png and NAME.svg; give either name.")
+    Path | None, _path("Draw the result into NAME.png and NAME.svg; give NAME or either file.")
 ]
-AsJson = Annotated[
-    bool, Parameter(name="--json", help="Print one JSON object, not tables.", negative=())
-]
-Force = Annotated[bool, Parameter(help="Replace files that are there.", negative=())]
+AsJson = Annotated[bool, _flag("Print one JSON object, not tables.", name="--json")]
+Force = Annotated[bool, _flag("Replace files that are there.")]
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+class RotorOptions:
+    """One rotor."""
+
+    omega: Annotated[float, _number("Spin speed over the reference frequency.")]
+    zeta: Annotated[float, _number("Damping ratio.")]
+    delta0: Annotated[float, _number("Radial clearance over eccentricity.")]
+
+    def rotor(self) -> Rotor:
+        """Return the rotor."""
+        return Rotor(omega=self.omega, zeta=self.zeta, delta0=self.delta0)
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+class SolverOptions:
+    """How one motion is computed."""
+
+    rtol: Rtol = 1e-10
+    atol: Annotated[float, _number("Absolute tolerance.")] = 1e-12
+    method: Annotated[Method, Parameter(help="Solver of the contact.")] = "adams"
+    flight: Annotated[Flight, Parameter(help="Motion inside the clearance.")] = "exact"
+    backend: Annotated[Backend, Parameter(help="How the solver is called.")] = "auto"
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+class JobOptions:
+    """What does the work of many motions."""
+
+    workers: Workers = None
+    executor: Annotated[
+        str,
+        Parameter(
+            help="What does the work: auto, serial, threads, processes, dask, or an address of "
+            "dask.",
+            metavar="NAME|ADDRESS",
+        ),
+    ] = "auto"

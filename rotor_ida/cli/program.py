@@ -4,15 +4,40 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from typing import TextIO
+from importlib.metadata import version
+from typing import Literal, TextIO, get_args, get_origin
 
-from cyclopts import CycloptsError
+from cyclopts import (
+    App,
+    Argument,
+    CoercionError,
+    CycloptsError,
+    MissingArgumentError,
+    Token,
+    UnknownCommandError,
+    UnknownOptionError,
+    UnusedCliTokensError,
+    ValidationError,
+)
+from rich.console import Console
 
-from rotor_ida.cli.application import application
+from rotor_ida.cli.commands.archive import compare, show, verify
+from rotor_ida.cli.commands.basin import basin, fractions
+from rotor_ida.cli.commands.doctor import doctor
+from rotor_ida.cli.commands.reproduce import reproduce
+from rotor_ida.cli.commands.response import response
+from rotor_ida.cli.commands.simulate import simulate
+from rotor_ida.cli.commands.study import resume, status
+from rotor_ida.cli.commands.sweep import sweep
 from rotor_ida.cli.report import FAILED, INTERRUPTED, Report, console_on, text_of
 from rotor_ida.cli.streams import results_only
 from rotor_ida.errors import InputError, RotorError
 
+HELP = """Rotors in clearances: Hertz contact, event by event, held against closed forms.
+
+Results go to standard output, everything else to standard error.
+Exit status: 0 done, 1 the run or the check failed, 2 bad input.
+"""
 DONE, BAD_INPUT, PIPE_CLOSED = 0, 2, 141
 
 
@@ -44,6 +69,22 @@ def main(words: Sequence[str] | None = None) -> int:
             return _complain(_words_for(error), _status_of(error))
 
 
+def application(console: Console) -> App:
+    """Return the commands, with their help going to `console`."""
+    app = App(
+        name="rotor-ida",
+        help=HELP,
+        help_format="plaintext",
+        version=version("rotor-ida"),
+        console=console,
+    )
+    computing = (simulate, response, sweep, basin, fractions)
+    archived = (status, resume, compare, verify, show)
+    for command in (reproduce, *computing, *archived, doctor):
+        app.command(command)
+    return app
+
+
 def _run(words: list[str], results: TextIO) -> int:
     console = console_on(results)
     command, bound = application(console).parse_args(words, print_error=False, exit_on_error=False)[
@@ -72,7 +113,7 @@ def _status_of(error: BaseException) -> int:
 
 def _words_for(error: BaseException) -> str:
     if isinstance(error, CycloptsError):
-        return _misread(error)
+        return misread(error)
     if isinstance(error, KeyboardInterrupt):
         return str(error) or "interrupted"
     if isinstance(error, MemoryError):
@@ -82,25 +123,42 @@ def _words_for(error: BaseException) -> str:
     return str(error)
 
 
-def _misread(error: CycloptsError) -> str:
-    """Return in one line what could not be read; the classes differ between versions."""
-    error.verbose = False
-    kind, unused = type(error).__name__, error.unused_tokens or []
-    token, argument = getattr(error, "token", None), error.argument
-    if kind == "UnknownOptionError" and token is not None:
-        return f"unknown option {token.keyword or token.value!r}"
-    if kind == "UnusedCliTokensError" and unused:
-        return f"unexpected argument {unused[0]!r}"
-    if kind in {"UnknownCommandError", "InvalidCommandError"} and error.root_input_tokens:
-        return f"unknown command {error.root_input_tokens[0]!r}: see rotor-ida --help"
-    if kind == "MissingArgumentError" and argument is not None:
-        # An option that is misspelt is the likelier cause.
-        misspelt = [word for word in unused if word.startswith("--")]
-        if misspelt and argument.name not in unused:
-            return f"unknown option {misspelt[0]!r}"
-        return f"{argument.name} must be given a value"
-    message = str(error)
-    return message[:1].lower() + message[1:].rstrip(".")
+def misread(error: CycloptsError) -> str:
+    """Return in one line what could not be read, in the form of this package's own messages."""
+    option = "" if error.argument is None else error.argument.name
+    name = option.removeprefix("--")
+    match error:
+        case CycloptsError(__cause__=InputError() as cause):  # from a converter of ours
+            said = str(cause)
+        case CoercionError(token=Token() as token, target_type=kind) if get_origin(kind) is Literal:
+            choices = ", ".join(map(repr, get_args(kind)))
+            said = f"{name} must be one of {choices}, got {token.value!r}"
+        case ValidationError(argument=Argument(tokens=[Token() as token, *_])):
+            bound = error.exception_message.replace(">=", "at least").replace("<=", "at most")
+            said = f"{name} {bound[:1].lower()}{bound[1:].rstrip('.')}, got {token.value}"
+        case UnknownOptionError(token=token):
+            said = f"unknown option {token.keyword or token.value!r}"
+        case UnusedCliTokensError(unused_tokens=[first, *_]):
+            said = f"unexpected argument {first!r}"
+        case UnknownCommandError(root_input_tokens=[first, *_]):
+            said = f"unknown command {first!r}: see rotor-ida --help"
+        case MissingArgumentError() if option:
+            said = _missing(option, error.unused_tokens or [], error.tokens_so_far)
+        case _:
+            error.verbose = False
+            said = f"{error}".rstrip(".")
+            said = said[:1].lower() + said[1:]
+    return said
+
+
+def _missing(option: str, unused: Sequence[str], given: Sequence[str]) -> str:
+    """Return in one line what an option lacks; one that is misspelt is the likelier cause."""
+    misspelt = [word for word in unused if word.startswith("--")]
+    if misspelt and option not in unused:
+        return f"unknown option {misspelt[0]!r}"
+    if given:  # of the options, a start alone has several values
+        return f"{option.removeprefix('--')} must be four numbers X Y VX VY, got {len(given)}"
+    return f"{option} must be given a value"
 
 
 def _complain(message: str, status: int) -> int:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.checks import check_real, check_state
+from rotor_ida.checks import check_array, check_instance, check_real, check_state
 from rotor_ida.closed_forms.double_double import DoubleDouble
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import Rotor
@@ -78,6 +78,7 @@ def contact_free_whirl(rotor: Rotor) -> ContactFreeWhirl:
     >>> round(whirl.amplitude, 12), round(whirl.largest_centre_offset, 12)
     (0.6, 0.4)
     """
+    check_instance("rotor", rotor, Rotor)
     if rotor.omega == 0.0:
         return ContactFreeWhirl(amplitude=0.0, phase_lag=0.0, largest_centre_offset=rotor.delta0)
     amplitude = rotor.omega / math.hypot(rotor.omega, 2.0 * rotor.zeta)
@@ -138,6 +139,7 @@ def flight(time: npt.ArrayLike, *, rotor: Rotor, start: object, start_time: floa
            [0.25, 0.25],
            [0.  , 0.  ]])
     """
+    check_instance("rotor", rotor, Rotor)
     began = check_real("start_time", start_time)
     x, y, vx, vy = check_state("start", start)
     times = _checked_times(time, began)
@@ -162,14 +164,11 @@ def flight(time: npt.ArrayLike, *, rotor: Rotor, start: object, start_time: floa
 
 def _checked_times(time: npt.ArrayLike, began: float) -> Values:
     """Return the times, all finite and none before the start."""
-    try:
-        times = np.asarray(time, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InputError(f"time must be numbers, got {time!r}") from None
-    bad = times[~(np.isfinite(times) & (times >= began))]
-    if bad.size:
+    times = check_array("time", time)
+    early = times[times < began]
+    if early.size:
         raise InputError(
-            f"time must be finite and not before start_time = {began!r}, got {float(bad[0])!r}"
+            f"time must be finite and not before start_time = {began!r}, got {float(early[0])!r}"
         )
     return times
 

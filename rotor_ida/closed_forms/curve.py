@@ -6,10 +6,13 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import brentq
 
-from rotor_ida.checks import check_axis, check_nonnegative, check_positive
+from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_nonnegative, check_positive
 from rotor_ida.equations.contact import secant_stiffness
 
 Values = npt.NDArray[np.float64]
+
+# With less damping the tip lies beyond the range of doubles.
+SMALLEST_DAMPING = 1e-20
 
 
 def backbone(amplitude: object, delta0: float = 0.0) -> Values:
@@ -41,8 +44,9 @@ def backbone(amplitude: object, delta0: float = 0.0) -> Values:
     >>> backbone([1.0, 16.0])
     array([1., 2.])
     """
-    clearance = check_nonnegative("delta0", delta0)
-    return np.sqrt(secant_stiffness(check_axis("amplitude", amplitude), clearance))
+    clearance = check_nonnegative("delta0", delta0, LARGEST_NUMBER)
+    A = check_axis("amplitude", amplitude, largest=LARGEST_NUMBER)
+    return np.sqrt(secant_stiffness(A, clearance))
 
 
 def curve(amplitude: object, *, zeta: float, delta0: float) -> Values:
@@ -83,9 +87,9 @@ def curve(amplitude: object, *, zeta: float, delta0: float) -> Values:
     array([[0.48549177,        nan],
            [0.97098354, 1.68179283]])
     """
-    m = 4.0 * check_nonnegative("zeta", zeta) ** 2
-    A = check_axis("amplitude", amplitude)
-    s = secant_stiffness(A, check_nonnegative("delta0", delta0))
+    m = 4.0 * check_nonnegative("zeta", zeta, LARGEST_NUMBER) ** 2
+    A = check_axis("amplitude", amplitude, largest=LARGEST_NUMBER)
+    s = secant_stiffness(A, check_nonnegative("delta0", delta0, LARGEST_NUMBER))
     middle = 2.0 * s - m
     # the discriminant over 4 A**4, as a product: near the tip the sum would cancel
     rest = np.sqrt(np.maximum((A - 1.0) * (A + 1.0), 0.0))
@@ -148,8 +152,11 @@ def peak_amplitude(*, zeta: float, delta0: float) -> float:
     >>> round(tip, 6), curve(tip - 1e-9, zeta=0.07, delta0=0.0).round(3).tolist()
     (13.7..., [[1.9..., 1.9...]])
     """
-    m = 4.0 * check_positive("zeta", zeta) ** 2
-    clearance = check_nonnegative("delta0", delta0)
+    damping = check_axis(
+        "zeta", check_positive("zeta", zeta), smallest=SMALLEST_DAMPING, largest=LARGEST_NUMBER
+    )
+    m = 4.0 * float(damping[0]) ** 2
+    clearance = check_nonnegative("delta0", delta0, LARGEST_NUMBER)
 
     def excess(A: float) -> float:
         decay = float(A * A * (A + np.sqrt((A - 1.0) * (A + 1.0))))

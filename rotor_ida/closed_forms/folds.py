@@ -8,9 +8,8 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.checks import check_axis, check_nonnegative
+from rotor_ida.checks import check_axis, check_points, check_real
 from rotor_ida.closed_forms.fold_locus import fold_locus, folds_on_side
-from rotor_ida.errors import InputError
 from rotor_ida.schema import CONVENTIONS, labelled
 
 Values = npt.NDArray[np.float64]
@@ -65,6 +64,7 @@ def folds(*, zeta: object, delta0: object) -> xr.Dataset:
     0
     """
     dampings, clearances = _checked("zeta", zeta), _checked("delta0", delta0)
+    check_points(dampings, clearances)
     columns = [_folds_of(dampings, float(clearance)) for clearance in clearances]
     most = max(1, *(column.shape[1] for column in columns))
     table = np.full((dampings.size, clearances.size, most, 2), np.nan)
@@ -122,7 +122,7 @@ def cusp_zeta(delta0: float) -> float:
     >>> round(cusp_zeta(0.0), 8)
     0.15604517
     """
-    clearance = float(_checked("delta0", check_nonnegative("delta0", delta0))[0])
+    clearance = _checked("delta0", check_real("delta0", delta0)).item()
     sides = fold_locus(clearance, 1e-3)
     largest = max(
         float(np.max(side.damping, initial=0.0, where=side.damping > 0.0)) for side in sides
@@ -132,14 +132,7 @@ def cusp_zeta(delta0: float) -> float:
 
 def _checked(name: str, values: object) -> Values:
     """Return the axis, refusing magnitudes for which the locus leaves the range of doubles."""
-    axis = check_axis(name, values)
-    outside = (axis > _LARGEST) | ((axis > 0.0) & (axis < _SMALLEST_DAMPING))
-    if outside.any():
-        raise InputError(
-            f"{name} must be 0 or between {_SMALLEST_DAMPING:g} and {_LARGEST:g} for folds, "
-            f"got {float(axis[outside][0])!r}"
-        )
-    return axis
+    return check_axis(name, values, smallest=_SMALLEST_DAMPING, largest=_LARGEST)
 
 
 def _folds_of(zeta: Values, delta0: float) -> Values:

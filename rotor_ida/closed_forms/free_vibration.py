@@ -6,10 +6,11 @@ import math
 
 from scipy.special import beta
 
-from rotor_ida.checks import check_nonnegative, check_real
+from rotor_ida.checks import LARGEST_NUMBER, check_nonnegative, check_real
 from rotor_ida.errors import InputError
 
 # Time in which a rotor released at indentation 1 leaves the contact: (1/sqrt 5) B(2/5, 1/2).
+SMALLEST_DEPTH = 1e-200
 _LEAVING_TIME = float(beta(0.4, 0.5)) / math.sqrt(5.0)
 
 
@@ -47,8 +48,8 @@ def circular_period(amplitude: float, delta0: float = 0.0) -> float:
     >>> round(circular_period(2.0), 5), round(circular_period(8.0), 5)
     (5.28351, 3.736)
     """
-    depth = _checked_depth(amplitude, delta0)
-    return 2.0 * math.pi * math.sqrt(float(amplitude)) / math.pow(depth, 0.75)
+    depth, clearance = _depth_and_clearance(amplitude, delta0)
+    return 2.0 * math.pi * math.sqrt(clearance + depth) / math.pow(depth, 0.75)
 
 
 def planar_period(amplitude: float, delta0: float = 0.0) -> float:
@@ -86,8 +87,8 @@ def planar_period(amplitude: float, delta0: float = 0.0) -> float:
     >>> round(planar_period(1.0), 12)
     6.581363388638
     """
-    depth = _checked_depth(amplitude, delta0)
-    return 4.0 * (_LEAVING_TIME * math.pow(depth, -0.25) + float(delta0) / _speed(depth))
+    depth, clearance = _depth_and_clearance(amplitude, delta0)
+    return 4.0 * (_LEAVING_TIME * math.pow(depth, -0.25) + clearance / _speed(depth))
 
 
 def centre_speed(amplitude: float, delta0: float = 0.0) -> float:
@@ -119,7 +120,7 @@ def centre_speed(amplitude: float, delta0: float = 0.0) -> float:
     >>> round(centre_speed(1.5, delta0=0.5), 12)
     0.894427191
     """
-    return _speed(_checked_depth(amplitude, delta0))
+    return _speed(_depth_and_clearance(amplitude, delta0)[0])
 
 
 def amplitude_from_speed(speed: float, delta0: float = 0.0) -> float:
@@ -152,23 +153,26 @@ def amplitude_from_speed(speed: float, delta0: float = 0.0) -> float:
     >>> round(amplitude_from_speed(2.0), 12)
     1.903653938716
     """
-    leaving = abs(check_real("speed", speed))
-    clearance = check_nonnegative("delta0", delta0)
+    leaving = check_nonnegative("speed", abs(check_real("speed", speed)), LARGEST_NUMBER)
+    clearance = check_nonnegative("delta0", delta0, LARGEST_NUMBER)
     if leaving == 0.0:
-        raise InputError(f"speed must not be zero, got {speed!r}: the rotor would stay where it is")
+        raise InputError("speed must not be zero, got 0.0: the rotor would stay where it is")
     return clearance + math.pow(math.sqrt(1.25) * leaving, 0.8)
 
 
-def _checked_depth(amplitude: float, delta0: float) -> float:
-    """Return the largest indentation, which must be positive."""
-    clearance = check_nonnegative("delta0", delta0)
-    depth = check_real("amplitude", amplitude) - clearance
+def _depth_and_clearance(amplitude: float, delta0: float) -> tuple[float, float]:
+    """Return the largest indentation, which must be positive, and the clearance."""
+    clearance = check_nonnegative("delta0", delta0, LARGEST_NUMBER)
+    size = check_real("amplitude", amplitude)
+    depth = size - clearance
     if depth <= 0.0:
         raise InputError(
-            f"amplitude must be above delta0 = {clearance!r} for the rotor to touch, "
-            f"got {float(amplitude)!r}"
+            f"amplitude must be above delta0 = {clearance!r} for the rotor to touch, got {size!r}"
         )
-    return depth
+    if not SMALLEST_DEPTH <= depth <= LARGEST_NUMBER:
+        allowed = f"from {SMALLEST_DEPTH:g} to {LARGEST_NUMBER:g}"
+        raise InputError(f"amplitude must be {allowed} above delta0, got {size!r}")
+    return depth, clearance
 
 
 def _speed(depth: float) -> float:

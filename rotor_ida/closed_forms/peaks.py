@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.checks import check_axis
-from rotor_ida.closed_forms.curve import peak_amplitude
+from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_points
+from rotor_ida.closed_forms.curve import SMALLEST_DAMPING, peak_amplitude
 from rotor_ida.equations.contact import contact_force, secant_stiffness
 from rotor_ida.schema import CONVENTIONS, labelled
 
@@ -50,7 +50,9 @@ def peaks(*, zeta: npt.ArrayLike, delta0: npt.ArrayLike) -> xr.Dataset:
     >>> found.peak_amplitude.values.round(3), found.peak_contact_force.values.round(2)
     (array([[13.768, 11.346]]), array([[51.09, 28.57]]))
     """
-    dampings, clearances = check_axis("zeta", zeta), check_axis("delta0", delta0)
+    dampings = check_axis("zeta", zeta, smallest=SMALLEST_DAMPING, largest=LARGEST_NUMBER)
+    clearances = check_axis("delta0", delta0, largest=LARGEST_NUMBER)
+    check_points(dampings, clearances)
     table = np.array([[_peak(float(z), float(d)) for d in clearances] for z in dampings])
     names = ("peak_amplitude", "peak_omega", "peak_contact_force")
     variables = {

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.checks import check_axis
+from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_points
 from rotor_ida.closed_forms.free_vibration import circular_period, planar_period
 from rotor_ida.schema import CONVENTIONS, labelled
 
@@ -49,7 +49,9 @@ def free_periods(*, amplitude: npt.ArrayLike, delta0: npt.ArrayLike) -> xr.Datas
     >>> periods.circular_period.values.round(5)
     array([[5.28351, 3.736  ]])
     """
-    sizes, clearances = check_axis("amplitude", amplitude), check_axis("delta0", delta0)
+    sizes = check_axis("amplitude", amplitude, largest=LARGEST_NUMBER)
+    clearances = check_axis("delta0", delta0, largest=LARGEST_NUMBER)
+    check_points(clearances, sizes)
     laws = {"circular_period": circular_period, "planar_period": planar_period}
     variables = {}
     for name, law in laws.items():

@@ -6,12 +6,9 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.checks import check_axis, check_real
+from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_points, check_vector
 from rotor_ida.equations.contact import contact_potential, secant_stiffness
-from rotor_ida.errors import InputError
 from rotor_ida.schema import CONVENTIONS, labelled
-
-Values = npt.NDArray[np.float64]
 
 
 def restoring_field(*, x: npt.ArrayLike, y: npt.ArrayLike, delta0: npt.ArrayLike) -> xr.Dataset:
@@ -50,8 +47,11 @@ def restoring_field(*, x: npt.ArrayLike, y: npt.ArrayLike, delta0: npt.ArrayLike
     >>> field.restoring_x.values.ravel().round(4)
     array([0.3536, 1.023 ])
     """
-    across, up = _places("x", x), _places("y", y)
-    clearance = check_axis("delta0", delta0)
+    across, up = (
+        check_vector(name, values, largest=LARGEST_NUMBER) for name, values in (("x", x), ("y", y))
+    )
+    clearance = check_axis("delta0", delta0, largest=LARGEST_NUMBER)
+    check_points(clearance, up, across)
     radius = np.hypot(across, up[:, None])
     secant = secant_stiffness(radius, clearance[:, None, None])
     dims = ("delta0", "y", "x")
@@ -66,10 +66,3 @@ def restoring_field(*, x: npt.ArrayLike, y: npt.ArrayLike, delta0: npt.ArrayLike
     coordinates = {name: labelled(name, name, values) for name, values in axes.items()}
     title = "Restoring force and potential of a ring with clearance"
     return xr.Dataset(variables, coordinates, {"Conventions": CONVENTIONS, "title": title})
-
-
-def _places(name: str, values: npt.ArrayLike) -> Values:
-    listed = np.ravel(np.asarray(values, dtype=object)).tolist()
-    if not listed:
-        raise InputError(f"{name} must hold at least one number, got none")
-    return np.array([check_real(name, value) for value in listed])

@@ -9,7 +9,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from rotor_ida.checks import LARGEST_NUMBER, check_array
 from rotor_ida.equations.contact import contact_stiffness, secant_stiffness
+from rotor_ida.errors import InputError
 
 Values = npt.NDArray[np.float64]
 ComplexValues = npt.NDArray[np.complex128]
@@ -32,6 +34,11 @@ def stability_determinant(
     ndarray
         D [1]: positive for a stable whirl, negative for an unstable one, zero at a fold.
 
+    Raises
+    ------
+    InputError
+        If a value is not a finite real number within 1e15 of zero, or shapes do not broadcast.
+
     Notes
     -----
     ``D = (f'(A) - q)(s(A) - q) + 4 zeta**2 q`` with ``q = omega**2`` and ``s(A) = f(A)/A``. It
@@ -46,9 +53,10 @@ def stability_determinant(
     >>> round(float(stability_determinant(4.0, omega=1.0, zeta=0.5, delta0=0.0)), 12)
     3.0
     """
-    q = np.square(np.asarray(omega, dtype=np.float64))
-    tangent, secant = contact_stiffness(amplitude, delta0), secant_stiffness(amplitude, delta0)
-    return np.asarray((tangent - q) * (secant - q) + 4.0 * np.square(zeta) * q)
+    A, speed, damping, clearance = _checked(amplitude, omega, zeta, delta0)
+    q = np.square(speed)
+    tangent, secant = contact_stiffness(A, clearance), secant_stiffness(A, clearance)
+    return np.asarray((tangent - q) * (secant - q) + 4.0 * np.square(damping) * q)
 
 
 def eigenvalues(
@@ -68,6 +76,11 @@ def eigenvalues(
     ndarray of complex, shape (..., 4)
         Growth rates (real parts) and frequencies (imaginary parts) [1].
 
+    Raises
+    ------
+    InputError
+        As `stability_determinant`.
+
     Notes
     -----
     ``lambda = -zeta +- sqrt(zeta**2 + sigma)`` with
@@ -84,7 +97,7 @@ def eigenvalues(
     0.0983
     """
     determinant = stability_determinant(amplitude, omega=omega, zeta=zeta, delta0=delta0)
-    return _eigenvalues(determinant, amplitude, omega, zeta, delta0)
+    return _eigenvalues(determinant, *_checked(amplitude, omega, zeta, delta0))
 
 
 def growth_rate(
@@ -117,16 +130,26 @@ def growth_rate(
     return np.asarray(rates.max(axis=-1))
 
 
+def _checked(
+    amplitude: npt.ArrayLike, omega: npt.ArrayLike, zeta: npt.ArrayLike, delta0: npt.ArrayLike
+) -> tuple[Values, ...]:
+    """Return amplitudes, speeds, dampings and clearances that broadcast."""
+    given = {"amplitude": amplitude, "omega": omega, "zeta": zeta, "delta0": delta0}
+    arrays = [check_array(name, each, largest=LARGEST_NUMBER) for name, each in given.items()]
+    try:
+        return np.broadcast_arrays(*arrays)
+    except ValueError:
+        shapes = ", ".join(str(array.shape) for array in arrays)
+        raise InputError(
+            f"{', '.join(given)} must broadcast, got arrays of shapes {shapes}"
+        ) from None
+
+
 def _eigenvalues(
-    determinant: Values,
-    amplitude: npt.ArrayLike,
-    omega: npt.ArrayLike,
-    zeta: npt.ArrayLike,
-    delta0: npt.ArrayLike,
+    determinant: Values, amplitude: Values, omega: Values, zeta: Values, delta0: Values
 ) -> ComplexValues:
     """Return the eigenvalues in forms that keep the small ones accurate."""
-    q = np.square(np.asarray(omega, dtype=np.float64))
-    damping = np.asarray(zeta, dtype=np.float64)
+    q, damping = np.square(omega), zeta
     tangent, secant = contact_stiffness(amplitude, delta0), secant_stiffness(amplitude, delta0)
     # (f' + s + 2 q)**2 - 4 D, with the large terms cancelled by hand
     discriminant = (tangent - secant) ** 2 + 8.0 * q * (tangent + secant)

@@ -6,17 +6,15 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.checks import check_axis
+from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_points
 from rotor_ida.closed_forms.contacting_whirls import contacting_whirls
 from rotor_ida.closed_forms.stability import growth_rate
-from rotor_ida.errors import InputError
 from rotor_ida.schema import CONVENTIONS, STABILITY, labelled
 
 Values = npt.NDArray[np.float64]
 Columns = dict[str, npt.NDArray[np.generic]]
 
 _POINTS_AT_A_TIME = 16384  # keeps the working arrays inside the processor's cache
-_LARGEST = 1e15  # beyond these the sixth powers of the polynomial leave the range of doubles
 _SMALLEST_SPEED = 1e-50
 _SOURCE = "rotor_ida closed forms: real roots of the amplitude equation, with 32-digit residuals"
 _REFERENCES = (
@@ -74,10 +72,11 @@ def synchronous_response(*, omega: object, zeta: object, delta0: object) -> xr.D
     array([2, 1, 0], dtype=int8)
     """
     axes = {
-        "omega": _checked("omega", omega, smallest=_SMALLEST_SPEED),
-        "zeta": _checked("zeta", zeta),
-        "delta0": _checked("delta0", delta0),
+        "omega": check_axis("omega", omega, smallest=_SMALLEST_SPEED, largest=LARGEST_NUMBER),
+        "zeta": check_axis("zeta", zeta, largest=LARGEST_NUMBER),
+        "delta0": check_axis("delta0", delta0, largest=LARGEST_NUMBER),
     }
+    check_points(*axes.values())
     shape = tuple(values.size for values in axes.values())
     grid = [part.ravel() for part in np.meshgrid(*axes.values(), indexing="ij")]
     parts = [
@@ -101,16 +100,6 @@ def synchronous_response(*, omega: object, zeta: object, delta0: object) -> xr.D
         "references": _REFERENCES,
     }
     return xr.Dataset(variables, coords, attributes)
-
-
-def _checked(name: str, values: object, *, smallest: float = 0.0) -> Values:
-    """Return the axis, refusing magnitudes whose powers leave the range of doubles."""
-    axis = check_axis(name, values)
-    outside = (axis > _LARGEST) | ((axis > 0.0) & (axis < smallest))
-    if outside.any():
-        allowed = f"0 or between {smallest:g} and" if smallest else "at most"
-        raise InputError(f"{name} must be {allowed} {_LARGEST:g}, got {float(axis[outside][0])!r}")
-    return axis
 
 
 def _branches(omega: Values, zeta: Values, delta0: Values) -> Columns:

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import hashlib
+import os
+import shutil
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import fields
 from functools import cache
 from pathlib import Path
@@ -10,9 +15,10 @@ from typing import Any, ParamSpec, TypeVar, cast
 
 import numba
 from numba.core import types
-from numba.core.ccallback import CFunc
 from numba.experimental import structref
-from numba.extending import intrinsic, register_jitable
+from numba.extending import intrinsic, overload, register_jitable
+
+from rotor_ida.parallel.jobs import Stop
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -21,17 +27,26 @@ R = TypeVar("R")
 # meaning.
 _LANE_MATHS = {"contract", "nsz", "arcp", "reassoc"}
 
+_CONFIG: Any = numba.config
+# Folders of this package that hold what is compiled.
+KERNEL_FOLDERS = ("analysis", "basins", "equations", "simulation")
+# Seconds after which a cache that no process has looked at is removed.
+LONG_UNUSED = 7 * 24 * 3600.0
+
 
 def compiled(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile `function` on first call, keep the machine code on disk, and release the GIL."""
-    kernel: Callable[P, R] = _kept(numba.njit(nogil=True, error_model="numpy")(function))
+    """Compile `function` on first call, cache the machine code on disk, and release the GIL."""
+    with _cache() as cached:
+        kernel: Callable[P, R] = numba.njit(nogil=True, error_model="numpy", cache=cached)(function)
     return kernel
 
 
 def compiled_for_lanes(function: Callable[P, R]) -> Callable[P, R]:
     """Compile like `compiled`, allowing sums to be regrouped so that loops over lanes vectorise."""
-    made = numba.njit(nogil=True, error_model="numpy", fastmath=_LANE_MATHS)(function)
-    kernel: Callable[P, R] = _kept(made)
+    with _cache() as cached:
+        kernel: Callable[P, R] = numba.njit(
+            nogil=True, error_model="numpy", fastmath=_LANE_MATHS, cache=cached
+        )(function)
     return kernel
 
 
@@ -42,42 +57,61 @@ def inlined_for_lanes(function: Callable[P, R]) -> Callable[P, R]:
     process then calls depends on whether it compiled them or found them on disk, and with sums
     regrouped the last bits depend on that.
     """
-    made = numba.njit(nogil=True, error_model="numpy", fastmath=_LANE_MATHS, forceinline=True)
-    kernel: Callable[P, R] = _kept(made(function))
+    with _cache() as cached:
+        kernel: Callable[P, R] = numba.njit(
+            nogil=True, error_model="numpy", fastmath=_LANE_MATHS, forceinline=True, cache=cached
+        )(function)
     return kernel
 
 
 def callback(signature: Any, function: Callable[..., Any]) -> Any:
-    """Compile `function` for C to call, and keep the machine code; it has an ``address``."""
-    arguments = numba.core.sigutils.normalize_signature(signature)
-    made = _kept(CFunc(function, arguments, {}, {"error_model": "numpy"}))
-    made.compile()
-    return made
+    """Compile `function` for C to call, and cache the machine code; it has an ``address``."""
+    with _cache() as cached:
+        return numba.cfunc(signature, error_model="numpy", cache=cached)(function)
 
 
-def _kept(kernel: Any) -> Any:
-    """Let numba keep the machine code on disk, as long as no source that it may hold changes.
-
-    numba heeds the file of the kernel alone, not those of what it calls. Where no folder can be
-    written, every process compiles anew.
-    """
+@contextmanager
+def _cache() -> Iterator[bool]:
+    """Let numba cache what is decorated meanwhile in `cache_folder`; yield whether there is one."""
+    folder, before = cache_folder(), _CONFIG.CACHE_DIR
+    _CONFIG.CACHE_DIR = str(folder or "")
     try:
-        kernel.enable_caching()
-    except RuntimeError:
-        return kernel
-    file = getattr(getattr(kernel, "_cache", None), "_cache_file", None)
-    if file is not None and hasattr(file, "_source_stamp"):
-        file._source_stamp = (file._source_stamp, _newest_source())
-    return kernel
+        yield folder is not None
+    finally:
+        _CONFIG.CACHE_DIR = before
 
 
 @cache
-def _newest_source() -> int:
-    """Return when the newest of the sources that kernels are made of was changed."""
+def cache_folder() -> Path | None:
+    """Return where the machine code of kernels is cached; None where no folder can be written.
+
+    numba compiles a kernel anew when its own file changes, but not when a file does that it
+    calls. So the folder is named for the contents of all sources that kernels are made of.
+    """
     package = Path(__file__).parents[1]
-    folders = ("equations", "simulation", "basins", "analysis")
-    sources = (path for folder in folders for path in (package / folder).rglob("*.py"))
-    return max(path.stat().st_mtime_ns for path in sources)
+    digest = hashlib.sha256()
+    for folder in KERNEL_FOLDERS:
+        for path in sorted((package / folder).rglob("*.py")):
+            name = path.relative_to(package).as_posix()
+            digest.update(f"{name}\0".encode() + path.read_bytes() + b"\0")
+    parents = [package / "__pycache__", Path.home() / ".cache" / "rotor_ida"]
+    if _CONFIG.CACHE_DIR:
+        parents = [Path(_CONFIG.CACHE_DIR)]
+    for parent in parents:
+        place = parent / f"kernels-{digest.hexdigest()[:16]}"
+        with suppress(OSError):
+            place.mkdir(parents=True, exist_ok=True)
+            os.utime(place)  # in use, for `_remove_old`; fails where nothing can be written
+            _remove_old(parent)
+            return place
+    return None
+
+
+def _remove_old(parent: Path) -> None:
+    """Remove the caches of other sources, unless a process may be at work with them."""
+    for place in parent.glob("kernels-*"):
+        if time.time() - place.stat().st_mtime > LONG_UNUSED:
+            shutil.rmtree(place, ignore_errors=True)
 
 
 def shared(function: Callable[P, R]) -> Callable[P, R]:
@@ -129,6 +163,37 @@ def _ask_for_wide_vectors(_typing: Any) -> tuple[Any, Any]:
         return context.get_dummy_value()
 
     return types.void(), add_attribute
+
+
+def asked_to_stop(stop: Stop) -> bool:
+    """Return whether `stop` holds anything but 0.
+
+    In compiled code it is read from memory each time: a loop that changes nothing else would
+    otherwise read it once, before it begins.
+    """
+    return bool(stop[0])
+
+
+def _read_anew(_typing: Any, stop: Any) -> tuple[Any, Any]:
+    """Return whether the first byte of an array is not 0, read as an atomic variable."""
+
+    def load(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        array = context.make_array(signature.args[0])(context, builder, arguments[0])
+        byte = builder.load_atomic(array.data, "monotonic", 1)
+        return builder.icmp_unsigned("!=", byte, byte.type(0))
+
+    return types.boolean(stop), load
+
+
+read_anew: Callable[[Stop], bool] = cast("Callable[[Stop], bool]", intrinsic(_read_anew))
+
+
+@overload(asked_to_stop)
+def _asked_to_stop(stop: Any) -> Any:  # noqa: ARG001 - types
+    def read(stop: Any) -> Any:
+        return read_anew(stop)
+
+    return read
 
 
 # Called inside a kernel, asks for the processor's widest vectors. Compilers keep away from 512 bits

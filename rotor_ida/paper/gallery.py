@@ -8,58 +8,15 @@ import re
 import struct
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
-from html import escape
 from pathlib import Path
 
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
 from rotor_ida.errors import InputError
-from rotor_ida.paper.typesetting import typeset
 
 RECORD = "figures.json"
 PAGE = "index.html"
-
-_HEAD = """<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>rotor_ida: figures</title>
-<style>
-body { font: 17px/1.5 Georgia, "Times New Roman", serif; color: #1a1a1a; background: #fff;
-  margin: 0 auto; max-width: 52rem; padding: 1rem; }
-h1 { font-size: 1.6rem; line-height: 1.25; }
-h2 { font-size: 1.25rem; line-height: 1.3; margin: 0 0 0.5rem; }
-h3 { font-size: 1rem; margin: 2rem 0 0; }
-section { border-top: 1px solid #c8c8c8; margin-top: 3rem; padding-top: 1.5rem; }
-figure { margin: 0; }
-img { max-width: 100%; height: auto; display: block; margin: 0.5rem auto; }
-dl { display: grid; grid-template-columns: 4.5rem 1fr; gap: 0.3rem 0.8rem; margin: 0.8rem 0; }
-dt { font-weight: bold; } dd { margin: 0; }
-table { border-collapse: collapse; font-size: 0.95rem; line-height: 1.4; }
-th, td { text-align: left; vertical-align: top; padding: 0.4rem 1rem 0.4rem 0;
-  border-bottom: 1px solid #e4e4e4; }
-td:first-child { white-space: nowrap; }
-nav li { margin: 0.15rem 0; } .links, .failed { font-size: 0.9rem; }
-.links a { margin-right: 1rem; } .failed { color: #bd1f01; } a { color: #1f5fa8; }
-sup, sub { line-height: 0; font-size: 0.75em; }
-@media (max-width: 40rem) {
-  dl { display: block; } dd { margin-bottom: 0.4rem; }
-  tr, td, th { display: block; border: 0; padding: 0; } thead { display: none; }
-  tr { border-bottom: 1px solid #e4e4e4; padding: 0.5rem 0; }
-  td:nth-child(2)::before { content: "Paper: "; font-weight: bold; }
-  td:nth-child(3)::before { content: "Here: "; font-weight: bold; }
-}
-</style>
-</head>
-<body>
-<h1>A rotor with Hertz contact in a clearance</h1>
-<p>Every figure was computed by the script that is linked under it, from the archive beside it.
-"Paper" is <cite>Analytical Nonlinear Response for a Rotor with the Hertz Contact and
-Clearance</cite>, Mechanika 25(6), 2019.</p>
-<p>Lengths are divided by the eccentricity <i>D</i> and times by 1/ω<sub>0</sub>, with
-ω<sub>0</sub><sup>2</sup> = <i>k</i>√<i>D</i>/<i>m</i>: ω is the spin speed, ζ the damping ratio,
-δ<sub>0</sub> the clearance, <i>A</i> the amplitude of a whirl at the spin speed. All formulas of
-the paper that are wrong, with numbers: <code>python -m rotor_ida.paper.errata FILE</code>.</p>
-"""
+TEMPLATE = "gallery.html.jinja"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -138,54 +95,90 @@ def write_gallery(root: Path, scripts: Mapping[str, Path], *, failed: Iterable[s
     are linked relative to the page, so that the folder can be moved.
     """
     down = set(failed)
-    shown = [name for name in scripts if (root / name).is_dir() or name in down]
-    links = "".join(
-        f'<li><a href="#{escape(name)}">{typeset(_first_sentence(scripts[name]))}</a></li>\n'
-        for name in shown
+    scenarios = [
+        _Scenario(
+            name=name,
+            title=_first_sentence(script),
+            failed=name in down,
+            figures=_figures(root / name),
+            has_script=(root / name / f"{name}.py").is_file(),
+        )
+        for name, script in scripts.items()
+        if (root / name).is_dir() or name in down
+    ]
+    verdicts = [shown for each in scenarios for shown in each.figures if shown.entry.verdict]
+    templates = Environment(
+        loader=FileSystemLoader(Path(__file__).parent),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        undefined=StrictUndefined,
     )
-    parts = [_HEAD, f"<nav><ul>\n{links}</ul></nav>\n", _summary(root, shown)]
-    parts += [_section(root, name, scripts[name], name in down) for name in shown]
+    text = templates.get_template(TEMPLATE).render(scenarios=scenarios, verdicts=verdicts)
     root.mkdir(parents=True, exist_ok=True)
     page = root / PAGE
-    page.write_text("".join([*parts, "</body>\n</html>\n"]), encoding="utf-8")
+    page.write_text(text + "\n", encoding="utf-8")
     return page
 
 
-def _summary(root: Path, names: Iterable[str]) -> str:
-    """Return the table of what the paper says and what becomes of it."""
-    rows = [
-        f'<tr><td><a href="#{_anchor(name, entry)}">{_caption(name, entry)}</a></td>'
-        f"<td>{typeset(entry.paper)}</td><td>{typeset(entry.verdict)}</td></tr>\n"
-        for name in names
-        for entry in read_entries(root / name)
-        if entry.verdict and _is_there(root / name, entry)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Figure:
+    """A figure on the page: its entry, place, caption, description, files and size in pixels."""
+
+    entry: Entry
+    anchor: str
+    caption: str
+    words: str
+    files: tuple[str, ...]
+    size: tuple[int, int] | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Scenario:
+    """A scenario on the page."""
+
+    name: str
+    title: str
+    failed: bool
+    figures: list[_Figure]
+    has_script: bool
+
+
+def _figures(folder: Path) -> list[_Figure]:
+    """Return the figures in the folder of a scenario, those without words last."""
+    entries = read_entries(folder)
+    told = {entry.figure for entry in entries}
+    archives = tuple(path.name for path in sorted(folder.glob("*.nc")))
+    entries += [
+        Entry(figure=path.stem, archives=archives, shows="", paper="", found="")
+        for path in sorted(folder.glob("*.png"))
+        if path.stem not in told
     ]
-    if not rows:
-        return ""
-    head = "<thead><tr><th>Figure</th><th>Paper</th><th>Here</th></tr></thead>\n"
-    return (
-        '<section id="summary">\n<h2>What the paper says, and what is found</h2>\n'
-        f"<table>\n{head}<tbody>\n{''.join(rows)}</tbody>\n</table>\n</section>\n"
-    )
+    return [
+        _Figure(
+            entry=entry,
+            anchor=f"{folder.name}-{entry.figure}",
+            caption=_caption(folder.name, entry.figure),
+            words=entry.shows or entry.figure,
+            files=(f"{entry.figure}.png", f"{entry.figure}.svg", *entry.archives),
+            size=_size(picture),
+        )
+        for entry in entries
+        if (picture := folder / f"{entry.figure}.png").is_file()
+    ]
 
 
-def _anchor(name: str, entry: Entry) -> str:
-    return escape(f"{name}-{entry.figure}")
-
-
-def _caption(name: str, entry: Entry) -> str:
+def _caption(name: str, figure: str) -> str:
     """Return what a figure is called: by its number in the paper, or by its scenario.
 
     Examples
     --------
-    >>> def called(name, figure):
-    ...     return _caption(name, Entry(figure=figure, archives=(), shows="", paper="", found=""))
-    >>> called("fig02_03_force_potential", "eq13_energy"), called("fig07_basins", "fig07")
+    >>> _caption("fig02_03_force_potential", "eq13_energy"), _caption("fig07_basins", "fig07")
     ('Eq. (13), energy', 'Fig. 7')
-    >>> called("fig08_09_whirls", "bouncing"), called("random_starts", "basin_fractions")
-    ('Figs 8 and 9, bouncing', 'Random starts, shares')
+    >>> _caption("fig08_09_whirls", "bouncing"), _caption("random_starts", "basin_fractions")
+    ('Figs 8 and 9, bouncing', 'Random starts, basin fractions')
     """
-    numbered = re.fullmatch(r"(fig|eq)(\d+)_?(.*)", entry.figure)
+    numbered = re.fullmatch(r"(fig|eq)(\d+)_?(.*)", figure)
     several = re.match(r"fig(\d+(?:_\d+)*)_", name)
     if numbered is not None:
         kind, number, rest = numbered.groups()
@@ -193,63 +186,21 @@ def _caption(name: str, entry: Entry) -> str:
     elif several is not None:
         numbers = [str(int(number)) for number in several[1].split("_")]
         title = f"Fig{'s' if len(numbers) > 1 else '.'} {' and '.join(numbers)}"
-        rest = entry.figure
+        rest = figure
     else:
         title = name.replace("_", " ").capitalize()
-        rest = "" if name.endswith(entry.figure) else entry.figure
-    return escape(f"{title}, {rest}".replace("_", " ") if rest else title)
+        rest = "" if name.endswith(figure) else figure
+    return f"{title}, {rest}".replace("_", " ") if rest else title
 
 
-def _section(root: Path, name: str, script: Path, failed: bool) -> str:
-    """Return the part of the page that belongs to one scenario."""
-    folder = root / name
-    title = _first_sentence(script)
-    parts = [f'<section id="{escape(name)}">\n<h2>{typeset(title)}</h2>\n']
-    if failed:
-        parts.append('<p class="failed">The script failed; what it left is shown.</p>\n')
-    entries = read_entries(folder)
-    told = {entry.figure for entry in entries}
-    untold = [path.stem for path in sorted(folder.glob("*.png")) if path.stem not in told]
-    archives = tuple(path.name for path in sorted(folder.glob("*.nc")))
-    entries += [Entry(figure=stem, archives=archives, shows="", paper="", found="")
-                for stem in untold]  # fmt: skip
-    parts += [_figure(root, name, entry) for entry in entries if _is_there(folder, entry)]
-    copied = f"{name}/{name}.py"
-    if (root / copied).is_file():
-        parts.append(f'<p class="links">Script: <a href="{escape(copied)}">{escape(name)}.py</a>')
-        parts.append(' <a href="#summary">Back to the table</a></p>\n')
-    return "".join([*parts, "</section>\n"])
-
-
-def _is_there(folder: Path, entry: Entry) -> bool:
-    return (folder / f"{entry.figure}.png").is_file()
-
-
-def _size(picture: Path) -> str:
-    """Return width and height of a PNG as attributes, so that the page keeps its place free."""
+def _size(picture: Path) -> tuple[int, int] | None:
+    """Return width and height of a PNG, so that the page keeps its place free."""
     with picture.open("rb") as file:
         head = file.read(24)
     if len(head) < 24:
-        return ""
+        return None
     width, height = struct.unpack(">II", head[16:])
-    return f' width="{width}" height="{height}"'
-
-
-def _figure(root: Path, name: str, entry: Entry) -> str:
-    size = _size(root / name / f"{entry.figure}.png")
-    stem = escape(f"{name}/{entry.figure}")
-    words = entry.shows or entry.figure
-    parts = [
-        f'<h3 id="{_anchor(name, entry)}">{_caption(name, entry)}</h3>\n<figure>\n'
-        f'<a href="{stem}.svg"><img src="{stem}.png" alt="{escape(words)}"{size} loading="lazy">'
-        "</a>\n<dl>"
-    ]
-    for term, text in (("Shows", words), ("Paper", entry.paper), ("Found", entry.found)):
-        if text:
-            parts.append(f"<dt>{term}</dt><dd>{typeset(text)}</dd>")
-    files = [f"{entry.figure}.png", f"{entry.figure}.svg", *entry.archives]
-    links = "".join(f'<a href="{escape(f"{name}/{file}")}">{escape(file)}</a> ' for file in files)
-    return "".join([*parts, f'</dl>\n<p class="links">{links}</p>\n</figure>\n'])
+    return width, height
 
 
 def _first_sentence(script: Path) -> str:

@@ -2,43 +2,51 @@
 
 from __future__ import annotations
 
-import argparse
 import os
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
+from cyclopts import App, CycloptsError, Parameter
 from matplotlib.figure import Figure
-from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    ProgressColumn,
-    Task,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
-from rich.text import Text
 
 from rotor_ida.checks import check_axis, check_count, check_positive
 from rotor_ida.closed_forms import curve, folds, peak_amplitude
 from rotor_ida.errors import InputError, RotorError
 from rotor_ida.paper.gallery import Entry, add_entry
 from rotor_ida.parallel import count_workers
+from rotor_ida.parallel.progress import progress_bar
 from rotor_ida.plot import save_figure
 from rotor_ida.storage.archive import save
 
-Values = npt.NDArray[np.float64]
-Report = Callable[[int, int], None]
+__all__ = [
+    "Settings",
+    "check_folder",
+    "output_folder",
+    "progress_bar",
+    "run_script",
+    "scientific",
+    "speeds_of_curves",
+]
 
-DEFAULT_FOLDER = "results"
+Values = npt.NDArray[np.float64]
+
+DEFAULT_FOLDER = Path("results")
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+Quick = Annotated[
+    bool, Parameter(help="A coarse version, in seconds.", negative=(), show_default=False)
+]
+Out = Annotated[Path, Parameter(help="Write into a folder of the script's name in this one.")]
+Workers = Annotated[int | None, Parameter(help="Number of processes; by default one a core.")]
+Force = Annotated[
+    bool, Parameter(help="Replace results that are there.", negative=(), show_default=False)
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,59 +156,54 @@ def run_script(
         Exit status: 0 done, 1 the run failed, 2 bad input.
     """
     name = Path(script).stem
-    parser = argparse.ArgumentParser(
-        prog=name, description=description, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--quick", action="store_true", help="a coarse version, in seconds")
-    parser.add_argument(
-        "--out", default=DEFAULT_FOLDER, metavar="FOLDER",
-        help=f"write into FOLDER/{name} (default: {DEFAULT_FOLDER})",
-    )  # fmt: skip
-    parser.add_argument(
-        "--workers", type=int, metavar="N", help="number of processes (default: one a core)"
-    )
-    parser.add_argument("--force", action="store_true", help="replace results that are there")
-    given = parser.parse_args(arguments)
-    folder = output_folder(given.out, name)
-    try:
-        check_folder(folder, force=given.force)
-        workers = count_workers(given.workers)
+
+    def run(
+        *,
+        quick: Quick = False,
+        out: Out = DEFAULT_FOLDER,
+        workers: Workers = None,
+        force: Force = False,
+    ) -> None:
+        folder = output_folder(out, name)
+        check_folder(folder, force=force)
+        settings = Settings(folder, quick, count_workers(workers), force)
         folder.mkdir(parents=True, exist_ok=True)
-        scenario(Settings(folder, given.quick, workers, given.force))
+        scenario(settings)
+        print(f"written to {folder}")
+
+    app = App(name=name, help=description, help_format="markdown", version_flags=())
+    app.default(run)
+    try:
+        command, given = app.parse_args(arguments, print_error=False, exit_on_error=False)[:2]
+        command(*given.args, **given.kwargs)
+    except CycloptsError as error:
+        error.verbose = False
+        return _failed(name, error, 2)
     except InputError as error:
-        print(f"{name}: {error}", file=sys.stderr)
-        return 2
+        return _failed(name, error, 2)
     except (RotorError, OSError) as error:
-        print(f"{name}: {error}", file=sys.stderr)
-        return 1
-    print(f"written to {folder}")
+        return _failed(name, error, 1)
     return 0
 
 
-class _RateColumn(ProgressColumn):
-    """Points a second."""
-
-    def render(self, task: Task) -> Text:
-        rate = task.finished_speed or task.speed
-        return Text("" if rate is None else f"{rate:.3g}/s")
+def _failed(name: str, error: Exception, status: int) -> int:
+    print(f"{name}: {error}", file=sys.stderr)
+    return status
 
 
-@contextmanager
-def progress_bar(description: str) -> Iterator[Report]:
-    """Show a progress bar with the time left on standard error.
+def scientific(number: float) -> str:
+    """Return a number as a digit and a power of ten, as it is written by hand.
 
-    Yields
-    ------
-    callable
-        To be called with the number of points done and their total, as by `rotor_ida.sweep`.
+    Examples
+    --------
+    >>> scientific(1.6e-10), scientific(1e3)
+    ('2·10⁻¹⁰', '10³')
     """
-    columns = (
-        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), _RateColumn(),
-        TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(),
-    )  # fmt: skip
-    with Progress(*columns, console=Console(stderr=True)) as bar:
-        task = bar.add_task(description, total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
+    if not number:
+        return "0"
+    digit, power = f"{number:.0e}".split("e")
+    ten = f"10{str(int(power)).translate(_RAISED)}"
+    return ten if digit == "1" else f"{digit}·{ten}"
 
 
 def speeds_of_curves(

@@ -25,14 +25,15 @@ from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.parallel.jobs import IN_FLIGHT, FailedJob, Job, Result, Work
 from rotor_ida.parallel.pools import CAUSES, deaf_to_interrupts
 
-# Seconds in which a scheduler must answer, and after which to look again how many workers it has.
+# Time for a scheduler to answer [s].
 PATIENCE = 5.0
-LOOK_AGAIN = 2.0
-# To hand out a task takes dask some ten milliseconds, so that short jobs go together into one that
-# takes about so many seconds.
+# Time between two counts of its workers [s].
+RECOUNT = 2.0
+# A task costs dask some ten milliseconds, so short jobs are bundled into tasks of about this
+# duration [s], each of at most so many jobs.
 BUNDLE_TIME, MOST_TOGETHER = 0.25, 64
-# Seconds that a worker of ours has to end of its own accord.
-ENOUGH = 0.25
+# Grace period for a worker to exit [s].
+GRACE = 0.25
 
 # What must be the same on every worker for the results to be the same, bit for bit.
 PACKAGES = ("rotor-ida", "numpy", "scipy", "numba", "llvmlite", "scikit-sundae")
@@ -46,9 +47,9 @@ def run_on_cluster(
     Raises
     ------
     InputError
-        If nobody answers at the address, or a worker has other versions than this process.
+        If no scheduler answers, or a worker has other versions than this process.
     SimulationError
-        If the scheduler is gone before all is done.
+        If the scheduler goes away before all jobs are done.
     """
     with ExitStack() as stack:
         stack.enter_context(_quiet())
@@ -65,22 +66,22 @@ def run_on_cluster(
 def _as_they_end(
     client: Client, work: Work[Job, Result], jobs: Iterable[Job]
 ) -> Iterator[tuple[int, Result | FailedJob]]:
-    """Keep a few jobs in flight for each thread of the cluster, and yield what ends first."""
+    """Keep a few jobs in flight for each thread of the cluster, and yield results as they end."""
     waiting = enumerate(jobs)
     running: dict[Any, list[tuple[int, Job]]] = {}
     suspects: list[tuple[int, Job]] = []
     known: set[str] = set()
-    room, looked, together = 0, -LOOK_AGAIN, 1
+    room, counted, together = 0, -RECOUNT, 1
     while True:
-        if time.monotonic() - looked >= LOOK_AGAIN:
-            room, looked = IN_FLIGHT * max(1, _look(client, known)), time.monotonic()
+        if time.monotonic() - counted >= RECOUNT:
+            room, counted = IN_FLIGHT * max(1, _count_threads(client, known)), time.monotonic()
         while len(running) < room and (bundle := list(islice(waiting, together))):
             running[_submit(client, work, [job for _, job in bundle])] = bundle
         if not running:
             break
         try:
             with client.as_current():
-                ended = wait(list(running), timeout=LOOK_AGAIN, return_when="FIRST_COMPLETED").done
+                ended = wait(list(running), timeout=RECOUNT, return_when="FIRST_COMPLETED").done
         except TimeoutError:
             continue
         for future in ended:
@@ -94,7 +95,7 @@ def _as_they_end(
             together = min(MOST_TOGETHER, max(1, int(BUNDLE_TIME * len(bundle) / max(took, 1e-9))))
     for number, job in suspects:
         yield number, _alone(client, work, job)
-    _look(client, known)
+    _count_threads(client, known)
 
 
 def _alone(client: Client, work: Work[Job, Result], job: Job) -> Result | FailedJob:
@@ -112,17 +113,17 @@ def _submit(client: Client, work: Work[Job, Result], bundle: list[Job]) -> Any:
 
 
 def _do(work: Work[Job, Result], bundle: list[Job]) -> tuple[list[Result], float]:
-    """Do some jobs one after the other; return what they gave, and the time that they took [s]."""
+    """Do some jobs one after the other; return their results, and the time that they took [s]."""
     began = time.perf_counter()
     stop = np.zeros(1, dtype=np.uint8)
     return [work(job, stop) for job in bundle], time.perf_counter() - began
 
 
-def _look(client: Client, known: set[str]) -> int:
-    """Return how many threads the cluster has, once those that are not known yet are checked."""
+def _count_threads(client: Client, known: set[str]) -> int:
+    """Return the number of threads of the cluster, having checked workers that are new."""
     threads, tell = client.nthreads(), versions_teller(PACKAGES)
     new = [address for address in threads if address not in known]
-    # a worker that is gone by now gives no answer
+    # a worker that has left in the meantime does not answer
     there = client.run(tell, workers=new, on_error="ignore") if new else {}
     if not known:
         there["the scheduler"] = client.run_on_scheduler(tell)  # it unpacks what passes through it
@@ -137,9 +138,9 @@ def _look(client: Client, known: set[str]) -> int:
 
 
 def versions_teller(names: tuple[str, ...]) -> Callable[[], dict[str, str]]:
-    """Return a function that tells the versions of packages where it is called.
+    """Return a function that returns the versions of packages on the worker that calls it.
 
-    Being made here it travels as a whole, so that a worker without this package can answer.
+    dask sends a nested function by value, so that a worker without this package can answer.
     """
 
     def tell() -> dict[str, str]:
@@ -160,7 +161,7 @@ def versions_teller(names: tuple[str, ...]) -> Callable[[], dict[str, str]]:
 
 @contextmanager
 def _connected(workers: int | None) -> Iterator[Client]:
-    """Start a cluster of processes on this machine; end it, at once if it is not done."""
+    """Start a cluster of processes on this machine; end it, at once if the jobs are not done."""
     with ExitStack() as stack:
         folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="rotor-ida-"))
         with deaf_to_interrupts():
@@ -191,14 +192,14 @@ def _local_cluster(workers: int | None, folder: str) -> LocalCluster:
 
 
 async def _end_workers(cluster: LocalCluster) -> None:
-    """End the workers at once; given the usual time, they would go on with what they have begun."""
-    closing = [nanny.close(timeout=ENOUGH) for nanny in cluster.workers.values()]
+    """End the workers at once; with dask's own grace period they would finish their jobs first."""
+    closing = [nanny.close(timeout=GRACE) for nanny in cluster.workers.values()]
     await asyncio.gather(*closing, return_exceptions=True)
 
 
 @contextmanager
 def _joined(address: str) -> Iterator[Client]:
-    """Connect to a scheduler that somebody else has started, and leave it as it was."""
+    """Connect to a scheduler that is running already, and leave it running."""
     try:
         client = Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError, RuntimeError) as error:
@@ -209,7 +210,7 @@ def _joined(address: str) -> Iterator[Client]:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Keep dask's own account of what it does from standard error."""
+    """Keep dask's log messages from standard error."""
     names = [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]
     handlers = {handler for name in names for handler in logging.getLogger(name).handlers}
     before = {handler: handler.level for handler in handlers}

@@ -6,11 +6,11 @@ import importlib.util
 import os
 import re
 from collections.abc import Generator, Iterable
+from functools import partial
 
-import numpy as np
-
-from rotor_ida.checks import check_count
+from rotor_ida.checks import MOST_WORKERS, check_count, shown
 from rotor_ida.errors import InputError
+from rotor_ida.parallel.interruptible import interruptible
 from rotor_ida.parallel.jobs import FailedJob, Job, Result, Work
 from rotor_ida.parallel.pools import run_in_pool
 
@@ -22,7 +22,7 @@ _ADDRESS = re.compile(r"(tcp|tls|ws|wss)://[^\s/]+:\d+")
 def count_workers(workers: int | None) -> int:
     """Return the number of workers: `workers`, or one for each core that may be used."""
     if workers is not None:
-        return check_count("workers", workers)
+        return check_count("workers", workers, maximum=MOST_WORKERS)
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
@@ -57,12 +57,14 @@ def choose(executor: object, workers: int | None, *, compiled: bool) -> tuple[st
         chosen = "threads" if compiled else "serial" if workers == 1 else "processes"
     if chosen not in EXECUTORS:
         if workers is not None:
-            raise InputError(f"workers must be left to the scheduler {chosen}, got {workers!r}")
+            raise InputError(
+                f"workers must be left to the scheduler {chosen}, got {shown(workers)}"
+            )
         return chosen, None
     if chosen != "serial":
         return chosen, count_workers(workers)
-    if workers is not None and check_count("workers", workers) > 1:
-        raise InputError(f"workers must be 1 with executor 'serial', got {workers!r}")
+    if workers is not None and count_workers(workers) > 1:
+        raise InputError(f"workers must be 1 with executor 'serial', got {shown(workers)}")
     return chosen, 1
 
 
@@ -72,7 +74,7 @@ def _check_executor(executor: object) -> str:
         words = ", ".join(repr(word) for word in EXECUTORS)
         raise InputError(
             f"executor must be one of {words}, or an address such as 'tcp://host:8786', "
-            f"got {executor!r}"
+            f"got {shown(executor)}"
         )
     reason = why_not(executor)
     if reason:
@@ -97,7 +99,7 @@ def run_all(
     ----------
     work : callable
         Takes a job and an array of one number that turns to 1 when the rest is given up; a long
-        job looks at it now and then and returns early. For anything but threads it must be a
+        job checks it now and then and returns early. For anything but threads it must be a
         function of a module; each process has a number of its own, which stays 0: processes are
         ended.
     jobs : iterable
@@ -108,7 +110,7 @@ def run_all(
     Yields
     ------
     number : int
-        Place of the job among `jobs`, from 0.
+        Position of the job in `jobs`, from 0.
     result : object
         What `work` returned for it; `FailedJob` if its workers died of it.
 
@@ -117,8 +119,8 @@ def run_all(
     InputError
         If a scheduler does not answer, or its workers have other versions.
     SimulationError
-        If a process of a pool died, what the others had in hand being gone with it, or the
-        scheduler.
+        If a process of a pool died, so that the jobs of the others are lost too, or the
+        scheduler did.
 
     Notes
     -----
@@ -148,7 +150,6 @@ def run_all(
 def _one_by_one(
     work: Work[Job, Result], jobs: Iterable[Job]
 ) -> Generator[tuple[int, Result | FailedJob], None, None]:
-    """Do the jobs in this very process and thread."""
-    stop = np.zeros(1, dtype=np.uint8)
+    """Do the jobs in this very process."""
     for number, job in enumerate(jobs):
-        yield number, work(job, stop)
+        yield number, interruptible(partial(work, job))

@@ -1,4 +1,4 @@
-"""What a job is, what does it, and what is left of one that could not be done."""
+"""Jobs, the functions that do them, and the result of a job that could not be done."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ IN_FLIGHT = 2
 
 @dataclass(frozen=True, slots=True)
 class FailedJob:
-    """What stands in place of the result of a job that took its workers with it.
+    """The result of a job whose workers died.
 
     Parameters
     ----------
     reason : str
-        What became of them.
+        How they died.
     """
 
     reason: str

@@ -58,7 +58,7 @@ def run_in_pool(
 
 
 def _end_with_parent() -> None:
-    """Let a worker not outlive the process that it works for, even if that is killed."""
+    """End this worker with the process that it works for, even if that is killed."""
     parent = parent_process()
 
     def watch() -> None:
@@ -72,7 +72,7 @@ def _end_with_parent() -> None:
 def _as_they_end(
     pool: Executor, work: Work[Job, Result], jobs: Iterable[Job], stop: Stop, workers: int
 ) -> Iterator[tuple[int, Result]]:
-    """Keep a few jobs in flight and yield what ends first."""
+    """Keep a few jobs in flight, and yield results as they end."""
     waiting = enumerate(jobs)
     running: dict[Future[Result], int] = {}
     while True:
@@ -87,7 +87,7 @@ def _as_they_end(
 
 @contextmanager
 def deaf_to_interrupts() -> Iterator[None]:
-    """Start workers that leave an interrupt from the keyboard to the one who waits for them."""
+    """Start workers that leave an interrupt from the keyboard to the process that waits."""
     if not hasattr(signal, "pthread_sigmask"):  # not on Windows
         yield
         return

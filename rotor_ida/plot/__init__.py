@@ -4,26 +4,33 @@ The functions here see labelled datasets only, so that an archive can be drawn w
 installed. They return the axes that they drew on and show nothing by themselves.
 """
 
-from rotor_ida.plot.appearance import panels, shared_legend, style
-from rotor_ida.plot.basins import plot_basin
+from rotor_ida.plot.appearance import mixed_panels, panels, shared_legend, style
+from rotor_ida.plot.basins import plot_basin, plot_basin_fractions
+from rotor_ida.plot.beyond import plot_exponents, plot_section, plot_spectrum
 from rotor_ida.plot.clearances import plot_by_clearance, plot_over_clearance
-from rotor_ida.plot.exponents import plot_exponents
 from rotor_ida.plot.extrema import plot_extrema
-from rotor_ida.plot.fields import plot_cuts, plot_surface
-from rotor_ida.plot.forces import plot_force_peaks, plot_forces
-from rotor_ida.plot.free import plot_periods, plot_portrait
-from rotor_ida.plot.histories import plot_drawn_out, plot_history
+from rotor_ida.plot.formulas import (
+    plot_cuts,
+    plot_deviation,
+    plot_periods,
+    plot_portrait,
+    plot_solutions,
+    plot_surface,
+)
 from rotor_ida.plot.jumps import plot_backbone, plot_by_damping, plot_cusp, plot_jumps
 from rotor_ida.plot.labels import parameter_text, with_error
-from rotor_ida.plot.layout import mixed_panels
-from rotor_ida.plot.machines import plot_machine
 from rotor_ida.plot.responses import plot_amplitude, plot_phase
-from rotor_ida.plot.runs import plot_orbit, plot_rotating_orbit, plot_run
+from rotor_ida.plot.runs import (
+    plot_drawn_out,
+    plot_force_peaks,
+    plot_forces,
+    plot_history,
+    plot_machine,
+    plot_orbit,
+    plot_rotating_orbit,
+    plot_run,
+)
 from rotor_ida.plot.saving import save_figure
-from rotor_ida.plot.sections import plot_section
-from rotor_ida.plot.shares import plot_basin_fractions
-from rotor_ida.plot.solutions import plot_deviation, plot_solutions
-from rotor_ida.plot.spectra import plot_spectrum
 
 __all__ = [
     "mixed_panels",

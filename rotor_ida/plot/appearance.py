@@ -1,7 +1,8 @@
-"""How the pictures look: one style, colours that stay apart, panels and legends."""
+"""How the pictures look: one style, colours and lines that stay apart, panels and legends."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -17,14 +18,24 @@ from matplotlib.transforms import ScaledTranslation
 
 from rotor_ida.checks import check_count
 from rotor_ida.errors import InputError
-from rotor_ida.plot.labels import KIND_WORDS
+from rotor_ida.parameters import PARAMETERS
+from rotor_ida.plot.labels import KIND_WORDS, parameter_text
 
 # From matplotlib's petroff10, chosen so that the greys differ too.
 BLUE, ORANGE, RED, PURPLE, GREY = "#3f90da", "#e76300", "#bd1f01", "#832db6", "#94a4a2"
 INK = "#1a1a1a"
+DASHES = (0, (4, 2))
 # Where a legend under the axes begins, clear of ticks and label [point].
 BELOW = 36.0
 SHADE = "#ffe3c4"
+# Colour and dashes, so that the curves stay apart without colour too.
+LOOKS: tuple[tuple[str, object], ...] = (
+    (INK, "-"),
+    (BLUE, (0, (6, 1.8))),
+    (ORANGE, (0, (1.2, 1.4))),
+    (PURPLE, (0, (6, 1.6, 1.2, 1.6))),
+    (RED, (0, (3, 1.2))),
+)
 # What is told by colour alone has one family of colours for each kind of response.
 KIND_SHADES = {
     "synchronous": (BLUE, "#c6dcf5", "#12427a", "#7a6fd0"),
@@ -129,10 +140,66 @@ def panels(
         figure = Figure(figsize=(width, height), layout="constrained")
         grid = figure.subplots(rows, columns, sharex=shared, sharey=shared, squeeze=False)
         axes = list(grid.ravel())
-        if len(axes) > 1:
-            for number, ax in enumerate(axes):
-                ax.set_title(chr(ord("a") + number), loc="left", fontweight="bold")
+        _letter(axes)
     return figure, axes
+
+
+def mixed_panels(
+    rows: int,
+    columns: int,
+    *,
+    width: float = 7.2,
+    height: float = 5.6,
+    solid: Sequence[int] = (),
+) -> tuple[Figure, list[Axes]]:
+    """Return a figure with lettered panels, each with axes of its own.
+
+    Parameters
+    ----------
+    rows, columns : int
+        Number of panels down and across.
+    width, height : float
+        Size of the figure [inch].
+    solid : sequence of int
+        Numbers of the panels, row by row from 0, that are three-dimensional.
+
+    Returns
+    -------
+    figure : Figure
+        The figure.
+    axes : list of Axes
+        Its panels, row by row.
+
+    Raises
+    ------
+    InputError
+        If there is no such panel.
+
+    Examples
+    --------
+    >>> figure, axes = mixed_panels(1, 2, solid=[0])
+    >>> [ax.name for ax in axes]
+    ['3d', 'rectilinear']
+    """
+    number = check_count("rows", rows) * check_count("columns", columns)
+    for place in solid:
+        if not 0 <= place < number:
+            raise InputError(f"solid must hold numbers of panels below {number}, got {place!r}")
+    with style():
+        figure = Figure(figsize=(width, height), layout="constrained")
+        axes = [
+            figure.add_subplot(
+                rows, columns, place + 1, projection="3d" if place in solid else None
+            )
+            for place in range(number)
+        ]
+        _letter(axes)
+    return figure, axes
+
+
+def _letter(axes: Sequence[Axes]) -> None:
+    for number, ax in enumerate(axes if len(axes) > 1 else ()):
+        ax.set_title(chr(ord("a") + number), loc="left", fontweight="bold")
 
 
 def shared_legend(
@@ -207,6 +274,45 @@ def axes_or_new(ax: Axes | None, *, width: float = 5.0, height: float = 3.6) -> 
     return ax
 
 
+def solid_axes(ax: Axes | None) -> Any:
+    """Return `ax` if it is three-dimensional, or the axes of a new figure."""
+    if ax is None:
+        return Figure(figsize=(4.2, 3.6), layout="constrained").add_subplot(projection="3d")
+    if getattr(ax, "name", "") != "3d":
+        raise InputError("ax must be three-dimensional: mixed_panels(..., solid=[...]) makes them")
+    return ax
+
+
+def finish_solid(ax: Any, *, zoom: float = 0.95) -> None:
+    """Give three-dimensional axes small labels, white walls and as much room as there is."""
+    ax.tick_params(labelsize=7.5, pad=-2.5)
+    for axis in (ax.xaxis, ax.yaxis, ax.zaxis):
+        axis.pane.set_facecolor("white")
+        # the walls may reach beyond the square that the axes are given
+        axis.pane.set_clip_on(False)
+        axis.gridlines.set_clip_on(False)
+    ax.set_box_aspect(None, zoom=zoom)
+
+
+def axes_of(ax: Any) -> Axes:
+    """Return three-dimensional axes under the type that all plot functions return."""
+    drawn: Axes = ax
+    return drawn
+
+
+def draw_ring(ax: Axes, clearance: float) -> None:
+    """Draw the ring of the clearance, where there is one."""
+    if clearance > 0.0:
+        turn = np.linspace(0.0, 2.0 * math.pi, 361)
+        ax.plot(clearance * np.cos(turn), clearance * np.sin(turn), color=INK, lw=0.9, ls=DASHES,
+                label="clearance", zorder=2.6)  # fmt: skip
+
+
+def look(number: int) -> tuple[str, object]:
+    """Return colour and line of the curve with this number; they come round again after five."""
+    return LOOKS[number % len(LOOKS)]
+
+
 def check_dataset(name: str, dataset: object, needed: Sequence[str]) -> xr.Dataset:
     """Return `dataset` if it is one and has the variables that are needed."""
     if not isinstance(dataset, xr.Dataset):
@@ -227,6 +333,11 @@ def one_value(name: str, dataset: xr.Dataset, parameter: str) -> float:
             f".sel({parameter}=...)"
         )
     return float(values[0])
+
+
+def title_of(name: str, dataset: xr.Dataset, parameters: Sequence[str] = PARAMETERS) -> str:
+    """Return the parameters of a dataset, which holds one value of each, as a title."""
+    return parameter_text({each: one_value(name, dataset, each) for each in parameters})
 
 
 def _entries(axes: Sequence[Axes]) -> tuple[list[Artist], list[str]]:

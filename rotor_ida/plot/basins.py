@@ -1,9 +1,8 @@
-"""Basins: a plane of starts, one colour for each attractor."""
+"""Basins: a plane of starts, one colour for each attractor, and their fractions over the speed."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 
 import numpy as np
 import numpy.typing as npt
@@ -21,12 +20,12 @@ from rotor_ida.plot.appearance import (
     axes_or_new,
     check_dataset,
     legend_below,
-    one_value,
+    own_legend,
     style,
+    title_of,
 )
-from rotor_ida.plot.labels import KIND_WORDS, LABELS, parameter_text
-from rotor_ida.plot.units import label_of, suited, unit_of
-from rotor_ida.schema import FATE, QUANTITIES, flags_of
+from rotor_ida.plot.labels import KIND_WORDS, LABELS, label_axis, number_text, unit_of
+from rotor_ida.schema import FATE, QUANTITIES, RESPONSE, flags_of
 
 Values = npt.NDArray[np.float64]
 
@@ -36,9 +35,7 @@ FATE_WORDS = {"undecided": "undecided", "not_computed": "not computed"}
 CONSTANT_RADIUS = 1e-3
 
 
-def plot_basin(
-    dataset: xr.Dataset, ax: Axes | None = None, *, units: Mapping[str, str] | None = None
-) -> Axes:
+def plot_basin(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     """Draw which start ends on which attractor.
 
     Parameters
@@ -47,9 +44,6 @@ def plot_basin(
         What `rotor_ida.basin` returned.
     ax : Axes, optional
         Where to draw; by default on a new figure.
-    units : mapping of str to str, optional
-        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
-        those with the SI prefix that suits.
 
     Returns
     -------
@@ -73,13 +67,14 @@ def plot_basin(
     """
     dataset = check_dataset("dataset", dataset, NEEDED)
     vertical, horizontal = _directions(dataset["label"])
-    dataset = suited(dataset, [vertical, horizontal], units=units, ax=ax)
     label = dataset["label"]
     colours = [NOT_COMPUTED, UNDECIDED]
     count = dataset.sizes["attractor"]
     colours += _shades(dataset["kind"])
     with style():
         ax = axes_or_new(ax, width=4.6, height=5.0)
+        label_axis(ax.xaxis, horizontal, dataset[horizontal])
+        label_axis(ax.yaxis, vertical, dataset[vertical])
         ax.grid(visible=False)
         ax.pcolormesh(
             dataset[horizontal].values,
@@ -90,15 +85,68 @@ def plot_basin(
             shading="nearest",
             rasterized=True,
         )
-        if _sort(horizontal) == _sort(vertical):
+        if QUANTITIES[horizontal].scale == QUANTITIES[vertical].scale:
             ax.set_aspect("equal")
         else:
             ax.set_box_aspect(1.0)
-        ax.set_xlabel(label_of(horizontal, dataset[horizontal]))
-        ax.set_ylabel(label_of(vertical, dataset[vertical]))
         ax.set_title(_title(dataset))
         handles = _handles(dataset, colours)
         legend_below(ax, columns=1 + (len(handles) > 3), handles=handles)
+    return ax
+
+
+def plot_basin_fractions(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
+    """Draw the fractions of starts by kind of response over the speed, one upon the other.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        What `rotor_ida.basin_fractions` returned, joined along ``omega``, for one ``zeta`` and one
+        ``delta0``.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        Where it was drawn.
+
+    Raises
+    ------
+    InputError
+        If the dataset is of another kind.
+
+    Examples
+    --------
+    >>> found = xr.Dataset(
+    ...     {"response_fraction": (("omega", "response"), [[1.0, 0.0], [0.25, 0.75]])},
+    ...     {"omega": [1.0, 2.0], "response": [2, 3], "zeta": 0.07, "delta0": 0.5})
+    >>> plot_basin_fractions(found).get_ylabel()
+    'share of starts'
+    """
+    check_dataset("dataset", dataset, ("omega", "zeta", "delta0", "response", "response_fraction"))
+    words = {number: kind for kind, number in RESPONSE.items()}
+    table = dataset["response_fraction"].transpose("omega", "response")
+    alone = ax is None
+    with style():
+        ax = axes_or_new(ax)
+        base = np.zeros(table.sizes["omega"])
+        for kind, (colour, *_) in KIND_SHADES.items():
+            columns = [words[number] == kind for number in table["response"].values.tolist()]
+            top = base + table.values[:, columns].sum(axis=1)
+            if (top > base).any():
+                ax.fill_between(
+                    table["omega"].values, base, top, color=colour, lw=0.0,
+                    label=KIND_WORDS[kind],
+                )  # fmt: skip
+            base = top
+        ax.set_xlim(float(table["omega"].min()), float(table["omega"].max()))
+        ax.set_ylim(0.0, 1.0)
+        ax.set_xlabel(LABELS["omega"])
+        ax.set_ylabel("share of starts")
+        ax.set_title(title_of("dataset", dataset, ("zeta", "delta0")))
+        if alone:
+            own_legend(ax)
     return ax
 
 
@@ -112,18 +160,14 @@ def _directions(label: xr.DataArray) -> tuple[str, str]:
     return vertical, horizontal
 
 
-def _sort(name: str) -> str:
-    """Return what kind of quantity a coordinate of the starts is."""
-    return QUANTITIES[name].scale
-
-
 def _title(dataset: xr.Dataset) -> str:
     """Return the parameters, and what the starts have besides their place in the plane."""
-    words = [parameter_text(**{name: one_value("dataset", dataset, name) for name in PARAMETERS})]
+    words = [title_of("dataset", dataset)]
     for name in COMPONENTS:
         if name in dataset.coords and dataset[name].ndim == 0 and float(dataset[name]) != 0.0:
             symbol = LABELS[name].partition(" ")[2]
-            words.append(f"{symbol} $= {float(dataset[name]):g}$ {unit_of(dataset[name])}".rstrip())
+            value = number_text(float(dataset[name]), "g")
+            words.append(f"{symbol} $= {value}$ {unit_of(dataset[name])}".rstrip())
     return ",  ".join(words)
 
 
@@ -163,5 +207,6 @@ def _name(attractor: xr.Dataset) -> str:
     unit = unit_of(attractor["amplitude"])
     low, high = float(attractor["radius_min"]), float(attractor["radius_max"])
     if math.isnan(high) or high - low <= CONSTANT_RADIUS * high:
-        return f"{kind}, $A = {float(attractor['amplitude']):#.3g}$ {unit}".rstrip()
-    return f"{kind}, ${low:#.3g} \\leq |z| \\leq {high:#.3g}$ {unit}".rstrip()
+        return f"{kind}, $A = {number_text(float(attractor['amplitude']))}$ {unit}".rstrip()
+    low_text, high_text = number_text(low), number_text(high)
+    return f"{kind}, ${low_text} \\leq |z| \\leq {high_text}$ {unit}".rstrip()

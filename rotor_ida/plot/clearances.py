@@ -15,15 +15,20 @@ from rotor_ida.plot.appearance import (
     UNSTABLE,
     axes_or_new,
     check_dataset,
+    look,
     one_value,
     own_legend,
     style,
 )
 from rotor_ida.plot.branches import trace_branches
-from rotor_ida.plot.labels import KIND_WORDS, LABELS, parameter_text
-from rotor_ida.plot.layout import look
+from rotor_ida.plot.labels import (
+    KIND_WORDS,
+    LABELS,
+    check_same_units,
+    label_axis,
+    parameter_text,
+)
 from rotor_ida.plot.simulated import KINDS
-from rotor_ida.plot.units import alike, label_of, suited
 from rotor_ida.schema import flags_of
 
 LINES = {
@@ -37,7 +42,6 @@ def plot_over_clearance(
     exact: xr.Dataset,
     *,
     simulated: xr.Dataset | None = None,
-    units: Mapping[str, str] | None = None,
     ax: Axes | None = None,
 ) -> Axes:
     r"""Draw the whirls at one speed over the clearance, and what a simulated rotor does there.
@@ -50,9 +54,6 @@ def plot_over_clearance(
     simulated : Dataset, optional
         What `rotor_ida.sweep` returned at the same speed and damping. Responses on a whirl are
         marks, all others bars over the range of the distance from the bearing axis.
-    units : mapping of str to str, optional
-        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
-        those with the SI prefix that suits.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
@@ -74,7 +75,6 @@ def plot_over_clearance(
     'clearance $\\delta_0$'
     """
     exact = check_dataset("exact", exact, ("omega", "zeta", "delta0", "amplitude", "stability"))
-    exact = suited(exact, ["amplitude"], units=units, ax=ax)
     omega, zeta = (one_value("exact", exact, name) for name in ("omega", "zeta"))
     table = exact.squeeze([name for name in ("omega", "zeta") if name in exact.dims])
     if "delta0" not in table.dims:
@@ -94,11 +94,12 @@ def plot_over_clearance(
             label, line, width = LINES[words[branch.stability]]
             ax.plot(branch.omega, branch.value, ls=line, lw=width, color=INK, label=label)
         if simulated is not None:
-            _draw_simulated(ax, alike("simulated", simulated, exact))
+            check_same_units("simulated", simulated, exact)
+            _draw_simulated(ax, simulated)
         ax.set_xlabel(LABELS["delta0"])
-        ax.set_ylabel(label_of("amplitude", exact["amplitude"]))
+        label_axis(ax.yaxis, "amplitude", exact["amplitude"])
         ax.set_ylim(bottom=0.0)
-        ax.set_title(parameter_text(omega=omega, zeta=zeta))
+        ax.set_title(parameter_text({"omega": omega, "zeta": zeta}))
         own_legend(ax)
     return ax
 
@@ -134,7 +135,6 @@ def plot_by_clearance(
     names: Mapping[str, str],
     *,
     label: str,
-    units: Mapping[str, str] | None = None,
     ax: Axes | None = None,
 ) -> Axes:
     """Draw some quantities over the clearance.
@@ -148,9 +148,6 @@ def plot_by_clearance(
         What each quantity is called in the legend.
     label : str
         What the vertical axis is called; the unit of the first quantity is added.
-    units : mapping of str to str, optional
-        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
-        those with the SI prefix that suits.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
@@ -171,7 +168,7 @@ def plot_by_clearance(
     >>> plot_by_clearance(table, {"peak_amplitude": "peak"}, label="amplitude $A$").get_ylabel()
     'amplitude $A$'
     """
-    table = suited(check_dataset("table", table, ("delta0", *names)), [*names], units=units, ax=ax)
+    table = check_dataset("table", table, ("delta0", *names))
     with style():
         ax = axes_or_new(ax)
         for number, (name, words) in enumerate(names.items()):
@@ -185,7 +182,7 @@ def plot_by_clearance(
             ax.plot(delta0, column.values.ravel(), ls="", marker=".", ms=2.8, mew=0.0,
                     color=colour, label=words)  # fmt: skip
         ax.set_xlabel(LABELS["delta0"])
-        ax.set_ylabel(label_of("", table[next(iter(names))], words=label))
+        label_axis(ax.yaxis, "", table[next(iter(names))], words=label)
         if len(names) > 1:
             own_legend(ax)
     return ax

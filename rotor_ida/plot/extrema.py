@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -20,9 +18,8 @@ from rotor_ida.plot.appearance import (
     own_legend,
     style,
 )
-from rotor_ida.plot.labels import LABELS, parameter_text
+from rotor_ida.plot.labels import LABELS, check_same_units, label_axis, parameter_text
 from rotor_ida.plot.responses import plot_amplitude
-from rotor_ida.plot.units import alike, label_of, suited
 from rotor_ida.schema import flags_of
 
 FREE = "extremum, contact-free or unresolved"
@@ -41,7 +38,6 @@ def plot_extrema(
     *,
     exact: xr.Dataset | None = None,
     fold_points: xr.Dataset | None = None,
-    units: Mapping[str, str] | None = None,
     ax: Axes | None = None,
 ) -> Axes:
     """Draw the extrema of the radius over the speed.
@@ -55,9 +51,6 @@ def plot_extrema(
         ``delta0``: drawn under the extrema, and only those of this clearance are shown.
     fold_points : Dataset, optional
         What `rotor_ida.folds` returned for the same parameters.
-    units : mapping of str to str, optional
-        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
-        those with the SI prefix that suits.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
@@ -78,10 +71,11 @@ def plot_extrema(
     >>> plot_extrema(found).get_ylabel()
     'radius $|z|$'
     """
-    found = suited(check_dataset("found", found, NEEDED), ["extremum_radius"], units=units, ax=ax)
-    one_value("found", found, "zeta")
+    found = check_dataset("found", found, NEEDED)
+    zeta = one_value("found", found, "zeta")
     if exact is not None:
-        exact = alike("exact", check_dataset("exact", exact, ("omega", "amplitude")), found)
+        exact = check_dataset("exact", exact, ("omega", "amplitude"))
+        check_same_units("exact", exact, found)
     delta0 = (
         one_value("found", found, "delta0")
         if exact is None
@@ -104,9 +98,9 @@ def plot_extrema(
     with style():
         if exact is None:
             ax = axes_or_new(ax)
-            ax.set_title(parameter_text(zeta=one_value("found", found, "zeta"), delta0=delta0))
+            ax.set_title(parameter_text({"zeta": zeta, "delta0": delta0}))
         else:
-            ax = plot_amplitude(exact, fold_points=fold_points, units=units, ax=ax)
+            ax = plot_amplitude(exact, fold_points=fold_points, ax=ax)
         size = 2.6 if here.sum() < FEW else 1.2
         kind_of = {kind: here & (kinds == flags[kind]) for kind in LOOKS}
         swinging = free & ~kind_of["constant"]
@@ -126,6 +120,6 @@ def plot_extrema(
             )  # fmt: skip
             ax.plot([], [], ls="", marker="o", ms=3.4, mec=colour, mfc=face, mew=0.7, label=words)
         ax.set_xlabel(LABELS["omega"])
-        ax.set_ylabel(label_of("radius", found["extremum_radius"]))
+        label_axis(ax.yaxis, "radius", found["extremum_radius"])
         own_legend(ax)
     return ax

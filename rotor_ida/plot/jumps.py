@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -14,14 +12,13 @@ from rotor_ida.plot.appearance import (
     SHADE,
     axes_or_new,
     check_dataset,
+    look,
     one_value,
     own_legend,
     style,
 )
-from rotor_ida.plot.labels import LABELS
-from rotor_ida.plot.layout import look
+from rotor_ida.plot.labels import LABELS, hold_units, label_axis, scale_of
 from rotor_ida.plot.responses import plot_amplitude, plot_phase
-from rotor_ida.plot.units import label_of, scale_of, suited
 
 BACKBONE = "backbone"
 
@@ -34,7 +31,7 @@ def plot_jumps(jumps: xr.Dataset, *, ax: Axes) -> Axes:
     jumps : Dataset
         What `rotor_ida.closed_forms.jumps` returned, for one ``zeta`` and one ``delta0``.
     ax : Axes
-        Where the amplitude is drawn over the speed; its unit is kept.
+        Where the amplitude is drawn over the speed, in the same units.
 
     Returns
     -------
@@ -55,7 +52,8 @@ def plot_jumps(jumps: xr.Dataset, *, ax: Axes) -> Axes:
     True
     """
     names = ("fold_omega", "fold_amplitude", "landing_amplitude")
-    jumps = suited(check_dataset("jumps", jumps, names), names, ax=ax)
+    jumps = check_dataset("jumps", jumps, names)
+    hold_units(ax.yaxis, jumps["landing_amplitude"])
     columns = (jumps[name].values.ravel() for name in names)
     with style():
         for omega, begin, end in zip(*columns, strict=True):
@@ -70,18 +68,13 @@ def plot_jumps(jumps: xr.Dataset, *, ax: Axes) -> Axes:
     return ax
 
 
-def plot_backbone(
-    curve: xr.Dataset, *, units: Mapping[str, str] | None = None, ax: Axes | None = None
-) -> Axes:
+def plot_backbone(curve: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     """Draw the backbone: the amplitude of a free whirl over its speed.
 
     Parameters
     ----------
     curve : Dataset
         What `rotor_ida.closed_forms.free_periods` returned, for one ``delta0``.
-    units : mapping of str to str, optional
-        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
-        those with the SI prefix that suits.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
@@ -103,17 +96,17 @@ def plot_backbone(
     """
     curve = check_dataset("curve", curve, ("amplitude", "circular_period", "delta0"))
     one_value("curve", curve, "delta0")
-    curve = suited(curve, ["amplitude"], units=units, ax=ax)
     with style():
         fresh = ax is None
         ax = axes_or_new(ax)
+        hold_units(ax.yaxis, curve["amplitude"])
         period = curve["circular_period"].squeeze().values / scale_of(curve, "time")
         omega = 2.0 * np.pi / period
         ax.plot(omega, curve["amplitude"].values, color="#6b7673", lw=0.9, ls=(0, (1, 2)),
                 label=BACKBONE, zorder=2.2)  # fmt: skip
         if fresh:
             ax.set_xlabel(LABELS["omega"])
-            ax.set_ylabel(label_of("amplitude", curve["amplitude"]))
+            label_axis(ax.yaxis, "amplitude", curve["amplitude"])
         own_legend(ax)
     return ax
 
@@ -122,7 +115,6 @@ def plot_by_damping(
     exact: xr.Dataset,
     quantity: str,
     *,
-    units: Mapping[str, str] | None = None,
     ax: Axes | None = None,
 ) -> Axes:
     r"""Draw amplitude or phase over the speed for several dampings, unstable whirls thin.
@@ -133,9 +125,6 @@ def plot_by_damping(
         What `rotor_ida.synchronous_response` returned, for one ``delta0``.
     quantity : {"amplitude", "phase_lag"}
         What to draw.
-    units : mapping of str to str, optional
-        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
-        those with the SI prefix that suits.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
@@ -158,7 +147,6 @@ def plot_by_damping(
     ['$\\zeta = 1$', '$\\zeta = 2$']
     """
     exact = check_dataset("exact", exact, ("omega", "zeta", "delta0", "amplitude", "phase_lag"))
-    exact = suited(exact, ["amplitude"], units=units, ax=ax)
     draw = plot_amplitude if quantity == "amplitude" else plot_phase
     with style():
         ax = axes_or_new(ax)

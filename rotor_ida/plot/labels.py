@@ -1,6 +1,18 @@
-"""What quantities and kinds of response are called in pictures."""
+"""What quantities, kinds of response and units are called in pictures.
+
+A figure shows the units that its dataset carries (`rotor_ida.dimensional` chooses them).
+"""
 
 from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+import xarray as xr
+from matplotlib.axis import Axis
+
+from rotor_ida.errors import InputError
+from rotor_ida.schema import QUANTITIES
 
 LABELS = {
     "omega": r"spin speed $\omega$",
@@ -69,15 +81,27 @@ KIND_WORDS = {
 }
 
 
-def parameter_text(**values: float) -> str:
+def parameter_text(values: Mapping[str, float]) -> str:
     r"""Return parameters as the title of a panel.
 
     Examples
     --------
-    >>> parameter_text(zeta=0.07)
+    >>> parameter_text({"zeta": 0.07})
     '$\\zeta = 0.07$'
     """
     return ",  ".join(f"${SYMBOLS[name]} = {value:.4g}$" for name, value in values.items())
+
+
+def number_text(value: float, form: str = "#.3g") -> str:
+    r"""Return a number as mathematical text, small and large ones with a power of ten.
+
+    Examples
+    --------
+    >>> number_text(1.88), number_text(9.4e-6)
+    ('1.88', '9.40 \\times 10^{-6}')
+    """
+    digits, _, power = format(value, form).partition("e")
+    return rf"{digits} \times 10^{{{int(power)}}}" if power else digits
 
 
 def with_error(value: float, error: float) -> str:
@@ -94,3 +118,87 @@ def with_error(value: float, error: float) -> str:
     if float(shown) == 0.0:
         shown = shown.lstrip("-")
     return f"{shown}({last})" if last else shown
+
+
+def unit_of(variable: xr.DataArray | xr.Variable) -> str:
+    """Return the unit of a variable as a reader writes it; nothing for numbers and angles.
+
+    Examples
+    --------
+    >>> unit_of(xr.DataArray([1.0], attrs={"units": "um s-1"}))
+    'µm/s'
+    """
+    unit = _units(variable)
+    if unit in ("", "1", "radian"):
+        return ""
+    return re.sub("^u", "µ", unit).replace(" s-1", "/s").replace("s-1", "1/s")
+
+
+def label_of(name: str, variable: xr.DataArray, *, words: str | None = None) -> str:
+    """Return the label of an axis: name and symbol, and the unit of the variable, if it has one.
+
+    Examples
+    --------
+    >>> label_of("radius", xr.DataArray([1.0], attrs={"units": "um"}))
+    'radius $|Z|$ [µm]'
+    >>> label_of("radius", xr.DataArray([1.0], attrs={"units": "1"}))
+    'radius $|z|$'
+    """
+    unit = unit_of(variable)
+    if not unit:
+        return words or LABELS[name]
+    return f"{words or IN_UNITS.get(name, LABELS[name])} [{unit}]"
+
+
+def label_axis(axis: Axis, name: str, variable: xr.DataArray, *, words: str | None = None) -> None:
+    """Label an axis with a variable and its unit, and hold the axis to that unit."""
+    hold_units(axis, variable)
+    axis.set_label_text(label_of(name, variable, words=words))
+
+
+def hold_units(axis: Axis, variable: xr.DataArray) -> None:
+    """Refuse a variable in other units than those in which the axis shows values already.
+
+    Axes that share an axis share its units.
+    """
+    here, there = _units(variable), axis.units
+    if there is not None and here != there:
+        raise InputError(
+            f"what is drawn on one axis must have its units, {there!r} ('1' is dimensionless), "
+            f"got {here!r}"
+        )
+    axis.set_units(here)
+
+
+def scale_of(dataset: xr.Dataset, kind: str) -> float:
+    """Return what a dimensionless 1 is in the units of the dataset: 1 where it has none."""
+    return float(dataset.attrs.get(f"{kind}_scale", 1.0))
+
+
+def check_same_units(name: str, dataset: xr.Dataset, shown: xr.Dataset) -> None:
+    """Refuse two datasets for one picture whose units or scales differ."""
+    here, there = _measures(dataset), _measures(shown)
+    for kind in there:
+        if here.get(kind, there[kind]) != there[kind]:
+            raise InputError(
+                f"{name} must have the {kind} scale and units of what it is drawn with, "
+                f"{there[kind]}, got {here[kind]}"
+            )
+
+
+def _measures(dataset: xr.Dataset) -> dict[str, str]:
+    """Return scale and units of each kind of quantity that a dataset holds."""
+    kinds = {
+        QUANTITIES[str(name)].scale: _units(variable)
+        for name, variable in dataset.variables.items()
+        if str(name) in QUANTITIES
+    }
+    return {
+        kind: "dimensionless" if units == "1" else f"{scale_of(dataset, kind)!r} {units}"
+        for kind, units in kinds.items()
+        if kind
+    }
+
+
+def _units(variable: xr.DataArray | xr.Variable) -> str:
+    return str(variable.attrs.get("units", "1"))

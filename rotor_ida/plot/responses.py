@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 
 import numpy as np
 import numpy.typing as npt
@@ -26,9 +25,8 @@ from rotor_ida.plot.appearance import (
     style,
 )
 from rotor_ida.plot.branches import trace_branches
-from rotor_ida.plot.labels import parameter_text
+from rotor_ida.plot.labels import check_same_units, label_axis, parameter_text, scale_of
 from rotor_ida.plot.simulated import draw_simulated
-from rotor_ida.plot.units import alike, label_of, scale_of, suited
 from rotor_ida.schema import flags_of
 
 Values = npt.NDArray[np.float64]
@@ -45,7 +43,6 @@ def plot_amplitude(
     *,
     simulated: xr.Dataset | None = None,
     fold_points: xr.Dataset | None = None,
-    units: Mapping[str, str] | None = None,
     ax: Axes | None = None,
 ) -> Axes:
     """Draw the amplitude of every whirl over the spin speed.
@@ -61,9 +58,6 @@ def plot_amplitude(
         bars over the range of the distance from the bearing axis.
     fold_points : Dataset, optional
         What `rotor_ida.folds` returned, for the same parameters: the folds are marked.
-    units : mapping of str to str, optional
-        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
-        those with the SI prefix that suits.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
@@ -88,7 +82,7 @@ def plot_amplitude(
     >>> ax.get_ylabel()
     'amplitude $A$'
     """
-    return _plot("amplitude", exact, simulated, fold_points, units, ax)
+    return _plot("amplitude", exact, simulated, fold_points, ax)
 
 
 def plot_phase(
@@ -123,7 +117,7 @@ def plot_phase(
     >>> ax.get_ylabel()
     'phase lag $\\theta$'
     """
-    return _plot("phase_lag", exact, simulated, fold_points, None, ax)
+    return _plot("phase_lag", exact, simulated, fold_points, ax)
 
 
 def _plot(
@@ -131,25 +125,23 @@ def _plot(
     exact: xr.Dataset,
     simulated: xr.Dataset | None,
     fold_points: xr.Dataset | None,
-    units: Mapping[str, str] | None,
     ax: Axes | None,
 ) -> Axes:
     exact = check_dataset(
         "exact", exact, (*PARAMETERS, "amplitude", "phase_lag", "stability", "in_contact")
     )
-    exact = suited(exact, ["amplitude"], units=units, ax=ax)
     zeta, delta0 = (one_value("exact", exact, name) for name in ("zeta", "delta0"))
     fold_omega, fold_value = np.empty(0), np.empty(0)
     if fold_points is not None:
         check_dataset("fold_points", fold_points, ("zeta", "delta0", "fold_omega"))
         _check_same("fold_points", fold_points, exact)
-        fold_points = alike("fold_points", fold_points, exact)
+        check_same_units("fold_points", fold_points, exact)
         fold_omega, fold_value = _folds(fold_points, quantity, zeta, exact)
     if simulated is not None:
         needed = ("response", "amplitude", "phase_lag", "radius_min", "radius_max", "direction")
         check_dataset("simulated", simulated, (*PARAMETERS, *needed))
         _check_same("simulated", simulated, exact)
-        simulated = alike("simulated", simulated, exact)
+        check_same_units("simulated", simulated, exact)
     shown = (
         [exact["amplitude"]] if simulated is None else [exact["amplitude"], simulated["radius_max"]]
     )
@@ -165,7 +157,7 @@ def _plot(
         if simulated is not None:
             draw_simulated(ax, simulated, quantity)
         _finish(ax, quantity, exact, highest)
-        ax.set_title(parameter_text(zeta=zeta, delta0=delta0))
+        ax.set_title(parameter_text({"zeta": zeta, "delta0": delta0}))
         own_legend(ax)
     return ax
 
@@ -229,8 +221,8 @@ def _draw_exact(
 
 def _finish(ax: Axes, quantity: str, exact: xr.Dataset, highest: float) -> None:
     omega = np.atleast_1d(exact["omega"].values)
-    ax.set_xlabel(label_of("omega", exact["omega"]))
-    ax.set_ylabel(label_of(quantity, exact[quantity]))
+    label_axis(ax.xaxis, "omega", exact["omega"])
+    label_axis(ax.yaxis, quantity, exact[quantity])
     if omega.size > 1:
         ax.set_xlim(0.0, 1.02 * float(omega.max()))
     if quantity == "amplitude":

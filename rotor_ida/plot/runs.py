@@ -1,10 +1,10 @@
-"""One run: its motion, its contacts, its orbit."""
+"""One run: its motion between the outputs, its orbit, its contacts and their forces."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -13,22 +13,29 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
+from rotor_ida.checks import COMPONENTS, check_choice
+from rotor_ida.equations.contact import contact_force
+from rotor_ida.errors import InputError
 from rotor_ida.parameters import PARAMETERS
 from rotor_ida.plot.appearance import (
     BLUE,
+    DASHES,
     INK,
     RED,
     SHADE,
+    axes_of,
     axes_or_new,
     check_dataset,
+    draw_ring,
+    finish_solid,
     legend_below,
     one_value,
     shared_legend,
+    solid_axes,
     style,
+    title_of,
 )
-from rotor_ida.plot.labels import parameter_text
-from rotor_ida.plot.paths import Path, path_of
-from rotor_ida.plot.units import label_of, scale_of, suited, unit_of
+from rotor_ida.plot.labels import LABELS, label_axis, label_of, scale_of, unit_of
 from rotor_ida.schema import flags_of
 
 Values = npt.NDArray[np.float64]
@@ -39,21 +46,19 @@ NEEDED = (*PARAMETERS, "t", "x", "y", "vx", "vy", "starts_in_contact", "event_ti
 # Above these numbers of events their marks get smaller, and then are left out: they would hide
 # the motion, and the colours of contact and flight say the same.
 FEW_EVENTS, MANY_EVENTS = 40, 120
-DASHES = (0, (4, 2))
-# What decides the SI prefixes of a run.
-SIZED_BY = ("t", "x", "y", "peak_force")
+# Between outputs the motion is drawn as the cubic that has its velocities too, but only where
+# they lie closer than this part of a revolution; farther apart it would be an invention.
+SMOOTH_BELOW = 0.2
+POINTS_A_REVOLUTION = 90
 
 
-def plot_run(run: xr.Dataset, *, units: Mapping[str, str] | None = None) -> Figure:
+def plot_run(run: xr.Dataset) -> Figure:
     """Draw one run: displacements, radius, contact forces and orbit.
 
     Parameters
     ----------
     run : Dataset
         What `rotor_ida.simulate` returned.
-    units : mapping of str to str, optional
-        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
-        those with the SI prefix that suits.
 
     Returns
     -------
@@ -75,7 +80,6 @@ def plot_run(run: xr.Dataset, *, units: Mapping[str, str] | None = None) -> Figu
     ['displacement $x$', 'displacement $y$']
     """
     run = check_dataset("run", run, (*NEEDED, "peak_time", "peak_force"))
-    run = suited(run, SIZED_BY, units=units)
     clearance = clearance_of(run)
     path = path_of(run)
     with style():
@@ -91,30 +95,29 @@ def plot_run(run: xr.Dataset, *, units: Mapping[str, str] | None = None) -> Figu
             ax.plot(path.time, values, color=INK, lw=_line_width(run))
             ax.set_ylabel(_row_label(name, run["x"]))
             ax.tick_params(labelbottom=False)
-        _mark_events_on_radius(history[2], run, clearance)
+        history[2].axhline(clearance, color=INK, lw=0.7, ls=DASHES, zorder=2.6)
+        history[2].set_ylim(bottom=0.0)
+        times = run["event_time"].values
+        _mark_events(history[2], run, times, np.full(times.shape, clearance))
         _draw_forces(history[3], run)
         first.set_xlim(float(path.time[0]), float(path.time[-1]))
         history[3].set_xlabel(label_of("t", run["t"]))
         figure.align_ylabels(history)
         orbit = figure.add_subplot(grid[:, 1])
+        orbit.set(xlabel=label_of("x", run["x"]), ylabel=label_of("y", run["y"]))
         _draw_orbit(orbit, run, path)
         shared_legend(figure, [history[2], orbit], columns=7, outer=False)
-        figure.suptitle(_title(run), fontsize=10.0)
+        figure.suptitle(title_of("run", run), fontsize=10.0)
     return figure
 
 
-def plot_orbit(
-    run: xr.Dataset, *, units: Mapping[str, str] | None = None, ax: Axes | None = None
-) -> Axes:
+def plot_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     """Draw the orbit in the plane, with the ring of the clearance.
 
     Parameters
     ----------
     run : Dataset
         What `rotor_ida.simulate` returned.
-    units : mapping of str to str, optional
-        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
-        those with the SI prefix that suits.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
@@ -136,18 +139,18 @@ def plot_orbit(
     >>> ax.get_xlabel()
     'displacement $x$'
     """
-    run = suited(check_dataset("run", run, NEEDED), SIZED_BY, units=units, ax=ax)
+    run = check_dataset("run", run, NEEDED)
     with style():
         ax = axes_or_new(ax, width=4.0, height=4.9)
+        label_axis(ax.xaxis, "x", run["x"])
+        label_axis(ax.yaxis, "y", run["y"])
         _draw_orbit(ax, run, path_of(run))
         legend_below(ax)
-        ax.set_title(_title(run))
+        ax.set_title(title_of("run", run))
     return ax
 
 
-def plot_rotating_orbit(
-    run: xr.Dataset, *, units: Mapping[str, str] | None = None, ax: Axes | None = None
-) -> Axes:
+def plot_rotating_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     r"""Draw the orbit as seen on axes that turn with the unbalance, with the ring.
 
     A synchronous whirl is a point there; what is left moving is what the response curve of one
@@ -155,11 +158,53 @@ def plot_rotating_orbit(
 
     Parameters
     ----------
+    run, ax
+        As for `plot_orbit`; what `rotor_ida.rotating` returned will do too.
+
+    Returns
+    -------
+    Axes
+        Where it was drawn.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, simulate
+    >>> rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
+    >>> ax = plot_rotating_orbit(simulate(rotor, start=(0, 0, 0, 0), duration=20, samples=401))
+    >>> ax.get_ylabel()
+    'across it $\\operatorname{Im}\\,z\\,e^{-i\\omega t}$'
+    """
+    run = check_dataset("run", run, NEEDED)
+    omega = one_value("run", run, "omega") / scale_of(run, "time")
+    path = path_of(run)
+    x, y = _rotated_back(path.x, path.y, omega * path.time)
+    angle = omega * run["event_time"].values
+    event_x, event_y = _rotated_back(run["event_x"].values, run["event_y"].values, angle)
+    seen = run.assign(event_x=("event", event_x), event_y=("event", event_y))
+    with style():
+        ax = axes_or_new(ax, width=4.0, height=4.9)
+        label_axis(ax.xaxis, "rotating_x", run["x"])
+        label_axis(ax.yaxis, "rotating_y", run["y"])
+        _draw_orbit(ax, seen, replace(path, x=x, y=y))
+        legend_below(ax)
+        ax.set_title(title_of("run", run))
+    return ax
+
+
+def plot_history(
+    run: xr.Dataset,
+    name: str,
+    *,
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw a displacement or the radius over time, contact and flight in their colours.
+
+    Parameters
+    ----------
     run : Dataset
-        What `rotor_ida.simulate` or `rotor_ida.rotating` returned.
-    units : mapping of str to str, optional
-        Units for a dataset of `rotor_ida.dimensional`, such as ``{"length": "mm"}``; by default
-        those with the SI prefix that suits.
+        What `rotor_ida.simulate` returned.
+    name : {"x", "y", "radius"}
+        What to draw.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
@@ -177,30 +222,297 @@ def plot_rotating_orbit(
     --------
     >>> from rotor_ida import Rotor, simulate
     >>> rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
-    >>> ax = plot_rotating_orbit(simulate(rotor, start=(0, 0, 0, 0), duration=20, samples=401))
-    >>> ax.get_ylabel()
-    'across it $\\operatorname{Im}\\,z\\,e^{-i\\omega t}$'
+    >>> plot_history(simulate(rotor, start=(0, 0, 0, 0), duration=20), "x").get_ylabel()
+    'displacement $x$'
     """
-    run = suited(check_dataset("run", run, NEEDED), SIZED_BY, units=units, ax=ax)
-    omega = one_value("run", run, "omega") / scale_of(run, "time")
-    path = path_of(run)
-    x, y = _turned_back(path.x, path.y, omega * path.time)
-    angle = omega * run["event_time"].values
-    event_x, event_y = _turned_back(run["event_x"].values, run["event_y"].values, angle)
-    seen = run.assign(event_x=("event", event_x), event_y=("event", event_y))
+    run = check_dataset("run", run, NEEDED)
+    check_choice("name", name, ("x", "y", "radius"))
     with style():
-        ax = axes_or_new(ax, width=4.0, height=4.9)
-        _draw_orbit(ax, seen, replace(path, x=x, y=y))
-        ax.set_xlabel(label_of("rotating_x", run["x"]))
-        ax.set_ylabel(label_of("rotating_y", run["y"]))
-        legend_below(ax)
-        ax.set_title(_title(run))
+        ax = axes_or_new(ax, width=7.0, height=2.4)
+        label_axis(ax.xaxis, "t", run["t"])
+        label_axis(ax.yaxis, name, run["x"])
+        path = path_of(run)
+        _draw_motion(ax, path, path.time, getattr(path, name), width=0.9)
+        ax.set_xlim(float(path.time[0]), float(path.time[-1]))
     return ax
 
 
-def _turned_back(x: Values, y: Values, angle: Values) -> tuple[Values, Values]:
-    turned = (x + 1j * y) * np.exp(-1j * angle)
-    return turned.real, turned.imag
+def plot_drawn_out(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+    """Draw the orbit over time in three dimensions, contact and flight in their colours.
+
+    Parameters
+    ----------
+    run : Dataset
+        What `rotor_ida.simulate` returned.
+    ax : Axes, optional
+        Three-dimensional axes to draw on; by default those of a new figure.
+
+    Returns
+    -------
+    Axes
+        Where it was drawn.
+
+    Raises
+    ------
+    InputError
+        If the dataset is no run, or `ax` is flat.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, simulate
+    >>> rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
+    >>> plot_drawn_out(simulate(rotor, start=(0, 0, 0, 0), duration=20)).get_xlabel()
+    'time $t$'
+    """
+    run = check_dataset("run", run, NEEDED)
+    with style():
+        solid = solid_axes(ax)
+        path = path_of(run)
+        _draw_motion(solid, path, path.time, path.x, path.y, width=0.7)
+        label_axis(solid.xaxis, "t", run["t"])
+        label_axis(solid.yaxis, "x_alone", run["x"])
+        label_axis(solid.zaxis, "y_alone", run["y"])
+        solid.xaxis.labelpad, solid.yaxis.labelpad, solid.zaxis.labelpad = -4, -6, -6
+        solid.view_init(elev=22, azim=-58)
+        finish_solid(solid, zoom=1.12)
+    return axes_of(solid)
+
+
+def plot_machine(run: xr.Dataset) -> Figure:
+    """Draw a run in SI units: orbit, distance from the bearing axis, and contact force.
+
+    Parameters
+    ----------
+    run : Dataset
+        What `rotor_ida.dimensional` made of a run.
+
+    Returns
+    -------
+    Figure
+        The figure: the orbit, the radius over time with the ring, and the contact force with
+        the peak of each contact.
+
+    Raises
+    ------
+    InputError
+        If the dataset is no run in SI units.
+
+    Examples
+    --------
+    >>> from rotor_ida import DimensionalRotor, dimensional, simulate
+    >>> machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0,
+    ...                            eccentricity=1e-6, clearance=2e-6, speed=600.0)
+    >>> run = dimensional(simulate(machine.rotor(), start=(0, 0, 0, 0), duration=40.0), machine)
+    >>> [ax.get_ylabel() for ax in plot_machine(run).axes][2]
+    'contact force $F$ [N]'
+    """
+    run = check_dataset("run", run, (*NEEDED, "peak_time", "peak_force"))
+    if "length_scale" not in run.attrs:
+        raise InputError("run must be in SI units: rotor_ida.dimensional makes it so")
+    delta0, ring, path = one_value("run", run, "delta0"), clearance_of(run), path_of(run)
+    with style():
+        figure = Figure(figsize=(7.2, 3.9), layout="constrained")
+        grid = figure.add_gridspec(2, 2, width_ratios=(1.0, 1.25))
+        orbit, history = figure.add_subplot(grid[:, 0]), figure.add_subplot(grid[0, 1])
+        force = figure.add_subplot(grid[1, 1], sharex=history)
+        _draw_motion(orbit, path, path.x, path.y, width=0.8)
+        draw_ring(orbit, ring)
+        orbit.set_aspect("equal", adjustable="datalim")
+        orbit.set(xlabel=label_of("x", run["x"]), ylabel=label_of("y", run["y"]))
+        orbit.legend(loc="upper center", bbox_to_anchor=(0.5, 1.12), ncols=3, handlelength=1.6,
+                     columnspacing=1.0)  # fmt: skip
+        history.plot(path.time, path.radius, color=INK, lw=0.8)
+        history.axhline(ring, color=INK, lw=0.8, ls=DASHES)
+        history.tick_params(labelbottom=False)
+        history.set(ylabel=label_of("radius", run["x"]), ylim=(0.0, None))
+        history.set_title(title_of("run", run))
+        indentation = path.radius / scale_of(run, "length")
+        force.plot(path.time, scale_of(run, "force") * contact_force(indentation, delta0),
+                   color=RED, lw=0.8)  # fmt: skip
+        force.plot(*_peaks(run), ls="", marker="o", ms=2.4, color=INK, label="peak of a contact")
+        force.set(xlabel=label_of("t", run["t"]), ylim=(0.0, None),
+                  ylabel=label_of("contact_force", run["peak_force"]))  # fmt: skip
+        force.set_xlim(float(path.time[0]), float(path.time[-1]))
+        force.legend(loc="upper right")
+    return figure
+
+
+def plot_forces(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+    """Draw the contact force over time, with the peak of each contact.
+
+    Parameters
+    ----------
+    forces : Dataset
+        What `rotor_ida.contact_forces` returned.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        Where it was drawn.
+
+    Raises
+    ------
+    InputError
+        If the dataset holds no contact forces.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, contact_forces, simulate
+    >>> run = simulate(Rotor(omega=1.7, zeta=0.07, delta0=0.5), start=(0, 0, 0, 0), duration=20)
+    >>> plot_forces(contact_forces(run)).get_ylabel()
+    'contact force $f$'
+    """
+    forces = check_dataset("forces", forces, ("t", "force", "peak_time", "peak_force"))
+    time = forces["t"].values
+    with style():
+        ax = axes_or_new(ax)
+        label_axis(ax.xaxis, "t", forces["t"])
+        label_axis(ax.yaxis, "force", forces["force"])
+        ax.plot(time, forces["force"].values, color=BLUE, lw=0.9, label="force")
+        ax.plot(*_peaks(forces), ls="", marker="o", ms=2.8, mec=RED, mfc="white", mew=0.8,
+                label="peak of a contact")  # fmt: skip
+        ax.set_xlim(float(time[0]), float(time[-1]))
+        ax.set_ylim(bottom=0.0)
+    return ax
+
+
+def plot_force_peaks(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+    """Draw which share of the contacts stays below each peak force.
+
+    Parameters
+    ----------
+    forces : Dataset
+        What `rotor_ida.contact_forces` returned.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        Where it was drawn.
+
+    Raises
+    ------
+    InputError
+        If the dataset holds no contact forces.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, contact_forces, simulate
+    >>> run = simulate(Rotor(omega=1.7, zeta=0.07, delta0=0.5), start=(0, 0, 0, 0), duration=20)
+    >>> plot_force_peaks(contact_forces(run)).get_xlabel()
+    'peak force $f$'
+    """
+    forces = check_dataset("forces", forces, ("peak_force", "peak_fraction"))
+    peaks, share = forces["peak_force"].values, forces["peak_fraction"].values
+    whole = np.flatnonzero(np.isfinite(share))
+    order = whole[np.argsort(peaks[whole], kind="stable")]
+    peaks, share = peaks[order], share[order]
+    with style():
+        ax = axes_or_new(ax)
+        label_axis(ax.xaxis, "peak_force", forces["peak_force"])
+        if peaks.size > 1:
+            ax.step(np.append(peaks[0], peaks), np.append(0.0, share), where="post", color=RED)
+            ax.set_xlim(0.0, 1.08 * float(peaks[-1]))
+        else:
+            words = "fewer than two whole contacts"
+            ax.text(0.5, 0.5, words, transform=ax.transAxes, ha="center", va="center")
+        ax.set_ylim(0.0, 1.02)
+        ax.set_ylabel(LABELS["peak_fraction"])
+    return ax
+
+
+@dataclass(frozen=True, slots=True)
+class Path:
+    """The motion, at times close enough to be drawn as smooth as it is.
+
+    Parameters
+    ----------
+    time, x, y : ndarray, shape (n,)
+        Times and places, in the units of the run.
+    in_contact : ndarray of bool, shape (n,)
+        Whether the stretch that begins there is in contact.
+    """
+
+    time: Values
+    x: Values
+    y: Values
+    in_contact: npt.NDArray[np.bool_]
+
+    @property
+    def radius(self) -> Values:
+        """Distance from the bearing axis."""
+        return np.hypot(self.x, self.y)
+
+    def stretches(self, chosen: npt.NDArray[np.bool_], *columns: Values) -> list[Values]:
+        """Return columns of values along the chosen stretches of the path, parted by NaN."""
+        begins = chosen[:-1]
+        shown = np.zeros(chosen.shape, dtype=bool)
+        shown[:-1] |= begins
+        shown[1:] |= begins
+        # a point that ends one stretch without beginning the next is followed by a gap
+        last = np.nonzero(shown[:-1] & ~begins)[0] + 1
+        return [np.insert(np.where(shown, column, np.nan), last, np.nan) for column in columns]
+
+
+def path_of(run: xr.Dataset) -> Path:
+    """Return outputs and events in one sequence, with points between where they lie close."""
+    times = np.concatenate([run["t"].values, run["event_time"].values])
+    table = np.concatenate(
+        [
+            np.stack([run[name].values for name in COMPONENTS], axis=1),
+            np.stack([run[f"event_{name}"].values for name in COMPONENTS], axis=1),
+        ]
+    )
+    # velocities in units of length over units of time, which may have prefixes of their own
+    table[:, 2:] *= scale_of(run, "length") / (scale_of(run, "time") * scale_of(run, "velocity"))
+    times, first = np.unique(times, return_index=True)
+    states = table[first]
+    steps = np.diff(times)
+    revolutions = max(1.0, run["omega"].item()) / (2.0 * math.pi * scale_of(run, "time"))
+    points = np.clip(np.ceil(steps * revolutions * POINTS_A_REVOLUTION), 1, None).astype(int)
+    points[steps * revolutions > SMOOTH_BELOW] = 1
+    fine, x, y = [times[:1]], [states[:1, 0]], [states[:1, 1]]
+    for number in np.unique(points):
+        rows = np.nonzero(points == number)[0]
+        part = np.arange(1, number + 1) / number
+        fine.append((times[rows, None] + part * steps[rows, None]).ravel())
+        for out, place, speed in ((x, 0, 2), (y, 1, 3)):
+            out.append(
+                _cubic(
+                    part, steps[rows, None], states[rows, place], states[rows + 1, place],
+                    states[rows, speed], states[rows + 1, speed],
+                ).ravel()
+            )  # fmt: skip
+    time = np.concatenate(fine)
+    order = np.argsort(time, kind="stable")
+    time = time[order]
+    return Path(time, np.concatenate(x)[order], np.concatenate(y)[order], _in_contact(run, time))
+
+
+def _cubic(part: Values, step: Values, a: Values, b: Values, va: Values, vb: Values) -> Values:
+    """Return the Hermite cubic between places `a` and `b` with velocities `va` and `vb`."""
+    rise = part * part * (3.0 - 2.0 * part)
+    bend_a, bend_b = part * (1.0 - part) ** 2, part * part * (part - 1.0)
+    ends = a[:, None] * (1.0 - rise) + b[:, None] * rise
+    return np.asarray(ends + step * (va[:, None] * bend_a + vb[:, None] * bend_b))
+
+
+def _in_contact(run: xr.Dataset, time: Values) -> npt.NDArray[np.bool_]:
+    """Return whether the stretch that begins at each time is in contact."""
+    passed = np.searchsorted(run["event_time"].values, time, side="right")
+    entry = flags_of(run["event_kind"])["entry"]
+    after = np.concatenate(
+        [[bool(run["starts_in_contact"].values)], run["event_kind"].values == entry]
+    )
+    return np.asarray(after[passed], dtype=bool)
+
+
+def _rotated_back(x: Values, y: Values, angle: Values) -> tuple[Values, Values]:
+    rotated = (x + 1j * y) * np.exp(-1j * angle)
+    return rotated.real, rotated.imag
 
 
 def clearance_of(run: xr.Dataset) -> float:
@@ -208,44 +520,31 @@ def clearance_of(run: xr.Dataset) -> float:
     return one_value("run", run, "delta0") * scale_of(run, "length")
 
 
-def _contacts(run: xr.Dataset) -> list[tuple[float, float]]:
-    """Return begin and length of each contact, as far as the run shows it."""
-    first, last = float(run["t"].values[0]), float(run["t"].values[-1])
+def _shade_contacts(ax: Axes, run: xr.Dataset) -> None:
+    """Shade each contact, as far as the run shows it."""
+    ax.grid(visible=False, axis="x")
+    first, last = run["t"].values[[0, -1]]
     entries = np.nan_to_num(run["entry_time"].values, nan=first)
     exits = np.nan_to_num(run["exit_time"].values, nan=last)
-    return [(float(a), float(b - a)) for a, b in zip(entries, exits, strict=True)]
-
-
-def _shade_contacts(ax: Axes, run: xr.Dataset) -> None:
-    ax.grid(visible=False, axis="x")
-    spans = _contacts(run)
-    if spans:
+    if entries.size:
         ax.broken_barh(
-            spans, (0.0, 1.0), transform=ax.get_xaxis_transform(), facecolor=SHADE,
-            linewidth=0.0, zorder=0.5, label="in contact",
+            list(zip(entries, exits - entries, strict=True)), (0.0, 1.0), label="in contact",
+            transform=ax.get_xaxis_transform(), facecolor=SHADE, linewidth=0.0, zorder=0.5,
         )  # fmt: skip
 
 
-def _mark_events_on_radius(ax: Axes, run: xr.Dataset, clearance: float) -> None:
-    ax.axhline(clearance, color=INK, lw=0.7, ls=DASHES, zorder=2.6)
-    ax.set_ylim(bottom=0.0)
-    if run.sizes["event"] > MANY_EVENTS:
+def _mark_events(ax: Axes, run: xr.Dataset, across: Values, up: Values) -> None:
+    """Mark entries and exits at their places, while they are few enough to tell apart."""
+    kinds, flags = run["event_kind"].values, flags_of(run["event_kind"])
+    if kinds.size > MANY_EVENTS:
         return
-    for times, marker, face, label in _events(run):
-        if not times.size:
-            continue
-        ax.plot(
-            times, np.full(times.shape, clearance), ls="", marker=marker, ms=_mark_size(run),
-            mec=RED, mfc=face, mew=0.7, label=label, zorder=3.0,
-        )  # fmt: skip
-
-
-def _events(run: xr.Dataset) -> list[tuple[Values, str, str, str]]:
-    """Return times, mark, filling and name of the entries and of the exits."""
-    flags, kinds = flags_of(run["event_kind"]), run["event_kind"].values
-    times = run["event_time"].values
-    looks = (("entry", "^", RED), ("exit", "v", "white"))
-    return [(times[kinds == flags[name]], marker, face, name) for name, marker, face in looks]
+    for name, marker, face in (("entry", "^", RED), ("exit", "v", "white")):
+        of_kind = kinds == flags[name]
+        if of_kind.any():
+            ax.plot(
+                across[of_kind], up[of_kind], ls="", marker=marker, ms=_mark_size(run), mec=RED,
+                mfc=face, mew=0.7, label=name, zorder=3.0,
+            )  # fmt: skip
 
 
 def _row_label(name: str, variable: xr.DataArray) -> str:
@@ -256,9 +555,7 @@ def _row_label(name: str, variable: xr.DataArray) -> str:
 
 def _draw_forces(ax: Axes, run: xr.Dataset) -> None:
     _shade_contacts(ax, run)
-    # where the run ends inside a contact while the force grows, its peak has not been seen
-    seen = run["peak_time"].values < float(run["t"].values[-1])
-    times, forces = run["peak_time"].values[seen], run["peak_force"].values[seen]
+    times, forces = _peaks(run)
     ax.vlines(times, 0.0, forces, color=RED, lw=0.8)
     ax.plot(times, forces, ls="", marker="o", ms=max(2.0, 0.7 * _mark_size(run)), color=RED)
     ax.set_ylim(0.0, 1.12 * float(forces.max(initial=0.0)) or 1.0)
@@ -267,48 +564,40 @@ def _draw_forces(ax: Axes, run: xr.Dataset) -> None:
         ax.text(0.5, 0.5, "no contact", transform=ax.transAxes, ha="center", va="center")
 
 
+def _draw_motion(ax: Any, path: Path, *columns: Values, width: float, heavier: float = 1.0) -> None:
+    """Draw flight and contact in their colours, contact this much heavier."""
+    for chosen, colour, lw, label in (
+        (~path.in_contact, BLUE, width, "flight"),
+        (path.in_contact, RED, heavier * width, "contact"),
+    ):
+        if chosen[:-1].any():
+            ax.plot(*path.stretches(chosen, *columns), color=colour, lw=lw, label=label)
+
+
+def _peaks(dataset: xr.Dataset) -> tuple[Values, Values]:
+    """Return times and forces of the peaks of contacts.
+
+    Where a run begins or ends inside a contact, the largest force there is no peak.
+    """
+    times, first, last = dataset["peak_time"].values, *dataset["t"].values[[0, -1]]
+    seen = (times > first) & (times < last)
+    return times[seen], dataset["peak_force"].values[seen]
+
+
 def _draw_orbit(ax: Axes, run: xr.Dataset, path: Path) -> None:
-    clearance = clearance_of(run)
-    if clearance > 0.0:
-        turn = np.linspace(0.0, 2.0 * math.pi, 361)
-        ax.plot(clearance * np.cos(turn), clearance * np.sin(turn), color=INK, lw=0.9, ls=DASHES,
-                label="clearance", zorder=2.6)  # fmt: skip
-    width = _line_width(run)
-    flight = ~path.in_contact
-    if flight.any():
-        ax.plot(*path.stretches(flight), color=BLUE, lw=width, label="flight", zorder=2.0)
-    if path.in_contact.any():
-        ax.plot(*path.stretches(path.in_contact), color=RED, lw=1.2 * width, label="contact",
-                zorder=2.1)  # fmt: skip
-    kinds, flags = run["event_kind"].values, flags_of(run["event_kind"])
-    if kinds.size <= MANY_EVENTS:
-        for name, marker, face in (("entry", "^", RED), ("exit", "v", "white")):
-            of_kind = kinds == flags[name]
-            if of_kind.any():
-                ax.plot(
-                    run["event_x"].values[of_kind], run["event_y"].values[of_kind], ls="",
-                    marker=marker, ms=_mark_size(run), mec=RED, mfc=face, mew=0.7, label=name,
-                    zorder=3.0,
-                )  # fmt: skip
+    draw_ring(ax, clearance_of(run))
+    _draw_motion(ax, path, path.x, path.y, width=_line_width(run), heavier=1.2)
+    _mark_events(ax, run, run["event_x"].values, run["event_y"].values)
     ax.plot(path.x[0], path.y[0], ls="", marker="s", ms=4.5, color=INK, label="start", zorder=3.1)
-    ax.set_xlabel(label_of("x", run["x"]))
-    ax.set_ylabel(label_of("y", run["y"]))
     ax.set_aspect("equal", adjustable="datalim")
     ax.autoscale_view()
 
 
 def _line_width(run: xr.Dataset) -> float:
-    revolutions = _duration(run) * max(1.0, one_value("run", run, "omega")) / (2.0 * math.pi)
+    duration = float(run["t"].values[-1] - run["t"].values[0]) / scale_of(run, "time")
+    revolutions = duration * max(1.0, one_value("run", run, "omega")) / (2.0 * math.pi)
     return 1.1 if revolutions < 15 else 0.7 if revolutions < 60 else 0.45
 
 
 def _mark_size(run: xr.Dataset) -> float:
     return 4.0 if run.sizes["event"] <= FEW_EVENTS else 2.2
-
-
-def _duration(run: xr.Dataset) -> float:
-    return float(run["t"].values[-1] - run["t"].values[0]) / scale_of(run, "time")
-
-
-def _title(run: xr.Dataset) -> str:
-    return parameter_text(**{name: one_value("run", run, name) for name in PARAMETERS})

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import secrets
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,7 +11,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
-from rotor_ida.errors import InputError
+from rotor_ida.errors import ArchiveError, InputError
+from rotor_ida.files import already_there, check_path, check_target, written_whole
 from rotor_ida.plot.appearance import style
 
 # What would change from day to day or from version to version is left out.
@@ -45,7 +45,10 @@ def save_figure(
     Raises
     ------
     InputError
-        If the folder does not exist, or a file is there and `overwrite` is false.
+        If the folder does not exist or cannot be written to, or a file is there and `overwrite` is
+        false.
+    ArchiveError
+        If the system does not let the files be written: a full disk, for example.
 
     Examples
     --------
@@ -58,16 +61,20 @@ def save_figure(
     """
     if not isinstance(figure, Figure):
         raise InputError(f"figure must be a matplotlib Figure, got {type(figure).__name__}")
-    start = Path(stem)
-    if not start.parent.is_dir():
-        raise InputError(f"stem must be in a folder that exists, got {str(start)!r}")
-    paths = [start.with_name(f"{start.name}.{ending}") for ending in _METADATA]
-    for path in paths:
-        if path.exists() and not overwrite:
-            raise InputError(f"stem must not exist unless overwrite is true, got {str(path)!r}")
+    start = check_path("stem", stem)
+    paths = [
+        check_target("stem", start.parent / f"{start.name}.{ending}", overwrite=overwrite)
+        for ending in _METADATA
+    ]
     with style(), _settled_layout(figure):
         for path in paths:
-            _write(figure, path)
+            try:
+                with written_whole(path, overwrite=overwrite) as part:
+                    _draw(figure, part)
+            except FileExistsError:
+                raise already_there("stem", path) from None
+            except OSError as error:
+                raise ArchiveError(f"cannot write {path}: {error.strerror or error}") from error
     return paths
 
 
@@ -85,19 +92,13 @@ def _settled_layout(figure: Figure) -> Iterator[None]:
         figure.set_layout_engine(engine)
 
 
-def _write(figure: Figure, path: Path) -> None:
+def _draw(figure: Figure, path: Path) -> None:
     ending = path.suffix[1:]
-    part = path.with_name(f".{secrets.token_hex(8)}.rotor_ida-part")
     canvas = FigureCanvasAgg if ending == "png" else FigureCanvasSVG
     before = figure.canvas
     try:
-        with part.open("wb") as file:
-            canvas(figure).print_figure(
-                file, format=ending, dpi=_DOTS_PER_INCH, metadata=_METADATA[ending]
-            )
-            file.flush()
-            os.fsync(file.fileno())
-        part.replace(path)
+        canvas(figure).print_figure(
+            path, format=ending, dpi=_DOTS_PER_INCH, metadata=_METADATA[ending]
+        )
     finally:
         figure.set_canvas(before)
-        part.unlink(missing_ok=True)

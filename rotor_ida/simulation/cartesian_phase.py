@@ -12,7 +12,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.equations.compiling import shared
+from rotor_ida.equations.compiling import asked_to_stop, shared
 from rotor_ida.simulation.motion import GOES_ON, NO_ROOT, STOPPED, Motion, root
 from rotor_ida.simulation.record import Record, next_sample, record_sample, time_left
 
@@ -59,7 +59,7 @@ def follow(record: Record, motion: Motion) -> tuple[int, bool, float, Values, fl
     end, state, touched = 0.0, start, False
     status = motion.restart(start, np.full(SIZE, record.atol))
     while status == GOES_ON:
-        status = STOPPED if record.stop[0] else motion.advance()
+        status = STOPPED if asked_to_stop(record.stop) else motion.advance()
         if status != GOES_ON:
             end, state = motion.low, motion.before.copy()
             break

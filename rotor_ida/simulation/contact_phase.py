@@ -22,7 +22,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.equations.compiling import compiled, inlined, shared
+from rotor_ida.equations.compiling import asked_to_stop, compiled, inlined, shared
 from rotor_ida.equations.contact import force_of_root
 from rotor_ida.simulation.motion import GOES_ON, NO_ROOT, STOPPED, STUCK, Motion, root
 from rotor_ida.simulation.options import TIGHTEST_ATOL
@@ -107,7 +107,7 @@ def follow_contact(
     due = next_sample(record, duration)
     status = motion.restart(start, _tolerances(record, start))
     while status == GOES_ON:
-        status = STOPPED if stop[0] else motion.advance()
+        status = STOPPED if asked_to_stop(stop) else motion.advance()
         if status != GOES_ON:
             break
         end, reached, left = _end_of_step(motion, duration, slack)

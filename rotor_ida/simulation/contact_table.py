@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.checks import check_instance
 from rotor_ida.equations.contact import contact_force
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import PARAMETERS
@@ -73,6 +74,7 @@ def contact_summary(run: xr.Dataset) -> xr.Dataset:
     >>> summary.contact_count.item(), round(summary.contact_fraction.item(), 6)
     (22, 0.867548)
     """
+    check_instance("run", run, xr.Dataset)
     if "entry_time" not in run or "duration" not in run.attrs:
         raise InputError("contact_summary needs a run of simulate: it has no table of contacts")
     duration = float(run.attrs["duration"])

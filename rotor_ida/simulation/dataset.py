@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.checks import COMPONENTS, State
+from rotor_ida.checks import COMPONENTS, State, check_instance
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.provenance import provenance
@@ -54,8 +54,7 @@ def run_dataset(orbit: Orbit, start: State, errors: EventErrors) -> xr.Dataset:
 
 def check_run(run: object, needed: Sequence[str]) -> xr.Dataset:
     """Return `run` if it is a dimensionless run of one rotor with the variables needed."""
-    if not isinstance(run, xr.Dataset):
-        raise InputError(f"run must be a run of simulate, got {type(run).__name__}")
+    run = check_instance("run", run, xr.Dataset)
     missing = [name for name in (*PARAMETERS, *needed) if name not in run.variables]
     if missing:
         raise InputError(f"run must be a run of simulate; it lacks {', '.join(missing)}")

@@ -1,4 +1,4 @@
-"""How far an orbit can be trusted: the error of each event time, and a horizon.
+"""Event-time error estimate, and the horizon beyond which there is none.
 
 The orbit is simulated a second time with tolerances thirty times looser. As the error grows
 with the tolerance, the difference between the two stands for the error of the looser one and
@@ -20,9 +20,9 @@ import numpy.typing as npt
 
 from rotor_ida.checks import State
 from rotor_ida.errors import SimulationError
+from rotor_ida.parallel.jobs import Stop
 from rotor_ida.simulation.options import LOOSEST_ATOL, LOOSEST_RTOL, TIGHTEST_ATOL, Options
 from rotor_ida.simulation.orbit import Orbit
-from rotor_ida.simulation.record import Stop
 from rotor_ida.simulation.run import run
 
 Values = npt.NDArray[np.float64]
@@ -152,15 +152,19 @@ def _remembered(differences: Values) -> Values:
 
 
 def _rounding(orbit: Orbit) -> Values:
-    """Return what rounding alone leaves open: of the time, and of the radius over its rate."""
+    """Return the errors of rounding: of the time, and of the radius over its rate.
+
+    An event's time is a sum of as many spans as there are events up to it, each rounded.
+    """
     x, y, vx, vy = orbit.event_states.T
     delta0 = orbit.rotor.delta0
     rate = np.abs(x * vx + y * vy) / delta0 if delta0 > 0.0 else np.ones_like(x)
     turned = orbit.rotor.omega * orbit.event_times
     moved = np.hypot(vx, vy) * orbit.event_times
     radius = 4.0 * ROUNDING * (2.0 + 2.0 * delta0 + turned + moved)
+    spans = np.sqrt(1.0 + np.arange(orbit.event_times.size))
     with np.errstate(divide="ignore"):
-        return np.asarray(4.0 * ROUNDING * orbit.event_times + radius / rate)
+        return np.asarray(4.0 * np.spacing(orbit.event_times) * spans + radius / rate)
 
 
 def _horizon(orbit: Orbit, other: Orbit, partners: npt.NDArray[np.intp]) -> float:

@@ -21,7 +21,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.equations.compiling import compiled
+from rotor_ida.equations.compiling import asked_to_stop, compiled
+from rotor_ida.parallel.jobs import Stop
 
 Values = npt.NDArray[np.float64]
 
@@ -80,8 +81,8 @@ def fly_over(z0: complex, w0: complex, taus: Values, omega: float, zeta: float) 
 def touch_floor(omega: float, zeta: float, delta0: float) -> float:
     """Return the smallest ``|z|**2 - delta0**2`` that stands clear of rounding.
 
-    A touch whose indentation stays below ``touch_floor/(2 delta0)``, about 1e-14 of the
-    lengths involved, is not told from a miss.
+    A graze below an indentation of ``touch_floor/(2 delta0)``, about 1e-14 of the lengths
+    involved, may be missed or invented.
     """
     return 64.0 * ROUNDING * delta0 * (delta0 + abs(unbalance_whirl(omega, zeta)))
 
@@ -178,9 +179,11 @@ def _polish(
 
 @compiled
 def first_touch(
-    z0: complex, w0: complex, omega: float, zeta: float, delta0: float, limit: float
+    z0: complex, w0: complex, omega: float, zeta: float, delta0: float, limit: float, stop: Stop
 ) -> float:
     """Return the time to the first touch of the ring, or infinity if none comes by `limit`.
+
+    It is infinite too where the search was asked to stop.
 
     Parameters
     ----------
@@ -190,13 +193,15 @@ def first_touch(
         The rotor [1].
     limit : float
         Longest flight of interest [1].
+    stop : ndarray, shape (1,)
+        Anything but 0 asks the search to stop.
     """
     a = unbalance_whirl(omega, zeta)
     w = w0 - 1j * omega * a
     floor = touch_floor(omega, zeta, delta0)
     last_centre = abs(z0 - a + w * drift(limit, zeta))
     tau, outside, step = 0.0, 0.0, limit
-    while tau < limit:
+    while tau < limit and not asked_to_stop(stop):
         g, slope, bend = _gap_function(z0, a, w, tau, omega, zeta, delta0)
         if g <= 0.0:
             outside = tau

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import math
 
-from rotor_ida.equations.compiling import shared
+from rotor_ida.equations.compiling import asked_to_stop, shared
 from rotor_ida.simulation import flight
 from rotor_ida.simulation.cartesian_phase import follow
 from rotor_ida.simulation.contact_phase import H, J, Q, T, cartesian, follow_contact
-from rotor_ida.simulation.motion import GOES_ON, Motion
+from rotor_ida.simulation.motion import GOES_ON, STOPPED, Motion
 from rotor_ida.simulation.orbit import ENTRY, EXIT
 from rotor_ida.simulation.record import (
     Record,
@@ -28,7 +28,7 @@ from rotor_ida.simulation.start import contact_start, starts_in_contact
 
 @shared
 def run_events(record: Record, contact: Motion, free: Motion) -> int:
-    """Carry a run from its start to its end, and write down what happens on the way.
+    """Follow a run from its start to its end, and record its samples, events and contacts.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def run_events(record: Record, contact: Motion, free: Motion) -> int:
         status = _contact(record, contact, math.nan)
     while status == GOES_ON and time_left(record) > 0.0:
         if record.exact:
-            touched = _exact_flight(record)
+            status, touched = _exact_flight(record)
         else:
             status, touched = _integrated_flight(record, free)
         if touched:
@@ -65,11 +65,13 @@ def run_events(record: Record, contact: Motion, free: Motion) -> int:
 
 
 @shared
-def _exact_flight(record: Record) -> bool:
+def _exact_flight(record: Record) -> tuple[int, bool]:
     """Fly to the next touch, or to the end, in closed form; return whether it is a touch."""
     omega, zeta, left = record.omega, record.zeta, time_left(record)
     here, moving, limit = record.position, record.velocity, left + record.slack
-    touch = flight.first_touch(here, moving, omega, zeta, record.delta0, limit)
+    touch = flight.first_touch(here, moving, omega, zeta, record.delta0, limit, record.stop)
+    if asked_to_stop(record.stop):
+        return STOPPED, False
     touched = touch <= limit
     span = touch if touched else left
     while next_sample(record, span) <= span:
@@ -77,7 +79,7 @@ def _exact_flight(record: Record) -> bool:
         record_sample(record, there.real, there.imag, then.real, then.imag)
     there, then = flight.fly(here, moving, span, omega, zeta)
     advance(record, span, there, then)
-    return touched
+    return GOES_ON, touched
 
 
 @shared
@@ -101,7 +103,7 @@ def _stay_in_contact(record: Record, free: Motion) -> int:
 
 @shared
 def _contact(record: Record, contact: Motion, entry: float) -> int:
-    """Follow one contact, write its row, and mark its exit if it has one."""
+    """Follow one contact, record its exit if it has one, and add its row."""
     began, left = record.time, time_left(record)
     if left <= 0.0:
         moment = (record.position.conjugate() * record.velocity).imag

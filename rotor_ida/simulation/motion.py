@@ -1,9 +1,9 @@
 """What the phases ask of an integration, and the root finder that works on any.
 
 An integration takes one internal step at a time and can be read anywhere inside the last one, to
-the solver's own order. There are two: `solver.Integration` calls scikit-sundae from Python,
-`direct.Direct` calls the SUNDIALS libraries from compiled code. The phases are written once for
-both.
+the solver's own order. There are two: `cvode.python.Integration` calls scikit-sundae from
+Python, `cvode.compiled` calls the SUNDIALS libraries from compiled code. The phases are written
+once for both.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ NOT_FINITE, NO_ROOT, STUCK, STOPPED = 1001, 1002, 1003, 1004
 MESSAGES = {
     NOT_FINITE: "the state is no longer finite",
     NO_ROOT: "a step holds no root",
-    STUCK: "time no longer advances in contact",
+    STUCK: "time no longer advances",
     STOPPED: "interrupted",
     -1: "Could not reach endpoint after 'max_num_steps'.",
     -2: "Could not satisfy demanded accuracy for an internal step.",
@@ -34,12 +34,15 @@ MESSAGES = {
 
 # The solver looks at the goal only to choose its first step.
 FAR_GOAL = 1e9
+# Steps in a row that may end where they began: one does after a reading, the others are too short
+# for the spacing of doubles.
+MOST_IDLE_STEPS = 100
 ROUNDING = 2.0**-52
 MOST_HALVINGS = 200
 
 
 def message_of(status: int) -> str:
-    """Return in words why an integration could not go on."""
+    """Return in words why an integration ended early."""
     return MESSAGES.get(status, f"the solver gave up with flag {status}")
 
 
@@ -49,9 +52,9 @@ class Motion(Protocol):
     Attributes
     ----------
     low, point : float
-        KnownAttractors of the last step.
+        Ends of the last step.
     before, values : ndarray
-        Values at those ends; good until the next step.
+        Values at those ends, valid until the next step.
     """
 
     low: float
@@ -66,7 +69,7 @@ class Motion(Protocol):
         """Take one internal step; return 0, or why it could not be taken."""
 
     def at(self, point: float) -> Values:
-        """Return the values at a point of the last step; good until the next reading."""
+        """Return the values at a point of the last step, valid until the next reading."""
 
     def glance_at(self, point: float) -> Values:
         """Do as `at` does, faster and to rounding: for what does not act on the motion."""

@@ -8,7 +8,6 @@ from typing import Literal
 from rotor_ida.checks import COMPONENTS, State, check_choice, check_positive
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import PARAMETERS, Rotor
-from rotor_ida.simulation.cvode import libraries
 
 Method = Literal["adams", "bdf", "ida"]
 Flight = Literal["exact", "cvode"]
@@ -83,6 +82,8 @@ class Options:
     def _why_not_compiled(self) -> str:
         if self.method == "ida":
             return "it knows the methods adams and bdf, got 'ida'"
+        from rotor_ida.simulation.cvode import libraries  # noqa: PLC0415 - choices need no solver
+
         return libraries.why_not()
 
     def attributes(self) -> dict[str, object]:

@@ -1,4 +1,4 @@
-"""One simulated motion, and what must hold of it: a run that breaks it raises, never returns."""
+"""One simulated motion, and its invariants: a run that breaks one raises, never returns."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The motion so far: where it stands, and all that has been seen on the way.
+"""A run in the making: its present state, and its samples, events and contacts so far.
 
 `Record` is filled by the event loop. In compiled code the same name stands for a structure with
 the same fields.
@@ -13,10 +13,10 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.equations.compiling import shared, structure
+from rotor_ida.parallel.jobs import Stop
 
 Values = npt.NDArray[np.float64]
 Kinds = npt.NDArray[np.int8]
-Stop = npt.NDArray[np.uint8]
 
 # Time, state, samples, events' times, kinds and states, contacts, evaluations.
 RunResult = tuple[float, Values, Values, Values, Kinds, Values, Values, int]
@@ -26,7 +26,7 @@ FIRST_ROOM = 64
 
 @dataclass(slots=True)
 class Record:
-    """A run in the making.
+    """The present state of a run, and what has been recorded of it.
 
     Position, velocity, samples and event states are read on the rotating axes. The tables grow
     as they fill; only their first `sampled`, `events` and `contacts` rows are part of the run.
@@ -42,9 +42,9 @@ class Record:
     duration, slack : float
         Time to simulate, and how far behind it an event may lie [1].
     position, velocity : complex
-        Where the rotor is, and how fast it moves, now [1].
+        Present displacement and velocity [1].
     time : float
-        Now [1].
+        Present time [1].
     sample_times : ndarray, shape (n,)
         Times to report [1].
     states : ndarray, shape (n, 4)
@@ -54,9 +54,9 @@ class Record:
     contact_rows : ndarray, shape (k, 6)
         Entry, exit and peak time, peak indentation, impulse, angular momentum at the peak [1].
     next_time : float
-        The first of those times that has not been reported; infinite if none is left [1].
+        First sample time that has not been reported; infinite if none is left [1].
     sampled, events, contacts, evaluations : int
-        How many there are so far.
+        Their numbers so far.
     stop : ndarray, shape (1,)
         Anything but 0 asks the run to stop.
     """
@@ -133,13 +133,13 @@ def new_record(
 
 @shared
 def time_left(record: Record) -> float:
-    """Return the time still to go."""
+    """Return the time from now to the end of the run."""
     return record.duration - record.time
 
 
 @shared
 def next_sample(record: Record, span: float) -> float:
-    """Return the next sample time, counted from now and kept within the next `span`.
+    """Return the next sample time, counted from now and clipped to the next `span`.
 
     It is infinite where none is left, or none lies within `span`.
     """
@@ -162,7 +162,7 @@ def record_sample(record: Record, x: float, y: float, vx: float, vy: float) -> N
 
 @shared
 def advance(record: Record, span: float, position: complex, velocity: complex) -> None:
-    """Go on by `span` to a new position and velocity."""
+    """Advance the time by `span`, to a new position and velocity."""
     record.time = record.duration if span == time_left(record) else record.time + span
     record.position = position
     record.velocity = velocity
@@ -170,7 +170,7 @@ def advance(record: Record, span: float, position: complex, velocity: complex) -
 
 @shared
 def record_event(record: Record, kind: int) -> None:
-    """Write down an event here and now."""
+    """Add an event at the present time and state."""
     here = record.events
     if here == record.event_times.size:
         record.event_times = np.concatenate((record.event_times, np.empty_like(record.event_times)))
@@ -196,7 +196,7 @@ def add_contact(
     impulse: float,
     moment: float,
 ) -> None:
-    """Write down a contact that is over, or that the run begins or ends in."""
+    """Add a contact that is over, or in which the run begins or ends."""
     here = record.contacts
     if here == record.contact_rows.shape[0]:
         record.contact_rows = np.concatenate(
@@ -210,7 +210,7 @@ def add_contact(
 
 @shared
 def result(record: Record) -> RunResult:
-    """Return what a run has come to; every state is read on the rotating axes."""
+    """Return the result of a run, every state read on the rotating axes."""
     here, moving = record.position, record.velocity
     return (
         record.time,

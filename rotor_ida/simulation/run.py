@@ -9,6 +9,7 @@ from rotor_ida.checks import State
 from rotor_ida.equations.compiling import compiled
 from rotor_ida.equations.model import rotated, rotating_field_into, rotating_jacobian_into
 from rotor_ida.errors import SimulationError
+from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation import cartesian_phase, contact_phase
 from rotor_ida.simulation.contact_phase import contact_field
@@ -19,7 +20,7 @@ from rotor_ida.simulation.loop import run_events
 from rotor_ida.simulation.motion import GOES_ON, message_of
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import Orbit, check_orbit
-from rotor_ida.simulation.record import RunResult, Stop, new_record, result
+from rotor_ida.simulation.record import RunResult, new_record, result
 from rotor_ida.simulation.start import starts_in_contact
 
 Values = npt.NDArray[np.float64]
@@ -145,7 +146,7 @@ def _in_compiled_code(
     stop: Stop,
 ) -> tuple[int, str, RunResult]:
     """Run the event loop in compiled code, over the SUNDIALS libraries themselves."""
-    status, seen = _go(
+    status, seen = _run_compiled(
         np.array([rotor.omega, rotor.zeta, rotor.delta0]),
         options.step_rtol,
         options.step_atol,
@@ -162,7 +163,7 @@ def _in_compiled_code(
 
 
 @compiled
-def _go(
+def _run_compiled(
     parameters: Values,
     rtol: float,
     atol: float,

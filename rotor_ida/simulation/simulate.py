@@ -6,15 +6,21 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.checks import State, check_axis, check_count, check_positive, check_state
+from rotor_ida.checks import (
+    check_axis,
+    check_count,
+    check_duration,
+    check_instance,
+    check_state,
+    is_scalar,
+)
 from rotor_ida.errors import InputError
+from rotor_ida.parallel import Stop, interruptible
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.dataset import run_dataset
 from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors
-from rotor_ida.simulation.interruptible import interruptible
 from rotor_ida.simulation.options import Backend, Flight, Method, Options, check_can_be_followed
 from rotor_ida.simulation.orbit import Orbit
-from rotor_ida.simulation.record import Stop
 from rotor_ida.simulation.run import run
 
 Values = npt.NDArray[np.float64]
@@ -27,7 +33,7 @@ MOST_SLACK = 1e-8
 def simulate(
     rotor: Rotor,
     *,
-    start: State,
+    start: npt.ArrayLike,
     duration: float,
     samples: int | npt.ArrayLike = 1001,
     rtol: float = 1e-10,
@@ -42,13 +48,14 @@ def simulate(
     ----------
     rotor : Rotor
         The rotor.
-    start : tuple of float
+    start : array_like, shape (4,)
         ``(x, y, vx, vy)`` at time 0 [1].
     duration : float
-        Time to simulate [1].
+        Time to simulate [1], as long as the spacing of doubles at its end is below
+        ``1e-6/max(omega, 1)``.
     samples : int or array_like, shape (n,)
-        Number of equally spaced times at which the motion is reported, both ends included, or
-        the times themselves, increasing [1].
+        Number of equally spaced times at which the motion is reported, both ends included, at
+        most 10 million, or the times themselves, increasing [1].
     rtol, atol : float
         Relative and absolute tolerance [1].
     method : {"adams", "bdf", "ida"}
@@ -82,10 +89,11 @@ def simulate(
     -----
     ``z'' + 2 zeta z' + max(|z| - delta0, 0)**1.5 z/|z| = omega**2 exp(i omega t)``. An event
     within ``min(100 rtol, 1e-8) duration`` behind the end belongs to the run. A start
-    exactly on the ring is in contact if it moves outwards, or is about to. Touches with an
-    indentation below about 1e-13 of the lengths involved are not told from misses.
-    ``event_time_error`` comes from a second run with looser tolerances; it is infinite beyond
-    ``horizon``, from where on the start no longer determines the orbit at these tolerances.
+    exactly on the ring is in contact if it moves outwards, or is about to. Grazes
+    below an indentation of about 1e-13 of the lengths involved may be missed or invented.
+    ``event_time_error`` comes from a second run with looser tolerances, and includes the spacing
+    of doubles. It is infinite beyond ``horizon``: from there on the start no longer determines
+    the orbit at these tolerances.
 
     References
     ----------
@@ -100,11 +108,10 @@ def simulate(
     >>> orbit.event_kind.values
     array([1], dtype=int8)
     """
-    if not isinstance(rotor, Rotor):
-        raise InputError(f"rotor must be a Rotor, got {rotor!r}")
+    check_instance("rotor", rotor, Rotor)
     first = check_state("start", start)
     check_can_be_followed(rotor, first)
-    end = check_positive("duration", duration)
+    end = check_duration("duration", duration, rotor.omega)
     times = _sample_times(samples, end)
     options = Options(rtol=rtol, atol=atol, method=method, flight=flight, backend=backend)
     slack = min(END_SLACK * options.rtol, MOST_SLACK) * end
@@ -113,13 +120,13 @@ def simulate(
         orbit = run(rotor, first, end, times, options, slack=slack, stop=stop)
         return orbit, estimate_event_errors(orbit, first, slack=slack, stop=stop)
 
-    orbit, trusted = interruptible(run_twice)
-    return run_dataset(orbit, first, trusted)
+    orbit, errors = interruptible(run_twice)
+    return run_dataset(orbit, first, errors)
 
 
 def _sample_times(samples: object, duration: float) -> Values:
     """Return the times to report, from a number of them or from themselves."""
-    if np.ndim(samples) == 0:  # type: ignore[arg-type]
+    if is_scalar("samples", samples):
         return np.linspace(0.0, duration, check_count("samples", samples, minimum=2))
     times = check_axis("samples", samples)
     if (np.diff(times) <= 0.0).any():

@@ -5,7 +5,6 @@ The points come in pieces, as rows, in memory or as bytes from a study.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,8 +19,7 @@ from rotor_ida.parameters import PARAMETERS
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import RESPONSE, STATUS, Column, labelled, labelled_dataset
 from rotor_ida.simulation.options import Options
-from rotor_ida.storage.studies.packing import packed, unpacked
-from rotor_ida.storage.studies.scratch import scratch
+from rotor_ida.storage.studies.arrays import packed, scratch, unpacked
 from rotor_ida.sweeps.steady_state import FAILED, SettledResponse
 
 Values = npt.NDArray[np.float64]
@@ -47,6 +45,7 @@ EVENT_COLUMNS: dict[str, type[np.generic]] = {
     "event_kind": np.int8,
     **dict.fromkeys(EVENT_STATES, np.float64),
 }
+_TABLES = {"points": POINT_COLUMNS, "events": EVENT_COLUMNS}
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,7 +191,14 @@ def rows_of(points: Sequence[SettledResponse]) -> Rows:
 
 def rows_as_bytes(rows: Rows) -> bytes:
     """Return rows as bytes that `rows_from_bytes` reads."""
-    return packed(rows.columns, {"messages": json.dumps(rows.messages)})
+    # each array has a header, which a table of columns has only once
+    tables: dict[str, Array] = {"messages": np.array(rows.messages, dtype=str)}
+    for name, columns in _TABLES.items():
+        table = np.empty(rows.columns[next(iter(columns))].size, dtype=list(columns.items()))
+        for column in columns:
+            table[column] = rows.columns[column]
+        tables[name] = table
+    return packed(tables)
 
 
 def rows_from_bytes(content: bytes) -> Rows:
@@ -203,11 +209,14 @@ def rows_from_bytes(content: bytes) -> Rows:
     ValueError
         If it cannot have written them.
     """
-    columns, texts = unpacked(content)
-    absent = {*POINT_COLUMNS, *EVENT_COLUMNS} - set(columns)
-    if absent or "messages" not in texts:
-        raise ValueError(f"it holds no points of a sweep: it lacks {sorted(absent) or 'messages'}")
-    return Rows(columns, [str(message) for message in json.loads(texts["messages"])])
+    tables = unpacked(content)
+    try:
+        columns = {
+            column: tables[name][column] for name, names in _TABLES.items() for column in names
+        }
+        return Rows(columns, tables["messages"].tolist())
+    except (KeyError, IndexError, ValueError) as error:
+        raise ValueError(f"it holds no points of a sweep: {error}") from error
 
 
 def _of_window(point: SettledResponse, name: str) -> float:

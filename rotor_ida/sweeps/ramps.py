@@ -1,4 +1,7 @@
-"""The points of a sweep, in ramps in which one begins where the one before has ended."""
+"""The points of a sweep in ramps (quasi-static run-up and run-down).
+
+Each point of a ramp begins where the one before has ended.
+"""
 
 from __future__ import annotations
 
@@ -125,7 +128,7 @@ def follow(job: Job, stop: Stop) -> list[SettledResponse]:
             break
         try:
             point = follow_to_steady_state(rotor, state, job.options, stop=stop)
-        except Exception as error:  # whatever it is, it is this point's own affair
+        except Exception as error:  # it must not end the other points
             point = failed(state, f"{type(error).__name__}: {error}".rstrip(": "))
         if point.response != FAILED:
             state = point.end

@@ -1,10 +1,10 @@
-"""What kind of response a rotor has settled on, told from its motion over a final window.
+"""Kinds of response, decided from the motion over a final window.
 
 ========================= ==========================================================
 ``contact_free``          whirls inside the clearance and will not touch the ring again
 ``synchronous``           whirls in contact with the unbalance, at constant radius
-``bouncing``              enters and leaves contact for ever
-``full_contact``          is always in contact, at a radius that is not constant
+``bouncing``              enters and leaves contact for ever (intermittent rub)
+``full_contact``          is always in contact, radius not constant (full annular rub)
 ``unresolved``            has not settled
 ========================= ==========================================================
 """
@@ -40,7 +40,7 @@ RESIDUAL = 1e-6
 # 1/zeta to die away.
 LASTING = 0.8
 PATIENCE = 10.0
-# Indentations so slight, and mean whirls so near to the contact-free one, are of a motion that
+# A motion that indents by less than this, with a mean whirl this near to the contact-free one,
 # leaves the ring through ever slighter touches.
 SLIGHT = 0.01
 
@@ -88,7 +88,7 @@ class Features:
 
     @property
     def swing(self) -> float:
-        """What tells whether the motion still dies away: indentation, or range of the radius."""
+        """Measure of whether the motion still decays: indentation, or range of the radius."""
         if self.touches:
             return self.radius_max - self.rotor.delta0
         return self.radius_max - self.radius_min
@@ -116,8 +116,8 @@ class Features:
     def leaves_the_ring(self) -> bool:
         """Whether it is the contact-free whirl but for the slightest touches.
 
-        Each touch pushes the centre inwards, so the next one is slighter. It goes on for ever, too
-        slowly for any two windows to tell it from bouncing.
+        Each touch pushes the centre inwards, so the next one is slighter. That goes on for ever,
+        too slowly for two windows to distinguish it from bouncing.
         """
         whirl = _free_whirl(self.rotor)
         if abs(whirl) >= self.rotor.delta0 or not self.touches:
@@ -183,7 +183,7 @@ def features_of(
 
 
 def classify(earlier: Features | None, later: Features, *, time: float) -> str:
-    """Return the kind of response that two windows, a whole run apart, give away.
+    """Return the kind of response seen in two windows, a whole run apart.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Follow a rotor until it has settled, and say on what."""
+"""Follow a rotor to its steady state, and decide the kind of its response."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ import numpy.typing as npt
 from rotor_ida.checks import State
 from rotor_ida.equations.model import rotated
 from rotor_ida.errors import SimulationError
+from rotor_ida.parallel import Stop
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import Orbit
-from rotor_ida.simulation.record import Stop
 from rotor_ida.simulation.run import run
 from rotor_ida.sweeps.response import UNRESOLVED, Features, classify, features_of
 
@@ -37,7 +37,7 @@ STEADY_TOLERANCES = 10.0
 
 @dataclass(frozen=True, slots=True)
 class SettledResponse:
-    """What a rotor has settled on, and how it came there.
+    """The response on which a rotor has settled, and the events on the way to it.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ class SettledResponse:
 
 
 @dataclass(slots=True)
-class _Journey:
+class _Trajectory:
     """The runs made so far, each from the end of the one before, on the rotating axes."""
 
     rotor: Rotor
@@ -83,8 +83,8 @@ class _Journey:
     )
     event_states: list[Values] = field(default_factory=lambda: [np.empty((0, 4))])
 
-    def go_on(self, duration: float, samples: int) -> Orbit:
-        """Simulate on; times count from the end of the run before, where the phase is 0."""
+    def extend(self, duration: float, samples: int) -> Orbit:
+        """Simulate from the end of the run before, where time and phase count as 0 again."""
         times = np.linspace(0.0, duration, samples) if samples else np.empty(0)
         orbit = run(self.rotor, self.state, duration, times, self.options, stop=self.stop)
         omega = self.rotor.omega
@@ -99,7 +99,7 @@ class _Journey:
     def settled(
         self, response: str, window: Features | None, window_start: float, message: str = ""
     ) -> SettledResponse:
-        """Return what has become of it."""
+        """Return the settled response."""
         return SettledResponse(
             response=response,
             window=window,
@@ -121,12 +121,12 @@ def follow_to_steady_state(
     doublings: int = 3,
     stop: Stop | None = None,
 ) -> SettledResponse:
-    """Follow a rotor until its response is clear, or its patience is at an end.
+    """Follow a rotor until the kind of its response is decided, or no doubling is left.
 
-    The motion is looked at over a final window, once after the time in which damping should
-    have settled it, then again each time its duration has doubled. A whirl of constant radius
-    in contact, or one that has left the ring for good, is told at once; any other motion only
-    if it has kept its swing since the look before.
+    The motion is classified over a final window: first after the time in which damping should
+    have settled it, then each time its duration has doubled. A whirl of constant radius in
+    contact, or one that has left the ring for good, is decided at once; any other motion only
+    if its swing is the same as in the window before.
 
     Parameters
     ----------
@@ -139,17 +139,17 @@ def follow_to_steady_state(
     doublings : int
         How often the duration may be doubled.
     stop : ndarray, shape (1,), optional
-        Gives the rotor up, as failed, as soon as it holds anything but 0.
+        Ends the run, as failed, as soon as it holds anything but 0.
     """
-    journey = _Journey(rotor, options, start, stop)
+    trajectory = _Trajectory(rotor, options, start, stop)
     wait, length, samples = durations(rotor)
     earlier: Features | None = None
     began = 0.0
     try:
         for attempt in range(doublings + 1):
-            journey.go_on(wait if attempt == 0 else journey.time, 0)
-            began = journey.time
-            orbit = journey.go_on(length, samples)
+            trajectory.extend(wait if attempt == 0 else trajectory.time, 0)
+            began = trajectory.time
+            orbit = trajectory.extend(length, samples)
             ends_in_contact = orbit.starts_in_contact != bool(orbit.event_times.size % 2)
             window = features_of(
                 rotor,
@@ -163,13 +163,13 @@ def follow_to_steady_state(
             if response != UNRESOLVED:
                 break
             earlier = window
-        return journey.settled(response, window, began)
+        return trajectory.settled(response, window, began)
     except SimulationError as error:
-        return journey.settled(FAILED, None, math.nan, str(error))
+        return trajectory.settled(FAILED, None, math.nan, str(error))
 
 
 def failed(start: State, reason: str) -> SettledResponse:
-    """Return what is known of a rotor that could not be followed at all from `start`."""
+    """Return the failed response of a rotor that could not be followed from `start`."""
     return SettledResponse(
         response=FAILED,
         window=None,

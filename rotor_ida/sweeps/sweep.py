@@ -1,24 +1,32 @@
-"""Sweep speed, damping and clearance, and see on which response the rotor settles."""
+"""Sweeps: the settled response at each speed, damping and clearance."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
-from itertools import product
 from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.checks import State, check_axis, check_choice, check_state
+from rotor_ida.checks import (
+    MOST_NUMBERS,
+    MOST_POINTS_OF_STUDY,
+    State,
+    check_axis,
+    check_choice,
+    check_points,
+    check_progress,
+    check_states,
+)
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import FailedJob, Progress, choose, run_all
-from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.parameters import Rotor
 from rotor_ida.provenance import computing
 from rotor_ida.simulation.options import Backend, Flight, Method, Options, check_can_be_followed
-from rotor_ida.storage.studies.results import Form, Results, kept_results
+from rotor_ida.storage.studies.results import Form, Results, open_results
 from rotor_ida.sweeps.dataset import Rows, rows_as_bytes, rows_from_bytes, rows_of, sweep_dataset
 from rotor_ida.sweeps.ramps import Places, Ramps, follow
 from rotor_ida.sweeps.steady_state import FAILED, failed
@@ -32,7 +40,7 @@ DIRECTIONS: dict[str | None, tuple[int, ...]] = {
     "both": (1, -1),
 }
 REST: State = (0.0, 0.0, 0.0, 0.0)
-# Failures of the surroundings, not of the point.
+# Failures of the surroundings, not of the point: another attempt may succeed.
 PASSING = ("MemoryError", "OSError")
 FORM = Form(rows_as_bytes, rows_from_bytes)
 
@@ -42,7 +50,7 @@ def sweep(
     omega: npt.ArrayLike,
     zeta: npt.ArrayLike,
     delta0: npt.ArrayLike,
-    starts: Sequence[State] = (REST,),
+    starts: npt.ArrayLike = (REST,),
     direction: Direction | None = None,
     rtol: float = 1e-10,
     atol: float = 1e-12,
@@ -60,7 +68,7 @@ def sweep(
     ----------
     omega, zeta, delta0 : array_like, shape (n,) or scalar
         The parameters to combine [1].
-    starts : sequence of tuple of float
+    starts : array_like, shape (n, 4)
         Starts ``(x, y, vx, vy)`` [1].
     direction : {"up", "down", "both"}, optional
         Without it each speed begins from the starts. With it only the first does (the last,
@@ -112,18 +120,19 @@ def sweep(
         name: check_axis(name, values)
         for name, values in (("omega", omega), ("zeta", zeta), ("delta0", delta0))
     }
-    checked = _check_starts(starts)
+    checked = check_states("starts", starts)
     if direction is not None:
         check_choice("direction", direction, ("up", "down", "both"))
         if (axes["omega"][1:] <= axes["omega"][:-1]).any():
             raise InputError("omega must increase in a sweep up or down")
     options = Options(rtol=rtol, atol=atol, method=method, flight=flight, backend=backend)
+    check_progress(progress)
     place, count = choose(executor, workers, compiled=options.backend != "python")
     ramps = Ramps(axes, checked, DIRECTIONS[direction], options)
-    for rotor in _rotors(axes):
-        for start in checked:
-            check_can_be_followed(rotor, start, settling=True)
-    with kept_results(study, _design(ramps, direction), ramps.points, FORM) as kept:
+    most = MOST_NUMBERS if study is None else MOST_POINTS_OF_STUDY
+    check_points(*axes.values(), checked, ramps.directions, most=most)
+    _check_can_be_followed(axes, checked)
+    with open_results(study, _design(ramps, direction), ramps.points, FORM) as kept:
         _follow_all(ramps, kept, place, count, progress)
 
         def pieces() -> Iterator[tuple[Places, Rows]]:
@@ -179,16 +188,13 @@ def _follow_all(
                 progress(kept.points_done + held, ramps.points)
 
 
-def _rotors(axes: Mapping[str, npt.NDArray[np.float64]]) -> Iterator[Rotor]:
-    for omega, zeta, delta0 in product(*(axes[name].tolist() for name in PARAMETERS)):
-        yield Rotor(omega=omega, zeta=zeta, delta0=delta0)
-
-
-def _check_starts(starts: object) -> list[State]:
-    try:
-        listed = list(starts)  # type: ignore[call-overload]
-    except TypeError:
-        raise InputError(f"starts must be a sequence of starts, got {starts!r}") from None
-    if not listed:
-        raise InputError("starts must hold at least one start, got none")
-    return [check_state("start", start) for start in listed]
+def _check_can_be_followed(
+    axes: Mapping[str, npt.NDArray[np.float64]], starts: Sequence[State]
+) -> None:
+    """Check each speed and each start once: only upper limits hold for the others."""
+    zeta, delta0 = (float(axes[name].max()) for name in ("zeta", "delta0"))
+    rotors = [Rotor(omega=omega, zeta=zeta, delta0=delta0) for omega in axes["omega"].tolist()]
+    for rotor in rotors:
+        check_can_be_followed(rotor, starts[0], settling=True)
+    for start in starts[1:]:
+        check_can_be_followed(rotors[0], start, settling=True)

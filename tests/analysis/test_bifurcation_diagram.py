@@ -13,12 +13,14 @@ from rotor_ida import (
     simulate,
     synchronous_response,
 )
+from rotor_ida.analysis import bifurcation_diagram as bifurcation_module
 from rotor_ida.analysis import extrema
 from rotor_ida.analysis.extrema import CONSTANT, MAXIMUM, MINIMUM, radius_extrema
 from rotor_ida.analysis.tangent import STUCK
 from rotor_ida.closed_forms import planar_period
-from rotor_ida.schema import RESPONSE
+from rotor_ida.schema import RESPONSE, STATUS
 
+GO_ON = np.zeros(1, np.uint8)
 REST = (0.0, 0.0, 0.0, 0.0)
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 
@@ -29,7 +31,9 @@ def test_planar_vibration_turns_back_at_its_amplitude_every_half_period():
     Without clearance the force lacks a second derivative there; each passage costs up to some
     hundred tolerances.
     """
-    found = radius_extrema(Rotor(omega=0.0, zeta=0.0, delta0=0.0), (2.0, 0, 0, 0), 20.0, 1e-12)
+    found = radius_extrema(
+        Rotor(omega=0.0, zeta=0.0, delta0=0.0), (2.0, 0, 0, 0), 20.0, 1e-12, GO_ON
+    )
     half = 0.5 * float(planar_period(2.0))
     highest, lowest = found.kinds == MAXIMUM, found.kinds == MINIMUM
     # the start, where the motion turns back too, may count or not
@@ -44,7 +48,7 @@ def test_planar_vibration_turns_back_at_its_amplitude_every_half_period():
 def test_contact_free_whirl_about_another_centre():
     """|z| runs between ||c| - A| and |c| + A once a revolution."""
     rotor = Rotor(omega=1.3, zeta=0.0, delta0=5.0)
-    found = radius_extrema(rotor, (-1.0 + 0.4, 0.3, 0.0, -1.3), 100.0, 1e-11)
+    found = radius_extrema(rotor, (-1.0 + 0.4, 0.3, 0.0, -1.3), 100.0, 1e-11, GO_ON)
     revolutions = 100.0 * 1.3 / (2.0 * math.pi)
     for kind, radius in ((MAXIMUM, 1.5), (MINIMUM, 0.5)):
         chosen = found.kinds == kind
@@ -56,7 +60,7 @@ def test_contact_free_whirl_about_another_centre():
 def test_largest_radii_of_contacts_are_those_of_the_simulation():
     """The table of contacts has them from another method, in regularised variables."""
     run = simulate(BOUNCING, start=(4.0, 0, 0, 0), duration=60.0, samples=2, rtol=1e-12, atol=1e-14)
-    found = radius_extrema(BOUNCING, (4.0, 0, 0, 0), 60.0, 1e-12)
+    found = radius_extrema(BOUNCING, (4.0, 0, 0, 0), 60.0, 1e-12, GO_ON)
     # the first and the last contact may peak where the run begins or ends
     for time, depth in zip(
         run.peak_time.values[1:-1], run.peak_indentation.values[1:-1], strict=True
@@ -70,7 +74,7 @@ def test_largest_radii_of_contacts_are_those_of_the_simulation():
 
 def test_no_extremum_is_missed_and_none_is_outside_a_dense_run():
     rotor = Rotor(omega=1.5, zeta=0.01, delta0=1.4)
-    found = radius_extrema(rotor, REST, 60.0, 1e-12)
+    found = radius_extrema(rotor, REST, 60.0, 1e-12, GO_ON)
     run = simulate(rotor, start=REST, duration=60.0, samples=60001, rtol=1e-12, atol=1e-14)
     rate = (run.x * run.vx + run.y * run.vy).values
     turns = np.flatnonzero((rate[1:-1] > 0.0) != (rate[2:] > 0.0)) + 1
@@ -128,11 +132,34 @@ def test_random_starts_come_from_the_seed():
         ({"reach": 0.0}, "reach must be positive, got 0.0"),
         ({"extrema_time": -1.0}, "extrema_time must be positive, got -1.0"),
         ({"omega": -1.0}, "omega must be zero or positive"),
+        ({"zeta": [0.5, 0.0]}, "zeta must be above 0, where nothing settles, got 0.0"),
+        ({"reach": 1e308}, r"reach must be at most 1e\+06, got 1e\+308"),
+        ({"extrema_time": 1e9}, "extrema_time must be at most 625000, got 1000000000.0"),
+        ({"starts": 10**9}, "starts must be at most 10000000, got 1000000000"),
     ],
 )
 def test_bad_input_is_refused(wrong, message):
     with pytest.raises(InputError, match=message):
         bifurcation_diagram(**{"omega": 1.0, "zeta": 0.5, "delta0": 0.0, **wrong})
+
+
+def test_workers_leave_no_trace():
+    arguments = {"omega": [2.0, 3.0], "zeta": 0.07, "delta0": 2.0, "starts": 3}
+    one, two = (bifurcation_diagram(**arguments, workers=workers) for workers in (1, 2))
+    assert one.identical(two)
+
+
+def test_a_point_whose_motion_cannot_be_followed_on_has_failed(monkeypatch):
+    def stuck(rotor, start, duration, rtol):
+        if rotor.omega == 2.0:
+            raise SimulationError("stuck", time=0.5, state=start)
+        return radius_extrema(rotor, start, duration, rtol)
+
+    monkeypatch.setattr(bifurcation_module, "radius_extrema", stuck)
+    found = bifurcation_diagram(omega=[2.0, 3.0], zeta=0.5, delta0=0.0, starts=[REST])
+    assert found.status.values.ravel().tolist() == [STATUS["failed"], STATUS["done"]]
+    assert found.message.values.ravel()[0].startswith("stuck (at t = 0.5")
+    assert found.extremum_count.values.ravel().tolist() == [0, 1]
 
 
 def test_failure_says_where(monkeypatch):
@@ -142,4 +169,4 @@ def test_failure_says_where(monkeypatch):
 
     monkeypatch.setattr(extrema, "follow_on", stuck)
     with pytest.raises(SimulationError, match=r"followed to its extrema \(at t = 0\.04"):
-        radius_extrema(BOUNCING, REST, 10.0, 1e-10)
+        radius_extrema(BOUNCING, REST, 10.0, 1e-10, GO_ON)

@@ -68,5 +68,5 @@ def test_a_run_is_not_a_sweep():
     run = simulate(Rotor(omega=1.0, zeta=0.1, delta0=1.0), start=(0, 0, 0, 0), duration=1.0)
     with pytest.raises(InputError, match="it lacks response, amplitude, phase_lag"):
         compare(run)
-    with pytest.raises(InputError, match="compare needs a Dataset, got str"):
+    with pytest.raises(InputError, match="dataset must be a Dataset, got"):
         compare("run.nc")

@@ -13,6 +13,7 @@ from rotor_ida.simulation.start import starts_in_contact
 
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 START = np.array([0.3, 0.2, 0.1, -0.4])
+GO_ON = np.zeros(1, np.uint8)
 TIGHT = Options(rtol=1e-13, atol=1e-15)
 
 
@@ -22,7 +23,8 @@ def followed(rotor, start, duration, rtol):
     parameters = (rotor.omega, rotor.zeta, rotor.delta0)
     in_contact = starts_in_contact(complex(*start[:2]), complex(*start[2:]), *parameters)
     stretch = np.empty((1, 4))
-    assert follow_stretches(bundle, in_contact, duration, stretch, *parameters, rtol) == DONE
+    settings = (*parameters, rtol, GO_ON)
+    assert follow_stretches(bundle, in_contact, duration, stretch, *settings) == DONE
     return bundle, stretch[0]
 
 

@@ -40,16 +40,18 @@ MISTAKES = [
     (simulate(omega="1 2"), "unexpected argument '2'"),
     (simulate(zeta="-1e-3"), "zeta must be zero or positive, got -0.001"),
     (simulate(delta0="nan"), f"delta0 {FINITE} nan"),
-    (simulate(start="1 2 3"), "start must be four numbers (x, y, vx, vy), got [1.0, 2.0, 3.0]"),
-    (simulate(start="1 2 3 4 5"), "start must be four numbers"),
-    (simulate(start=""), "start must be"),
+    (simulate(start="1 2 3"), "start must be four numbers X Y VX VY, got 3"),
+    (simulate(start="1 2 3 4 5"), "unexpected argument '5'"),
+    (simulate(start=""), "--start must be given a value"),
+    (simulate(start="1 2 3 1_7"), f"start vy {FINITE} '1_7'"),
     (simulate(start="1 2 3 nan"), f"start vy {FINITE} nan"),
-    (simulate(start="1 -x 3 4"), "unknown option '-x'"),
-    (simulate(start="0 0 0 0 --start 1 0 0 0"), "start must be given once, got 2 starts"),
+    (simulate(start="1 -x 3 4"), "start must be four numbers X Y VX VY, got 1"),
+    (simulate(start="0 0 0 0 --start 1 0 0 0"), "--start specified multiple times"),
     (simulate(duration="0"), "duration must be positive, got 0.0"),
     (simulate(duration="-5"), "duration must be positive, got -5.0"),
     (simulate(samples="1"), "samples must be at least 2, got 1"),
     (simulate(samples="10.5"), "samples must be a whole number, got '10.5'"),
+    (simulate(samples="1_000"), "samples must be a whole number, got '1_000'"),
     (simulate(samples="1000000000000"), "samples must be at most 10000000"),
     (simulate(rtol="0"), "rtol must be positive, got 0.0"),
     (simulate(rtol="0.5"), "rtol must lie from"),
@@ -59,11 +61,14 @@ MISTAKES = [
     (simulate(backend="gpu"), "backend must be one of"),
     # ranges and grids
     ("response --omega 1:2 --zeta 0 --delta0 0", "omega must be numbers or START:STOP:COUNT"),
-    ("response --omega 1:2:1 --zeta 0 --delta0 0", "COUNT of omega must be at least 2, got 1"),
+    (
+        "response --omega 1:2:1 --zeta 0 --delta0 0",
+        "COUNT of omega must lie from 2 to 1000000, got 1",
+    ),
     ("response --omega 1:2:x --zeta 0 --delta0 0", "COUNT of omega must be a whole number"),
     ("response --omega 1:nan:3 --zeta 0 --delta0 0", f"omega {FINITE} nan"),
     ("response --omega 0:-1:3 --zeta 0 --delta0 0", "omega must be zero or positive, got -0.5"),
-    ("response --omega 1:2:9999999 --zeta 0 --delta0 0", "must be at most 1000000, got 9999999"),
+    ("response --omega 1:2:9999999 --zeta 0 --delta0 0", "must lie from 2 to 1000000, got 9999999"),
     ("response --omega 0:1:9999 --zeta 0:1:9999 --delta0 0", "at most 5000000 points"),
     ("response --omega 1 -1 --zeta 0 --delta0 0", "omega must be zero or positive, got -1.0"),
     ("response --omega 1e300 --zeta 0 --delta0 0", "omega must be 0 or between"),
@@ -98,8 +103,10 @@ MISTAKES = [
     (simulate(out=""), "--out must be given a value"),
     (simulate(figure="taken.png"), "figure must not exist unless --force is given"),
     (simulate(figure="taken.svg"), "figure must not exist unless --force is given"),
+    (simulate(figure="taken"), "figure must not exist unless --force is given"),
+    (simulate(figure=".."), "figure must be NAME, NAME.png or NAME.svg, got '..'"),
     (simulate(figure="nowhere/run.png"), "figure must be in a folder that exists"),
-    (simulate(figure="run.gif"), "figure must end in .png or .svg, got 'run.gif'"),
+    (simulate(figure="run.gif"), "figure must be NAME, NAME.png or NAME.svg, got 'run.gif'"),
     (
         "response --omega 1 --zeta 0:1:4 --delta0 0:1:4 --figure a.png",
         "at most 12 pairs of zeta and delta0, got 16",
@@ -143,7 +150,7 @@ def test_a_mistake_gets_one_line(program: Program, archives: Path, line: str, me
 
 def test_an_empty_word_is_no_number_and_no_path(program: Program):
     assert "got ''" in program("response", "--omega", "", "--zeta", 0, "--delta0", 0).err
-    assert "out must be the path of a file, got ''" in (
+    assert "out must be a path, got ''" in (
         program("response", "--omega", 1, "--zeta", 0, "--delta0", 0, "--out", "").err
     )
 

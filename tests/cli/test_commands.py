@@ -81,6 +81,19 @@ def test_negative_components_of_a_start_are_read(program: Program):
     ]  # fmt: skip
 
 
+def test_simulate_begins_from_rest(program: Program):
+    words = [word for word in RUN if word != "--start"]
+    del words[6:10]
+    answer = program("simulate", *words, "--json")
+    assert json.loads(answer.out) == json.loads(program("simulate", *RUN, "--json").out)
+
+
+@pytest.mark.parametrize("name", ["motion", "motion.png", "motion.svg"])
+def test_a_figure_is_named_by_either_file_or_without_ending(program: Program, name: str):
+    assert program("simulate", *RUN, "--figure", name).status == 0
+    assert {path.name for path in Path().iterdir()} == {"motion.png", "motion.svg"}
+
+
 def test_a_file_is_replaced_only_by_force(program: Program):
     Path("run.nc").write_text("mine")
     refused = program("simulate", *RUN, "--out", "run.nc")
@@ -218,6 +231,12 @@ def test_doctor_finds_this_installation_well(program: Program):
     assert {check["result"] for check in record["checks"]} == {"ok"}
 
 
+def test_doctor_says_whether_kernels_are_cached(program: Program, monkeypatch: pytest.MonkeyPatch):
+    assert json.loads(program("doctor", "--json").out)["kernels_cached"] is True
+    monkeypatch.setattr("rotor_ida.equations.compiling.cache_folder", lambda: None)
+    assert "kernels are not cached" in program("doctor").out
+
+
 def test_doctor_finds_a_solver_that_is_wrong(program: Program, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("rotor_ida.closed_forms.planar_period", lambda _depth: 6.0)
     answer = program("doctor")
@@ -269,7 +288,7 @@ def test_reproduce_passes_its_options_on(
     answer = program("reproduce", "--out", "x", "--quick", "--only", "a", "b", "--workers", 3)
     assert (answer.status, answer.out, answer.err) == (status, "", "going on\n")
     options = {"quick": True, "only": ["a", "b"], "workers": 3, "force": False}
-    assert calls == [("x", options)]
+    assert calls == [(Path("x"), options)]
 
 
 def test_a_long_table_is_cut_and_says_so(program: Program):

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+import dataclasses
 import inspect
+import re
 import shlex
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args, get_type_hints
 
 import pytest
 
 import rotor_ida
-from rotor_ida.cli.commands.basins import basin
-from rotor_ida.cli.commands.simulated import simulate
-from rotor_ida.cli.commands.swept import sweep
+from rotor_ida.cli.commands.basin import basin, fractions
+from rotor_ida.cli.commands.simulate import simulate
+from rotor_ida.cli.commands.sweep import sweep
 
 Program = Callable[..., Any]
 
@@ -57,7 +59,15 @@ def test_the_examples_run_one_after_the_other(program: Program, monkeypatch: pyt
             answer = program(*words)
             assert (answer.status, answer.err) == (0, ""), words
     written = {path.name for path in Path().iterdir()}
-    assert {"run.nc", "run.png", "whirls.nc", "sweep.nc", "basin.nc", "compared.nc"} <= written
+    assert {
+        "run.nc",
+        "run.png",
+        "motion.svg",
+        "whirls.nc",
+        "sweep.nc",
+        "basin.nc",
+        "compared.nc",
+    } <= written
 
 
 def test_the_example_of_reproduce_names_a_scenario(program: Program):
@@ -67,21 +77,44 @@ def test_the_example_of_reproduce_names_a_scenario(program: Program):
     assert words[words.index("--only") + 1] in scenario_scripts()
 
 
-def _as_number(value: object) -> str:
-    return f"{value:g}" if isinstance(value, float) else str(value)
+def options_of(command: Callable[..., object]) -> dict[str, tuple[object, object]]:
+    """Return type and default of each option of a command, those of its groups among them."""
+    types = get_type_hints(command)
+    options: dict[str, tuple[object, object]] = {}
+    for name, parameter in inspect.signature(command).parameters.items():
+        if dataclasses.is_dataclass(types[name]):
+            fields, inner = dataclasses.fields(types[name]), get_type_hints(types[name])
+            options |= {field.name: (inner[field.name], field.default) for field in fields}
+        else:
+            options[name] = (types[name], parameter.default)
+    return options
 
 
 @pytest.mark.parametrize(
-    ("command", "library"), [(simulate, "simulate"), (sweep, "sweep"), (basin, "basin")]
+    ("command", "library"),
+    [(simulate, "simulate"), (sweep, "sweep"), (basin, "basin"), (fractions, "basin_fractions")],
 )
-def test_defaults_are_those_of_the_library(command: object, library: str):
-    ours = inspect.signature(command).parameters  # type: ignore[arg-type]
+def test_defaults_are_those_of_the_library(command: Callable[..., object], library: str):
+    ours = options_of(command)
     for name, parameter in inspect.signature(getattr(rotor_ida, library)).parameters.items():
         if name in ours and parameter.default is not inspect.Parameter.empty and name != "workers":
-            assert str(ours[name].default) in {
-                str(parameter.default),
-                _as_number(parameter.default),
-            }
+            assert ours[name][1] == parameter.default, name
+
+
+def test_directions_are_those_of_the_library():
+    from rotor_ida.sweeps.sweep import Direction
+
+    choices = {
+        choice for kind in get_args(options_of(sweep)["direction"][0]) for choice in get_args(kind)
+    }
+    assert choices == set(get_args(Direction))
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_numbers_and_choices_are_named_as_such(program: Program, command: str):
+    """Words are free only where anything may stand: the name of a scenario."""
+    options = re.findall(r"--([a-z0-9-]+) \S*STR", program(command, "--help").out)
+    assert options == (["only"] if command == "reproduce" else [])
 
 
 def test_help_loads_nothing_heavy():

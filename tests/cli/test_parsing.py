@@ -23,13 +23,13 @@ def test_numbers_and_ranges_mix_in_the_order_given():
 
 @pytest.mark.parametrize("word", ["1e-3", "1E-3", ".001", "+0.001"])
 def test_a_number_may_be_written_in_any_usual_way(word: str):
-    assert parsing.number("zeta", word) == 0.001
+    assert parsing.number("zeta", [word]) == 0.001
 
 
 @pytest.mark.parametrize("word", ["1,7", "1_7", "", "0x10", "one", "1.2.3", "1j", "--"])
 def test_what_is_no_number_is_shown_as_it_was_given(word: str):
     with pytest.raises(InputError, match=f"^zeta must be a finite real number, got '{word}'$"):
-        parsing.number("zeta", word)
+        parsing.number("zeta", [word])
 
 
 @pytest.mark.parametrize("word", ["1:2", "1:2:3:4", ":", "1:2:"])

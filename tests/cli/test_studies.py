@@ -18,7 +18,7 @@ import pytest
 import rotor_ida
 import rotor_ida.cli
 from rotor_ida.basins import following
-from rotor_ida.cli.studied import studied
+from rotor_ida.cli.output import working
 from rotor_ida.storage.studies.database import FILE
 
 Program = Callable[..., Any]
@@ -53,7 +53,11 @@ def test_status_tells_how_far_it_is(program: Program):
 
 @pytest.mark.skipif(os.name != "posix", reason="sends an interrupt")
 def test_an_interrupt_says_how_to_go_on(program: Program):
-    line = [sys.executable, "-c", "import sys, rotor_ida.cli; sys.exit(rotor_ida.cli.main())"]
+    code = (
+        "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "import rotor_ida.cli; sys.exit(rotor_ida.cli.main())"
+    )
+    line = [sys.executable, "-c", code]
     running = subprocess.Popen(
         [*line, *LONG], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
@@ -104,7 +108,7 @@ def test_an_interrupt_while_the_result_is_written_says_how_to_go_on(
 )
 def test_how_to_go_on_can_be_typed(program: Program, folder: str, word: str):
     program(*SWEEP[:-2], f"--study={folder}")
-    with pytest.raises(KeyboardInterrupt) as interrupted, studied(folder):
+    with pytest.raises(KeyboardInterrupt) as interrupted, working("study", Path(folder)):
         raise KeyboardInterrupt
     hint = str(interrupted.value).rpartition("rotor-ida ")[2]
     assert hint == f"resume {word}"
@@ -120,7 +124,7 @@ def test_what_cannot_be_drawn_is_refused_before_anything_is_computed(program: Pr
     many = ["--zeta", "0.5:0.9:13", "--delta0", "0.5"]
     program("sweep", "--omega", "1.7", *many, "--study", "many")
     for folder, message in (
-        ("drawn", "figure must be of a sweep or basin, got a study of shares"),
+        ("drawn", "figure must be of a sweep or basin, got a study of basin fractions"),
         ("many", "figure can show at most 12 pairs of zeta and delta0, got 13"),
     ):
         Path(folder, "result.nc").unlink()
@@ -173,7 +177,7 @@ def test_an_interrupted_sample_has_no_result_yet(program: Program, monkeypatch: 
         (["resume", "absent"], "folder must be that of a study, got 'absent'"),
         (["status", "."], "folder must be that of a study, got '.'"),
         ([*SWEEP, "--rtol", "1e-9"], "study 'study' was begun with rtol 1e-10, got 1e-09"),
-        ([*SWEEP[:-1], ""], "study must be the path of a folder, got ''"),
+        ([*SWEEP[:-1], ""], "study must be a path, got ''"),
         ([*SWEEP[:-1], "file"], "study must be a folder, got the file 'file'"),
         ([*SWEEP[:-1], "full"], "study must be a new, an empty or a study's folder, got 'full'"),
         ([*SWEEP[:-1], "file/study"], "study must be a folder, got the file 'file'"),
@@ -183,6 +187,8 @@ def test_an_interrupted_sample_has_no_result_yet(program: Program, monkeypatch: 
          "x must be a range (low, high) with low <= high, got (2.0, 1.0)"),
         (["fractions", "--omega", "1", "--zeta", "1", "--delta0", "1", "--x", "0:1", "--y", "0",
           "--seed", "-1"], "seed must be at least 0, got -1"),
+        (["fractions", "--omega", "1", "--zeta", "1", "--delta0", "1", "--x", "0:1", "--y", "0",
+          "--starts", "5000001"], "starts must be at most 5000000 without --study, got 5000001"),
     ],
 )  # fmt: skip
 def test_bad_input_gets_one_line_and_loses_nothing(

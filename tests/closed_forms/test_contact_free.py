@@ -118,8 +118,8 @@ def test_no_contact_free_whirl_without_room():
     ("changed", "message"),
     [
         ({"time": [1.0, 0.4]}, r"not before start_time = 0\.5, got 0\.4"),
-        ({"time": [math.nan]}, "time must be finite"),
-        ({"time": "soon"}, "time must be numbers, got 'soon'"),
+        ({"time": [math.nan]}, "time must be a finite real number, got nan"),
+        ({"time": "soon"}, "time must be a finite real number, got 'soon'"),
         ({"time": 1e300}, r"omega \* time must be at most 1e\+15"),
         ({"start": (0.0, 1.0)}, "start must be four numbers"),
         ({"start_time": math.inf}, "start_time must be a finite real number"),

@@ -91,10 +91,10 @@ def test_table_says_what_becomes_of_what_the_paper_says(results):
     root, scripts = results
     assert '<section id="summary">' not in write_gallery(root, scripts).read_text(encoding="utf-8")
     told = Settings(root / "fig01_told", True, 1, True)
-    told.show(Figure(figsize=(1, 1)), "fig04_periods", archives=[], verdict="Wrong: delta0^2.",
+    told.show(Figure(figsize=(1, 1)), "fig04_periods", archives=[], verdict="Wrong: δ₀².",
               **WORDS)  # fmt: skip
     text = write_gallery(root, scripts).read_text(encoding="utf-8")
-    assert "<td>Wrong: δ<sub>0</sub><sup>2</sup>.</td>" in text
+    assert "<td>Wrong: δ₀².</td>" in text
     assert '<a href="#fig01_told-fig04_periods">Fig. 4, periods</a>' in text
     places = [target[1:] for target in Links(text).targets if target.startswith("#")]
     assert all(f'id="{place}"' in text for place in places)

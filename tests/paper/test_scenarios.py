@@ -1,6 +1,7 @@
 """The scenarios run, write what they say, and say something of every figure."""
 
 import importlib.util
+import re
 
 import pytest
 
@@ -13,6 +14,8 @@ from rotor_ida.paper.scenario import Settings
 QUICK = ["dimensional_example", "event_time_convergence", "fig02_03_force_potential",
          "fig04_05_free_vibration", "fig06_jumps", "fig07_basins", "fig08_09_whirls",
          "general_solution", "random_starts"]  # fmt: skip
+
+SPELLED_OUT = re.compile(r"\b(omega|zeta|delta0|sqrt)\b|\^|\de[-+]\d|\b[xyz]0?'")
 
 
 def run_quickly(name, folder):
@@ -33,6 +36,8 @@ def test_scenario_writes_archives_and_figures_with_words(name, tmp_path):
     assert drawn == {path.stem for path in (tmp_path / name).glob("*.svg")}
     assert drawn == {entry.figure for entry in entries}
     for entry in entries:
+        words = " ".join([entry.shows, entry.paper, entry.found, entry.verdict])
+        assert not SPELLED_OUT.search(words)
         assert entry.shows.endswith(".")
         assert entry.found.endswith(".")
         for archive in entry.archives:

@@ -56,7 +56,7 @@ def workplace():
 def address(workplace):
     """Return its address, and see that it is left as it was."""
     yield workplace.scheduler_address
-    scheduler, late = workplace.scheduler, time.monotonic() + 10.0
+    scheduler, late = workplace.scheduler, time.monotonic() + 60.0
     while (
         scheduler.tasks
         or set(scheduler.clients) != {"fire-and-forget"}

@@ -29,11 +29,8 @@ def die_at_three(job, _stop):
 def fail_at_three(job, stop):
     if job == 3:
         raise ValueError("three")
-    for _ in range(1000):
-        if stop[0]:
-            return "stopped"
+    while not stop[0]:
         time.sleep(0.01)
-    return "not stopped"
 
 
 @pytest.mark.parametrize(
@@ -59,18 +56,17 @@ def test_only_a_few_jobs_are_in_flight():
 
 
 def test_jobs_by_threads_run_at_the_same_time():
-    both = threading.Barrier(2, timeout=10.0)
+    both = threading.Barrier(2, timeout=60.0)
     assert (
         len(list(run_all(lambda _j, _s: both.wait(), [0, 1], workers=2, executor="threads"))) == 2
     )
 
 
 def test_a_failure_is_raised_and_stops_the_rest():
+    """They would run for ever."""
     before = threading.active_count()
-    began = time.perf_counter()
     with pytest.raises(ValueError, match="three"):
         list(run_all(fail_at_three, range(1, 50), workers=3, executor="threads"))
-    assert time.perf_counter() - began < 5.0
     assert threading.active_count() <= before
 
 
@@ -90,7 +86,7 @@ def test_who_stops_asking_leaves_nothing_behind():
 
 
 INTERRUPTED = """
-import sys, time, threading, multiprocessing
+import signal, sys, time, threading, multiprocessing
 sys.path.insert(0, {folder!r})
 from rotor_ida.parallel import run_all
 
@@ -101,6 +97,7 @@ def work(job, stop):
         time.sleep(0.01)
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in a shell's background
     try:
         for _ in run_all(work, range(10), workers=2, executor={executor!r}):
             print("started", flush=True)
@@ -114,16 +111,15 @@ if __name__ == "__main__":
 @pytest.mark.parametrize("executor", ["threads", "processes", "dask"])
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 def test_an_interrupt_ends_it_at_once(tmp_path, executor):
+    """The jobs in hand would run for ever."""
     script = tmp_path / "script.py"
     script.write_text(INTERRUPTED.format(folder=str(tmp_path), executor=executor))
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     with subprocess.Popen([sys.executable, script], cwd=tmp_path, **pipes) as program:
         assert program.stdout.readline() == "started\n"
-        began = time.perf_counter()
         program.send_signal(signal.SIGINT)
         assert program.stdout.readline() == "left []\n"
-        assert time.perf_counter() - began < 2.0
-        assert program.wait(5.0) == 0
+        assert program.wait(60.0) == 0
         assert program.stderr.read() == ""
     assert list(tmp_path.iterdir()) == [script]
 
@@ -151,7 +147,7 @@ def test_no_worker_outlives_a_program_that_is_killed(tmp_path):
         assert program.stdout.readline() == "started\n"
         program.kill()
         # the output ends when nobody is left who could write to it
-        assert program.communicate(timeout=10.0)[0] == ""
+        assert program.communicate(timeout=50.0)[0] == ""
 
 
 def test_workers_are_counted():

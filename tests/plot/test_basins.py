@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 from rotor_ida import InputError, Rotor, basin
 from rotor_ida.plot import plot_basin
 from rotor_ida.plot.appearance import KIND_SHADES
+from rotor_ida.plot.labels import LABELS
 from rotor_ida.schema import flags_of
 
 
@@ -43,7 +44,7 @@ def test_legend_names_kind_and_amplitude(figure_7):
 
 def test_axes_are_labelled_and_equal(figure_7):
     ax = plot_basin(figure_7)
-    assert (ax.get_xlabel(), ax.get_ylabel()) == ("displacement $x$", "displacement $y$")
+    assert (ax.get_xlabel(), ax.get_ylabel()) == (LABELS["x"], LABELS["y"])
     assert ax.get_aspect() == 1.0
 
 
@@ -83,7 +84,7 @@ def test_plane_of_unlike_coordinates_is_square_and_says_what_is_held():
     plane = basin(rotor, x=np.linspace(-6, 6, 4), y=0.0, vx=-15.0, vy=np.linspace(-10, 10, 4))
     ax = plot_basin(plane)
     assert (ax.get_aspect(), ax.get_box_aspect()) == ("auto", 1.0)
-    assert ax.get_title().endswith("$x$′ $= -15$")
+    assert ax.get_title().endswith(LABELS["vx"].partition(" ")[2] + " $= -15$")
 
 
 def test_draws_on_the_axes_given(figure_7):

@@ -25,6 +25,7 @@ from rotor_ida.plot import (
     plot_section,
     plot_spectrum,
 )
+from rotor_ida.plot.labels import LABELS
 
 REST = (0.0, 0.0, 0.0, 0.0)
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
@@ -34,7 +35,7 @@ def lines_of(ax):
     return {line.get_label(): line for line in ax.lines}
 
 
-def test_orbit_on_rotating_axes_passes_through_the_turned_samples(run):
+def test_orbit_on_rotating_axes_passes_through_the_rotated_samples(run):
     seen = rotating(run)
     ax = plot_rotating_orbit(seen)
     lines = lines_of(ax)
@@ -52,7 +53,7 @@ def test_entries_are_drawn_as_radial_velocity_over_the_angle():
     angle, velocity = ax.lines[0].get_data()
     assert (velocity > 0.0).all()
     np.testing.assert_allclose(2.0 * np.cos(angle), section.rotating_x, atol=1e-12)
-    assert ax.get_ylabel() == "radial velocity $|z|$′"
+    assert ax.get_ylabel() == LABELS["radial_velocity"]
 
 
 def test_a_single_point_is_not_blown_up():

@@ -6,6 +6,7 @@ from matplotlib.figure import Figure
 
 from rotor_ida import InputError, synchronous_response
 from rotor_ida.plot import panels, plot_amplitude, plot_phase, shared_legend
+from rotor_ida.plot.labels import LABELS
 
 
 def line(ax, label):
@@ -19,9 +20,8 @@ def legend_texts(ax):
 
 def test_axes_are_labelled_with_name_and_symbol(exact):
     ax = plot_amplitude(exact)
-    assert ax.get_xlabel() == r"spin speed $\omega$"
-    assert ax.get_ylabel() == "amplitude $A$"
-    assert plot_phase(exact).get_ylabel() == r"phase lag $\theta$"
+    assert (ax.get_xlabel(), ax.get_ylabel()) == (LABELS["omega"], LABELS["amplitude"])
+    assert plot_phase(exact).get_ylabel() == LABELS["phase_lag"]
 
 
 def test_stable_unstable_and_neutral_whirls_differ_without_colour(exact):

@@ -2,9 +2,19 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from rotor_ida import InputError, Rotor, simulate
-from rotor_ida.plot import plot_orbit, plot_run
-from rotor_ida.plot.paths import path_of
+from rotor_ida import DimensionalRotor, InputError, Rotor, dimensional, simulate
+from rotor_ida.plot import plot_drawn_out, plot_history, plot_machine, plot_orbit, plot_run
+from rotor_ida.plot.labels import LABELS, label_of
+from rotor_ida.plot.runs import path_of
+
+MACHINE = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6,
+                           clearance=2e-6, speed=1000.0)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def machine():
+    run = simulate(MACHINE.rotor(), start=(0, 0, 0, 0), duration=40.0, samples=2001)
+    return dimensional(run, MACHINE, units={"length": "µm", "time": "ms"})
 
 
 def labels(ax):
@@ -13,12 +23,9 @@ def labels(ax):
 
 def test_panels_are_labelled_with_name_and_symbol(run):
     x, y, radius, force, orbit = plot_run(run).axes
-    assert x.get_ylabel() == "displacement $x$"
-    assert y.get_ylabel() == "displacement $y$"
-    assert radius.get_ylabel() == "radius $|z|$"
-    assert force.get_ylabel() == "peak force $f$"
-    assert force.get_xlabel() == "time $t$"
-    assert (orbit.get_xlabel(), orbit.get_ylabel()) == ("displacement $x$", "displacement $y$")
+    shown = [ax.get_ylabel() for ax in (x, y, radius, force, orbit)]
+    assert shown == [LABELS[name] for name in ("x", "y", "radius", "peak_force", "y")]
+    assert (force.get_xlabel(), orbit.get_xlabel()) == (LABELS["t"], LABELS["x"])
 
 
 def test_contacts_are_shaded_from_entry_to_exit_and_to_the_end(run):
@@ -94,7 +101,81 @@ def test_draws_on_the_axes_given(run):
     assert plot_orbit(run, ax=ax) is ax
 
 
-def test_another_dataset_is_refused(exact):
-    for plot in (plot_run, plot_orbit):
+def test_other_things_are_refused(run, exact):
+    for plot in (plot_run, plot_orbit, plot_drawn_out):
         with pytest.raises(InputError, match=r"run must hold .* it lacks t, x, y"):
             plot(exact)
+    with pytest.raises(InputError, match="name must be one of 'x', 'y', 'radius'"):
+        plot_history(run, "z")
+
+
+def test_contact_and_flight_have_their_own_lines(run):
+    ax = plot_history(run, "radius")
+    lines = {line.get_label(): line.get_ydata() for line in ax.lines}
+    assert set(lines) == {"flight", "contact"}
+    # the cubic between two events strays by less than its fourth-order error
+    assert np.nanmin(lines["contact"]) > 0.5 - 1e-4
+    assert np.nanmax(lines["flight"]) < 0.5 + 1e-4
+
+
+def test_history_is_that_of_the_run(run):
+    ax = plot_history(run, "x")
+    assert ax.get_ylabel() == LABELS["x"]
+    assert ax.get_xlim() == (0.0, 20.0)
+    drawn = np.concatenate([line.get_ydata() for line in ax.lines])
+    assert np.isin(run.x.values, drawn).all()
+
+
+def test_drawn_out_orbit_goes_along_time(run):
+    ax = plot_drawn_out(run)
+    assert ax.name == "3d"
+    shown = (ax.get_xlabel(), ax.get_ylabel(), ax.get_zlabel())
+    assert shown == tuple(LABELS[name] for name in ("t", "x_alone", "y_alone"))
+    times, x, y = ax.lines[-1].get_data_3d()
+    first_entry = float(run.entry_time[0])
+    assert (np.nanmin(times), np.nanmax(times)) == (first_entry, 20.0)
+    assert np.nanmin(np.hypot(x, y)) > 0.5 - 1e-4
+
+
+def test_axes_of_a_machine_are_in_the_units_of_its_dataset(machine):
+    orbit, history, force = plot_machine(machine).axes
+    assert orbit.get_xlabel() == label_of("x", machine.x)
+    assert history.get_ylabel() == label_of("radius", machine.x)
+    assert force.get_xlabel() == label_of("t", machine.t)
+    assert force.get_ylabel() == label_of("contact_force", machine.peak_force)
+    assert history.lines[0].get_xdata()[-1] == pytest.approx(1e3 * 40.0 * MACHINE.time_scale)
+
+
+def test_force_is_k_times_the_indentation_to_the_three_halves(machine):
+    line, peaks = plot_machine(machine).axes[2].lines
+    radius = np.hypot(machine.x.values, machine.y.values)
+    depth = np.maximum(1e-6 * radius - MACHINE.clearance, 0.0)
+    newtons = MACHINE.contact_stiffness * depth**1.5
+    assert np.isclose(line.get_ydata().max(), newtons.max(), rtol=1e-9)
+    # peaks are found between the samples and so never lie below them
+    assert peaks.get_ydata().max() >= newtons.max() * (1.0 - 1e-12)
+    assert peaks.get_ydata().max() == pytest.approx(newtons.max(), rel=1e-3)
+
+
+def test_dimensionless_run_is_refused(run):
+    with pytest.raises(InputError, match="run must be in SI units"):
+        plot_machine(run)
+
+
+def test_points_between_outputs_do_not_depend_on_the_units():
+    """Lengths, times and velocities may each have a prefix of their own."""
+    run = simulate(MACHINE.rotor(), start=(0, 0, 0, 0), duration=10.0, samples=51)
+    units = {"length": "µm", "time": "ms", "velocity": "km/s"}
+    plain, shown = path_of(run), path_of(dimensional(run, MACHINE, units=units))
+    assert plain.time.size > 4 * run.sizes["t"]
+    np.testing.assert_allclose(shown.x, 1e6 * MACHINE.length_scale * plain.x, atol=1e-12)
+
+
+def test_short_contact_parts_the_flight(run):
+    """A contact without a point between its ends is not drawn over in the colour of flight."""
+    path = path_of(run)
+    in_contact = np.zeros(path.time.shape, dtype=bool)
+    in_contact[3] = True
+    x, time = path.stretches(~in_contact, path.x, path.time)
+    np.testing.assert_array_equal(time[:6], [*path.time[:4], np.nan, path.time[4]])
+    np.testing.assert_array_equal(np.isnan(x), np.isnan(time))

@@ -4,11 +4,12 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from rotor_ida import Rotor, simulate
 from rotor_ida.equations.model import energy, power, rotated
+from rotor_ida.simulation import run as simulation_run
 
 coordinates = st.floats(-2.0, 2.0)
 starts = st.tuples(coordinates, coordinates, coordinates, coordinates)
@@ -34,8 +35,7 @@ def test_energy_changes_by_the_work_done(rotor, start):
     edges = np.unique(np.concatenate([events.event_time.values, np.linspace(0, duration, 97)]))
     middle, half = (edges[1:] + edges[:-1]) / 2, np.diff(edges) / 2
     times = np.unique((middle[:, None] + half[:, None] * NODES).ravel())
-    if times.size != middle.size * NODES.size:  # an event within rounding of another
-        return
+    assume(times.size == middle.size * NODES.size)  # no event within rounding of another
     run = simulate(rotor, start=start, duration=duration, samples=times, rtol=1e-12, atol=1e-14)
     rate = power(times, states_of(run), rotor).reshape(middle.size, -1)
     work = float((rate @ WEIGHTS * half).sum())
@@ -59,7 +59,10 @@ def test_turning_start_and_time_turns_the_orbit(rotor, start, wait):
 @settings(max_examples=20, deadline=None)
 @given(rotors, starts)
 def test_samples_and_events_keep_to_their_side_of_the_ring(rotor, start):
-    run = simulate(rotor, start=start, duration=15.0)
+    """Without the checks that every run makes of itself, and more closely than they do."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(simulation_run, "check_orbit", lambda orbit: None)
+        run = simulate(rotor, start=start, duration=15.0)
     times, kinds = run.event_time.values, run.event_kind.values
     assert (np.diff(times) > 0.0).all()
     assert (kinds[1:] == -kinds[:-1]).all()
@@ -68,7 +71,7 @@ def test_samples_and_events_keep_to_their_side_of_the_ring(rotor, start):
     depth = np.hypot(run.x.values, run.y.values) - rotor.delta0
     passed = np.searchsorted(times, run.t.values, side="right")
     inside = (passed % 2 == 1) != bool(run.starts_in_contact)
-    assert (np.where(inside, depth, -depth) > -1e-8).all()
+    assert (np.where(inside, depth, -depth) > -1e-9).all()
     assert run.peak_indentation.values.size == math.ceil(
         (kinds.size + int(run.starts_in_contact)) / 2
     )

@@ -1,5 +1,8 @@
 """The stated error of an event time covers the true one, and is not absurdly larger."""
 
+from fractions import Fraction
+
+import mpmath
 import numpy as np
 import pytest
 
@@ -66,3 +69,33 @@ def test_the_loosest_tolerance_still_states_an_error():
     best = simulate(rotor, start=REST, duration=20.0, rtol=1e-13, atol=1e-15)
     assert run.sizes["event"] == best.sizes["event"]
     assert (np.abs(run.event_time - best.event_time) <= run.event_time_error).all()
+
+
+@pytest.mark.parametrize("speed", [7e-4, 1.3e-3, 0.11])
+def test_the_spacing_of_doubles_is_part_of_the_stated_error(speed):
+    """Straight flight to a ring far away, whose exact time of arrival is a quotient."""
+    rotor = Rotor(omega=0.0, zeta=0.0, delta0=1e6)
+    exact = Fraction(10**6) / Fraction(speed)
+    run = simulate(rotor, start=(0, 0, speed, 0), duration=1.001 * float(exact), samples=2)
+    time, stated = run.event_time.values[0], run.event_time_error.values[0]
+    assert abs(Fraction(float(time)) - exact) <= Fraction(float(stated))
+    assert np.spacing(time) <= stated < 100.0 * np.spacing(time)
+
+
+@pytest.mark.parametrize("drift", [0.1, 0.23, 0.7])
+def test_the_rounding_of_the_phase_is_part_of_the_stated_error(drift):
+    """An undamped whirl whose centre drifts to the ring, through millions of radians."""
+    omega, delta0 = 100.0, 1e4
+    rotor = Rotor(omega=omega, zeta=0.0, delta0=delta0)
+    start = (-1.0, 0.0, drift, -omega)
+    run = simulate(rotor, start=start, duration=1.001 * delta0 / drift, samples=2)
+    time, stated = run.event_time.values[0], run.event_time_error.values[0]
+    assert omega * time > 1e6
+    with mpmath.workdps(40):
+
+        def excess(t):
+            return abs(mpmath.mpf(drift) * t - mpmath.expj(omega * t)) - delta0
+
+        exact = mpmath.findroot(excess, (mpmath.mpf(time), mpmath.mpf(time) + stated))
+        assert abs(exact - mpmath.mpf(time)) <= stated
+    assert stated < 1e-6

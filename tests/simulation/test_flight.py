@@ -16,6 +16,8 @@ from rotor_ida.simulation.flight import (
     unbalance_whirl,
 )
 
+GO_ON = np.zeros(1, np.uint8)
+
 
 def exact_position(z0, w0, tau, omega, zeta):
     """The motion on standing axes, in 40 digits, from the textbook form."""
@@ -96,23 +98,23 @@ def test_no_graze_is_missed_and_none_invented(size):
             continue
         seen += 1
         z0, w0, omega, zeta, summit, inside = case
-        touch = first_touch(z0, w0, omega, zeta, inside, 2.0 * summit)
+        touch = first_touch(z0, w0, omega, zeta, inside, 2.0 * summit, GO_ON)
         assert touch < summit
         assert abs(fly(z0, w0, touch, omega, zeta)[0]) == pytest.approx(inside, abs=4e-15)
-        later = first_touch(z0, w0, omega, zeta, inside + 2.0 * size, summit + 1e-3)
+        later = first_touch(z0, w0, omega, zeta, inside + 2.0 * size, summit + 1e-3, GO_ON)
         assert later == NEVER
 
 
-def test_a_whirl_on_the_ring_or_just_inside_it_is_told_at_once():
+def test_a_whirl_on_the_ring_or_just_inside_it_is_decided_at_once():
     """A centred whirl whose radius is delta0 never touches, however long it is watched."""
     a = unbalance_whirl(1.7, 0.07)
     for room in (0.0, 1e-15, 1e-12, 1e-6):
-        assert first_touch(a, 1.7j * a, 1.7, 0.07, abs(a) + room, 1e9) == NEVER
+        assert first_touch(a, 1.7j * a, 1.7, 0.07, abs(a) + room, 1e9, GO_ON) == NEVER
 
 
 def test_the_floor_is_near_rounding():
     """A touch of 1e-13 of the clearance is still found, so the stated floor is honest."""
     assert touch_floor(1.7, 0.07, 2.0) / (2 * 2.0) < 1e-13
-    straight = first_touch(0j, 1 + 0j, 0.0, 0.0, 2.0, 10.0)
+    straight = first_touch(0j, 1 + 0j, 0.0, 0.0, 2.0, 10.0, GO_ON)
     assert straight == pytest.approx(2.0, rel=1e-15)
-    assert math.isinf(first_touch(0j, 1 + 0j, 0.0, 0.0, 2.0, 1.9))
+    assert math.isinf(first_touch(0j, 1 + 0j, 0.0, 0.0, 2.0, 1.9, GO_ON))

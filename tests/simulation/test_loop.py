@@ -277,8 +277,15 @@ def test_an_event_behind_the_end_keeps_its_own_time_and_moves_nothing():
     assert run.x.values[-1] == pytest.approx(1000.0 - 9e-6, rel=1e-15)
     early = simulate(free, start=(0, 0, 1, 0), duration=999.0)
     assert early.sizes["event"] == 0
-    bouncing = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
-    simulate(bouncing, start=REST, duration=80.8513707, samples=11)
+    bouncing, end = Rotor(omega=2.0, zeta=0.07, delta0=2.0), 80.8513707
+    times = np.linspace(0.0, end, 11)
+    run, longer = (
+        simulate(bouncing, start=REST, duration=duration, samples=times) for duration in (end, 82.0)
+    )
+    assert 0.0 < run.event_time.values[-1] - end < 1e-8 * end
+    same = longer.isel(event=slice(run.sizes["event"]))
+    for name in ("event_time", "x", "y", "vx", "vy"):
+        assert run[name].values == pytest.approx(same[name].values, rel=0.0, abs=1e-9), name
 
 
 @pytest.mark.parametrize("flight", ["exact", "cvode"])

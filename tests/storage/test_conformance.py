@@ -50,11 +50,14 @@ def test_h5netcdf_reads_the_same(archive: Path) -> None:
                 assert variable.identical(seen.variables[name].load()), name
 
 
-@pytest.mark.skipif(shutil.which("ncdump") is None, reason="ncdump is not installed")
-def test_ncdump_shows_the_header(archive: Path) -> None:
-    shown = subprocess.run(["ncdump", "-h", archive], capture_output=True, text=True, check=True)
-    assert ':Conventions = "CF-1.11"' in shown.stdout
-    assert not shown.stderr
+def test_ncdump_shows_the_headers(tmp_path: Path) -> None:
+    if shutil.which("ncdump") is None:
+        pytest.skip("ncdump is not installed (netcdf-bin of Debian and Ubuntu has it)")
+    for name, made in KINDS.items():
+        path = rotor_ida.save(made(), tmp_path / f"{name}.nc")
+        shown = subprocess.run(["ncdump", "-h", path], capture_output=True, text=True, check=True)
+        assert ':Conventions = "CF-1.11"' in shown.stdout, name
+        assert not shown.stderr, name
 
 
 def test_no_attribute_holds_what_flags_should(archive: Path) -> None:
@@ -62,11 +65,17 @@ def test_no_attribute_holds_what_flags_should(archive: Path) -> None:
         assert variable.dtype.kind in "iuf" or name in {"message", "machine"}
 
 
+def test_plain_xarray_shows_the_motion_as_data(tmp_path: Path) -> None:
+    with xr.open_dataset(rotor_ida.save(a_run(), tmp_path / "run.nc")) as seen:
+        assert {"x", "y", "vx", "vy"} <= set(seen.data_vars)
+        assert "t" in seen.coords
+
+
 @pytest.mark.filterwarnings("default")
-def test_checker_finds_what_the_domain_variable_cures(tmp_path: Path) -> None:
-    path = tmp_path / "plain.nc"
-    plain = a_run().assign_attrs(history="2026-11-21T15:00:00Z made")
-    plain.to_netcdf(path, encoding={name: {"_FillValue": None} for name in plain.variables})
+def test_checker_finds_what_is_wrong(tmp_path: Path) -> None:
+    path = tmp_path / "calendar.nc"
+    run = a_run().rename(t="time").assign_attrs(history="2026-11-21T15:00:00Z made")
+    run.to_netcdf(path, encoding={name: {"_FillValue": None} for name in run.variables})
     passed, report = what_the_checker_says(path)
     assert not passed
-    assert "'t' should have standard_name='t'" in report
+    assert "'time' should have standard_name='time'" in report

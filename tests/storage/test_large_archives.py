@@ -1,4 +1,4 @@
-"""Archives larger than memory: written, checked and read slab by slab."""
+"""Archives larger than memory: written, checked and read block by block."""
 
 from __future__ import annotations
 
@@ -14,8 +14,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rotor_ida import ArchiveError, load, open_archive, save
-from rotor_ida.storage.archive import slabs, soundness
-from rotor_ida.storage.archive.content import archived_form, content_sha256
+from rotor_ida.storage.archive import checksum, reading
+from rotor_ida.storage.archive.checksum import append_seal, content_sha256
+from rotor_ida.storage.archive.content import archived_form
 
 LARGE = """
 import resource, sys
@@ -45,23 +46,25 @@ def test_saving_and_opening_hold_a_part_in_memory(tmp_path: Path) -> None:
     first, second = tmp_path / "first.nc", tmp_path / "second.nc"
     program = [sys.executable, "-c", LARGE, str(first), str(second)]
     shown = subprocess.run(program, capture_output=True, text=True, check=True)
-    # of 305 MiB: a slab, its pieces and copies, 32 MiB each, and what dask brings
+    # of 305 MiB: a block, its pieces and copies, 32 MiB each, and what dask brings
     assert float(shown.stdout) < 240
     with open_archive(first, check=False) as one, open_archive(second, check=False) as two:
         assert one.attrs["content_sha256"] == two.attrs["content_sha256"]
 
 
 @given(st.lists(st.integers(0, 9), max_size=4), st.sampled_from([1, 8]), st.data())
-def test_slabs_cover_an_array_once_in_order(
+def test_blocks_cover_an_array_once_in_order(
     shape: list[int], itemsize: int, data: st.DataObject
 ) -> None:
     chunk = data.draw(st.integers(1, 200))
     values = np.arange(np.prod(shape, dtype=int)).reshape(shape)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(slabs, "CHUNK", chunk)
-        patch.setattr(slabs, "SLAB", chunk + data.draw(st.integers(0, 800)))
-        indices = list(slabs.slab_indices(shape, itemsize))
-        assert all(values[index].size * itemsize <= max(slabs.SLAB, itemsize) for index in indices)
+        patch.setattr(checksum, "CHUNK", chunk)
+        patch.setattr(checksum, "BLOCK", chunk + data.draw(st.integers(0, 800)))
+        indices = list(checksum.block_indices(shape, itemsize))
+        assert all(
+            values[index].size * itemsize <= max(checksum.BLOCK, itemsize) for index in indices
+        )
     pieces = [values[index].ravel() for index in indices]
     assert np.concatenate([[], *pieces]).tolist() == values.ravel().tolist()
 
@@ -70,8 +73,8 @@ def test_slabs_cover_an_array_once_in_order(
 def test_lazy_data_are_kept_like_those_in_memory(
     shape: tuple[int, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(slabs, "CHUNK", 48)
-    monkeypatch.setattr(slabs, "SLAB", 120)
+    monkeypatch.setattr(checksum, "CHUNK", 48)
+    monkeypatch.setattr(checksum, "BLOCK", 120)
     values = np.random.default_rng(0).normal(size=shape)
     unread = lazy(values)
     path = save(unread, tmp_path / "lazy.nc")
@@ -108,7 +111,7 @@ def test_archive_too_large_for_load_is_for_open_archive(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = save(xr.Dataset({"x": ("t", np.zeros(1000))}), tmp_path / "run.nc")
-    monkeypatch.setattr(soundness, "LARGEST_CONTENT", 7999)
+    monkeypatch.setattr(reading, "LARGEST_CONTENT", 7999)
     with pytest.raises(ArchiveError, match=r"holds 8e\+03 bytes.*open_archive reads larger ones"):
         load(path)
     with open_archive(path) as opened:
@@ -119,10 +122,13 @@ def test_damage_is_found_unless_told_not_to_look(tmp_path: Path) -> None:
     path = save(xr.Dataset({"x": ("t", np.arange(1000.0))}), tmp_path / "run.nc")
     with netCDF4.Dataset(path, "a") as file:
         file["x"][3] = 5.0
+    with pytest.raises(ArchiveError, match="it has no seal"):
+        open_archive(path, check=False)
+    append_seal(path)
     with pytest.raises(ArchiveError, match="does not have the checksum"):
         open_archive(path)
     with open_archive(path, check=False) as opened:
         assert opened.x[3] == 5.0
     path.write_bytes(path.read_bytes()[:2000])
-    with pytest.raises(ArchiveError, match="is truncated or damaged"):
+    with pytest.raises(ArchiveError, match="it has no seal"):
         open_archive(path, check=False)

@@ -1,1 +1,1 @@
-"""The commands, one a module: each reads its words, asks the library and answers a report."""
+"""The commands; each answers with a report."""

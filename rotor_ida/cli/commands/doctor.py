@@ -1,9 +1,30 @@
-"""The command doctor."""
+"""The command doctor: the versions of an installation, and small runs with a known outcome."""
 
 from __future__ import annotations
 
+import platform
+import tempfile
+from collections.abc import Callable
+from functools import partial
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Literal, get_args
+
+import rotor_ida
 from rotor_ida.cli import options
-from rotor_ida.cli.report import Report
+from rotor_ida.cli.report import Report, pairs, table
+from rotor_ida.simulation.options import Backend, Flight
+
+PACKAGES = (
+    *("rotor-ida", "scikit-sundae", "numpy", "scipy", "numba"),
+    *("xarray", "netCDF4", "matplotlib", "distributed"),
+)
+# Released at rest at this distance from the axis, outside a ring of this clearance.
+RELEASE, CLEARANCE = 2.0, 0.5
+LARGEST_ERROR = 1e-8
+
+Result = Literal["ok", "failed", "absent"]
+Check = dict[str, str]
 
 
 def doctor(*, as_json: options.AsJson = False) -> Report:
@@ -13,32 +34,128 @@ def doctor(*, as_json: options.AsJson = False) -> Report:
 
         rotor-ida doctor --json
     """
-    from rotor_ida.cli import health  # noqa: PLC0415 - heavy, and not for --help
-    from rotor_ida.cli.tables import pairs, table  # noqa: PLC0415
+    from rotor_ida.equations.compiling import cache_folder  # noqa: PLC0415 - not for --help
+    from rotor_ida.parallel.executors import EXECUTORS, why_not  # noqa: PLC0415 - not for --help
 
-    by_backend = {name: health.check_backend(name) for name in health.backends()}
-    checks = [*(check for checks in by_backend.values() for check in checks)]
-    checks.append(health.check_archive())
+    backends = [name for name in get_args(Backend) if name != "auto"]
+    by_backend = {name: _check_backend(name) for name in backends}
+    checks = [*(check for found in by_backend.values() for check in found)]
+    checks.append(_attempt("archive: written and read back", _archive))
     usable = [
         name
         for name, found in by_backend.items()
-        if all(check.result == health.OK for check in found)
+        if all(check["result"] == "ok" for check in found)
     ]
-    versions, rows = health.versions(), [check.record() for check in checks]
-    failed = sum(check.result == health.FAILED for check in checks)
+    executors = [name for name in EXECUTORS if name != "auto" and not why_not(name)]
+    versions, cached = _versions(), cache_folder() is not None
+    failed = sum(check["result"] == "failed" for check in checks)
     return Report(
         record={
             "versions": versions,
             "backends": usable,
-            "executors": health.executors(),
-            "checks": rows,
+            "executors": executors,
+            "kernels_cached": cached,
+            "checks": checks,
         },
         parts=[
             pairs("Versions", versions),
             f"Backends that can be used: {', '.join(usable) or 'none'}",
-            f"Executors that can be used: {', '.join(health.executors())}",
-            table("Checks", rows, list(rows[0])),
+            f"Executors that can be used: {', '.join(executors)}",
+            "Compiled kernels are cached on disk"
+            if cached
+            else "Compiled kernels are not cached: no folder for them can be written",
+            table("Checks", checks, list(checks[0])),
         ],
         as_json=as_json,
         trouble=f"{failed} of {len(checks)} checks failed" if failed else "",
     )
+
+
+def _versions() -> dict[str, object]:
+    """Return the version of every part that computes, writes or draws; None where missing."""
+    found: dict[str, object] = {"python": platform.python_version()}
+    for name in PACKAGES:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = None
+    try:
+        from rotor_ida import provenance  # noqa: PLC0415 - it asks the solver
+
+        found["SUNDIALS"] = provenance.versions().get("sundials_version")
+    except ImportError:
+        found["SUNDIALS"] = None
+    return found
+
+
+def _check_backend(backend: Backend) -> list[Check]:
+    """Compare a free vibration across the clearance with its exact event times.
+
+    Released at rest at A, the rotor leaves the ring after a quarter of the planar period of
+    amplitude ``A - delta0`` without clearance, and crosses ``2 delta0`` at constant speed. A
+    backend that cannot be had here is absent, with the reason; the others do its work.
+    """
+    reason = _why_not(backend)
+    if reason:
+        return [_check(f"{backend}: free vibration", "absent", reason)]
+    return [
+        _attempt(
+            f"{backend}: free vibration, flight {flight}",
+            partial(_vibration, backend, flight),
+        )
+        for flight in get_args(Flight)
+    ]
+
+
+def _why_not(backend: Backend) -> str:
+    if backend != "compiled":
+        return ""
+    try:
+        from rotor_ida.simulation.cvode import libraries  # noqa: PLC0415 - it needs the solver
+    except ImportError as error:
+        return f"ImportError: {error}"
+    return libraries.why_not()
+
+
+def _vibration(backend: Backend, flight: Flight) -> str:
+    from rotor_ida import closed_forms  # noqa: PLC0415 - heavy, and not for --help
+
+    depth = RELEASE - CLEARANCE
+    leaving = closed_forms.planar_period(depth) / 4.0
+    crossing = 2.0 * CLEARANCE / closed_forms.centre_speed(depth)
+    run = rotor_ida.simulate(
+        rotor_ida.Rotor(omega=0.0, zeta=0.0, delta0=CLEARANCE),
+        start=(RELEASE, 0.0, 0.0, 0.0),
+        duration=leaving + crossing + 1.0,
+        samples=2,
+        flight=flight,
+        backend=backend,
+    )
+    times = run["event_time"].values.tolist()
+    if len(times) != 2:
+        raise ArithmeticError(f"expected an exit and an entry, got {len(times)} events")
+    error = max(abs(times[0] - leaving), abs(times[1] - leaving - crossing))
+    if not error < LARGEST_ERROR:
+        raise ArithmeticError(f"event times are wrong by {error:.1e}")
+    return f"event times right to {error:.1e}"
+
+
+def _archive() -> str:
+    """Write a small archive and read it back."""
+    whirls = rotor_ida.synchronous_response(omega=1.7, zeta=0.07, delta0=0.5)
+    with tempfile.TemporaryDirectory() as folder:
+        again = rotor_ida.load(rotor_ida.save(whirls, Path(folder) / "whirls.nc"))
+    if not again["amplitude"].identical(whirls["amplitude"]):
+        raise ArithmeticError("what was read is not what was written")
+    return "equal"
+
+
+def _attempt(name: str, attempt: Callable[[], str]) -> Check:
+    try:
+        return _check(name, "ok", attempt())
+    except Exception as error:  # whatever is broken here is the answer
+        return _check(name, "failed", " ".join(f"{type(error).__name__}: {error}".split()))
+
+
+def _check(name: str, result: Result, seen: str) -> Check:
+    return {"check": name, "result": result, "seen": seen}

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 import rotor_ida
-from rotor_ida.cli import options, parsing
+from rotor_ida.cli import options
+from rotor_ida.cli.output import Output, answer
+from rotor_ida.cli.parsing import check_points
 from rotor_ida.cli.report import Report
-from rotor_ida.cli.targets import check_targets
 from rotor_ida.errors import InputError
 
 if TYPE_CHECKING:
@@ -19,7 +20,10 @@ if TYPE_CHECKING:
 MOST_ROWS = 1000
 
 WithFolds = Annotated[
-    bool, Parameter(help="Also list the folds; alone if no --omega is given.", negative=())
+    bool,
+    Parameter(
+        help="Also list the folds; alone if no --omega is given.", negative=(), show_default=False
+    ),
 ]
 
 
@@ -29,10 +33,7 @@ def response(
     delta0: options.Delta0s,
     omega: options.Omegas | None = None,
     folds: WithFolds = False,
-    out: options.Out = None,
-    figure: options.Figure = None,
-    as_json: options.AsJson = False,
-    force: options.Force = False,
+    output: Output = Output(),
 ) -> Report:
     r"""List every exact synchronous whirl, with its stability.
 
@@ -43,24 +44,20 @@ def response(
         rotor-ida response --omega 0.5:3:251 --zeta 0.07 --delta0 0 2 \
             --out whirls.nc --figure whirls.png
     """
-    dampings, clearances = parsing.numbers("zeta", zeta), parsing.numbers("delta0", delta0)
-    speeds = [] if omega is None and folds else parsing.numbers("omega", omega or [])
-    parsing.check_points(speeds or [0.0], dampings, clearances)
-    if figure is not None and not speeds:
+    if omega is None and not folds:
+        raise InputError("omega must hold at least one number, got none")
+    if omega is None and output.figure is not None:
         raise InputError("figure must be of whirls: give --omega")
-    panels = len(dampings) * len(clearances)
-    targets = check_targets(out=out, figure=figure, panels=panels, force=force)
-    from rotor_ida.cli.answer import answer  # noqa: PLC0415 - heavy, and not for --help
-
-    dataset = _computed(speeds, dampings, clearances, folds)
-    return answer(dataset, targets, as_json=as_json, most=MOST_ROWS)
+    check_points(omega or [0.0], zeta, delta0)
+    output.check(panels=len(zeta) * len(delta0))
+    return answer(_computed(omega, zeta, delta0, folds), output, most=MOST_ROWS)
 
 
 def _computed(
-    speeds: list[float], dampings: list[float], clearances: list[float], with_folds: bool
+    speeds: list[float] | None, dampings: list[float], clearances: list[float], with_folds: bool
 ) -> xr.Dataset:
     """Return whirls, folds, or whirls with their folds beside them."""
-    if not speeds:
+    if speeds is None:
         return rotor_ida.folds(zeta=dampings, delta0=clearances)
     whirls = rotor_ida.synchronous_response(omega=speeds, zeta=dampings, delta0=clearances)
     if not with_folds:

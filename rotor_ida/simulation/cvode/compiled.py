@@ -48,7 +48,14 @@ from rotor_ida.simulation.cvode.interface import (
     vector_new,
     vector_over,
 )
-from rotor_ida.simulation.motion import FAR_GOAL, GOES_ON, NOT_FINITE, Motion
+from rotor_ida.simulation.motion import (
+    FAR_GOAL,
+    GOES_ON,
+    MOST_IDLE_STEPS,
+    NOT_FINITE,
+    STUCK,
+    Motion,
+)
 
 Values = npt.NDArray[np.float64]
 
@@ -206,7 +213,7 @@ def _advance(motion: Any) -> int:
     integers[DEGREE], integers[READINGS] = -1, 0
     for number in range(values.size):
         before[number] = values[number]
-    while reals[POINT] <= reals[LOW]:
+    for _ in range(MOST_IDLE_STEPS):
         answer = address_of(motion) + 8 * REACHED
         status = cvode_solve(integers[MEMORY], FAR_GOAL, integers[STATE], answer, ONE_STEP)
         total = 0.0
@@ -216,7 +223,9 @@ def _advance(motion: Any) -> int:
             values[:] = before
             return int(status) if status < 0 else NOT_FINITE
         reals[POINT] = reals[REACHED]
-    return GOES_ON
+        if reals[POINT] > reals[LOW]:
+            return GOES_ON
+    return STUCK
 
 
 @compiled

@@ -7,6 +7,7 @@ reading the next ``"onestep"`` returns the end of the step once more, which `adv
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from typing import Any
 
@@ -15,7 +16,14 @@ import numpy.typing as npt
 from sksundae.cvode import CVODE
 from sksundae.ida import IDA
 
-from rotor_ida.simulation.motion import FAR_GOAL, GOES_ON, MESSAGES, NOT_FINITE
+from rotor_ida.simulation.motion import (
+    FAR_GOAL,
+    GOES_ON,
+    MESSAGES,
+    MOST_IDLE_STEPS,
+    NOT_FINITE,
+    STUCK,
+)
 from rotor_ida.simulation.options import Options
 
 Values = npt.NDArray[np.float64]
@@ -42,6 +50,8 @@ class Integration:
     """
 
     def __init__(self, options: Options, field: Field, jacobian: Jacobian | None = None):
+        # SUNDIALS would write its warnings to standard output.
+        os.environ.setdefault("SUNLOGGER_WARNING_FILENAME", os.devnull)
         self._options, self._field, self._jacobian = options, field, jacobian
         self._solver: Any = None
         self._count = 0
@@ -65,7 +75,7 @@ class Integration:
     def advance(self) -> int:
         """Take one internal step; return 0, or why it could not be taken."""
         self.low, self.before = self.point, self.values
-        while self.point <= self.low:
+        for _ in range(MOST_IDLE_STEPS):
             result = self._solver.step(FAR_GOAL, "onestep")
             if not result.success:
                 self.message = str(result.message).strip()
@@ -74,7 +84,10 @@ class Integration:
                 self.message = MESSAGES[NOT_FINITE]
                 return NOT_FINITE
             self.point, self.values, self._count = float(result.t), result.y, int(result.nfev)
-        return GOES_ON
+            if self.point > self.low:
+                return GOES_ON
+        self.message = MESSAGES[STUCK]
+        return STUCK
 
     def at(self, point: float) -> Values:
         """Return the values at a point of the last step; NaN where they cannot be read."""

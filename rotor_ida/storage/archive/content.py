@@ -1,32 +1,63 @@
-"""What an archive holds: the form in which a dataset is kept, and the checksum of its content."""
+"""What an archive holds: the form that a dataset gets, its names and attributes, and CF's view.
+
+Plain readers of netCDF, who know the CF conventions but not this package, see the same variables;
+`stored_names` and `coordinates_of` say under which names and attributes.
+"""
 
 from __future__ import annotations
 
-import hashlib
 import importlib.metadata
-import json
+import re
+import reprlib
 from collections.abc import Mapping
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida import schema
 from rotor_ida.errors import InputError
-from rotor_ida.storage.archive.conventions import COMMAND, CREATED, DOMAIN, HISTORY, LABEL_OF
-from rotor_ida.storage.archive.holdable import NUMERIC, check_name, kept_attributes, kept_values
-from rotor_ida.storage.archive.slabs import is_in_memory, slabs
+from rotor_ida.schema import CONVENTIONS
 
 FORMAT = "rotor_ida_format"
+FORMAT_NUMBER = 3
 VERSION = "rotor_ida_version"
 CHECKSUM = "content_sha256"
+HISTORY = "history"
+CREATED = "date_created"
+COMMAND = "command"
 
 # Given anew to each file that is saved.
-_OF_THE_FILE = frozenset([CHECKSUM, HISTORY, CREATED])
+OF_THE_FILE = frozenset([CHECKSUM, HISTORY, CREATED])
 
-# What the checksum leaves out in each format: in the second, who asked for the content and when,
-# so that what was computed alike has one checksum.
-_NOT_CONTENT = {1: frozenset([CHECKSUM]), 2: _OF_THE_FILE | {COMMAND}}
+# The attribute of a label that names the coordinate that it is.
+LABEL_OF = "label_of"
+
+NUMERIC = frozenset(
+    np.dtype(kind) for kind in ("i1", "i2", "i4", "i8", "u1", "u2", "u4", "u8", "f4", "f8")
+)
+
+# Names as CF wants them. The reserved attributes are those by which netCDF and HDF5 keep house,
+# or which tell a reader to alter the data.
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,199}")
+_RESERVED = frozenset(
+    [
+        "CLASS",
+        "NAME",
+        "DIMENSION_LIST",
+        "DIMENSION_LABELS",
+        "REFERENCE_LIST",
+        "coordinates",
+        "missing_value",
+        "scale_factor",
+        "add_offset",
+        "dtype",
+        LABEL_OF,
+    ]
+)
+_INSTEAD = {
+    "b": "; keep it as int8 with flag_values",
+    "c": "; keep its real and imaginary parts as two variables",
+}
 
 
 def archived_form(dataset: xr.Dataset) -> xr.Dataset:
@@ -42,137 +73,73 @@ def archived_form(dataset: xr.Dataset) -> xr.Dataset:
 
     Examples
     --------
-    >>> kept = archived_form(xr.Dataset({"x": ("t", [1.0])}, attrs={"samples": 1}))
-    >>> sorted(kept.attrs)
+    >>> stored = archived_form(xr.Dataset({"x": ("t", [1.0])}, attrs={"samples": 1}))
+    >>> sorted(stored.attrs)
     ['Conventions', 'rotor_ida_format', 'rotor_ida_version', 'samples']
     """
     if not isinstance(dataset, xr.Dataset):
         raise InputError(f"dataset must be an xarray Dataset, got {type(dataset).__name__}")
     for name in (*dataset.sizes, *dataset.variables):
-        check_name("name", name, "the dataset")
-    dataset = _as_load_gives_it(dataset)
-    kept = xr.Dataset(
-        {name: _kept_variable(str(name), dataset.variables[name]) for name in dataset.data_vars},
-        {name: _kept_variable(str(name), dataset.variables[name]) for name in dataset.coords},
-        kept_attributes("the dataset", dataset.attrs),
+        _check_name("name", name, "the dataset")
+    dataset = _labels_in_place(dataset)
+    stored = xr.Dataset(
+        {name: _stored_variable(str(name), dataset.variables[name]) for name in dataset.data_vars},
+        {name: _stored_variable(str(name), dataset.variables[name]) for name in dataset.coords},
+        _stored_attributes("the dataset", dataset.attrs),
     )
-    if not isinstance(kept.attrs.get(HISTORY, ""), str):
+    if not isinstance(stored.attrs.get(HISTORY, ""), str):
         raise InputError(f"attribute {HISTORY!r} of the dataset must be text")
-    for name in _OF_THE_FILE:
-        kept.attrs.pop(name, None)
-    kept.attrs["Conventions"] = schema.CONVENTIONS
-    kept.attrs[FORMAT] = np.int64(schema.FORMAT_VERSION)
-    kept.attrs.setdefault(VERSION, importlib.metadata.version("rotor-ida"))
-    return kept
+    for name in OF_THE_FILE:
+        stored.attrs.pop(name, None)
+    stored.attrs["Conventions"] = CONVENTIONS
+    stored.attrs[FORMAT] = np.int64(FORMAT_NUMBER)
+    stored.attrs.setdefault(VERSION, importlib.metadata.version("rotor-ida"))
+    return stored
 
 
-def content_sha256(dataset: xr.Dataset) -> str:
-    r"""Return the SHA-256 of all that `dataset` says, however it is stored.
+def stored_names(dataset: xr.Dataset) -> dict[str, str]:
+    """Return the name in the file of each variable.
 
-    Notes
-    -----
-    Hashed are lines of JSON, each ended by ``\n``: first the attributes of the dataset, then each
-    variable in the order of the names. An attribute, also in the order of the names, is
-    ``["attribute", name, dtype, value]``, where dtype is ``"str"`` or as in ``"<f8"``, and a
-    number's value is the hexadecimal of its little-endian bytes. A variable is ``["variable",
-    name, whether it is a coordinate, dims, shape, dtype]``, its data, then its attributes: the data
-    are the little-endian bytes in C order, or for strings one line of JSON, a list. The attribute
-    ``content_sha256`` itself is left out, and from format 2 on ``history``, ``date_created`` and
-    ``command``; compression and the order of variables play no part. Numbers that are not in
-    memory are read slab by slab.
+    For CF the coordinate of a dimension is a number. Where it is a text it is stored under another
+    name, as a label of the dimension.
 
     Examples
     --------
-    >>> near, far = (xr.Dataset({"x": ("t", [value])}) for value in (1.0, 1.0 + 2**-52))
-    >>> content_sha256(near) == content_sha256(near.copy(deep=True))
-    True
-    >>> content_sha256(near) == content_sha256(far)
-    False
+    >>> stored_names(xr.Dataset({"x": ("bearing", [0.0, 1.0])}, {"bearing": ["left", "right"]}))
+    {'x': 'x', 'bearing': 'bearing_label'}
     """
-    digest = ContentDigest(dataset)
-    for name in digest.names:
-        digest.begin(name)
-        variable = dataset.variables[name]
-        if variable.dtype not in NUMERIC:
-            digest.add_texts(variable.values)
-        else:
-            for _, values in slabs(variable):
-                digest.add_numbers(values)
-                del values  # before the next are read
-        digest.end(name)
-    return digest.hexdigest()
+    names = {str(name): str(name) for name in dataset.variables}
+    for name in names:
+        if name in dataset.dims and dataset[name].dtype.kind not in "iuf":
+            label = f"{name}_label"
+            while label in names or label in dataset.dims:
+                label += "_"
+            names[name] = label
+    return names
 
 
-class ContentDigest:
-    """The checksum of `content_sha256`, made while the content passes by.
+def coordinates_of(dataset: xr.Dataset) -> tuple[dict[str, str], str]:
+    """Return the attribute ``coordinates`` of each variable, and that of the file for the others.
 
-    Parameters
-    ----------
-    dataset : xr.Dataset
-        What is hashed.
+    Examples
+    --------
+    >>> run = xr.Dataset({"x": ("t", [0.0])}, {"omega": 1.7, "far": ("start", ["a"])})
+    >>> coordinates_of(run)
+    ({'x': 'omega'}, 'far')
     """
-
-    def __init__(self, dataset: xr.Dataset) -> None:
-        self.names = sorted(str(name) for name in dataset.variables)
-        self._dataset = dataset
-        self._digest = hashlib.sha256()
-        version = 1 if dataset.attrs.get(FORMAT, 1) == 1 else 2
-        told = {k: v for k, v in dataset.attrs.items() if k not in _NOT_CONTENT[version]}
-        _add_attributes(self._digest, told)
-
-    def begin(self, name: str) -> None:
-        """Take in what a variable is; its values follow, then `end`."""
-        variable = self._dataset.variables[name]
-        numeric = variable.dtype in NUMERIC
-        kind = _little_endian(variable.dtype).str if numeric else "str"
-        is_coordinate = name in self._dataset.coords
-        _add_line(
-            self._digest, "variable", name, is_coordinate, variable.dims, variable.shape, kind
-        )
-
-    def add_numbers(self, values: npt.NDArray[np.generic]) -> None:
-        """Take in numbers, in C order."""
-        stored = np.ascontiguousarray(values, dtype=_little_endian(values.dtype))
-        self._digest.update(stored.reshape(-1).view(np.uint8).data)
-
-    def add_texts(self, values: npt.NDArray[np.generic]) -> None:
-        """Take in all texts of the variable."""
-        _add_line(self._digest, values.ravel().tolist())
-
-    def end(self, name: str) -> None:
-        """Take in the attributes of the variable."""
-        _add_attributes(self._digest, self._dataset.variables[name].attrs)
-
-    def hexdigest(self) -> str:
-        """Return the checksum of what was taken in."""
-        return self._digest.hexdigest()
+    stored = stored_names(dataset)
+    others = [str(name) for name in dataset.coords if stored[str(name)] not in dataset.dims]
+    named: dict[str, str] = {}
+    for name, variable in dataset.data_vars.items():
+        its_own = [each for each in others if set(dataset[each].dims) <= set(variable.dims)]
+        if its_own:
+            named[str(name)] = " ".join(sorted(stored[each] for each in its_own))
+    told = {name for names in named.values() for name in names.split()}
+    return named, " ".join(sorted({stored[each] for each in others} - told))
 
 
-def _add_attributes(digest: hashlib._Hash, attributes: Mapping[str, object]) -> None:
-    for name in sorted(attributes):
-        value = attributes[name]
-        if isinstance(value, str):
-            _add_line(digest, "attribute", name, "str", value)
-        else:
-            array = np.asarray(value)
-            kind = _little_endian(array.dtype).str
-            _add_line(digest, "attribute", name, kind, array.astype(kind).tobytes().hex())
-
-
-def _add_line(digest: hashlib._Hash, *parts: object) -> None:
-    digest.update(json.dumps(parts).encode() + b"\n")
-
-
-def _little_endian(dtype: np.dtype[np.generic]) -> np.dtype[np.generic]:
-    return dtype.newbyteorder("<")
-
-
-def _as_load_gives_it(dataset: xr.Dataset) -> xr.Dataset:
-    """Take back what other readers of an archive show: the domain variable, names of labels."""
-    domain = dataset.variables.get(DOMAIN)
-    if DOMAIN in dataset.sizes or (domain is not None and "dimensions" not in domain.attrs):
-        raise InputError(f"the name {DOMAIN!r} is reserved for archives; rename it")
-    dataset = dataset.drop_vars(DOMAIN, errors="ignore")
+def _labels_in_place(dataset: xr.Dataset) -> xr.Dataset:
+    """Make labels of a dimension, which plain readers see, its coordinate again."""
     for name, variable in dataset.variables.items():
         dim = variable.attrs.get(LABEL_OF)
         if variable.dims == (dim,) and dim not in dataset.variables:
@@ -182,12 +149,72 @@ def _as_load_gives_it(dataset: xr.Dataset) -> xr.Dataset:
     return dataset
 
 
-def _kept_variable(name: str, variable: xr.Variable) -> xr.Variable:
-    attributes = kept_attributes(f"variable {name!r}", variable.attrs)
+def _stored_variable(name: str, variable: xr.Variable) -> xr.Variable:
+    attributes = _stored_attributes(f"variable {name!r}", variable.attrs)
     native = variable.dtype.newbyteorder("=")
-    if native in NUMERIC and not is_in_memory(variable):
-        kept = variable.copy(deep=False)
-        kept.attrs, kept.encoding = attributes, {}
-        return kept if native == variable.dtype else kept.astype(native)
-    values = kept_values(name, np.asarray(variable.values))
+    if native in NUMERIC and not variable._in_memory:
+        stored = variable.copy(deep=False)
+        stored.attrs, stored.encoding = attributes, {}
+        return stored if native == variable.dtype else stored.astype(native)
+    values = _stored_values(name, np.asarray(variable.values))
     return xr.Variable(variable.dims, values, attributes)
+
+
+def _stored_values(name: str, values: npt.NDArray[np.generic]) -> npt.NDArray[np.generic]:
+    """Return the values of a variable as they come back; raise InputError if they cannot."""
+    native = values.dtype.newbyteorder("=")
+    if native in NUMERIC:
+        return values.astype(native, copy=False)
+    texts = values.ravel().tolist()
+    if values.dtype.kind not in "UOT" or not all(isinstance(text, str) for text in texts):
+        held = "objects that are not strings" if values.dtype.kind == "O" else values.dtype.name
+        raise InputError(
+            f"variable {name!r} must hold integers, float32, float64 or strings, got {held}"
+            + _INSTEAD.get(values.dtype.kind, "")
+        )
+    for text in texts:
+        _check_text(f"variable {name!r}", text)
+    return values.astype(str)
+
+
+def _stored_attributes(owner: str, attributes: Mapping[str, object]) -> dict[str, object]:
+    """Return attributes as they come back; raise InputError if they cannot."""
+    for name in attributes:
+        _check_name("attribute", name, owner)
+        if name in _RESERVED:
+            raise InputError(f"attribute {name!r} of {owner} is reserved by netCDF; rename it")
+    return {name: _stored_attribute(owner, name, value) for name, value in attributes.items()}
+
+
+def _stored_attribute(owner: str, name: str, value: object) -> object:
+    if isinstance(value, str):
+        _check_text(f"attribute {name!r} of {owner}", value)
+        return str(value)
+    if isinstance(value, (int, float, np.number, np.ndarray)) and not isinstance(value, bool):
+        array = np.asarray(value)
+        native = array.dtype.newbyteorder("=")
+        if native in NUMERIC and array.ndim <= 1:
+            # netCDF does not tell an array of one number from the number.
+            return array.reshape(-1).astype(native)[0] if array.size == 1 else array.astype(native)
+    raise InputError(
+        f"attribute {name!r} of {owner} must be a string, a number or a one-dimensional numeric "
+        f"array, got {' '.join(reprlib.repr(value).split())}"
+    )
+
+
+def _check_name(what: str, name: object, owner: str) -> None:
+    """Raise InputError for a name that CF or netCDF does not allow."""
+    if not isinstance(name, str) or not _NAME.fullmatch(name):
+        raise InputError(
+            f"{what} {name!r} of {owner} must be a letter followed by letters, digits or "
+            "underscores, 200 at most"
+        )
+
+
+def _check_text(owner: str, text: str) -> None:
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        raise InputError(f"{owner} must be valid Unicode text, got {text!a}") from None
+    if "\0" in text:
+        raise InputError(f"{owner} must not hold the character NUL, got {text!a}")

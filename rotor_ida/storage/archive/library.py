@@ -1,6 +1,11 @@
 """The one door to the netCDF and HDF5 libraries: their lock, and what HDF5 says of a file's parts.
 
 netCDF4-python and HDF5 are not thread-safe: every call into them is made under `LOCK`.
+
+What netCDF does not tell, whether a part of a file is a link or has its data elsewhere, is asked of
+the HDF5 library that netCDF4-python has loaded, through ctypes. h5py would bring a second HDF5 into
+the process, and the two do not get on: HDF errors and crashes are on record in h5py's issue 1541
+and in netcdf4-python's issues 653, 1214 and 1343.
 """
 
 from __future__ import annotations

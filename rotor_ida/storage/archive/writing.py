@@ -1,25 +1,50 @@
-"""Writing an archive: to a temporary file beside it, then published in one step."""
+"""Writing an archive: checked, written through netCDF4 block by block, sealed and published."""
 
 from __future__ import annotations
 
 import errno
+import importlib
+import importlib.metadata
 import os
 import shutil
-from functools import partial
+from collections.abc import Mapping
+from datetime import UTC, datetime
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import xarray as xr
 
-from rotor_ida.errors import ArchiveError, InputError
+from rotor_ida.errors import ArchiveError
+from rotor_ida.files import already_there, check_target, written_whole
 from rotor_ida.provenance import command
-from rotor_ida.storage.archive.content import CHECKSUM, archived_form
-from rotor_ida.storage.archive.conventions import CREATED, HISTORY, history_with, libraries, now
-from rotor_ida.storage.archive.netcdf import write_netcdf
-from rotor_ida.storage.archive.parts import part_beside
-from rotor_ida.storage.archive.seal import append_seal
+from rotor_ida.storage.archive.checksum import (
+    BLOCK,
+    CHUNK,
+    Array,
+    Index,
+    append_seal,
+    content_sha256,
+    largest_block,
+)
+from rotor_ida.storage.archive.content import (
+    CHECKSUM,
+    CREATED,
+    HISTORY,
+    LABEL_OF,
+    NUMERIC,
+    archived_form,
+    coordinates_of,
+    stored_names,
+)
+from rotor_ida.storage.archive.library import LOCK
 
-_NO_LINKS_HERE = {errno.EPERM, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK}
-_NO_SYNC_HERE = {errno.EINVAL, errno.ENOTSUP, errno.EOPNOTSUPP, errno.EACCES}
+if TYPE_CHECKING:
+    import netCDF4
+
+OVERHEAD = 2**15  # bytes, more than what HDF5 adds to the values of a variable
+
+_NO_ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 
 
 def save(dataset: xr.Dataset, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
@@ -43,27 +68,27 @@ def save(dataset: xr.Dataset, path: str | os.PathLike[str], *, overwrite: bool =
     Raises
     ------
     InputError
-        If the folder does not exist, `path` is a folder, or a file is there and `overwrite` is
-        false, even one that appeared during the writing; or for a name, dtype or attribute that
-        an archive cannot keep.
+        If the folder does not exist or cannot be written to, `path` is a folder, or a file is
+        there and `overwrite` is false, even one that appeared during the writing; or for a name,
+        dtype or attribute that an archive cannot hold.
     ArchiveError
-        If the system does not let the file be written: a full disk, a missing permission.
+        If the system does not let the file be written: a full disk, for example.
 
     Notes
     -----
     The file gets six global attributes, which `load` shows: ``Conventions``,
     ``rotor_ida_format``, ``rotor_ida_version`` (unless `dataset` has one: it says what computed
-    the data), ``date_created`` (kept if the content is the same), ``history`` (one line more) and
-    ``content_sha256``, the checksum of `content_sha256`, which `load` verifies. They describe the
-    file: a dataset that was changed since it was loaded carries the
-    old ones until it is saved again.
+    the data), ``date_created`` (unchanged if the content is the same), ``history`` (one line more)
+    and ``content_sha256``, the checksum of `content_sha256`, which `load` verifies. They describe
+    the file: a dataset that was changed since it was loaded carries the old ones until it is saved
+    again.
 
     Numbers that are not in memory, but in another file or to be computed by dask, are written
-    slab by slab. The disk must have room for the numbers uncompressed, at most 32 MiB at a time.
+    block by block. The disk must have room for the numbers uncompressed, at most 32 MiB at a time.
 
     netCDF makes no difference between an attribute that is an array of one number and the number:
     both come back as the number. It has no fixed dimension of length zero: such a one is unlimited
-    in the file, the others are fixed. The width of strings and encodings are not kept. Compressed
+    in the file, the others are fixed. The width of strings and encodings are lost. Compressed
     variables carry HDF5's own checksum beside.
 
     A process that is killed while it writes leaves `path` as it was, and perhaps a folder
@@ -83,84 +108,139 @@ def save(dataset: xr.Dataset, path: str | os.PathLike[str], *, overwrite: bool =
     rotor_ida.errors.InputError: path must not exist unless overwrite is true, got '.../run.nc'
     >>> folder.cleanup()
     """
-    shown = _check_path(path)
-    # Through a symbolic link the file that it names is replaced, not the link.
-    target = Path(os.path.realpath(shown))
-    _check_target(shown, target, overwrite)
-    kept = archived_form(dataset)
+    shown = check_target("path", path, overwrite=overwrite)
+    stored = archived_form(dataset)
     try:
-        with part_beside(target) as part:
-            write_netcdf(kept, part, partial(_of_this_file, dataset, now()))
+        with written_whole(shown, overwrite=overwrite) as part:
+            _write_netcdf(stored, part, dataset.attrs)
             append_seal(part)
-            _publish(part, target, overwrite)
-        _sync_folder(target.parent)
     except FileExistsError:
-        raise _exists(shown) from None
+        raise already_there("path", shown) from None
     except (OSError, RuntimeError) as error:
-        raise ArchiveError(f"cannot write {shown}: {_reason(error, target.parent)}") from error
+        raise ArchiveError(f"cannot write {shown}: {_reason(error, shown.parent)}") from error
     return shown
 
 
-def _of_this_file(dataset: xr.Dataset, moment: str, checksum: str) -> dict[str, object]:
+def history_with(history: str, event: str, moment: str) -> str:
+    """Return the CF attribute ``history`` with one line added for what happened at `moment`.
+
+    Examples
+    --------
+    >>> print(history_with("2026-11-20T09:00:00Z cut", "saved", "2026-11-21T15:00:00Z"))
+    2026-11-20T09:00:00Z cut
+    2026-11-21T15:00:00Z rotor_ida ...: saved
+    """
+    line = f"{moment} rotor_ida {importlib.metadata.version('rotor-ida')}: {event}"
+    return f"{history.rstrip()}\n{line}" if history.strip() else line
+
+
+def now() -> str:
+    """Return the time, in UTC, as ISO 8601."""
+    return datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+
+
+def _write_netcdf(stored: xr.Dataset, path: Path, earlier: Mapping[str, Any]) -> None:
+    """Write a dataset in its archived form to a new file; `earlier` are the attributes before."""
+    import netCDF4  # noqa: PLC0415 - not needed to import the package
+
+    names = stored_names(stored)
+
+    def write(name: str, index: Index, values: Array) -> None:
+        if values.nbytes > CHUNK:
+            _make_sure_of_room(path.parent, values.nbytes + OVERHEAD)
+        numeric = values.dtype in NUMERIC
+        with LOCK:
+            file[names[name]][index] = (
+                np.ascontiguousarray(values) if numeric else values.astype(object)
+            )
+
+    room = min(stored.nbytes, BLOCK) + OVERHEAD * (8 + len(stored.variables))
+    _make_sure_of_room(path.parent, room)
+    with LOCK:
+        file = netCDF4.Dataset(path, "w", format="NETCDF4")
+    try:
+        with LOCK:
+            _define(file, stored, names)
+        # to compute a block may itself read a file under the lock
+        checksum = content_sha256(stored, write)
+        with LOCK:
+            file.setncatts(_of_the_file(checksum, earlier))
+    finally:
+        with LOCK:
+            file.close()
+
+
+def _make_sure_of_room(folder: Path, size: int) -> None:
+    """Raise what the system says where so many bytes may not be written.
+
+    Where a disk is full, HDF5 fails without saying so, and does not give back the file and its
+    space until the process ends.
+    """
+    if not hasattr(os, "posix_fallocate"):
+        return
+    room = folder / "room"
+    descriptor = os.open(room, os.O_RDWR | os.O_CREAT)
+    try:
+        os.posix_fallocate(descriptor, 0, size)
+    except OSError as error:
+        if error.errno in _NO_ROOM:
+            raise OSError(error.errno, os.strerror(error.errno)) from None
+    finally:
+        os.close(descriptor)
+        room.unlink()
+
+
+def _define(file: netCDF4.Dataset, stored: xr.Dataset, names: Mapping[str, str]) -> None:
+    file.set_auto_maskandscale(False)
+    for dim, size in stored.sizes.items():
+        file.createDimension(str(dim), size)
+    coordinates, others = coordinates_of(stored)
+    for name, name_in_file in names.items():
+        variable = stored.variables[name]
+        attributes = {**variable.attrs, **({LABEL_OF: name} if name_in_file != name else {})}
+        if name in coordinates:
+            attributes["coordinates"] = coordinates[name]
+        _create(file, name_in_file, variable).setncatts(attributes)
+    file.setncatts({**stored.attrs, **({"coordinates": others} if others else {})})
+
+
+def _create(file: netCDF4.Dataset, name: str, variable: xr.Variable) -> netCDF4.Variable[Any]:
+    dims = tuple(str(dim) for dim in variable.dims)
+    if variable.dtype not in NUMERIC:
+        # Strings of any length go past HDF5's filters; the checksum of the content covers them.
+        return file.createVariable(name, str, dims)
+    if variable.ndim == 0 or variable.size == 0:
+        return file.createVariable(name, variable.dtype, dims)
+    return file.createVariable(
+        name,
+        variable.dtype,
+        dims,
+        compression="zlib",
+        complevel=4,
+        shuffle=True,
+        fletcher32=True,
+        chunksizes=largest_block(variable.shape, variable.dtype.itemsize, CHUNK),
+    )
+
+
+def _of_the_file(checksum: str, earlier: Mapping[str, Any]) -> dict[str, object]:
     """Return the attributes that tell of the file; a content saved again keeps its date."""
-    again = dataset.attrs.get(CHECKSUM) == checksum
-    event = f"saved by {command()} with {libraries()}"
+    moment = now()
+    again = earlier.get(CHECKSUM) == checksum
+    event = f"saved by {command()} with {_libraries()}"
     return {
-        CREATED: dataset.attrs.get(CREATED, moment) if again else moment,
-        HISTORY: history_with(dataset.attrs.get(HISTORY, ""), event, moment),
+        CREATED: earlier.get(CREATED, moment) if again else moment,
+        HISTORY: history_with(earlier.get(HISTORY, ""), event, moment),
         CHECKSUM: checksum,
     }
 
 
-def _check_path(path: object) -> Path:
-    if not isinstance(path, (str, os.PathLike)) or "\0" in str(path) or not str(path):
-        raise InputError(f"path must be the path of a file, got {path!r}")
-    return Path(path)
-
-
-def _check_target(shown: Path, target: Path, overwrite: object) -> None:
-    if not isinstance(overwrite, bool):
-        raise InputError(f"overwrite must be true or false, got {overwrite!r}")
-    if os.path.isdir(target):
-        raise InputError(f"path must be a file, got the folder {str(shown)!r}")
-    if not os.path.isdir(target.parent):
-        raise InputError(f"path must be in a folder that exists, got {str(shown)!r}")
-    if os.path.exists(target) and not os.path.isfile(target):
-        raise InputError(f"path must be a file, got the device or pipe {str(shown)!r}")
-    if os.path.exists(target) and not overwrite:
-        raise _exists(shown)
-
-
-def _exists(shown: Path) -> InputError:
-    return InputError(f"path must not exist unless overwrite is true, got {str(shown)!r}")
-
-
-def _publish(part: Path, target: Path, overwrite: bool) -> None:
-    """Give the finished file its name; without `overwrite`, only if nothing has that name."""
-    if overwrite:
-        part.replace(target)
-        return
-    try:
-        os.link(part, target)
-    except OSError as error:
-        if error.errno not in _NO_LINKS_HERE:
-            raise
-        os.close(os.open(target, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
-        part.replace(target)
-
-
-def _sync_folder(folder: Path) -> None:
-    """Make the new name outlast a power failure, where folders can be synchronised."""
-    if os.name == "nt":
-        return
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    except OSError as error:
-        if error.errno not in _NO_SYNC_HERE:
-            raise
-    finally:
-        os.close(descriptor)
+def _libraries() -> str:
+    netcdf = importlib.import_module("netCDF4")
+    return (
+        f"netCDF4 {netcdf.__version__}, netCDF-C {netcdf.__netcdf4libversion__}, "
+        f"HDF5 {netcdf.__hdf5libversion__}"
+    )
 
 
 def _reason(error: Exception, folder: Path) -> str:

@@ -1,10 +1,11 @@
-"""The SQLite file of a study: opened, begun, and held against what it was begun with."""
+"""The SQLite file of a study: opened, begun, and compared with what it was begun with."""
 
 from __future__ import annotations
 
 import hashlib
 import json
 import os
+import reprlib
 import sqlite3
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -12,10 +13,12 @@ from pathlib import Path
 from typing import Any
 
 from rotor_ida.errors import ArchiveError, InputError
-from rotor_ida.storage.studies.design import Design, as_text, refuse_another
+from rotor_ida.files import check_path
+
+Design = dict[str, Any]
 
 FILE = "study.sqlite"
-FORMAT = 1
+FORMAT = 2
 # A reader of the status holds the file for an instant only.
 _PATIENCE = 30.0  # seconds
 
@@ -34,14 +37,18 @@ _OF_THE_SYSTEM = frozenset(
     ]
 )
 
+_SHOWN = reprlib.Repr()
+_SHOWN.maxlist = 4
+_SHOWN.maxstring = 80
+
+_ABSENT = "nothing"
+
 
 @contextmanager
 def connected(place: Path) -> Iterator[sqlite3.Connection]:
-    """Open the file in a folder; who uses it from several threads does so one at a time."""
+    """Open the file in a folder."""
     with in_words(place):
-        connection = sqlite3.connect(
-            place / FILE, timeout=_PATIENCE, isolation_level=None, check_same_thread=False
-        )
+        connection = sqlite3.connect(place / FILE, timeout=_PATIENCE, isolation_level=None)
         try:
             connection.execute("PRAGMA trusted_schema = OFF")
             connection.execute("PRAGMA synchronous = FULL")
@@ -80,7 +87,7 @@ def begin(
     connection: sqlite3.Connection, place: Path, design: Mapping[str, Any], points: int
 ) -> None:
     """Write the design of a new study; hold that of one that was begun against it."""
-    text = as_text(design)
+    text = _as_text(design)
     if not _is_begun(connection, place):
         _refuse_foreign(connection, place)
         with transaction(connection):
@@ -112,10 +119,36 @@ def begun_with(connection: sqlite3.Connection, place: Path) -> tuple[Design, int
     return design, points
 
 
+def refuse_another(folder: str, begun: Mapping[str, Any], wanted: Mapping[str, Any]) -> None:
+    """Refuse a design that differs from that with which the study in `folder` was begun.
+
+    Raises
+    ------
+    InputError
+        With the first difference named.
+
+    Examples
+    --------
+    >>> refuse_another("study", {"rtol": 1e-10}, {"rtol": 1e-09})
+    Traceback (most recent call last):
+    ...
+    rotor_ida.errors.InputError: study 'study' was begun with rtol 1e-10, got 1e-09: go on with what
+    it was begun with, or begin another in a folder of its own
+    """
+    for name in sorted({*begun, *wanted}):
+        before, now = begun.get(name, _ABSENT), wanted.get(name, _ABSENT)
+        # as text, since 0.0 and -0.0 are equal but give other bits
+        if _as_text({name: before}) != _as_text({name: now}):
+            raise InputError(
+                f"study {folder!r} was begun with {name} {_shown(before)}, got {_shown(now)}: go "
+                "on with what it was begun with, or begin another in a folder of its own"
+            )
+
+
 @contextmanager
 def reading(folder: str | os.PathLike[str]) -> Iterator[sqlite3.Connection]:
     """Open the store of the study in a folder to look at it, even while it is worked on."""
-    place = check_folder(folder)
+    place = check_path("study", folder, kind="folder")
     try:
         found = (place / FILE).is_file()
     except OSError as error:
@@ -144,14 +177,6 @@ def design_of(folder: str | os.PathLike[str]) -> Design:
         return begun_with(connection, Path(folder))[0]
 
 
-def check_folder(folder: object) -> Path:
-    """Return the path of a folder, whether it is there or not."""
-    path = os.fspath(folder) if isinstance(folder, (str, os.PathLike)) else None
-    if not isinstance(path, str) or "\0" in path or not path:
-        raise InputError(f"study must be the path of a folder, got {folder!r}")
-    return Path(path)
-
-
 def damaged(place: Path, what: str) -> ArchiveError:
     """Return the error for what is not as it was written."""
     return ArchiveError(
@@ -163,10 +188,10 @@ def damaged(place: Path, what: str) -> ArchiveError:
 def _is_begun(connection: sqlite3.Connection, place: Path) -> bool:
     """Return whether there is a study; one that was killed at once is none."""
     (version,) = connection.execute("PRAGMA user_version").fetchone()
-    if version > FORMAT:
+    if version not in {0, FORMAT}:
         raise InputError(
             f"study {str(place)!r} has format {version}, but this version of rotor_ida goes on "
-            f"with formats up to {FORMAT}: install a newer one"
+            f"with format {FORMAT} only"
         )
     return bool(version == FORMAT)
 
@@ -182,3 +207,13 @@ def _refuse_foreign(connection: sqlite3.Connection, place: Path) -> None:
 
 def _digest(text: str, points: int) -> bytes:
     return hashlib.sha256(f"{points}\n{text}".encode()).digest()
+
+
+def _as_text(design: Mapping[str, Any]) -> str:
+    """Return a design as JSON in which every number has all its digits."""
+    return json.dumps(design, sort_keys=True, allow_nan=False)
+
+
+def _shown(value: object) -> str:
+    counted = f" ({len(value)} values)" if isinstance(value, list) and len(value) > 4 else ""
+    return f"{_SHOWN.repr(value)}{counted}"

@@ -1,4 +1,4 @@
-"""Results kept as they come: in memory, or in the folder of a study."""
+"""Results of jobs, gathered as they come: in memory, or in the folder of a study."""
 
 from __future__ import annotations
 
@@ -62,13 +62,13 @@ class Form(Generic[Result]):
 
 
 @contextmanager
-def kept_results(
+def open_results(
     folder: str | os.PathLike[str] | None,
     design: Mapping[str, Any],
     points: int,
     form: Form[Result],
 ) -> Iterator[Results[Result]]:
-    """Keep results in the study in `folder`, or in memory if that is None.
+    """Gather results in the study in `folder`, or in memory if that is None.
 
     Parameters
     ----------

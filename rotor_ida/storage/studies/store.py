@@ -1,14 +1,15 @@
 """The store of a study: one SQLite file in a folder, written by one process at a time.
 
-What is kept outlasts a kill, a power failure and a full disk, as SQLite's transactions do.
+What is there outlasts a kill, a power failure and a full disk, as SQLite's transactions do.
 """
 
 from __future__ import annotations
 
+import errno
 import hashlib
+import math
 import os
 import sqlite3
-import threading
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -16,20 +17,26 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from filelock import FileLock, Timeout
+
 from rotor_ida.errors import ArchiveError, InputError
+from rotor_ida.files import check_path
 from rotor_ida.storage.studies.database import (
     FILE,
     begin,
-    check_folder,
+    begun_with,
     connected,
     damaged,
-    in_words,
+    reading,
     transaction,
 )
-from rotor_ida.storage.studies.lock import locked
 
-# Finished pieces wait in memory no longer than this before they are kept.
-KEPT_EVERY = 1.0  # seconds
+LOCK = "study.lock"
+# Who only asks whether the lock is held holds it for an instant.
+_PATIENCE = 1.0  # seconds
+_READ_ONLY = {errno.EROFS, errno.EACCES, errno.EPERM}
+# So many different reasons of failure are told.
+_MOST_REASONS = 10
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +54,7 @@ class Piece:
     reason : str
         Why the first of them did; empty if none.
     content : bytes
-        What `rotor_ida.storage.studies.packing` made of the result.
+        What `rotor_ida.storage.studies.arrays.packed` made of the result.
     """
 
     number: int
@@ -79,100 +86,52 @@ class Study:
 
     def __init__(self, folder: Path, connection: sqlite3.Connection) -> None:
         self.folder = folder
+        self.done: set[int] = set()
+        self.points_done = 0
         self._connection = connection
-        self._lock = threading.RLock()
-        self._late: threading.Timer | None = None
-        self._waiting: list[Piece] = []
-        self._began, self._clock = time.time(), time.monotonic()
-        self._kept = self._clock
-        rows = connection.execute("SELECT number, points FROM pieces").fetchall()
-        if not all(isinstance(points, int) for _, points in rows):
-            raise damaged(folder, "the number of points of a piece")
-        self.done = {number for number, _ in rows}
-        self.points_done: int = sum(points for _, points in rows)
+        # what is damaged is better known before more is computed
+        for *told, digest in connection.execute(
+            "SELECT number, points, failed, reason, content, digest FROM pieces"
+        ):
+            piece = Piece(*told)
+            if not isinstance(piece.content, bytes) or digest != _digest(piece):
+                raise damaged(folder, f"piece {piece.number}")
+            self.done.add(piece.number)
+            self.points_done += piece.points
         self._points_before = self.points_done
-        for _ in self.contents():  # what is damaged is better known before more is computed
-            pass
+        self._began, self._clock = time.time(), time.monotonic()
         (self._session,) = connection.execute(
             "SELECT coalesce(max(rowid), 0) + 1 FROM sessions"
         ).fetchone()
 
     def keep(self, piece: Piece) -> None:
-        """Keep a piece; within a second it is on the disk.
+        """Write a piece to the disk.
 
         Raises
         ------
         ArchiveError
             If the system does not let it be written: a full disk, a missing permission.
         """
-        with self._lock:
-            self._waiting.append(piece)
-            self.done.add(piece.number)
-            self.points_done += piece.points
-            if time.monotonic() - self._kept >= KEPT_EVERY:
-                self.flush()
-            elif self._late is None:  # the next piece may be long in coming
-                self._late = threading.Timer(KEPT_EVERY, self._flush_late)
-                self._late.daemon = True
-                self._late.start()
-
-    def flush(self) -> None:
-        """Write what waits to the disk, wholly or not at all.
-
-        An interrupt may come when all is written but not yet forgotten, so that it is written
-        again: every line here can be.
-        """
-        with self._lock:
-            if not self._waiting:
-                return
-            now = time.monotonic()
-            seen = self._began + now - self._clock
-            points = self.points_done - self._points_before
-            with in_words(self.folder), transaction(self._connection):
-                self._connection.executemany(
-                    "INSERT OR REPLACE INTO pieces VALUES (?, ?, ?, ?, ?, ?)",
-                    map(_row, self._waiting),
-                )
-                self._connection.execute(
-                    "INSERT OR REPLACE INTO sessions (rowid, began, seen, points) "
-                    "VALUES (?, ?, ?, ?)",
-                    (self._session, self._began, seen, points),
-                )
-            self._waiting, self._kept = [], now
-
-    def end(self) -> None:
-        """Write what waits for the last time."""
-        late = self._late
-        if late is not None:
-            late.cancel()
-            late.join()
-        self.flush()
+        points = self.points_done + piece.points
+        seen = self._began + time.monotonic() - self._clock
+        with transaction(self._connection):
+            self._connection.execute(
+                "INSERT INTO pieces VALUES (?, ?, ?, ?, ?, ?)",
+                (
+                    *(piece.number, piece.points, piece.failed, piece.reason),
+                    *(_digest(piece), piece.content),
+                ),
+            )
+            self._connection.execute(
+                "INSERT OR REPLACE INTO sessions (rowid, began, seen, points) VALUES (?, ?, ?, ?)",
+                (self._session, self._began, seen, points - self._points_before),
+            )
+        self.done.add(piece.number)
+        self.points_done = points
 
     def contents(self) -> Iterator[tuple[int, bytes]]:
-        """Yield number and content of every piece, in the order of the numbers.
-
-        Raises
-        ------
-        ArchiveError
-            If a piece is damaged.
-        """
-        self.flush()
-        rows = self._connection.execute(
-            "SELECT number, points, failed, reason, content, digest FROM pieces ORDER BY number"
-        )
-        for *told, digest in rows:
-            piece = Piece(*told)
-            if not isinstance(piece.content, bytes) or digest != _digest(piece):
-                raise damaged(self.folder, f"piece {piece.number}")
-            yield piece.number, piece.content
-
-    def _flush_late(self) -> None:
-        """Write what waits from a thread of its own."""
-        with self._lock:
-            self._late = None
-            # what cannot be written waits for the one who keeps or ends, and meets the error there
-            with suppress(ArchiveError):
-                self.flush()
+        """Yield number and content of every piece, in the order of the numbers."""
+        yield from self._connection.execute("SELECT number, content FROM pieces ORDER BY number")
 
 
 @contextmanager
@@ -194,8 +153,7 @@ def opened(
     Yields
     ------
     Study
-        The study, for this process alone. What it was given to keep is on the disk afterwards,
-        whatever happened meanwhile.
+        The study, for this process alone.
 
     Raises
     ------
@@ -215,7 +173,7 @@ def opened(
     ...         study.done, list(study.contents())
     ({0}, [(0, b'what was found')])
     """
-    place = check_folder(folder)
+    place = check_path("study", folder, kind="folder")
     try:
         _check_new(place)
         place.mkdir(parents=True, exist_ok=True)
@@ -223,13 +181,64 @@ def opened(
         raise InputError(
             f"study must be a folder that can be used, got {str(place)!r}: {error.strerror}"
         ) from error
-    with locked(place), connected(place) as connection:
+    with _locked(place, _PATIENCE), connected(place) as connection:
         begin(connection, place, design, points)
-        study = Study(place.absolute(), connection)
-        try:
-            yield study
-        finally:
-            study.end()
+        # a commit to a log waits for the disk once, not four times; where nothing can be written
+        # none is needed
+        with _log_beside(connection):
+            yield Study(place.absolute(), connection)
+
+
+def status(folder: str | os.PathLike[str]) -> dict[str, object]:
+    """Return how far the study in a folder is, even while it is worked on.
+
+    Parameters
+    ----------
+    folder : path-like
+        The folder of a study that was begun.
+
+    Returns
+    -------
+    dict
+        ``kind``; the numbers of ``points``, and of those ``done``, ``failed`` and ``left``;
+        ``running``, whether a process is at work on it; ``points_per_second`` in the last session
+        and ``seconds_left`` at that rate (NaN where nothing is known); ``reasons``, why points
+        failed, the first few different ones.
+
+    Raises
+    ------
+    InputError
+        If there is no study.
+    ArchiveError
+        If its file is damaged.
+    """
+    place = check_path("study", folder, kind="folder")
+    with reading(place) as connection:
+        design, points = begun_with(connection, place)
+        done, failed = connection.execute(
+            "SELECT coalesce(sum(points), 0), coalesce(sum(failed), 0) FROM pieces"
+        ).fetchone()
+        reasons = connection.execute(
+            "SELECT DISTINCT reason FROM pieces WHERE failed > 0 ORDER BY number LIMIT ?",
+            (_MOST_REASONS,),
+        ).fetchall()
+        session = connection.execute(
+            "SELECT began, seen, points FROM sessions ORDER BY rowid DESC LIMIT 1"
+        ).fetchone()
+    if not (isinstance(done, int) and isinstance(failed, int)):
+        raise damaged(place, "the number of points of a piece")
+    rate = _rate(session)
+    return {
+        "kind": design.get("kind", ""),
+        "points": points,
+        "done": done,
+        "failed": failed,
+        "left": points - done,
+        "running": _is_locked(place),
+        "points_per_second": rate,
+        "seconds_left": (points - done) / rate if rate > 0.0 else math.nan,
+        "reasons": [str(reason) for (reason,) in reasons],
+    }
 
 
 def _check_new(place: Path) -> None:
@@ -239,14 +248,66 @@ def _check_new(place: Path) -> None:
         raise InputError(f"study must be a folder, got the file {str(nearest)!r}")
     if (place / FILE).exists():  # what is done can be read even where nothing can be written
         return
-    if place.is_dir() and any(place.iterdir()):
+    if place.is_dir() and any(each.name != LOCK for each in place.iterdir()):
         raise InputError(f"study must be a new, an empty or a study's folder, got {str(place)!r}")
     if not os.access(nearest, os.W_OK):
         raise InputError(f"study must be in a folder that can be written to, got {str(place)!r}")
 
 
-def _row(piece: Piece) -> tuple[int, int, int, str, bytes, bytes]:
-    return piece.number, piece.points, piece.failed, piece.reason, _digest(piece), piece.content
+@contextmanager
+def _locked(folder: Path, patience: float) -> Iterator[None]:
+    """Hold a folder for this process alone.
+
+    What counts is the lock on the file, which goes away with the process, not that the file is
+    there. Who holds the lock removes the file in the end; one that a killed process has left does
+    no harm, and the next one removes it.
+    """
+    lock = FileLock(folder / LOCK, timeout=patience)
+    try:
+        lock.acquire()
+    except Timeout:
+        raise ArchiveError(f"another process is at work in {str(folder)!r}") from None
+    except OSError as error:
+        if error.errno not in _READ_ONLY:
+            raise ArchiveError(
+                f"cannot use the folder {str(folder)!r}: {error.strerror}"
+            ) from error
+    try:
+        yield
+    finally:
+        if lock.is_locked and os.name == "posix":  # on Windows filelock does
+            (folder / LOCK).unlink(missing_ok=True)
+        lock.release()
+
+
+def _is_locked(folder: Path) -> bool:
+    """Return whether a process is at work in a folder, as far as can be told."""
+    if not (folder / LOCK).exists():
+        return False
+    try:
+        with _locked(folder, patience=0.0):
+            return False
+    except ArchiveError:
+        return True
+
+
+@contextmanager
+def _log_beside(connection: sqlite3.Connection) -> Iterator[None]:
+    """Let commits go to a log, which is gone afterwards: then the one file is all of the study."""
+    with suppress(sqlite3.OperationalError):
+        connection.execute("PRAGMA journal_mode = WAL")
+    try:
+        yield
+    finally:
+        with suppress(sqlite3.OperationalError):
+            connection.execute("PRAGMA journal_mode = DELETE")
+
+
+def _rate(session: tuple[object, ...] | None) -> float:
+    if session is None:
+        return math.nan
+    began, seen, points = (each if isinstance(each, (int, float)) else 0 for each in session)
+    return points / (seen - began) if seen > began else math.nan
 
 
 def _digest(piece: Piece) -> bytes:

@@ -1,4 +1,4 @@
-"""A study that is killed with signal 9 loses nothing but the last second."""
+"""A study that is killed with signal 9 loses nothing that was done."""
 
 import os
 import signal

@@ -89,7 +89,7 @@ def test_a_failure_of_the_surroundings_is_tried_again(tmp_path, monkeypatch):
 
     given = {"omega": [1.0, 2.0], "zeta": 0.5, "delta0": 0.5, "executor": "serial"}
     with monkeypatch.context() as patch:
-        patch.setattr(ramps, "settle", has_no_memory)
+        patch.setattr(ramps, "follow_to_steady_state", has_no_memory)
         found = sweep(**given, study=tmp_path)
     assert found.message.values.ravel().tolist() == ["", "MemoryError"]
     assert status(tmp_path)["left"] == 1
@@ -152,7 +152,7 @@ def test_a_point_that_fails_is_recorded_and_the_others_go_on(tmp_path, monkeypat
             raise ValueError("what nobody expected")
         return steady_state.follow_to_steady_state(rotor, *rest, **options)
 
-    monkeypatch.setattr(ramps, "settle", fails_at_two)
+    monkeypatch.setattr(ramps, "follow_to_steady_state", fails_at_two)
     given = {"omega": [1.0, 2.0, 3.0], "zeta": 0.5, "delta0": 0.5, "executor": "serial"}
     found = sweep(**given, study=tmp_path)
     told = status(tmp_path)
@@ -166,11 +166,11 @@ def test_a_point_that_fails_is_recorded_and_the_others_go_on(tmp_path, monkeypat
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_columns_on_the_disk_hold_the_same_bits(kind, tmp_path, monkeypatch):
-    from rotor_ida.storage.studies import scratch
+    from rotor_ida.storage.studies import arrays
 
     whole = KINDS[kind]()
-    monkeypatch.setattr(scratch, "LARGE", 1)
-    monkeypatch.setattr(scratch, "SLAB", 100)
+    monkeypatch.setattr(arrays, "LARGE", 1)
+    monkeypatch.setattr(arrays, "STRETCH", 100)
     on_disk = KINDS[kind](study=tmp_path / "study")
     xr.testing.assert_identical(on_disk, whole)
     saved = load(save(on_disk, tmp_path / "result.nc"))

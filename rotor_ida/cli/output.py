@@ -1,0 +1,203 @@
+"""Where a result goes: files that are looked at before anything is computed, then the report."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from cyclopts import Parameter
+
+import rotor_ida
+from rotor_ida.cli import options
+from rotor_ida.cli.report import FAILED, INTERRUPTED, Report
+from rotor_ida.errors import ArchiveError, InputError, RotorError, SimulationError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# What the result of a study is called in its folder.
+RESULT = "result.nc"
+OUT_ENDING = ".nc"
+PICTURES = (".png", ".svg")
+MOST_PANELS = 12
+FORCED = "--force is given"
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+class Output:
+    """What to do with a result.
+
+    Parameters
+    ----------
+    out : Path or None
+        The netCDF archive to write.
+    figure : Path or None
+        The figure to draw: one of its files, or their name without the ending.
+    as_json : bool
+        Whether to print JSON.
+    force : bool
+        Whether a file that is there may be replaced.
+    """
+
+    out: options.Out = None
+    figure: options.Figure = None
+    as_json: options.AsJson = False
+    force: options.Force = False
+
+    def check(self, *, panels: int = 1) -> None:
+        """Refuse files that cannot be written, so that nothing that is computed is lost."""
+        from rotor_ida.files import check_target  # noqa: PLC0415 - takes a moment
+
+        if self.out is not None:
+            if self.out.suffix != OUT_ENDING:
+                raise InputError(f"out must end in {OUT_ENDING}, got {str(self.out)!r}")
+            check_target("out", self.out, overwrite=self.force, permission=FORCED)
+        if self.figure is not None:
+            check_panels(panels)
+            if self.figure.suffix not in {"", *PICTURES} or self.figure.name in {"", ".."}:
+                word = str(self.figure)
+                raise InputError(f"figure must be NAME, NAME.png or NAME.svg, got {word!r}")
+            for ending in PICTURES:
+                picture = self.figure.with_suffix(ending)
+                check_target("figure", picture, overwrite=self.force, permission=FORCED)
+
+
+def check_panels(panels: int) -> int:
+    """Return a number of panels that can still be read."""
+    if panels > MOST_PANELS:
+        raise InputError(
+            f"figure can show at most {MOST_PANELS} pairs of zeta and delta0, got {panels}"
+        )
+    return panels
+
+
+def answer(
+    dataset: xr.Dataset, output: Output, *, most: int | None = None, result: Path | None = None
+) -> Report:
+    """Return the report on a dataset, written where it is wanted.
+
+    A file that cannot be written is the report's trouble, so that what was computed is printed
+    even then.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        What was computed.
+    output : Output
+        Where it goes.
+    most : int, optional
+        How many rows a table has; all by default.
+    result : Path, optional
+        The file of a study's result, which it may replace.
+    """
+    from rotor_ida.cli.describe import describe  # noqa: PLC0415 - heavy, and not for --help
+
+    written, failures = [], []
+    for path, overwrite in ((output.out, output.force), (result, True)):
+        if path is not None:
+            try:
+                rotor_ida.save(dataset, path, overwrite=overwrite)
+                written.append(f"wrote {path}")
+            except (RotorError, OSError) as error:
+                failures.append(str(error))
+    if output.figure is not None:
+        from rotor_ida.cli.figures import draw  # noqa: PLC0415 - only who draws needs it
+
+        try:
+            files = draw(dataset, output.figure.with_suffix(""), overwrite=output.force)
+            written += [f"wrote {file}" for file in files]
+        except OSError as error:
+            failures.append(f"cannot write {output.figure}: {error.strerror or error}")
+    record, parts = describe(dataset, most=most)
+    return Report(
+        record=record,
+        parts=[*parts, *written],
+        as_json=output.as_json,
+        trouble="; ".join(failures),
+    )
+
+
+def answer_whole(dataset: xr.Dataset, output: Output, study: Path | None) -> Report:
+    """Return the report on a sweep, basin or sample, in trouble if it is not whole."""
+    in_study = None if study is None or output.out is not None else study / RESULT
+    if "status" in dataset:
+        report = answer(dataset, output, result=in_study)
+        return _troubled(report, _failures(dataset), FAILED)
+    missing = int(dataset["not_computed_count"])
+    interrupted = bool(dataset.attrs["interrupted"])
+    if not missing and not interrupted:
+        return answer(dataset, output, result=in_study)
+    # a study goes on, and has a result when it is done
+    report = answer(dataset, output if study is None else Output(as_json=output.as_json))
+    trouble = f"{_reason(dataset, missing)}{going_on(study)}"
+    return _troubled(report, trouble, INTERRUPTED if interrupted else FAILED)
+
+
+def _troubled(report: Report, trouble: str, status: int) -> Report:
+    both = "; ".join(filter(None, [trouble, report.trouble]))
+    return replace(report, trouble=both, status=status)
+
+
+def _failures(dataset: xr.Dataset) -> str:
+    failed = dataset["status"].values != 0
+    if not failed.any():
+        return ""
+    first = dataset["message"].values[failed][0]
+    return f"{failed.sum()} of {failed.size} points failed; the first: {first}"
+
+
+def _reason(dataset: xr.Dataset, missing: int) -> str:
+    total = dataset["label"].size if "label" in dataset else int(dataset.attrs["starts"])
+    done = f"{total - missing} of {total} starts are done"
+    if dataset.attrs["interrupted"]:
+        return f"interrupted: {done}"
+    return f"{done}: {dataset.attrs.get('not_computed_reason', '')}"
+
+
+def read(file: Path) -> xr.Dataset:
+    """Return the dataset in an archive; one that cannot be used is a mistake in the input."""
+    try:
+        return rotor_ida.load(file)
+    except ArchiveError as error:
+        raise InputError(str(error)) from error
+
+
+@contextmanager
+def working(name: str, study: Path | None = None) -> Iterator[Callable[[int, int], None] | None]:
+    """Show a progress bar where someone is there to see it; say how a broken study goes on."""
+    from rotor_ida.parallel.progress import progress_bar  # noqa: PLC0415 - not for --help
+
+    watched = sys.stderr is not None and sys.stderr.isatty()
+    try:
+        with progress_bar(name) if watched else nullcontext() as told:
+            yield told
+    except InputError:
+        raise
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(f"interrupted{going_on(study)}") from None
+    except SimulationError as error:
+        raise RotorError(f"{error}{going_on(study)}") from error
+    except (ArchiveError, MemoryError) as error:
+        raise RotorError(f"{error or 'not enough memory'}{going_on(study)}") from error
+
+
+def going_on(study: Path | None) -> str:
+    """Return how to go on with a study; nothing if there is none."""
+    if study is None:
+        return ""
+    try:
+        found = rotor_ida.status(study)
+    except RotorError:
+        return ""
+    folder = str(study)
+    word = f"./{folder}" if folder.startswith("-") else folder  # else it would be an option
+    return (
+        f"; {found['done']} of {found['points']} points are kept in {folder}: go on with "
+        f"rotor-ida resume {shlex.quote(word)}"
+    )

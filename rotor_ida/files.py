@@ -1,0 +1,226 @@
+"""Files written whole or not at all: where one may go, and how it gets there.
+
+A file is written in a folder of its own beside its place, brought to the disk, and then given its
+name in one step. The folder is locked as long as its writer lives. A writer that was killed leaves
+it unlocked, and the next one that comes by removes it.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import re
+import secrets
+import shutil
+import socket
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from filelock import FileLock, Timeout
+
+from rotor_ida.checks import shown
+from rotor_ida.errors import InputError
+
+_UNFINISHED = "rotor_ida-part"
+_NO_LINKS_HERE = {errno.EPERM, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK}
+_NO_SYNC_HERE = {errno.EINVAL, errno.ENOTSUP, errno.EOPNOTSUPP, errno.EACCES}
+
+
+def check_path(name: str, path: object, *, kind: str = "file") -> Path:
+    """Return the path of a file or folder, whether it is there or not.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument.
+    path : object
+        What was given for it.
+    kind : {"file", "folder"}
+        What it should be the path of.
+
+    Examples
+    --------
+    >>> check_path("study", "", kind="folder")
+    Traceback (most recent call last):
+    ...
+    rotor_ida.errors.InputError: study must be the path of a folder, got ''
+    """
+    text = os.fspath(path) if isinstance(path, (str, os.PathLike)) else None
+    if not isinstance(text, str) or "\0" in text or not text:
+        raise InputError(f"{name} must be the path of a {kind}, got {shown(path)}")
+    return Path(text)
+
+
+def check_target(
+    name: str, path: object, *, overwrite: object, permission: str = "overwrite is true"
+) -> Path:
+    """Return the path of a file that can be written.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument.
+    path : object
+        What was given for it. The folder must exist.
+    overwrite : bool
+        Whether a file that is there may be replaced.
+    permission : str
+        What the user has to do to have it replaced, as the message says it.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     check_target("out", folder, overwrite=True)
+    Traceback (most recent call last):
+    ...
+    rotor_ida.errors.InputError: out must be a file, got the folder '...'
+    """
+    given = check_path(name, path)
+    if not isinstance(overwrite, bool):
+        raise InputError(f"overwrite must be true or false, got {shown(overwrite)}")
+    target = _behind_links(given)
+    if os.path.isdir(target):
+        raise InputError(f"{name} must be a file, got the folder {str(given)!r}")
+    if not os.path.isdir(target.parent):
+        raise InputError(f"{name} must be in a folder that exists, got {str(given)!r}")
+    if os.path.exists(target) and not os.path.isfile(target):
+        raise InputError(f"{name} must be a file, got the device or pipe {str(given)!r}")
+    if os.path.exists(target) and not overwrite:
+        raise already_there(name, given, permission)
+    if not os.access(target.parent, os.W_OK):
+        raise InputError(f"{name} must be in a folder that can be written to, got {str(given)!r}")
+    return given
+
+
+def already_there(name: str, path: Path, permission: str = "overwrite is true") -> InputError:
+    """Return the error for a file that may not be replaced."""
+    return InputError(f"{name} must not exist unless {permission}, got {str(path)!r}")
+
+
+@contextmanager
+def written_whole(path: Path, *, overwrite: bool) -> Iterator[Path]:
+    """Give the path of a file to write, which then becomes the file at `path` in one step.
+
+    Parameters
+    ----------
+    path : Path
+        As `check_target` returns it. Through a symbolic link the file that it names is replaced,
+        not the link.
+    overwrite : bool
+        Whether a file that is there, or has appeared meanwhile, may be replaced.
+
+    Yields
+    ------
+    Path
+        The file to write, alone in a folder on the same disk, which is removed afterwards.
+
+    Raises
+    ------
+    FileExistsError
+        If `overwrite` is false and something has the name by then.
+    OSError
+        If the system does not let the file be written.
+
+    Notes
+    -----
+    If the body raises, `path` stays as it was. On a file system without hard links a process that
+    is killed at the moment of publishing without `overwrite` can leave an empty file.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> path = Path(folder.name, "word.txt")
+    >>> with written_whole(path, overwrite=False) as part:
+    ...     _ = part.write_text("whole")
+    >>> path.read_text(), len(os.listdir(folder.name))
+    ('whole', 1)
+    >>> folder.cleanup()
+    """
+    target = _behind_links(path)
+    with _folder_beside(target) as folder:
+        part = folder / target.name
+        yield part
+        with part.open("rb+") as file:
+            os.fsync(file.fileno())
+        _publish(part, target, overwrite)
+    _sync_folder(target.parent)
+
+
+def _behind_links(path: Path) -> Path:
+    return Path(os.path.realpath(path))
+
+
+@contextmanager
+def _folder_beside(target: Path) -> Iterator[Path]:
+    _remove_abandoned(target.parent)
+    folder, lock = _locked_folder(target.parent)
+    try:
+        yield folder
+    finally:
+        lock.release()  # first, since Windows does not remove a file that is open
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _locked_folder(parent: Path) -> tuple[Path, FileLock]:
+    while True:
+        folder = parent / f".{_machine()}.{secrets.token_hex(8)}.{_UNFINISHED}"
+        folder.mkdir(mode=0o700)
+        lock = _lock_of(folder)
+        # another writer may remove it between its being made and being locked
+        with suppress(Timeout, FileNotFoundError):
+            lock.acquire()
+            if folder.exists():
+                return folder, lock
+            lock.release()
+
+
+def _remove_abandoned(folder: Path) -> None:
+    """Remove what writers on this machine have left that are certainly dead."""
+    pattern = re.compile(rf"\.{re.escape(_machine())}\.[0-9a-f]{{16}}\.{_UNFINISHED}")
+    with suppress(OSError), os.scandir(folder) as entries:
+        left = [each for each in entries if pattern.fullmatch(each.name)]
+        for entry in left:
+            if entry.is_dir(follow_symlinks=False):
+                with suppress(OSError):
+                    with _lock_of(Path(entry.path)):  # refused while the writer lives
+                        shutil.rmtree(entry.path, ignore_errors=True)
+                    os.rmdir(entry.path)  # on Windows, where the lock was still open
+
+
+def _lock_of(folder: Path) -> FileLock:
+    return FileLock(folder / "lock", blocking=False)
+
+
+def _machine() -> str:
+    return re.sub(r"[^A-Za-z0-9-]+", "-", socket.gethostname())[:64] or "unnamed"
+
+
+def _publish(part: Path, target: Path, overwrite: bool) -> None:
+    """Give the finished file its name; without `overwrite`, only if nothing has that name."""
+    if overwrite:
+        part.replace(target)
+        return
+    try:
+        os.link(part, target)
+    except OSError as error:
+        if error.errno not in _NO_LINKS_HERE:
+            raise
+        os.close(os.open(target, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
+        part.replace(target)
+
+
+def _sync_folder(folder: Path) -> None:
+    """Make the new name outlast a power failure, where folders can be synchronised."""
+    if os.name == "nt":
+        return
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    except OSError as error:
+        if error.errno not in _NO_SYNC_HERE:
+            raise
+    finally:
+        os.close(descriptor)

@@ -1,0 +1,48 @@
+"""Work in compiled code that Ctrl-C can stop."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from concurrent.futures import Future
+
+import numpy as np
+
+from rotor_ida.parallel.jobs import Result, Stop
+
+
+def interruptible(work: Callable[[Stop], Result]) -> Result:
+    """Return the result of `work`; stop it if an exception arrives meanwhile.
+
+    Python runs the handlers of signals in its main thread only, and not while that runs compiled
+    code. So the work is done in a thread of its own while the main one waits for it, and for
+    Ctrl-C, a time limit, or whatever else raises.
+
+    Parameters
+    ----------
+    work : callable
+        Called with an array that holds 0 until it should stop.
+
+    Examples
+    --------
+    >>> interruptible(lambda stop: "stopped" if stop[0] else "done")
+    'done'
+    """
+    stop = np.zeros(1, np.uint8)
+    if threading.current_thread() is not threading.main_thread():
+        return work(stop)
+    future: Future[Result] = Future()
+
+    def fulfil() -> None:
+        try:
+            future.set_result(work(stop))
+        except BaseException as error:
+            future.set_exception(error)
+
+    thread = threading.Thread(target=fulfil)
+    thread.start()
+    try:
+        return future.result()
+    finally:
+        stop[0] = 1
+        thread.join()

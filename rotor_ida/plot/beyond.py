@@ -1,0 +1,256 @@
+"""What no response curve shows: sections, two-sided spectra, Lyapunov exponents."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+from matplotlib.axes import Axes
+
+from rotor_ida.checks import check_positive
+from rotor_ida.parameters import PARAMETERS
+from rotor_ida.plot.appearance import (
+    BLUE,
+    DASHES,
+    GREY,
+    INK,
+    ORANGE,
+    PURPLE,
+    axes_or_new,
+    check_dataset,
+    draw_ring,
+    one_value,
+    own_legend,
+    style,
+    title_of,
+)
+from rotor_ida.plot.labels import LABELS, label_axis, scale_of, with_error
+
+# How the points of a section are drawn.
+LEAST_SPAN = 0.2
+FEW = 20
+WORDS = {
+    "revolution": "once a revolution",
+    "entry": "at each entry",
+    "exit": "at each exit",
+    "peak": "at each largest radius",
+}
+# Below this part of the largest the side lobes of the flat-top window lie.
+FLOOR = 3e-5
+# How the exponents are told apart.
+LINES = ((BLUE, "-"), (ORANGE, "--"), (PURPLE, "-."), (INK, ":"))
+
+
+def plot_section(section: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+    """Draw the points of a section.
+
+    Parameters
+    ----------
+    section : Dataset
+        What `rotor_ida.poincare_section` returned. Entries and exits, which all lie on the
+        ring, are drawn as radial velocity over the angle from the unbalance, other sections as
+        displacements, with the ring.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        Where it was drawn.
+
+    Raises
+    ------
+    InputError
+        If the dataset is no section.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, poincare_section
+    >>> rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
+    >>> ax = plot_section(poincare_section(rotor, start=(0, 0, 0, 0), revolutions=9))
+    >>> ax.get_title()
+    'once a revolution'
+    """
+    needed = (*PARAMETERS, "rotating_x", "rotating_y", "rotating_vx", "rotating_vy")
+    section = check_dataset("section", section, needed)
+    at = str(section.attrs.get("section", ""))
+    z = section["rotating_x"].values + 1j * section["rotating_y"].values
+    w = section["rotating_vx"].values + 1j * section["rotating_vy"].values
+    length = scale_of(section, "length")
+    with style():
+        ax = axes_or_new(ax, width=4.0, height=4.0)
+        if at in ("entry", "exit"):
+            across, up = _together(np.angle(z)), (w * z.conj()).real / np.abs(z)
+            units = (1.0, scale_of(section, "velocity"))
+            ax.set_xlabel(LABELS["angle"])
+            label_axis(ax.yaxis, "radial_velocity", section["rotating_vx"])
+        else:
+            across, up, units = z.real, z.imag, (length, length)
+            label_axis(ax.xaxis, "rotating_x", section["rotating_x"])
+            label_axis(ax.yaxis, "rotating_y", section["rotating_y"])
+            draw_ring(ax, one_value("section", section, "delta0") * length)
+            ax.set_aspect("equal", adjustable="datalim")
+        ax.plot(across, up, ls="", marker="o", ms=_mark_size(z), mec="none", mfc=BLUE, zorder=3.0)
+        _leave_room(ax, *units)
+        if not z.size:
+            ax.text(0.5, 0.5, "no crossing", transform=ax.transAxes, ha="center", va="center")
+        ax.set_title(WORDS.get(at, title_of("section", section)) + _counted(z))
+    return ax
+
+
+def plot_spectrum(
+    lines: xr.Dataset,
+    *,
+    span: float = 4.0,
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw the amplitude of forward and backward whirl over the frequency.
+
+    Parameters
+    ----------
+    lines : Dataset
+        What `rotor_ida.spectrum` returned.
+    span : float
+        Largest frequency shown, over the spin speed; over one if the rotor does not turn [1].
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        Where it was drawn. The amplitude, on a logarithmic scale, is shown down to 3e-5 of the
+        largest.
+
+    Raises
+    ------
+    InputError
+        If the dataset is no spectrum.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, simulate, spectrum
+    >>> run = simulate(Rotor(omega=1.7, zeta=0.07, delta0=0.5), start=(0, 0, 0, 0), duration=60)
+    >>> plot_spectrum(spectrum(run)).get_yscale()
+    'log'
+    """
+    lines = check_dataset("lines", lines, ("frequency", "whirl_amplitude"))
+    limit = check_positive("span", span)
+    over = "frequency_over_omega" if "frequency_over_omega" in lines.variables else "frequency"
+    frequency, height = lines[over].values, lines["whirl_amplitude"].values
+    highest = float(height.max(initial=0.0)) or 1.0
+    with style():
+        ax = axes_or_new(ax)
+        label_axis(ax.xaxis, over, lines[over])
+        label_axis(ax.yaxis, "whirl_amplitude", lines["whirl_amplitude"])
+        for words, colour, chosen in (
+            ("backward whirl", ORANGE, frequency <= 0.0),
+            ("forward whirl", BLUE, frequency >= 0.0),
+        ):
+            ax.semilogy(frequency[chosen], height[chosen], color=colour, lw=0.9, label=words)
+        if over == "frequency_over_omega":
+            ax.axvline(1.0, color=GREY, lw=0.7, ls=DASHES, zorder=1.5, label="spin speed")
+        else:
+            limit *= scale_of(lines, "rate")
+        ax.set_xlim(-limit, limit)
+        # room for the legend
+        ax.set_ylim(FLOOR * highest, 30.0 * highest)
+        own_legend(ax).set_loc("upper left")
+    return ax
+
+
+def plot_exponents(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+    r"""Draw the mean rates of stretching over the time of the mean, with the exponents.
+
+    Parameters
+    ----------
+    found : Dataset
+        What `rotor_ida.lyapunov_exponent` returned.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        Where it was drawn. The legend has each exponent with the standard error of its last
+        digits in brackets.
+
+    Raises
+    ------
+    InputError
+        If the dataset holds no exponents.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, lyapunov_exponent
+    >>> found = lyapunov_exponent(Rotor(omega=1.7, zeta=0.07, delta0=0.0), start=(0, 0, 0, 0),
+    ...                           batches=4)
+    >>> plot_exponents(found).get_legend_handles_labels()[1][0]
+    '$\\lambda_1 = -0.07000$'
+    """
+    needed = ("t", "running_exponent", "lyapunov_exponent", "lyapunov_error")
+    found = check_dataset("found", found, needed)
+    with style():
+        ax = axes_or_new(ax)
+        label_axis(ax.xaxis, "t", found["t"])
+        label_axis(ax.yaxis, "running_exponent", found["running_exponent"])
+        ax.axhline(0.0, color=GREY, lw=0.7, zorder=1.5)
+        for number, (colour, dashes) in enumerate(LINES):
+            part = found.isel(exponent=number)
+            value, error = part["lyapunov_exponent"].item(), part["lyapunov_error"].item()
+            words = f"$\\lambda_{number + 1} = {with_error(value, error)}$"
+            ax.plot(part["t"], part["running_exponent"], color=colour, ls=dashes, lw=1.1,
+                    label=words)  # fmt: skip
+        ax.set_xlim(0.0, float(found["t"].values[-1]))
+        low, high = float(found["lyapunov_exponent"].min()), float(found["lyapunov_exponent"].max())
+        room = max(high - low, abs(high), abs(low)) or 1.0
+        # the first, still unsettled means may lie outside
+        ax.set_ylim(low - 0.3 * room, high + 0.9 * room)
+        ax.legend(
+            ncols=2, loc="upper center", fontsize=8.0, handlelength=2.0, columnspacing=1.0,
+            borderaxespad=0.2,
+        )  # fmt: skip
+    return ax
+
+
+def _together(angle: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Return angles cut open at their widest gap, so that no cluster is torn apart at pi."""
+    order = np.sort(angle)
+    gaps = np.diff(order)
+    if not gaps.size or gaps.max() <= 2.0 * math.pi + order[0] - order[-1]:
+        return angle
+    least = order[gaps.argmax() + 1]
+    cut = least + np.mod(angle - least, 2.0 * math.pi)
+    return np.asarray(cut - 2.0 * math.pi * np.round(cut.mean() / (2.0 * math.pi)))
+
+
+def _distinct(z: npt.NDArray[np.complex128]) -> int:
+    """Return the number of points that can be told apart."""
+    return int(np.unique(np.round(z / (np.abs(z).max(initial=0.0) or 1.0), 3)).size)
+
+
+def _counted(z: npt.NDArray[np.complex128]) -> str:
+    """Return how many crossings fall on few points, where they do."""
+    distinct = _distinct(z)
+    if not 0 < distinct <= FEW or z.size <= 2 * distinct:
+        return ""
+    return f": {z.size} crossings, {distinct} point{'s' if distinct > 1 else ''}"
+
+
+def _mark_size(z: npt.NDArray[np.complex128]) -> float:
+    """Return a size of the marks by the number of points that can be told apart."""
+    distinct = _distinct(z)
+    return 4.5 if distinct <= FEW else 3.0 if distinct <= 200 else 1.6
+
+
+def _leave_room(ax: Axes, across: float, up: float) -> None:
+    """Widen limits that would blow rounding up, of values of these orders, to the whole panel."""
+    for low, high, widen, order in (
+        (*ax.get_xlim(), ax.set_xlim, across),
+        (*ax.get_ylim(), ax.set_ylim, up),
+    ):
+        least = LEAST_SPAN * max(order, abs(low), abs(high))
+        if high - low < least:
+            middle = 0.5 * (low + high)
+            widen(middle - 0.5 * least, middle + 0.5 * least)

@@ -1,0 +1,113 @@
+"""Arrays of a study: as bytes in its store, and those larger than memory in files of its folder."""
+
+from __future__ import annotations
+
+import io
+import math
+import os
+import tempfile
+import zipfile
+import zlib
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.errors import ArchiveError
+
+Arrays = dict[str, npt.NDArray[Any]]
+
+# The fastest level: the numbers of an orbit hardly shrink, labels and headers do at any level.
+_LEVEL = 1
+# Smaller arrays stay in memory.
+LARGE = 64 * 2**20  # bytes
+# So many numbers are worked on at a time.
+STRETCH = 2**20
+
+
+def packed(arrays: Mapping[str, npt.NDArray[Any]]) -> bytes:
+    """Return arrays as bytes: NumPy's npz without pickles, compressed whole by zlib.
+
+    `numpy.savez_compressed` leaves the headers as they are, which are most of a small piece.
+
+    Examples
+    --------
+    >>> unpacked(packed({"x": np.array([1.0, 2.0]), "message": np.array(["failed"])}))
+    {'x': array([1., 2.]), 'message': array(['failed'], dtype='<U6')}
+    """
+    written = io.BytesIO()
+    np.savez(written, **arrays)  # type: ignore[arg-type]
+    return zlib.compress(written.getbuffer(), _LEVEL)
+
+
+def unpacked(content: bytes) -> Arrays:
+    """Return what `packed` was given. Nothing in it can run code.
+
+    Raises
+    ------
+    ValueError
+        If `packed` cannot have written it.
+    """
+    try:
+        with np.load(io.BytesIO(zlib.decompress(content)), allow_pickle=False) as file:
+            return {name: file[name] for name in file.files}
+    except (zlib.error, zipfile.BadZipFile, ValueError, EOFError, OSError, AttributeError) as error:
+        raise ValueError(f"it holds no packed arrays: {error}") from error
+
+
+def scratch(
+    shape: tuple[int, ...], dtype: npt.DTypeLike, folder: Path | None
+) -> npt.NDArray[np.generic]:
+    """Return an array of unset values, on the disk of `folder` if it is large.
+
+    Its file has no name and goes away with the array, even if the process is killed.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Shape of the array.
+    dtype : dtype
+        Its dtype.
+    folder : Path or None
+        Folder that exists; None for an array in memory, whatever its size.
+
+    Raises
+    ------
+    ArchiveError
+        If the disk has no room for it.
+
+    Examples
+    --------
+    >>> scratch((2, 3), np.float32, None).shape
+    (2, 3)
+    """
+    kind = np.dtype(dtype)
+    size = math.prod(shape) * kind.itemsize
+    if folder is None or size < LARGE:
+        return np.empty(shape, dtype=kind)
+    try:
+        with tempfile.TemporaryFile(dir=folder) as file:
+            # Room that is only promised would end the process when the disk is full.
+            if hasattr(os, "posix_fallocate"):
+                os.posix_fallocate(file.fileno(), 0, size)
+            else:
+                file.truncate(size)
+            return np.memmap(file, dtype=kind, mode="r+", shape=shape)
+    except OSError as error:
+        raise ArchiveError(
+            f"cannot make room for {size / 2**20:.0f} MiB in {str(folder)!r}: {error.strerror}"
+        ) from error
+
+
+def stretches(size: int) -> Iterator[slice]:
+    """Yield the stretches in which a flat array of this size is worked on.
+
+    Examples
+    --------
+    >>> list(stretches(5))
+    [slice(0, 5, None)]
+    """
+    for first in range(0, size, STRETCH):
+        yield slice(first, min(first + STRETCH, size))

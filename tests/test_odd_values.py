@@ -1,0 +1,210 @@
+"""Every public function with odd values for each argument: only errors of this package leave it."""
+
+from __future__ import annotations
+
+import decimal
+import fractions
+import functools
+import inspect
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+import rotor_ida
+from rotor_ida import DimensionalRotor, Rotor, RotorError, closed_forms
+
+LONGEST_MESSAGE = 300
+PATHS = ("path", "study", "folder")
+# Seconds: the longest call follows one undamped motion, in three of them on one core.
+LONGEST_CALL = 60.0
+
+ROTOR = Rotor(omega=1.2, zeta=0.5, delta0=0.5)
+MACHINE = DimensionalRotor(
+    mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6, clearance=2e-6, speed=600.0
+)
+REST = (0.0, 0.0, 0.0, 0.0)
+ODD = {
+    "None": None, "True": True, "text": "1.0", "no text": "", "long text": "1" * 1000,
+    "bytes": b"1", "nan": float("nan"), "inf": float("inf"), "-inf": float("-inf"), "-1": -1,
+    "0": 0, "0.5": 0.5, "tiny": 5e-324, "large": 1e20, "huge": 1e308, "10**400": 10**400,
+    "-10**400": -(10**400), "10**5000": 10**5000, "2**63": 2**63, "10**9 + 1": 10**9 + 1,
+    "complex": 1j, "empty list": [], "list of nan": [float("nan")],
+    "list of lists": [[1, 2], [3, 4]], "ragged": [[1], [2, 3]], "dict": {}, "set": {1.0, 2.0},
+    "object": object(), "0-d array": np.array(1.0), "1-d array": np.array([1, 2]),
+    "2-d array": np.eye(4), "5-d array": np.ones((1, 1, 2, 1, 1)), "bools": np.array([True, False]),
+    "0-d DataArray": xr.DataArray(1.0), "1-d DataArray": xr.DataArray([1.0, 2.0], dims="omega"),
+    "long DataArray": xr.DataArray(np.arange(500.0) - 3.0, dims="omega", name="omega"),
+    "Series": pd.Series([1.0, 2.0]), "date": np.datetime64("2019-06-01"),
+    "dates": np.array(["2019-06-01"], dtype="datetime64[ns]"), "delay": np.timedelta64(1, "s"),
+    "Fraction": fractions.Fraction(1, 2), "Decimal": decimal.Decimal("0.5"),
+    "function": len, "lambda": lambda: 0, "class": Rotor, "Dataset": xr.Dataset(),
+    "masked": np.ma.array([1.0, 2.0], mask=[False, True]), "long range": range(10**12),
+    "endless range": range(10**30), "iterator": iter(()), "nul": "\0", "line\nfeed": "a\nb",
+}  # fmt: skip
+
+
+@functools.cache
+def run() -> xr.Dataset:
+    return rotor_ida.simulate(ROTOR, start=REST, duration=10.0, samples=33)
+
+
+@functools.cache
+def swept() -> xr.Dataset:
+    return rotor_ida.sweep(omega=1.2, zeta=0.5, delta0=0.5)
+
+
+# Arguments with which each function does little.
+GIVEN: dict[str, Callable[[Path], dict[str, object]]] = {
+    "Rotor": lambda _: {"omega": 1.2, "zeta": 0.5, "delta0": 0.5},
+    "DimensionalRotor": lambda _: {
+        name: getattr(MACHINE, name) for name in DimensionalRotor.__slots__
+    },
+    "simulate": lambda _: {"rotor": ROTOR, "start": REST, "duration": 1.0, "samples": 3},
+    "synchronous_response": lambda _: {"omega": 1.2, "zeta": 0.5, "delta0": 0.5},
+    "folds": lambda _: {"zeta": 0.07, "delta0": 0.5},
+    "sweep": lambda folder: {
+        "omega": 1.2,
+        "zeta": 0.5,
+        "delta0": 0.5,
+        "workers": 1,
+        "study": folder / "sweep",
+    },
+    "basin": lambda _: {"rotor": ROTOR, "x": [0.0, 1.0], "y": [0.0, 1.0], "workers": 1},
+    "basin_fractions": lambda _: {
+        "rotor": ROTOR,
+        "x": (0.0, 1.0),
+        "y": (0.0, 1.0),
+        "starts": 2,
+        "workers": 1,
+    },
+    "bifurcation_diagram": lambda _: {
+        "omega": 1.2,
+        "zeta": 0.5,
+        "delta0": 0.5,
+        "starts": 1,
+        "extrema_time": 1.0,
+        "workers": 1,
+    },
+    "lyapunov_exponent": lambda _: {
+        "rotor": ROTOR,
+        "start": REST,
+        "transient": 1.0,
+        "duration": 40.0,
+        "batches": 4,
+    },
+    "poincare_section": lambda _: {"rotor": ROTOR, "start": REST, "revolutions": 1},
+    "rotating": lambda _: {"run": run()},
+    "spectrum": lambda _: {"run": run()},
+    "contact_forces": lambda _: {"run": run()},
+    "contact_summary": lambda _: {"run": run()},
+    "compare": lambda _: {"dataset": swept()},
+    "dimensional": lambda _: {"dataset": run(), "machine": MACHINE},
+    "save": lambda folder: {"dataset": run(), "path": folder / "new.nc", "overwrite": True},
+    "load": lambda folder: {"path": archive_in(folder)},
+    "open_archive": lambda folder: {"path": archive_in(folder)},
+    "resume": lambda folder: {"folder": study_in(folder), "workers": 1},
+    "status": lambda folder: {"folder": study_in(folder)},
+    "backbone": lambda _: {"amplitude": 2.0},
+    "curve": lambda _: {"amplitude": 2.0, "zeta": 0.07, "delta0": 0.5},
+    "peak_amplitude": lambda _: {"zeta": 0.07, "delta0": 0.5},
+    "peaks": lambda _: {"zeta": 0.07, "delta0": 0.5},
+    "jumps": lambda _: {"zeta": 0.07, "delta0": 0.5},
+    "cusp": lambda _: {"delta0": 0.5},
+    "cusp_zeta": lambda _: {"delta0": 0.5},
+    "free_periods": lambda _: {"amplitude": 2.0, "delta0": 0.5},
+    "circular_period": lambda _: {"amplitude": 2.0},
+    "planar_period": lambda _: {"amplitude": 2.0},
+    "centre_speed": lambda _: {"amplitude": 2.0},
+    "amplitude_from_speed": lambda _: {"speed": 2.0},
+    "restoring_field": lambda _: {"x": 1.0, "y": 1.0, "delta0": 0.5},
+    "flight": lambda _: {"time": 1.0, "rotor": ROTOR, "start": REST},
+    "contact_free_whirl": lambda _: {"rotor": ROTOR},
+    "stability_determinant": lambda _: {"amplitude": 2.0, "omega": 1.2, "zeta": 0.5, "delta0": 0.5},
+    "eigenvalues": lambda _: {"amplitude": 2.0, "omega": 1.2, "zeta": 0.5, "delta0": 0.5},
+}
+
+
+def archive_in(folder: Path) -> Path:
+    path = folder / "run.nc"
+    return path if path.exists() else rotor_ida.save(run(), path)
+
+
+def study_in(folder: Path) -> Path:
+    study = folder / "study"
+    if not study.exists():
+        rotor_ida.sweep(omega=1.2, zeta=0.5, delta0=0.5, study=study)
+    return study
+
+
+def public() -> dict[str, Callable[..., object]]:
+    """Return what a user may call, but for the errors and the result that is a plain record."""
+    found = {name: getattr(rotor_ida, name) for name in rotor_ida.__all__}
+    found |= {name: getattr(closed_forms, name) for name in closed_forms.__all__}
+    return {
+        name: each
+        for name, each in found.items()
+        if name != "ContactFreeWhirl"
+        and not (isinstance(each, type) and issubclass(each, Exception))
+    }
+
+
+def odd_calls(name: str, folder: Path) -> Iterator[tuple[str, str]]:
+    """Call a function with one odd argument at a time; yield what was odd, and what is wrong."""
+    function = public()[name]
+    function(**GIVEN[name](folder))  # compiles what it needs
+    for argument in inspect.signature(function).parameters:
+        for word, value in ODD.items():
+            if argument == "progress" and callable(value):
+                continue  # whatever it raises is its own
+            if argument in PATHS and word == "long text":
+                continue  # a path is shown whole
+            given = GIVEN[name](folder) | {argument: value}
+            began = time.monotonic()
+            trouble = ""
+            try:
+                function(**given)
+            except RotorError as error:
+                message = str(error)
+                if "\n" in message or len(message) > LONGEST_MESSAGE:
+                    trouble = f"message of {len(message)} characters: {message[:400]!r}"
+            except Exception as error:
+                trouble = f"raw {type(error).__name__}: {str(error)[:200]}"
+            if time.monotonic() - began > LONGEST_CALL:
+                trouble = f"took {time.monotonic() - began:.1f} s"
+            yield f"{name}({argument} = {word})", trouble
+
+
+def test_every_public_function_is_in_the_table():
+    assert set(public()) == set(GIVEN)
+    arguments = sum(len(inspect.signature(each).parameters) for each in public().values())
+    assert arguments * len(ODD) > 2000
+
+
+@pytest.mark.parametrize("name", GIVEN)
+def test_odd_values_are_refused_in_one_line_or_used(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    troubles = [f"{call}: {trouble}" for call, trouble in odd_calls(name, tmp_path) if trouble]
+    assert not troubles, "\n".join(troubles)
+
+
+def test_labelled_values_are_numbers_starts_and_ranges():
+    """What comes out of one function goes into the next, and changes no bit."""
+    whirls, responses = rotor_ida.synchronous_response(omega=[1.2], zeta=0.5, delta0=0.5), swept()
+    again = rotor_ida.synchronous_response(
+        omega=responses.omega, zeta=responses.zeta, delta0=responses.delta0
+    )
+    assert again.identical(whirls)
+    rest = xr.DataArray(list(REST), dims="component")
+    assert rotor_ida.simulate(ROTOR, start=rest, duration=run().t[-1], samples=33).equals(run())
+    table = np.array([REST])
+    assert rotor_ida.sweep(omega=1.2, zeta=0.5, delta0=0.5, starts=table).equals(responses)
+    plain, labelled = (
+        rotor_ida.basin_fractions(ROTOR, x=ends, y=np.array(0.0), starts=np.array(5))
+        for ends in ((-1.0, 1.0), xr.DataArray([-1.0, 1.0]))
+    )
+    assert labelled.equals(plain)

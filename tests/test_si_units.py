@@ -1,0 +1,73 @@
+"""Units are chosen once; the dataset carries them, and what a dimensionless 1 is in them."""
+
+import pytest
+
+from rotor_ida import DimensionalRotor, InputError, dimensional, lyapunov_exponent, simulate
+from rotor_ida.schema import QUANTITIES
+from rotor_ida.si_units import UNITS
+
+REST = (0.0, 0.0, 0.0, 0.0)
+MACHINE = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=418.0, eccentricity=5e-6,
+                           clearance=1e-5, speed=1495.0)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def plain():
+    return simulate(MACHINE.rotor(), start=REST, duration=20.0, samples=201)
+
+
+def test_every_quantity_has_the_unit_and_the_scale_of_its_kind(plain):
+    chosen = {"length": "um", "time": "ms", "force": "kN", "impulse": "mN s"}
+    shown = dimensional(plain, MACHINE, units=chosen)
+    for name, variable in plain.variables.items():
+        kind = QUANTITIES[name].scale
+        if kind:
+            assert shown[name].attrs["units"] == (UNITS | chosen)[kind]
+            assert shown[name].values == pytest.approx(
+                variable.values * shown.attrs[f"{kind}_scale"], rel=1e-15, nan_ok=True
+            )
+        else:
+            assert shown[name].identical(plain[name].assign_coords(shown[name].coords))
+
+
+def test_scales_say_what_one_is_in_the_units_chosen(plain):
+    shown = dimensional(plain, MACHINE, units={"length": "um", "time": "ms"})
+    assert shown.attrs["length_scale"] == pytest.approx(1e6 * MACHINE.length_scale, rel=1e-15)
+    assert shown.attrs["time_scale"] == pytest.approx(1e3 * MACHINE.time_scale, rel=1e-15)
+    assert shown.attrs["velocity_scale"] == MACHINE.velocity_scale
+    assert dimensional(plain, MACHINE).attrs["length_scale"] == MACHINE.length_scale
+
+
+@pytest.mark.parametrize(
+    ("kind", "wanted", "written"),
+    [("length", "µm", "um"), ("length", "\u03bcm", "um"), ("length", "um", "um"),
+     ("velocity", "mm/s", "mm s-1"), ("velocity", "µm s-1", "um s-1"), ("time", "µs", "us")],
+)  # fmt: skip
+def test_units_may_be_written_as_readers_do(plain, kind, wanted, written):
+    shown = dimensional(plain, MACHINE, units={kind: wanted})
+    assert shown[{"length": "x", "velocity": "vx", "time": "t"}[kind]].attrs["units"] == written
+
+
+def test_rates_are_per_second():
+    found = lyapunov_exponent(MACHINE.rotor(), start=REST, duration=200.0)
+    shown = dimensional(found, MACHINE, units={"rate": "1/s", "time": "ms"})
+    assert shown.running_exponent.attrs["units"] == "s-1"
+    assert shown.attrs["rate_scale"] == MACHINE.reference_frequency
+
+
+@pytest.mark.parametrize(
+    ("units", "message"),
+    [({"length": "inch"}, "the unit of length must be one of .*, um, mm, m, km, Mm, got 'inch'"),
+     ({"length": 3}, "the unit of length must be one of .*, got 3"),
+     ({"rate": "ms-1"}, "the unit of rate must be one of s-1, got 'ms-1'"),
+     ({"mass": "kg"}, "units must be of length, time, .*, got 'mass'"),
+     ("mm", "units must be a mapping such as .*, got 'mm'")],
+)  # fmt: skip
+def test_other_units_are_refused(plain, units, message):
+    with pytest.raises(InputError, match=f"^{message}$"):
+        dimensional(plain, MACHINE, units=units)
+
+
+def test_units_are_chosen_once(plain):
+    with pytest.raises(InputError, match="SI units already"):
+        dimensional(dimensional(plain, MACHINE), MACHINE, units={"length": "mm"})
