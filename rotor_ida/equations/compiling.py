@@ -54,10 +54,11 @@ def inlined_for_lanes(function: Callable[P, R]) -> Callable[P, R]:
     return _kernel(function, {"fastmath": _LANE_MATHS, "forceinline": True})
 
 
-def _kernel(function: Callable[P, R], settings: dict[str, object]) -> Callable[P, R]:
+def _kernel(function: Callable[P, R], settings: dict[str, Any]) -> Callable[P, R]:
     with _cache() as cached:
-        made = numba.njit(nogil=True, error_model="numpy", cache=cached, **settings)(function)
-    return cast("Callable[P, R]", made)
+        decorate: Any = numba.njit(nogil=True, error_model="numpy", cache=cached, **settings)
+        kernel: Callable[P, R] = decorate(function)
+    return kernel
 
 
 def callback(signature: Any, function: Callable[..., Any]) -> Any:
