@@ -145,12 +145,7 @@ def panels(
 
 
 def mixed_panels(
-    rows: int,
-    columns: int,
-    *,
-    width: float = 7.2,
-    height: float = 5.6,
-    solid: Sequence[int] = (),
+    rows: int, columns: int, *, width: float = 7.2, height: float = 5.6, solid: Sequence[int] = ()
 ) -> tuple[Figure, list[Axes]]:
     """Return a figure with lettered panels, each with axes of its own.
 
