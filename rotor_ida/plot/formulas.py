@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import cast
 
 import numpy as np
 import numpy.typing as npt
@@ -16,7 +17,6 @@ from rotor_ida.plot.appearance import (
     INK,
     LOOKS,
     ORANGE,
-    axes_of,
     axes_or_new,
     check_dataset,
     finish_solid,
@@ -80,7 +80,7 @@ def plot_surface(field: xr.Dataset, name: str, *, ax: Axes | None = None) -> Axe
         solid.view_init(elev=26, azim=-148 if name == "restoring_x" else -58)
         finish_solid(solid)
         solid.set_title(f"{label_of(name, field[name])},  {title}", y=0.98)
-    return axes_of(solid)
+    return cast(Axes, solid)
 
 
 def plot_cuts(field: xr.Dataset, name: str, *, at: Sequence[float], ax: Axes | None = None) -> Axes:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -23,7 +23,6 @@ from rotor_ida.plot.appearance import (
     INK,
     RED,
     SHADE,
-    axes_of,
     axes_or_new,
     check_dataset,
     draw_ring,
@@ -230,7 +229,7 @@ def plot_drawn_out(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         solid.xaxis.labelpad, solid.yaxis.labelpad, solid.zaxis.labelpad = -4, -6, -6
         solid.view_init(elev=22, azim=-58)
         finish_solid(solid, zoom=1.12)
-    return axes_of(solid)
+    return cast(Axes, solid)
 
 
 def plot_machine(run: xr.Dataset) -> Figure:
