@@ -16,7 +16,7 @@ from pathlib import Path
 from rotor_ida.errors import InputError
 from rotor_ida.paper import freshness
 from rotor_ida.paper.gallery import write_gallery
-from rotor_ida.paper.scenario import check_folder, output_folder
+from rotor_ida.paper.scenario import check_folder
 from rotor_ida.parallel import count_workers
 
 # One scenario draws while the other computes.
@@ -33,15 +33,12 @@ def scenario_scripts() -> dict[str, Path]:
     """
     package = Path(__file__).parents[1]
     for folder in (package / "scenarios", package.parent / "scenarios"):
-        scripts = sorted(folder.glob("[!_]*.py"), key=_figures_first)
+        scripts = {script.stem: script for script in folder.glob("[!_]*.py")}
         if scripts:
-            return {script.stem: script for script in scripts}
+            # the paper's figures come before our studies
+            names = sorted(scripts, key=lambda name: (not name.startswith("fig"), name))
+            return {name: scripts[name] for name in names}
     return {}
-
-
-def _figures_first(script: Path) -> tuple[bool, str]:
-    """Return the place of a script: the paper's figures come before our studies."""
-    return not script.stem.startswith("fig"), script.stem
 
 
 def reproduce(
@@ -91,7 +88,7 @@ def reproduce(
     processes = count_workers(workers)
     given = ["--quick"] if quick else []
     origins = {name: freshness.origin_of(script, given) for name, script in chosen.items()}
-    folders = {name: output_folder(root, name) for name in chosen}
+    folders = {name: root / name for name in chosen}
     current = [
         name for name in chosen if not force and freshness.is_fresh(folders[name], origins[name])
     ]
@@ -126,7 +123,7 @@ class _Job:
     def run(self, *, aside: bool) -> tuple[int, str, float]:
         """Run the script; return its exit status, what it printed if put aside, and the time."""
         begin = time.monotonic()
-        folder = output_folder(self.root, self.name)
+        folder = self.root / self.name
         freshness.begin(folder)
         line = [sys.executable, str(self.script), *self.options]
         if aside:
