@@ -352,10 +352,10 @@ def general_solution(
     start : tuple of float
         ``(x, y, vx, vy)`` at time 0 [1].
     omega, zeta : float
-        Spin speed and damping ratio [1].
+        Spin speed, above zero, and damping ratio [1].
     amplitude : float
-        Amplitude A of the whirl that the last term is to be [1]; the equation printed for it is
-        implicit and has up to three solutions.
+        Amplitude A, above zero, of the whirl that the last term is to be [1]; the equation printed
+        for it is implicit and has up to three solutions.
     mended : bool
         Whether to mend the signs: phase ``omega t - theta`` for ``omega t + theta``, and theta
         in its quadrant.

@@ -51,8 +51,6 @@ WORDS = {
 FLOOR = 3e-5
 # How the exponents are told apart.
 LINES = ((BLUE, "-"), (ORANGE, "--"), (PURPLE, "-."), (INK, ":"))
-
-
 # What a bifurcation diagram is made of.
 FREE = "extremum, contact-free or unresolved"
 EXTREMA = {

@@ -124,14 +124,7 @@ def plot_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     'displacement $x$'
     """
     run = check_dataset("run", run, NEEDED)
-    with style():
-        ax = axes_or_new(ax, width=4.0, height=4.9)
-        label_axis(ax.xaxis, "x", run["x"])
-        label_axis(ax.yaxis, "y", run["y"])
-        _draw_orbit(ax, run, path_of(run))
-        legend_below(ax)
-        ax.set_title(title_of("run", run))
-    return ax
+    return _plot_orbit(run, path_of(run), ("x", "y"), ax)
 
 
 def plot_rotating_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
@@ -160,14 +153,7 @@ def plot_rotating_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     angle = omega * run["event_time"].values
     event_x, event_y = _rotated_back(run["event_x"].values, run["event_y"].values, angle)
     seen = run.assign(event_x=("event", event_x), event_y=("event", event_y))
-    with style():
-        ax = axes_or_new(ax, width=4.0, height=4.9)
-        label_axis(ax.xaxis, "rotating_x", run["x"])
-        label_axis(ax.yaxis, "rotating_y", run["y"])
-        _draw_orbit(ax, seen, replace(path, x=x, y=y))
-        legend_below(ax)
-        ax.set_title(title_of("run", run))
-    return ax
+    return _plot_orbit(seen, replace(path, x=x, y=y), ("rotating_x", "rotating_y"), ax)
 
 
 def plot_history(run: xr.Dataset, name: str, *, ax: Axes | None = None) -> Axes:
@@ -412,9 +398,7 @@ def _in_contact(run: xr.Dataset, time: Values) -> npt.NDArray[np.bool_]:
     """Return whether the stretch that begins at each time is in contact."""
     passed = np.searchsorted(run["event_time"].values, time, side="right")
     entry = flags_of(run["event_kind"])["entry"]
-    after = np.concatenate(
-        [[bool(run["starts_in_contact"].values)], run["event_kind"].values == entry]
-    )
+    after = np.append(bool(run["starts_in_contact"].values), run["event_kind"].values == entry)
     return np.asarray(after[passed], dtype=bool)
 
 
@@ -490,6 +474,17 @@ def _peaks(dataset: xr.Dataset) -> tuple[Values, Values]:
     times, first, last = dataset["peak_time"].values, *dataset["t"].values[[0, -1]]
     seen = (times > first) & (times < last)
     return times[seen], dataset["peak_force"].values[seen]
+
+
+def _plot_orbit(run: xr.Dataset, path: Path, names: tuple[str, str], ax: Axes | None) -> Axes:
+    with style():
+        ax = axes_or_new(ax, width=4.0, height=4.9)
+        label_axis(ax.xaxis, names[0], run["x"])
+        label_axis(ax.yaxis, names[1], run["y"])
+        _draw_orbit(ax, run, path)
+        legend_below(ax)
+        ax.set_title(title_of("run", run))
+    return ax
 
 
 def _draw_orbit(ax: Axes, run: xr.Dataset, path: Path) -> None:
