@@ -120,5 +120,6 @@ def _checked(kind: str, unit: str) -> str:
     plain = str(unit).replace("\u00b5", "u").replace("\u03bc", "u")
     written = plain.replace("1/s", "s-1").replace("/s", " s-1")
     if written not in allowed:
-        raise InputError(f"the unit of {kind} must be one of {', '.join(allowed)}, got {shown(unit)}")
+        words = ", ".join(allowed)
+        raise InputError(f"the unit of {kind} must be one of {words}, got {shown(unit)}")
     return written
