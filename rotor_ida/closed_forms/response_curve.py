@@ -268,9 +268,6 @@ def _over_clearance(omega: float, zeta: float, limits: _Place, points: int) -> l
         cosine = flank * np.sqrt(np.maximum((1.0 - sine) * (1.0 + sine), 0.0))
         return np.asarray(A - np.cbrt(q * np.maximum(A + cosine, 0.0)) ** 2)
 
-    def lag(A: Values, delta0: Values) -> Values:
-        return _phase_lag(A, omega, zeta, delta0)
-
     top = (math.inf, math.inf)
     if zeta > 0.0:
         top = (largest, float(clearance(1, np.array(largest))))
@@ -281,7 +278,8 @@ def _over_clearance(omega: float, zeta: float, limits: _Place, points: int) -> l
     turns = _turns_over_clearance(omega, zeta)
     marks = _marks(np.cos(lags), amplitude, delta0)
     marks += _marks(np.full(turns.size, -1.0), turns, clearance(-1, turns))
-    return pieces + _traced([chain], marks, _Law(clearance, lag, limits, points, zeta > 0.0))
+    law = _Law(clearance, lambda A, d: _phase_lag(A, omega, zeta, d), limits, points, zeta > 0.0)
+    return pieces + _traced([chain], marks, law)
 
 
 def _turns_over_clearance(omega: float, zeta: float) -> Values:
