@@ -21,7 +21,7 @@ _FOLDERS = re.compile(r"^(--?[\w-]+=)?(?:[/~]|[A-Za-z]:[\\/]).*[\\/](?=[^\\/])")
 _INDIFFERENT = ("python_version", "xarray_version")
 # Folders and modules that draw, describe or store a result but do not compute it.
 NOT_COMPUTING = (
-    *("analysis", "cli", "files", "paper", "plot"),
+    *("analysis", "cli", "paper", "plot"),
     *("resuming", "scenarios", "storage/archive", "testing"),
 )
 
