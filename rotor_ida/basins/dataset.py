@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.basins.attractors import Attractor
 from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import FATE, RESPONSE, Column, labelled, labelled_dataset
@@ -27,41 +27,13 @@ LABELLING = (
 TABLE = ("amplitude", "phase_lag", "radius_min", "radius_max")
 
 
-class Described(Protocol):
-    """What is known of an attractor."""
-
-    @property
-    def kind(self) -> str:
-        """Kind of response."""
-
-    @property
-    def amplitude(self) -> float:
-        """Amplitude at the spin speed [1]."""
-
-    @property
-    def phase_lag(self) -> float:
-        """Phase lag [rad]."""
-
-    @property
-    def radius_min(self) -> float:
-        """Smallest radius [1]."""
-
-    @property
-    def radius_max(self) -> float:
-        """Largest radius [1]."""
-
-    @property
-    def confirmed(self) -> bool:
-        """Whether CVODE has been there."""
-
-
 def basin_dataset(
     rotor: Rotor,
     axes: Mapping[str, Values],
     fixed: Mapping[str, float],
     labels: npt.NDArray[np.int16],
     times: npt.NDArray[np.float32],
-    attractors: Sequence[Described],
+    attractors: Sequence[Attractor],
     attributes: Mapping[str, object],
     options: Options,
     folder: Path | None = None,
@@ -108,7 +80,7 @@ def basin_dataset(
 def fractions_dataset(
     rotor: Rotor,
     labels: npt.NDArray[np.int16],
-    attractors: Sequence[Described],
+    attractors: Sequence[Attractor],
     attributes: Mapping[str, object],
     options: Options,
 ) -> xr.Dataset:
@@ -160,7 +132,7 @@ def _labels(labels: npt.NDArray[np.int16], dims: tuple[str, ...], count: int) ->
 def _responses(
     labels: npt.NDArray[np.int16],
     dims: tuple[str, ...],
-    attractors: Sequence[Described],
+    attractors: Sequence[Attractor],
     folder: Path | None,
 ) -> xr.Variable:
     """Return the kind of response of each start; those not computed have a number of their own."""
@@ -179,7 +151,7 @@ def _responses(
 
 
 def _attractor_table(
-    labels: npt.NDArray[np.int16], attractors: Sequence[Described]
+    labels: npt.NDArray[np.int16], attractors: Sequence[Attractor]
 ) -> dict[str, xr.Variable]:
     missing, undecided, *ends = _counts(labels, len(attractors)).tolist()
     counts = np.array(ends, dtype=np.int64)
