@@ -20,7 +20,7 @@ from rotor_ida.basins.following import follow_starts
 from rotor_ida.basins.kernel import NOT_COMPUTED, follow
 from rotor_ida.basins.known_attractors import known_attractors
 from rotor_ida.basins.labelling import RTOL
-from rotor_ida.storage.studies.results import InMemory
+from rotor_ida.storage.studies.results import Results
 
 HALF_WIDTH = 15.0
 SPAN = 100.0
@@ -113,7 +113,7 @@ def main():
     for _ in range(2):
         wall, core = time.perf_counter(), time.process_time()
         found = follow_starts(
-            known_attractors(rotor), lambda a, b: states[:, a:b], states.shape[1], InMemory(),
+            known_attractors(rotor), lambda a, b: states[:, a:b], states.shape[1], Results(),
             tolerance=given.rtol, workers=given.workers, executor="threads", progress=None,
         )  # fmt: skip
         wall, core = time.perf_counter() - wall, time.process_time() - core

@@ -28,16 +28,7 @@ _NO_SYNC_HERE = {errno.EINVAL, errno.ENOTSUP, errno.EOPNOTSUPP, errno.EACCES}
 
 
 def check_path(name: str, path: object, *, kind: str = "file") -> Path:
-    """Return the path of a file or folder, whether it is there or not.
-
-    Parameters
-    ----------
-    name : str
-        Name of the argument.
-    path : object
-        What was given for it.
-    kind : {"file", "folder"}
-        What it should be the path of.
+    """Return the path, given as the argument `name`, of a file or folder, be it there or not.
 
     Examples
     --------
@@ -55,18 +46,10 @@ def check_path(name: str, path: object, *, kind: str = "file") -> Path:
 def check_target(
     name: str, path: object, *, overwrite: object, permission: str = "overwrite is true"
 ) -> Path:
-    """Return the path of a file that can be written.
+    """Return the path, given as the argument `name`, of a file that can be written.
 
-    Parameters
-    ----------
-    name : str
-        Name of the argument.
-    path : object
-        What was given for it. The folder must exist.
-    overwrite : bool
-        Whether a file that is there may be replaced.
-    permission : str
-        What the user has to do to have it replaced, as the message says it.
+    Its folder must exist. Without `overwrite` a file that is there is refused; `permission` says
+    in the message what the user has to do to have it replaced.
 
     Examples
     --------
@@ -80,7 +63,7 @@ def check_target(
     given = check_path(name, path)
     if not isinstance(overwrite, bool):
         raise InputError(f"overwrite must be true or false, got {shown(overwrite)}")
-    target = _behind_links(given)
+    target = Path(os.path.realpath(given))
     if os.path.isdir(target):
         raise InputError(f"{name} must be a file, got the folder {str(given)!r}")
     if not os.path.isdir(target.parent):
@@ -139,7 +122,7 @@ def written_whole(path: Path, *, overwrite: bool) -> Iterator[Path]:
     ('whole', 1)
     >>> folder.cleanup()
     """
-    target = _behind_links(path)
+    target = Path(os.path.realpath(path))
     with _folder_beside(target) as folder:
         part = folder / target.name
         yield part
@@ -147,10 +130,6 @@ def written_whole(path: Path, *, overwrite: bool) -> Iterator[Path]:
             os.fsync(file.fileno())
         _publish(part, target, overwrite)
     _sync_folder(target.parent)
-
-
-def _behind_links(path: Path) -> Path:
-    return Path(os.path.realpath(path))
 
 
 @contextmanager

@@ -21,18 +21,13 @@ _FOLDERS = re.compile(r"^(--?[\w-]+=)?(?:[/~]|[A-Za-z]:[\\/]).*[\\/](?=[^\\/])")
 _INDIFFERENT = ("python_version", "xarray_version")
 # Folders and modules that draw, describe or store a result but do not compute it.
 NOT_COMPUTING = (
-    *("analysis", "cli", "files", "paper", "plot"),
+    *("analysis", "cli", "paper", "plot"),
     *("resuming", "scenarios", "storage/archive", "testing"),
 )
 
 
 def provenance(how: Mapping[str, object]) -> dict[str, object]:
     """Return the attributes that say what computed a result: source, command, method, versions.
-
-    Parameters
-    ----------
-    how : mapping
-        Method and tolerances, as attributes.
 
     Examples
     --------
@@ -86,31 +81,16 @@ def sources_digest() -> str:
 
 
 def command() -> str:
-    """Return the script or program that is running, with its arguments but without folders.
-
-    Returns
-    -------
-    str
-        As for a shell; in words where nothing could be typed again.
-
-    Examples
-    --------
-    >>> isinstance(command(), str)
-    True
-    """
+    """Return the script or program that is running, as `described` says it."""
     spec = getattr(sys.modules.get("__main__"), "__spec__", None)
     return described(sys.argv, module=spec.name if spec else "")
 
 
 def described(arguments: Sequence[str], *, module: str = "") -> str:
-    """Return a command line without what only this machine knows.
+    """Return a command line, as in ``sys.argv``, without what only this machine knows.
 
-    Parameters
-    ----------
-    arguments : sequence of str
-        As in ``sys.argv``.
-    module : str
-        Name of the module that ``python -m`` runs; empty for a script.
+    It is as for a shell, or in words where nothing could be typed again. `module` is the one that
+    ``python -m`` runs, if any.
 
     Examples
     --------

@@ -17,24 +17,14 @@ Column = tuple[Hashable | Sequence[Hashable], npt.ArrayLike]
 
 @dataclass(frozen=True)
 class Quantity:
-    """What one variable of a dataset is.
-
-    Parameters
-    ----------
-    long_name : str
-        What it is, in words.
-    units : str
-        Its unit; ``"1"`` where dimensionless, empty for text.
-    flags : mapping of str to int
-        For a category: the number that stands for each word.
-    scale : {"", "length", "time", "velocity", "force", "impulse", "energy", "rate"}
-        By which scale of a machine it becomes a quantity in SI units; "" where by none.
-    """
+    """What one variable of a dataset is."""
 
     long_name: str
-    units: str = "1"
+    units: str = "1"  # of what is dimensionless; empty for text
+    # By which scale of a machine it becomes a quantity in SI units; empty where by none:
+    # length, time, velocity, force, impulse, energy or rate.
     scale: str = ""
-    flags: Mapping[str, int] = field(default_factory=dict)
+    flags: Mapping[str, int] = field(default_factory=dict)  # the number of each word of a category
 
     def attributes(self) -> dict[str, object]:
         """Return the attributes of a variable that holds this quantity."""
@@ -247,14 +237,8 @@ def labelled_dataset(
 ) -> xr.Dataset:
     """Return a dataset whose variables carry their long names and units.
 
-    Parameters
-    ----------
-    title : str
-        What the dataset is.
-    variables, coordinates : mapping of str to tuple or Variable
-        Dimensions and values by the names of `QUANTITIES`, or variables that are labelled already.
-    attributes : mapping, optional
-        Further attributes, such as where the result came from.
+    Each is given by its name in `QUANTITIES`: dimensions and values, or a variable that is labelled
+    already. Further attributes say, for example, where the result came from.
 
     Examples
     --------

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import xarray as xr
 
-from rotor_ida.checks import check_instance
+from rotor_ida.checks import check_instance, shown
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import DimensionalRotor
 from rotor_ida.schema import QUANTITIES
@@ -88,7 +88,7 @@ def dimensional(
     if units is None:
         units = {}
     if not isinstance(units, Mapping):
-        raise InputError(f"units must be a mapping such as {{'length': 'mm'}}, got {units!r}")
+        raise InputError(f"units must be a mapping such as {{'length': 'mm'}}, got {shown(units)}")
     chosen = UNITS | {kind: _checked(kind, unit) for kind, unit in units.items()}
     scales = {kind: in_si[kind] * _parts(kind)[unit] for kind, unit in chosen.items()}
     converted = {}
@@ -114,11 +114,12 @@ def _parts(kind: str) -> dict[str, float]:
 def _checked(kind: str, unit: str) -> str:
     """Return a unit as UDUNITS writes it, if it is one of its kind."""
     if kind not in UNITS:
-        raise InputError(f"units must be of {', '.join(UNITS)}, got {kind!r}")
+        raise InputError(f"units must be of {', '.join(UNITS)}, got {shown(kind)}")
     allowed = _parts(kind)
     # the micro sign and the Greek letter look the same
     plain = str(unit).replace("\u00b5", "u").replace("\u03bc", "u")
     written = plain.replace("1/s", "s-1").replace("/s", " s-1")
     if written not in allowed:
-        raise InputError(f"the unit of {kind} must be one of {', '.join(allowed)}, got {unit!r}")
+        words = ", ".join(allowed)
+        raise InputError(f"the unit of {kind} must be one of {words}, got {shown(unit)}")
     return written

@@ -51,22 +51,9 @@ class ContactFreeWhirl:
 
 
 def complex_amplitude(omega: npt.ArrayLike, zeta: npt.ArrayLike) -> ComplexValues:
-    """Return the complex amplitude ``a = -omega/(omega - 2 i zeta)`` of the contact-free whirl.
+    """Return ``a = -omega/(omega - 2 i zeta)`` of the contact-free whirl ``c + a exp(i omega t)``.
 
-    Parameters
-    ----------
-    omega, zeta : array_like
-        Spin speed and damping ratio [1]; they broadcast.
-
-    Returns
-    -------
-    ndarray of complex
-        ``a`` of ``z = c + a exp(i omega t)`` [1]: its modulus is A_f, its angle minus the phase
-        lag; 0 at rest.
-
-    References
-    ----------
-    Eq. (10) of the paper, Mechanika 25(6), 2019, with f = 0.
+    Its modulus is A_f, its angle minus the phase lag; 0 at rest. See `contact_free_whirl`.
 
     Examples
     --------
@@ -174,7 +161,12 @@ def flight(time: npt.ArrayLike, *, rotor: Rotor, start: object, start_time: floa
     check_instance("rotor", rotor, Rotor)
     began = check_real("start_time", start_time)
     x, y, vx, vy = check_state("start", start)
-    times = _checked_times(time, began)
+    times = check_array("time", time)
+    early = times[times < began]
+    if early.size:
+        raise InputError(
+            f"time must be finite and not before start_time = {began!r}, got {float(early[0])!r}"
+        )
     omega, zeta = rotor.omega, rotor.zeta
     if omega * max(abs(began), np.max(np.abs(times), initial=0.0)) > _LARGEST_PHASE:
         raise InputError(f"omega * time must be at most {_LARGEST_PHASE:g}, got omega = {omega!r}")
@@ -191,17 +183,6 @@ def flight(time: npt.ArrayLike, *, rotor: Rotor, start: object, start_time: floa
     velocity = start_velocity * (1.0 + decay_less_one)
     velocity = velocity + 1j * omega * whirl * (turn_less_one - decay_less_one)
     return np.stack([position.real, position.imag, velocity.real, velocity.imag])
-
-
-def _checked_times(time: npt.ArrayLike, began: float) -> Values:
-    """Return the times, all finite and none before the start."""
-    times = check_array("time", time)
-    early = times[times < began]
-    if early.size:
-        raise InputError(
-            f"time must be finite and not before start_time = {began!r}, got {float(early[0])!r}"
-        )
-    return times
 
 
 def _reach(elapsed: Values, zeta: float) -> Values:

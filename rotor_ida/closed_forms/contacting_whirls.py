@@ -14,16 +14,20 @@ exactly where P rises through zero.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.closed_forms.bracketing import bracketed_newton, roots_between
 from rotor_ida.closed_forms.double_double import DoubleDouble
 
 Values = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.int_]
+Evaluate = Callable[[Values, Rows], tuple[Values, Values]]
+
+_MOST_ITERATIONS = 300  # bisection alone needs about 60 in u, and 1100 only from subnormals
+_ENOUGH = 2.0**-52
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,12 +36,9 @@ class ContactingWhirls:
 
     Parameters
     ----------
-    amplitude : ndarray, shape (n, 5)
-        Amplitudes [1]; NaN where a rotor has fewer.
-    phase_lag : ndarray, shape (n, 5)
-        Phase lags [rad].
-    determinant : ndarray, shape (n, 5)
-        Stability determinant D [1]: positive where the whirl does not run away.
+    amplitude, phase_lag, determinant : ndarray, shape (n, 5)
+        Amplitudes [1], phase lags [rad] and stability determinants D [1], positive where the
+        whirl does not run away; NaN where a rotor has fewer whirls.
     contact_free : ndarray of bool, shape (n,)
         Whether the whirl that does not reach into the ring exists.
     """
@@ -88,7 +89,7 @@ def contacting_whirls(omega: Values, zeta: Values, delta0: Values) -> Contacting
     Returns
     -------
     ContactingWhirls
-        Amplitudes, phase lags and determinants, shape (n, 5).
+        Up to five for each rotor.
 
     Notes
     -----
@@ -115,7 +116,7 @@ def contacting_whirls(omega: Values, zeta: Values, delta0: Values) -> Contacting
 
     breakpoints = _extrema(q.high, q.high * (q.high + four_zeta_squared.high), delta0)
     signs = _signs(equation, breakpoints, contact_free)
-    estimate, rising = roots_between(equation.plain, breakpoints, signs)
+    estimate, rising = _roots_between(equation.plain, breakpoints, signs)
     u = _polished(equation, breakpoints, estimate, rising)
 
     rows, columns = np.nonzero(np.isfinite(estimate))
@@ -182,7 +183,7 @@ def _roots_of(coefficients: tuple[Values, ...], breakpoints: Values) -> Values:
 
     every = np.arange(len(breakpoints))
     at_breakpoints = [evaluate(column, every)[0] for column in breakpoints.T]
-    roots, _ = roots_between(evaluate, breakpoints, np.stack(at_breakpoints, axis=1))
+    roots, _ = _roots_between(evaluate, breakpoints, np.stack(at_breakpoints, axis=1))
     return roots
 
 
@@ -209,7 +210,7 @@ def _polished(
         value, slope, _ = equation.precise(DoubleDouble.of(u), rows[chosen])
         return value, slope
 
-    u = bracketed_newton(
+    u = _bracketed_newton(
         evaluate,
         breakpoints[rows, columns],
         breakpoints[rows, columns + 1],
@@ -227,3 +228,65 @@ def _packed(values: Values, rows: Rows, shape: tuple[int, ...]) -> Values:
     first = np.searchsorted(rows, rows)  # rows are sorted: how many came before this row
     packed[rows, np.arange(rows.size) - first] = values
     return packed
+
+
+def _bracketed_newton(
+    evaluate: Evaluate,
+    low: Values,
+    high: Values,
+    rising: npt.NDArray[np.bool_],
+    start: Values | None = None,
+) -> Values:
+    """Return the root of each function between `low` and `high`, where it changes sign.
+
+    ``evaluate(points, rows)`` gives values and slopes of the functions number `rows`; `rising`
+    says which are negative at `low`. Newton's method, with bisection whenever a step would leave
+    the bracket or fails to halve the one before (Press et al., "Numerical Recipes", ``rtsafe``).
+    """
+    low, high = low.copy(), high.copy()
+    root = 0.5 * (low + high) if start is None else np.clip(start, low, high)
+    step_before = high - low
+    active = np.arange(root.size)
+    for _ in range(_MOST_ITERATIONS):
+        if not active.size:
+            break
+        point = root[active]
+        value, slope = evaluate(point, active)
+        above = (value > 0.0) == rising[active]
+        high[active] = np.where(above, point, high[active])
+        low[active] = np.where(above, low[active], point)
+        step = np.divide(value, slope, out=np.full_like(value, np.inf), where=slope != 0.0)
+        target = point - step
+        bisect = (
+            (target <= low[active])
+            | (target >= high[active])
+            | (2.0 * np.abs(step) > np.abs(step_before[active]))
+        )
+        bisect &= np.abs(step) > _ENOUGH * np.abs(point)
+        middle = 0.5 * (low[active] + high[active])
+        target = np.where(value == 0.0, point, np.where(bisect, middle, target))
+        root[active] = target
+        step_before[active] = target - point
+        active = active[np.abs(target - point) > _ENOUGH * np.abs(target)]
+    return root
+
+
+def _roots_between(
+    evaluate: Evaluate, breakpoints: Values, at_breakpoints: Values
+) -> tuple[Values, npt.NDArray[np.bool_]]:
+    """Return the one root in each interval where a monotone function changes sign, NaN elsewhere.
+
+    `breakpoints` are ascending ends of the intervals, shape (n, k + 1), and `at_breakpoints` the
+    values there or their signs. Beside the roots, shape (n, k): whether the function rises there.
+    """
+    left, right = np.sign(at_breakpoints[:, :-1]), np.sign(at_breakpoints[:, 1:])
+    rows, columns = np.nonzero(left * right < 0.0)
+    rising = (left < 0.0) & (right > 0.0)
+    roots = np.full(left.shape, np.nan)
+    roots[rows, columns] = _bracketed_newton(
+        lambda points, chosen: evaluate(points, rows[chosen]),
+        breakpoints[rows, columns],
+        breakpoints[rows, columns + 1],
+        rising[rows, columns],
+    )
+    return roots, rising

@@ -27,7 +27,6 @@ from rotor_ida.closed_forms.double_double import DoubleDouble
 
 Values = npt.NDArray[np.float64]
 
-SIDES = (0, 1)
 _NODES_PER_DECADE = 24
 _BISECTIONS = 120
 _ROUNDING = 1e-14
@@ -35,62 +34,26 @@ _ROUNDING = 1e-14
 
 @dataclass(frozen=True, slots=True)
 class LocusSide:
-    """One side of the locus of one clearance, cut so finely that the damping is monotone.
-
-    Parameters
-    ----------
-    delta0 : float
-        Clearance [1].
-    side : int
-        0 where ``a`` is the smaller root, 1 where it is the larger.
-    u : ndarray, shape (n,)
-        Ascending ``sqrt(A - delta0)`` [1], with every turning point of the damping.
-    damping : ndarray, shape (n,)
-        ``4 zeta**2`` there [1]; NaN where the locus is not.
-    """
+    """One side of the locus of one clearance, cut so finely that the damping is monotone."""
 
     delta0: float
-    side: int
-    u: Values
-    damping: Values
+    side: int  # 0 where a is the smaller root, 1 where it is the larger
+    u: Values  # ascending, with every turning point of the damping
+    damping: Values  # 4 zeta**2 there; NaN where the locus is not
 
 
 @dataclass(frozen=True, slots=True)
 class LocusPoints:
-    """Points of a locus.
+    """Points of a locus; NaN where it is not."""
 
-    Parameters
-    ----------
-    a, b : ndarray
-        ``-cos(theta)`` and ``A + cos(theta)`` [1]; NaN where the locus is not.
-    damping : ndarray
-        ``4 zeta**2`` [1].
-    slope : ndarray
-        A quantity with the sign of the derivative of the damping by u.
-    """
-
-    a: Values
-    b: Values
-    damping: Values
-    slope: Values
+    a: Values  # -cos(theta)
+    b: Values  # A + cos(theta)
+    damping: Values  # 4 zeta**2
+    slope: Values  # has the sign of the derivative of the damping by u
 
 
 def locus_points(u: npt.ArrayLike, delta0: float, side: int) -> LocusPoints:
-    """Return the points of one side of the locus at some u.
-
-    Parameters
-    ----------
-    u : array_like
-        ``sqrt(A - delta0)`` [1], above zero.
-    delta0 : float
-        Clearance [1].
-    side : int
-        Side of the locus, 0 or 1.
-
-    Returns
-    -------
-    LocusPoints
-        What is known there.
+    """Return the points of one side of the locus at some ``u = sqrt(A - delta0)``, above zero.
 
     Examples
     --------
@@ -122,20 +85,10 @@ def locus_points(u: npt.ArrayLike, delta0: float, side: int) -> LocusPoints:
 
 
 def fold_locus(delta0: float, smallest_damping: float) -> list[LocusSide]:
-    """Return the locus of folds of one clearance.
+    """Return the two sides of the locus of folds of one clearance.
 
-    Parameters
-    ----------
-    delta0 : float
-        Clearance [1].
-    smallest_damping : float
-        Smallest ``4 zeta**2`` that will be asked for [1]. The damping vanishes where the locus
-        runs to u = 0 and to infinity; it is followed far enough for this one.
-
-    Returns
-    -------
-    list of LocusSide
-        Its two sides.
+    The damping ``4 zeta**2`` vanishes where the locus runs to u = 0 and to infinity; it is
+    followed far enough for the smallest that will be asked for.
 
     Examples
     --------
@@ -154,7 +107,7 @@ def fold_locus(delta0: float, smallest_damping: float) -> list[LocusSide]:
     highest = 10.0 * (1.0 + np.sqrt(delta0) + np.cbrt(1.0 / least))
     count = int(_NODES_PER_DECADE * np.log10(highest / lowest)) + 2
     nodes = np.unique(np.concatenate([np.geomspace(lowest, highest, count), near]))
-    return [_side(nodes, delta0, side) for side in SIDES]
+    return [_side(nodes, delta0, side) for side in (0, 1)]
 
 
 def _meeting_points(delta0: float) -> list[float]:
@@ -183,21 +136,7 @@ def _side(nodes: Values, delta0: float, side: int) -> LocusSide:
 
 
 def folds_on_side(locus: LocusSide, zeta: Values) -> tuple[npt.NDArray[np.int_], Values, Values]:
-    """Return every fold on one side of the locus, for each of the given dampings.
-
-    Parameters
-    ----------
-    locus : LocusSide
-        One side of the locus of a clearance.
-    zeta : ndarray, shape (m,)
-        Damping ratios [1].
-
-    Returns
-    -------
-    row : ndarray of int, shape (n,)
-        Which damping a fold belongs to.
-    omega, amplitude : ndarray, shape (n,)
-        Speed and amplitude at the fold [1].
+    """Return every fold on one side of the locus: which damping it belongs to, speed, amplitude.
 
     Examples
     --------

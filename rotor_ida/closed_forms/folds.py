@@ -16,7 +16,6 @@ from rotor_ida.schema import STABILITY, labelled, labelled_dataset
 
 Values = npt.NDArray[np.float64]
 
-_SMALLEST_DAMPING, _LARGEST = 1e-20, 1e6
 # At a fold two whirls are one, up to the root of rounding.
 _SAME = 1e-5
 # Between these clearances the damping of the cusp rises to its one maximum and falls again.
@@ -28,10 +27,8 @@ def folds(*, zeta: object, delta0: object) -> xr.Dataset:
 
     Parameters
     ----------
-    zeta : float or sequence of float, shape (m,)
-        Damping ratios [1].
-    delta0 : float or sequence of float, shape (k,)
-        Clearances [1].
+    zeta, delta0 : float or sequence of float, shapes (m,) and (k,)
+        Damping ratios and clearances [1].
 
     Returns
     -------
@@ -128,21 +125,20 @@ def jumps(*, zeta: object, delta0: object) -> xr.Dataset:
     array([7.7963, 1.4727])
     """
     found = folds(zeta=zeta, delta0=delta0)
-    landing = np.full(found["fold_omega"].shape, np.nan)
-    for index in np.ndindex(landing.shape):
-        omega = float(found["fold_omega"].values[index])
-        if not math.isnan(omega):
-            here = synchronous_response(
-                omega=omega,
-                zeta=float(found["zeta"].values[index[0]]),
-                delta0=float(found["delta0"].values[index[1]]),
-            )
-            amplitude = here["amplitude"].values.ravel()
-            fold = float(found["fold_amplitude"].values[index])
-            lasting = np.isin(here["stability"], (STABILITY["stable"], STABILITY["neutral"]))
-            others = amplitude[lasting.ravel() & (np.abs(amplitude - fold) > _SAME * fold)]
-            landing[index] = others[0] if others.size == 1 else math.nan
-    dims = found["fold_omega"].dims
+    dims, speeds = found["fold_omega"].dims, found["fold_omega"].values
+    landing = np.full(speeds.shape, np.nan)
+    for row, column, number in zip(*np.nonzero(np.isfinite(speeds)), strict=True):
+        here = synchronous_response(
+            omega=speeds[row, column, number],
+            zeta=found["zeta"].values[row],
+            delta0=found["delta0"].values[column],
+        )
+        amplitude = here["amplitude"].values.ravel()
+        fold = found["fold_amplitude"].values[row, column, number]
+        lasting = np.isin(here["stability"], (STABILITY["stable"], STABILITY["neutral"]))
+        others = amplitude[lasting.ravel() & (np.abs(amplitude - fold) > _SAME * fold)]
+        if others.size == 1:
+            landing[row, column, number] = others[0]
     return found.assign(landing_amplitude=labelled("landing_amplitude", dims, landing))
 
 
@@ -253,7 +249,7 @@ def _cusp(delta0: float) -> tuple[float, float, float]:
 
 def _checked(name: str, values: object) -> Values:
     """Return the axis, refusing magnitudes for which the locus leaves the range of doubles."""
-    return check_axis(name, values, smallest=_SMALLEST_DAMPING, largest=_LARGEST)
+    return check_axis(name, values, smallest=1e-20, largest=1e6)
 
 
 def _folds_of(zeta: Values, delta0: float) -> Values:
@@ -267,15 +263,12 @@ def _folds_of(zeta: Values, delta0: float) -> Values:
             for number, *fold in zip(damped[rows], omega, amplitude, strict=True):
                 found[number].append((float(fold[0]), float(fold[1])))
     if delta0 < 1.0:
+        # the one fold at zeta = 0, where u**3 = q (A - 1) has a double root
+        u = np.sqrt(3.0 * (1.0 - delta0))
+        undamped = (float(np.sqrt(u**3 / (2.0 * (1.0 - delta0)))), 3.0 - 2.0 * delta0)
         for number in np.nonzero(zeta == 0.0)[0]:
-            found[number].append(_undamped(delta0))
+            found[number].append(undamped)
     table = np.full((zeta.size, max(len(each) for each in found), 2), np.nan)
     for number, each in enumerate(found):
         table[number, : len(each)] = np.reshape(sorted(each), (-1, 2))
     return table
-
-
-def _undamped(delta0: float) -> tuple[float, float]:
-    """Return the one fold at zeta = 0, where ``u**3 = q (A - 1)`` has a double root."""
-    u = np.sqrt(3.0 * (1.0 - delta0))
-    return float(np.sqrt(u**3 / (2.0 * (1.0 - delta0)))), 3.0 - 2.0 * delta0

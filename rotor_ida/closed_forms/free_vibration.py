@@ -15,8 +15,8 @@ from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_nonnegative, chec
 from rotor_ida.errors import InputError
 from rotor_ida.schema import labelled, labelled_dataset
 
-# Time in which a rotor released at indentation 1 leaves the contact: (1/sqrt 5) B(2/5, 1/2).
 SMALLEST_DEPTH = 1e-200
+# Time in which a rotor released at indentation 1 leaves the contact: (1/sqrt 5) B(2/5, 1/2).
 _LEAVING_TIME = float(beta(0.4, 0.5)) / math.sqrt(5.0)
 
 
@@ -25,10 +25,8 @@ def circular_period(amplitude: float, delta0: float = 0.0) -> float:
 
     Parameters
     ----------
-    amplitude : float
-        Radius A of the circle [1], above `delta0`.
-    delta0 : float
-        Clearance [1].
+    amplitude, delta0 : float
+        Radius A of the circle, and clearance, which is less [1].
 
     Returns
     -------
@@ -63,10 +61,8 @@ def planar_period(amplitude: float, delta0: float = 0.0) -> float:
 
     Parameters
     ----------
-    amplitude : float
-        Largest distance A from the axis [1], above `delta0`.
-    delta0 : float
-        Clearance [1].
+    amplitude, delta0 : float
+        Largest distance A from the axis, and clearance, which is less [1].
 
     Returns
     -------
@@ -76,7 +72,7 @@ def planar_period(amplitude: float, delta0: float = 0.0) -> float:
     Raises
     ------
     InputError
-        If `amplitude` is not finite and above `delta0`, or `delta0` is negative.
+        As by `circular_period`.
 
     Notes
     -----
@@ -102,10 +98,8 @@ def centre_speed(amplitude: float, delta0: float = 0.0) -> float:
 
     Parameters
     ----------
-    amplitude : float
-        Largest distance A from the axis [1], above `delta0`.
-    delta0 : float
-        Clearance [1].
+    amplitude, delta0 : float
+        Largest distance A from the axis, and clearance, which is less [1].
 
     Returns
     -------
@@ -115,7 +109,7 @@ def centre_speed(amplitude: float, delta0: float = 0.0) -> float:
     Raises
     ------
     InputError
-        If `amplitude` is not finite and above `delta0`, or `delta0` is negative.
+        As by `circular_period`.
 
     References
     ----------
@@ -134,10 +128,8 @@ def amplitude_from_speed(speed: float, delta0: float = 0.0) -> float:
 
     Parameters
     ----------
-    speed : float
-        Speed at the axis [1].
-    delta0 : float
-        Clearance [1].
+    speed, delta0 : float
+        Speed at the axis and clearance [1].
 
     Returns
     -------
@@ -171,10 +163,8 @@ def free_periods(*, amplitude: npt.ArrayLike, delta0: npt.ArrayLike) -> xr.Datas
 
     Parameters
     ----------
-    amplitude : float or sequence of float, shape (n,)
-        Amplitudes A [1].
-    delta0 : float or sequence of float, shape (k,)
-        Clearances [1].
+    amplitude, delta0 : float or sequence of float, shapes (n,) and (k,)
+        Amplitudes A and clearances [1].
 
     Returns
     -------

@@ -138,10 +138,8 @@ def peak_amplitude(*, zeta: float, delta0: float) -> float:
 
     Parameters
     ----------
-    zeta : float
-        Damping ratio [1], above zero: without damping the curve has no tip.
-    delta0 : float
-        Clearance [1].
+    zeta, delta0 : float
+        Damping ratio, above zero, since without damping the curve has no tip, and clearance [1].
 
     Returns
     -------
@@ -211,10 +209,8 @@ def peaks(*, zeta: npt.ArrayLike, delta0: npt.ArrayLike) -> xr.Dataset:
 
     Parameters
     ----------
-    zeta : float or sequence of float, shape (m,)
-        Damping ratios [1], above zero.
-    delta0 : float or sequence of float, shape (k,)
-        Clearances [1].
+    zeta, delta0 : float or sequence of float, shapes (m,) and (k,)
+        Damping ratios, above zero, and clearances [1].
 
     Returns
     -------

@@ -14,6 +14,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import groupby, pairwise
+from operator import itemgetter
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -174,103 +176,54 @@ def clearance_curve(
     return _labelled("delta0", curves, {"omega": speeds, "zeta": dampings})
 
 
-@dataclass(frozen=True, slots=True)
-class _Chain:
+class _Chain(NamedTuple):
     """Both flanks of a part of the curve: from `begin` up to `top` and down to `end`.
 
-    Parameters
-    ----------
-    flank : int
-        The flank from `begin` to `top`: +1 where a whirl is stable as the value rises with the
-        amplitude, -1 where as it falls. The flank from `top` to `end` is the other one.
-    begin, top, end : tuple of two floats
-        Amplitude and value there, infinite where the flank never ends.
+    A flank is +1 where a whirl is stable as the value rises with the amplitude, -1 where as it
+    falls. A place is infinite where the flank never ends.
     """
 
-    flank: int
+    flank: int  # from begin to top; the other one leads from top to end
     begin: _Place
     top: _Place
     end: _Place
 
 
 @dataclass(frozen=True, slots=True)
-class _Marks:
-    """Places on the flanks, in no order, between which the curve is monotone."""
-
-    flank: npt.NDArray[np.int_]
-    amplitude: Values
-    value: Values
-
-    def between(self, begin: _Place, end: _Place, flank: int) -> list[_Place]:
-        """Return `begin`, the marks on the flank between, in order along it, and `end`."""
-        low, high = sorted((begin[0], end[0]))
-        inside = (self.flank == flank) & (self.amplitude > low) & (self.amplitude < high)
-        places = sorted(
-            zip(self.amplitude[inside].tolist(), self.value[inside].tolist(), strict=True)
-        )
-        return [begin, *(places if begin[0] < end[0] else places[::-1]), end]
-
-
-@dataclass(frozen=True, slots=True)
 class _Law:
-    """How one curve runs, and how it is to be traced.
+    """How one curve runs, and how it is to be traced."""
 
-    Parameters
-    ----------
-    value : callable
-        Speeds or clearances on a flank at amplitudes.
-    lag : callable
-        Phase lags [rad] at amplitudes and such values.
-    limits : tuple of two floats
-        Range of the values.
-    points : int
-        Number of points of each monotone arc.
-    lasting : {"stable", "neutral"}
-        What whirls are that are not unstable.
-    """
-
-    value: Callable[[int, Values], Values]
-    lag: Callable[[Values, Values], Values]
+    value: Callable[[int, Values], Values]  # on a flank, at amplitudes
+    lag: Callable[[Values, Values], Values]  # [rad], at amplitudes and such values
     limits: _Place
-    points: int
-    lasting: str
-
-
-@dataclass(frozen=True, slots=True)
-class _Piece:
-    """A connected piece of the curve, shape (n,)."""
-
-    amplitude: Values
-    value: Values
-    stability: npt.NDArray[np.int8]
-    in_contact: int
+    points: int  # of each monotone arc
+    damped: bool  # a whirl that is not unstable is stable then, and neutral otherwise
 
 
 def _over_speed(
     zeta: float, delta0: float, turns: Values, limits: _Place, points: int
-) -> list[_Piece]:
+) -> list[Values]:
     """Return the pieces of the curve over the speed; `turns` has speed and amplitude of folds."""
 
     def speed(flank: int, A: Values) -> Values:
         return flank_speeds(A, 4.0 * zeta * zeta, delta0)[0 if flank == 1 else 1]
 
     def lag(A: Values, omega: Values) -> Values:
-        return _phase_lag(A, omega=omega, zeta=zeta, delta0=delta0)
+        return _phase_lag(A, omega, zeta, delta0)
 
     touch = math.inf
     if delta0 < 1.0:
         touch = 2.0 * zeta * delta0 / math.sqrt((1.0 - delta0) * (1.0 + delta0))
-    present = delta0 >= 1.0 or zeta > 0.0
     pieces = []
     low, high = limits[0], min(limits[1], touch)
-    if present and low < high:
-        highest = min(abs(complex(complex_amplitude(high, zeta))), delta0)
+    if low < high:
         speeds, amplitude = _spread(
             lambda omega: np.abs(complex_amplitude(omega, zeta)),
             lambda omega, A: lag(A, omega),
-            ((low, abs(complex(complex_amplitude(low, zeta)))), (high, highest)), points,
-        )  # fmt: skip
-        pieces.append(_contact_free_piece(amplitude, speeds))
+            ((low, _free_amplitude(low, zeta)), (high, min(_free_amplitude(high, zeta), delta0))),
+            points,
+        )
+        pieces.append(_points(speeds, amplitude, STABILITY["neutral"], in_contact=0))
 
     ends: list[_Place] = [(A, tip_speed(A, zeta, delta0)) for A in tips(zeta, delta0)]
     chains = []
@@ -287,28 +240,26 @@ def _over_speed(
     ]
 
     at_limits = np.array([omega for omega in limits if omega > 0.0])
-    whirls = contacting_whirls(at_limits, 0.0 * at_limits + zeta, 0.0 * at_limits + delta0)
-    rows, columns = np.nonzero(np.isfinite(whirls.amplitude))
+    amplitude, lags, omega = _whirls_at(at_limits, zeta, delta0, at_limits)
     turns = turns[np.isfinite(turns[:, 0])]
-    amplitude = np.concatenate([whirls.amplitude[rows, columns], turns[:, 1]])
-    omega = np.concatenate([at_limits[rows], turns[:, 0]])
     # at a fold the phase lag is beyond a quarter turn
     sine = np.minimum(2.0 * zeta * turns[:, 1] / turns[:, 0], 1.0)
-    lags = np.concatenate([whirls.phase_lag[rows, columns], math.pi - np.arcsin(sine)])
-    slope = 1.0 + np.cos(lags) ** 2 + 2.0 * amplitude * np.cos(lags)
-    marks = _Marks(np.where(slope > 0.0, 1, -1), amplitude, omega)
-    law = _Law(speed, lag, limits, points, lasting="stable" if zeta > 0.0 else "neutral")
-    return pieces + _traced(chains, marks, law)
+    cosine = np.cos(np.append(lags, math.pi - np.arcsin(sine)))
+    amplitude, omega = np.append(amplitude, turns[:, 1]), np.append(omega, turns[:, 0])
+    slope = 1.0 + cosine**2 + 2.0 * amplitude * cosine
+    return pieces + _traced(
+        chains, _marks(slope, amplitude, omega), _Law(speed, lag, limits, points, zeta > 0.0)
+    )
 
 
-def _over_clearance(omega: float, zeta: float, limits: _Place, points: int) -> list[_Piece]:
+def _over_clearance(omega: float, zeta: float, limits: _Place, points: int) -> list[Values]:
     """Return the pieces of the curve over the clearance."""
     q = omega * omega
-    touch = abs(complex(complex_amplitude(omega, zeta)))
+    touch = _free_amplitude(omega, zeta)
     pieces = []
     if touch < limits[1]:
         ends = np.array([max(limits[0], touch), limits[1]])
-        pieces.append(_contact_free_piece(np.full(2, touch), ends))
+        pieces.append(_points(ends, np.full(2, touch), STABILITY["neutral"], in_contact=0))
 
     largest = omega / (2.0 * zeta) if zeta > 0.0 else math.inf
 
@@ -317,27 +268,17 @@ def _over_clearance(omega: float, zeta: float, limits: _Place, points: int) -> l
         cosine = flank * np.sqrt(np.maximum((1.0 - sine) * (1.0 + sine), 0.0))
         return np.asarray(A - np.cbrt(q * np.maximum(A + cosine, 0.0)) ** 2)
 
-    def lag(A: Values, delta0: Values) -> Values:
-        return _phase_lag(A, omega=omega, zeta=zeta, delta0=delta0)
-
     top = (math.inf, math.inf)
     if zeta > 0.0:
         top = (largest, float(clearance(1, np.array(largest))))
     chain = _Chain(-1, (touch, touch), top, (0.0, -(np.cbrt(q) ** 2)))
 
     at_limits = np.array(limits)
-    whirls = contacting_whirls(0.0 * at_limits + omega, 0.0 * at_limits + zeta, at_limits)
-    rows, columns = np.nonzero(np.isfinite(whirls.amplitude))
+    amplitude, lags, delta0 = _whirls_at(omega, zeta, at_limits, at_limits)
     turns = _turns_over_clearance(omega, zeta)
-    marks = _Marks(
-        np.concatenate([
-            np.where(np.cos(whirls.phase_lag[rows, columns]) > 0.0, 1, -1),
-            np.full(turns.size, -1),
-        ]),
-        np.concatenate([whirls.amplitude[rows, columns], turns]),
-        np.concatenate([at_limits[rows], clearance(-1, turns)]),
-    )  # fmt: skip
-    law = _Law(clearance, lag, limits, points, lasting="stable" if zeta > 0.0 else "neutral")
+    marks = _marks(np.cos(lags), amplitude, delta0)
+    marks += _marks(np.full(turns.size, -1.0), turns, clearance(-1, turns))
+    law = _Law(clearance, lambda A, d: _phase_lag(A, omega, zeta, d), limits, points, zeta > 0.0)
     return pieces + _traced([chain], marks, law)
 
 
@@ -357,55 +298,72 @@ def _turns_over_clearance(omega: float, zeta: float) -> Values:
     summit = float(brentq(lambda w: 3.0 * w**3 + 4.0 * w - R, 0.0, R, xtol=1e-300, rtol=1e-15))
     if excess(summit) <= 0.0:
         return np.empty(0)
-    w = np.array([
-        brentq(excess, *ends, xtol=1e-300, rtol=1e-15) for ends in ((0.0, summit), (summit, R))
-    ])  # fmt: skip
+    brackets = ((0.0, summit), (summit, R))
+    w = np.array([brentq(excess, *ends, xtol=1e-300, rtol=1e-15) for ends in brackets])
     return np.asarray(R * (R * w + 1.0) / (r * np.hypot(1.0, w)))
 
 
-def _traced(chains: Sequence[_Chain], marks: _Marks, law: _Law) -> list[_Piece]:
+def _free_amplitude(omega: float, zeta: float) -> float:
+    return abs(complex(complex_amplitude(omega, zeta)))
+
+
+def _whirls_at(
+    omega: Values | float, zeta: float, delta0: Values | float, values: Values
+) -> tuple[Values, Values, Values]:
+    """Return amplitude and phase lag of each contacting whirl, and the one of `values` it has."""
+    whirls = contacting_whirls(*(0.0 * values + each for each in (omega, zeta, delta0)))
+    rows, columns = np.nonzero(np.isfinite(whirls.amplitude))
+    return whirls.amplitude[rows, columns], whirls.phase_lag[rows, columns], values[rows]
+
+
+def _marks(slope: Values, amplitude: Values, value: Values) -> list[tuple[int, _Place]]:
+    """Return flank, by the sign of `slope`, and place of points that end monotone arcs."""
+    places = zip(amplitude.tolist(), value.tolist(), strict=True)
+    return list(zip(np.where(slope > 0.0, 1, -1).tolist(), places, strict=True))
+
+
+def _traced(
+    chains: Sequence[_Chain], marks: Sequence[tuple[int, _Place]], law: _Law
+) -> list[Values]:
     """Return the pieces of the contacting curve whose values lie within the limits."""
     pieces = []
-    for chain in chains:
-        arcs = [
-            (flank, *ends)
-            for flank, begin, end in (
-                (chain.flank, chain.begin, chain.top), (-chain.flank, chain.top, chain.end)
-            )
-            for ends in pairwise(marks.between(begin, end, flank))
-            if ends[0] != ends[1]
-        ]  # fmt: skip
+    for flank, begin, top, end in chains:
+        arcs = _arcs(flank, begin, top, marks) + _arcs(-flank, top, end, marks)
         low, high = law.limits
         inside = [low <= min(a[1], b[1]) <= max(a[1], b[1]) <= high for _, a, b in arcs]
-        if chain.begin == chain.end and math.isfinite(chain.top[0]) and not all(inside):
+        if begin == end and math.isfinite(top[0]) and not all(inside):
             # a closed curve of which a part is left out begins behind that
             first = inside.index(False)
             arcs, inside = arcs[first:] + arcs[:first], inside[first:] + inside[:first]
-        for kept, group in groupby(zip(inside, arcs, strict=True), key=lambda each: each[0]):
+        for kept, group in groupby(zip(inside, arcs, strict=True), key=itemgetter(0)):
             if kept:
-                pieces.append(_joined([arc for _, arc in group], law))
+                drawn = [_drawn(*arc, law) for _, arc in group]
+                shared = [part[:, 1:] for part in drawn[1:]]  # the arcs share their ends
+                pieces.append(np.concatenate([drawn[0], *shared], axis=1))
     return pieces
 
 
-def _joined(arcs: Sequence[tuple[int, _Place, _Place]], law: _Law) -> _Piece:
-    """Return one piece of successive arcs."""
-    amplitudes, values, flags = [], [], []
-    for number, (flank, begin, end) in enumerate(arcs):
-        amplitude, value = _spread(partial(law.value, flank), law.lag, (begin, end), law.points)
-        lasting = flank * (end[1] - begin[1]) * (end[0] - begin[0]) > 0.0
-        flag = STABILITY[law.lasting if lasting else "unstable"]
-        first = 0 if number == 0 else 1  # the arcs share their ends
-        amplitudes.append(amplitude[first:])
-        values.append(value[first:])
-        flags.append(np.full(amplitude.size - first, flag, dtype=np.int8))
-    return _Piece(
-        np.concatenate(amplitudes), np.concatenate(values), np.concatenate(flags), in_contact=1
-    )
+def _arcs(
+    flank: int, begin: _Place, end: _Place, marks: Sequence[tuple[int, _Place]]
+) -> list[tuple[int, _Place, _Place]]:
+    """Return the arcs, each with its flank, into which the marks divide a flank."""
+    low, high = sorted((begin[0], end[0]))
+    inside = [place for side, place in marks if side == flank and low < place[0] < high]
+    places = [begin, *sorted(inside, reverse=begin[0] > end[0]), end]
+    return [(flank, *ends) for ends in pairwise(places) if ends[0] != ends[1]]
 
 
-def _contact_free_piece(amplitude: Values, value: Values) -> _Piece:
-    flags = np.full(amplitude.size, STABILITY["neutral"], dtype=np.int8)
-    return _Piece(amplitude, value, flags, in_contact=0)
+def _drawn(flank: int, begin: _Place, end: _Place, law: _Law) -> Values:
+    """Return the points of one arc."""
+    amplitude, value = _spread(partial(law.value, flank), law.lag, (begin, end), law.points)
+    lasts = flank * (end[1] - begin[1]) * (end[0] - begin[0]) > 0.0
+    word = "unstable" if not lasts else "stable" if law.damped else "neutral"
+    return _points(value, amplitude, STABILITY[word], in_contact=1)
+
+
+def _points(value: Values, amplitude: Values, stability: int, in_contact: int) -> Values:
+    """Return the columns of a piece of the curve: the named ones, shape (4, n)."""
+    return np.stack(np.broadcast_arrays(value, amplitude, stability, in_contact))
 
 
 def _spread(
@@ -420,59 +378,53 @@ def _spread(
     of the line and half a turn of the phase lag count as much as a side.
     """
     (first, low), (last, high) = ends
+
+    def at(fraction: Values) -> tuple[Values, Values]:
+        position = first + (last - first) * fraction
+        # none beyond the ends by rounding
+        inner = np.clip(value_at(position[1:-1]), min(low, high), max(low, high))
+        return position, np.concatenate([[low], inner, [high]])
+
     fraction = 0.5 - 0.5 * np.cos(np.linspace(0.0, math.pi, points))
     for _ in range(_ROUNDS):
-        value = _values(value_at, ends, fraction)
-        turn = np.abs(np.diff(lag_at(first + (last - first) * fraction, value))) / math.pi
+        position, value = at(fraction)
+        turn = np.abs(np.diff(lag_at(position, value))) / math.pi
         across, up = np.diff(fraction), np.diff(value) / ((high - low) or 1.0)
         bend = np.abs(np.diff(np.arctan2(up, across))) / math.pi
         weight = np.hypot(across, up) + turn + np.append(bend, 0.0) + np.append(0.0, bend)
         along = np.append(0.0, np.cumsum(weight))
         fraction = np.interp(np.linspace(0.0, along[-1], points), along, fraction)
-    position = first + (last - first) * fraction
+    position, value = at(fraction)
     position[-1] = last
-    return position, _values(value_at, ends, fraction)
-
-
-def _values(
-    value_at: Callable[[Values], Values], ends: tuple[_Place, _Place], fraction: Values
-) -> Values:
-    """Return the values along an arc, none beyond its ends by rounding."""
-    (first, begin), (last, end) = ends
-    inner = value_at(first + (last - first) * fraction[1:-1])
-    inside = np.clip(inner, min(begin, end), max(begin, end))
-    return np.concatenate([[begin], inside, [end]])
+    return position, value
 
 
 def _labelled(
-    varied: str, curves: Sequence[Sequence[_Piece]], axes: Mapping[str, Values]
+    varied: str, curves: Sequence[Sequence[Values]], axes: Mapping[str, Values]
 ) -> xr.Dataset:
     """Return the dataset of curves, one for each point of the grid of the two axes."""
-    shape = tuple(axis.size for axis in axes.values())
-    longest = max((sum(piece.value.size for piece in pieces) for pieces in curves), default=0)
-    table = np.full((len(curves), 2, longest), np.nan)
-    flags = np.zeros((len(curves), 3, longest), dtype=np.int8)
-    flags[:, 0], flags[:, 2] = STABILITY["absent"], -1
+    longest = max(sum(piece.shape[1] for piece in pieces) for pieces in curves)
+    beyond = [np.nan, np.nan, STABILITY["absent"], 0, -1]
+    table = np.tile(np.reshape(beyond, (5, 1, 1)), (len(curves), longest))
     for row, pieces in enumerate(curves):
         first = 0
         for number, piece in enumerate(pieces):
-            here = slice(first, first + piece.value.size)
-            table[row, :, here] = piece.value, piece.amplitude
-            flags[row, 0, here] = piece.stability
-            flags[row, 1:, here] = [[piece.in_contact], [number]]
+            here = slice(first, first + piece.shape[1])
+            table[:4, row, here], table[4, row, here] = piece, number
             first = here.stop
-    value, amplitude = (table[:, k].reshape(*shape, longest) for k in range(2))
+    value, amplitude, *flags = table.reshape(5, *(axis.size for axis in axes.values()), longest)
     grid = dict(zip(axes, np.meshgrid(*axes.values(), indexing="ij"), strict=True))
     parameters = {name: values[..., None] for name, values in grid.items()} | {varied: value}
-    dims = (*axes, "point")
-    lag = _phase_lag(amplitude, **parameters)
-    columns = {varied: value, "amplitude": amplitude, "phase_lag": lag} | {
-        name: flags[:, k].reshape(value.shape)
-        for k, name in enumerate(("stability", "in_contact", "piece"))
+    columns = {
+        varied: value,
+        "amplitude": amplitude,
+        "phase_lag": _phase_lag(amplitude, **parameters),
     }
+    names = ("stability", "in_contact", "piece")
+    columns |= {name: flag.astype(np.int8) for name, flag in zip(names, flags, strict=True)}
     return labelled_dataset(
         "Response curve of a rotor with Hertz contact and clearance",
-        {name: (dims, column) for name, column in columns.items()},
+        {name: ((*axes, "point"), column) for name, column in columns.items()},
         {name: (name, axis) for name, axis in axes.items()}
         | {"point": ("point", np.arange(longest))},
         {"source": _SOURCE, "references": _REFERENCES},
@@ -480,7 +432,7 @@ def _labelled(
 
 
 def _phase_lag(
-    amplitude: Values, *, omega: float | Values, zeta: float | Values, delta0: float | Values
+    amplitude: Values, omega: float | Values, zeta: float | Values, delta0: float | Values
 ) -> Values:
     stiffness = secant_stiffness(amplitude, delta0)
     return np.asarray(np.arctan2(2.0 * zeta * omega, stiffness - omega * omega))

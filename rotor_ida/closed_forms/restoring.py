@@ -47,21 +47,19 @@ def restoring_field(*, x: npt.ArrayLike, y: npt.ArrayLike, delta0: npt.ArrayLike
     >>> field.restoring_x.values.ravel().round(4)
     array([0.3536, 1.023 ])
     """
-    across, up = (
-        check_vector(name, values, largest=LARGEST_NUMBER) for name, values in (("x", x), ("y", y))
-    )
+    across = check_vector("x", x, largest=LARGEST_NUMBER)
+    up = check_vector("y", y, largest=LARGEST_NUMBER)
     clearance = check_axis("delta0", delta0, largest=LARGEST_NUMBER)
     check_points(clearance, up, across)
     radius = np.hypot(across, up[:, None])
     secant = secant_stiffness(radius, clearance[:, None, None])
     dims = ("delta0", "y", "x")
-    potential = contact_potential(radius, clearance[:, None, None])
     return labelled_dataset(
         "Restoring force and potential of a ring with clearance",
         {
             "restoring_x": (dims, secant * across),
             "restoring_y": (dims, secant * up[:, None]),
-            "potential": (dims, potential),
+            "potential": (dims, contact_potential(radius, clearance[:, None, None])),
         },
         {"delta0": ("delta0", clearance), "y": ("y", up), "x": ("x", across)},
     )

@@ -66,10 +66,8 @@ def eigenvalues(
 
     Parameters
     ----------
-    amplitude : array_like
-        Amplitude A of the whirl [1].
-    omega, zeta, delta0 : array_like
-        Spin speed, damping ratio and clearance [1]; all four broadcast.
+    amplitude, omega, zeta, delta0 : array_like
+        As for `stability_determinant`.
 
     Returns
     -------
@@ -103,29 +101,7 @@ def eigenvalues(
 def growth_rate(
     amplitude: Values, determinant: Values, omega: Values, zeta: Values, delta0: Values
 ) -> Values:
-    """Return the largest real part of the eigenvalues of whirls whose D is known already.
-
-    Parameters
-    ----------
-    amplitude, determinant, omega, zeta, delta0 : ndarray, shape (n,)
-        Amplitude A, determinant D, spin speed, damping ratio and clearance [1].
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        Growth rates [1]: negative where the whirl is stable.
-
-    References
-    ----------
-    See `eigenvalues`.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> parts = (np.array([number]) for number in (4.0, 3.0, 1.0, 0.5, 0.0))
-    >>> growth_rate(*parts)
-    array([-0.5])
-    """
+    """Return the largest real part of the eigenvalues of whirls whose D is known already."""
     rates = _eigenvalues(determinant, amplitude, omega, zeta, delta0).real
     return np.asarray(rates.max(axis=-1))
 

@@ -13,7 +13,6 @@ from rotor_ida.closed_forms.stability import growth_rate
 from rotor_ida.schema import STABILITY, labelled_dataset
 
 Values = npt.NDArray[np.float64]
-Columns = dict[str, npt.NDArray[np.generic]]
 
 _POINTS_AT_A_TIME = 16384  # keeps the working arrays inside the processor's cache
 SMALLEST_SPEED = 1e-50
@@ -29,12 +28,8 @@ def synchronous_response(*, omega: object, zeta: object, delta0: object) -> xr.D
 
     Parameters
     ----------
-    omega : float or sequence of float, shape (n,)
-        Spin speeds [1].
-    zeta : float or sequence of float, shape (m,)
-        Damping ratios [1].
-    delta0 : float or sequence of float, shape (k,)
-        Clearances [1].
+    omega, zeta, delta0 : float or sequence of float, shapes (n,), (m,) and (k,)
+        Spin speeds, damping ratios and clearances [1].
 
     Returns
     -------
@@ -100,7 +95,7 @@ def synchronous_response(*, omega: object, zeta: object, delta0: object) -> xr.D
     )
 
 
-def _branches(omega: Values, zeta: Values, delta0: Values) -> Columns:
+def _branches(omega: Values, zeta: Values, delta0: Values) -> dict[str, npt.NDArray[np.generic]]:
     """Return every variable of a flat list of rotors, shape (n, 6), in order of amplitude."""
     turning = omega > 0.0
     contacting = contacting_whirls(np.where(turning, omega, 1.0), zeta, delta0)
@@ -116,11 +111,8 @@ def _branches(omega: Values, zeta: Values, delta0: Values) -> Columns:
     present = np.isfinite(amplitude)
     undamped = (zeta == 0.0)[:, None]
     neutral = present & (determinant > 0.0) & (undamped | (in_contact == 0.0))
-    stability = np.full(amplitude.shape, STABILITY["absent"], dtype=np.int8)
-    stability[present] = np.where(determinant > 0.0, STABILITY["stable"], STABILITY["unstable"])[
-        present
-    ]
-    stability[neutral] = STABILITY["neutral"]
+    stability = np.where(determinant > 0.0, STABILITY["stable"], STABILITY["unstable"])
+    stability[neutral], stability[~present] = STABILITY["neutral"], STABILITY["absent"]
 
     growth = np.where(neutral, 0.0, np.nan)
     moving = present & ~neutral
@@ -131,7 +123,7 @@ def _branches(omega: Values, zeta: Values, delta0: Values) -> Columns:
     return {
         "amplitude": amplitude,
         "phase_lag": np.where(present, lag, np.nan),
-        "stability": stability,
+        "stability": stability.astype(np.int8),
         "in_contact": np.where(present, in_contact, 0.0).astype(np.int8),
         "growth_rate": growth,
     }

@@ -36,18 +36,12 @@ LONG_UNUSED = 7 * 24 * 3600.0
 
 def compiled(function: Callable[P, R]) -> Callable[P, R]:
     """Compile `function` on first call, cache the machine code on disk, and release the GIL."""
-    with _cache() as cached:
-        kernel: Callable[P, R] = numba.njit(nogil=True, error_model="numpy", cache=cached)(function)
-    return kernel
+    return _kernel(function, {})
 
 
 def compiled_for_lanes(function: Callable[P, R]) -> Callable[P, R]:
     """Compile like `compiled`, allowing sums to be regrouped so that loops over lanes vectorise."""
-    with _cache() as cached:
-        kernel: Callable[P, R] = numba.njit(
-            nogil=True, error_model="numpy", fastmath=_LANE_MATHS, cache=cached
-        )(function)
-    return kernel
+    return _kernel(function, {"fastmath": _LANE_MATHS})
 
 
 def inlined_for_lanes(function: Callable[P, R]) -> Callable[P, R]:
@@ -57,10 +51,13 @@ def inlined_for_lanes(function: Callable[P, R]) -> Callable[P, R]:
     process then calls depends on whether it compiled them or found them on disk, and with sums
     regrouped the last bits depend on that.
     """
+    return _kernel(function, {"fastmath": _LANE_MATHS, "forceinline": True})
+
+
+def _kernel(function: Callable[P, R], settings: dict[str, Any]) -> Callable[P, R]:
     with _cache() as cached:
-        kernel: Callable[P, R] = numba.njit(
-            nogil=True, error_model="numpy", fastmath=_LANE_MATHS, forceinline=True, cache=cached
-        )(function)
+        decorate: Any = numba.njit(nogil=True, error_model="numpy", cache=cached, **settings)
+        kernel: Callable[P, R] = decorate(function)
     return kernel
 
 
@@ -99,19 +96,22 @@ def cache_folder() -> Path | None:
         parents = [Path(_CONFIG.CACHE_DIR)]
     for parent in parents:
         place = parent / f"kernels-{digest.hexdigest()[:16]}"
-        with suppress(OSError):
+        try:
             place.mkdir(parents=True, exist_ok=True)
             os.utime(place)  # in use, for `_remove_old`; fails where nothing can be written
-            _remove_old(parent)
-            return place
+        except OSError:
+            continue
+        _remove_old(parent)
+        return place
     return None
 
 
 def _remove_old(parent: Path) -> None:
     """Remove the caches of other sources, unless a process may be at work with them."""
     for place in parent.glob("kernels-*"):
-        if time.time() - place.stat().st_mtime > LONG_UNUSED:
-            shutil.rmtree(place, ignore_errors=True)
+        with suppress(OSError):  # another process may have removed it
+            if time.time() - place.stat().st_mtime > LONG_UNUSED:
+                shutil.rmtree(place, ignore_errors=True)
 
 
 def shared(function: Callable[P, R]) -> Callable[P, R]:

@@ -8,16 +8,18 @@ import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from rotor_ida.errors import InputError
 from rotor_ida.paper import freshness
 from rotor_ida.paper.gallery import write_gallery
-from rotor_ida.paper.scenario import check_folder, output_folder
+from rotor_ida.paper.scenario import check_folder
 from rotor_ida.parallel import count_workers
+
+Outcome = tuple[int, str, float]
 
 # One scenario draws while the other computes.
 AT_ONCE = 2
@@ -33,15 +35,12 @@ def scenario_scripts() -> dict[str, Path]:
     """
     package = Path(__file__).parents[1]
     for folder in (package / "scenarios", package.parent / "scenarios"):
-        scripts = sorted(folder.glob("[!_]*.py"), key=_figures_first)
+        scripts = {script.stem: script for script in folder.glob("[!_]*.py")}
         if scripts:
-            return {script.stem: script for script in scripts}
+            # the paper's figures come before our studies
+            names = sorted(scripts, key=lambda name: (not name.startswith("fig"), name))
+            return {name: scripts[name] for name in names}
     return {}
-
-
-def _figures_first(script: Path) -> tuple[bool, str]:
-    """Return the place of a script: the paper's figures come before our studies."""
-    return not script.stem.startswith("fig"), script.stem
 
 
 def reproduce(
@@ -91,7 +90,7 @@ def reproduce(
     processes = count_workers(workers)
     given = ["--quick"] if quick else []
     origins = {name: freshness.origin_of(script, given) for name, script in chosen.items()}
-    folders = {name: output_folder(root, name) for name in chosen}
+    folders = {name: root / name for name in chosen}
     current = [
         name for name in chosen if not force and freshness.is_fresh(folders[name], origins[name])
     ]
@@ -104,7 +103,10 @@ def reproduce(
     # a quick sweep is over before further processes have started
     each = max(1, processes // at_once) if quick else processes
     command = ["--out", str(root), "--workers", str(each), "--force", *given]
-    jobs = [_Job(name, chosen[name], command, root, origins[name]) for name in due]
+    jobs = {
+        name: partial(_run, chosen[name], command, folders[name], origins[name], at_once > 1)
+        for name in due
+    }
     failed = _run_all(jobs, at_once)
     page = write_gallery(root, scripts, failed=failed)
     print(f"figures: {page}", flush=True)
@@ -113,41 +115,29 @@ def reproduce(
     return 1 if failed else 0
 
 
-@dataclass(frozen=True, slots=True)
-class _Job:
-    """A scenario that is to be run."""
-
-    name: str
-    script: Path
-    options: list[str]
-    root: Path
-    origin: str
-
-    def run(self, *, aside: bool) -> tuple[int, str, float]:
-        """Run the script; return its exit status, what it printed if put aside, and the time."""
-        begin = time.monotonic()
-        folder = output_folder(self.root, self.name)
-        freshness.begin(folder)
-        line = [sys.executable, str(self.script), *self.options]
-        if aside:
-            ended = subprocess.run(
-                line, check=False, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
-            )
-            status, printed = ended.returncode, ended.stdout
-        else:
-            status, printed = subprocess.run(line, check=False).returncode, ""
-        shutil.copyfile(self.script, folder / f"{self.name}.py")
-        freshness.record(folder, "" if status else self.origin)
-        return status, printed, time.monotonic() - begin
+def _run(script: Path, options: list[str], folder: Path, origin: str, aside: bool) -> Outcome:
+    """Run a script; return its exit status, what it printed if put aside, and the time."""
+    begin = time.monotonic()
+    freshness.begin(folder)
+    line = [sys.executable, str(script), *options]
+    if aside:
+        ended = subprocess.run(
+            line, check=False, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
+        )
+        status, printed = ended.returncode, ended.stdout
+    else:
+        status, printed = subprocess.run(line, check=False).returncode, ""
+    shutil.copyfile(script, folder / script.name)
+    freshness.record(folder, "" if status else origin)
+    return status, printed, time.monotonic() - begin
 
 
-def _run_all(jobs: Sequence[_Job], at_once: int) -> list[str]:
+def _run_all(jobs: Mapping[str, Callable[[], Outcome]], at_once: int) -> list[str]:
     """Run the jobs, some at a time, and return the names of those that failed."""
     failed = []
-    aside = at_once > 1
     pool = ThreadPoolExecutor(at_once)
     try:
-        running = {pool.submit(job.run, aside=aside): job.name for job in jobs}
+        running = {pool.submit(job): name for name, job in jobs.items()}
         for number, done in enumerate(as_completed(running), start=1):
             name = running[done]
             status, printed, seconds = done.result()

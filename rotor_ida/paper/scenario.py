@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -20,16 +19,8 @@ from rotor_ida.parallel.progress import progress_bar
 from rotor_ida.plot import save_figure
 from rotor_ida.storage.archive import save
 
-__all__ = [
-    "Settings",
-    "check_folder",
-    "output_folder",
-    "progress_bar",
-    "run_script",
-    "scientific",
-]
+__all__ = ["Settings", "check_folder", "progress_bar", "run_script", "scientific"]
 
-DEFAULT_FOLDER = Path("results")
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 Quick = Annotated[
@@ -80,18 +71,7 @@ class Settings:
     ) -> None:
         """Write a figure as PNG and SVG, and what the gallery is to say of it.
 
-        Parameters
-        ----------
-        figure : Figure
-            The figure.
-        name : str
-            Name of its files, without the ending.
-        archives : sequence of str
-            Names of the archives that it was drawn from, without the ending.
-        shows, found, paper : str
-            What it shows, what is found, and what the paper says (empty for nothing).
-        verdict : str
-            In a few words, what becomes of that.
+        File names, of `archives` too, are without the ending; for the words see `gallery.Entry`.
         """
         save_figure(figure, self.folder / name, overwrite=self.force)
         files = tuple(f"{archive}.nc" for archive in archives)
@@ -99,11 +79,6 @@ class Settings:
             figure=name, archives=files, shows=shows, paper=paper, found=found, verdict=verdict
         )
         add_entry(self.folder, entry)
-
-
-def output_folder(out: str | os.PathLike[str], name: str) -> Path:
-    """Return the folder into which the scenario `name` writes: ``out/name``."""
-    return Path(out) / name
 
 
 def check_folder(folder: Path, *, force: bool) -> None:
@@ -153,11 +128,11 @@ def run_script(
     def run(
         *,
         quick: Quick = False,
-        out: Out = DEFAULT_FOLDER,
+        out: Out = Path("results"),
         workers: Workers = None,
         force: Force = False,
     ) -> None:
-        folder = output_folder(out, name)
+        folder = out / name
         check_folder(folder, force=force)
         settings = Settings(folder, quick, count_workers(workers), force)
         folder.mkdir(parents=True, exist_ok=True)
@@ -169,19 +144,12 @@ def run_script(
     try:
         command, given = app.parse_args(arguments, print_error=False, exit_on_error=False)[:2]
         command(*given.args, **given.kwargs)
-    except CycloptsError as error:
-        error.verbose = False
-        return _failed(name, error, 2)
-    except InputError as error:
-        return _failed(name, error, 2)
-    except (RotorError, OSError) as error:
-        return _failed(name, error, 1)
+    except (CycloptsError, RotorError, OSError) as error:
+        if isinstance(error, CycloptsError):
+            error.verbose = False
+        print(f"{name}: {error}", file=sys.stderr)
+        return 2 if isinstance(error, CycloptsError | InputError) else 1
     return 0
-
-
-def _failed(name: str, error: Exception, status: int) -> int:
-    print(f"{name}: {error}", file=sys.stderr)
-    return status
 
 
 def scientific(number: float) -> str:

@@ -1,14 +1,14 @@
 """Pictures of datasets, in one style that survives the photocopier and colour blindness.
 
 The functions here see labelled datasets only, so that an archive can be drawn where no solver is
-installed. They return the axes that they drew on and show nothing by themselves.
+installed. They return what they drew on and show nothing by themselves. All raise
+`rotor_ida.InputError` for what they cannot draw: a Dataset that lacks a variable, one with several
+values of a parameter that the picture has one of, axes of another kind or in other units.
 """
 
 from rotor_ida.plot.appearance import mixed_panels, panels, shared_legend, style
 from rotor_ida.plot.basins import plot_basin, plot_basin_fractions
-from rotor_ida.plot.beyond import plot_exponents, plot_section, plot_spectrum
-from rotor_ida.plot.clearances import plot_by_clearance, plot_over_clearance
-from rotor_ida.plot.extrema import plot_extrema
+from rotor_ida.plot.beyond import plot_exponents, plot_extrema, plot_section, plot_spectrum
 from rotor_ida.plot.formulas import (
     plot_cuts,
     plot_deviation,
@@ -17,9 +17,15 @@ from rotor_ida.plot.formulas import (
     plot_solutions,
     plot_surface,
 )
-from rotor_ida.plot.jumps import plot_backbone, plot_by_damping, plot_cusp, plot_jumps
+from rotor_ida.plot.jumps import (
+    plot_backbone,
+    plot_by_clearance,
+    plot_by_damping,
+    plot_cusp,
+    plot_jumps,
+)
 from rotor_ida.plot.labels import parameter_text, with_error
-from rotor_ida.plot.responses import plot_amplitude, plot_phase
+from rotor_ida.plot.responses import plot_amplitude, plot_over_clearance, plot_phase
 from rotor_ida.plot.runs import (
     plot_drawn_out,
     plot_force_peaks,

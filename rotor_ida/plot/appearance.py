@@ -145,30 +145,21 @@ def panels(
 
 
 def mixed_panels(
-    rows: int,
-    columns: int,
-    *,
-    width: float = 7.2,
-    height: float = 5.6,
-    solid: Sequence[int] = (),
+    rows: int, columns: int, *, width: float = 7.2, height: float = 5.6, solid: Sequence[int] = ()
 ) -> tuple[Figure, list[Axes]]:
     """Return a figure with lettered panels, each with axes of its own.
 
     Parameters
     ----------
-    rows, columns : int
-        Number of panels down and across.
-    width, height : float
-        Size of the figure [inch].
+    rows, columns, width, height
+        As for `panels`.
     solid : sequence of int
         Numbers of the panels, row by row from 0, that are three-dimensional.
 
     Returns
     -------
-    figure : Figure
-        The figure.
-    axes : list of Axes
-        Its panels, row by row.
+    figure, axes
+        As for `panels`.
 
     Raises
     ------
@@ -187,11 +178,10 @@ def mixed_panels(
             raise InputError(f"solid must hold numbers of panels below {number}, got {place!r}")
     with style():
         figure = Figure(figsize=(width, height), layout="constrained")
+        kinds = ["3d" if place in solid else None for place in range(number)]
         axes = [
-            figure.add_subplot(
-                rows, columns, place + 1, projection="3d" if place in solid else None
-            )
-            for place in range(number)
+            figure.add_subplot(rows, columns, place, projection=kind)
+            for place, kind in enumerate(kinds, start=1)
         ]
         _letter(axes)
     return figure, axes
@@ -294,12 +284,6 @@ def finish_solid(ax: Any, *, zoom: float = 0.95) -> None:
     ax.set_box_aspect(None, zoom=zoom)
 
 
-def axes_of(ax: Any) -> Axes:
-    """Return three-dimensional axes under the type that all plot functions return."""
-    drawn: Axes = ax
-    return drawn
-
-
 def draw_ring(ax: Axes, clearance: float) -> None:
     """Draw the ring of the clearance, where there is one."""
     if clearance > 0.0:
@@ -319,8 +303,7 @@ def check_dataset(name: str, dataset: object, needed: Sequence[str]) -> xr.Datas
         raise InputError(f"{name} must be a Dataset, got {type(dataset).__name__}")
     missing = [variable for variable in needed if variable not in dataset.variables]
     if missing:
-        wanted = ", ".join(needed)
-        raise InputError(f"{name} must hold {wanted}; it lacks {', '.join(missing)}")
+        raise InputError(f"{name} must hold {', '.join(needed)}; it lacks {', '.join(missing)}")
     return dataset
 
 

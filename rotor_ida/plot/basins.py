@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import cycle
 
 import numpy as np
 import numpy.typing as npt
@@ -38,18 +39,15 @@ CONSTANT_RADIUS = 1e-3
 def plot_basin(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     """Draw which start ends on which attractor.
 
+    The legend names the attractors that starts end on, by kind, with their amplitude, or the range
+    of the radius where that is not constant.
+
     Parameters
     ----------
     dataset : Dataset
         What `rotor_ida.basin` returned.
     ax : Axes, optional
-        Where to draw; by default on a new figure.
-
-    Returns
-    -------
-    Axes
-        Where it was drawn. The legend names the attractors that starts end on, by kind, with
-        their amplitude, or the range of the radius where that is not constant.
+        Where to draw, and what is returned; by default the axes of a new figure.
 
     Raises
     ------
@@ -66,11 +64,10 @@ def plot_basin(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ['synchronous response, $A = 1.88$', 'synchronous response, $A = 9.49$']
     """
     dataset = check_dataset("dataset", dataset, NEEDED)
-    vertical, horizontal = _directions(dataset["label"])
+    horizontal, vertical = _directions(dataset["label"])
     label = dataset["label"]
-    colours = [NOT_COMPUTED, UNDECIDED]
     count = dataset.sizes["attractor"]
-    colours += _shades(dataset["kind"])
+    colours = [NOT_COMPUTED, UNDECIDED, *_shades(dataset["kind"])]
     with style():
         ax = axes_or_new(ax, width=4.6, height=5.0)
         label_axis(ax.xaxis, horizontal, dataset[horizontal])
@@ -104,17 +101,7 @@ def plot_basin_fractions(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         What `rotor_ida.basin_fractions` returned, joined along ``omega``, for one ``zeta`` and one
         ``delta0``.
     ax : Axes, optional
-        Where to draw; by default on a new figure.
-
-    Returns
-    -------
-    Axes
-        Where it was drawn.
-
-    Raises
-    ------
-    InputError
-        If the dataset is of another kind.
+        Where to draw, and what is returned; by default the axes of a new figure.
 
     Examples
     --------
@@ -151,13 +138,12 @@ def plot_basin_fractions(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
 
 
 def _directions(label: xr.DataArray) -> tuple[str, str]:
-    """Return what is drawn upwards and what to the right."""
+    """Return what is drawn to the right and what upwards."""
     if label.ndim != 2 or min(label.shape) < 2:
-        raise InputError(
-            f"dataset must hold at least 2 x 2 starts to be drawn, got {dict(label.sizes)}"
-        )
+        sizes = dict(label.sizes)
+        raise InputError(f"dataset must hold at least 2 x 2 starts to be drawn, got {sizes}")
     horizontal, vertical = (str(dim) for dim in label.dims)
-    return vertical, horizontal
+    return horizontal, vertical
 
 
 def _title(dataset: xr.Dataset) -> str:
@@ -174,14 +160,8 @@ def _title(dataset: xr.Dataset) -> str:
 def _shades(kinds: xr.DataArray) -> list[str]:
     """Return a colour for each attractor, from the family of its kind."""
     words = {number: word for word, number in flags_of(kinds).items()}
-    before: dict[str, int] = {}
-    colours = []
-    for number in kinds.values.tolist():
-        kind = words[number]
-        family = KIND_SHADES[kind]
-        colours.append(family[before.get(kind, 0) % len(family)])
-        before[kind] = before.get(kind, 0) + 1
-    return colours
+    families = {kind: cycle(family) for kind, family in KIND_SHADES.items()}
+    return [next(families[words[number]]) for number in kinds.values.tolist()]
 
 
 def _handles(dataset: xr.Dataset, colours: list[str]) -> list[Patch]:

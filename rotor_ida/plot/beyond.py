@@ -1,4 +1,4 @@
-"""What no response curve shows: sections, two-sided spectra, Lyapunov exponents."""
+"""What no response curve shows: sections, spectra, Lyapunov exponents, bifurcation diagrams."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from rotor_ida.checks import check_positive
+from rotor_ida.errors import InputError
 from rotor_ida.parameters import PARAMETERS
 from rotor_ida.plot.appearance import (
     BLUE,
@@ -26,7 +27,16 @@ from rotor_ida.plot.appearance import (
     style,
     title_of,
 )
-from rotor_ida.plot.labels import LABELS, label_axis, scale_of, with_error
+from rotor_ida.plot.labels import (
+    LABELS,
+    check_same_units,
+    label_axis,
+    parameter_text,
+    scale_of,
+    with_error,
+)
+from rotor_ida.plot.responses import plot_amplitude
+from rotor_ida.schema import flags_of
 
 # How the points of a section are drawn.
 LEAST_SPAN = 0.2
@@ -41,6 +51,15 @@ WORDS = {
 FLOOR = 3e-5
 # How the exponents are told apart.
 LINES = ((BLUE, "-"), (ORANGE, "--"), (PURPLE, "-."), (INK, ":"))
+# What a bifurcation diagram is made of.
+FREE = "extremum, contact-free or unresolved"
+EXTREMA = {
+    "constant": ("constant radius", BLUE),
+    "maximum": ("local maximum of $|z|$", ORANGE),
+    "minimum": ("local minimum of $|z|$", PURPLE),
+}
+FEW_EXTREMA = 3000
+WITH_EXTREMA = (*PARAMETERS, "response", "extremum_count", "extremum_radius", "extremum_kind")
 
 
 def plot_section(section: xr.Dataset, *, ax: Axes | None = None) -> Axes:
@@ -53,17 +72,7 @@ def plot_section(section: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         ring, are drawn as radial velocity over the angle from the unbalance, other sections as
         displacements, with the ring.
     ax : Axes, optional
-        Where to draw; by default on a new figure.
-
-    Returns
-    -------
-    Axes
-        Where it was drawn.
-
-    Raises
-    ------
-    InputError
-        If the dataset is no section.
+        Where to draw, and what is returned; by default the axes of a new figure.
 
     Examples
     --------
@@ -100,13 +109,10 @@ def plot_section(section: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     return ax
 
 
-def plot_spectrum(
-    lines: xr.Dataset,
-    *,
-    span: float = 4.0,
-    ax: Axes | None = None,
-) -> Axes:
+def plot_spectrum(lines: xr.Dataset, *, span: float = 4.0, ax: Axes | None = None) -> Axes:
     """Draw the amplitude of forward and backward whirl over the frequency.
+
+    The amplitude, on a logarithmic scale, is shown down to 3e-5 of the largest.
 
     Parameters
     ----------
@@ -115,18 +121,7 @@ def plot_spectrum(
     span : float
         Largest frequency shown, over the spin speed; over one if the rotor does not turn [1].
     ax : Axes, optional
-        Where to draw; by default on a new figure.
-
-    Returns
-    -------
-    Axes
-        Where it was drawn. The amplitude, on a logarithmic scale, is shown down to 3e-5 of the
-        largest.
-
-    Raises
-    ------
-    InputError
-        If the dataset is no spectrum.
+        Where to draw, and what is returned; by default the axes of a new figure.
 
     Examples
     --------
@@ -163,23 +158,14 @@ def plot_spectrum(
 def plot_exponents(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     r"""Draw the mean rates of stretching over the time of the mean, with the exponents.
 
+    The legend has each exponent with the standard error of its last digits in brackets.
+
     Parameters
     ----------
     found : Dataset
         What `rotor_ida.lyapunov_exponent` returned.
     ax : Axes, optional
-        Where to draw; by default on a new figure.
-
-    Returns
-    -------
-    Axes
-        Where it was drawn. The legend has each exponent with the standard error of its last
-        digits in brackets.
-
-    Raises
-    ------
-    InputError
-        If the dataset holds no exponents.
+        Where to draw, and what is returned; by default the axes of a new figure.
 
     Examples
     --------
@@ -211,6 +197,86 @@ def plot_exponents(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
             ncols=2, loc="upper center", fontsize=8.0, handlelength=2.0, columnspacing=1.0,
             borderaxespad=0.2,
         )  # fmt: skip
+    return ax
+
+
+def plot_extrema(
+    found: xr.Dataset,
+    *,
+    exact: xr.Dataset | None = None,
+    fold_points: xr.Dataset | None = None,
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw the extrema of the radius over the speed.
+
+    Parameters
+    ----------
+    found : Dataset
+        What `rotor_ida.bifurcation_diagram` returned, for one ``zeta``.
+    exact : Dataset, optional
+        What `rotor_ida.closed_forms.response_curve` returned, for the same ``zeta`` and one
+        ``delta0``: drawn under the extrema, and only those of this clearance are shown.
+    fold_points : Dataset, optional
+        What `rotor_ida.folds` returned for the same parameters.
+    ax : Axes, optional
+        Where to draw, and what is returned; by default the axes of a new figure.
+
+    Examples
+    --------
+    >>> from rotor_ida import bifurcation_diagram
+    >>> found = bifurcation_diagram(omega=[1.2, 1.7], zeta=0.5, delta0=0.5, starts=[(0, 0, 0, 0)])
+    >>> plot_extrema(found).get_ylabel()
+    'radius $|z|$'
+    """
+    found = check_dataset("found", found, WITH_EXTREMA)
+    zeta = one_value("found", found, "zeta")
+    if exact is not None:
+        exact = check_dataset("exact", exact, ("omega", "amplitude"))
+        check_same_units("exact", exact, found)
+        delta0 = one_value("exact", exact, "delta0")
+    else:
+        delta0 = one_value("found", found, "delta0")
+    if delta0 not in found["delta0"].values:
+        raise InputError(f"found must hold the delta0 of exact, {delta0!r}, it does not")
+    counts = found["extremum_count"]
+    places = xr.broadcast(found["omega"], found["delta0"], found["response"], counts)
+    omega, clearance, response = (
+        np.repeat(place.transpose(*counts.dims).values.ravel(), counts.values.ravel())
+        for place in places[:3]
+    )
+    here = clearance == delta0
+    kinds_of_response = flags_of(found["response"])
+    # of an unresolved motion it is not known whether the extrema remain
+    free = np.isin(response, [kinds_of_response[kind] for kind in ("contact_free", "unresolved")])
+    radius, kinds = found["extremum_radius"].values, found["extremum_kind"].values
+    flags = flags_of(found["extremum_kind"])
+    with style():
+        if exact is None:
+            ax = axes_or_new(ax)
+            ax.set_title(parameter_text({"zeta": zeta, "delta0": delta0}))
+        else:
+            ax = plot_amplitude(exact, fold_points=fold_points, ax=ax)
+        size = 2.6 if here.sum() < FEW_EXTREMA else 1.2
+        kind_of = {kind: here & (kinds == flags[kind]) for kind in EXTREMA}
+        swinging = free & ~kind_of["constant"]
+        shown = {
+            words: (colour, kind_of[kind] & ~swinging) for kind, (words, colour) in EXTREMA.items()
+        }
+        shown[FREE] = (GREY, here & swinging)
+        for words, (colour, chosen) in shown.items():
+            if not chosen.any():
+                continue
+            steady = words == EXTREMA["constant"][0]
+            face = "none" if steady else colour
+            ax.plot(
+                omega[chosen], radius[chosen], ls="", marker="o", ms=3.4 if steady else size,
+                mec=colour if steady else "none", mfc=face, mew=0.7, rasterized=True,
+                zorder=2.4 if words == FREE else 3.0,
+            )  # fmt: skip
+            ax.plot([], [], ls="", marker="o", ms=3.4, mec=colour, mfc=face, mew=0.7, label=words)
+        ax.set_xlabel(LABELS["omega"])
+        label_axis(ax.yaxis, "radius", found["extremum_radius"])
+        own_legend(ax)
     return ax
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import cast
 
 import numpy as np
 import numpy.typing as npt
@@ -16,7 +17,6 @@ from rotor_ida.plot.appearance import (
     INK,
     LOOKS,
     ORANGE,
-    axes_of,
     axes_or_new,
     check_dataset,
     finish_solid,
@@ -43,12 +43,7 @@ MOTIONS = {
 CLAIMED = ("t", "solution", "x", "y", "solution_x", "solution_y")
 
 
-def plot_surface(
-    field: xr.Dataset,
-    name: str,
-    *,
-    ax: Axes | None = None,
-) -> Axes:
+def plot_surface(field: xr.Dataset, name: str, *, ax: Axes | None = None) -> Axes:
     """Draw a component of the force, or the potential, as a surface over the plane.
 
     Parameters
@@ -58,17 +53,7 @@ def plot_surface(
     name : {"restoring_x", "restoring_y", "potential"}
         What to draw.
     ax : Axes, optional
-        Three-dimensional axes to draw on; by default those of a new figure.
-
-    Returns
-    -------
-    Axes
-        Where it was drawn.
-
-    Raises
-    ------
-    InputError
-        If the dataset lacks what is to be drawn, or `ax` is flat.
+        Three-dimensional axes to draw on and return; by default those of a new figure.
 
     Examples
     --------
@@ -95,16 +80,10 @@ def plot_surface(
         solid.view_init(elev=26, azim=-148 if name == "restoring_x" else -58)
         finish_solid(solid)
         solid.set_title(f"{label_of(name, field[name])},  {title}", y=0.98)
-    return axes_of(solid)
+    return cast(Axes, solid)
 
 
-def plot_cuts(
-    field: xr.Dataset,
-    name: str,
-    *,
-    at: Sequence[float],
-    ax: Axes | None = None,
-) -> Axes:
+def plot_cuts(field: xr.Dataset, name: str, *, at: Sequence[float], ax: Axes | None = None) -> Axes:
     """Draw cuts along x, at a few y, through a component of the force or the potential.
 
     Parameters
@@ -116,17 +95,7 @@ def plot_cuts(
     at : sequence of float
         The values of y, or the nearest that there are, in the units of the field.
     ax : Axes, optional
-        Where to draw; by default on a new figure.
-
-    Returns
-    -------
-    Axes
-        Where it was drawn.
-
-    Raises
-    ------
-    InputError
-        If the dataset lacks what is to be drawn.
+        Where to draw, and what is returned; by default the axes of a new figure.
 
     Examples
     --------
@@ -172,17 +141,7 @@ def plot_periods(
     over : {"period", "natural"}
         Whether the horizontal axis is the period or the natural frequency ``2 pi/T``.
     ax : Axes, optional
-        Where to draw; by default on a new figure.
-
-    Returns
-    -------
-    Axes
-        Where it was drawn.
-
-    Raises
-    ------
-    InputError
-        If a dataset is of another kind.
+        Where to draw, and what is returned; by default the axes of a new figure.
 
     Examples
     --------
@@ -221,12 +180,7 @@ def plot_periods(
     return ax
 
 
-def plot_portrait(
-    runs: xr.Dataset,
-    *,
-    along: str = "x",
-    ax: Axes | None = None,
-) -> Axes:
+def plot_portrait(runs: xr.Dataset, *, along: str = "x", ax: Axes | None = None) -> Axes:
     """Draw velocity over displacement along one axis, for several starts, with their periods.
 
     Parameters
@@ -237,17 +191,7 @@ def plot_portrait(
     along : {"x", "y"}
         Which axis.
     ax : Axes, optional
-        Where to draw; by default on a new figure.
-
-    Returns
-    -------
-    Axes
-        Where it was drawn.
-
-    Raises
-    ------
-    InputError
-        If the dataset is of another kind.
+        Where to draw, and what is returned; by default the axes of a new figure.
 
     Examples
     --------
@@ -293,17 +237,7 @@ def plot_solutions(compared: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         ``x`` and ``y`` on ``t``, and ``solution_x`` and ``solution_y`` on ``solution`` and
         ``t``; the coordinate ``solution`` names them.
     ax : Axes, optional
-        Where to draw; by default on a new figure.
-
-    Returns
-    -------
-    Axes
-        Where it was drawn.
-
-    Raises
-    ------
-    InputError
-        If the dataset is of another kind.
+        Where to draw, and what is returned; by default the axes of a new figure.
 
     Examples
     --------
@@ -339,17 +273,7 @@ def plot_deviation(compared: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     compared : Dataset
         As for `plot_solutions`.
     ax : Axes, optional
-        Where to draw; by default on a new figure.
-
-    Returns
-    -------
-    Axes
-        Where it was drawn.
-
-    Raises
-    ------
-    InputError
-        If the dataset is of another kind.
+        Where to draw, and what is returned; by default the axes of a new figure.
 
     Examples
     --------

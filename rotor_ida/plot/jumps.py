@@ -1,6 +1,8 @@
-"""Jumps of the response curve, its backbone, and its cusp."""
+"""Jumps of the response curve, its backbone and cusp, and other quantities of the design."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
@@ -20,8 +22,6 @@ from rotor_ida.plot.appearance import (
 from rotor_ida.plot.labels import LABELS, hold_units, label_axis, scale_of
 from rotor_ida.plot.responses import CURVE, plot_amplitude, plot_phase
 
-BACKBONE = "backbone"
-
 
 def plot_jumps(jumps: xr.Dataset, *, ax: Axes) -> Axes:
     """Draw an arrow from each fold to the whirl that is left there.
@@ -37,11 +37,6 @@ def plot_jumps(jumps: xr.Dataset, *, ax: Axes) -> Axes:
     -------
     Axes
         The same.
-
-    Raises
-    ------
-    InputError
-        If the dataset is of another kind.
 
     Examples
     --------
@@ -75,17 +70,7 @@ def plot_backbone(curve: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     curve : Dataset
         What `rotor_ida.closed_forms.free_periods` returned, for one ``delta0``.
     ax : Axes, optional
-        Where to draw; by default on a new figure.
-
-    Returns
-    -------
-    Axes
-        Where it was drawn.
-
-    Raises
-    ------
-    InputError
-        If the dataset is of another kind.
+        Where to draw, and what is returned; by default the axes of a new figure.
 
     Examples
     --------
@@ -102,7 +87,7 @@ def plot_backbone(curve: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         period = curve["circular_period"].squeeze().values / scale_of(curve, "time")
         omega = 2.0 * np.pi / period
         ax.plot(omega, curve["amplitude"].values, color="#6b7673", lw=0.9, ls=(0, (1, 2)),
-                label=BACKBONE, zorder=2.2)  # fmt: skip
+                label="backbone", zorder=2.2)  # fmt: skip
         if fresh:
             ax.set_xlabel(LABELS["omega"])
             label_axis(ax.yaxis, "amplitude", curve["amplitude"])
@@ -110,12 +95,7 @@ def plot_backbone(curve: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     return ax
 
 
-def plot_by_damping(
-    exact: xr.Dataset,
-    quantity: str,
-    *,
-    ax: Axes | None = None,
-) -> Axes:
+def plot_by_damping(exact: xr.Dataset, quantity: str, *, ax: Axes | None = None) -> Axes:
     r"""Draw amplitude or phase over the speed for several dampings, unstable whirls thin.
 
     Parameters
@@ -125,17 +105,7 @@ def plot_by_damping(
     quantity : {"amplitude", "phase_lag"}
         What to draw.
     ax : Axes, optional
-        Where to draw; by default on a new figure.
-
-    Returns
-    -------
-    Axes
-        Where it was drawn.
-
-    Raises
-    ------
-    InputError
-        If the dataset is of another kind.
+        Where to draw, and what is returned; by default the axes of a new figure.
 
     Examples
     --------
@@ -175,17 +145,7 @@ def plot_cusp(
     highest : Dataset, optional
         What it returned without a clearance: the cusp of largest damping is marked.
     ax : Axes, optional
-        Where to draw; by default on a new figure.
-
-    Returns
-    -------
-    Axes
-        Where it was drawn.
-
-    Raises
-    ------
-    InputError
-        If a dataset is of another kind.
+        Where to draw, and what is returned; by default the axes of a new figure.
 
     Examples
     --------
@@ -211,4 +171,48 @@ def plot_cusp(
         ax.set_ylim(0.0, 1.2 * float(zeta.max()))
         ax.set_xlabel(LABELS["delta0"])
         ax.set_ylabel(LABELS["zeta"])
+    return ax
+
+
+def plot_by_clearance(
+    table: xr.Dataset, names: Mapping[str, str], *, label: str, ax: Axes | None = None
+) -> Axes:
+    """Draw some quantities over the clearance.
+
+    Parameters
+    ----------
+    table : Dataset
+        The quantities on ``delta0``. One that has a further dimension, as the speeds of the
+        folds have, is drawn in points, since its values come and go.
+    names : mapping of str to str
+        What each quantity is called in the legend.
+    label : str
+        What the vertical axis is called; the unit of the first quantity is added.
+    ax : Axes, optional
+        Where to draw, and what is returned; by default the axes of a new figure.
+
+    Examples
+    --------
+    >>> from rotor_ida.closed_forms import peaks
+    >>> table = peaks(zeta=0.07, delta0=[0.0, 1.0])
+    >>> plot_by_clearance(table, {"peak_amplitude": "peak"}, label="amplitude $A$").get_ylabel()
+    'amplitude $A$'
+    """
+    table = check_dataset("table", table, ("delta0", *names))
+    with style():
+        ax = axes_or_new(ax)
+        for number, (name, words) in enumerate(names.items()):
+            colour, line = look(number)
+            column = table[name].squeeze().transpose("delta0", ...)
+            if column.ndim == 1:
+                ax.plot(table["delta0"].values, column.values, color=colour, ls=line, label=words,
+                        zorder=2.6)  # fmt: skip
+                continue
+            delta0 = np.repeat(table["delta0"].values, column.shape[1])
+            ax.plot(delta0, column.values.ravel(), ls="", marker=".", ms=2.8, mew=0.0,
+                    color=colour, label=words)  # fmt: skip
+        ax.set_xlabel(LABELS["delta0"])
+        label_axis(ax.yaxis, "", table[next(iter(names))], words=label)
+        if len(names) > 1:
+            own_legend(ax)
     return ax

@@ -1,22 +1,32 @@
-"""Response curves over the spin speed: the exact curve, and what simulations do beside it."""
+"""Response curves over spin speed or clearance, and what simulated rotors do beside them."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
 
+from rotor_ida.checks import COMPONENTS
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import PARAMETERS
 from rotor_ida.plot.appearance import (
     BLUE,
     CONTACT_FREE,
     FOLD,
+    FROM_REST,
+    FROM_START,
+    GOING_DOWN,
+    GOING_UP,
+    GREY,
     INK,
     NEUTRAL,
+    ORANGE,
+    PURPLE,
     STABLE,
     UNSTABLE,
     axes_or_new,
@@ -25,8 +35,14 @@ from rotor_ida.plot.appearance import (
     own_legend,
     style,
 )
-from rotor_ida.plot.labels import check_same_units, label_axis, parameter_text, scale_of
-from rotor_ida.plot.simulated import draw_simulated
+from rotor_ida.plot.labels import (
+    KIND_WORDS,
+    LABELS,
+    check_same_units,
+    label_axis,
+    parameter_text,
+    scale_of,
+)
 from rotor_ida.schema import flags_of
 
 Values = npt.NDArray[np.float64]
@@ -37,6 +53,27 @@ LINES = {
     "neutral": (NEUTRAL, (0, (7, 1.6, 1.2, 1.6)), 1.0),
 }
 CURVE = ("omega", "zeta", "delta0", "amplitude", "phase_lag", "stability", "in_contact", "piece")
+SIMULATED = ("response", "amplitude", "phase_lag", "radius_min", "radius_max", "direction")
+
+
+@dataclass(frozen=True, slots=True)
+class _Look:
+    """How one kind of response is drawn."""
+
+    colour: str
+    filled: bool
+    is_range: bool
+    dotted: bool = False
+
+
+KINDS = {
+    "synchronous": _Look(BLUE, True, False),
+    "contact_free": _Look(BLUE, False, False),
+    "bouncing": _Look(ORANGE, False, True),
+    "full_contact": _Look(PURPLE, True, True),
+    "unresolved": _Look(GREY, False, True, dotted=True),
+}
+DIRECTIONS = {0: ("o", 4.2), 1: ("^", 3.4), -1: ("v", 3.4)}
 
 
 def plot_amplitude(
@@ -64,12 +101,7 @@ def plot_amplitude(
     fold_points : Dataset, optional
         What `rotor_ida.folds` returned, for the same parameters: the folds are marked.
     ax : Axes, optional
-        Where to draw; by default on a new figure.
-
-    Returns
-    -------
-    Axes
-        Where it was drawn.
+        Where to draw, and what is returned; by default the axes of a new figure.
 
     Raises
     ------
@@ -107,16 +139,6 @@ def plot_phase(
         As for `plot_amplitude`. Of a simulated response that is neither synchronous nor
         contact-free the phase of the part at the spin speed is marked.
 
-    Returns
-    -------
-    Axes
-        Where it was drawn.
-
-    Raises
-    ------
-    InputError
-        As for `plot_amplitude`.
-
     Examples
     --------
     >>> from rotor_ida.closed_forms import response_curve
@@ -125,6 +147,45 @@ def plot_phase(
     'phase lag $\\theta$'
     """
     return _plot("phase_lag", exact, whirls, simulated, fold_points, ax)
+
+
+def plot_over_clearance(
+    exact: xr.Dataset, *, simulated: xr.Dataset | None = None, ax: Axes | None = None
+) -> Axes:
+    r"""Draw the whirls at one speed over the clearance, and what a simulated rotor does there.
+
+    Parameters
+    ----------
+    exact : Dataset
+        What `rotor_ida.closed_forms.clearance_curve` returned, for one ``omega`` and one
+        ``zeta``.
+    simulated : Dataset, optional
+        What `rotor_ida.sweep` returned at the same speed and damping. Responses on a whirl are
+        marks, all others bars over the range of the distance from the bearing axis.
+    ax : Axes, optional
+        Where to draw, and what is returned; by default the axes of a new figure.
+
+    Examples
+    --------
+    >>> from rotor_ida.closed_forms import clearance_curve
+    >>> exact = clearance_curve(omega=1.2, zeta=0.07, limits=(0.0, 3.0))
+    >>> plot_over_clearance(exact).get_xlabel()
+    'clearance $\\delta_0$'
+    """
+    exact = check_dataset("exact", exact, CURVE)
+    omega, zeta = (one_value("exact", exact, name) for name in ("omega", "zeta"))
+    with style():
+        ax = axes_or_new(ax)
+        _draw_curve(ax, exact, over="delta0", quantity="amplitude")
+        if simulated is not None:
+            check_same_units("simulated", simulated, exact)
+            _draw_over_clearance(ax, simulated)
+        ax.set_xlabel(LABELS["delta0"])
+        label_axis(ax.yaxis, "amplitude", exact["amplitude"])
+        ax.set_ylim(bottom=0.0)
+        ax.set_title(parameter_text({"omega": omega, "zeta": zeta}))
+        own_legend(ax)
+    return ax
 
 
 def _plot(
@@ -137,28 +198,19 @@ def _plot(
 ) -> Axes:
     exact = check_dataset("exact", exact, CURVE)
     zeta, delta0 = (one_value("exact", exact, name) for name in ("zeta", "delta0"))
+    highest = float(exact["amplitude"].max())
     fold_omega, fold_value = np.empty(0), np.empty(0)
     if fold_points is not None:
-        check_dataset("fold_points", fold_points, ("zeta", "delta0", "fold_omega"))
-        _check_same("fold_points", fold_points, exact)
-        check_same_units("fold_points", fold_points, exact)
+        _check_beside("fold_points", fold_points, ("zeta", "delta0", "fold_omega"), exact)
         fold_omega, fold_value = _folds(fold_points, quantity, zeta, exact)
     if whirls is not None:
-        check_dataset("whirls", whirls, (*PARAMETERS, "amplitude", "phase_lag"))
-        _check_same("whirls", whirls, exact)
-        check_same_units("whirls", whirls, exact)
+        _check_beside("whirls", whirls, (*PARAMETERS, "amplitude", "phase_lag"), exact)
     if simulated is not None:
-        needed = ("response", "amplitude", "phase_lag", "radius_min", "radius_max", "direction")
-        check_dataset("simulated", simulated, (*PARAMETERS, *needed))
-        _check_same("simulated", simulated, exact)
-        check_same_units("simulated", simulated, exact)
-    shown = (
-        [exact["amplitude"]] if simulated is None else [exact["amplitude"], simulated["radius_max"]]
-    )
-    highest = max(float(values.max()) for values in shown)
+        _check_beside("simulated", simulated, (*PARAMETERS, *SIMULATED), exact)
+        highest = max(highest, float(simulated["radius_max"].max()))
     with style():
         ax = axes_or_new(ax)
-        draw_curve(ax, exact, over="omega", quantity=quantity)
+        _draw_curve(ax, exact, over="omega", quantity=quantity)
         if whirls is not None:
             omega, height = xr.broadcast(whirls["omega"], whirls[quantity])
             ax.plot(omega.values.ravel(), height.values.ravel(), ls="", marker="o", ms=3.6,
@@ -169,18 +221,21 @@ def _plot(
                 label=FOLD, zorder=3.7,
             )  # fmt: skip
         if simulated is not None:
-            draw_simulated(ax, simulated, quantity)
+            _draw_simulated(ax, simulated, quantity)
         _finish(ax, quantity, exact, highest)
         ax.set_title(parameter_text({"zeta": zeta, "delta0": delta0}))
         own_legend(ax)
     return ax
 
 
-def _check_same(name: str, dataset: xr.Dataset, exact: xr.Dataset) -> None:
+def _check_beside(name: str, dataset: xr.Dataset, needed: Sequence[str], exact: xr.Dataset) -> None:
+    """Refuse what lacks variables or has other parameters or units than the exact curve."""
+    check_dataset(name, dataset, needed)
     for parameter in ("zeta", "delta0"):
         here, there = one_value(name, dataset, parameter), one_value("exact", exact, parameter)
         if here != there:
             raise InputError(f"{name} must have the {parameter} of exact, {there!r}, got {here!r}")
+    check_same_units(name, dataset, exact)
 
 
 def _folds(
@@ -200,7 +255,7 @@ def _folds(
     return omega, math.pi - np.arcsin(sine)
 
 
-def draw_curve(ax: Axes, curve: xr.Dataset, *, over: str, quantity: str) -> None:
+def _draw_curve(ax: Axes, curve: xr.Dataset, *, over: str, quantity: str) -> None:
     """Draw the pieces of a response curve, a line for each stability."""
     x, y = curve[over].values.ravel(), curve[quantity].values.ravel()
     stability, piece = curve["stability"].values.ravel(), curve["piece"].values.ravel()
@@ -222,6 +277,87 @@ def draw_curve(ax: Axes, curve: xr.Dataset, *, over: str, quantity: str) -> None
         free = word == "neutral" and not in_contact[stability == flag].any()
         ax.plot(*np.concatenate(lines[flag], axis=1), ls=dashes, lw=width, color=INK,
                 label=CONTACT_FREE if free else label, zorder=2.5)  # fmt: skip
+
+
+def _draw_simulated(ax: Axes, simulated: xr.Dataset, quantity: str) -> None:
+    """Draw the responses of a sweep: marks where a curve can show them, bars where it cannot."""
+    flat = _columns(simulated, ("omega", *SIMULATED))
+    flags = flags_of(simulated["response"])
+    for kind, look in KINDS.items():
+        of_kind = flat["response"] == flags[kind]
+        if not of_kind.any():
+            continue
+        points = {name: values[of_kind] for name, values in flat.items()}
+        if look.is_range and quantity == "amplitude":
+            _draw_ranges(ax, look, points, f"{KIND_WORDS[kind]}: range of $|z|$")
+            continue
+        _draw_marks(ax, look, points, points[quantity], 1.0)
+        ax.plot([], [], ls="", marker="s", ms=4.5, mec=look.colour, mew=0.9,
+                mfc=_face(look), label=KIND_WORDS[kind])  # fmt: skip
+    words = {0: _start_words(simulated), 1: GOING_UP, -1: GOING_DOWN}
+    for direction in np.unique(flat["direction"]):
+        marker, size = DIRECTIONS[int(direction)]
+        ax.plot([], [], ls="", marker=marker, ms=size, mec=INK, mfc="none", mew=0.8,
+                label=words[int(direction)])  # fmt: skip
+
+
+def _columns(dataset: xr.Dataset, names: Sequence[str]) -> dict[str, Values]:
+    """Return variables one value for each response, whatever dimensions each has."""
+    same = xr.broadcast(*(dataset[name] for name in names))
+    return {name: values.values.ravel() for name, values in zip(names, same, strict=True)}
+
+
+def _draw_ranges(ax: Axes, look: _Look, points: dict[str, Values], words: str) -> None:
+    ax.vlines(
+        points["omega"], points["radius_min"], points["radius_max"], color=look.colour,
+        lw=1.8 if look.filled else 0.9,
+        ls=(0, (1, 1.6)) if look.dotted else "-", zorder=3.0, label=words,
+    )  # fmt: skip
+    for end in ("radius_min", "radius_max"):
+        _draw_marks(ax, look, points, points[end], 0.75)
+
+
+def _draw_marks(
+    ax: Axes, look: _Look, points: dict[str, Values], heights: Values, scale: float
+) -> None:
+    """Mark points by the direction of their sweep, triangles over the larger circles."""
+    for direction, (marker, size) in DIRECTIONS.items():
+        here = points["direction"] == direction
+        ax.plot(
+            points["omega"][here], heights[here], ls="", marker=marker, ms=scale * size,
+            mec=look.colour, mfc=_face(look), mew=0.7, zorder=3.2 if direction else 3.1,
+        )  # fmt: skip
+
+
+def _face(look: _Look) -> str:
+    return look.colour if look.filled else "white"
+
+
+def _start_words(simulated: xr.Dataset) -> str:
+    starts = [f"start_{name}" for name in COMPONENTS]
+    at_rest = all(name in simulated and not simulated[name].values.any() for name in starts)
+    return FROM_REST if at_rest else FROM_START
+
+
+def _draw_over_clearance(ax: Axes, simulated: xr.Dataset) -> None:
+    """Draw responses on a whirl as marks, the others as bars, by kind."""
+    names = ("delta0", "response", "amplitude", "radius_min", "radius_max")
+    check_dataset("simulated", simulated, names)
+    flat = _columns(simulated, names)
+    flags = flags_of(simulated["response"])
+    for kind, looks in KINDS.items():
+        of_kind = flat["response"] == flags[kind]
+        if not of_kind.any():
+            continue
+        delta0 = flat["delta0"][of_kind]
+        if looks.is_range:
+            low, high = flat["radius_min"][of_kind], flat["radius_max"][of_kind]
+            ax.vlines(delta0, low, high, color=looks.colour, lw=1.2 if looks.dotted else 2.0,
+                      ls=(0, (1, 1.6)) if looks.dotted else "-", zorder=3.0,
+                      label=f"{KIND_WORDS[kind]}: range of $|z|$")  # fmt: skip
+            continue
+        ax.plot(delta0, flat["amplitude"][of_kind], ls="", marker="o", ms=4.2, mec=looks.colour,
+                mfc=_face(looks), mew=0.9, label=KIND_WORDS[kind], zorder=3.1)  # fmt: skip
 
 
 def _finish(ax: Axes, quantity: str, exact: xr.Dataset, highest: float) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -23,7 +23,6 @@ from rotor_ida.plot.appearance import (
     INK,
     RED,
     SHADE,
-    axes_of,
     axes_or_new,
     check_dataset,
     draw_ring,
@@ -65,11 +64,6 @@ def plot_run(run: xr.Dataset) -> Figure:
     Figure
         The figure. Its axes are x, y, radius and peak force over time, and the orbit. Contact
         is shaded; entries and exits are marked while they are few enough to tell apart.
-
-    Raises
-    ------
-    InputError
-        If the dataset is no run.
 
     Examples
     --------
@@ -119,17 +113,7 @@ def plot_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     run : Dataset
         What `rotor_ida.simulate` returned.
     ax : Axes, optional
-        Where to draw; by default on a new figure.
-
-    Returns
-    -------
-    Axes
-        Where it was drawn.
-
-    Raises
-    ------
-    InputError
-        If the dataset is no run.
+        Where to draw, and what is returned; by default the axes of a new figure.
 
     Examples
     --------
@@ -140,14 +124,7 @@ def plot_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     'displacement $x$'
     """
     run = check_dataset("run", run, NEEDED)
-    with style():
-        ax = axes_or_new(ax, width=4.0, height=4.9)
-        label_axis(ax.xaxis, "x", run["x"])
-        label_axis(ax.yaxis, "y", run["y"])
-        _draw_orbit(ax, run, path_of(run))
-        legend_below(ax)
-        ax.set_title(title_of("run", run))
-    return ax
+    return _plot_orbit(run, path_of(run), ("x", "y"), ax)
 
 
 def plot_rotating_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
@@ -160,11 +137,6 @@ def plot_rotating_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     ----------
     run, ax
         As for `plot_orbit`; what `rotor_ida.rotating` returned will do too.
-
-    Returns
-    -------
-    Axes
-        Where it was drawn.
 
     Examples
     --------
@@ -181,22 +153,10 @@ def plot_rotating_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     angle = omega * run["event_time"].values
     event_x, event_y = _rotated_back(run["event_x"].values, run["event_y"].values, angle)
     seen = run.assign(event_x=("event", event_x), event_y=("event", event_y))
-    with style():
-        ax = axes_or_new(ax, width=4.0, height=4.9)
-        label_axis(ax.xaxis, "rotating_x", run["x"])
-        label_axis(ax.yaxis, "rotating_y", run["y"])
-        _draw_orbit(ax, seen, replace(path, x=x, y=y))
-        legend_below(ax)
-        ax.set_title(title_of("run", run))
-    return ax
+    return _plot_orbit(seen, replace(path, x=x, y=y), ("rotating_x", "rotating_y"), ax)
 
 
-def plot_history(
-    run: xr.Dataset,
-    name: str,
-    *,
-    ax: Axes | None = None,
-) -> Axes:
+def plot_history(run: xr.Dataset, name: str, *, ax: Axes | None = None) -> Axes:
     """Draw a displacement or the radius over time, contact and flight in their colours.
 
     Parameters
@@ -206,17 +166,7 @@ def plot_history(
     name : {"x", "y", "radius"}
         What to draw.
     ax : Axes, optional
-        Where to draw; by default on a new figure.
-
-    Returns
-    -------
-    Axes
-        Where it was drawn.
-
-    Raises
-    ------
-    InputError
-        If the dataset is no run.
+        Where to draw, and what is returned; by default the axes of a new figure.
 
     Examples
     --------
@@ -245,17 +195,7 @@ def plot_drawn_out(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     run : Dataset
         What `rotor_ida.simulate` returned.
     ax : Axes, optional
-        Three-dimensional axes to draw on; by default those of a new figure.
-
-    Returns
-    -------
-    Axes
-        Where it was drawn.
-
-    Raises
-    ------
-    InputError
-        If the dataset is no run, or `ax` is flat.
+        Three-dimensional axes to draw on and return; by default those of a new figure.
 
     Examples
     --------
@@ -275,7 +215,7 @@ def plot_drawn_out(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         solid.xaxis.labelpad, solid.yaxis.labelpad, solid.zaxis.labelpad = -4, -6, -6
         solid.view_init(elev=22, azim=-58)
         finish_solid(solid, zoom=1.12)
-    return axes_of(solid)
+    return cast(Axes, solid)
 
 
 def plot_machine(run: xr.Dataset) -> Figure:
@@ -291,11 +231,6 @@ def plot_machine(run: xr.Dataset) -> Figure:
     Figure
         The figure: the orbit, the radius over time with the ring, and the contact force with
         the peak of each contact.
-
-    Raises
-    ------
-    InputError
-        If the dataset is no run in SI units.
 
     Examples
     --------
@@ -345,17 +280,7 @@ def plot_forces(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     forces : Dataset
         What `rotor_ida.contact_forces` returned.
     ax : Axes, optional
-        Where to draw; by default on a new figure.
-
-    Returns
-    -------
-    Axes
-        Where it was drawn.
-
-    Raises
-    ------
-    InputError
-        If the dataset holds no contact forces.
+        Where to draw, and what is returned; by default the axes of a new figure.
 
     Examples
     --------
@@ -386,17 +311,7 @@ def plot_force_peaks(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     forces : Dataset
         What `rotor_ida.contact_forces` returned.
     ax : Axes, optional
-        Where to draw; by default on a new figure.
-
-    Returns
-    -------
-    Axes
-        Where it was drawn.
-
-    Raises
-    ------
-    InputError
-        If the dataset holds no contact forces.
+        Where to draw, and what is returned; by default the axes of a new figure.
 
     Examples
     --------
@@ -426,19 +341,12 @@ def plot_force_peaks(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
 
 @dataclass(frozen=True, slots=True)
 class Path:
-    """The motion, at times close enough to be drawn as smooth as it is.
-
-    Parameters
-    ----------
-    time, x, y : ndarray, shape (n,)
-        Times and places, in the units of the run.
-    in_contact : ndarray of bool, shape (n,)
-        Whether the stretch that begins there is in contact.
-    """
+    """The motion, at times close enough to be drawn as smooth as it is, in the run's units."""
 
     time: Values
     x: Values
     y: Values
+    # whether the stretch that begins at each time is in contact
     in_contact: npt.NDArray[np.bool_]
 
     @property
@@ -460,12 +368,8 @@ class Path:
 def path_of(run: xr.Dataset) -> Path:
     """Return outputs and events in one sequence, with points between where they lie close."""
     times = np.concatenate([run["t"].values, run["event_time"].values])
-    table = np.concatenate(
-        [
-            np.stack([run[name].values for name in COMPONENTS], axis=1),
-            np.stack([run[f"event_{name}"].values for name in COMPONENTS], axis=1),
-        ]
-    )
+    columns = [np.append(run[name].values, run[f"event_{name}"].values) for name in COMPONENTS]
+    table = np.stack(columns, axis=1)
     # velocities in units of length over units of time, which may have prefixes of their own
     table[:, 2:] *= scale_of(run, "length") / (scale_of(run, "time") * scale_of(run, "velocity"))
     times, first = np.unique(times, return_index=True)
@@ -474,39 +378,27 @@ def path_of(run: xr.Dataset) -> Path:
     revolutions = max(1.0, run["omega"].item()) / (2.0 * math.pi * scale_of(run, "time"))
     points = np.clip(np.ceil(steps * revolutions * POINTS_A_REVOLUTION), 1, None).astype(int)
     points[steps * revolutions > SMOOTH_BELOW] = 1
-    fine, x, y = [times[:1]], [states[:1, 0]], [states[:1, 1]]
-    for number in np.unique(points):
-        rows = np.nonzero(points == number)[0]
-        part = np.arange(1, number + 1) / number
-        fine.append((times[rows, None] + part * steps[rows, None]).ravel())
-        for out, place, speed in ((x, 0, 2), (y, 1, 3)):
-            out.append(
-                _cubic(
-                    part, steps[rows, None], states[rows, place], states[rows + 1, place],
-                    states[rows, speed], states[rows + 1, speed],
-                ).ravel()
-            )  # fmt: skip
-    time = np.concatenate(fine)
-    order = np.argsort(time, kind="stable")
-    time = time[order]
-    return Path(time, np.concatenate(x)[order], np.concatenate(y)[order], _in_contact(run, time))
+    step = np.repeat(np.arange(steps.size), points)
+    part = (np.arange(step.size) - np.repeat(np.cumsum(points) - points, points) + 1) / points[step]
+    time = np.append(times[:1], times[step] + part * steps[step])
+    places = _cubic(part[:, None], steps[step, None], states[step], states[step + 1])
+    x, y = np.concatenate([states[:1, :2], places]).T
+    return Path(time, x, y, _in_contact(run, time))
 
 
-def _cubic(part: Values, step: Values, a: Values, b: Values, va: Values, vb: Values) -> Values:
-    """Return the Hermite cubic between places `a` and `b` with velocities `va` and `vb`."""
+def _cubic(part: Values, step: Values, before: Values, after: Values) -> Values:
+    """Return the places on the Hermite cubic between two states, part of a step after the first."""
     rise = part * part * (3.0 - 2.0 * part)
     bend_a, bend_b = part * (1.0 - part) ** 2, part * part * (part - 1.0)
-    ends = a[:, None] * (1.0 - rise) + b[:, None] * rise
-    return np.asarray(ends + step * (va[:, None] * bend_a + vb[:, None] * bend_b))
+    ends = before[:, :2] * (1.0 - rise) + after[:, :2] * rise
+    return np.asarray(ends + step * (before[:, 2:] * bend_a + after[:, 2:] * bend_b))
 
 
 def _in_contact(run: xr.Dataset, time: Values) -> npt.NDArray[np.bool_]:
     """Return whether the stretch that begins at each time is in contact."""
     passed = np.searchsorted(run["event_time"].values, time, side="right")
     entry = flags_of(run["event_kind"])["entry"]
-    after = np.concatenate(
-        [[bool(run["starts_in_contact"].values)], run["event_kind"].values == entry]
-    )
+    after = np.append(bool(run["starts_in_contact"].values), run["event_kind"].values == entry)
     return np.asarray(after[passed], dtype=bool)
 
 
@@ -582,6 +474,17 @@ def _peaks(dataset: xr.Dataset) -> tuple[Values, Values]:
     times, first, last = dataset["peak_time"].values, *dataset["t"].values[[0, -1]]
     seen = (times > first) & (times < last)
     return times[seen], dataset["peak_force"].values[seen]
+
+
+def _plot_orbit(run: xr.Dataset, path: Path, names: tuple[str, str], ax: Axes | None) -> Axes:
+    with style():
+        ax = axes_or_new(ax, width=4.0, height=4.9)
+        label_axis(ax.xaxis, names[0], run["x"])
+        label_axis(ax.yaxis, names[1], run["y"])
+        _draw_orbit(ax, run, path)
+        legend_below(ax)
+        ax.set_title(title_of("run", run))
+    return ax
 
 
 def _draw_orbit(ax: Axes, run: xr.Dataset, path: Path) -> None:

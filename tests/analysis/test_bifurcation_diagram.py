@@ -150,10 +150,10 @@ def test_workers_leave_no_trace():
 
 
 def test_a_point_whose_motion_cannot_be_followed_on_has_failed(monkeypatch):
-    def stuck(rotor, start, duration, rtol):
+    def stuck(rotor, start, duration, rtol, stop):
         if rotor.omega == 2.0:
             raise SimulationError("stuck", time=0.5, state=start)
-        return radius_extrema(rotor, start, duration, rtol)
+        return radius_extrema(rotor, start, duration, rtol, stop)
 
     monkeypatch.setattr(bifurcation_module, "radius_extrema", stuck)
     found = bifurcation_diagram(omega=[2.0, 3.0], zeta=0.5, delta0=0.0, starts=[REST])

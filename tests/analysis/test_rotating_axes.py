@@ -47,5 +47,5 @@ def test_what_is_no_dimensionless_run_is_refused():
         rotating(dimensional(run, machine))
     with pytest.raises(InputError, match="it lacks x"):
         rotating(run.drop_vars("x"))
-    with pytest.raises(InputError, match="got int"):
+    with pytest.raises(InputError, match="run must be a Dataset, got 3"):
         rotating(3)

@@ -12,7 +12,7 @@ from rotor_ida.basins.following import FollowedStarts
 from rotor_ida.basins.kernel import UNDECIDED
 from rotor_ida.basins.known_attractors import known_attractors
 from rotor_ida.simulation.options import Options
-from rotor_ida.storage.studies.results import InMemory
+from rotor_ida.storage.studies.results import Results
 
 BOUNCER = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 
@@ -34,7 +34,7 @@ def results_of(rotor, earlier, later):
     )
     labels = np.full(count, UNDECIDED, dtype=np.int16)
     times = np.zeros(count, np.float32)
-    kept = InMemory()
+    kept = Results()
     kept.keep(0, BatchResult(0, labels.copy(), times, orbits), count)
     return FollowedStarts(known_attractors(rotor), labels, times, kept, count)
 

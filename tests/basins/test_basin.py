@@ -163,7 +163,7 @@ def test_an_interrupt_of_the_confirmation_keeps_the_labels(monkeypatch, figure_7
     def interrupt(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(attractors, "settle", interrupt)
+    monkeypatch.setattr(attractors, "follow_to_steady_state", interrupt)
     found = basin(FIGURE_7, x=AXIS, y=AXIS)
     assert found.attrs["interrupted"] == 1
     assert found.label.equals(figure_7.label)

@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 
+import rotor_ida
 from rotor_ida.cli import main
 from rotor_ida.errors import ArchiveError, SimulationError
 
@@ -31,9 +32,7 @@ def python(code: str, *arguments: str) -> subprocess.CompletedProcess[str]:
 def test_what_the_solver_writes_to_descriptor_1_is_not_in_the_result(
     program: Program, monkeypatch: pytest.MonkeyPatch
 ):
-    from rotor_ida import simulation
-
-    quiet = simulation.simulate
+    quiet = rotor_ida.simulate
 
     def noisy(*args: object, **options: object) -> object:
         os.write(1, b"[WARNING][rank 0] from C\n")
@@ -56,13 +55,13 @@ def test_descriptor_1_is_given_back(program: Program, capfd: pytest.CaptureFixtu
 def test_what_c_has_buffered_does_not_follow_the_result():
     code = """
 import ctypes, sys
-from rotor_ida import simulation
+import rotor_ida
 from rotor_ida.cli import main
-quiet = simulation.simulate
+quiet = rotor_ida.simulate
 def noisy(*args, **options):
     ctypes.CDLL(None).printf(b"late words from C\\n")
     return quiet(*args, **options)
-simulation.simulate = noisy
+rotor_ida.simulate = noisy
 sys.exit(main())
 """
     ended = python(code, *RUN, "--json")

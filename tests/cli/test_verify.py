@@ -43,5 +43,7 @@ def test_what_nothing_can_compute_again_is_refused(program: Program):
     rotor_ida.save(rotor_ida.folds(zeta=0.07, delta0=0.0), "folds.nc")
     answer = program("verify", "folds.nc")
     assert answer.status == 2
-    assert answer.err.startswith("rotor-ida: only what simulate, sweep, basin and shares have")
+    assert answer.err.startswith(
+        "rotor-ida: only what simulate, sweep, basin and basin_fractions have"
+    )
     assert program("verify", "missing.nc").status == 2

@@ -1,11 +1,12 @@
 import numpy as np
 import pytest
 
-from rotor_ida import InputError
-from rotor_ida.closed_forms import cusp, free_periods, jumps, response_curve
+from rotor_ida import InputError, folds
+from rotor_ida.closed_forms import cusp, free_periods, jumps, peaks, response_curve
 from rotor_ida.plot import (
     plot_amplitude,
     plot_backbone,
+    plot_by_clearance,
     plot_by_damping,
     plot_cusp,
     plot_jumps,
@@ -52,3 +53,16 @@ def test_other_datasets_are_refused():
         plot_jumps(limit, ax=plot_cusp(limit))
     with pytest.raises(InputError, match="curve must hold one delta0, got 2"):
         plot_backbone(free_periods(amplitude=[4.0], delta0=[0.0, 1.0]))
+    with pytest.raises(InputError, match="table must hold"):
+        plot_by_clearance(limit, {"peak": "peak"}, label="")
+
+
+def test_quantities_with_a_further_dimension_are_points():
+    delta0 = [0.0, 0.5, 1.0]
+    table = peaks(zeta=0.07, delta0=delta0).merge(folds(zeta=0.07, delta0=delta0))
+    ax = plot_by_clearance(table, {"peak_omega": "peak", "fold_omega": "folds"}, label="speed")
+    peak, points = ax.lines
+    np.testing.assert_array_equal(peak.get_ydata(), table.peak_omega.values.ravel())
+    assert points.get_linestyle() == "None"
+    assert np.isfinite(points.get_ydata()).sum() == 2 + 4 + 2
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["peak", "folds"]

@@ -5,8 +5,14 @@ import pytest
 from matplotlib.figure import Figure
 
 from rotor_ida import InputError, synchronous_response
-from rotor_ida.closed_forms import response_curve
-from rotor_ida.plot import panels, plot_amplitude, plot_phase, shared_legend
+from rotor_ida.closed_forms import clearance_curve, response_curve
+from rotor_ida.plot import (
+    panels,
+    plot_amplitude,
+    plot_over_clearance,
+    plot_phase,
+    shared_legend,
+)
 from rotor_ida.plot.labels import LABELS
 
 
@@ -170,3 +176,37 @@ def test_folds_outside_the_range_of_speeds_are_not_marked(fold_points):
         if line.get_label() == "fold"
     )  # fmt: skip
     np.testing.assert_allclose(marks.get_xdata(), [1.3407], atol=1e-3)
+
+
+@pytest.fixture(scope="module")
+def whirls_over_clearance():
+    return clearance_curve(omega=1.2, zeta=0.07, limits=(0.0, 3.0))
+
+
+def test_over_clearance_every_whirl_is_on_a_line_of_its_stability(whirls_over_clearance):
+    ax = plot_over_clearance(whirls_over_clearance)
+    lines = {}
+    for line in ax.lines:
+        lines.setdefault(line.get_label(), []).append(line.get_ydata())
+    assert set(lines) == {"stable whirl", "unstable whirl", "contact-free whirl"}
+    unstable = whirls_over_clearance.amplitude.where(whirls_over_clearance.stability == 1).values
+    assert np.isin(unstable[np.isfinite(unstable)], np.concatenate(lines["unstable whirl"])).all()
+
+
+def test_over_clearance_responses_off_the_whirls_are_bars(whirls_over_clearance, simulated):
+    here = simulated.isel(omega=slice(0, 3), direction=[0])
+    moved = here.assign_coords(omega=[1.2, 1.2, 1.2])
+    ax = plot_over_clearance(whirls_over_clearance, simulated=moved)
+    (bars,) = ax.collections
+    np.testing.assert_allclose(bars.get_segments()[0][:, 1], [0.2, 2.2])
+    marks = [line for line in ax.lines if line.get_marker() == "o"]
+    assert {line.get_label() for line in marks} == {"synchronous response", "contact-free response"}
+    assert bars.get_label() == "bouncing: range of $|z|$"
+
+
+def test_over_clearance_one_speed_is_drawn(whirls_over_clearance):
+    with pytest.raises(InputError, match="exact must hold one omega, got"):
+        plot_over_clearance(response_curve(zeta=0.07, delta0=0.5, limits=(0.05, 3.0)))
+    several = clearance_curve(omega=[1.2, 1.3], zeta=0.07, limits=(0.0, 1.0))
+    with pytest.raises(InputError, match="exact must hold one omega, got 2"):
+        plot_over_clearance(several)

@@ -88,14 +88,14 @@ def test_a_point_that_fails_is_labelled_and_stops_nothing(monkeypatch):
 
 @pytest.mark.parametrize("error", [ValueError("a slip"), MemoryError()])
 def test_even_an_error_of_ours_stops_no_other_point(monkeypatch, error):
-    true_settle = ramps_module.settle
+    true_follow = ramps_module.follow_to_steady_state
 
     def slips_at_two(rotor, *rest, **options):
         if rotor.omega == 2.0:
             raise error
-        return true_settle(rotor, *rest, **options)
+        return true_follow(rotor, *rest, **options)
 
-    monkeypatch.setattr(ramps_module, "settle", slips_at_two)
+    monkeypatch.setattr(ramps_module, "follow_to_steady_state", slips_at_two)
     found = sweep(omega=[1.0, 2.0, 3.0], zeta=0.5, delta0=0.5, direction="up").squeeze()
     assert found.status.values.tolist() == [0, 1, 0]
     assert found.message.values[1] in {"ValueError: a slip", "MemoryError"}

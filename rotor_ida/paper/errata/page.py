@@ -24,21 +24,12 @@ anew; a test holds it to them.
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One place where the paper is wrong.
-
-    Parameters
-    ----------
-    place, printed, right : str
-        Where, what is printed, and what is right.
-    shows : str
-        How it shows, with the places of the numbers in braces.
-    numbers : callable
-        What computes the numbers.
-    """
+    """One place where the paper is wrong."""
 
     place: str
     printed: str
     right: str
+    # how it shows, with the places of the numbers in braces
     shows: str
     numbers: Callable[[], dict[str, float]]
 

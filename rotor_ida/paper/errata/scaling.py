@@ -101,10 +101,6 @@ def deviations(checked: xr.Dataset) -> dict[str, float]:
     -------
     dict of str to float
         One distance [1] for each reference frequency.
-
-    Examples
-    --------
-    See `check_scaling`.
     """
     distance = np.hypot(
         checked["scaled_X"].values - checked["X"].values,

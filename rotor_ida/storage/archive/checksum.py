@@ -100,12 +100,7 @@ def append_seal(path: Path) -> None:
 def seal_of(path: Path, *, check: bool = True) -> Literal["good", "broken", "none"]:
     """Say whether the bytes of a file are those that were sealed.
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-    check : bool
-        Whether to read it all; if not, a seal that is there is taken to be good.
+    If they are not to be checked, a seal that is there is taken to be good.
 
     Examples
     --------

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import importlib.metadata
 import re
-import reprlib
 from collections.abc import Mapping
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
 from rotor_ida.schema import CONVENTIONS
 
@@ -198,7 +198,7 @@ def _stored_attribute(owner: str, name: str, value: object) -> object:
             return array.reshape(-1).astype(native)[0] if array.size == 1 else array.astype(native)
     raise InputError(
         f"attribute {name!r} of {owner} must be a string, a number or a one-dimensional numeric "
-        f"array, got {' '.join(reprlib.repr(value).split())}"
+        f"array, got {shown(value)}"
     )
 
 

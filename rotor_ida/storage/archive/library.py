@@ -13,8 +13,6 @@ from __future__ import annotations
 import ctypes
 import importlib
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 from xarray.backends.netCDF4_ import NETCDF4_PYTHON_LOCK
@@ -74,7 +72,8 @@ def what_is_no_variable(path: Path) -> str:
         return 0
 
     visitor = _Visitor(note)
-    with _opened(hdf5, path) as file:
+    file = hdf5.H5Fopen(os.fsencode(path), 0, 0)
+    try:
         if file < 0 or hdf5.H5Literate2(file, _BY_NAME, _NATIVE_ORDER, None, visitor, None) < 0:
             raise OSError("HDF5 cannot list its contents")
         for name, kind in kinds.items():
@@ -83,6 +82,9 @@ def what_is_no_variable(path: Path) -> str:
                 return f"{shown}, which is a link"
             if reason := _outside_storage(hdf5, file, name):
                 return f"{shown}, {reason}"
+    finally:
+        if file >= 0:
+            hdf5.H5Fclose(file)
     return ""
 
 
@@ -103,16 +105,6 @@ def _outside_storage(hdf5: ctypes.CDLL, file: int, name: bytes) -> str:
         hdf5.H5Pclose(creation)
         hdf5.H5Dclose(dataset)
     return ""
-
-
-@contextmanager
-def _opened(hdf5: ctypes.CDLL, path: Path) -> Iterator[int]:
-    file = hdf5.H5Fopen(os.fsencode(path), 0, 0)
-    try:
-        yield file
-    finally:
-        if file >= 0:
-            hdf5.H5Fclose(file)
 
 
 def _hdf5() -> ctypes.CDLL | None:

@@ -155,18 +155,15 @@ def _reported(source: Path) -> Iterator[None]:
 
 
 def _load(source: Path) -> xr.Dataset:
-    _refuse_without_seal(source, check=True)
+    _refuse_unsound(source, check=True)
     with LOCK:
-        _refuse_links(source)
         dataset = _read(source, lambda _, stored: _values(stored, source), in_memory=True)
     _check_content(dataset, source)
     return dataset
 
 
 def _open(source: Path, *, check: bool) -> xr.Dataset:
-    _refuse_without_seal(source, check=check)
-    with LOCK:
-        _refuse_links(source)
+    _refuse_unsound(source, check=check)
     stored = xr.open_dataset(source, engine="netcdf4", decode_cf=False, cache=False)
     try:
         with LOCK:
@@ -180,7 +177,7 @@ def _open(source: Path, *, check: bool) -> xr.Dataset:
     return dataset
 
 
-def _refuse_without_seal(source: Path, *, check: bool) -> None:
+def _refuse_unsound(source: Path, *, check: bool) -> None:
     """Keep from the HDF5 library what could make it crash or never end."""
     with source.open("rb") as file:
         if file.read(len(_HDF5_SIGNATURE)) != _HDF5_SIGNATURE:
@@ -192,10 +189,9 @@ def _refuse_without_seal(source: Path, *, check: bool) -> None:
             f"{source} is damaged, was altered or is not an archive of rotor_ida: {what}; "
             "xarray.open_dataset and ncdump may still open it"
         )
-
-
-def _refuse_links(source: Path) -> None:
-    if other := what_is_no_variable(source):
+    with LOCK:
+        other = what_is_no_variable(source)
+    if other:
         raise ArchiveError(f"{source} is not a sound archive: it holds {other}")
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import importlib
 import importlib.metadata
 import os
 import shutil
@@ -121,19 +120,6 @@ def save(dataset: xr.Dataset, path: str | os.PathLike[str], *, overwrite: bool =
     return shown
 
 
-def history_with(history: str, event: str, moment: str) -> str:
-    """Return the CF attribute ``history`` with one line added for what happened at `moment`.
-
-    Examples
-    --------
-    >>> print(history_with("2026-11-20T09:00:00Z cut", "saved", "2026-11-21T15:00:00Z"))
-    2026-11-20T09:00:00Z cut
-    2026-11-21T15:00:00Z rotor_ida ...: saved
-    """
-    line = f"{moment} rotor_ida {importlib.metadata.version('rotor-ida')}: {event}"
-    return f"{history.rstrip()}\n{line}" if history.strip() else line
-
-
 def now() -> str:
     """Return the time, in UTC, as ISO 8601."""
     return datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
@@ -225,22 +211,21 @@ def _create(file: netCDF4.Dataset, name: str, variable: xr.Variable) -> netCDF4.
 
 def _of_the_file(checksum: str, earlier: Mapping[str, Any]) -> dict[str, object]:
     """Return the attributes that tell of the file; a content saved again keeps its date."""
+    import netCDF4  # noqa: PLC0415 - not needed to import the package
+
     moment = now()
+    line = (
+        f"{moment} rotor_ida {importlib.metadata.version('rotor-ida')}: saved by {command()} with "
+        f"netCDF4 {netCDF4.__version__}, netCDF-C {netCDF4.__netcdf4libversion__}, "
+        f"HDF5 {netCDF4.__hdf5libversion__}"
+    )
+    history = earlier.get(HISTORY, "").rstrip()
     again = earlier.get(CHECKSUM) == checksum
-    event = f"saved by {command()} with {_libraries()}"
     return {
         CREATED: earlier.get(CREATED, moment) if again else moment,
-        HISTORY: history_with(earlier.get(HISTORY, ""), event, moment),
+        HISTORY: f"{history}\n{line}" if history else line,
         CHECKSUM: checksum,
     }
-
-
-def _libraries() -> str:
-    netcdf = importlib.import_module("netCDF4")
-    return (
-        f"netCDF4 {netcdf.__version__}, netCDF-C {netcdf.__netcdf4libversion__}, "
-        f"HDF5 {netcdf.__hdf5libversion__}"
-    )
 
 
 def _reason(error: Exception, folder: Path) -> str:

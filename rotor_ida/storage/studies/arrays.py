@@ -62,16 +62,8 @@ def scratch(
 ) -> npt.NDArray[np.generic]:
     """Return an array of unset values, on the disk of `folder` if it is large.
 
-    Its file has no name and goes away with the array, even if the process is killed.
-
-    Parameters
-    ----------
-    shape : tuple of int
-        Shape of the array.
-    dtype : dtype
-        Its dtype.
-    folder : Path or None
-        Folder that exists; None for an array in memory, whatever its size.
+    Its file has no name and goes away with the array, even if the process is killed. Without a
+    folder the array is in memory, whatever its size.
 
     Raises
     ------

@@ -5,13 +5,13 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import reprlib
 import sqlite3
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from rotor_ida.checks import shown
 from rotor_ida.errors import ArchiveError, InputError
 from rotor_ida.files import check_path
 
@@ -37,24 +37,22 @@ _OF_THE_SYSTEM = frozenset(
     ]
 )
 
-_SHOWN = reprlib.Repr()
-_SHOWN.maxlist = 4
-_SHOWN.maxstring = 80
-
-_ABSENT = "nothing"
-
 
 @contextmanager
 def connected(place: Path) -> Iterator[sqlite3.Connection]:
-    """Open the file in a folder."""
-    with in_words(place):
+    """Open the file in a folder, and say what SQLite says as an error of the study."""
+    try:
         connection = sqlite3.connect(place / FILE, timeout=_PATIENCE, isolation_level=None)
-        try:
+        with closing(connection):
             connection.execute("PRAGMA trusted_schema = OFF")
             connection.execute("PRAGMA synchronous = FULL")
             yield connection
-        finally:
-            connection.close()
+    except sqlite3.DatabaseError as error:
+        # what SQLite adds to a code stands above its last eight bits
+        code = getattr(error, "sqlite_errorcode", sqlite3.SQLITE_CORRUPT) & 0xFF
+        intact = code in _OF_THE_SYSTEM
+        hint = "what was kept before is intact" if intact else "it may be damaged"
+        raise ArchiveError(f"cannot use {str(place / FILE)!r}: {error}; {hint}") from error
 
 
 @contextmanager
@@ -70,26 +68,18 @@ def transaction(connection: sqlite3.Connection) -> Iterator[None]:
         raise
 
 
-@contextmanager
-def in_words(place: Path) -> Iterator[None]:
-    """Say what SQLite says as an error of the study."""
-    try:
-        yield
-    except sqlite3.DatabaseError as error:
-        # what SQLite adds to a code stands above its last eight bits
-        code = getattr(error, "sqlite_errorcode", sqlite3.SQLITE_CORRUPT) & 0xFF
-        intact = code in _OF_THE_SYSTEM
-        hint = "what was kept before is intact" if intact else "it may be damaged"
-        raise ArchiveError(f"cannot use {str(place / FILE)!r}: {error}; {hint}") from error
-
-
 def begin(
     connection: sqlite3.Connection, place: Path, design: Mapping[str, Any], points: int
 ) -> None:
     """Write the design of a new study; hold that of one that was begun against it."""
     text = _as_text(design)
     if not _is_begun(connection, place):
-        _refuse_foreign(connection, place)
+        # a study has all its tables, or none yet
+        if connection.execute("SELECT 1 FROM sqlite_master").fetchone() is not None:
+            raise InputError(
+                f"study must be a new, an empty or a study's folder, got {str(place)!r}, whose "
+                f"{FILE} is of something else"
+            )
         with transaction(connection):
             for line in _TABLES:
                 connection.execute(line)
@@ -101,13 +91,7 @@ def begin(
 
 
 def begun_with(connection: sqlite3.Connection, place: Path) -> tuple[Design, int]:
-    """Return the design with which a study was begun, and its number of points.
-
-    Raises
-    ------
-    ArchiveError
-        If they are not what was written.
-    """
+    """Return the design with which a study was begun, and its number of points."""
     rows = connection.execute("SELECT text, points, digest FROM design").fetchall()
     try:
         ((text, points, digest),) = rows
@@ -122,11 +106,6 @@ def begun_with(connection: sqlite3.Connection, place: Path) -> tuple[Design, int
 def refuse_another(folder: str, begun: Mapping[str, Any], wanted: Mapping[str, Any]) -> None:
     """Refuse a design that differs from that with which the study in `folder` was begun.
 
-    Raises
-    ------
-    InputError
-        With the first difference named.
-
     Examples
     --------
     >>> refuse_another("study", {"rtol": 1e-10}, {"rtol": 1e-09})
@@ -136,7 +115,7 @@ def refuse_another(folder: str, begun: Mapping[str, Any], wanted: Mapping[str, A
     it was begun with, or begin another in a folder of its own
     """
     for name in sorted({*begun, *wanted}):
-        before, now = begun.get(name, _ABSENT), wanted.get(name, _ABSENT)
+        before, now = begun.get(name, "nothing"), wanted.get(name, "nothing")
         # as text, since 0.0 and -0.0 are equal but give other bits
         if _as_text({name: before}) != _as_text({name: now}):
             raise InputError(
@@ -149,14 +128,13 @@ def refuse_another(folder: str, begun: Mapping[str, Any], wanted: Mapping[str, A
 def reading(folder: str | os.PathLike[str]) -> Iterator[sqlite3.Connection]:
     """Open the store of the study in a folder to look at it, even while it is worked on."""
     place = check_path("study", folder, kind="folder")
+    refusal = f"folder must be that of a study, got {str(place)!r}"
     try:
         found = (place / FILE).is_file()
     except OSError as error:
-        raise InputError(
-            f"folder must be that of a study, got {str(place)!r}: {error.strerror}"
-        ) from error
+        raise InputError(f"{refusal}: {error.strerror}") from error
     if not found:
-        raise InputError(f"folder must be that of a study, got {str(place)!r}")
+        raise InputError(refusal)
     with connected(place) as connection:
         if not _is_begun(connection, place):
             raise InputError(f"folder must be that of a study that was begun, got {str(place)!r}")
@@ -196,15 +174,6 @@ def _is_begun(connection: sqlite3.Connection, place: Path) -> bool:
     return bool(version == FORMAT)
 
 
-def _refuse_foreign(connection: sqlite3.Connection, place: Path) -> None:
-    """Refuse a database that holds anything: a study has all its tables, or none yet."""
-    if connection.execute("SELECT 1 FROM sqlite_master").fetchone() is not None:
-        raise InputError(
-            f"study must be a new, an empty or a study's folder, got {str(place)!r}, whose {FILE} "
-            "is of something else"
-        )
-
-
 def _digest(text: str, points: int) -> bytes:
     return hashlib.sha256(f"{points}\n{text}".encode()).digest()
 
@@ -215,5 +184,5 @@ def _as_text(design: Mapping[str, Any]) -> str:
 
 
 def _shown(value: object) -> str:
-    counted = f" ({len(value)} values)" if isinstance(value, list) and len(value) > 4 else ""
-    return f"{_SHOWN.repr(value)}{counted}"
+    counted = f" ({len(value)} values)" if isinstance(value, list) and len(value) > 6 else ""
+    return f"{shown(value)}{counted}"

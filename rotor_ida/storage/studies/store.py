@@ -13,7 +13,7 @@ import sqlite3
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -41,27 +41,13 @@ _MOST_REASONS = 10
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """What one job has returned.
+    """What one job has returned."""
 
-    Parameters
-    ----------
-    number : int
-        Which job.
-    points : int
-        How many points of the study it holds.
-    failed : int
-        How many of these failed.
-    reason : str
-        Why the first of them did; empty if none.
-    content : bytes
-        What `rotor_ida.storage.studies.arrays.packed` made of the result.
-    """
-
-    number: int
-    points: int
-    failed: int
-    reason: str
-    content: bytes
+    number: int  # of the job
+    points: int  # how many points of the study it holds
+    failed: int  # how many of these failed
+    reason: str  # why the first of them did; empty if none
+    content: bytes  # what `rotor_ida.storage.studies.arrays.packed` made of the result
 
 
 class Study:
@@ -76,8 +62,6 @@ class Study:
 
     Attributes
     ----------
-    folder : Path
-        Its folder.
     done : set of int
         Numbers of the pieces that it holds.
     points_done : int
@@ -116,11 +100,9 @@ class Study:
         seen = self._began + time.monotonic() - self._clock
         with transaction(self._connection):
             self._connection.execute(
-                "INSERT INTO pieces VALUES (?, ?, ?, ?, ?, ?)",
-                (
-                    *(piece.number, piece.points, piece.failed, piece.reason),
-                    *(_digest(piece), piece.content),
-                ),
+                "INSERT INTO pieces (number, points, failed, reason, content, digest) "
+                "VALUES (?, ?, ?, ?, ?, ?)",
+                (*astuple(piece), _digest(piece)),
             )
             self._connection.execute(
                 "INSERT OR REPLACE INTO sessions (rowid, began, seen, points) VALUES (?, ?, ?, ?)",
