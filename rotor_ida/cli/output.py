@@ -61,18 +61,7 @@ def answer(
     """Return the report on a dataset, written where it is wanted.
 
     A file that cannot be written is the report's trouble, so that what was computed is printed
-    even then.
-
-    Parameters
-    ----------
-    dataset : Dataset
-        What was computed.
-    output : Output
-        Where it goes.
-    most : int, optional
-        How many rows a table has; all by default.
-    result : Path, optional
-        The file of a study's result, which it may replace.
+    even then. Tables have `most` rows; `result` is the file of a study, which may be replaced.
     """
     from rotor_ida.cli.describe import describe  # noqa: PLC0415 - heavy, and not for --help
 

@@ -25,18 +25,8 @@ Record = Mapping[str, object]
 class Report:
     """The answer of a command.
 
-    Parameters
-    ----------
-    record : mapping
-        The answer for programs: what JSON can hold, and NaN.
-    parts : sequence of renderable
-        The answer for people: lines and tables.
-    as_json : bool
-        Which of the two is wanted.
-    trouble : str
-        One line for standard error if the run or the check failed.
-    status : int
-        The exit status if there is trouble.
+    The record is for programs (what JSON can hold, and NaN), the parts are for people. Trouble, if
+    the run or the check failed, is one line for standard error, with its exit status.
     """
 
     record: Record

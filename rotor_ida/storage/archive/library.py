@@ -49,18 +49,8 @@ def what_is_no_variable(path: Path) -> str:
     """Say which part of the HDF5 file at `path` is not a variable with its data in that file.
 
     netCDF follows links while it opens a file, so this is asked of HDF5 before. Call it under
-    `LOCK`.
-
-    Returns
-    -------
-    str
-        Empty if every part is such a variable, or where netCDF4-python does not let its HDF5
-        library be called (Windows).
-
-    Raises
-    ------
-    OSError
-        If HDF5 cannot make sense of the file.
+    `LOCK`. The answer is empty if every part is such a variable, or where netCDF4-python does not
+    let its HDF5 library be called (Windows). If HDF5 cannot make sense of the file, OSError rises.
     """
     hdf5 = _hdf5()
     if hdf5 is None:

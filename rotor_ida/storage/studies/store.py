@@ -51,22 +51,7 @@ class Piece:
 
 
 class Study:
-    """A study that is being worked on; from `opened` only.
-
-    Parameters
-    ----------
-    folder : Path
-        Its folder.
-    connection : sqlite3.Connection
-        Its store.
-
-    Attributes
-    ----------
-    done : set of int
-        Numbers of the pieces that it holds.
-    points_done : int
-        Number of points that these hold.
-    """
+    """A study that is being worked on, from `opened` only: which pieces and points it holds."""
 
     def __init__(self, folder: Path, connection: sqlite3.Connection) -> None:
         self.folder = folder
