@@ -14,6 +14,9 @@ from rotor_ida.cli.output import Output, answer, answer_whole, read, working
 from rotor_ida.cli.report import FIRST_ROWS, Report, pairs
 from rotor_ida.errors import InputError
 
+# A time left beyond this many seconds says no more than this one.
+LONGEST_LEFT = 1e12
+
 
 def show(
     file: options.File,
@@ -100,7 +103,9 @@ def status(folder: options.Folder, /, *, as_json: options.AsJson = False) -> Rep
     rows = {name: entry for name, entry in found.items() if name != "seconds_left"}
     left = found["seconds_left"]
     assert isinstance(left, float)
-    rows["time_left"] = "" if math.isnan(left) else timedelta(seconds=round(left))
+    rows["time_left"] = (
+        "" if math.isnan(left) else timedelta(seconds=round(min(left, LONGEST_LEFT)))
+    )
     rows |= {f"reason_{number}": reason for number, reason in enumerate(reasons, start=1)}
     return Report(
         record={"folder": str(folder), **found, "reasons": reasons},
