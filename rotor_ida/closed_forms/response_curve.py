@@ -26,7 +26,7 @@ from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_count, check_posi
 from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.closed_forms.contacting_whirls import contacting_whirls
 from rotor_ida.closed_forms.folds import folds
-from rotor_ida.closed_forms.peaks import flank_speeds, tip_speed, tips
+from rotor_ida.closed_forms.peaks import SMALLEST_DAMPING, flank_speeds, tip_speed, tips
 from rotor_ida.closed_forms.synchronous import SMALLEST_SPEED
 from rotor_ida.equations.contact import secant_stiffness
 from rotor_ida.errors import InputError
@@ -132,8 +132,8 @@ def clearance_curve(
     Raises
     ------
     InputError
-        If `limits` are not two clearances, the smaller one first, or a value is none that
-        `synchronous_response` takes.
+        If `limits` are not two clearances, the smaller one first, a damping ratio is above zero
+        and below 1e-20, or a value is none that `synchronous_response` takes.
 
     Notes
     -----
@@ -166,7 +166,7 @@ def clearance_curve(
     speeds = check_axis("omega", omega, smallest=SMALLEST_SPEED, largest=LARGEST_NUMBER)
     for speed in speeds:
         check_positive("omega", float(speed))
-    dampings = check_axis("zeta", zeta, largest=LARGEST_NUMBER)
+    dampings = check_axis("zeta", zeta, smallest=SMALLEST_DAMPING, largest=LARGEST_NUMBER)
     span, count = _checked_limits(limits), check_count("points", points, 2, MOST_POINTS)
     curves = [
         _over_clearance(float(speed), float(damping), span, count)
