@@ -40,9 +40,10 @@ def interruptible(work: Callable[[Stop], Result]) -> Result:
             future.set_exception(error)
 
     thread = threading.Thread(target=fulfil)
-    thread.start()
     try:
+        thread.start()
         return future.result()
     finally:
         stop[0] = 1
-        thread.join()
+        if thread.is_alive():  # an exception may come while it starts
+            thread.join()

@@ -39,11 +39,13 @@ calls = {
 for name, (call, short, long) in calls.items():
     call(short)
     for number, expected in ((signal.SIGINT, KeyboardInterrupt), (signal.SIGALRM, Late)):
-        threading.Timer(0.5, signal.pthread_kill, (main, number)).start()
+        timer = threading.Timer(0.5, signal.pthread_kill, (main, number))
+        timer.start()
         try:
             call(long)
             print(name, "was not stopped")
         except expected:
+            timer.join()
             print(name, threading.active_count(), flush=True)
 """
 
