@@ -2,6 +2,8 @@
 
 import subprocess
 import sys
+import threading
+import time
 
 import pytest
 
@@ -69,3 +71,22 @@ def test_what_the_work_returns_or_raises_is_passed_on():
 
     with pytest.raises(ValueError, match="three"):
         interruptible(fail)
+
+
+def test_an_exception_while_the_thread_starts_stops_the_work(monkeypatch):
+    start, stopped = threading.Thread.start, []
+
+    def interrupted(thread):
+        start(thread)
+        raise KeyboardInterrupt
+
+    def work(stop):
+        last = time.monotonic() + 20.0
+        while not stop[0] and time.monotonic() < last:
+            time.sleep(0.001)
+        stopped.append(bool(stop[0]))
+
+    monkeypatch.setattr(threading.Thread, "start", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        interruptible(work)
+    assert stopped == [True]
