@@ -45,5 +45,6 @@ def interruptible(work: Callable[[Stop], Result]) -> Result:
         return future.result()
     finally:
         stop[0] = 1
-        if thread.is_alive():  # an exception may come while it starts
+        # an exception may come before it counts as alive: then it finds the flag set, and ends
+        if thread.is_alive():
             thread.join()
