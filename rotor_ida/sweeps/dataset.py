@@ -6,7 +6,7 @@ The points come in pieces, as rows, in memory or as bytes from a study.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -128,30 +128,6 @@ def _event_columns(pieces: Pieces, counts: Array, folder: Path | None) -> dict[s
                 column[end - count : end] = rows.columns[name][first : first + count]
             first += count
     return columns
-
-
-def events_of(dataset: xr.Dataset, index: Mapping[str, int]) -> xr.Dataset:
-    """Return the events of one point of a sweep.
-
-    Parameters
-    ----------
-    dataset : Dataset
-        A sweep.
-    index : mapping of str to int
-        Position of the point along each dimension of ``event_count``; 0 where left out.
-
-    Returns
-    -------
-    Dataset
-        The variables on ``event`` of that point alone.
-    """
-    counts = dataset["event_count"]
-    place = tuple(int(index.get(str(dim), 0)) for dim in counts.dims)
-    flat = int(np.ravel_multi_index(place, counts.shape))
-    ends = np.cumsum(counts.values.ravel())
-    first = int(ends[flat - 1]) if flat else 0
-    names = [name for name, variable in dataset.data_vars.items() if variable.dims == ("event",)]
-    return dataset[names].isel(event=slice(first, int(ends[flat])))
 
 
 def rows_of(points: Sequence[SettledResponse]) -> Rows:

@@ -8,7 +8,6 @@ from rotor_ida.parallel import FailedJob
 from rotor_ida.schema import RESPONSE, flags_of
 from rotor_ida.sweeps import ramps as ramps_module
 from rotor_ida.sweeps import sweep as sweep_module
-from rotor_ida.sweeps.dataset import events_of
 
 
 def test_from_rest_without_clearance_every_point_is_on_the_exact_curve():
@@ -41,11 +40,11 @@ def test_dimensions_labels_and_events():
     assert responses.start_vy.values.tolist() == [0.0, 1.0]
     assert set(flags_of(responses.response)) == set(RESPONSE)
     assert int(responses.event_count.sum()) == responses.sizes["event"]
-    place = {"omega": 1, "zeta": 1, "delta0": 2, "start": 1}
+    ends = responses.event_count.values.cumsum()
+    place = np.ravel_multi_index((1, 1, 2, 1, 0), responses.event_count.shape)
+    times = responses.event_time[ends[place - 1] : ends[place]]
     alone = sweep(omega=2.0, zeta=0.5, delta0=1.0, starts=[starts[1]])
-    assert (
-        events_of(responses, place).event_time.values.tolist() == alone.event_time.values.tolist()
-    )
+    assert times.values.tolist() == alone.event_time.values.tolist()
     assert alone.event_kind.values[0] == -1
     for name, variable in responses.variables.items():
         assert variable.attrs["long_name"], name
