@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from ways import ATOL
 
-from rotor_ida.simulation import sundials
+from rotor_ida.simulation.cvode import libraries as sundials
 from rotor_ida.simulation.options import STEP_SAFETY
 
 SOURCE = Path(__file__).resolve().parent / "c" / "rotor.c"

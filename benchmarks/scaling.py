@@ -193,10 +193,13 @@ TABLES = {
 def main():
     """Print the tables asked for."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("tables", nargs="*", choices=[*TABLES], help="none: all of them")
+    parser.add_argument("tables", nargs="*", metavar="TABLE", help=", ".join(TABLES))
     parser.add_argument("--rounds", type=int, default=ROUNDS)
     parser.add_argument("--runs", type=int, help="of the tables of threads and memory")
     arguments = parser.parse_args()
+    unknown = set(arguments.tables) - set(TABLES)
+    if unknown:
+        parser.error(f"no table {', '.join(sorted(unknown))}: choose from {', '.join(TABLES)}")
     print(f"{machine()}\n\nMedians of {arguments.rounds} rounds, in turn; rtol {RTOL:g}.")
     for name in arguments.tables or TABLES:
         TABLES[name](arguments)
