@@ -167,7 +167,11 @@ def hold_units(axis: Axis, variable: xr.DataArray) -> None:
             f"what is drawn on one axis must have its units, {there!r} ('1' is dimensionless), "
             f"got {here!r}"
         )
+    reached = [(ax, ax.dataLim.frozen()) for ax in axis.axes.figure.axes]
     axis.set_units(here)
+    # at new units matplotlib looks at lines anew, and forgets how far bars and areas reach
+    for ax, limits in reached:
+        ax.dataLim.set(limits)
 
 
 def scale_of(dataset: xr.Dataset, kind: str) -> float:

@@ -204,6 +204,14 @@ def test_over_clearance_responses_off_the_whirls_are_bars(whirls_over_clearance,
     assert bars.get_label() == "bouncing: range of $|z|$"
 
 
+def test_bars_that_reach_beyond_the_whirls_are_in_view(simulated):
+    low = clearance_curve(omega=2.5, zeta=0.07, limits=(0.0, 3.0))
+    here = simulated.isel(omega=[2], direction=[0]).assign_coords(omega=[2.5])
+    ax = plot_over_clearance(low, simulated=here)
+    (bars,) = ax.collections
+    assert ax.get_ylim()[1] > max(bars.get_segments()[0][:, 1]) > float(low.amplitude.max())
+
+
 def test_over_clearance_one_speed_is_drawn(whirls_over_clearance):
     with pytest.raises(InputError, match="exact must hold one omega, got"):
         plot_over_clearance(response_curve(zeta=0.07, delta0=0.5, limits=(0.05, 3.0)))
