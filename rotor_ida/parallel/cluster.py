@@ -34,6 +34,8 @@ RECOUNT = 2.0
 BUNDLE_TIME, MOST_TOGETHER = 0.25, 64
 # Grace period for a worker to exit [s].
 GRACE = 0.25
+# Time for a cluster without workers to close [s].
+LAST_WORDS = 20.0
 
 # What must be the same on every worker for the results to be the same, bit for bit.
 PACKAGES = ("rotor-ida", "numpy", "scipy", "numba", "llvmlite", "scikit-sundae")
@@ -165,7 +167,8 @@ def _connected(workers: int | None) -> Iterator[Client]:
     with ExitStack() as stack:
         folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="rotor-ida-"))
         with deaf_to_interrupts():
-            cluster = stack.enter_context(_local_cluster(workers, folder))
+            cluster = _local_cluster(workers, folder)
+            stack.callback(_close, cluster)
             client = stack.enter_context(Client(cluster, set_as_default=False))
         finished = False
         try:
@@ -189,6 +192,15 @@ def _local_cluster(workers: int | None, folder: str) -> LocalCluster:
         )
     except (RuntimeError, OSError) as error:
         raise SimulationError(f"no worker could be started: {CAUSES}") from error
+
+
+def _close(cluster: LocalCluster) -> None:
+    """Close a cluster, but do not wait for ever: dask has been seen to, after an interrupt.
+
+    Its processes are gone by then; what may be left is a thread that ends with this program.
+    """
+    with suppress(asyncio.TimeoutError):
+        cluster.close(timeout=LAST_WORDS)
 
 
 async def _end_workers(cluster: LocalCluster) -> None:

@@ -7,7 +7,7 @@ import subprocess
 import sys
 import threading
 import time
-from contextlib import closing
+from contextlib import closing, contextmanager
 
 import pytest
 
@@ -85,6 +85,16 @@ def test_who_stops_asking_leaves_nothing_behind():
     assert threading.active_count() <= before
 
 
+@contextmanager
+def started(command, **options):
+    """Start a program, and see that it ends: a test that is out of time must not wait for it."""
+    with subprocess.Popen(command, **options) as program:
+        try:
+            yield program
+        finally:
+            program.kill()
+
+
 INTERRUPTED = """
 import signal, sys, time, threading, multiprocessing
 sys.path.insert(0, {folder!r})
@@ -115,7 +125,7 @@ def test_an_interrupt_ends_it_at_once(tmp_path, executor):
     script = tmp_path / "script.py"
     script.write_text(INTERRUPTED.format(folder=str(tmp_path), executor=executor))
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    with subprocess.Popen([sys.executable, script], cwd=tmp_path, **pipes) as program:
+    with started([sys.executable, script], cwd=tmp_path, **pipes) as program:
         assert program.stdout.readline() == "started\n"
         program.send_signal(signal.SIGINT)
         assert program.stdout.readline() == "left []\n"
@@ -143,7 +153,7 @@ if __name__ == "__main__":
 def test_no_worker_outlives_a_program_that_is_killed(tmp_path):
     script = tmp_path / "script.py"
     script.write_text(KILLED.format(folder=str(tmp_path)))
-    with subprocess.Popen([sys.executable, script], stdout=subprocess.PIPE, text=True) as program:
+    with started([sys.executable, script], stdout=subprocess.PIPE, text=True) as program:
         assert program.stdout.readline() == "started\n"
         program.kill()
         # the output ends when nobody is left who could write to it
