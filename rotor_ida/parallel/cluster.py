@@ -34,8 +34,8 @@ RECOUNT = 2.0
 BUNDLE_TIME, MOST_TOGETHER = 0.25, 64
 # Grace period for a worker to exit [s].
 GRACE = 0.25
-# Time for a cluster without workers to close [s].
-LAST_WORDS = 20.0
+# Time for a cluster to close [s].
+TIME_TO_CLOSE = 20.0
 
 # What must be the same on every worker for the results to be the same, bit for bit.
 PACKAGES = ("rotor-ida", "numpy", "scipy", "numba", "llvmlite", "scikit-sundae")
@@ -197,10 +197,11 @@ def _local_cluster(workers: int | None, folder: str) -> LocalCluster:
 def _close(cluster: LocalCluster) -> None:
     """Close a cluster, but do not wait for ever: dask has been seen to, after an interrupt.
 
-    Its processes are gone by then; what may be left is a thread that ends with this program.
+    What is left then are a thread, and processes only where none was ended before; both end with
+    this program.
     """
     with suppress(asyncio.TimeoutError):
-        cluster.close(timeout=LAST_WORDS)
+        cluster.close(timeout=TIME_TO_CLOSE)
 
 
 async def _end_workers(cluster: LocalCluster) -> None:

@@ -1,5 +1,6 @@
 """Jobs on clusters of dask: the same results, and a worker that dies costs its own jobs a retry."""
 
+import asyncio
 import importlib.util
 import logging
 import multiprocessing
@@ -171,3 +172,18 @@ def test_without_dask_it_says_what_to_install(monkeypatch):
     monkeypatch.setattr(importlib.util, "find_spec", lambda _name: None)
     with pytest.raises(InputError, match=r"needs dask: pip install 'rotor-ida\[cluster\]'$"):
         basin(BOUNCING, x=[0.0], y=[0.0], executor="dask")
+
+
+def test_a_cluster_that_does_not_close_is_not_waited_for(monkeypatch):
+    stuck = []
+
+    async def never_close(local):
+        stuck.append(local)
+        await asyncio.sleep(600.0)
+
+    monkeypatch.setattr(cluster, "TIME_TO_CLOSE", 0.5)
+    monkeypatch.setattr(LocalCluster, "_close", never_close)
+    jobs = run_all(square, range(3), workers=1, executor="dask")
+    assert sorted(jobs) == [(0, 0), (1, 1), (2, 4)]
+    monkeypatch.undo()
+    stuck[0].close()
