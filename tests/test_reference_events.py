@@ -13,7 +13,7 @@ CASES = json.loads((Path(__file__).parent / "data" / "contact_events.json").read
 ]
 RTOL, ATOL = 1e-12, 1e-14
 # Grazes shallower than this are below what an integrated flight can tell (see docs/events.md).
-FLOOR = {"adams": 1e3 * RTOL, "bdf": 1e4 * RTOL, "ida": 1e4 * RTOL}
+FLOOR = {"adams": 1e3 * RTOL, "bdf": 1e4 * RTOL, "ida": 1e4 * RTOL, "taylor": 0.0}
 # Bounds on the error of an event at time t with sensitivity K: as a part of t + K, and in all
 # where K comes to 1.4e7. Both are three times what was measured, so that the loss of one digit
 # fails; the errors are the solver's, and the two backends, which round differently, agree on them.
@@ -23,6 +23,7 @@ BOUNDS = {
     ("bdf", "exact"): (1.6e-10, 3.5e-5),
     ("bdf", "cvode"): (1.6e-10, 7e-5),
     ("ida", "exact"): (6e-11, 7e-6),
+    ("taylor", "exact"): (8e-14, 1e-7),
 }
 
 

@@ -133,6 +133,16 @@ def inlined(function: Callable[P, R]) -> Callable[P, R]:
     return both
 
 
+def shared_for_lanes(function: Callable[P, R]) -> Callable[P, R]:
+    """Do as `shared` does, with fused multiply-adds, and always into the caller.
+
+    Arrays are best passed one by one: to take one out of a tuple counts its references.
+    """
+    settings = {"error_model": "numpy", "fastmath": {"contract", "nsz"}, "forceinline": True}
+    both: Callable[P, R] = register_jitable(**settings)(function)
+    return both
+
+
 def structure(dataclass: type) -> Any:
     """Let the name of a dataclass stand, in compiled code, for a structure with its fields.
 

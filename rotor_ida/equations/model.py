@@ -147,18 +147,22 @@ def rotated(states: npt.ArrayLike, angle: npt.ArrayLike) -> Values:
     >>> rotated((1.0, 0.0, 0.0, 2.0), 0.0)
     array([1., 0., 0., 2.])
     """
-    given = np.asarray(states, dtype=np.float64)
-    cosine, sine = np.cos(angle), np.sin(angle)
-    x, y, vx, vy = np.moveaxis(given, -1, 0)
-    return np.stack(
-        [
-            cosine * x - sine * y,
-            sine * x + cosine * y,
-            cosine * vx - sine * vy,
-            sine * vx + cosine * vy,
-        ],
-        axis=-1,
-    )
+    given, angles = np.asarray(states, dtype=np.float64), np.asarray(angle, dtype=np.float64)
+    shape = np.broadcast_shapes(given.shape[:-1], angles.shape)
+    rows = np.array(np.broadcast_to(given, (*shape, 4)))
+    rotate(rows.reshape(-1, 4), np.array(np.broadcast_to(angles, shape)).ravel())
+    return rows
+
+
+@compiled
+def rotate(rows: Values, angles: Values) -> None:
+    """Do as `rotated` does, to each row in its place."""
+    for row in range(angles.size):
+        cosine, sine = math.cos(angles[row]), math.sin(angles[row])
+        for first in (0, 2):
+            x, y = rows[row, first], rows[row, first + 1]
+            rows[row, first] = cosine * x - sine * y
+            rows[row, first + 1] = sine * x + cosine * y
 
 
 def energy(states: npt.ArrayLike, delta0: float) -> Values:

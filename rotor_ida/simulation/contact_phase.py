@@ -106,12 +106,12 @@ def follow_contact(
     duration, slack, stop = time_left(record), record.slack, record.stop
     peak, reached, left, idle = start.copy(), start, False, 0
     due = next_sample(record, duration)
-    status = motion.restart(start, _tolerances(record, start))
+    status = motion.restart(start, tolerances(start, record.rtol, record.atol))
     while status == GOES_ON:
         status = STOPPED if asked_to_stop(stop) else motion.advance()
         if status != GOES_ON:
             break
-        end, reached, left = _end_of_step(motion, duration, slack)
+        end, reached, left = end_of_step(motion, duration, slack)
         if math.isnan(end):
             status, reached = NO_ROOT, motion.before
             break
@@ -129,15 +129,15 @@ def follow_contact(
 
 
 @shared
-def _tolerances(record: Record, start: Values) -> Values:
+def tolerances(start: Values, rtol: float, absolute: float) -> Values:
     """Return absolute tolerances: the relative one, of the size that each variable comes to.
 
     So a very slight touch is still resolved, and a hard one is not asked for digits at entry and
     exit, where q is 0, that are lost in its course.
     """
-    slight = record.rtol * max(start[Q], abs(start[P]))
-    brief = record.rtol * _least_duration(start)
-    atol = np.full(SIZE, record.atol)
+    slight = rtol * max(start[Q], abs(start[P]))
+    brief = rtol * _least_duration(start)
+    atol = np.full(SIZE, absolute)
     atol[Q] = atol[P] = max(slight, BELOW_ROUNDING)
     atol[T] = atol[J] = max(brief, TIGHTEST_ATOL)
     return atol
@@ -152,7 +152,7 @@ def _least_duration(start: Values) -> float:
 
 
 @inlined
-def _end_of_step(motion: Motion, duration: float, slack: float) -> tuple[float, Values, bool]:
+def end_of_step(motion: Motion, duration: float, slack: float) -> tuple[float, Values, bool]:
     """Return where the motion stands after a step: at its end, at an exit, or at the end time."""
     end, reached, left = motion.point, motion.values, False
     if reached[Q] <= 0.0:
@@ -216,7 +216,7 @@ def _raise_peak(motion: Motion, end: float, reached: Values, peak: Values) -> No
 
 @shared
 def _record_sample_at(record: Record, motion: Motion, end: float, time: float) -> None:
-    """Take the sample at a time inside the last step: Newton's method, kept in a bracket."""
+    """Take the sample at a time inside the last step: Halley's method, kept in a bracket."""
     low, high = motion.low, end
     point = _guess_of_time(motion, low, high, time)
     state = motion.glance_at(point)
@@ -228,7 +228,10 @@ def _record_sample_at(record: Record, motion: Motion, end: float, time: float) -
             high = point
         else:
             low = point
-        new = point - late / state[Q] if state[Q] > 0.0 else low
+        new = low
+        if state[Q] > 0.0:  # Halley's step: t' = q, t'' = p/2
+            step = late / state[Q]
+            new = point - step / (1.0 - 0.25 * step * state[P] / state[Q])
         point = new if low < new < high else 0.5 * (low + high)
         state = motion.glance_at(point)
     position, velocity = cartesian(state, record.delta0)

@@ -9,11 +9,11 @@ from rotor_ida.checks import COMPONENTS, State, check_between, check_choice
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import PARAMETERS, Rotor
 
-Method = Literal["adams", "bdf", "ida"]
+Method = Literal["adams", "bdf", "ida", "taylor"]
 Flight = Literal["exact", "cvode"]
 Backend = Literal["auto", "python", "compiled"]
 
-METHODS: tuple[Method, ...] = ("adams", "bdf", "ida")
+METHODS: tuple[Method, ...] = ("adams", "bdf", "ida", "taylor")
 FLIGHTS: tuple[Flight, ...] = ("exact", "cvode")
 BACKENDS: tuple[Backend, ...] = ("auto", "python", "compiled")
 
@@ -22,6 +22,7 @@ LOOSEST_RTOL = 1e-3
 TIGHTEST_ATOL = 1e-30
 LOOSEST_ATOL = 1e-2
 TIGHTEST_RTOL_OF_IDA = 1e-12
+TIGHTEST_RTOL_OF_TAYLOR, LOOSEST_RTOL_OF_TAYLOR = 1e-15, 1e-4
 # The solver controls the error of a step; a contact takes some hundred of them. Of 0.1, 0.05 and
 # 0.03, with tolerances of the size that each variable comes to, the last gives most for its time.
 STEP_SAFETY = 0.03
@@ -42,8 +43,8 @@ class Options:
     rtol, atol : float
         Relative and absolute tolerance wanted of a contact [1]. The solver is given a
         thirtieth.
-    method : {"adams", "bdf", "ida"}
-        CVODE with Adams or BDF, or IDA.
+    method : {"adams", "bdf", "ida", "taylor"}
+        CVODE with Adams or BDF, or IDA, or Taylor series.
     flight : {"exact", "cvode"}
         Motion inside the clearance in closed form, or integrated by the same solver as the
         contact.
@@ -60,14 +61,14 @@ class Options:
     backend: Backend = "auto"
 
     def __post_init__(self) -> None:
-        rtol = check_between("rtol", self.rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
+        check_choice("method", self.method, METHODS)
+        rtol = check_rtol(self.method, self.rtol)
         atol = check_between("atol", self.atol, TIGHTEST_ATOL, LOOSEST_ATOL)
         object.__setattr__(self, "rtol", rtol)
         object.__setattr__(self, "atol", atol)
-        check_choice("method", self.method, METHODS)
-        if self.method == "ida" and rtol < TIGHTEST_RTOL_OF_IDA:
-            raise InputError(f"rtol must be at least {TIGHTEST_RTOL_OF_IDA} with ida, got {rtol!r}")
         check_choice("flight", self.flight, FLIGHTS)
+        if self.method == "taylor" and self.flight != "exact":
+            raise InputError(f"flight must be 'exact' with taylor, got {self.flight!r}")
         check_choice("backend", self.backend, BACKENDS)
         reason = "" if self.backend == "python" else self._why_not_compiled()
         if self.backend == "compiled" and reason:
@@ -76,6 +77,8 @@ class Options:
             object.__setattr__(self, "backend", "python" if reason else "compiled")
 
     def _why_not_compiled(self) -> str:
+        if self.method == "taylor":
+            return ""
         if self.method == "ida":
             return "it knows the methods adams and bdf, got 'ida'"
         from rotor_ida.simulation.cvode import libraries  # noqa: PLC0415 - choices need no solver
@@ -96,6 +99,16 @@ class Options:
     def step_atol(self) -> float:
         """Absolute tolerance of one step of the solver."""
         return STEP_SAFETY * self.atol
+
+
+def check_rtol(method: Method, rtol: float) -> float:
+    """Return the relative tolerance, or raise `InputError` where the method does not take it."""
+    if method == "taylor":
+        return check_between("rtol", rtol, TIGHTEST_RTOL_OF_TAYLOR, LOOSEST_RTOL_OF_TAYLOR)
+    given = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
+    if method == "ida" and given < TIGHTEST_RTOL_OF_IDA:
+        raise InputError(f"rtol must be at least {TIGHTEST_RTOL_OF_IDA} with ida, got {given!r}")
+    return given
 
 
 def check_can_be_followed(rotor: Rotor, start: State, *, settling: bool = False) -> None:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
+from rotor_ida.equations.compiling import compiled
 from rotor_ida.errors import InvariantError
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.options import Options
@@ -19,6 +21,17 @@ EXIT = -1
 ON_THE_RING = 8.0 * 2.0**-52
 # How far, in tolerances, a sample may lie on the wrong side of the ring.
 WRONG_SIDE = 1e3
+SOUND, NOT_FINITE, BACKWARDS, NOT_IN_TURN, OFF_THE_RING, WRONG_SIDE_OF_THE_RING, PEAKS_OUTSIDE = (
+    range(7)
+)
+FAULTS = {
+    NOT_FINITE: "the state is not finite",
+    BACKWARDS: "event times do not increase",
+    NOT_IN_TURN: "entry and exit do not alternate",
+    OFF_THE_RING: "an event does not lie at |z| = delta0",
+    WRONG_SIDE_OF_THE_RING: "a sample lies on the wrong side of the ring",
+    PEAKS_OUTSIDE: "a contact peaks outside its own span",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,44 +82,66 @@ class Orbit:
 
 def check_orbit(orbit: Orbit) -> None:
     """Raise `InvariantError` at the first place where an orbit contradicts the mechanics."""
-    for times, states in ((orbit.times, orbit.states), (orbit.event_times, orbit.event_states)):
-        wrong = np.asarray(~np.isfinite(states).all(axis=1))
-        _refuse(wrong, "the state is not finite", times, states)
-    if orbit.rotor.delta0 == 0.0:
-        return
-    _check_events(orbit)
-    _check_sides(orbit)
-    entry, leaving, peak_time = orbit.contacts.T[:3]
-    wrong = (peak_time < entry) | (peak_time > leaving)
-    ends = np.tile(orbit.end, (wrong.size, 1))
-    _refuse(wrong, "a contact peaks outside its own span", peak_time, ends)
-
-
-def _check_events(orbit: Orbit) -> None:
-    times, kinds, states = orbit.event_times, orbit.event_kinds, orbit.event_states
-    backwards = np.diff(times, prepend=-np.inf) <= 0.0
-    _refuse(backwards, "event times do not increase", times, states)
-    expected = np.where(np.arange(kinds.size) % 2 == orbit.starts_in_contact, ENTRY, -ENTRY)
-    _refuse(kinds != expected, "entry and exit do not alternate", times, states)
-    radius = np.hypot(states[:, 0], states[:, 1])
-    off = np.abs(radius - orbit.rotor.delta0) > ON_THE_RING * orbit.rotor.delta0
-    _refuse(off, "an event does not lie at |z| = delta0", times, states)
-
-
-def _check_sides(orbit: Orbit) -> None:
-    """Between an entry and its exit |z| >= delta0 at every sample; elsewhere |z| <= delta0."""
     delta0, options = orbit.rotor.delta0, orbit.options
-    passed = np.searchsorted(orbit.event_times, orbit.times, side="right")
-    in_contact = (passed % 2 == 1) != orbit.starts_in_contact
-    depth = np.hypot(orbit.states[:, 0], orbit.states[:, 1]) - delta0
     allowed = WRONG_SIDE * (options.rtol * delta0 + options.atol)
-    wrong = np.where(in_contact, depth < -allowed, depth > allowed)
-    _refuse(wrong, "a sample lies on the wrong side of the ring", orbit.times, orbit.states)
+    inside = orbit.starts_in_contact
+    times, states = orbit.event_times, orbit.event_states
+    fault, row = _fault_of_events(times, orbit.event_kinds, states, inside, delta0)
+    if fault == SOUND:
+        times, states = orbit.times, orbit.states
+        fault, row = _fault_of_samples(times, states, orbit.event_times, inside, delta0, allowed)
+    if fault == SOUND and delta0 > 0.0:
+        times, states = orbit.contacts[:, 2], np.tile(orbit.end, (orbit.contacts.shape[0], 1))
+        fault, row = _fault_of_contacts(orbit.contacts)
+    if fault != SOUND:
+        state = tuple(states[row].tolist())
+        raise InvariantError(FAULTS[fault], time=float(times[row]), state=state)
 
 
-def _refuse(wrong: npt.NDArray[np.bool_], message: str, times: Values, states: Values) -> None:
-    """Raise with the first time and state that is wrong, if there is one."""
-    if wrong.any():
-        place = int(np.argmax(wrong))
-        state = tuple(states[place].tolist())
-        raise InvariantError(message, time=float(times[place]), state=state)
+@compiled
+def _fault_of_events(
+    times: Values, kinds: npt.NDArray[np.int8], states: Values, inside: bool, delta0: float
+) -> tuple[int, int]:
+    """Return the first fault of an event, and its number."""
+    expected = -ENTRY if inside else ENTRY
+    for row in range(times.size):
+        if not np.isfinite(states[row]).all():
+            return NOT_FINITE, row
+        if row and times[row] <= times[row - 1]:
+            return BACKWARDS, row
+        if kinds[row] != expected:
+            return NOT_IN_TURN, row
+        if abs(math.hypot(states[row, 0], states[row, 1]) - delta0) > ON_THE_RING * delta0:
+            return OFF_THE_RING, row
+        expected = -expected
+    return SOUND, 0
+
+
+@compiled
+def _fault_of_samples(
+    times: Values, states: Values, event_times: Values, inside: bool, delta0: float, allowed: float
+) -> tuple[int, int]:
+    """Return the first fault of a sample, and its number.
+
+    Between an entry and its exit |z| is at least delta0, elsewhere at most.
+    """
+    passed = 0
+    for row in range(times.size):
+        x, y, vx, vy = states[row]
+        if not math.isfinite(x + y + vx + vy):
+            return NOT_FINITE, row
+        while passed < event_times.size and event_times[passed] <= times[row]:
+            passed, inside = passed + 1, not inside
+        depth = math.sqrt(x * x + y * y) - delta0
+        if delta0 > 0.0 and (depth < -allowed if inside else depth > allowed):
+            return WRONG_SIDE_OF_THE_RING, row
+    return SOUND, 0
+
+
+@compiled
+def _fault_of_contacts(contacts: Values) -> tuple[int, int]:
+    """Return the first fault of a contact, and its number."""
+    for row in range(contacts.shape[0]):
+        if contacts[row, 2] < contacts[row, 0] or contacts[row, 2] > contacts[row, 1]:
+            return PEAKS_OUTSIDE, row
+    return SOUND, 0

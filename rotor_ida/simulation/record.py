@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.equations.compiling import shared, structure
+from rotor_ida.equations.model import rotate
 from rotor_ida.parallel.jobs import Stop
 
 Values = npt.NDArray[np.float64]
@@ -210,15 +211,21 @@ def add_contact(
 
 @shared
 def result(record: Record) -> RunResult:
-    """Return the result of a run, every state read on the rotating axes."""
+    """Return the result of a run, every state in the fixed frame."""
+    omega, events = record.omega, record.events
     here, moving = record.position, record.velocity
+    end = np.array([[here.real, here.imag, moving.real, moving.imag]])
+    event_times, event_states = record.event_times[:events], record.event_states[:events]
+    rotate(end, np.full(1, omega * record.time))
+    rotate(record.states, omega * record.sample_times)
+    rotate(event_states, omega * event_times)
     return (
         record.time,
-        np.array([here.real, here.imag, moving.real, moving.imag]),
+        end[0],
         record.states,
-        record.event_times[: record.events].copy(),
-        record.event_kinds[: record.events].copy(),
-        record.event_states[: record.events].copy(),
+        event_times.copy(),
+        record.event_kinds[:events].copy(),
+        event_states.copy(),
         record.contact_rows[: record.contacts].copy(),
         record.evaluations,
     )

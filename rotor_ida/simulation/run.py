@@ -6,8 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.checks import State
-from rotor_ida.equations.compiling import compiled
-from rotor_ida.equations.model import rotated, rotating_field_into, rotating_jacobian_into
+from rotor_ida.equations.compiling import compiled, shared
+from rotor_ida.equations.model import rotating_field_into, rotating_jacobian_into
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import Rotor
@@ -22,6 +22,7 @@ from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import Orbit, check_orbit
 from rotor_ida.simulation.record import RunResult, new_record, result
 from rotor_ida.simulation.start import starts_in_contact
+from rotor_ida.simulation.taylor.motion import open_taylor
 
 Values = npt.NDArray[np.float64]
 
@@ -37,6 +38,7 @@ def run(
     options: Options,
     *,
     slack: float = 0.0,
+    scale: float = 1.0,
     stop: Stop | None = None,
 ) -> Orbit:
     """Simulate a rotor from `start` at time 0 over `duration`.
@@ -56,6 +58,8 @@ def run(
     slack : float
         How far behind `duration` an event may lie and still belong to the run [1]. It keeps
         its own time.
+    scale : float
+        Factor on both tolerances.
     stop : ndarray, shape (1,), optional
         Asks a run in compiled code to stop as soon as it holds anything but 0.
 
@@ -68,9 +72,13 @@ def run(
     """
     asked = np.zeros(1, np.uint8) if stop is None else stop
     parameters = (rotor.omega, rotor.zeta, rotor.delta0)
-    how = (options.step_rtol, options.step_atol, options.flight == "exact")
+    how = (scale * options.step_rtol, scale * options.step_atol, options.flight == "exact")
     given = (*parameters, *how, np.array(start), duration, slack, sample_times, asked)
-    if options.backend == "compiled":
+    if options.method == "taylor":
+        follow = _by_taylor_series_compiled if options.backend == "compiled" else _by_taylor_series
+        status, seen = follow(given)
+        message = message_of(status)
+    elif options.backend == "compiled":
         fields = np.array([field.address for field in callbacks()])
         status, seen = _in_compiled_code(
             given, np.array(parameters), METHODS[options.method], fields
@@ -78,24 +86,23 @@ def run(
         message = message_of(status)
     else:
         status, message, seen = _in_python(given, options)
-    omega = rotor.omega
     if status != GOES_ON:
-        x, y, vx, vy = rotated(seen[1], omega * seen[0]).tolist()
+        x, y, vx, vy = seen[1].tolist()
         raise SimulationError(message, time=seen[0], state=(x, y, vx, vy))
-    time, end, states, event_times, event_kinds, event_states, contacts, evaluations = seen
+    _time, end, states, event_times, event_kinds, event_states, contacts, evaluations = seen
     here, moving = complex(start[0], start[1]), complex(start[2], start[3])
     orbit = Orbit(
         rotor=rotor,
         options=options,
         duration=duration,
         times=sample_times,
-        states=rotated(states, omega * sample_times),
-        starts_in_contact=starts_in_contact(here, moving, omega, rotor.zeta, rotor.delta0),
+        states=states,
+        starts_in_contact=starts_in_contact(here, moving, rotor.omega, rotor.zeta, rotor.delta0),
         event_times=event_times,
         event_kinds=event_kinds,
-        event_states=rotated(event_states, omega * event_times),
+        event_states=event_states,
         contacts=contacts,
-        end=rotated(end, omega * time),
+        end=end,
         evaluations=evaluations,
     )
     check_orbit(orbit)
@@ -116,7 +123,8 @@ def _in_python(given: Given, options: Options) -> tuple[int, str, RunResult]:
         rotating_jacobian_into(state, matrix, omega, zeta, delta0)
 
     record = new_record(*given)
-    contact, free = Integration(options, in_contact), Integration(options, anywhere, derivative)
+    contact = Integration(options.method, given[3], in_contact)
+    free = Integration(options.method, given[3], anywhere, derivative)
     status = run_events(record, contact, free)
     return status, contact.message or free.message or message_of(status), result(record)
 
@@ -133,3 +141,16 @@ def _in_compiled_code(
     close_direct(contact)
     close_direct(free)
     return status, result(record)
+
+
+@shared
+def _by_taylor_series(given: Given) -> tuple[int, RunResult]:
+    """Run the event loop over Taylor series."""
+    record, (omega, zeta, delta0, rtol) = new_record(*given), given[:4]
+    contact = open_taylor(omega, zeta, delta0, True, rtol, False)
+    free = open_taylor(omega, zeta, delta0, False, rtol, False)
+    status = run_events(record, contact, free)
+    return status, result(record)
+
+
+_by_taylor_series_compiled = compiled(_by_taylor_series)

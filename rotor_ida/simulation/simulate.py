@@ -58,10 +58,12 @@ def simulate(
         most 10 million, or the times themselves, increasing [1].
     rtol, atol : float
         Relative and absolute tolerance [1].
-    method : {"adams", "bdf", "ida"}
-        CVODE with Adams (nonstiff) or BDF (stiff), or IDA as a second opinion.
+    method : {"adams", "bdf", "ida", "taylor"}
+        CVODE with Adams (nonstiff) or BDF (stiff), or IDA as a second opinion; or Taylor series,
+        about ten times as fast as CVODE at equal error, with `rtol` from 1e-15 to 1e-4.
     flight : {"exact", "cvode"}
-        Whether motion inside the clearance is solved in closed form or integrated.
+        Whether motion inside the clearance is solved in closed form or integrated; with Taylor
+        series it is solved.
     backend : {"auto", "python", "compiled"}
         How the solver is called: from Python through scikit-sundae, or from compiled code, which
         takes the same steps many times faster. ``"auto"`` is ``"compiled"`` wherever it can be had;
@@ -91,9 +93,9 @@ def simulate(
     within ``min(100 rtol, 1e-8) duration`` behind the end belongs to the run. A start
     exactly on the ring is in contact if it moves outwards, or is about to. Grazes
     below an indentation of about 1e-13 of the lengths involved may be missed or invented.
-    ``event_time_error`` comes from a second run with looser tolerances, and includes the spacing
-    of doubles. It is infinite beyond ``horizon``: from there on the start no longer determines
-    the orbit at these tolerances.
+    ``event_time_error`` comes from a second run, with looser tolerances or, by Taylor series, with
+    tighter ones, and includes the spacing of doubles. It is infinite beyond ``horizon``: from there
+    on the start no longer determines the orbit at these tolerances.
 
     References
     ----------

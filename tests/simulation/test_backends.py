@@ -130,7 +130,7 @@ def test_an_integration_that_stands_still_is_given_up():
         def step(self, goal, how):
             return SimpleNamespace(success=True, t=0.0, y=np.zeros(1), nfev=1)
 
-    integration = Integration(Options(backend="python"), lambda values, rate: None)
+    integration = Integration("adams", 1e-10, lambda values, rate: None)
     integration._solver = Standing()
     assert integration.advance() == STUCK
     assert integration.message == "time no longer advances"

@@ -208,7 +208,7 @@ def test_a_solver_that_gives_up_raises_with_time_and_state(monkeypatch, delta0):
         ({"rtol": 1.0}, "rtol must lie from 1e-13 to 0.001, got 1.0"),
         ({"atol": 0.0}, "atol must be positive, got 0.0"),
         ({"atol": 1e-99}, "atol must lie from 1e-30 to 0.01, got 1e-99"),
-        ({"method": "rk4"}, "method must be one of 'adams', 'bdf', 'ida', got 'rk4'"),
+        ({"method": "rk4"}, "method must be one of 'adams', 'bdf', 'ida', 'taylor', got 'rk4'"),
         ({"flight": "none"}, "flight must be one of 'exact', 'cvode', got 'none'"),
         ({"backend": "gpu"}, "backend must be one of 'auto', 'python', 'compiled', got 'gpu'"),
     ],

@@ -20,9 +20,15 @@ from rotor_ida.errors import InputError
 from rotor_ida.simulation import cartesian_phase, contact_phase
 from rotor_ida.simulation.contact_phase import contact_field
 from rotor_ida.simulation.cvode import libraries
+from rotor_ida.simulation.tangents import (
+    TANGENTS,
+    contact_field_with_tangents,
+    free_field_with_tangents,
+)
 
 PLACE, FLAG, SIZE, REAL, NOTHING = (types.intp, types.intc, types.int64, types.float64, types.void)
 REALS = types.CPointer(types.float64)
+_RHS = signature(FLAG, REAL, PLACE, PLACE, REALS)
 
 
 def _external(name: str, result: types.Type, *arguments: types.Type) -> Any:
@@ -79,6 +85,20 @@ def _free_jacobian(
     return 0
 
 
+def _contact_rhs_with_tangents(_time: float, state: Any, rate: Any, parameters: Any) -> int:
+    rotor, size = carray(parameters, 3), contact_phase.SIZE + TANGENTS
+    here, slope = carray(vector_data(state), size), carray(vector_data(rate), size)
+    contact_field_with_tangents(here, slope, rotor[0], rotor[1], rotor[2])
+    return 0
+
+
+def _free_rhs_with_tangents(_time: float, state: Any, rate: Any, parameters: Any) -> int:
+    rotor, size = carray(parameters, 3), cartesian_phase.SIZE + TANGENTS
+    here, slope = carray(vector_data(state), size), carray(vector_data(rate), size)
+    free_field_with_tangents(here, slope, rotor[0], rotor[1], rotor[2])
+    return 0
+
+
 @cache
 def callbacks() -> tuple[Any, Any, Any]:
     """Return both right-hand sides and the Jacobian, compiled; each has an ``address``.
@@ -88,9 +108,22 @@ def callbacks() -> tuple[Any, Any, Any]:
     InputError
         If SUNDIALS cannot be called from compiled code.
     """
-    if reason := libraries.why_not():
-        raise InputError(f"backend 'compiled' cannot be used: {reason}")
-    rhs = signature(FLAG, REAL, PLACE, PLACE, REALS)
+    _check_libraries("backend 'compiled'")
     derivative = signature(FLAG, REAL, PLACE, PLACE, PLACE, REALS, PLACE, PLACE, PLACE)
-    fields = callback(rhs, _contact_rhs), callback(rhs, _free_rhs)
+    fields = callback(_RHS, _contact_rhs), callback(_RHS, _free_rhs)
     return *fields, callback(derivative, _free_jacobian)
+
+
+@cache
+def callbacks_with_tangents() -> tuple[Any, Any]:
+    """Return the right-hand sides of motions with tangents, as `callbacks` does."""
+    _check_libraries("CVODE with tangents")
+    return (
+        callback(_RHS, _contact_rhs_with_tangents),
+        callback(_RHS, _free_rhs_with_tangents),
+    )
+
+
+def _check_libraries(what: str) -> None:
+    if reason := libraries.why_not():
+        raise InputError(f"{what} cannot be used: {reason}")

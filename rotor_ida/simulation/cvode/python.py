@@ -24,7 +24,6 @@ from rotor_ida.simulation.motion import (
     NOT_FINITE,
     STUCK,
 )
-from rotor_ida.simulation.options import Options
 
 Values = npt.NDArray[np.float64]
 Field = Callable[[Values, Values], None]
@@ -36,8 +35,10 @@ class Integration:
 
     Parameters
     ----------
-    options : Options
-        Method and tolerances.
+    method : {"adams", "bdf", "ida"}
+        CVODE with Adams or BDF, or IDA.
+    rtol : float
+        Relative tolerance of one step.
     field : callable
         ``field(values, rate)`` writes the rate of change.
     jacobian : callable, optional
@@ -49,10 +50,13 @@ class Integration:
         What the solver said when it gave up.
     """
 
-    def __init__(self, options: Options, field: Field, jacobian: Jacobian | None = None):
+    def __init__(
+        self, method: str, rtol: float, field: Field, jacobian: Jacobian | None = None
+    ) -> None:
         # SUNDIALS would write its warnings to standard output.
         os.environ.setdefault("SUNLOGGER_WARNING_FILENAME", os.devnull)
-        self._options, self._field, self._jacobian = options, field, jacobian
+        self._method, self._rtol = method, rtol
+        self._field, self._jacobian = field, jacobian
         self._solver: Any = None
         self._count = 0
         self.low = self.point = 0.0
@@ -61,11 +65,11 @@ class Integration:
 
     def restart(self, start: Values, atol: Values) -> int:
         """Begin anew from `start` at point 0, with absolute tolerances `atol`."""
-        settings = {"rtol": self._options.step_rtol, "atol": atol}
-        if self._options.method == "ida":
+        settings: dict[str, Any] = {"rtol": self._rtol, "atol": atol}
+        if self._method == "ida":
             self._solver = _ida(self._field, start, settings)
         else:
-            settings["method"] = {"adams": "Adams", "bdf": "BDF"}[self._options.method]
+            settings["method"] = {"adams": "Adams", "bdf": "BDF"}[self._method]
             self._solver = _cvode(self._field, self._jacobian, start, settings)
         self.low = self.point = 0.0
         self.before = self.values = start

@@ -1,0 +1,439 @@
+"""A `Motion` led by Taylor series: one polynomial a step, read anywhere inside it.
+
+Order and step follow from the tolerance [1]_: with a tolerance eps the order that costs least is
+``1 - ln(eps)/2``, and a step is so long that neither of the last two terms of any component comes
+to its tolerance. A step is cut where the contact root or the radial velocity would
+vanish inside it more than once, so no exit and no peak is hidden.
+
+References
+----------
+.. [1] Jorba and M. Zou, "A software package for the numerical integration of ODEs by means of
+   high-order Taylor methods", Experimental Mathematics 14, 2005, sections 3.2 and 3.3.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from numba.extending import overload_method
+
+from rotor_ida.equations.compiling import shared, structure
+from rotor_ida.simulation import cartesian_phase, contact_phase
+from rotor_ida.simulation.contact_phase import P, Q
+from rotor_ida.simulation.motion import GOES_ON, NOT_FINITE, STUCK
+from rotor_ida.simulation.tangents import TANGENTS
+from rotor_ida.simulation.taylor.contact_series import (
+    expand_contact,
+    expand_contact_and_factors,
+    write_forcing,
+)
+from rotor_ida.simulation.taylor.differences import (
+    Differences,
+    expand_differences,
+    longest_step,
+    new_differences,
+)
+from rotor_ida.simulation.taylor.free_series import (
+    VX,
+    VY,
+    X,
+    Y,
+    expand_free,
+    expand_free_and_factors,
+)
+from rotor_ida.simulation.taylor.roots import bernstein_basis, is_monotonic, sign_changes
+from rotor_ida.simulation.taylor.rows import (
+    LANES,
+    WIDTH,
+    evaluate,
+    evaluate_row,
+    evaluate_sizes,
+    lent,
+)
+from rotor_ida.simulation.taylor.series import Series, new_series
+
+Values = npt.NDArray[np.float64]
+
+LOWEST_ORDER, HIGHEST_ORDER = 6, 24
+# A step turns the fastest of the motions that the terms cannot show by no more than this part of
+# the order: beyond, a series that has died away to rounding would grow again.
+FARTHEST = 0.25
+MOST_CUTS = 60
+# The logarithm of a step that nothing limits.
+UNLIMITED = 100.0
+# Terms fall by a factor exp(2) where the order is best; so many are looked at, as some may vanish:
+# the series of a radial entry has but every fifth.
+FALL, LOOKED_AT = 2.0, 6
+RATIO = math.exp(FALL)
+ROUNDING = 2.0**-52
+
+
+@dataclass(slots=True)
+class Taylor:
+    """A motion led by Taylor series.
+
+    Parameters
+    ----------
+    omega, zeta, delta0 : float
+        The rotor [1].
+    regularised : bool
+        Whether it is a contact in its regularised variables, or the motion of a rotor without
+        clearance in displacement and velocity.
+    size : int
+        Number of components of the motion itself.
+    tangents : bool
+        Whether the `rotor_ida.simulation.tangents` come behind them.
+    rtol : float
+        Relative tolerance of one step.
+    order : int
+        Order of the series.
+    low, point : float
+        Ends of the last step.
+    before, values, reading : ndarray
+        Values at those ends, and where the last step was last read.
+    atol : ndarray
+        Absolute tolerances of one step.
+    series : Series
+        The series about the beginning of the last step.
+    terms : ndarray
+        The coefficients of the state, which are part of it.
+    differences : Differences
+        The series of the tangents.
+    inverse : ndarray
+        One over the tolerances of the present step.
+    sizes : ndarray
+        Sums of the terms at the end of the last step, each without its sign.
+    basis, powers, total : ndarray
+        Bernstein's basis, and room for a polynomial by powers and by it.
+    orders : int
+        Orders expanded since the start.
+    kept : tuple of ndarray
+        Who keeps the arrays.
+    """
+
+    omega: float
+    zeta: float
+    delta0: float
+    regularised: bool
+    size: int
+    tangents: bool
+    rtol: float
+    order: int
+    low: float
+    point: float
+    before: Values
+    values: Values
+    reading: Values
+    atol: Values
+    series: Series
+    terms: Values
+    differences: Differences
+    inverse: Values
+    sizes: Values
+    basis: Values
+    powers: Values
+    total: Values
+    orders: int
+    kept: tuple[Series, Values, Values, Values]
+
+    def restart(self, start: Values, atol: Values) -> int:
+        """Begin anew from `start` at point 0, with absolute tolerances `atol`."""
+        return restart(self, start, atol)
+
+    def advance(self) -> int:
+        """Take one step; return 0, or why it could not be taken."""
+        return advance(self)
+
+    def at(self, point: float) -> Values:
+        """Return the values at a point of the last step, valid until the next reading."""
+        return at(self, point)
+
+    def glance_at(self, point: float) -> Values:
+        """Do as `at` does."""
+        return glance_at(self, point)
+
+    def evaluations(self) -> int:
+        """Return the number of orders expanded since the start."""
+        return self.orders
+
+
+TaylorType = structure(Taylor)
+
+
+@shared
+def order_for(rtol: float) -> int:
+    """Return the order at which a given accuracy takes the least work."""
+    order = math.ceil(1.0 - 0.5 * math.log(rtol))
+    return min(max(order, LOWEST_ORDER), HIGHEST_ORDER)
+
+
+@shared
+def open_taylor(
+    omega: float, zeta: float, delta0: float, regularised: bool, rtol: float, tangents: bool
+) -> Taylor:
+    """Return a motion of a rotor that has not begun.
+
+    Parameters
+    ----------
+    omega, zeta, delta0, regularised, rtol, tangents
+        As of `Taylor`.
+    """
+    order = order_for(rtol)
+    size = contact_phase.SIZE if regularised else cartesian_phase.SIZE
+    whole = size + TANGENTS if tangents else size
+    series, basis = new_series(order + 1), bernstein_basis(order)
+    rows, powers = np.zeros((7, 2 * LANES)), np.zeros((1, order + 1))
+    terms = lent(series.terms)
+    return Taylor(
+        omega,
+        zeta,
+        delta0,
+        regularised,
+        size,
+        tangents,
+        rtol,
+        order,
+        0.0,
+        0.0,
+        lent(rows[0, :whole]),
+        lent(rows[1, :whole]),
+        lent(rows[2, :whole]),
+        lent(rows[3, :whole]),
+        Series(terms, lent(series.left), lent(series.right), lent(series.known)),
+        terms,
+        new_differences(order + 1 if tangents else 0),
+        lent(rows[4, :size]),
+        lent(rows[5, :WIDTH]),
+        lent(basis),
+        lent(powers),
+        lent(rows[6, :LANES]),
+        0,
+        (series, basis, rows, powers),
+    )
+
+
+@shared
+def restart(motion: Taylor, start: Values, atol: Values) -> int:
+    """Begin anew from `start` at point 0, with absolute tolerances `atol`."""
+    motion.low = motion.point = 0.0
+    motion.before[:] = start
+    motion.values[:] = start
+    motion.atol[:] = atol
+    motion.orders = 0
+    return GOES_ON
+
+
+@shared
+def advance(motion: Taylor) -> int:
+    """Take one step; return 0, or why it could not be taken."""
+    _begin_step(motion)
+    if motion.tangents:
+        return _end_step(motion, _step_with_tangents(motion))
+    if motion.regularised:
+        expand_contact(motion.series, motion.order, motion.omega, motion.zeta, motion.delta0)
+        return _end_step(motion, _contact_step(motion))
+    inner = _unfelt(motion)
+    expand_free(motion.series, motion.order, motion.omega, motion.zeta, _pulled(motion, inner))
+    return _end_step(motion, _free_step(motion, inner))
+
+
+@shared
+def _step_with_tangents(motion: Taylor) -> float:
+    """Write all series; return how far they may be followed."""
+    omega, zeta, order, differences = motion.omega, motion.zeta, motion.order, motion.differences
+    differences.terms[0] = motion.values[motion.size :]
+    factors = differences.factors
+    if motion.regularised:
+        expand_contact_and_factors(motion.series, factors, order, omega, zeta, motion.delta0)
+        step = _contact_step(motion)
+    else:
+        inner = _unfelt(motion)
+        expand_free_and_factors(motion.series, factors, order, omega, zeta, _pulled(motion, inner))
+        step = _free_step(motion, inner)
+    expand_differences(differences, order, omega, zeta)
+    return min(step, longest_step(differences, order, motion.rtol))
+
+
+@shared
+def expand_by_parameters(motion: Taylor, made: Differences) -> None:
+    """Write the series of differences that small changes of omega, zeta and delta0 make.
+
+    Parameters
+    ----------
+    motion : Taylor
+        A contact with its tangents, after a step.
+    made : Differences
+        The first three are by omega, zeta and delta0.
+    """
+    write_forcing(made.forcing, motion.series, motion.order, motion.omega)
+    made.factors[:] = motion.differences.factors
+    expand_differences(made, motion.order, motion.omega, motion.zeta)
+
+
+@shared
+def _begin_step(motion: Taylor) -> None:
+    motion.low = motion.point
+    motion.orders += motion.order
+    before, values, atol = motion.before, motion.values, motion.atol
+    terms, inverse, rtol = motion.terms, motion.inverse, motion.rtol
+    before[:] = values
+    for i in range(inverse.size):
+        value = terms[0, i] = values[i]
+        inverse[i] = 1.0 / (rtol * abs(value) + atol[i])
+
+
+@shared
+def _end_step(motion: Taylor, step: float) -> int:
+    if math.isnan(step):
+        return NOT_FINITE
+    motion.point = motion.low + step
+    if motion.point <= motion.low:
+        return STUCK
+    _read(motion, motion.point - motion.low, motion.values)
+    return GOES_ON
+
+
+@shared
+def at(motion: Taylor, point: float) -> Values:
+    """Return the values at a point of the last step, valid until the next reading."""
+    if point >= motion.point:
+        return motion.values
+    if point <= motion.low:
+        return motion.before
+    _read(motion, point - motion.low, motion.reading)
+    return motion.reading
+
+
+@shared
+def glance_at(motion: Taylor, point: float) -> Values:
+    """Do as `at` does."""
+    _read(motion, point - motion.low, motion.reading)
+    return motion.reading
+
+
+@shared
+def _read(motion: Taylor, part: float, reading: Values) -> None:
+    """Write the values at a part of the step into `reading`."""
+    if motion.tangents:
+        evaluate(motion.terms, motion.order, part, reading[: motion.size])
+        evaluate_row(motion.differences.terms, motion.order, part, reading[motion.size :])
+    else:
+        evaluate(motion.terms, motion.order, part, reading)
+
+
+@shared
+def _contact_step(motion: Taylor) -> float:
+    """Return how far the series of a contact may be followed."""
+    q = abs(motion.before[Q])
+    rate = q * (motion.omega + 2.0 * motion.zeta + math.sqrt(1.5 * q))
+    step = _longest_step(motion, 5, rate)
+    evaluate_sizes(motion.terms, motion.order, step, motion.sizes)
+    # on a whirl of constant radius p is rounding
+    noise = contact_phase.NOISE * q / step
+    return _with_one_root(motion, P, noise, _with_one_root(motion, Q, 0.0, step))
+
+
+@shared
+def _free_step(motion: Taylor, inner: float) -> float:
+    """Return how far the series of a rotor without clearance may be followed."""
+    x, y = motion.before[X], motion.before[Y]
+    vx, vy = motion.before[VX], motion.before[VY]
+    radius, speed = math.hypot(x, y), math.hypot(vx, vy)
+    rate = motion.omega + 2.0 * motion.zeta + math.sqrt(1.5 * math.sqrt(radius))
+    step = _longest_step(motion, 4, rate)
+    if radius <= inner and inner > 0.0:
+        push = motion.omega**2 + 2.0 * motion.zeta * speed
+        step = min(step, 2.0 * inner / (speed + math.sqrt(speed * speed + 2.0 * push * inner)))
+    return step
+
+
+@shared
+def _unfelt(motion: Taylor) -> float:
+    """Return a radius inside which the force changes the velocity by less than the tolerance.
+
+    The time inside is at most ``r/speed`` or ``sqrt(2 r/push)``, and the force below ``r**1.5``.
+    """
+    part = 1e-2 * motion.rtol
+    speed = math.hypot(motion.before[VX], motion.before[VY])
+    return float(max((part * speed * speed) ** 0.4, (part * motion.omega**2) ** (2.0 / 3.0)))
+
+
+@shared
+def _pulled(motion: Taylor, inner: float) -> float:
+    """Return 1 where the force acts, 0 where it is left out."""
+    return 1.0 if math.hypot(motion.before[X], motion.before[Y]) > inner else 0.0
+
+
+@shared
+def _longest_step(motion: Taylor, components: int, rate: float) -> float:
+    """Return the step at which the last terms of the first components reach their tolerances.
+
+    It is NaN where a term is not finite.
+    """
+    order, terms, inverse = motion.order, motion.terms, motion.inverse
+    last = _worst(terms, inverse, order, components)
+    before = _worst(terms, inverse, order - 1, components)
+    if not math.isfinite(last + before):
+        return math.nan
+    longest = UNLIMITED
+    if last > 0.0:
+        longest = -math.log(last) / order
+    if before > 0.0:
+        longest = min(longest, (FALL - math.log(before)) / (order - 1))
+    step = math.exp(longest)
+    if rate > 0.0:
+        step = min(step, FARTHEST * order / rate)
+    # others in case these vanish: the series of a radial entry has but every fifth term
+    first, growth = order - LOOKED_AT + 1, RATIO * step
+    evaluate_sizes(terms[first:], LOOKED_AT - 3, growth, motion.sizes)
+    scale, excess = growth**first / RATIO ** (order + 1), 0.0
+    for i in range(components):
+        excess = max(excess, scale * motion.sizes[i] * inverse[i])
+    if excess > 1.0:
+        for n in range(first, order - 1):
+            worst = _worst(terms, inverse, n, components)
+            if worst > 0.0:
+                step = min(step, math.exp((FALL * (order + 1 - n) - math.log(worst)) / n))
+    return step
+
+
+@shared
+def _worst(terms: Values, inverse: Values, n: int, components: int) -> float:
+    """Return the largest of the coefficients n, each in parts of its tolerance."""
+    worst = 0.0
+    for i in range(components):
+        worst = max(worst, abs(terms[n, i]) * inverse[i])
+    return worst
+
+
+@shared
+def _with_one_root(motion: Taylor, component: int, noise: float, step: float) -> float:
+    """Return a step, cut so that a component above the noise vanishes inside it at most once."""
+    terms, size = motion.terms, motion.sizes[component]
+    if size < 2.0 * abs(terms[0, component]) or size <= noise:
+        return step
+    if is_monotonic(terms, component, step):
+        return step
+    basis, powers, total = motion.basis, motion.powers, motion.total
+    for _ in range(MOST_CUTS):
+        if sign_changes(terms, component, step, basis, powers, total) <= 1:
+            break
+        step *= 0.5
+    return step
+
+
+# The methods of a `Motion` in compiled code: numba calls a function with the types of the
+# arguments, and compiles the function that it returns.
+# ruff: noqa: ARG005, PLW0108
+overload_method(TaylorType, "restart")(
+    lambda motion, start, atol: lambda motion, start, atol: restart(motion, start, atol)
+)
+overload_method(TaylorType, "advance")(lambda motion: lambda motion: advance(motion))
+overload_method(TaylorType, "at")(lambda motion, point: lambda motion, point: at(motion, point))
+overload_method(TaylorType, "glance_at")(
+    lambda motion, point: lambda motion, point: glance_at(motion, point)
+)
+overload_method(TaylorType, "evaluations")(lambda motion: lambda motion: motion.orders)
