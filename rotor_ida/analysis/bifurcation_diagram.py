@@ -24,7 +24,7 @@ from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.parallel import FailedJob, Stop, choose, run_all
 from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.schema import STATUS, labelled
-from rotor_ida.simulation.options import LARGEST, Options
+from rotor_ida.simulation.options import LARGEST, Method, Options
 from rotor_ida.sweeps.sweep import sweep
 
 DIMS = (*PARAMETERS, "start")
@@ -42,6 +42,7 @@ def bifurcation_diagram(
     extrema_time: float = 100.0,
     rtol: float = 1e-10,
     atol: float = 1e-12,
+    method: Method = "adams",
     workers: int | None = None,
     executor: str = "auto",
     progress: Callable[[int, int], None] | None = None,
@@ -65,6 +66,9 @@ def bifurcation_diagram(
         most 10 million times the step between knots.
     rtol, atol : float
         Relative and absolute tolerance [1].
+    method : {"adams", "bdf", "ida", "taylor"}
+        Solver of the contacts until the rotor has settled, as for `rotor_ida.simulate`. Extrema
+        are found by Taylor series.
     workers, executor
         As for `rotor_ida.sweep`: by default all cores, for the motions and for their extrema.
     progress : callable, optional
@@ -116,10 +120,10 @@ def bifurcation_diagram(
         told |= {"seed": seed, "reach": farthest}
     swept = sweep(
         omega=omega, zeta=zeta, delta0=delta0, starts=starts, rtol=rtol, atol=atol,
-        workers=workers, executor=executor, progress=progress,
+        method=method, workers=workers, executor=executor, progress=progress,
     )  # fmt: skip
     settled = swept.isel(direction=0, drop=True).drop_dims("event")
-    options = Options(rtol=rtol, atol=atol)
+    options = Options(rtol=rtol, atol=atol, method=method)
     return _with_extrema(settled, window, options, workers, executor).assign_attrs(told)
 
 

@@ -1,6 +1,6 @@
 """Local maxima and minima of the distance from the bearing axis, as roots of r r'.
 
-The motion is followed by the one-step method of `tangent`, from knot to knot. Between two knots
+The motion is followed by the Taylor series of `tangent`, from knot to knot. Between two knots
 ``g = r r' = x vx + y vy`` is approximated by the cubic with its exact slopes; each root of the
 cubic is then polished by following the motion from the knot to it, and by Newton's method.
 """

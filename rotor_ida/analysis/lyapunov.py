@@ -8,11 +8,16 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.analysis.tangent import DONE, follow_stretches
+from rotor_ida.analysis.tangent import (
+    DONE,
+    METHODS_OF_TANGENTS,
+    MethodOfTangents,
+    follow_stretches,
+)
 from rotor_ida.checks import (
     MOST_NUMBERS,
     State,
-    check_between,
+    check_choice,
     check_count,
     check_duration,
     check_instance,
@@ -26,7 +31,7 @@ from rotor_ida.parameters import Rotor
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import Column, labelled_dataset
 from rotor_ida.simulation.dataset import parameter_coordinates
-from rotor_ida.simulation.options import check_can_be_followed
+from rotor_ida.simulation.options import check_can_be_followed, check_rtol
 from rotor_ida.simulation.start import starts_in_contact
 
 Values = npt.NDArray[np.float64]
@@ -35,7 +40,6 @@ Values = npt.NDArray[np.float64]
 SPAN = 0.5
 SPANS_A_BATCH = 20
 FEWEST_BATCHES = 4
-TIGHTEST_RTOL, LOOSEST_RTOL = 1e-13, 1e-4
 SHOWN = 400
 # Each span leaves four numbers in memory.
 LONGEST = SPAN * MOST_NUMBERS
@@ -49,6 +53,7 @@ def lyapunov_exponent(
     duration: float = 5000.0,
     batches: int = 20,
     rtol: float = 1e-10,
+    method: MethodOfTangents = "taylor",
 ) -> xr.Dataset:
     """Return the four Lyapunov exponents of the motion that a start leads to.
 
@@ -67,6 +72,9 @@ def lyapunov_exponent(
         Number of parts of `duration`, at least 4, whose scatter gives the error.
     rtol : float
         Tolerance of one step, relative to the size of the state and of each tangent vector [1].
+    method : {"taylor", "adams", "bdf"}
+        What follows motion and tangent vectors in contact: Taylor series, or CVODE, which is slower
+        and an independent witness.
 
     Returns
     -------
@@ -136,10 +144,13 @@ def lyapunov_exponent(
             f"duration must be at least {SPANS_A_BATCH * SPAN:g} for each of {count} batches, "
             f"got {length!r}"
         )
-    tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
+    check_choice("method", method, METHODS_OF_TANGENTS)
+    tolerance = check_rtol(method, rtol)
     span = length / (count * each)
     spans = (math.ceil(lead / span), count * each)
-    stretches = interruptible(lambda stop: _stretches(rotor, first, *spans, span, tolerance, stop))
+    stretches = interruptible(
+        lambda stop: _stretches(rotor, first, *spans, span, tolerance, stop, method)
+    )
     exponents, errors = _means(stretches / span, count, -4.0 * rotor.zeta)
     order = np.argsort(-exponents, kind="stable")
     shown = np.unique(np.linspace(1, count * each, min(SHOWN, count * each)).astype(int))
@@ -153,7 +164,7 @@ def lyapunov_exponent(
     }
     coordinates = parameter_coordinates(rotor)
     coordinates |= {"exponent": ("exponent", np.arange(4)), "t": ("t", span * shown)}
-    how = {"method": "dop853 with tangent vectors", "flight": "exact", "rtol": tolerance}
+    how = {"method": method, "flight": "exact", "rtol": tolerance}
     attributes = provenance(how) | {
         "start": np.array(first), "transient": lead, "duration": length, "batches": count,
     }  # fmt: skip
@@ -161,8 +172,9 @@ def lyapunov_exponent(
 
 
 def _stretches(
-    rotor: Rotor, start: State, lead: int, count: int, span: float, rtol: float, stop: Stop
-) -> Values:
+    rotor: Rotor, start: State, lead: int, count: int, span: float, rtol: float, stop: Stop,
+    method: MethodOfTangents = "taylor",
+) -> Values:  # fmt: skip
     """Return the logarithms of the stretching over each span after the transient."""
     x, y, vx, vy = start
     bundle = np.vstack([start, np.eye(4)])
@@ -171,7 +183,7 @@ def _stretches(
     parameters = (rotor.omega, rotor.zeta, rotor.delta0)
     in_contact = starts_in_contact(complex(x, y), complex(vx, vy), *parameters)
     stretches = np.full((lead + count, 4), np.nan)
-    done = follow_stretches(bundle, in_contact, span, stretches, parameters, rtol, stop)
+    done = follow_stretches(bundle, in_contact, span, stretches, parameters, rtol, stop, method)
     if done != DONE or not np.isfinite(stretches).all():
         time = span * int(np.isfinite(stretches).all(axis=1).sum())
         x, y, vx, vy = rotated(bundle[0], rotor.omega * time).tolist()

@@ -25,7 +25,7 @@ from rotor_ida.parameters import Rotor
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import Column, labelled_dataset
 from rotor_ida.simulation.dataset import parameter_coordinates
-from rotor_ida.simulation.options import Options, check_can_be_followed
+from rotor_ida.simulation.options import Method, Options, check_can_be_followed
 from rotor_ida.simulation.orbit import ENTRY, EXIT
 from rotor_ida.simulation.run import run
 
@@ -45,6 +45,7 @@ def poincare_section(
     at: At = "revolution",
     rtol: float = 1e-10,
     atol: float = 1e-12,
+    method: Method = "adams",
 ) -> xr.Dataset:
     """Return the states at which a motion crosses a section, read on the rotating axes.
 
@@ -63,6 +64,8 @@ def poincare_section(
         at each local maximum of the distance from the bearing axis.
     rtol, atol : float
         Relative and absolute tolerance [1].
+    method : {"adams", "bdf", "ida", "taylor"}
+        Solver of the contacts, as for `rotor_ida.simulate`. Peaks are found by Taylor series.
 
     Returns
     -------
@@ -108,7 +111,7 @@ def poincare_section(
     check_choice("at", at, PLACES)
     if at in ("entry", "exit") and rotor.delta0 == 0.0:
         raise InputError(f"delta0 must be positive for a section at each {at}, got 0.0")
-    options = Options(rtol=rtol, atol=atol)
+    options = Options(rtol=rtol, atol=atol, method=method)
     period = 2.0 * math.pi / rotor.omega
     check_duration("the time of skip and revolutions", (left_out + count) * period, rotor.omega)
     if at == "peak":

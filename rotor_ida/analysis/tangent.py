@@ -3,17 +3,14 @@
 State and tangent vectors are read on the rotating axes, where the motion is autonomous. The
 field is continuous with a continuous Jacobian: the Hertz force leaves the ring like
 indentation**1.5, its slope like indentation**0.5. The variational equation ``M' = J(state) M``
-therefore holds through every entry and exit as it stands, with no jump of M to be added there.
+therefore holds through every entry and exit as it stands, with no jump of M to be added there [1]_.
 
-In flight both are known in closed form. In contact the pair is integrated by an explicit
-Runge-Kutta method of order eight [1]_ that begins anew at each entry and ends its last step on the
-exit, so that no step runs across the ring.
+In flight both are known in closed form; in contact they are followed together, by one Taylor
+series, or by CVODE.
 
 References
 ----------
-.. [1] E. Hairer, S. P. Nørsett, G. Wanner, "Solving Ordinary Differential Equations I", 2nd ed.,
-   Springer, 1993, section II.10: DOP853 and its error estimates.
-.. [2] P. C. Müller, "Calculation of Lyapunov exponents for dynamic systems with
+.. [1] P. C. Müller, "Calculation of Lyapunov exponents for dynamic systems with
    discontinuities", Chaos, Solitons & Fractals 5, 1995: the jump, which vanishes here.
 """
 
@@ -21,34 +18,36 @@ from __future__ import annotations
 
 import cmath
 import math
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
-from scipy.integrate import DOP853
 
 from rotor_ida.equations.compiling import asked_to_stop, compiled
-from rotor_ida.equations.model import rotating_field_into, rotating_jacobian_into
 from rotor_ida.parallel.jobs import Stop
+from rotor_ida.simulation import cartesian_phase, contact_phase
+from rotor_ida.simulation.contact_phase import T, cartesian, end_of_step, tolerances
+from rotor_ida.simulation.cvode.compiled import METHODS, close_direct, open_direct
+from rotor_ida.simulation.cvode.interface import callbacks_with_tangents
 from rotor_ida.simulation.flight import drift, first_touch, fly
+from rotor_ida.simulation.motion import GOES_ON, Motion
+from rotor_ida.simulation.start import contact_start
+from rotor_ida.simulation.tangents import COUNT, TANGENTS, joined
+from rotor_ida.simulation.taylor.motion import open_taylor
 
 Values = npt.NDArray[np.float64]
 Parameters = tuple[float, float, float]
+MethodOfTangents = Literal["taylor", "adams", "bdf"]
+METHODS_OF_TANGENTS: tuple[MethodOfTangents, ...] = ("taylor", "adams", "bdf")
 
 DONE, STUCK = 0, 1
 
-_SAFETY, _MOST_GROWTH, _LEAST_GROWTH = 0.9, 6.0, 0.2
 _ROUNDING = 2.0**-52
 _PATIENCE = 200_000
-
-STAGES = 12
-# The estimate falls like the sixth power of the step.
-ERROR_POWER = -1.0 / 6.0
-_A = np.ascontiguousarray(DOP853.A)
-_B = np.ascontiguousarray(DOP853.B)
-_E5 = np.ascontiguousarray(DOP853.E5)
+# Absolute tolerance in parts of the relative one.
+_ATOL = 1e-2
 
 
-@compiled
 def follow_stretches(
     bundle: Values,
     in_contact: bool,
@@ -57,6 +56,7 @@ def follow_stretches(
     rotor: Parameters,
     rtol: float,
     stop: Stop,
+    method: MethodOfTangents = "taylor",
 ) -> int:
     """Follow a state and its four tangent vectors, and say how much these were stretched.
 
@@ -78,15 +78,52 @@ def follow_stretches(
         Tolerance of one step relative to the size of state and vectors [1].
     stop : ndarray, shape (1,)
         Anything but 0 asks the integration to stop.
+    method : {"taylor", "adams", "bdf"}
+        What follows them in contact.
 
     Returns
     -------
     int
         0 if all was done; 1 if the integration was stuck, or asked to stop.
     """
-    mode = np.array([1.0 if in_contact else 0.0, 1e-3])
+    how = (bundle, in_contact, span, stretches, rotor, rtol, stop)
+    if method == "taylor":
+        return _follow_by_taylor_series(*how)
+    contact, free = callbacks_with_tangents()
+    field = (contact if rotor[2] > 0.0 else free).address
+    return _follow_by_cvode(*how, np.array(rotor), METHODS[method], field)
+
+
+@compiled
+def _follow_by_taylor_series(
+    bundle: Values, in_contact: bool, span: float, stretches: Values, rotor: Parameters,
+    rtol: float, stop: Stop,
+) -> int:  # fmt: skip
+    motion = open_taylor(rotor[0], rotor[1], rotor[2], rotor[2] > 0.0, rtol, True)
+    return _follow_spans(bundle, in_contact, span, stretches, rotor, rtol, stop, motion)
+
+
+@compiled
+def _follow_by_cvode(
+    bundle: Values, in_contact: bool, span: float, stretches: Values, rotor: Parameters,
+    rtol: float, stop: Stop, parameters: Values, method: int, field: int,
+) -> int:  # fmt: skip
+    size = contact_phase.SIZE if rotor[2] > 0.0 else cartesian_phase.SIZE
+    motion = open_direct(size + TANGENTS, method, rtol, parameters, field, 0)
+    done = _follow_spans(bundle, in_contact, span, stretches, rotor, rtol, stop, motion)
+    close_direct(motion)
+    return done
+
+
+@compiled
+def _follow_spans(
+    bundle: Values, in_contact: bool, span: float, stretches: Values, rotor: Parameters,
+    rtol: float, stop: Stop, motion: Motion,
+) -> int:  # fmt: skip
+    """Do as `follow_stretches` does, with a motion that has not begun."""
+    mode = np.array([1.0 if in_contact else 0.0])
     for row in range(stretches.shape[0]):
-        if _follow(bundle, mode, span, rotor, rtol, stop) != DONE:
+        if _follow(bundle, mode, span, rotor, rtol, motion, stop) != DONE:
             return STUCK
         orthonormalise(bundle, stretches[row])
     return DONE
@@ -112,13 +149,12 @@ def follow_on(
     span, rotor, rtol, stop
         As for `follow_stretches`.
     """
-    bundle = np.zeros((5, 4))
-    bundle[0] = states[0]
-    mode = np.array([1.0 if in_contact[0] else 0.0, 1e-3])
+    state, mode = states[:1].copy(), np.array([1.0 if in_contact[0] else 0.0])
+    motion = open_taylor(rotor[0], rotor[1], rotor[2], rotor[2] > 0.0, rtol, False)
     for row in range(1, states.shape[0]):
-        if _follow(bundle, mode, span, rotor, rtol, stop) != DONE:
+        if _follow(state, mode, span, rotor, rtol, motion, stop) != DONE:
             return STUCK
-        states[row] = bundle[0]
+        states[row] = state[0]
         in_contact[row] = mode[0] > 0.0
     return DONE
 
@@ -134,13 +170,14 @@ def follow_from(
     stop: Stop,
 ) -> int:
     """Write into `reached` the state that follows on each row of `states` after its span."""
-    bundle = np.zeros((5, 4))
+    mode = np.zeros(1)
+    motion = open_taylor(rotor[0], rotor[1], rotor[2], rotor[2] > 0.0, rtol, False)
     for row in range(states.shape[0]):
-        bundle[0] = states[row]
-        mode = np.array([1.0 if in_contact[row] else 0.0, max(spans[row], 1e-6)])
-        if spans[row] > 0.0 and _follow(bundle, mode, spans[row], rotor, rtol, stop):
+        state = states[row : row + 1].copy()
+        mode[0] = 1.0 if in_contact[row] else 0.0
+        if spans[row] > 0.0 and _follow(state, mode, spans[row], rotor, rtol, motion, stop):
             return STUCK
-        reached[row] = bundle[0]
+        reached[row] = state[0]
     return DONE
 
 
@@ -166,16 +203,19 @@ def orthonormalise(bundle: Values, stretch: Values) -> None:
 
 @compiled
 def _follow(
-    bundle: Values, mode: Values, span: float, rotor: Parameters, rtol: float, stop: Stop
-) -> int:
-    """Alternate flight and contact over `span`; `mode` keeps whether in contact, and the step."""
+    bundle: Values, mode: Values, span: float, rotor: Parameters, rtol: float, motion: Motion,
+    stop: Stop,
+) -> int:  # fmt: skip
+    """Alternate flight and contact over `span`; `mode` keeps whether in contact."""
     omega, zeta, delta0 = rotor
     left = span
     for _ in range(_PATIENCE):
         if mode[0] > 0.0:
-            passed = _stay_in_contact(bundle, mode, left, rotor, rtol, stop)
+            passed = _stay_in_contact(bundle, mode, left, rotor, rtol, motion, stop)
             if passed < 0.0:
                 return STUCK
+            if mode[0] == 0.0:
+                _put_on_the_ring(bundle, delta0)
         else:
             z, w = complex(bundle[0, 0], bundle[0, 1]), complex(bundle[0, 2], bundle[0, 3])
             touch = first_touch(z, w, omega, zeta, delta0, left, stop)
@@ -200,7 +240,7 @@ def _fly(bundle: Values, tau: float, omega: float, zeta: float) -> None:
     bundle[0, 0], bundle[0, 1], bundle[0, 2], bundle[0, 3] = z.real, z.imag, w.real, w.imag
     back = cmath.exp(-1j * omega * tau)
     reach, decay = drift(tau, zeta), math.exp(-2.0 * zeta * tau)
-    for i in range(1, 5):
+    for i in range(1, bundle.shape[0]):
         position = complex(bundle[i, 0], bundle[i, 1])
         velocity = complex(bundle[i, 2], bundle[i, 3])
         position = (position + velocity * reach) * back
@@ -219,127 +259,58 @@ def _put_on_the_ring(bundle: Values, delta0: float) -> None:
 
 @compiled
 def _stay_in_contact(
-    bundle: Values, mode: Values, left: float, rotor: Parameters, rtol: float, stop: Stop
-) -> float:
-    """Integrate until the exit or for `left`; return the time passed, negative if stuck."""
-    delta0 = rotor[2]
-    rates = np.empty((STAGES + 1, 5, 4))
-    trial, matrix = np.empty((5, 4)), np.zeros((4, 4))
-    _write_rate(bundle, rates[0], matrix, rotor)
-    passed, size = 0.0, mode[1]
-    for _ in range(_PATIENCE):
-        if asked_to_stop(stop):
+    bundle: Values, mode: Values, left: float, rotor: Parameters, rtol: float, motion: Motion,
+    stop: Stop,
+) -> float:  # fmt: skip
+    """Follow a contact until its exit or for `left`; return the time passed, negative if stuck."""
+    passed = _begin_contact(bundle, left, rotor, rtol, motion)
+    regularised, leaves, reached = rotor[2] > 0.0, False, motion.values.copy()
+    while passed < left:
+        if asked_to_stop(stop) or motion.advance() != GOES_ON:
             return -1.0
-        last = size >= left - passed
-        length = left - passed if last else size
-        error = _step(bundle, length, rates, trial, matrix, rotor, rtol)
-        if not error <= 1.0:
-            size = length * max(_LEAST_GROWTH, _SAFETY * error**ERROR_POWER)
-            if not size > _ROUNDING * left:
-                return -1.0
-            continue
-        growth = _SAFETY * error**ERROR_POWER if error > 0.0 else _MOST_GROWTH
-        if not last or growth < 1.0:
-            size = length * min(_MOST_GROWTH, max(_LEAST_GROWTH, growth))
-        leaves = math.hypot(trial[0, 0], trial[0, 1]) < delta0
-        if leaves and _radial(trial) < 0.0:
-            length = _land_on_exit(bundle, length, rates, trial, matrix, rotor, rtol)
-            mode[0], last = 0.0, True
-        bundle[:, :] = trial
-        passed += length
-        if last:
-            if mode[0] == 0.0:
-                _put_on_the_ring(bundle, delta0)
-            mode[1] = max(min(size, 1.0), 1e-6)
-            return passed
-        rates[0] = rates[STAGES]
-    return -1.0
-
-
-@compiled
-def _land_on_exit(
-    bundle: Values,
-    length: float,
-    rates: Values,
-    trial: Values,
-    matrix: Values,
-    rotor: Parameters,
-    rtol: float,
-) -> float:
-    """Shorten a step that leaves the contact so that it ends on the ring: Newton in a bracket."""
-    delta0 = rotor[2]
-    low, high, size = 0.0, length, length
-    for _ in range(60):
-        radius = math.hypot(trial[0, 0], trial[0, 1])
-        late = delta0 - radius
-        if late > 0.0:
-            high = size
+        if regularised:
+            end, here, leaves = end_of_step(motion, left, 0.0)
+            passed = here[T]
         else:
-            low = size
-        if abs(late) <= 4.0 * _ROUNDING * delta0 or high - low <= _ROUNDING * length:
+            end = min(motion.point, left)
+            passed, here = end, motion.at(end)
+        if math.isnan(end):
+            return -1.0
+        reached[:] = here
+        if leaves:
+            mode[0] = 0.0
             break
-        speed = _radial(trial) / radius
-        new = size + late / speed if speed < 0.0 else low
-        size = new if low < new < high else 0.5 * (low + high)
-        _step(bundle, size, rates, trial, matrix, rotor, rtol)
-    return size
+    _write_bundle(bundle, reached, rotor[2])
+    return passed
 
 
 @compiled
-def _radial(bundle: Values) -> float:
-    """Return ``r r'`` of the state."""
-    return float(bundle[0, 0] * bundle[0, 2] + bundle[0, 1] * bundle[0, 3])
-
-
-@compiled
-def _write_rate(bundle: Values, rate: Values, matrix: Values, rotor: Parameters) -> None:
-    """Write the rate of change of the state and of its tangent vectors."""
-    omega, zeta, delta0 = rotor
-    rotating_field_into(bundle[0], rate[0], omega, zeta, delta0)
-    rotating_jacobian_into(bundle[0], matrix, omega, zeta, delta0)
-    for i in range(1, 5):
-        for j in range(4):
-            total = 0.0
-            for k in range(4):
-                total += matrix[j, k] * bundle[i, k]
-            rate[i, j] = total
-
-
-@compiled
-def _step(
-    bundle: Values,
-    size: float,
-    rates: Values,
-    trial: Values,
-    matrix: Values,
-    rotor: Parameters,
-    rtol: float,
+def _begin_contact(
+    bundle: Values, left: float, rotor: Parameters, rtol: float, motion: Motion
 ) -> float:
-    """Write the bundle after one step into `trial`; return its error in tolerances.
+    """Put a motion at the state of the bundle, or a moment later; return that moment."""
+    omega, zeta, delta0 = rotor
+    own, atol, moment = bundle[0], np.full(4, _ATOL * rtol), 0.0
+    if delta0 > 0.0:
+        z, w = complex(bundle[0, 0], bundle[0, 1]), complex(bundle[0, 2], bundle[0, 3])
+        own = contact_start(z, w, left, omega, zeta, delta0)
+        atol, moment = tolerances(own, rtol, _ATOL * rtol), own[T]
+        if moment > 0.0:
+            _fly(bundle, moment, omega, zeta)
+    vectors = bundle[1:]
+    motion.restart(joined(own, vectors), joined(atol, np.full(vectors.shape, rtol)))
+    return float(moment)
 
-    ``rates[0]`` holds the rate at the beginning of the step. The error is the estimate of order
-    five alone: the smaller one that [1]_ makes of it trusts in derivatives that the force of a
-    rotor without clearance lacks at the centre, where it let through errors of 1e4 tolerances.
-    """
-    for stage in range(1, STAGES + 1):
-        for i in range(5):
-            for j in range(4):
-                total = 0.0
-                for k in range(stage):
-                    weight = _A[stage, k] if stage < STAGES else _B[k]
-                    total += weight * rates[k, i, j]
-                trial[i, j] = bundle[i, j] + size * total
-        _write_rate(trial, rates[stage], matrix, rotor)
-    worst = 0.0
-    for i in range(5):
-        scale = 0.0
-        square = 0.0
+
+@compiled
+def _write_bundle(bundle: Values, reached: Values, delta0: float) -> None:
+    """Write state and tangent vectors at the end of a contact."""
+    if delta0 > 0.0:
+        z, w = cartesian(reached, delta0)
+        bundle[0, 0], bundle[0, 1], bundle[0, 2], bundle[0, 3] = z.real, z.imag, w.real, w.imag
+    else:
+        bundle[0] = reached[:4]
+    vectors = reached[reached.size - bundle[1:].size :]
+    for i in range(bundle.shape[0] - 1):
         for j in range(4):
-            scale = max(scale, abs(bundle[i, j]), abs(trial[i, j]))
-            error = 0.0
-            for k in range(STAGES + 1):
-                error += _E5[k] * rates[k, i, j]
-            square += error**2
-        if square > 0.0:
-            worst = max(worst, 0.5 * size * math.sqrt(square) / (rtol * scale))
-    return worst
+            bundle[i + 1, j] = vectors[COUNT * j + i]

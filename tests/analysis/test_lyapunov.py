@@ -92,6 +92,17 @@ def test_in_chaos_the_exponent_is_the_known_one_and_its_error_falls_with_the_tim
     assert errors[:, 0].mean() / before < 0.5
 
 
+def test_cvode_finds_the_same_exponents():
+    """The motion is periodic: the same four, to the error of the averages."""
+    by_taylor, by_cvode = (
+        lyapunov_exponent(BOUNCING, start=REST, duration=1000.0, rtol=1e-9, method=method)
+        for method in ("taylor", "adams")
+    )
+    assert by_cvode.attrs["method"] == "adams"
+    difference = np.abs(by_cvode.lyapunov_exponent - by_taylor.lyapunov_exponent)
+    assert difference.max() < 1e-6
+
+
 def test_running_mean_ends_near_the_exponent():
     found = lyapunov_exponent(FULL_CONTACT, start=REST, duration=1000.0)
     assert found.running_exponent.dims == ("t", "exponent")
@@ -106,7 +117,9 @@ def test_running_mean_ends_near_the_exponent():
     [
         ({"duration": 10.0}, "duration must be at least 10 for each of 20 batches, got 10.0"),
         ({"batches": 3}, "batches must be at least 4, got 3"),
-        ({"rtol": 1.0}, "rtol must lie from 1e-13 to 0.0001, got 1.0"),
+        ({"rtol": 1.0}, "rtol must lie from 1e-15 to 0.0001, got 1.0"),
+        ({"rtol": 1e-14, "method": "adams"}, "rtol must lie from 1e-13 to 0.001, got 1e-14"),
+        ({"method": "ida"}, "method must be one of 'taylor', 'adams', 'bdf', got 'ida'"),
         ({"transient": -1.0}, "transient must be positive, got -1.0"),
         ({"start": (0, 0, 0)}, "start must be four numbers"),
     ],

@@ -17,13 +17,14 @@ GO_ON = np.zeros(1, np.uint8)
 TIGHT = Options(rtol=1e-13, atol=1e-15)
 
 
-def followed(rotor, start, duration, rtol):
+def followed(rotor, start, duration, rtol, method="taylor"):
     """State and product of orthonormal vectors and stretching after one span."""
     bundle = np.vstack([start, np.eye(4)])
     parameters = (rotor.omega, rotor.zeta, rotor.delta0)
     in_contact = starts_in_contact(complex(*start[:2]), complex(*start[2:]), *parameters)
     stretch = np.empty((1, 4))
-    assert follow_stretches(bundle, in_contact, duration, stretch, parameters, rtol, GO_ON) == DONE
+    how = (parameters, rtol, GO_ON, method)
+    assert follow_stretches(bundle, in_contact, duration, stretch, *how) == DONE
     return bundle, stretch[0]
 
 
@@ -88,3 +89,13 @@ def test_flight_is_the_linear_map():
     expected, triangle = np.linalg.qr(exact)
     np.testing.assert_allclose(stretch, np.log(np.abs(np.diag(triangle))), atol=1e-13)
     np.testing.assert_allclose(np.abs(bundle[1:].T), np.abs(expected), atol=1e-13)
+
+
+@pytest.mark.parametrize("method", ["adams", "bdf"])
+@pytest.mark.parametrize("rotor", [BOUNCING, Rotor(omega=1.7, zeta=0.07, delta0=0.0)])
+def test_cvode_leads_tangent_vectors_to_where_taylor_series_do(rotor, method):
+    """State, directions and stretching, by two methods, through entries and exits."""
+    expected, found = (followed(rotor, START, 20.0, rtol, method)
+                       for rtol, method in ((1e-13, "taylor"), (1e-12, method)))  # fmt: skip
+    np.testing.assert_allclose(found[0], expected[0], rtol=0.0, atol=1e-8)
+    np.testing.assert_allclose(found[1], expected[1], rtol=0.0, atol=1e-8)
