@@ -243,7 +243,7 @@ def test_doctor_finds_a_solver_that_is_wrong(program: Program, monkeypatch: pyte
     assert answer.status == 1
     assert "event times are wrong by" in answer.out
     assert "Backends that can be used: none" in answer.out
-    assert answer.err == "rotor-ida: 4 of 5 checks failed\n"
+    assert answer.err == "rotor-ida: 6 of 7 checks failed\n"
 
 
 def test_doctor_says_why_a_backend_is_absent(program: Program, monkeypatch: pytest.MonkeyPatch):

@@ -13,7 +13,7 @@ from typing import get_args
 import rotor_ida
 from rotor_ida.cli import options
 from rotor_ida.cli.report import Report, pairs, table
-from rotor_ida.simulation.options import Backend, Flight
+from rotor_ida.simulation.options import Backend, Flight, Method
 
 PACKAGES = (
     *("rotor-ida", "scikit-sundae", "numpy", "scipy", "numba"),
@@ -92,17 +92,19 @@ def _check_backend(backend: Backend) -> list[Check]:
 
     Released at rest at A, the rotor leaves the ring after a quarter of the planar period of
     amplitude ``A - delta0`` without clearance, and crosses ``2 delta0`` at constant speed. A
-    backend that cannot be had here is absent, with the reason; the others do its work.
+    backend that cannot be had here is absent, with the reason; the others do its work. Taylor
+    series need no solver.
     """
+    free = f"{backend}: free vibration"
+    series = _attempt(f"{free}, Taylor series", partial(_vibration, backend, "exact", "taylor"))
     reason = _why_not(backend)
     if reason:
-        return [{"check": f"{backend}: free vibration", "result": "absent", "seen": reason}]
-    return [
-        _attempt(
-            f"{backend}: free vibration, flight {flight}", partial(_vibration, backend, flight)
-        )
+        return [{"check": free, "result": "absent", "seen": reason}, series]
+    by_cvode = [
+        _attempt(f"{free}, flight {flight}", partial(_vibration, backend, flight, "adams"))
         for flight in get_args(Flight)
     ]
+    return [*by_cvode, series]
 
 
 def _why_not(backend: Backend) -> str:
@@ -115,7 +117,7 @@ def _why_not(backend: Backend) -> str:
     return libraries.why_not()
 
 
-def _vibration(backend: Backend, flight: Flight) -> str:
+def _vibration(backend: Backend, flight: Flight, method: Method) -> str:
     from rotor_ida import closed_forms  # noqa: PLC0415 - heavy, and not for --help
 
     depth = RELEASE - CLEARANCE
@@ -126,6 +128,7 @@ def _vibration(backend: Backend, flight: Flight) -> str:
         start=(RELEASE, 0.0, 0.0, 0.0),
         duration=leaving + crossing + 1.0,
         samples=2,
+        method=method,
         flight=flight,
         backend=backend,
     )
