@@ -2,7 +2,7 @@
 
 Every case of ``tests/data`` is integrated with the same tolerances, 1e-12 and 1e-14:
 
-- this program: exact flight, CVODE-Adams in contact;
+- this program: exact flight; in contact CVODE-Adams, or Taylor series;
 - scikit-sundae used plainly: CVODE-Adams in x, y, vx, vy, its own root finding of
   |z| = delta0, stopped and started again at each event;
 - SciPy: ``solve_ivp`` with DOP853 and an event function, straight through;
@@ -14,6 +14,7 @@ Every case of ``tests/data`` is integrated with the same tolerances, 1e-12 and 1
 
 import json
 import math
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -26,7 +27,7 @@ RTOL, ATOL = 1e-12, 1e-14
 DATA = Path(__file__).resolve().parent.parent / "tests" / "data"
 
 
-def ours(case):
+def ours(case, method="adams"):
     """Return event times and kinds found by this program."""
     rotor = Rotor(**{name: case[name] for name in ("omega", "zeta", "delta0")})
     run = simulate(
@@ -36,6 +37,7 @@ def ours(case):
         samples=2,
         rtol=RTOL,
         atol=ATOL,
+        method=method,
     )
     return run.event_time.values, run.event_kind.values
 
@@ -146,7 +148,8 @@ def heyoka_taylor(case):
 
 
 WAYS = {
-    "rotor_ida": ours,
+    "rotor_ida, CVODE": ours,
+    "rotor_ida, Taylor": partial(ours, method="taylor"),
     "scikit-sundae, plainly": plain_sundae,
     "SciPy DOP853": scipy_dop853,
     "heyoka": heyoka_taylor,

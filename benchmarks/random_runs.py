@@ -2,10 +2,11 @@
 
 Parameters are log-uniform over omega 0.05 .. 8, zeta 0 .. 2 (a tenth of them exactly 0) and
 delta0 0 .. 20 (a tenth exactly 0), starts uniform up to 3 delta0, some of them at rest, on the
-ring or in contact. The events of a part of the runs are confirmed by a second method, BDF with
-integrated flight, within ten times the errors that the two runs state.
+ring or in contact. The events of a part of the runs are confirmed by a second method, within ten
+times the errors that the two runs state: BDF with integrated flight, or Taylor series.
 
     python benchmarks/random_runs.py --runs 10000 --confirm 200
+    python benchmarks/random_runs.py --runs 10000 --confirm 10000 --by taylor --rtol 1e-12
 """
 
 import argparse
@@ -36,17 +37,20 @@ def random_case(rng):
     return Rotor(omega=omega, zeta=zeta, delta0=delta0), tuple(start.tolist()), duration
 
 
-def confirmed(rotor, start, duration, run):
-    """Return whether BDF with integrated flight finds the same events, up to the horizons."""
+WITNESSES = {
+    "bdf": {"method": "bdf", "flight": "cvode", "rtol": 1e-11, "atol": 1e-13},
+    "taylor": {"method": "taylor", "rtol": 1e-13, "atol": 1e-15},
+}
+
+
+def confirmed(rotor, start, duration, run, witness):
+    """Return whether another method finds the same events, up to the horizons."""
     other = simulate(
         rotor,
         start=start,
         duration=duration,
         samples=2,
-        rtol=1e-11,
-        atol=1e-13,
-        method="bdf",
-        flight="cvode",
+        **WITNESSES[witness],
     )
     sure = np.isfinite(run.event_time_error.values)
     count = int(np.argmin(sure)) if not sure.all() else sure.size
@@ -70,6 +74,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--runs", type=int, default=1000)
     parser.add_argument("--confirm", type=int, default=200)
+    parser.add_argument("--by", choices=tuple(WITNESSES), default="bdf")
+    parser.add_argument("--rtol", type=float, default=1e-10)
     parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()
     rng = np.random.default_rng(arguments.seed)
@@ -79,7 +85,14 @@ def main():
         rotor, start, duration = random_case(rng)
         began = time.perf_counter()
         try:
-            run = simulate(rotor, start=start, duration=duration, samples=101)
+            run = simulate(
+                rotor,
+                start=start,
+                duration=duration,
+                samples=101,
+                rtol=arguments.rtol,
+                atol=arguments.rtol / 100.0,
+            )
         except RotorError as error:
             failed += 1
             print(f"failed: {rotor} {start}\n{error}")
@@ -87,10 +100,10 @@ def main():
         slowest = max(slowest, time.perf_counter() - began)
         events += run.sizes["event"]
         if number < arguments.confirm:
-            unconfirmed += not confirmed(rotor, start, duration, run)
+            unconfirmed += not confirmed(rotor, start, duration, run, arguments.by)
     print(
         f"{arguments.runs} runs, {events} events: {failed} failed; "
-        f"{min(arguments.confirm, arguments.runs)} held against BDF with integrated flight: "
+        f"{min(arguments.confirm, arguments.runs)} held against {arguments.by}: "
         f"{unconfirmed} not confirmed; slowest run {slowest:.2f} s"
     )
     return 1 if failed or unconfirmed else 0

@@ -14,6 +14,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress
 from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.schema import RESPONSE
+from rotor_ida.simulation.options import Method
 from rotor_ida.simulation.simulate import simulate
 from rotor_ida.sweeps.response import CONTACT_FREE, SYNCHRONOUS
 from rotor_ida.sweeps.sweep import DIRECTIONS, sweep
@@ -42,15 +43,22 @@ CLOSE = 1e-6
 
 
 def rerun(
-    dataset: xr.Dataset, *, workers: int | None = None, progress: Progress | None = None
+    dataset: xr.Dataset,
+    *,
+    method: Method | None = None,
+    workers: int | None = None,
+    progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Compute a result again, as its own attributes say.
+    """Compute a result again, as its own attributes say, or by another method.
 
     Parameters
     ----------
     dataset : Dataset
         A result of `simulate`, `sweep`, `basin` or `basin_fractions`, for instance one that was
         loaded from an archive.
+    method : {"adams", "bdf", "ida", "taylor"}, optional
+        Another solver of the contacts of a run or sweep: a witness that shares no step with the
+        first.
     workers, progress
         As for the function that computed it; a single run needs neither.
 
@@ -70,9 +78,11 @@ def rerun(
     >>> from rotor_ida.testing import assert_events_close
     >>> rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
     >>> run = simulate(rotor, start=(0, 0, 0, 0), duration=20.0)
-    >>> assert_events_close(rerun(run), run)
+    >>> assert_events_close(rerun(run, method="taylor"), run)
     """
     kind = _kind_of(dataset)
+    if method is not None:
+        dataset = _by(dataset, kind, method)
     if "time_scale" in dataset.attrs:
         raise InputError("a result in SI units cannot be verified: verify the dimensionless one")
     if kind == "run":
@@ -126,6 +136,16 @@ def _kind_of(dataset: xr.Dataset) -> str:
         "only what simulate, sweep, basin and basin_fractions have computed can be verified, got a "
         f"dataset of {', '.join(map(str, dataset.data_vars)) or 'nothing'}"
     )
+
+
+def _by(dataset: xr.Dataset, kind: str, method: Method) -> xr.Dataset:
+    """Return a result that says that it was computed by another method."""
+    if kind not in ("run", "sweep"):
+        raise InputError(f"method must be left out for a {kind}, got {method!r}")
+    how: dict[str, object] = {"method": method}
+    if method == "taylor":
+        how["flight"] = "exact"
+    return dataset.assign_attrs(how)
 
 
 def _run(dataset: xr.Dataset) -> xr.Dataset:

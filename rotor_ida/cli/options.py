@@ -108,6 +108,10 @@ Workers = Annotated[
     int | None, _whole_number("Jobs done at a time; by default one a core.", 1, MOST_WORKERS)
 ]
 
+Witness = Annotated[
+    Method | None, Parameter(help="Solver that computes it again; by default the same.")
+]
+
 File = Annotated[Path, _path("An archive that this program wrote.", name="FILE")]
 Folder = Annotated[Path, _path("The folder of a study.", name="FOLDER")]
 Study = Annotated[

@@ -22,7 +22,9 @@ from rotor_ida.testing import assert_events_close
 ROTOR = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 
 
-@pytest.mark.parametrize(("method", "flight"), [("adams", "exact"), ("bdf", "cvode")])
+@pytest.mark.parametrize(
+    ("method", "flight"), [("adams", "exact"), ("bdf", "cvode"), ("taylor", "exact")]
+)
 def test_a_run_is_made_again_to_the_bit(tmp_path, method, flight):
     run = simulate(
         ROTOR, start=(0.1, 0, 0, 0), duration=30.0, samples=7, method=method, flight=flight
@@ -31,6 +33,26 @@ def test_a_run_is_made_again_to_the_bit(tmp_path, method, flight):
     assert (again.event_time.values == run.event_time.values).all()
     assert (again.x.values == run.x.values).all()
     assert_events_close(again, run)
+
+
+@pytest.mark.parametrize("flight", ["exact", "cvode"])
+def test_another_method_is_a_witness_of_a_run(flight):
+    run = simulate(ROTOR, start=(0.1, 0, 0, 0), duration=30.0, flight=flight)
+    again = rerun(run, method="taylor")
+    assert again.attrs["method"] == "taylor"
+    assert (again.event_time.values != run.event_time.values).any()
+    assert_events_close(again, run)
+    assert differences(again, run)["agrees"] is True
+
+
+def test_another_method_comes_to_the_same_responses():
+    archived = RESULTS["sweep"]()
+    assert differences(rerun(archived, method="taylor"), archived)["agrees"] is True
+
+
+def test_a_basin_knows_no_method():
+    with pytest.raises(InputError, match="method must be left out for a basin, got 'taylor'"):
+        rerun(RESULTS["basin"](), method="taylor")
 
 
 def test_an_archive_that_was_tampered_with_does_not_verify():

@@ -22,6 +22,14 @@ def test_an_archived_run_verifies(program: Program, archives: Path):
     assert "agrees" in program("verify", archives / "run.nc").out
 
 
+def test_another_method_is_a_witness_of_a_run(program: Program, archives: Path):
+    answer = program("verify", archives / "run.nc", "--method", "taylor", "--json")
+    assert (answer.status, answer.err) == (0, "")
+    record = json.loads(answer.out)
+    assert record["agrees"] is True
+    assert 0.0 < record["largest_difference"] < 1e-8
+
+
 def test_a_forged_run_does_not(program: Program, archives: Path):
     run = rotor_ida.load(archives / "run.nc")
     rotor_ida.save(run.assign(event_time=run.event_time + 1e-3), "forged.nc")

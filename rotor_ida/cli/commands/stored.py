@@ -68,19 +68,25 @@ def compare(
 
 
 def verify(
-    file: options.File, /, *, workers: options.Workers = None, as_json: options.AsJson = False
+    file: options.File,
+    /,
+    *,
+    method: options.Witness = None,
+    workers: options.Workers = None,
+    as_json: options.AsJson = False,
 ) -> Report:
     """Compute an archived run, sweep or basin again, and hold it against the archive.
 
-    Of the run that the example of simulate wrote:
+    Of the run that the example of simulate wrote, as it was computed, and by another method:
 
         rotor-ida verify run.nc
+        rotor-ida verify run.nc --method taylor
     """
     archived = read(file)
     from rotor_ida.analysis.verification import differences, rerun  # noqa: PLC0415 - heavy
 
     with working("verify") as progress:
-        again = rerun(archived, workers=workers, progress=progress)
+        again = rerun(archived, method=method, workers=workers, progress=progress)
     found = differences(again, archived)
     record = {"file": str(file), **found}
     shown = {name: value for name, value in record.items() if value != ""}

@@ -1,0 +1,60 @@
+"""How well the stated errors of event times cover the true ones: the reference events, by method.
+
+Given are the share of the events whose error is no larger than the one stated, by how much that
+exceeds the true one in the median, and the runs that found other events.
+
+    python benchmarks/stated_errors.py
+"""
+
+import argparse
+
+import numpy as np
+from event_table import DATA, load
+
+from rotor_ida import Rotor, simulate
+
+TOLERANCES = {
+    "adams": [10.0**-power for power in range(6, 14)],
+    "taylor": [10.0**-power for power in range(6, 16)],
+}
+
+
+def stated(case, method, rtol):
+    """Return stated and true errors of the events of a run; None where it found others."""
+    rotor = Rotor(**{name: case[name] for name in ("omega", "zeta", "delta0")})
+    run = simulate(
+        rotor,
+        start=tuple(case["start"]),
+        duration=case["duration"],
+        samples=2,
+        rtol=rtol,
+        atol=rtol / 100.0,
+        method=method,
+    )
+    if run.event_kind.values.tolist() != [kind for kind, _, _ in case["events"]]:
+        return None
+    right = np.array([float(time) for _, time, _ in case["events"]])
+    return run.event_time_error.values, np.abs(run.event_time.values - right)
+
+
+def main():
+    """Print a line for each method and tolerance."""
+    argparse.ArgumentParser(description=__doc__.splitlines()[0]).parse_args()
+    cases = [case for path in sorted(DATA.glob("contact_events.json")) for case in load(path)]
+    print("| method | rtol | events | covered | over the true error | runs with other events |")
+    print("|---|---|---|---|---|---|")
+    for method, tolerances in TOLERANCES.items():
+        for rtol in tolerances:
+            found = [stated(case, method, rtol) for case in cases]
+            right = [pair for pair in found if pair is not None]
+            said, true = (np.concatenate(each) for each in zip(*right, strict=True))
+            over = np.median(said[true > 0.0] / true[true > 0.0])
+            print(
+                f"| {method} | {rtol:.0e} | {true.size} | {np.mean(said >= true):.4f} "
+                f"| {over:.1f} | {len(found) - len(right)} |",
+                flush=True,
+            )
+
+
+if __name__ == "__main__":
+    main()
