@@ -58,10 +58,10 @@ MISTAKES = [
     (simulate(atol="nan"), f"atol {FINITE} nan"),
     (simulate(method="rk4"), "method must be one of 'adams', 'bdf', 'ida', 'taylor', got 'rk4'"),
     (
-        f"{simulate(method='taylor')} --flight cvode",
+        simulate(method="taylor", flight="cvode"),
         "flight must be 'exact' with taylor, got 'cvode'",
     ),
-    (f"{simulate(method='taylor')} --rtol 1e-3", "rtol must lie from 1e-15 to 0.0001, got 0.001"),
+    (simulate(method="taylor", rtol="1e-3"), "rtol must lie from 1e-15 to 0.0001, got 0.001"),
     (simulate(flight="up"), "flight must be one of 'exact', 'cvode', got 'up'"),
     (simulate(backend="gpu"), "backend must be one of"),
     # ranges and grids
