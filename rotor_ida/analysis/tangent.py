@@ -23,7 +23,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.equations.compiling import asked_to_stop, compiled
+from rotor_ida.equations.compiling import asked_to_stop, compiled, release
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.simulation import cartesian_phase, contact_phase
 from rotor_ida.simulation.contact_phase import T, cartesian, end_of_step, tolerances
@@ -100,7 +100,9 @@ def _follow_by_taylor_series(
     rtol: float, stop: Stop,
 ) -> int:  # fmt: skip
     motion = open_taylor(rotor[0], rotor[1], rotor[2], rotor[2] > 0.0, rtol, True)
-    return _follow_spans(bundle, in_contact, span, stretches, rotor, rtol, stop, motion)
+    done = _follow_spans(bundle, in_contact, span, stretches, rotor, rtol, stop, motion)
+    release(motion)
+    return done
 
 
 @compiled
@@ -151,12 +153,15 @@ def follow_on(
     """
     state, mode = states[:1].copy(), np.array([1.0 if in_contact[0] else 0.0])
     motion = open_taylor(rotor[0], rotor[1], rotor[2], rotor[2] > 0.0, rtol, False)
+    done = DONE
     for row in range(1, states.shape[0]):
-        if _follow(state, mode, span, rotor, rtol, motion, stop) != DONE:
-            return STUCK
+        done = _follow(state, mode, span, rotor, rtol, motion, stop)
+        if done != DONE:
+            break
         states[row] = state[0]
         in_contact[row] = mode[0] > 0.0
-    return DONE
+    release(motion)
+    return done
 
 
 @compiled
@@ -172,13 +177,17 @@ def follow_from(
     """Write into `reached` the state that follows on each row of `states` after its span."""
     mode = np.zeros(1)
     motion = open_taylor(rotor[0], rotor[1], rotor[2], rotor[2] > 0.0, rtol, False)
+    done = DONE
     for row in range(states.shape[0]):
         state = states[row : row + 1].copy()
         mode[0] = 1.0 if in_contact[row] else 0.0
-        if spans[row] > 0.0 and _follow(state, mode, spans[row], rotor, rtol, motion, stop):
-            return STUCK
+        if spans[row] > 0.0:
+            done = _follow(state, mode, spans[row], rotor, rtol, motion, stop)
+        if done != DONE:
+            break
         reached[row] = state[0]
-    return DONE
+    release(motion)
+    return done
 
 
 @compiled
@@ -269,14 +278,13 @@ def _stay_in_contact(
         if asked_to_stop(stop) or motion.advance() != GOES_ON:
             return -1.0
         if regularised:
-            end, here, leaves = end_of_step(motion, left, 0.0)
-            passed = here[T]
+            end, leaves = end_of_step(motion, left, 0.0, reached)
+            passed = reached[T]
         else:
-            end = min(motion.point, left)
-            passed, here = end, motion.at(end)
+            end = passed = min(motion.point, left)
+            reached[:] = motion.at(end)
         if math.isnan(end):
             return -1.0
-        reached[:] = here
         if leaves:
             mode[0] = 0.0
             break

@@ -27,7 +27,7 @@ from rotor_ida.equations.compiling import asked_to_stop, compiled, inlined, shar
 from rotor_ida.equations.contact import force_of_root
 from rotor_ida.simulation.motion import GOES_ON, NO_ROOT, STOPPED, STUCK, Motion, root
 from rotor_ida.simulation.options import TIGHTEST_ATOL
-from rotor_ida.simulation.record import Record, next_sample, record_sample, time_left
+from rotor_ida.simulation.record import Record, samples_done, time_left
 
 Values = npt.NDArray[np.float64]
 
@@ -104,28 +104,26 @@ def follow_contact(
         indentation.
     """
     duration, slack, stop = time_left(record), record.slack, record.stop
-    peak, reached, left, idle = start.copy(), start, False, 0
-    due = next_sample(record, duration)
+    peak, reached, left, idle = start.copy(), start.copy(), False, 0
     status = motion.restart(start, tolerances(start, record.rtol, record.atol))
     while status == GOES_ON:
         status = STOPPED if asked_to_stop(stop) else motion.advance()
         if status != GOES_ON:
             break
-        end, reached, left = end_of_step(motion, duration, slack)
+        end, left = end_of_step(motion, duration, slack, reached)
         if math.isnan(end):
-            status, reached = NO_ROOT, motion.before
+            status = NO_ROOT
+            _copy(motion.before, reached)
             break
         _raise_peak(motion, end, reached, peak)
-        while due <= reached[T]:
-            _record_sample_at(record, motion, end, due)
-            due = next_sample(record, duration)
+        _record_samples(record, motion, end, reached[T])
         if left or reached[T] >= duration:
             break
         idle = idle + 1 if reached[T] <= motion.before[T] else 0
         if idle > PATIENCE:
             status = STUCK
     record.evaluations += motion.evaluations()
-    return status, left, reached.copy(), peak
+    return status, left, reached, peak
 
 
 @shared
@@ -152,20 +150,33 @@ def _least_duration(start: Values) -> float:
 
 
 @inlined
-def end_of_step(motion: Motion, duration: float, slack: float) -> tuple[float, Values, bool]:
-    """Return where the motion stands after a step: at its end, at an exit, or at the end time."""
-    end, reached, left = motion.point, motion.values, False
+def end_of_step(
+    motion: Motion, duration: float, slack: float, reached: Values
+) -> tuple[float, bool]:
+    """Write where the motion stands after a step into `reached`; return the point, and if it left.
+
+    That is at the end of the step, at an exit, or at the end time.
+    """
+    end, left = motion.point, False
+    _copy(motion.values, reached)
     if reached[Q] <= 0.0:
         end, left = root(motion, contact_root_of, 0.0, _inside(motion), end), True
-        reached = motion.at(end).copy()
+        _copy(motion.at(end), reached)
         reached[Q] = 0.0
     if reached[T] > duration + (slack if left else 0.0):
-        end = root(motion, time_of, duration, motion.low, end)
-        reached, left = motion.at(end).copy(), False
+        end, left = root(motion, time_of, duration, motion.low, end), False
+        _copy(motion.at(end), reached)
         reached[T] = duration
     elif left:
         reached[T] = max(reached[T], motion.before[T])
-    return end, reached, left
+    return end, left
+
+
+@shared
+def _copy(values: Values, into: Values) -> None:
+    """Copy values: of a few numbers, faster than by a slice."""
+    for i in range(into.size):
+        into[i] = values[i]
 
 
 @shared
@@ -204,50 +215,62 @@ def _raise_peak(motion: Motion, end: float, reached: Values, peak: Values) -> No
     It lies at the end of the step, or where p vanishes inside it. On a whirl of constant radius
     p is rounding noise; there is nothing to look for.
     """
-    before = motion.before
-    could_reach = before[Q] + before[P] * (end - motion.low)
-    if before[P] > 0.0 > reached[P] and could_reach > peak[Q] * (1.0 + NOISE):
-        summit = root(motion, radial_velocity_of, 0.0, motion.low, end)
-        if not math.isnan(summit):
-            reached = motion.at(summit)
+    low, q, p = motion.low, motion.before[Q], motion.before[P]
+    if p > 0.0 > reached[P] and q + p * (end - low) > peak[Q] * (1.0 + NOISE):
+        summit = root(motion, radial_velocity_of, 0.0, low, end)
+        if not math.isnan(summit) and motion.at(summit)[Q] > peak[Q]:
+            _copy(motion.at(summit), peak)
     if reached[Q] > peak[Q]:
-        peak[:] = reached
+        _copy(reached, peak)
 
 
 @shared
-def _record_sample_at(record: Record, motion: Motion, end: float, time: float) -> None:
-    """Take the sample at a time inside the last step: Halley's method, kept in a bracket."""
-    low, high = motion.low, end
-    point = _guess_of_time(motion, low, high, time)
-    state = motion.glance_at(point)
+def _record_samples(record: Record, motion: Motion, end: float, until: float) -> None:
+    """Take the samples that fall due in the last step, which ends at the time `until`."""
+    times, states, delta0 = record.sample_times, record.states, record.delta0
+    low, length, number = motion.low, motion.point - motion.low, record.sampled
+    before, after, begun, duration = motion.before, motion.values, record.time, time_left(record)
+    while number < times.size and times[number] <= record.duration:
+        due = min(max(times[number] - begun, 0.0), duration)
+        if due > until:
+            break
+        guess = min(low + length * _guess_of_part(before, after, length, due), end)
+        position, velocity = cartesian(_state_at(motion, low, end, guess, due), delta0)
+        states[number, 0], states[number, 1] = position.real, position.imag
+        states[number, 2], states[number, 3] = velocity.real, velocity.imag
+        number += 1
+    samples_done(record, number)
+
+
+@inlined
+def _state_at(motion: Motion, low: float, high: float, point: float, time: float) -> Values:
+    """Return the state at a time inside the last step: Halley's method, kept in a bracket."""
+    state, finest = motion.glance_at(point), 4e-16 * max(1.0, time)
     for _ in range(60):
         late = state[T] - time
-        if abs(late) <= 4e-16 * max(1.0, time) or high - low <= 4e-16 * high:
+        if abs(late) <= finest or high - low <= 4e-16 * high:
             break
         if late > 0.0:
             high = point
         else:
             low = point
         new = low
-        if state[Q] > 0.0:  # Halley's step: t' = q, t'' = p/2
+        if state[Q] > 0.0:  # t' = q, t'' = p/2
             step = late / state[Q]
             new = point - step / (1.0 - 0.25 * step * state[P] / state[Q])
         point = new if low < new < high else 0.5 * (low + high)
         state = motion.glance_at(point)
-    position, velocity = cartesian(state, record.delta0)
-    record_sample(record, position.real, position.imag, velocity.real, velocity.imag)
+    return state
 
 
-@shared
-def _guess_of_time(motion: Motion, low: float, high: float, time: float) -> float:
-    """Return about where a time lies in the last step: u as a cubic of t, du = dt/q."""
-    before, after, length = motion.before, motion.values, motion.point - motion.low
+@inlined
+def _guess_of_part(before: Values, after: Values, length: float, time: float) -> float:
+    """Return about in which part of the last step a time lies: u as a cubic of t, du = dt/q."""
     span = float(after[T] - before[T])
     if span <= 0.0:
-        return 0.5 * (low + high)
+        return 0.5
     part = (time - before[T]) / span
-    point = low + length * part
     if before[Q] > 0.0 < after[Q]:
-        start, end = span / before[Q] - length, length - span / after[Q]
-        point += part * (1.0 - part) * (start * (1.0 - part) + end * part)
-    return float(min(max(point, low), high))
+        start, end = span / (before[Q] * length) - 1.0, 1.0 - span / (after[Q] * length)
+        part += part * (1.0 - part) * (start * (1.0 - part) + end * part)
+    return float(min(max(part, 0.0), 1.0))

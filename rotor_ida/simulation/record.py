@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.equations.compiling import shared, structure
+from rotor_ida.equations.compiling import lent, shared, structure
 from rotor_ida.equations.model import rotate
 from rotor_ida.parallel.jobs import Stop
 
@@ -60,6 +60,8 @@ class Record:
         Their numbers so far.
     stop : ndarray, shape (1,)
         Anything but 0 asks the run to stop.
+    kept : tuple of ndarray
+        Who keeps sample times, samples and `stop`.
     """
 
     omega: float
@@ -85,6 +87,7 @@ class Record:
     contacts: int
     evaluations: int
     stop: Stop
+    kept: tuple[Values, Values, Stop]
 
 
 RecordType = structure(Record)
@@ -105,6 +108,7 @@ def new_record(
     stop: Stop,
 ) -> Record:
     """Return the record of a run that is about to begin."""
+    states = np.empty((sample_times.size, 4))
     return Record(
         omega,
         zeta,
@@ -117,8 +121,8 @@ def new_record(
         complex(start[0], start[1]),
         complex(start[2], start[3]),
         0.0,
-        sample_times,
-        np.empty((sample_times.size, 4)),
+        lent(sample_times),
+        lent(states),
         np.empty(FIRST_ROOM),
         np.empty(FIRST_ROOM, np.int8),
         np.empty((FIRST_ROOM, 4)),
@@ -128,7 +132,8 @@ def new_record(
         0,
         0,
         0,
-        stop,
+        lent(stop),
+        (sample_times, states, stop),
     )
 
 
@@ -156,9 +161,15 @@ def record_sample(record: Record, x: float, y: float, vx: float, vy: float) -> N
     """Add the next sample."""
     row = record.states[record.sampled]
     row[0], row[1], row[2], row[3] = x, y, vx, vy
-    record.sampled += 1
-    more = record.sampled < record.sample_times.size
-    record.next_time = record.sample_times[record.sampled] if more else math.inf
+    samples_done(record, record.sampled + 1)
+
+
+@shared
+def samples_done(record: Record, number: int) -> None:
+    """Say that so many samples have been taken."""
+    record.sampled = number
+    more = number < record.sample_times.size
+    record.next_time = record.sample_times[number] if more else math.inf
 
 
 @shared
@@ -217,12 +228,13 @@ def result(record: Record) -> RunResult:
     end = np.array([[here.real, here.imag, moving.real, moving.imag]])
     event_times, event_states = record.event_times[:events], record.event_states[:events]
     rotate(end, np.full(1, omega * record.time))
-    rotate(record.states, omega * record.sample_times)
+    sample_times, states, _stop = record.kept
+    rotate(states, omega * sample_times)
     rotate(event_states, omega * event_times)
     return (
         record.time,
         end[0],
-        record.states,
+        states,
         event_times.copy(),
         record.event_kinds[:events].copy(),
         event_states.copy(),

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.checks import State
-from rotor_ida.equations.compiling import compiled, shared
+from rotor_ida.equations.compiling import compiled, release, shared
 from rotor_ida.equations.model import rotating_field_into, rotating_jacobian_into
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel.jobs import Stop
@@ -138,9 +138,11 @@ def _in_compiled_code(
     contact = open_direct(contact_phase.SIZE, method, rtol, parameters, fields[0], 0)
     free = open_direct(cartesian_phase.SIZE, method, rtol, parameters, fields[1], fields[2])
     status = run_events(record, contact, free)
+    found = result(record)
     close_direct(contact)
     close_direct(free)
-    return status, result(record)
+    release(record)
+    return status, found
 
 
 @shared
@@ -150,7 +152,11 @@ def _by_taylor_series(given: Given) -> tuple[int, RunResult]:
     contact = open_taylor(omega, zeta, delta0, True, rtol, False)
     free = open_taylor(omega, zeta, delta0, False, rtol, False)
     status = run_events(record, contact, free)
-    return status, result(record)
+    found = result(record)
+    release(contact)
+    release(free)
+    release(record)
+    return status, found
 
 
 _by_taylor_series_compiled = compiled(_by_taylor_series)

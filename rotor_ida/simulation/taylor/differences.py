@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.equations.compiling import shared
+from rotor_ida.equations.compiling import lent, shared
 from rotor_ida.simulation.tangents import COUNT, VX, VY, X, Y
-from rotor_ida.simulation.taylor.rows import LANES, Count, lent, sum_products
+from rotor_ida.simulation.taylor.rows import LANES, Count, sum_products
 
 Values = npt.NDArray[np.float64]
 

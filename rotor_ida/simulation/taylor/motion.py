@@ -20,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 from numba.extending import overload_method
 
-from rotor_ida.equations.compiling import shared, structure
+from rotor_ida.equations.compiling import inlined, lent, shared, structure
 from rotor_ida.simulation import cartesian_phase, contact_phase
 from rotor_ida.simulation.contact_phase import P, Q
 from rotor_ida.simulation.motion import GOES_ON, NOT_FINITE, STUCK
@@ -51,7 +51,6 @@ from rotor_ida.simulation.taylor.rows import (
     evaluate,
     evaluate_row,
     evaluate_sizes,
-    lent,
 )
 from rotor_ida.simulation.taylor.series import Series, new_series
 
@@ -273,19 +272,20 @@ def expand_by_parameters(motion: Taylor, made: Differences) -> None:
     expand_differences(made, motion.order, motion.omega, motion.zeta)
 
 
-@shared
+@inlined
 def _begin_step(motion: Taylor) -> None:
     motion.low = motion.point
     motion.orders += motion.order
     before, values, atol = motion.before, motion.values, motion.atol
     terms, inverse, rtol = motion.terms, motion.inverse, motion.rtol
-    before[:] = values
+    for i in range(values.size):
+        before[i] = values[i]
     for i in range(inverse.size):
         value = terms[0, i] = values[i]
         inverse[i] = 1.0 / (rtol * abs(value) + atol[i])
 
 
-@shared
+@inlined
 def _end_step(motion: Taylor, step: float) -> int:
     if math.isnan(step):
         return NOT_FINITE
@@ -307,14 +307,14 @@ def at(motion: Taylor, point: float) -> Values:
     return motion.reading
 
 
-@shared
+@inlined
 def glance_at(motion: Taylor, point: float) -> Values:
     """Do as `at` does."""
     _read(motion, point - motion.low, motion.reading)
     return motion.reading
 
 
-@shared
+@inlined
 def _read(motion: Taylor, part: float, reading: Values) -> None:
     """Write the values at a part of the step into `reading`."""
     if motion.tangents:
@@ -324,26 +324,31 @@ def _read(motion: Taylor, part: float, reading: Values) -> None:
         evaluate(motion.terms, motion.order, part, reading)
 
 
-@shared
+@inlined
 def _contact_step(motion: Taylor) -> float:
     """Return how far the series of a contact may be followed."""
-    q = abs(motion.before[Q])
+    terms, order, sizes = motion.terms, motion.order, motion.sizes
+    q = abs(terms[0, Q])
     rate = q * (motion.omega + 2.0 * motion.zeta + math.sqrt(1.5 * q))
-    step = _longest_step(motion, 5, rate)
-    evaluate_sizes(motion.terms, motion.order, step, motion.sizes)
-    # on a whirl of constant radius p is rounding
-    noise = contact_phase.NOISE * q / step
-    return _with_one_root(motion, P, noise, _with_one_root(motion, Q, 0.0, step))
+    step = _longest_step(terms, motion.inverse, sizes, order, 5, rate)
+    evaluate_sizes(terms, order, step, sizes)
+    # on a whirl of constant radius p is rounding, and what a step leaves open
+    noise = max(contact_phase.NOISE, motion.rtol) * q / step
+    basis, powers, total = motion.basis, motion.powers, motion.total
+    step = _with_one_root(terms, Q, sizes[Q], step, basis, powers, total)
+    if sizes[P] > noise:
+        step = _with_one_root(terms, P, sizes[P], step, basis, powers, total)
+    return step
 
 
-@shared
+@inlined
 def _free_step(motion: Taylor, inner: float) -> float:
     """Return how far the series of a rotor without clearance may be followed."""
     x, y = motion.before[X], motion.before[Y]
     vx, vy = motion.before[VX], motion.before[VY]
     radius, speed = math.hypot(x, y), math.hypot(vx, vy)
     rate = motion.omega + 2.0 * motion.zeta + math.sqrt(1.5 * math.sqrt(radius))
-    step = _longest_step(motion, 4, rate)
+    step = _longest_step(motion.terms, motion.inverse, motion.sizes, motion.order, 4, rate)
     if radius <= inner and inner > 0.0:
         push = motion.omega**2 + 2.0 * motion.zeta * speed
         step = min(step, 2.0 * inner / (speed + math.sqrt(speed * speed + 2.0 * push * inner)))
@@ -368,12 +373,13 @@ def _pulled(motion: Taylor, inner: float) -> float:
 
 
 @shared
-def _longest_step(motion: Taylor, components: int, rate: float) -> float:
+def _longest_step(
+    terms: Values, inverse: Values, sizes: Values, order: int, components: int, rate: float
+) -> float:
     """Return the step at which the last terms of the first components reach their tolerances.
 
     It is NaN where a term is not finite.
     """
-    order, terms, inverse = motion.order, motion.terms, motion.inverse
     last = _worst(terms, inverse, order, components)
     before = _worst(terms, inverse, order - 1, components)
     if not math.isfinite(last + before):
@@ -388,10 +394,10 @@ def _longest_step(motion: Taylor, components: int, rate: float) -> float:
         step = min(step, FARTHEST * order / rate)
     # others in case these vanish: the series of a radial entry has but every fifth term
     first, growth = order - LOOKED_AT + 1, RATIO * step
-    evaluate_sizes(terms[first:], LOOKED_AT - 3, growth, motion.sizes)
+    evaluate_sizes(terms[first:], LOOKED_AT - 3, growth, sizes)
     scale, excess = growth**first / RATIO ** (order + 1), 0.0
     for i in range(components):
-        excess = max(excess, scale * motion.sizes[i] * inverse[i])
+        excess = max(excess, scale * sizes[i] * inverse[i])
     if excess > 1.0:
         for n in range(first, order - 1):
             worst = _worst(terms, inverse, n, components)
@@ -410,14 +416,16 @@ def _worst(terms: Values, inverse: Values, n: int, components: int) -> float:
 
 
 @shared
-def _with_one_root(motion: Taylor, component: int, noise: float, step: float) -> float:
-    """Return a step, cut so that a component above the noise vanishes inside it at most once."""
-    terms, size = motion.terms, motion.sizes[component]
-    if size < 2.0 * abs(terms[0, component]) or size <= noise:
+def _with_one_root(
+    terms: Values, component: int, size: float, step: float, basis: Values, powers: Values,
+    total: Values,
+) -> float:  # fmt: skip
+    """Return a step, cut so that a component vanishes inside it at most once.
+
+    `size` is the sum of its terms at the end of the step, each without its sign.
+    """
+    if size < 2.0 * abs(terms[0, component]) or is_monotonic(terms, component, step):
         return step
-    if is_monotonic(terms, component, step):
-        return step
-    basis, powers, total = motion.basis, motion.powers, motion.total
     for _ in range(MOST_CUTS):
         if sign_changes(terms, component, step, basis, powers, total) <= 1:
             break
@@ -433,7 +441,7 @@ overload_method(TaylorType, "restart")(
 )
 overload_method(TaylorType, "advance")(lambda motion: lambda motion: advance(motion))
 overload_method(TaylorType, "at")(lambda motion, point: lambda motion, point: at(motion, point))
-overload_method(TaylorType, "glance_at")(
+overload_method(TaylorType, "glance_at", inline="always")(
     lambda motion, point: lambda motion, point: glance_at(motion, point)
 )
 overload_method(TaylorType, "evaluations")(lambda motion: lambda motion: motion.orders)

@@ -97,14 +97,6 @@ def evaluate_sizes(terms: Values, order: int, point: float, sizes: Values) -> No
     evaluate(np.abs(terms), order, point, sizes)
 
 
-def lent(array: Values) -> Values:
-    """Return an array that somebody else keeps.
-
-    In compiled code no references to it are counted, which took a fifth of the time of a run.
-    """
-    return array
-
-
 def _row_type(width: int) -> ir.VectorType:
     return ir.VectorType(ir.DoubleType(), width)
 
@@ -253,19 +245,6 @@ def _horner(width: int, *, absolute: bool) -> Callable[..., tuple[Any, Any]]:
     return rows
 
 
-def _without_owner(_typing: Any, array: Any) -> tuple[Any, Any]:
-    """Do as `lent` does."""
-
-    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        view = context.make_array(signature.args[0])(context, builder, arguments[0])
-        view.meminfo = cgutils.get_null_value(view.meminfo.type)
-        view.parent = cgutils.get_null_value(view.parent.type)
-        return view._getvalue()
-
-    return array(array), code
-
-
-_lend_in_code: Any = intrinsic(_without_owner)
 _sum_in_code: Any = intrinsic(_sum_rows)
 _sums_in_code: Any = intrinsic(_sum_parts)
 _evaluate_in_code: Any = intrinsic(_horner(WIDTH, absolute=False))
@@ -275,14 +254,6 @@ _sizes_in_code: Any = intrinsic(_horner(WIDTH, absolute=True))
 
 # numba calls such a function with the types of the arguments, and compiles what it returns.
 # ruff: noqa: ARG001
-@overload(lent)
-def _lent(array: Any) -> Any:
-    def without_owner(array: Any) -> Any:
-        return _lend_in_code(array)
-
-    return without_owner
-
-
 @overload(sum_known)
 def _sum_known(left: Any, right: Any, known: Any, n: Any) -> Any:
     def by_rows(left: Any, right: Any, known: Any, n: Any) -> None:
