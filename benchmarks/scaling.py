@@ -5,6 +5,7 @@ number of threads for many (a run in compiled code releases Python's lock); and 
 row of runs leaves memory behind. Each table by its own name, or all of them:
 
     python benchmarks/scaling.py
+    python benchmarks/scaling.py --method taylor
     python benchmarks/scaling.py threads --runs 200
     python benchmarks/scaling.py memory --runs 100000
 """
@@ -17,6 +18,7 @@ import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
 
@@ -44,9 +46,9 @@ def table(title, clocks, rounds, facts=None):
         print(f"| {name} | {extra}{1e3 * spent.median:.2f} | {spent.median / first:.2f} |")
 
 
-def facts_of(case, rtol=RTOL):
+def facts_of(case, method, rtol=RTOL):
     """Return events and evaluations of a run, as cells."""
-    options = Options(rtol=rtol, atol=ways.ATOL * rtol)
+    options = Options(rtol=rtol, atol=ways.ATOL * rtol, method=method)
     orbit = run(case.rotor, case.start, case.duration, case.times, options)
     return f"{orbit.event_times.size} | {orbit.evaluations:,}"
 
@@ -55,15 +57,20 @@ def tolerance(arguments):
     """Measure the bare run at eight tolerances."""
     for case in (ways.FULL_CONTACT, ways.BOUNCING):
         grid = {f"{case.name}, rtol {10.0**-p:.0e}": 10.0**-p for p in range(5, 13)}
-        clocks = {name: clocked(ways.compiled(case, rtol)) for name, rtol in grid.items()}
-        facts = {name: facts_of(case, rtol) for name, rtol in grid.items()}
+        method = arguments.method
+        clocks = {
+            name: clocked(ways.ours(case, rtol, method=method)) for name, rtol in grid.items()
+        }
+        facts = {name: facts_of(case, method, rtol) for name, rtol in grid.items()}
         table("tolerance", clocks, arguments.rounds, facts)
 
 
 def several(title, cases, arguments):
     """Measure the bare run of several cases."""
-    clocks = {name: clocked(ways.compiled(case, RTOL)) for name, case in cases.items()}
-    table(title, clocks, arguments.rounds, {name: facts_of(case) for name, case in cases.items()})
+    method = arguments.method
+    clocks = {name: clocked(ways.ours(case, RTOL, method=method)) for name, case in cases.items()}
+    facts = {name: facts_of(case, method) for name, case in cases.items()}
+    table(title, clocks, arguments.rounds, facts)
 
 
 def duration(arguments):
@@ -105,10 +112,10 @@ def starts(count):
     return [tuple(row) for row in rng.uniform(-1.4, 1.4, (count, 4)).tolist()]
 
 
-def bare(start):
+def bare(start, method):
     """Do one bare run of the bouncing case."""
     case = ways.BOUNCING
-    options = Options(rtol=RTOL, atol=ways.ATOL * RTOL)
+    options = Options(rtol=RTOL, atol=ways.ATOL * RTOL, method=method)
     return run(case.rotor, start, case.duration, np.array([0.0, case.duration]), options)
 
 
@@ -116,7 +123,9 @@ def runs(arguments):
     """Measure the same run over and over, one after the other."""
     start = ways.BOUNCING.start
     clocks = {
-        f"{count} runs": clocked(lambda count=count: [bare(start) for _ in range(count)])
+        f"{count} runs": clocked(
+            lambda count=count: [bare(start, arguments.method) for _ in range(count)]
+        )
         for count in (1, 10, 100)
     }
     table("number of runs", clocks, arguments.rounds)
@@ -130,7 +139,10 @@ def threads(arguments):
     """
     given = starts(arguments.runs or 200)
     block = bytes(len(given) * 100_000)
-    work = {"runs": (bare, given), "checksums": (lambda _: sha256(block).digest(), range(40))}
+    work = {
+        "runs": (partial(bare, method=arguments.method), given),
+        "checksums": (lambda _: sha256(block).digest(), range(40)),
+    }
     found = {(name, count): [] for name in work for count in THREADS}
     for turn in range(arguments.rounds + 1):
         for (name, count), spent in found.items():
@@ -155,7 +167,8 @@ def memory(arguments):
     """Do many short runs in a row and print the resident size on the way."""
     total = arguments.runs or 100_000
     rotor, rng = Rotor(omega=2.0, zeta=0.07, delta0=2.0), np.random.default_rng(2)
-    options = Options(rtol=RTOL, atol=ways.ATOL * RTOL)
+    how = {"rtol": RTOL, "atol": ways.ATOL * RTOL, "method": arguments.method}
+    options = Options(**how)
     times = np.linspace(0.0, 4.0, 5)
     events, marks = 0, {}
     began = time.perf_counter()
@@ -167,7 +180,7 @@ def memory(arguments):
         if number % GROUP:
             events += run(rotor, start, 4.0, times, options).event_times.size
         else:
-            events += simulate(rotor, start=start, duration=4.0, samples=5).sizes["event"]
+            events += simulate(rotor, start=start, duration=4.0, samples=5, **how).sizes["event"]
     spent = time.perf_counter() - began
     print(f"\n{total:,} runs, {events:,} events, {spent:.0f} s\n")
     print("| after runs | resident, MiB |\n|---|---|")
@@ -195,12 +208,16 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("tables", nargs="*", metavar="TABLE", help=", ".join(TABLES))
     parser.add_argument("--rounds", type=int, default=ROUNDS)
+    parser.add_argument("--method", choices=("adams", "bdf", "taylor"), default="adams")
     parser.add_argument("--runs", type=int, help="of the tables of threads and memory")
     arguments = parser.parse_args()
     unknown = set(arguments.tables) - set(TABLES)
     if unknown:
         parser.error(f"no table {', '.join(sorted(unknown))}: choose from {', '.join(TABLES)}")
-    print(f"{machine()}\n\nMedians of {arguments.rounds} rounds, in turn; rtol {RTOL:g}.")
+    print(
+        f"{machine()}\n\nMedians of {arguments.rounds} rounds, in turn; {arguments.method}, rtol "
+        f"{RTOL:g}."
+    )
     for name in arguments.tables or TABLES:
         TABLES[name](arguments)
 
