@@ -78,6 +78,45 @@ def fly_over(z0: complex, w0: complex, taus: Values, omega: float, zeta: float) 
 
 
 @compiled
+def fly_by_parameters(
+    z0: complex, w0: complex, tau: float, omega: float, zeta: float
+) -> tuple[complex, complex, complex, complex]:
+    """Return what omega, and what zeta, adds to displacement and velocity after `tau`.
+
+    They are the derivatives of what `fly` returns. The clearance adds nothing in flight.
+    """
+    a = a_omega = a_zeta = 0j
+    if omega > 0.0 or zeta > 0.0:
+        pole = complex(omega, -2.0 * zeta)
+        a, a_omega, a_zeta = -omega / pole, 2j * zeta / pole**2, -2j * omega / pole**2
+    w, w_omega, w_zeta = w0 - 1j * omega * a, -1j * (a + omega * a_omega), -1j * omega * a_zeta
+    reach, decay, turn = drift(tau, zeta), math.exp(-2.0 * zeta * tau), cmath.exp(1j * omega * tau)
+    less_one, spin = turn_less_one(omega * tau), 1j * omega * turn
+    position = z0 + w * reach + a * less_one
+    velocity = w * decay + a * spin
+    z_omega = w_omega * reach + a_omega * less_one + 1j * tau * (a * turn - position)
+    w_by_omega = w_omega * (decay - turn) + 1j * tau * (a * spin - velocity)
+    z_zeta = w_zeta * reach + w * _drift_by_zeta(tau, zeta) + a_zeta * less_one
+    w_by_zeta = w_zeta * decay - 2.0 * tau * w * decay + a_zeta * spin
+    back = turn.conjugate()
+    return z_omega * back, w_by_omega * back, z_zeta * back, w_by_zeta * back
+
+
+@compiled
+def _drift_by_zeta(tau: float, zeta: float) -> float:
+    """Return the derivative of `drift` by zeta, without cancellation."""
+    x = 2.0 * zeta * tau
+    if x > 0.1:
+        return -2.0 * tau * tau * (1.0 - math.exp(-x) * (1.0 + x)) / (x * x)
+    # (1 - (1 + x) exp(-x))/x**2 is the sum over n of (-x)**n (n + 1)/(n + 2)!
+    total, power = 0.0, 0.5
+    for n in range(1, 12):
+        total += power * n
+        power *= -x / (n + 2.0)
+    return -2.0 * tau * tau * total
+
+
+@compiled
 def touch_floor(omega: float, zeta: float, delta0: float) -> float:
     """Return the smallest ``|z|**2 - delta0**2`` that stands clear of rounding.
 

@@ -11,6 +11,7 @@ from rotor_ida.simulation.flight import (
     NEVER,
     first_touch,
     fly,
+    fly_by_parameters,
     fly_over,
     touch_floor,
     unbalance_whirl,
@@ -50,6 +51,35 @@ def test_flight_is_exact_to_rounding_at_every_damping_and_speed(omega, zeta):
         standing = position * cmath.exp(1j * omega * tau)
         expected = complex(exact_position(z0, w0, tau, omega, zeta))
         assert abs(standing - expected) < 2e-15 * (1 + tau + omega * tau)
+
+
+@pytest.mark.parametrize("zeta", [0.0, 1e-12, 0.07, 2.0])
+@pytest.mark.parametrize("omega", [1e-3, 0.6, 8.0])
+def test_what_the_parameters_add_to_flight_is_the_derivative(omega, zeta):
+    z0, w0 = 0.3 - 0.2j, -0.4 + 0.7j
+
+    def slope(function, point):
+        with mpmath.workdps(40):
+            point, h = mpmath.mpf(point), mpmath.mpf("1e-10")
+            return (function(point + h) - function(point - h)) / (2 * h)
+
+    def position(omega, zeta, tau):
+        with mpmath.workdps(40):
+            return exact_position(z0, w0, tau, omega, zeta) * mpmath.expj(-omega * tau)
+
+    def velocity(omega, zeta, tau):
+        with mpmath.workdps(40):
+            standing = slope(lambda time: exact_position(z0, w0, time, omega, zeta), tau)
+            return standing * mpmath.expj(-omega * tau)
+
+    for tau in (1e-6, 0.5, 7.0):
+        found = fly_by_parameters(z0, w0, tau, omega, zeta)
+        expected = [
+            *(slope(lambda v, f=f, t=tau: f(v, zeta, t), omega) for f in (position, velocity)),
+            *(slope(lambda v, f=f, t=tau: f(omega, v, t), zeta) for f in (position, velocity)),
+        ]
+        size = (1.0 + tau) ** 2 * (1.0 + omega)
+        np.testing.assert_allclose(found, np.array(expected, complex), rtol=0, atol=1e-14 * size)
 
 
 def test_velocity_is_the_derivative_of_position():

@@ -210,6 +210,24 @@ def test_parameters_make_the_differences_of_neighbouring_rotors():
     np.testing.assert_allclose(made[:, :3], expected, rtol=0, atol=1e-9)
 
 
+def test_parameters_make_those_differences_without_clearance_too():
+    """Over one step from a start away from the centre, by omega and zeta."""
+    start, rotor, h = (1.2, 0.3, -0.2, 0.9), (1.2, 0.07, 0.0), 1e-5
+
+    def end(rotor, vectors=()):
+        motion = begun(start, rotor=rotor, regularised=False, vectors=vectors)
+        assert motion.advance() == GOES_ON
+        return motion, motion.at(0.05)[:4].copy()
+
+    motion, _ = end(rotor, np.eye(4).ravel())
+    made = new_differences(motion.order + 1)
+    expand_by_parameters(motion, made)
+    found = (0.05 ** np.arange(motion.order + 1) @ made.terms).reshape(4, 4)
+    for n in range(2):
+        ahead, behind = (end(tuple(rotor + s * h * np.eye(3)[n]))[1] for s in (1, -1))
+        np.testing.assert_allclose(found[:, n], (ahead - behind) / (2.0 * h), rtol=0, atol=1e-9)
+
+
 @pytest.mark.parametrize(
     ("settings", "message"),
     [

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from rotor_ida.equations.compiling import shared, shared_for_lanes
 from rotor_ida.simulation.contact_phase import C, H, J, P, Q, S, T
-from rotor_ida.simulation.tangents import VX, VY, X, Y
+from rotor_ida.simulation.tangents import VX, VY
 from rotor_ida.simulation.taylor.differences import (
     BEND_X,
     BEND_Y,
@@ -23,6 +23,7 @@ from rotor_ida.simulation.taylor.differences import (
     DIRECTION_Y,
     PACE,
     PULL,
+    write_forcing,
 )
 from rotor_ida.simulation.taylor.rows import sum_known
 from rotor_ida.simulation.taylor.series import Series, begin, over, times
@@ -108,11 +109,10 @@ def _next_factors(
 
 
 @shared
-def write_forcing(forcing: Values, series: Series, order: int, omega: float) -> None:
+def write_contact_forcing(forcing: Values, series: Series, order: int, omega: float) -> None:
     """Write what omega, zeta and delta0 add to the rates of the first three differences.
 
-    By omega it is ``(Y, -X, 2 omega + V_y, -V_x)``, by zeta ``(0, 0, -2 V_x, -2 V_y)``, by delta0
-    ``f' (0, 0, c, s)``, with displacement and velocity of the rotor on the rotating axes.
+    By delta0 it is ``f' (0, 0, c, s)``, by the others as `write_forcing` says.
 
     Parameters
     ----------
@@ -137,7 +137,5 @@ def write_forcing(forcing: Values, series: Series, order: int, omega: float) -> 
             vy += along * s + around * c
             bend_x += terms[k, Q] * c
             bend_y += terms[k, Q] * s
-        forcing[n, X], forcing[n, Y], forcing[n, VX], forcing[n, VY] = y, -x, vy, -vx
-        forcing[n, VX + 1], forcing[n, VY + 1] = -2.0 * vx, -2.0 * vy
+        write_forcing(forcing, n, omega, x, y, vx, vy)
         forcing[n, VX + 2], forcing[n, VY + 2] = 1.5 * bend_x, 1.5 * bend_y
-    forcing[0, VX] += 2.0 * omega

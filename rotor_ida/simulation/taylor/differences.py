@@ -94,6 +94,21 @@ def expand_differences(differences: Differences, order: int, omega: float, zeta:
 
 
 @shared
+def write_forcing(
+    forcing: Values, n: int, omega: float, x: float, y: float, vx: float, vy: float
+) -> None:
+    """Write coefficients n of what omega and zeta add to the rates of the first two differences.
+
+    By omega it is ``(Y, -X, 2 omega + V_y, -V_x)``, by zeta ``(0, 0, -2 V_x, -2 V_y)``, with
+    displacement and velocity of the rotor on the rotating axes, of which coefficients n are given.
+    """
+    forcing[n, X], forcing[n, Y], forcing[n, VX], forcing[n, VY] = y, -x, vy, -vx
+    forcing[n, VX + 1], forcing[n, VY + 1] = -2.0 * vx, -2.0 * vy
+    if n == 0:
+        forcing[n, VX] += 2.0 * omega
+
+
+@shared
 def longest_step(differences: Differences, order: int, rtol: float) -> float:
     """Return the step at which the last two terms of each difference reach its tolerance."""
     terms = differences.terms

@@ -28,7 +28,7 @@ from rotor_ida.simulation.tangents import TANGENTS
 from rotor_ida.simulation.taylor.contact_series import (
     expand_contact,
     expand_contact_and_factors,
-    write_forcing,
+    write_contact_forcing,
 )
 from rotor_ida.simulation.taylor.differences import (
     Differences,
@@ -43,6 +43,7 @@ from rotor_ida.simulation.taylor.free_series import (
     Y,
     expand_free,
     expand_free_and_factors,
+    write_free_forcing,
 )
 from rotor_ida.simulation.taylor.roots import bernstein_basis, is_monotonic, sign_changes
 from rotor_ida.simulation.taylor.rows import (
@@ -263,11 +264,14 @@ def expand_by_parameters(motion: Taylor, made: Differences) -> None:
     Parameters
     ----------
     motion : Taylor
-        A contact with its tangents, after a step.
+        A motion with its tangents, after a step.
     made : Differences
-        The first three are by omega, zeta and delta0.
+        The first two are by omega and zeta; in contact the third is by delta0.
     """
-    write_forcing(made.forcing, motion.series, motion.order, motion.omega)
+    if motion.regularised:
+        write_contact_forcing(made.forcing, motion.series, motion.order, motion.omega)
+    else:
+        write_free_forcing(made.forcing, motion.series, motion.order, motion.omega)
     made.factors[:] = motion.differences.factors
     expand_differences(made, motion.order, motion.omega, motion.zeta)
 
