@@ -59,8 +59,9 @@ def simulate(
     rtol, atol : float
         Relative and absolute tolerance [1].
     method : {"adams", "bdf", "ida", "taylor"}
-        CVODE with Adams (nonstiff) or BDF (stiff), or IDA as a second opinion; or Taylor series,
-        about ten times as fast as CVODE at equal error, with `rtol` from 1e-15 to 1e-4.
+        CVODE with Adams (nonstiff) or BDF (stiff), or IDA as a second opinion, with `rtol` from
+        1e-13 (IDA 1e-12) to 1e-3; or Taylor series, about ten times as fast as CVODE at equal
+        error, with `rtol` from 1e-15 to 1e-4. ``docs/events.md`` says how each finds events.
     flight : {"exact", "cvode"}
         Whether motion inside the clearance is solved in closed form or integrated; with Taylor
         series it is solved.

@@ -15,10 +15,10 @@ from rotor_ida.simulation.taylor.differences import new_differences
 from rotor_ida.simulation.taylor.motion import (
     expand_by_parameters,
     open_taylor,
-    order_for,
 )
 from rotor_ida.simulation.taylor.roots import bernstein_basis, sign_changes
 from rotor_ida.simulation.taylor.rows import LANES, evaluate, sum_known, sum_products
+from rotor_ida.simulation.taylor.steps import order_for
 
 ROTOR = (1.2, 0.07, 0.5)
 IN_CONTACT = (0.3, 0.4, 2.1, 0.6, 0.8, 0.0, 0.0)

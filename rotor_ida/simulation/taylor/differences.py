@@ -109,7 +109,7 @@ def write_forcing(
 
 
 @shared
-def longest_step(differences: Differences, order: int, rtol: float) -> float:
+def longest_step_of(differences: Differences, order: int, rtol: float) -> float:
     """Return the step at which the last two terms of each difference reach its tolerance."""
     terms = differences.terms
     last, before = 0.0, 0.0

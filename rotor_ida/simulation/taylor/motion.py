@@ -1,14 +1,7 @@
 """A `Motion` led by Taylor series: one polynomial a step, read anywhere inside it.
 
-Order and step follow from the tolerance [1]_: with a tolerance eps the order that costs least is
-``1 - ln(eps)/2``, and a step is so long that neither of the last two terms of any component comes
-to its tolerance. A step is cut where the contact root or the radial velocity would
-vanish inside it more than once, so no exit and no peak is hidden.
-
-References
-----------
-.. [1] Jorba and M. Zou, "A software package for the numerical integration of ODEs by means of
-   high-order Taylor methods", Experimental Mathematics 14, 2005, sections 3.2 and 3.3.
+Order and step follow from the tolerance. A step is cut where the contact root or the radial
+velocity would vanish inside it more than once, so no exit and no peak is hidden.
 """
 
 from __future__ import annotations
@@ -33,7 +26,7 @@ from rotor_ida.simulation.taylor.contact_series import (
 from rotor_ida.simulation.taylor.differences import (
     Differences,
     expand_differences,
-    longest_step,
+    longest_step_of,
     new_differences,
 )
 from rotor_ida.simulation.taylor.free_series import (
@@ -45,7 +38,7 @@ from rotor_ida.simulation.taylor.free_series import (
     expand_free_and_factors,
     write_free_forcing,
 )
-from rotor_ida.simulation.taylor.roots import bernstein_basis, is_monotonic, sign_changes
+from rotor_ida.simulation.taylor.roots import bernstein_basis, with_one_root
 from rotor_ida.simulation.taylor.rows import (
     LANES,
     WIDTH,
@@ -54,21 +47,9 @@ from rotor_ida.simulation.taylor.rows import (
     evaluate_sizes,
 )
 from rotor_ida.simulation.taylor.series import Series, new_series
+from rotor_ida.simulation.taylor.steps import longest_step, order_for
 
 Values = npt.NDArray[np.float64]
-
-LOWEST_ORDER, HIGHEST_ORDER = 6, 24
-# A step turns the fastest of the motions that the terms cannot show by no more than this part of
-# the order: beyond, a series that has died away to rounding would grow again.
-FARTHEST = 0.25
-MOST_CUTS = 60
-# The logarithm of a step that nothing limits.
-UNLIMITED = 100.0
-# Terms fall by a factor exp(2) where the order is best; so many are looked at, as some may vanish:
-# the series of a radial entry has but every fifth.
-FALL, LOOKED_AT = 2.0, 6
-RATIO = math.exp(FALL)
-ROUNDING = 2.0**-52
 
 
 @dataclass(slots=True)
@@ -164,13 +145,6 @@ TaylorType = structure(Taylor)
 
 
 @shared
-def order_for(rtol: float) -> int:
-    """Return the order at which a given accuracy takes the least work."""
-    order = math.ceil(1.0 - 0.5 * math.log(rtol))
-    return min(max(order, LOWEST_ORDER), HIGHEST_ORDER)
-
-
-@shared
 def open_taylor(
     omega: float, zeta: float, delta0: float, regularised: bool, rtol: float, tangents: bool
 ) -> Taylor:
@@ -254,7 +228,7 @@ def _step_with_tangents(motion: Taylor) -> float:
         expand_free_and_factors(motion.series, factors, order, omega, zeta, _pulled(motion, inner))
         step = _free_step(motion, inner)
     expand_differences(differences, order, omega, zeta)
-    return min(step, longest_step(differences, order, motion.rtol))
+    return min(step, longest_step_of(differences, order, motion.rtol))
 
 
 @shared
@@ -334,14 +308,14 @@ def _contact_step(motion: Taylor) -> float:
     terms, order, sizes = motion.terms, motion.order, motion.sizes
     q = abs(terms[0, Q])
     rate = q * (motion.omega + 2.0 * motion.zeta + math.sqrt(1.5 * q))
-    step = _longest_step(terms, motion.inverse, sizes, order, 5, rate)
+    step = longest_step(terms, motion.inverse, sizes, order, 5, rate)
     evaluate_sizes(terms, order, step, sizes)
     # on a whirl of constant radius p is rounding, and what a step leaves open
     noise = max(contact_phase.NOISE, motion.rtol) * q / step
     basis, powers, total = motion.basis, motion.powers, motion.total
-    step = _with_one_root(terms, Q, sizes[Q], step, basis, powers, total)
+    step = with_one_root(terms, Q, sizes[Q], step, basis, powers, total)
     if sizes[P] > noise:
-        step = _with_one_root(terms, P, sizes[P], step, basis, powers, total)
+        step = with_one_root(terms, P, sizes[P], step, basis, powers, total)
     return step
 
 
@@ -352,7 +326,7 @@ def _free_step(motion: Taylor, inner: float) -> float:
     vx, vy = motion.before[VX], motion.before[VY]
     radius, speed = math.hypot(x, y), math.hypot(vx, vy)
     rate = motion.omega + 2.0 * motion.zeta + math.sqrt(1.5 * math.sqrt(radius))
-    step = _longest_step(motion.terms, motion.inverse, motion.sizes, motion.order, 4, rate)
+    step = longest_step(motion.terms, motion.inverse, motion.sizes, motion.order, 4, rate)
     if radius <= inner and inner > 0.0:
         push = motion.omega**2 + 2.0 * motion.zeta * speed
         step = min(step, 2.0 * inner / (speed + math.sqrt(speed * speed + 2.0 * push * inner)))
@@ -374,67 +348,6 @@ def _unfelt(motion: Taylor) -> float:
 def _pulled(motion: Taylor, inner: float) -> float:
     """Return 1 where the force acts, 0 where it is left out."""
     return 1.0 if math.hypot(motion.before[X], motion.before[Y]) > inner else 0.0
-
-
-@shared
-def _longest_step(
-    terms: Values, inverse: Values, sizes: Values, order: int, components: int, rate: float
-) -> float:
-    """Return the step at which the last terms of the first components reach their tolerances.
-
-    It is NaN where a term is not finite.
-    """
-    last = _worst(terms, inverse, order, components)
-    before = _worst(terms, inverse, order - 1, components)
-    if not math.isfinite(last + before):
-        return math.nan
-    longest = UNLIMITED
-    if last > 0.0:
-        longest = -math.log(last) / order
-    if before > 0.0:
-        longest = min(longest, (FALL - math.log(before)) / (order - 1))
-    step = math.exp(longest)
-    if rate > 0.0:
-        step = min(step, FARTHEST * order / rate)
-    # others in case these vanish: the series of a radial entry has but every fifth term
-    first, growth = order - LOOKED_AT + 1, RATIO * step
-    evaluate_sizes(terms[first:], LOOKED_AT - 3, growth, sizes)
-    scale, excess = growth**first / RATIO ** (order + 1), 0.0
-    for i in range(components):
-        excess = max(excess, scale * sizes[i] * inverse[i])
-    if excess > 1.0:
-        for n in range(first, order - 1):
-            worst = _worst(terms, inverse, n, components)
-            if worst > 0.0:
-                step = min(step, math.exp((FALL * (order + 1 - n) - math.log(worst)) / n))
-    return step
-
-
-@shared
-def _worst(terms: Values, inverse: Values, n: int, components: int) -> float:
-    """Return the largest of the coefficients n, each in parts of its tolerance."""
-    worst = 0.0
-    for i in range(components):
-        worst = max(worst, abs(terms[n, i]) * inverse[i])
-    return worst
-
-
-@shared
-def _with_one_root(
-    terms: Values, component: int, size: float, step: float, basis: Values, powers: Values,
-    total: Values,
-) -> float:  # fmt: skip
-    """Return a step, cut so that a component vanishes inside it at most once.
-
-    `size` is the sum of its terms at the end of the step, each without its sign.
-    """
-    if size < 2.0 * abs(terms[0, component]) or is_monotonic(terms, component, step):
-        return step
-    for _ in range(MOST_CUTS):
-        if sign_changes(terms, component, step, basis, powers, total) <= 1:
-            break
-        step *= 0.5
-    return step
 
 
 # The methods of a `Motion` in compiled code: numba calls a function with the types of the

@@ -21,6 +21,7 @@ from rotor_ida.simulation.taylor.rows import LANES, Count, sum_products
 Values = npt.NDArray[np.float64]
 
 _ONE: Count = (0,)
+MOST_CUTS = 60
 
 
 @shared
@@ -93,3 +94,21 @@ def sign_changes(
                 changes += total[j] * last < 0.0
                 last = total[j]
     return changes
+
+
+@shared
+def with_one_root(
+    terms: Values, component: int, size: float, step: float, basis: Values, powers: Values,
+    total: Values,
+) -> float:  # fmt: skip
+    """Return a step, cut so that a component vanishes inside it at most once.
+
+    `size` is the sum of its terms at the end of the step, each without its sign.
+    """
+    if size < 2.0 * abs(terms[0, component]) or is_monotonic(terms, component, step):
+        return step
+    for _ in range(MOST_CUTS):
+        if sign_changes(terms, component, step, basis, powers, total) <= 1:
+            break
+        step *= 0.5
+    return step
