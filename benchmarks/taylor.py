@@ -88,7 +88,7 @@ def expand(rtol, order, repeats):
     motion = open_taylor(1.2, 0.07, 0.5, True, rtol, False)
     motion.series.terms[0, :5] = np.array([0.8, 0.1, 1.5, 0.6, 0.8])
     for _ in range(repeats):
-        expand_contact(motion.series, order, 1.2, 0.07, 0.5)
+        expand_contact(motion.series, motion.factors, order, 1.2, 0.07, 0.5)
     return motion.series.terms[order, 0]
 
 

@@ -35,14 +35,21 @@ IMPULSE, SECANT, BENT_X, BENT_Y = range(12, 16)
 
 
 @shared_for_lanes
-def expand_contact(series: Series, order: int, omega: float, zeta: float, delta0: float) -> None:
-    """Write all coefficients up to `order`, from those of order 0."""
+def expand_contact(
+    series: Series, factors: Values, order: int, omega: float, zeta: float, delta0: float
+) -> None:
+    """Write all coefficients up to `order`, from those of order 0.
+
+    The factors of `Differences` are written on the way, unless they are empty.
+    """
     terms, left, right, known = series
     first, one = 1.0 / (delta0 + terms[0, Q] ** 2), 1.0
     begin(left, right)
     for n in range(order):
         sum_known(left, right, known, n)
         _next_terms(terms, left, right, known, n, one, first, omega, 2.0 * zeta, delta0)
+        if factors.size > 0:
+            _next_factors(terms, left, right, known, n, factors)
         one = 0.0
 
 
@@ -76,21 +83,6 @@ def _next_terms(
     terms[n + 1, S] = times(left, right, known, COSINE, n, turn, c) * share
     terms[n + 1, T] = q * share
     terms[n + 1, J] = times(left, right, known, IMPULSE, n, square, square) * share
-
-
-@shared_for_lanes
-def expand_contact_and_factors(
-    series: Series, factors: Values, order: int, omega: float, zeta: float, delta0: float
-) -> None:
-    """Do as `expand_contact` does, and write the factors of `Differences` on the way."""
-    terms, left, right, known = series
-    first, one = 1.0 / (delta0 + terms[0, Q] ** 2), 1.0
-    begin(left, right)
-    for n in range(order):
-        sum_known(left, right, known, n)
-        _next_terms(terms, left, right, known, n, one, first, omega, 2.0 * zeta, delta0)
-        _next_factors(terms, left, right, known, n, factors)
-        one = 0.0
 
 
 @shared_for_lanes

@@ -34,10 +34,13 @@ X, Y, VX, VY = range(4)
 
 
 @shared_for_lanes
-def expand_free(series: Series, order: int, omega: float, zeta: float, pulled: float) -> None:
+def expand_free(
+    series: Series, factors: Values, order: int, omega: float, zeta: float, pulled: float
+) -> None:
     """Write all coefficients up to `order`, from those of order 0.
 
-    `pulled` is 1 where the force acts; with 0 it is left out.
+    The factors of `Differences` are written on the way, unless they are empty. `pulled` is 1 where
+    the force acts; with 0 it is left out.
     """
     terms, left, right, known = series
     square = terms[0, X] ** 2 + terms[0, Y] ** 2
@@ -47,6 +50,8 @@ def expand_free(series: Series, order: int, omega: float, zeta: float, pulled: f
     for n in range(order):
         sum_known(left, right, known, n)
         _next_terms(terms, left, right, known, n, one, first, root, omega, 2.0 * zeta)
+        if factors.size > 0:
+            _next_factors(terms, left, right, known, n, one, first, factors)
         one = 0.0
 
 
@@ -87,23 +92,6 @@ def _fourth_root(
     b = root + (0.25 * whole - 1.25 * part / max(n, 1)) * first
     right[n, ROOT], right[n, SLOPE] = b, n * b
     return float(b)
-
-
-@shared_for_lanes
-def expand_free_and_factors(
-    series: Series, factors: Values, order: int, omega: float, zeta: float, pulled: float
-) -> None:
-    """Do as `expand_free` does, and write the factors of `Differences` on the way."""
-    terms, left, right, known = series
-    square = terms[0, X] ** 2 + terms[0, Y] ** 2
-    first = pulled / square if square > 0.0 else 0.0
-    root, one = math.sqrt(math.sqrt(pulled * square)), 1.0
-    begin(left, right)
-    for n in range(order):
-        sum_known(left, right, known, n)
-        _next_terms(terms, left, right, known, n, one, first, root, omega, 2.0 * zeta)
-        _next_factors(terms, left, right, known, n, one, first, factors)
-        one = 0.0
 
 
 @shared_for_lanes

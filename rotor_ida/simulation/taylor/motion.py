@@ -20,7 +20,6 @@ from rotor_ida.simulation.motion import GOES_ON, NOT_FINITE, STUCK
 from rotor_ida.simulation.tangents import TANGENTS
 from rotor_ida.simulation.taylor.contact_series import (
     expand_contact,
-    expand_contact_and_factors,
     write_contact_forcing,
 )
 from rotor_ida.simulation.taylor.differences import (
@@ -35,7 +34,6 @@ from rotor_ida.simulation.taylor.free_series import (
     X,
     Y,
     expand_free,
-    expand_free_and_factors,
     write_free_forcing,
 )
 from rotor_ida.simulation.taylor.roots import bernstein_basis, with_one_root
@@ -83,6 +81,8 @@ class Taylor:
         The coefficients of the state, which are part of it.
     differences : Differences
         The series of the tangents.
+    factors : ndarray
+        What these take from the motion, which is part of them; empty where there are none.
     inverse : ndarray
         One over the tolerances of the present step.
     sizes : ndarray
@@ -112,6 +112,7 @@ class Taylor:
     series: Series
     terms: Values
     differences: Differences
+    factors: Values
     inverse: Values
     sizes: Values
     basis: Values
@@ -160,7 +161,7 @@ def open_taylor(
     whole = size + TANGENTS if tangents else size
     series, basis = new_series(order + 1), bernstein_basis(order)
     rows, powers = np.zeros((7, 2 * LANES)), np.zeros((1, order + 1))
-    terms = lent(series.terms)
+    terms, differences = lent(series.terms), new_differences(order + 1 if tangents else 0)
     return Taylor(
         omega,
         zeta,
@@ -178,7 +179,8 @@ def open_taylor(
         lent(rows[3, :whole]),
         Series(terms, lent(series.left), lent(series.right), lent(series.known)),
         terms,
-        new_differences(order + 1 if tangents else 0),
+        differences,
+        differences.factors,
         lent(rows[4, :size]),
         lent(rows[5, :WIDTH]),
         lent(basis),
@@ -204,31 +206,27 @@ def restart(motion: Taylor, start: Values, atol: Values) -> int:
 def advance(motion: Taylor) -> int:
     """Take one step; return 0, or why it could not be taken."""
     _begin_step(motion)
-    if motion.tangents:
-        return _end_step(motion, _step_with_tangents(motion))
+    series, factors, order = motion.series, motion.factors, motion.order
+    omega, zeta, delta0 = motion.omega, motion.zeta, motion.delta0
     if motion.regularised:
-        expand_contact(motion.series, motion.order, motion.omega, motion.zeta, motion.delta0)
-        return _end_step(motion, _contact_step(motion))
-    inner = _unfelt(motion)
-    expand_free(motion.series, motion.order, motion.omega, motion.zeta, _pulled(motion, inner))
-    return _end_step(motion, _free_step(motion, inner))
-
-
-@shared
-def _step_with_tangents(motion: Taylor) -> float:
-    """Write all series; return how far they may be followed."""
-    omega, zeta, order, differences = motion.omega, motion.zeta, motion.order, motion.differences
-    differences.terms[0] = motion.values[motion.size :]
-    factors = differences.factors
-    if motion.regularised:
-        expand_contact_and_factors(motion.series, factors, order, omega, zeta, motion.delta0)
+        expand_contact(series, factors, order, omega, zeta, delta0)
         step = _contact_step(motion)
     else:
         inner = _unfelt(motion)
-        expand_free_and_factors(motion.series, factors, order, omega, zeta, _pulled(motion, inner))
+        expand_free(series, factors, order, omega, zeta, _pulled(motion, inner))
         step = _free_step(motion, inner)
-    expand_differences(differences, order, omega, zeta)
-    return min(step, longest_step_of(differences, order, motion.rtol))
+    if motion.tangents:
+        step = min(step, _step_of_tangents(motion))
+    return _end_step(motion, step)
+
+
+@shared
+def _step_of_tangents(motion: Taylor) -> float:
+    """Write the series of the tangents; return how far they may be followed."""
+    differences, order = motion.differences, motion.order
+    differences.terms[0] = motion.values[motion.size :]
+    expand_differences(differences, order, motion.omega, motion.zeta)
+    return longest_step_of(differences, order, motion.rtol)
 
 
 @shared
@@ -246,7 +244,7 @@ def expand_by_parameters(motion: Taylor, made: Differences) -> None:
         write_contact_forcing(made.forcing, motion.series, motion.order, motion.omega)
     else:
         write_free_forcing(made.forcing, motion.series, motion.order, motion.omega)
-    made.factors[:] = motion.differences.factors
+    made.factors[:] = motion.factors
     expand_differences(made, motion.order, motion.omega, motion.zeta)
 
 
