@@ -1,17 +1,14 @@
 """Event-time error estimate, and the horizon beyond which there is none.
 
-The orbit is simulated a second time with other tolerances, and with few samples.
-
-- CVODE, thirty times looser: as the error grows with the tolerance, the difference between the two
-  stands for the error of the looser one and covers that of the tighter one.
-- Taylor series, thirty times tighter: what the difference shows is the error itself, with that of
-  rounding, which is most of it at tight tolerances. It is widened. Where the second tolerance would
-  be below rounding, both runs may round alike: the second is given a rotor that differs by the last
-  bit.
+The orbit is simulated a second time by Taylor series with thirty times tighter tolerances and few
+samples, whatever its own method: that costs a tenth of a run of CVODE and is far more exact, so the
+difference is the error itself. Of an orbit by Taylor series rounding is a part of it at tight
+tolerances. The difference is widened, since a part of the second run's own error may hide in it.
+Where the second tolerance would be below rounding both runs may round alike: the second is given a
+rotor that differs by the last bit.
 
 A difference that happens to vanish is no witness, so each event takes the largest of its own and
-the few before it. Ten, thirty and a hundred times were tried for each, looser and tighter, with and
-without that memory, on the 679 events of the reference cases: ``docs/events.md`` has the figures.
+the few before it. ``docs/events.md`` says how well this covers the events of the reference cases.
 """
 
 from __future__ import annotations
@@ -25,6 +22,7 @@ from rotor_ida.checks import State
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import Rotor
+from rotor_ida.simulation.options import LOOSEST_RTOL_OF_TAYLOR, Options
 from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run
 
@@ -32,8 +30,7 @@ Values = npt.NDArray[np.float64]
 
 APART = 30.0
 MEMORY = 4
-# What the difference is multiplied by, and the bound on rounding, where a tighter run shows the
-# error itself.
+# What the difference, and the bound on rounding, is multiplied by.
 WIDENING, OF_ROUNDING = 5.0, 0.5
 # Samples of the second run: where the two orbits part is seen to so many parts of the run.
 MOST_SAMPLES = 64
@@ -66,7 +63,7 @@ class EventErrors:
 def estimate_event_errors(
     orbit: Orbit, start: State, *, slack: float = 0.0, stop: Stop | None = None
 ) -> EventErrors:
-    """Estimate the error of an orbit by simulating it again with other tolerances.
+    """Estimate the error of an orbit by simulating it again, by tighter Taylor series.
 
     Parameters
     ----------
@@ -77,14 +74,16 @@ def estimate_event_errors(
     slack, stop
         As for `run`.
     """
-    tighter = orbit.options.method == "taylor"
-    rounded = tighter and orbit.options.rtol < APART * ROUNDING
+    rotor, rtol = orbit.rotor, min(orbit.options.rtol, LOOSEST_RTOL_OF_TAYLOR)
+    if rtol < APART * ROUNDING:
+        rotor = _nearest(rotor)
     every = max(1, orbit.times.size // MOST_SAMPLES)
     thinned = replace(orbit, times=orbit.times[::every], states=orbit.states[::every])
+    options = Options(rtol=rtol, atol=orbit.options.atol, method="taylor")
     try:
         other = run(
-            _nearest(orbit.rotor) if rounded else orbit.rotor, start, orbit.duration, thinned.times, orbit.options, slack=2.0 * slack,
-            scale=1.0 / APART if tighter else APART, stop=stop,
+            rotor, start, orbit.duration, thinned.times, options, slack=2.0 * slack,
+            scale=1.0 / APART, stop=stop,
         )  # fmt: skip
     except SimulationError as error:
         return EventErrors(np.full(orbit.event_times.size, np.inf), error.time)
@@ -92,8 +91,7 @@ def estimate_event_errors(
     differences = np.full(orbit.event_times.size, np.nan)
     found = partners >= 0
     differences[found] = np.abs(orbit.event_times[found] - other.event_times[partners[found]])
-    widening, of_rounding = (WIDENING, OF_ROUNDING) if tighter else (1.0, 1.0)
-    errors = widening * _remembered(differences) + of_rounding * _rounding(orbit)
+    errors = WIDENING * _remembered(differences) + OF_ROUNDING * _rounding(orbit)
     errors[~found] = np.inf
     horizon = _horizon(thinned, other, partners)
     if horizon < orbit.duration:
