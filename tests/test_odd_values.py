@@ -182,7 +182,8 @@ def odd_calls(name: str, folder: Path) -> Iterator[tuple[str, str]]:
                 function(**given)
             except RotorError as error:
                 message = str(error)
-                if "\n" in message or len(message) > LONGEST_MESSAGE:
+                shown = message.replace(str(folder), "")
+                if "\n" in message or len(shown) > LONGEST_MESSAGE:
                     trouble = f"message of {len(message)} characters: {message[:400]!r}"
             except Exception as error:
                 trouble = f"raw {type(error).__name__}: {str(error)[:200]}"
