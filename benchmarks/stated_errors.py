@@ -9,9 +9,7 @@ exceeds the true one in the median, and the runs that found other events.
 import argparse
 
 import numpy as np
-from event_table import DATA, load
-
-from rotor_ida import Rotor, simulate
+from event_table import DATA, load, simulated
 
 TOLERANCES = {
     "adams": [10.0**-power for power in range(6, 14)],
@@ -21,16 +19,7 @@ TOLERANCES = {
 
 def stated(case, method, rtol):
     """Return stated and true errors of the events of a run; None where it found others."""
-    rotor = Rotor(**{name: case[name] for name in ("omega", "zeta", "delta0")})
-    run = simulate(
-        rotor,
-        start=tuple(case["start"]),
-        duration=case["duration"],
-        samples=2,
-        rtol=rtol,
-        atol=rtol / 100.0,
-        method=method,
-    )
+    run = simulated(case, method, rtol)
     if run.event_kind.values.tolist() != [kind for kind, _, _ in case["events"]]:
         return None
     right = np.array([float(time) for _, time, _ in case["events"]])

@@ -173,7 +173,7 @@ def lyapunov_exponent(
 
 def _stretches(
     rotor: Rotor, start: State, lead: int, count: int, span: float, rtol: float, stop: Stop,
-    method: MethodOfTangents = "taylor",
+    method: MethodOfTangents,
 ) -> Values:  # fmt: skip
     """Return the logarithms of the stretching over each span after the transient."""
     x, y, vx, vy = start

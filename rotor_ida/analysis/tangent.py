@@ -56,7 +56,7 @@ def follow_stretches(
     rotor: Parameters,
     rtol: float,
     stop: Stop,
-    method: MethodOfTangents = "taylor",
+    method: MethodOfTangents,
 ) -> int:
     """Follow a state and its four tangent vectors, and say how much these were stretched.
 

@@ -7,9 +7,10 @@ tolerances. The difference is widened, since a part of the second run's own erro
 Where the second tolerance would be below rounding both runs may round alike: the second is given a
 rotor that differs by the last bit.
 
-On a steady whirl CVODE lengthens its steps, and Taylor series go on at a step a radian or so: a run
-of CVODE over a very long time is repeated by CVODE itself, at thirty times looser tolerances, where
-the difference stands for the error of the looser one and covers that of the tighter one.
+Taylor series take a step every few radians of the fastest motion or decay that the rotor is capable
+of, even where nothing moves. On a steady whirl, or with heavy damping, CVODE lengthens its steps: a
+long run of it is repeated by CVODE itself, at thirty times looser tolerances. That difference
+stands for the error of the looser run and covers that of the tighter one.
 
 A difference that happens to vanish is no witness, so each event takes the largest of its own and
 the few before it. ``docs/events.md`` says how well this covers the events of the reference cases.
@@ -36,8 +37,8 @@ APART = 30.0
 MEMORY = 4
 # What the difference, and the bound on rounding, is multiplied by.
 WIDENING, OF_ROUNDING = 5.0, 0.5
-# Radians of spin beyond which CVODE repeats its own runs.
-LONGEST = 1e6
+# Radians of the fastest motion beyond which a run is long.
+LONG = 1e6
 # Samples of the second run: where the two orbits part is seen to so many parts of the run.
 MOST_SAMPLES = 64
 # Two events belong to each other when they are of one kind and no further apart than this
@@ -69,7 +70,7 @@ class EventErrors:
 def estimate_event_errors(
     orbit: Orbit, start: State, *, slack: float = 0.0, stop: Stop | None = None
 ) -> EventErrors:
-    """Estimate the error of an orbit by simulating it again, by tighter Taylor series.
+    """Estimate the error of an orbit by simulating it again.
 
     Parameters
     ----------
@@ -80,13 +81,12 @@ def estimate_event_errors(
     slack, stop
         As for `run`.
     """
-    rotor, options, scale = orbit.rotor, orbit.options, 1.0 / APART
-    widening, of_rounding = WIDENING, OF_ROUNDING
-    if options.method != "taylor" and orbit.duration * max(rotor.omega, 1.0) > LONGEST:
-        scale, widening, of_rounding = APART, 1.0, 1.0
-    else:
+    rotor, options, scale = orbit.rotor, orbit.options, APART
+    widening, of_rounding = 1.0, 1.0
+    if options.method == "taylor" or _fastest(orbit) * orbit.duration <= LONG:
         rtol = min(options.rtol, LOOSEST_RTOL_OF_TAYLOR)
-        options = Options(rtol=rtol, atol=options.atol, method="taylor")
+        options, scale = Options(rtol=rtol, atol=options.atol, method="taylor"), 1.0 / APART
+        widening, of_rounding = WIDENING, OF_ROUNDING
         if rtol < APART * ROUNDING:
             rotor = _nearest(rotor)
     every = max(1, orbit.times.size // MOST_SAMPLES)
@@ -108,6 +108,14 @@ def estimate_event_errors(
     if horizon < orbit.duration:
         errors[orbit.event_times > horizon] = np.inf
     return EventErrors(errors, horizon)
+
+
+def _fastest(orbit: Orbit) -> float:
+    """Return the rate of the fastest motion or decay: spin, damping, vibration at the peak."""
+    omega, zeta, delta0 = orbit.rotor.omega, orbit.rotor.zeta, orbit.rotor.delta0
+    farthest = float(np.hypot(orbit.states[:, 0], orbit.states[:, 1]).max(initial=delta0))
+    depth = max(farthest - delta0, float(orbit.contacts[:, 3].max(initial=0.0)))
+    return float(omega + 2.0 * zeta + np.sqrt(1.5 * np.sqrt(depth)))
 
 
 def _nearest(rotor: Rotor) -> Rotor:

@@ -7,6 +7,8 @@ from rotor_ida import InputError, Rotor, SimulationError, lyapunov_exponent, syn
 from rotor_ida.analysis import lyapunov
 from rotor_ida.analysis.tangent import STUCK
 from rotor_ida.closed_forms import eigenvalues
+from rotor_ida.simulation.cvode import libraries
+from rotor_ida.simulation.cvode.interface import callbacks_with_tangents
 
 REST = (0.0, 0.0, 0.0, 0.0)
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
@@ -129,6 +131,15 @@ def test_bad_input_is_refused(wrong, message):
         lyapunov_exponent(BOUNCING, **{"start": REST, **wrong})
     with pytest.raises(InputError, match="rotor must be a Rotor, got 2"):
         lyapunov_exponent(2, start=REST)
+
+
+def test_where_cvode_cannot_be_called_taylor_series_can(monkeypatch):
+    monkeypatch.setattr(libraries, "why_not", lambda: "the libraries were not found")
+    callbacks_with_tangents.cache_clear()
+    with pytest.raises(InputError, match="CVODE with tangents cannot be used: the libraries were"):
+        lyapunov_exponent(BOUNCING, start=REST, duration=200.0, method="adams")
+    by_taylor = lyapunov_exponent(BOUNCING, start=REST, duration=200.0)
+    assert np.isfinite(by_taylor.lyapunov_exponent).all()
 
 
 def test_failure_says_where(monkeypatch):

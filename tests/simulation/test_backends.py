@@ -65,6 +65,7 @@ def test_auto_is_compiled_where_it_can_be_had(monkeypatch):
     assert Options().backend == "python"
     with pytest.raises(InputError, match="'compiled' cannot be used: the libraries were not"):
         Options(backend="compiled")
+    assert Options(method="taylor").backend == "compiled"
 
 
 @pytest.mark.parametrize(

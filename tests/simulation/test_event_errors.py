@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from rotor_ida import Rotor, simulate
+from rotor_ida.simulation import event_errors
+from rotor_ida.simulation import run as simulation_run
 
 REST = (0.0, 0.0, 0.0, 0.0)
 
@@ -42,6 +44,45 @@ def test_stated_errors_cover_the_true_ones(rtol):
     assert len(covered) > 200
     assert np.mean(covered) >= 0.95
     assert np.median(ratios) < 100.0
+
+
+@pytest.mark.parametrize(
+    ("rotor", "duration", "witness"),
+    [
+        (Rotor(omega=2.0, zeta=0.07, delta0=2.0), 100.0, "taylor"),
+        (Rotor(omega=2.0, zeta=0.5, delta0=0.5), 2e6, "bdf"),
+        (Rotor(omega=1.0, zeta=1e5, delta0=0.5), 100.0, "bdf"),
+    ],
+    ids=["short", "long whirl", "heavy damping"],
+)
+def test_what_costs_taylor_series_too_many_steps_is_repeated_by_its_own_method(
+    monkeypatch, rotor, duration, witness
+):
+    seen = []
+
+    def noted(rotor, start, duration, times, options, **how):
+        seen.append(options.method)
+        return simulation_run.run(rotor, start, duration, times, options, **how)
+
+    monkeypatch.setattr(event_errors, "run", noted)
+    simulate(rotor, start=(0.9, 0, 0, 0), duration=duration, samples=3, method="bdf")
+    assert seen == [witness]
+
+
+def test_where_both_runs_round_alike_the_rotor_differs_by_the_last_bit(monkeypatch):
+    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+    seen = []
+
+    def noted(rotor, *given, **how):
+        seen.append(rotor)
+        return simulation_run.run(rotor, *given, **how)
+
+    monkeypatch.setattr(event_errors, "run", noted)
+    for rtol in (1e-12, 1e-15):
+        simulate(rotor, start=REST, duration=20.0, rtol=rtol, atol=1e-17, method="taylor")
+    assert seen[0] == rotor
+    assert seen[1] != rotor
+    assert seen[1].omega == pytest.approx(rotor.omega, rel=1e-15)
 
 
 def test_stated_errors_fall_with_the_tolerance():
