@@ -148,8 +148,9 @@ def _locked_folder(parent: Path) -> tuple[Path, FileLock]:
         folder = parent / f".{_machine()}.{secrets.token_hex(8)}.{_UNFINISHED}"
         folder.mkdir(mode=0o700)
         lock = _lock_of(folder)
-        # another writer may remove it between its being made and being locked
-        with suppress(Timeout, FileNotFoundError):
+        # another writer may remove it between its being made and being locked, even while filelock
+        # looks whether it is there
+        with suppress(Timeout, FileNotFoundError, FileExistsError):
             lock.acquire()
             if folder.exists():
                 return folder, lock

@@ -6,7 +6,9 @@ import os
 from pathlib import Path
 
 import pytest
+from filelock import FileLock
 
+from rotor_ida import files
 from rotor_ida.errors import InputError
 from rotor_ida.files import check_path, check_target, written_whole
 
@@ -98,3 +100,32 @@ def test_what_a_killed_writer_left_is_removed(tmp_path: Path) -> None:
             other.write_text("whole")
         assert not left.exists()
     assert sorted(os.listdir(tmp_path)) == [elsewhere.name, "living", "next"]
+
+
+@pytest.mark.parametrize("error", [FileNotFoundError, FileExistsError])
+def test_a_folder_that_another_writer_removes_is_made_anew(
+    error: type[OSError], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Between its being made and being locked; filelock then raises the one or the other."""
+    target, lock_of, seen = tmp_path / "file", files._lock_of, []
+
+    def lock_of_removed(folder: Path) -> FileLock:
+        seen.append(folder)
+        if len(seen) > 1:
+            return lock_of(folder)
+        folder.rmdir()
+        lock = lock_of(folder)
+        monkeypatch.setattr(type(lock), "_acquire", removed)
+        return lock
+
+    def removed(lock: FileLock) -> None:
+        monkeypatch.undo()
+        monkeypatch.setattr(files, "_lock_of", lock_of_removed)
+        raise error(lock.lock_file)
+
+    monkeypatch.setattr(files, "_lock_of", lock_of_removed)
+    target.write_text("before")
+    with written_whole(target, overwrite=True) as part:
+        part.write_text("after")
+    assert target.read_text() == "after"
+    assert len(seen) == 2

@@ -1,5 +1,8 @@
 """Compiled code takes the same steps as Python: the same events, samples and errors."""
 
+import os
+import subprocess
+import sys
 import threading
 from types import SimpleNamespace
 
@@ -148,3 +151,48 @@ def test_runs_one_after_the_other_leave_nothing_behind():
 
     settled = largest_after(300)
     assert largest_after(3000) - settled < 2048  # KiB; one solver left behind each time is 20 MiB
+
+
+ALLOCATED = """
+import gc
+import numpy as np
+from numba.core.runtime import rtsys
+from rotor_ida import Rotor
+from rotor_ida.analysis.tangent import follow_from, follow_on, follow_stretches
+from rotor_ida.simulation.options import Options
+from rotor_ida.simulation.run import run
+
+rotor, go_on = Rotor(omega=2.0, zeta=0.07, delta0=2.0), np.zeros(1, np.uint8)
+where = ((2.0, 0.07, 2.0), 1e-9, go_on)
+
+
+def work():
+    for method in ("adams", "taylor"):
+        run(rotor, (0.0, 0.0, 0.0, 0.0), 10.0, np.linspace(0.0, 10.0, 5), Options(method=method))
+        bundle = np.vstack([np.zeros(4), np.eye(4)])
+        follow_stretches(bundle, False, 2.0, np.empty((5, 4)), *where, method)
+    follow_on(np.zeros((5, 4)), np.zeros(5, np.bool_), 2.0, *where)
+    follow_from(np.zeros((2, 4)), np.zeros(2, np.bool_), np.full(2, 9.0), np.zeros((2, 4)), *where)
+
+
+def held():
+    gc.collect()
+    found = rtsys.get_allocation_stats()
+    return found.alloc - found.free
+
+
+work()
+before = held()
+for _ in range(3):
+    work()
+print(rtsys.get_allocation_stats().alloc > 0, held() - before)
+"""
+
+
+def test_what_compiled_code_allocates_is_freed():
+    """Its structures are not counted: whoever makes one releases it."""
+    answer = subprocess.run(
+        [sys.executable, "-c", ALLOCATED], env=os.environ | {"NUMBA_NRT_STATS": "1"},
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert (answer.stdout, answer.stderr) == ("True 0\n", "")
