@@ -21,11 +21,11 @@ import numpy as np
 import ways
 from measuring import ROUNDS, clocked, in_turn, machine, ratio
 
-from rotor_ida.analysis.tangent import METHODS_OF_TANGENTS, follow_stretches
 from rotor_ida.equations.compiling import compiled
 from rotor_ida.simulation.start import starts_in_contact
 from rotor_ida.simulation.taylor.contact_series import expand_contact
 from rotor_ida.simulation.taylor.motion import open_taylor
+from rotor_ida.stability.lyapunov import METHODS_OF_TANGENTS, follow_stretches
 
 WANTED = (1e-7, 1e-9, 1e-11)
 TOLERANCES = [10.0 ** (-power / 4.0) for power in range(16, 61)]

@@ -1,7 +1,6 @@
 from .analysis.bifurcation_diagram import bifurcation_diagram as bifurcation_diagram
 from .analysis.comparison import compare as compare
 from .analysis.forces import contact_forces as contact_forces
-from .analysis.lyapunov import lyapunov_exponent as lyapunov_exponent
 from .analysis.rotating_axes import rotating as rotating
 from .analysis.sections import poincare_section as poincare_section
 from .analysis.spectra import spectrum as spectrum
@@ -20,6 +19,7 @@ from .resuming import resume as resume
 from .si_units import dimensional as dimensional
 from .simulation.contact_table import contact_summary as contact_summary
 from .simulation.simulate import simulate as simulate
+from .stability.lyapunov import lyapunov_exponent as lyapunov_exponent
 from .storage.archive import load as load
 from .storage.archive import open_archive as open_archive
 from .storage.archive import save as save

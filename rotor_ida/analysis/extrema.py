@@ -1,6 +1,6 @@
 """Local maxima and minima of the distance from the bearing axis, as roots of r r'.
 
-The motion is followed by the Taylor series of `tangent`, from knot to knot. Between two knots
+The motion is followed by Taylor series, from knot to knot. Between two knots
 ``g = r r' = x vx + y vy`` is approximated by the cubic with its exact slopes; each root of the
 cubic is then polished by following the motion from the knot to it, and by Newton's method.
 """
@@ -14,7 +14,6 @@ import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import CubicHermiteSpline
 
-from rotor_ida.analysis.tangent import DONE, follow_from, follow_on
 from rotor_ida.checks import MOST_NUMBERS, State
 from rotor_ida.equations.contact import secant_stiffness
 from rotor_ida.equations.model import rotated
@@ -22,6 +21,7 @@ from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.start import starts_in_contact
+from rotor_ida.stability.tangent_flow import DONE, follow_from, follow_on
 
 Values = npt.NDArray[np.float64]
 

@@ -16,9 +16,9 @@ from rotor_ida import (
 from rotor_ida.analysis import bifurcation_diagram as bifurcation_module
 from rotor_ida.analysis import extrema
 from rotor_ida.analysis.extrema import CONSTANT, MAXIMUM, MINIMUM, radius_extrema
-from rotor_ida.analysis.tangent import STUCK
 from rotor_ida.closed_forms import planar_period
 from rotor_ida.schema import RESPONSE, STATUS
+from rotor_ida.stability.tangent_flow import STUCK
 
 GO_ON = np.zeros(1, np.uint8)
 REST = (0.0, 0.0, 0.0, 0.0)

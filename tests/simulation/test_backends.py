@@ -158,9 +158,10 @@ import gc
 import numpy as np
 from numba.core.runtime import rtsys
 from rotor_ida import Rotor
-from rotor_ida.analysis.tangent import follow_from, follow_on, follow_stretches
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
+from rotor_ida.stability.lyapunov import follow_stretches
+from rotor_ida.stability.tangent_flow import follow_from, follow_on
 
 rotor, go_on = Rotor(omega=2.0, zeta=0.07, delta0=2.0), np.zeros(1, np.uint8)
 where = ((2.0, 0.07, 2.0), 1e-9, go_on)

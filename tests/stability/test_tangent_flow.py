@@ -5,11 +5,12 @@ import pytest
 from scipy.linalg import expm
 
 from rotor_ida import Rotor
-from rotor_ida.analysis.tangent import DONE, follow_stretches
 from rotor_ida.equations.model import rotated, rotating_jacobian
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
 from rotor_ida.simulation.start import starts_in_contact
+from rotor_ida.stability.lyapunov import follow_stretches
+from rotor_ida.stability.tangent_flow import DONE
 
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 START = np.array([0.3, 0.2, 0.1, -0.4])

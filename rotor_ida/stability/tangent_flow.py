@@ -18,27 +18,21 @@ from __future__ import annotations
 
 import cmath
 import math
-from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.equations.compiling import asked_to_stop, compiled, release
 from rotor_ida.parallel.jobs import Stop
-from rotor_ida.simulation import cartesian_phase, contact_phase
 from rotor_ida.simulation.contact_phase import T, cartesian, end_of_step, tolerances
-from rotor_ida.simulation.cvode.compiled import METHODS, close_direct, open_direct
-from rotor_ida.simulation.cvode.interface import callbacks_with_tangents
 from rotor_ida.simulation.flight import drift, first_touch, fly
 from rotor_ida.simulation.motion import GOES_ON, Motion
 from rotor_ida.simulation.start import contact_start
-from rotor_ida.simulation.tangents import COUNT, TANGENTS, joined
+from rotor_ida.simulation.tangents import COUNT, joined
 from rotor_ida.simulation.taylor.motion import open_taylor
 
 Values = npt.NDArray[np.float64]
 Parameters = tuple[float, float, float]
-MethodOfTangents = Literal["taylor", "adams", "bdf"]
-METHODS_OF_TANGENTS: tuple[MethodOfTangents, ...] = ("taylor", "adams", "bdf")
 
 DONE, STUCK = 0, 1
 
@@ -46,89 +40,6 @@ _ROUNDING = 2.0**-52
 _PATIENCE = 200_000
 # Absolute tolerance in parts of the relative one.
 _ATOL = 1e-2
-
-
-def follow_stretches(
-    bundle: Values,
-    in_contact: bool,
-    span: float,
-    stretches: Values,
-    rotor: Parameters,
-    rtol: float,
-    stop: Stop,
-    method: MethodOfTangents,
-) -> int:
-    """Follow a state and its four tangent vectors, and say how much these were stretched.
-
-    Parameters
-    ----------
-    bundle : ndarray, shape (5, 4)
-        The state on the rotating axes, then four orthonormal tangent vectors; overwritten
-        with those at the end [1].
-    in_contact : bool
-        Whether the motion begins in contact.
-    span : float
-        Time after which the tangent vectors are made orthonormal again [1].
-    stretches : ndarray, shape (n, 4)
-        Filled with the logarithms of the factors by which each of n spans stretches the
-        vectors [1].
-    rotor : tuple of float
-        omega, zeta and delta0 [1].
-    rtol : float
-        Tolerance of one step relative to the size of state and vectors [1].
-    stop : ndarray, shape (1,)
-        Anything but 0 asks the integration to stop.
-    method : {"taylor", "adams", "bdf"}
-        What follows them in contact.
-
-    Returns
-    -------
-    int
-        0 if all was done; 1 if the integration was stuck, or asked to stop.
-    """
-    how = (bundle, in_contact, span, stretches, rotor, rtol, stop)
-    if method == "taylor":
-        return _follow_by_taylor_series(*how)
-    contact, free = callbacks_with_tangents()
-    field = (contact if rotor[2] > 0.0 else free).address
-    return _follow_by_cvode(*how, np.array(rotor), METHODS[method], field)
-
-
-@compiled
-def _follow_by_taylor_series(
-    bundle: Values, in_contact: bool, span: float, stretches: Values, rotor: Parameters,
-    rtol: float, stop: Stop,
-) -> int:  # fmt: skip
-    motion = open_taylor(rotor[0], rotor[1], rotor[2], rotor[2] > 0.0, rtol, True)
-    done = _follow_spans(bundle, in_contact, span, stretches, rotor, rtol, stop, motion)
-    release(motion)
-    return done
-
-
-@compiled
-def _follow_by_cvode(
-    bundle: Values, in_contact: bool, span: float, stretches: Values, rotor: Parameters,
-    rtol: float, stop: Stop, parameters: Values, method: int, field: int,
-) -> int:  # fmt: skip
-    size = contact_phase.SIZE if rotor[2] > 0.0 else cartesian_phase.SIZE
-    motion = open_direct(size + TANGENTS, method, rtol, parameters, field, 0)
-    done = _follow_spans(bundle, in_contact, span, stretches, rotor, rtol, stop, motion)
-    close_direct(motion)
-    return done
-
-
-@compiled
-def _follow_spans(
-    bundle: Values, in_contact: bool, span: float, stretches: Values, rotor: Parameters,
-    rtol: float, stop: Stop, motion: Motion,
-) -> int:  # fmt: skip
-    """Do as `follow_stretches` does, with a motion that has not begun."""
-    mode = np.array([1.0 if in_contact else 0.0])
-    for row in range(stretches.shape[0]):
-        if _follow(bundle, mode, span, rotor, rtol, motion, stop) != DONE:
-            return STUCK
-        orthonormalise(bundle, stretches[row])
-    return DONE
 
 
 @compiled
@@ -149,13 +60,14 @@ def follow_on(
     in_contact : ndarray of bool, shape (n,)
         Whether each is in contact; the first is given.
     span, rotor, rtol, stop
-        As for `follow_stretches`.
+        As for `follow`: the time from one to the next, omega, zeta and delta0, the tolerance of
+        one step relative to the size of the state [1], and what asks to stop.
     """
     state, mode = states[:1].copy(), np.array([1.0 if in_contact[0] else 0.0])
     motion = open_taylor(rotor[0], rotor[1], rotor[2], rotor[2] > 0.0, rtol, False)
     done = DONE
     for row in range(1, states.shape[0]):
-        done = _follow(state, mode, span, rotor, rtol, motion, stop)
+        done = follow(state, mode, span, rotor, rtol, motion, stop)
         if done != DONE:
             break
         states[row] = state[0]
@@ -182,7 +94,7 @@ def follow_from(
         state = states[row : row + 1].copy()
         mode[0] = 1.0 if in_contact[row] else 0.0
         if spans[row] > 0.0:
-            done = _follow(state, mode, spans[row], rotor, rtol, motion, stop)
+            done = follow(state, mode, spans[row], rotor, rtol, motion, stop)
         if done != DONE:
             break
         reached[row] = state[0]
@@ -191,31 +103,14 @@ def follow_from(
 
 
 @compiled
-def orthonormalise(bundle: Values, stretch: Values) -> None:
-    """Make the tangent vectors orthonormal, and write the logarithms of their lengths."""
-    for i in range(1, 5):
-        for _ in range(2):
-            for j in range(1, i):
-                along = 0.0
-                for k in range(4):
-                    along += bundle[i, k] * bundle[j, k]
-                for k in range(4):
-                    bundle[i, k] -= along * bundle[j, k]
-        length = 0.0
-        for k in range(4):
-            length += bundle[i, k] ** 2
-        length = math.sqrt(length)
-        stretch[i - 1] = math.log(length)
-        for k in range(4):
-            bundle[i, k] /= length
-
-
-@compiled
-def _follow(
+def follow(
     bundle: Values, mode: Values, span: float, rotor: Parameters, rtol: float, motion: Motion,
     stop: Stop,
 ) -> int:  # fmt: skip
-    """Alternate flight and contact over `span`; `mode` keeps whether in contact."""
+    """Alternate flight and contact over `span`; `mode` keeps whether in contact.
+
+    The bundle holds the state on the rotating axes, then its tangent vectors [1].
+    """
     omega, zeta, delta0 = rotor
     left = span
     for _ in range(_PATIENCE):
@@ -224,16 +119,16 @@ def _follow(
             if passed < 0.0:
                 return STUCK
             if mode[0] == 0.0:
-                _put_on_the_ring(bundle, delta0)
+                put_on_the_ring(bundle, delta0)
         else:
             z, w = complex(bundle[0, 0], bundle[0, 1]), complex(bundle[0, 2], bundle[0, 3])
             touch = first_touch(z, w, omega, zeta, delta0, left, stop)
             if asked_to_stop(stop):
                 return STUCK
             passed = min(touch, left)
-            _fly(bundle, passed, omega, zeta)
+            fly_bundle(bundle, passed, omega, zeta)
             if touch <= left:
-                _put_on_the_ring(bundle, delta0)
+                put_on_the_ring(bundle, delta0)
                 mode[0] = 1.0
         left -= passed
         if left <= _ROUNDING * span:
@@ -242,7 +137,7 @@ def _follow(
 
 
 @compiled
-def _fly(bundle: Values, tau: float, omega: float, zeta: float) -> None:
+def fly_bundle(bundle: Values, tau: float, omega: float, zeta: float) -> None:
     """Move the state and its tangent vectors by `tau` of free flight, in closed form."""
     z, w = complex(bundle[0, 0], bundle[0, 1]), complex(bundle[0, 2], bundle[0, 3])
     z, w = fly(z, w, tau, omega, zeta)
@@ -259,7 +154,7 @@ def _fly(bundle: Values, tau: float, omega: float, zeta: float) -> None:
 
 
 @compiled
-def _put_on_the_ring(bundle: Values, delta0: float) -> None:
+def put_on_the_ring(bundle: Values, delta0: float) -> None:
     """Take rounding off the radius at an event."""
     scale = delta0 / math.hypot(bundle[0, 0], bundle[0, 1])
     bundle[0, 0] *= scale
@@ -272,7 +167,7 @@ def _stay_in_contact(
     stop: Stop,
 ) -> float:  # fmt: skip
     """Follow a contact until its exit or for `left`; return the time passed, negative if stuck."""
-    passed = _begin_contact(bundle, left, rotor, rtol, motion)
+    passed = begin_contact(bundle, left, rotor, rtol, motion)
     regularised, leaves, reached = rotor[2] > 0.0, False, motion.values.copy()
     while passed < left:
         if asked_to_stop(stop) or motion.advance() != GOES_ON:
@@ -288,15 +183,18 @@ def _stay_in_contact(
         if leaves:
             mode[0] = 0.0
             break
-    _write_bundle(bundle, reached, rotor[2])
+    write_bundle(bundle, reached, rotor[2])
     return passed
 
 
 @compiled
-def _begin_contact(
+def begin_contact(
     bundle: Values, left: float, rotor: Parameters, rtol: float, motion: Motion
 ) -> float:
-    """Put a motion at the state of the bundle, or a moment later; return that moment."""
+    """Put a motion at the state of the bundle, or a moment later; return that moment.
+
+    Of the rows behind the state, the motion takes the first four as its tangent vectors.
+    """
     omega, zeta, delta0 = rotor
     own, atol, moment = bundle[0], np.full(4, _ATOL * rtol), 0.0
     if delta0 > 0.0:
@@ -304,21 +202,22 @@ def _begin_contact(
         own = contact_start(z, w, left, omega, zeta, delta0)
         atol, moment = tolerances(own, rtol, _ATOL * rtol), own[T]
         if moment > 0.0:
-            _fly(bundle, moment, omega, zeta)
-    vectors = bundle[1:]
+            fly_bundle(bundle, moment, omega, zeta)
+    vectors = bundle[1 : 1 + COUNT]
     motion.restart(joined(own, vectors), joined(atol, np.full(vectors.shape, rtol)))
     return float(moment)
 
 
 @compiled
-def _write_bundle(bundle: Values, reached: Values, delta0: float) -> None:
+def write_bundle(bundle: Values, reached: Values, delta0: float) -> None:
     """Write state and tangent vectors at the end of a contact."""
     if delta0 > 0.0:
         z, w = cartesian(reached, delta0)
         bundle[0, 0], bundle[0, 1], bundle[0, 2], bundle[0, 3] = z.real, z.imag, w.real, w.imag
     else:
         bundle[0] = reached[:4]
-    vectors = reached[reached.size - bundle[1:].size :]
-    for i in range(bundle.shape[0] - 1):
+    count = min(bundle.shape[0] - 1, COUNT)
+    vectors = reached[reached.size - 4 * count :]
+    for i in range(count):
         for j in range(4):
             bundle[i + 1, j] = vectors[COUNT * j + i]

@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 import math
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.analysis.tangent import (
-    DONE,
-    METHODS_OF_TANGENTS,
-    MethodOfTangents,
-    follow_stretches,
-)
 from rotor_ida.checks import (
     MOST_NUMBERS,
     State,
@@ -24,17 +19,28 @@ from rotor_ida.checks import (
     check_positive,
     check_state,
 )
+from rotor_ida.equations.compiling import compiled, release
 from rotor_ida.equations.model import rotated
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.parallel import Stop, interruptible
 from rotor_ida.parameters import Rotor
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import Column, labelled_dataset
+from rotor_ida.simulation import cartesian_phase, contact_phase
+from rotor_ida.simulation.cvode.compiled import METHODS, close_direct, open_direct
+from rotor_ida.simulation.cvode.interface import callbacks_with_tangents
 from rotor_ida.simulation.dataset import parameter_coordinates
+from rotor_ida.simulation.motion import Motion
 from rotor_ida.simulation.options import check_can_be_followed, check_rtol
 from rotor_ida.simulation.start import starts_in_contact
+from rotor_ida.simulation.tangents import TANGENTS
+from rotor_ida.simulation.taylor.motion import open_taylor
+from rotor_ida.stability.tangent_flow import DONE, STUCK, follow
 
 Values = npt.NDArray[np.float64]
+Parameters = tuple[float, float, float]
+MethodOfTangents = Literal["taylor", "adams", "bdf"]
+METHODS_OF_TANGENTS: tuple[MethodOfTangents, ...] = ("taylor", "adams", "bdf")
 
 # Time after which tangent vectors are made orthonormal again.
 SPAN = 0.5
@@ -214,3 +220,106 @@ def _weighted(rates: Values) -> Values:
     weights = np.exp(-1.0 / (place * (1.0 - place)))
     mean: Values = np.einsum("n,...ne->...e", weights / weights.sum(), rates)
     return mean
+
+
+def follow_stretches(
+    bundle: Values,
+    in_contact: bool,
+    span: float,
+    stretches: Values,
+    rotor: Parameters,
+    rtol: float,
+    stop: Stop,
+    method: MethodOfTangents,
+) -> int:
+    """Follow a state and its four tangent vectors, and say how much these were stretched.
+
+    Parameters
+    ----------
+    bundle : ndarray, shape (5, 4)
+        The state on the rotating axes, then four orthonormal tangent vectors; overwritten
+        with those at the end [1].
+    in_contact : bool
+        Whether the motion begins in contact.
+    span : float
+        Time after which the tangent vectors are made orthonormal again [1].
+    stretches : ndarray, shape (n, 4)
+        Filled with the logarithms of the factors by which each of n spans stretches the
+        vectors [1].
+    rotor : tuple of float
+        omega, zeta and delta0 [1].
+    rtol : float
+        Tolerance of one step relative to the size of state and vectors [1].
+    stop : ndarray, shape (1,)
+        Anything but 0 asks the integration to stop.
+    method : {"taylor", "adams", "bdf"}
+        What follows them in contact.
+
+    Returns
+    -------
+    int
+        0 if all was done; 1 if the integration was stuck, or asked to stop.
+    """
+    how = (bundle, in_contact, span, stretches, rotor, rtol, stop)
+    if method == "taylor":
+        return _follow_by_taylor_series(*how)
+    contact, free = callbacks_with_tangents()
+    field = (contact if rotor[2] > 0.0 else free).address
+    return _follow_by_cvode(*how, np.array(rotor), METHODS[method], field)
+
+
+@compiled
+def _follow_by_taylor_series(
+    bundle: Values, in_contact: bool, span: float, stretches: Values, rotor: Parameters,
+    rtol: float, stop: Stop,
+) -> int:  # fmt: skip
+    motion = open_taylor(rotor[0], rotor[1], rotor[2], rotor[2] > 0.0, rtol, True)
+    done = _follow_spans(bundle, in_contact, span, stretches, rotor, rtol, stop, motion)
+    release(motion)
+    return done
+
+
+@compiled
+def _follow_by_cvode(
+    bundle: Values, in_contact: bool, span: float, stretches: Values, rotor: Parameters,
+    rtol: float, stop: Stop, parameters: Values, method: int, field: int,
+) -> int:  # fmt: skip
+    size = contact_phase.SIZE if rotor[2] > 0.0 else cartesian_phase.SIZE
+    motion = open_direct(size + TANGENTS, method, rtol, parameters, field, 0)
+    done = _follow_spans(bundle, in_contact, span, stretches, rotor, rtol, stop, motion)
+    close_direct(motion)
+    return done
+
+
+@compiled
+def _follow_spans(
+    bundle: Values, in_contact: bool, span: float, stretches: Values, rotor: Parameters,
+    rtol: float, stop: Stop, motion: Motion,
+) -> int:  # fmt: skip
+    """Do as `follow_stretches` does, with a motion that has not begun."""
+    mode = np.array([1.0 if in_contact else 0.0])
+    for row in range(stretches.shape[0]):
+        if follow(bundle, mode, span, rotor, rtol, motion, stop) != DONE:
+            return STUCK
+        orthonormalise(bundle, stretches[row])
+    return DONE
+
+
+@compiled
+def orthonormalise(bundle: Values, stretch: Values) -> None:
+    """Make the tangent vectors orthonormal, and write the logarithms of their lengths."""
+    for i in range(1, 5):
+        for _ in range(2):
+            for j in range(1, i):
+                along = 0.0
+                for k in range(4):
+                    along += bundle[i, k] * bundle[j, k]
+                for k in range(4):
+                    bundle[i, k] -= along * bundle[j, k]
+        length = 0.0
+        for k in range(4):
+            length += bundle[i, k] ** 2
+        length = math.sqrt(length)
+        stretch[i - 1] = math.log(length)
+        for k in range(4):
+            bundle[i, k] /= length

@@ -1,0 +1,1 @@
+"""How small differences from a motion grow or die away."""
