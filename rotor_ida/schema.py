@@ -44,6 +44,9 @@ RESPONSE = {
     "synchronous": 2,
     "bouncing": 3,
     "full_contact": 4,
+    "touching": 5,
+    "chaotic": 6,
+    "not_found": 7,
     "failed": -1,
 }
 EVENT_KIND = {"exit": -1, "entry": 1}
@@ -53,6 +56,8 @@ STATUS = {"done": 0, "failed": 1}
 DIRECTION = {"down": -1, "from_start": 0, "up": 1}
 NO_YES = {"no": 0, "yes": 1}
 WHIRL_DIRECTION = {"backward": -1, "none": 0, "forward": 1}
+LINE_KIND = {"backward": -1, "spin": 0, "forward": 1}
+SPECIAL = {"fold": 1, "period_doubling": 2, "graze": 3, "cusp": 4}
 EXTREMUM = {"minimum": -1, "constant": 0, "maximum": 1}
 
 QUANTITIES: dict[str, Quantity] = {
@@ -204,6 +209,50 @@ QUANTITIES: dict[str, Quantity] = {
     "response_count": Quantity("number of starts that end on a response of the kind"),
     "response_fraction": Quantity("part of the computed starts that end on a response of the kind"),
     "response_fraction_error": Quantity("standard error of the fraction of the kind of response"),
+    # limit cycles
+    "cycle_period": Quantity("period of the limit cycle on the rotating axes", scale="time"),
+    "cycle_radius_min": Quantity("smallest distance from the bearing axis", scale="length"),
+    "cycle_radius_max": Quantity("largest distance from the bearing axis", scale="length"),
+    "cycle_response": Quantity("kind of response", flags=RESPONSE),
+    "cycle_stability": Quantity("stability of the limit cycle", flags=STABILITY),
+    "cycle_contact_count": Quantity("number of contacts in a period"),
+    "cycle_t": Quantity("time since the start of the period", scale="time"),
+    "period_error": Quantity("estimated error of the period", scale="time"),
+    "impulse_per_period": Quantity("impulse of the contact force in a period", scale="impulse"),
+    "multiplier": Quantity("number of the multiplier, by falling modulus"),
+    "multiplier_real": Quantity("real part of the multiplier"),
+    "multiplier_imag": Quantity("imaginary part of the multiplier"),
+    "multiplier_error": Quantity("estimated error of the multiplier"),
+    "trace": Quantity("trace of the monodromy matrix"),
+    "residual": Quantity("distance of the end of a period from its start, relative to its size"),
+    "trivial_defect": Quantity("distance of the trivial multiplier, as integrated, from 1"),
+    "symplectic_defect": Quantity(
+        "distance of the monodromy matrix, as integrated, from a conformally symplectic one"
+    ),
+    "line": Quantity("number of the line of the spectrum, in order of frequency"),
+    "line_kind": Quantity("kind of the line of the spectrum", flags=LINE_KIND),
+    "whirl_ratio": Quantity(
+        "frequency of the strongest whirl beside the spin, over the spin speed, negative for "
+        "backward whirl"
+    ),
+    # branches of limit cycles, and their bifurcations
+    "special": Quantity("number of the special point, in order along the branch"),
+    "special_kind": Quantity("kind of the special point", flags=SPECIAL),
+    "special_value": Quantity("continued parameter at the special point"),
+    "special_second_value": Quantity("second continued parameter at the special point"),
+    "special_period": Quantity("period at the special point", scale="time"),
+    "special_x": Quantity("displacement along the unbalance", scale="length"),
+    "special_y": Quantity("displacement across the unbalance", scale="length"),
+    "special_vx": Quantity("velocity along the unbalance", scale="velocity"),
+    "special_vy": Quantity("velocity across the unbalance", scale="velocity"),
+    "special_point": Quantity("number of the point of the branch before the special one"),
+    "special_radius_min": Quantity(
+        "smallest distance from the bearing axis at the special point", scale="length"
+    ),
+    "special_radius_max": Quantity(
+        "largest distance from the bearing axis at the special point", scale="length"
+    ),
+    "slope": Quantity("rate of the continued parameter along the branch, by arclength"),
     # comparison
     "matched_branch": Quantity("number of the branch that the response is on, -1 where on none"),
     "amplitude_error": Quantity("simulated minus exact amplitude, relative to the exact one"),

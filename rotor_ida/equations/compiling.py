@@ -31,7 +31,7 @@ _LANE_MATHS = {"contract", "nsz", "arcp", "reassoc"}
 
 _CONFIG: Any = numba.config
 # Folders of this package that hold what is compiled.
-KERNEL_FOLDERS = ("basins", "cycles", "equations", "simulation", "stability")
+KERNEL_FOLDERS = ("basins", "equations", "simulation", "stability")
 # Seconds after which a cache that no process has looked at is removed.
 LONG_UNUSED = 7 * 24 * 3600.0
 

@@ -1,0 +1,244 @@
+"""Folds and period doublings of limit cycles over two parameters.
+
+Beside the equations of shooting a third condition holds on such a curve: a test function of the
+monodromy matrix M, ``2 (1 + q) - tr M`` for a fold or ``tr M`` for a doubling, is 0. It is smooth,
+and no eigenvalue has to be followed. A cusp, where two folds meet, is where the curve turns back
+in the plane of the parameters, though not in the space of all unknowns.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.checks import (
+    MOST_NUMBERS,
+    check_choice,
+    check_count,
+    check_instance,
+    check_progress,
+)
+from rotor_ida.cycles.branch import (
+    CLOSED,
+    DOUBLING,
+    FOLD,
+    GRAZE,
+    PLACE,
+    Course,
+    Side,
+    advance,
+    course_from,
+    nearest_gap,
+    shot_of,
+)
+from rotor_ida.cycles.continuation import Count, Curve, Point, Problem, shooting_equations
+from rotor_ida.cycles.continue_cycle import branch_dataset, check_limits
+from rotor_ida.cycles.guess import Guess, guess_of
+from rotor_ida.cycles.limit_cycle import cycle_from
+from rotor_ida.cycles.multipliers import doubling_test, fold_test
+from rotor_ida.stability.orbit import Shot
+from rotor_ida.cycles.shooting import checked_cycle, contacts_of
+from rotor_ida.errors import InputError
+from rotor_ida.parallel import Progress, Stop
+from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.provenance import provenance
+
+Values = npt.NDArray[np.float64]
+Kind = Literal["fold", "period_doubling"]
+
+KINDS = (FOLD, DOUBLING)
+CUSP = "cusp"
+TESTS: dict[str, Callable[[Shot], float]] = {FOLD: fold_test, DOUBLING: doubling_test}
+# Step of the differences by which a test function is differentiated, in parts of the scales.
+DIFFERENCE = 1e-6
+# Points of a branch, each way, on which a first bifurcation is sought.
+MOST_SOUGHT = 2000
+
+
+def bifurcation_curve(
+    rotor: Rotor,
+    *,
+    start: npt.ArrayLike | xr.Dataset,
+    kind: Kind,
+    parameters: tuple[str, str] = ("omega", "delta0"),
+    limits: Mapping[str, tuple[float, float]] | Sequence[tuple[float, float]],
+    points: int = 2000,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Follow a fold or a period doubling of limit cycles over two parameters.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        The rotor.
+    start : array_like, shape (4,), or Dataset
+        A special point of a branch of this kind, ``branch.isel(special=...)``; or a limit cycle, a
+        point of a branch, or a start ``(x, y, vx, vy)`` that leads to a cycle [1]: then the branch
+        over the first parameter is followed to the nearest one.
+    kind : {"fold", "period_doubling"}
+        What to follow.
+    parameters : tuple of str
+        The two parameters to vary, of ``omega``, ``zeta`` and ``delta0``.
+    limits : mapping of str to tuple, or two tuples
+        The least and the largest value of each [1].
+    points : int
+        The largest number of points each way.
+    progress : callable, optional
+        Called with the number of points found and the largest there can be.
+
+    Returns
+    -------
+    Dataset
+        On ``point`` both parameters and the same variables as of a branch, see `continue_cycle`;
+        on ``special`` its cusps and grazes, with ``special_value`` of the first parameter and
+        ``special_second_value`` of the other.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used, or no such bifurcation was found within the limits.
+    SimulationError
+        If Newton's method does not converge to a first point.
+
+    Notes
+    -----
+    The test function is differentiated by finite differences of M, which is itself integrated; the
+    points are as exact as those of a branch, as only the equations decide on these.
+
+    References
+    ----------
+    Y. A. Kuznetsov, "Elements of Applied Bifurcation Theory", Springer, 2004, chapter 10.
+
+    Examples
+    --------
+    >>> rotor = Rotor(omega=3.0, zeta=0.07, delta0=0.5)
+    >>> curve = bifurcation_curve(rotor, start=(3, 1, 0, 0), kind="fold",
+    ...                           limits={"omega": (2.4, 2.6), "delta0": (0.4, 0.6)})
+    >>> curve.omega.sel(point=abs(curve.delta0 - 0.5).argmin()).round(2).item()
+    2.53
+    """
+    check_instance("rotor", rotor, Rotor)
+    check_choice("kind", kind, KINDS)
+    first, second = _checked_parameters(parameters)
+    count = check_count("points", points, minimum=2, maximum=MOST_NUMBERS)
+    check_progress(progress)
+    guess = guess_of(rotor, start)
+    bounds = _checked_limits((first, second), limits, guess.rotor)
+    go_on = np.zeros(1, np.uint8)
+    if guess.special != kind:
+        guess = _nearest(guess, kind, first, bounds[0], go_on)
+    course = _course(guess, kind, (first, second), bounds, count, go_on)
+    sides = (Side([course.first]), Side([course.first.reversed()]))
+    for side in sides:
+        while not side.end:
+            advance(course, side)
+            if progress is not None:
+                progress(sum(len(each.points) for each in sides), 2 * count)
+        if side.end == CLOSED:
+            break
+    attributes = provenance({"method": "taylor", "flight": "exact"}) | {
+        "kind": kind,
+        "parameters": f"{first} {second}",
+        "limits": np.array(bounds),
+        "points": count,
+        "start": guess.state,
+        "start_period": guess.period or math.nan,
+        **{f"start_{name}": getattr(guess.rotor, name) for name in PARAMETERS},
+    }
+    found = branch_dataset(sides, (first, second), guess.rotor, "Bifurcation of limit cycles")
+    return found.assign_attrs(attributes)
+
+
+def _checked_parameters(parameters: Sequence[str]) -> tuple[str, str]:
+    if len(parameters) != 2 or len(set(parameters) & set(PARAMETERS)) != 2:
+        raise InputError(f"parameters must be two of {', '.join(PARAMETERS)}, got {parameters!r}")
+    first, second = parameters
+    return first, second
+
+
+def _checked_limits(
+    names: tuple[str, str], limits: object, rotor: Rotor
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    pair = limits
+    if isinstance(limits, Mapping):
+        if set(limits) != set(names):
+            raise InputError(f"limits must be of {' and '.join(names)}, got {', '.join(limits)}")
+        pair = [limits[name] for name in names]
+    if not isinstance(pair, Sequence) or len(pair) != 2:
+        raise InputError(f"limits must be two pairs of numbers, got {limits!r}")
+    first, second = (
+        check_limits(name, each, rotor) for name, each in zip(names, pair, strict=True)
+    )
+    return first, second
+
+
+def _nearest(
+    guess: Guess, kind: str, parameter: str, limits: tuple[float, float], stop: Stop
+) -> Guess:
+    """Return the bifurcation of a kind that is nearest along the branch through a cycle."""
+    if guess.period is None:
+        cycle = cycle_from(guess.rotor, guess.state)
+        guess = Guess(guess.rotor, cycle.state, cycle.period)
+    course = course_from(guess, parameter, limits, MOST_SOUGHT, stop)
+    sides = [Side([course.first]), Side([course.first.reversed()])][: 2 if course.both else 1]
+    while not all(side.end for side in sides):
+        for side in sides:
+            if not side.end:
+                advance(course, side)
+            for _, special in side.specials:
+                if special.name == kind:
+                    shot = special.point.stretch
+                    return Guess(shot.rotor, shot.start, shot.duration, kind)
+    raise InputError(f"limits must hold a {kind} of the branch through the start, got none there")
+
+
+def _course(
+    guess: Guess,
+    kind: str,
+    names: tuple[str, str],
+    limits: tuple[tuple[float, float], tuple[float, float]],
+    most: int,
+    stop: Stop,
+) -> Course:
+    """Return the curve through a bifurcation."""
+    values = [getattr(guess.rotor, name) for name in names]
+    period = guess.period or math.nan
+    scale = np.empty(7)
+    scale[:4], scale[4] = np.linalg.norm(guess.state), period
+    scale[5:] = [value or high - low for value, (low, high) in zip(values, limits, strict=True)]
+    line = Curve(_problem(guess.rotor, kind, names, scale, stop), scale)
+    first = line.first(np.append(guess.state, (period, *values)))
+    return Course(line, first, {PLACE: limits[0], PLACE + 1: limits[1]}, most)
+
+
+def _problem(
+    rotor: Rotor, kind: str, names: tuple[str, str], scale: Values, stop: Stop
+) -> Problem[Shot]:
+    """Return the bifurcations of a kind over two parameters of a rotor."""
+    test, columns = TESTS[kind], [PARAMETERS.index(name) for name in names]
+
+    def follow(unknowns: Values) -> Shot:
+        return shot_of(rotor, unknowns, names, stop)
+
+    def equations(unknowns: Values, shot: Shot, direction: Values) -> tuple[Values, Values]:
+        miss, matrix = shooting_equations(shot, direction, *shot.by_parameter[:, columns].T)
+        here, gradient = test(shot), np.empty(unknowns.size)
+        for place, step in enumerate(DIFFERENCE * scale):
+            beside = unknowns.copy()
+            beside[place] += step
+            gradient[place] = (test(follow(beside)) - here) / (beside[place] - unknowns[place])
+        return np.append(miss, -here), np.vstack([matrix, gradient])
+
+    return Problem(
+        follow, equations, checked_cycle, {CUSP: _turning}, {GRAZE: Count(contacts_of, nearest_gap)}
+    )
+
+
+def _turning(point: Point[Shot], last: Point[Shot]) -> float:
+    """Return how far the parameters move as they did at the point before; 0 at a cusp."""
+    return float(point.tangent[PLACE:] @ last.tangent[PLACE:])

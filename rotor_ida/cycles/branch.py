@@ -1,0 +1,305 @@
+"""A branch of limit cycles, followed both ways until it closes or ends.
+
+What can happen on the way is told by one number, the trace of the monodromy matrix (fold, period
+doubling), and by the number of contacts (graze). A branch of doubled cycles may come back to the
+one that it left, where its cycles become two equal halves.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.cycles.continuation import (
+    FIRST_STEP,
+    Count,
+    Curve,
+    Point,
+    Problem,
+    Special,
+    shooting_equations,
+)
+from rotor_ida.cycles.guess import Guess
+from rotor_ida.cycles.multipliers import doubling_test, fold_test
+from rotor_ida.stability.orbit import RADIUS, Shot, shoot
+from rotor_ida.cycles.shooting import Cycle, checked_cycle, contacts_of
+from rotor_ida.errors import SimulationError
+from rotor_ida.parallel.jobs import Stop
+from rotor_ida.parameters import PARAMETERS, Rotor
+
+Values = npt.NDArray[np.float64]
+
+# Why a branch ends.
+LIMITS, CLOSED, CONTACT_FREE, HALVED, STUCK, ENOUGH = (
+    "limits", "closed", "contact_free", "halved", "step_too_small", "points",
+)  # fmt: skip
+# Where the parameter stands among the unknowns, and what makes half a period of them.
+PLACE = 5
+HALF = np.array([1.0, 1.0, 1.0, 1.0, 0.5, 1.0])
+FOLD, DOUBLING, GRAZE = "fold", "period_doubling", "graze"
+# A cycle that indents by less than this part of the clearance, where no step can be taken, is
+# about to leave the ring.
+SLIGHT = 1e-3
+# A cycle is two equal halves when its half misses its start by less than this part of it.
+EQUAL = 1e-6
+# A branch that comes back to its first point passes it this near, in parts of the step, and the
+# cycle there is the same to this part.
+NEAR, SAME = 0.25, 1e-6
+FEWEST_STEPS = 8
+# Where the period doubles, doubled cycles are sought at such parts of the size of the state.
+ASIDE = (1e-2, 3e-3, 3e-2, 1e-3)
+
+
+@dataclass(frozen=True, slots=True)
+class Course:
+    """A branch that is to be followed.
+
+    Parameters
+    ----------
+    line : Curve
+        What takes the steps.
+    first : Point
+        Its first point, led forward.
+    limits : dict of int to tuple of float
+        The least and the largest value [1] of each parameter, by its place among the unknowns.
+    most : int
+        The largest number of points.
+    both : bool
+        Whether it goes on from there both ways; from where a period doubles there is but one.
+    """
+
+    line: Curve[Shot]
+    first: Point[Shot]
+    limits: dict[int, tuple[float, float]]
+    most: int
+    both: bool = True
+
+
+@dataclass(slots=True)
+class Side:
+    """What has been followed one way from the first point.
+
+    Parameters
+    ----------
+    points : list of Point
+        The first point, and those after it.
+    specials : list of tuple
+        The special points, each with the number of the point before it.
+    length : float
+        Length of the next step.
+    end : str
+        Why it ended; empty while it goes on.
+    """
+
+    points: list[Point[Shot]]
+    specials: list[tuple[int, Special[Shot]]] = field(default_factory=list)
+    length: float = FIRST_STEP
+    end: str = ""
+
+
+def course_from(
+    guess: Guess, parameter: str, limits: tuple[float, float], most: int, stop: Stop
+) -> Course:
+    """Return the branch through a cycle, or the doubled one that leaves it at a doubling.
+
+    Parameters
+    ----------
+    guess : Guess
+        A guess of the cycle, with its period.
+    parameter : {"omega", "zeta", "delta0"}
+        The parameter to continue.
+    limits : tuple of float
+        The least and the largest value of it [1].
+    most : int
+        The largest number of points.
+    stop : ndarray, shape (1,)
+        Anything but 0 asks to stop.
+
+    Raises
+    ------
+    SimulationError
+        If there is no branch.
+    """
+    rotor, period = guess.rotor, guess.period or math.nan
+    value = getattr(rotor, parameter)
+    doubles = guess.special == DOUBLING
+    scale = np.empty(6)
+    scale[:4], scale[4] = np.linalg.norm(guess.state), period * (2.0 if doubles else 1.0)
+    scale[5] = value or limits[1] - limits[0]
+    line = Curve(cycles_over(rotor, parameter, stop), scale)
+    if doubles:
+        return Course(line, _doubled(line, guess, value), {PLACE: limits}, most, both=False)
+    first = line.first(np.append(guess.state, (period, value)))
+    return Course(line, first.reversed() if guess.slope < 0.0 else first, {PLACE: limits}, most)
+
+
+def cycles_over(rotor: Rotor, parameter: str, stop: Stop) -> Problem[Shot]:
+    """Return the cycles of a rotor over one of its parameters."""
+    column = PARAMETERS.index(parameter)
+    return Problem(
+        lambda unknowns: shot_of(rotor, unknowns, (parameter,), stop),
+        lambda _unknowns, shot, direction: shooting_equations(
+            shot, direction, shot.by_parameter[:, column]
+        ),
+        checked_cycle,
+        {
+            FOLD: lambda point, _last: fold_test(point.stretch),
+            DOUBLING: lambda point, _last: doubling_test(point.stretch),
+        },
+        {GRAZE: Count(contacts_of, nearest_gap)},
+    )
+
+
+def shot_of(rotor: Rotor, unknowns: Values, parameters: Sequence[str], stop: Stop) -> Shot:
+    """Return the orbit that state, period and some parameters mean.
+
+    Raises
+    ------
+    SimulationError
+        If a parameter cannot be, or the orbit cannot be followed.
+    """
+    values = dict(zip(parameters, unknowns[5:].tolist(), strict=True))
+    for name, value in values.items():
+        if value < 0.0 or (value == 0.0 and name != "delta0"):
+            raise SimulationError(f"{name} falls to {value:.3g}")
+    return shoot(replace(rotor, **values), unknowns[:4], float(unknowns[4]), stop)
+
+
+def _doubled(line: Curve[Shot], guess: Guess, value: float) -> Point[Shot]:
+    """Return a point of the doubled branch near a period doubling, led away from it.
+
+    Its cycles leave along the eigenvector of the multiplier -1, twice round.
+    """
+    period = guess.period or math.nan
+    once = line.problem.shoot(np.append(guess.state, (period, value)))
+    multipliers, vectors = np.linalg.eig(once.monodromy)
+    aside = np.real(vectors[:, np.argmin(np.abs(multipliers + 1.0))])
+    aside -= (aside @ once.start_rate) / (once.start_rate @ once.start_rate) * once.start_rate
+    away = np.zeros(6)
+    away[:4] = aside / np.linalg.norm(aside)
+    for part in ASIDE:
+        unknowns = np.append(guess.state, (2.0 * period, value)) + part * away * line.scale
+        try:
+            point = line.near(unknowns, away)
+        except SimulationError:
+            continue
+        if _half_misses(line, point) > 0.1 * part:
+            return point
+    x, y, vx, vy = guess.state.tolist()
+    message = f"no doubled cycle was found beside the one of period {period:.9g}"
+    raise SimulationError(message, time=0.0, state=(x, y, vx, vy))
+
+
+def _half_misses(line: Curve[Shot], point: Point[Shot]) -> float:
+    """Return by how much half a period misses its start, relative to the size of the state."""
+    start = point.stretch.start
+    half = line.problem.shoot(point.unknowns * HALF)
+    return float(np.linalg.norm(half.end - start) / np.linalg.norm(start))
+
+
+def advance(course: Course, side: Side) -> None:
+    """Take one step along a branch."""
+    line, last = course.line, side.points[-1]
+    try:
+        step = line.step(last, side.length)
+    except SimulationError:
+        side.end = _end_at(last)
+        return
+    point, met = step.point, step.met
+    if (passed := _passed(course, point)) is not None:
+        side.end = LIMITS
+        if last.unknowns[passed[0]] == passed[1]:
+            return
+        point = line.crossing(last, step.taken, *passed)
+        met = [each for each in met if _passed(course, each.point) is None]
+    elif len(side.points) > FEWEST_STEPS and _comes_back(course, last, point, step.taken):
+        point, side.end = course.first, CLOSED
+    halved = _halved(line, last, point, met) if len(course.limits) == 1 else None
+    if halved is not None:
+        met, point, side.end = [*met, Special(DOUBLING, halved)], halved, HALVED
+    side.specials += [(len(side.points) - 1, each) for each in met]
+    side.points.append(point)
+    side.length = step.length
+    if len(side.points) >= course.most and not side.end:
+        side.end = ENOUGH
+
+
+def _halved(
+    line: Curve[Shot], last: Point[Shot], point: Point[Shot], met: list[Special[Shot]]
+) -> Point[Shot] | None:
+    """Return the cycle that doubles its period between two points of a branch, if there is one.
+
+    There the branch of doubled cycles ends, as a cycle twice round. A step either comes to such a
+    cycle itself, or passes to the same branch half a period later: the parameter turns back, and
+    there is no fold.
+    """
+    twice = _is_twice_round(point.stretch)
+    turns = last.tangent[-1] * point.tangent[-1] < 0.0
+    if not twice and (not turns or any(each.name == FOLD for each in met)):
+        return None
+    near = point if twice or abs(point.tangent[-1]) < abs(last.tangent[-1]) else last
+    half = Curve(line.problem, line.scale * HALF)
+    try:
+        return half.root(half.first(near.unknowns * HALF), doubling_test)
+    except SimulationError:
+        return None
+
+
+def _is_twice_round(shot: Shot) -> bool:
+    """Return whether a cycle is one of half its period, followed twice."""
+    radii = shot.extrema[:, RADIUS]
+    if radii.size % 2 or not radii.size:
+        return False
+    one, other = radii.reshape(2, -1)
+    return bool((np.abs(one - other) <= EQUAL * radii.max()).all())
+
+
+def nearest_gap(shot: Shot) -> float:
+    """Return the extremum of the radius that is nearest to the ring, from there: 0 at a graze."""
+    gaps = shot.extrema[:, RADIUS] - shot.rotor.delta0
+    return float(gaps[np.argmin(np.abs(gaps))])
+
+
+def _passed(course: Course, point: Point[Shot]) -> tuple[int, float] | None:
+    """Return the place and the value of a limit that a point has passed, or None."""
+    for place, (low, high) in course.limits.items():
+        here = float(point.unknowns[place])
+        if not low <= here <= high:
+            return place, low if here < low else high
+    return None
+
+
+def _end_at(last: Point[Shot]) -> str:
+    """Return why no step leads on from a point."""
+    delta0 = last.stretch.rotor.delta0
+    depth = checked_cycle(last.stretch).radius_max - delta0
+    return CONTACT_FREE if 0.0 < depth < SLIGHT * delta0 else STUCK
+
+
+def _comes_back(course: Course, last: Point[Shot], point: Point[Shot], length: float) -> bool:
+    """Return whether a step passes the first point of its branch, led as there.
+
+    A branch comes back at any phase: the cycles are compared by what does not hang on it.
+    """
+    goal, here, there = (_signature(each) for each in (course.first, last, point))
+    along = there - here
+    part = float((goal - here) @ along) / float(along @ along)
+    miss = np.linalg.norm(goal - here - part * along)
+    if not (0.0 <= part <= 1.0 and miss <= NEAR * np.linalg.norm(along)):
+        return False
+    try:
+        again = course.line.crossing(last, length, PLACE, float(course.first.unknowns[PLACE]))
+    except SimulationError:
+        return False
+    same = np.linalg.norm(_signature(again) - goal) <= SAME * np.linalg.norm(goal)
+    return bool(same and again.tangent[-1] * course.first.tangent[-1] > 0.0)
+
+
+def _signature(point: Point[Shot]) -> Values:
+    """Return numbers of a cycle that do not hang on its phase."""
+    cycle = Cycle(point.stretch, 0.0)
+    return np.array([*point.unknowns[4:], cycle.radius_min, cycle.radius_max])

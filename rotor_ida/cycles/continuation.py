@@ -1,0 +1,387 @@
+"""Follow a curve of closed orbits of any autonomous flow: pseudo-arclength continuation.
+
+A point of the curve is ``u = (s, T, p...)``: a state, the period, and one parameter, or two where a
+further condition holds. It solves the equations of shooting, and the distance from the point before
+is kept along the tangent there, so that folds are passed like other points [1]_. What a flow is
+asked for is a `Stretch`: the end of an orbit, and its derivatives. Lengths are measured with each
+unknown in parts of its scale. A step:
+
+1. *predict* along the tangent,
+2. *correct* by Newton's method in the plane across it,
+3. try a shorter one where that fails, or the curve bends too much; let the next be longer where it
+   was easy,
+4. *locate* what happened on the way: where a test function changes its sign, or a count its value.
+
+References
+----------
+.. [1] H. B. Keller, "Numerical solution of bifurcation and nonlinear eigenvalue problems", in
+   P. H. Rabinowitz (ed.), Applications of Bifurcation Theory, 1977.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Generic, Protocol, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import brentq
+
+from rotor_ida.errors import SimulationError
+
+Values = npt.NDArray[np.float64]
+
+MOST_NEWTON_STEPS = 10
+# A step of Newton's method this small leaves an error of its square, or near a graze of its power
+# 1.5: after one more the error is rounding.
+CONVERGED = 1e-8
+# And with a step this large it is on its way elsewhere.
+LEAVES = 1.0
+FIRST_STEP, LONGEST_STEP, SHORTEST_STEP = 5e-3, 4e-2, 1e-10
+# With so few steps of Newton's method, and so little bending, the next step is longer by a factor;
+# no step may turn the tangent by an angle with a smaller cosine, or be corrected by a larger part.
+EASY, GROWTH, CUT = 4, 1.5, 0.5
+LEAST_COSINE, GOOD_COSINE = 0.95, 0.985
+MOST_CORRECTION = 0.25
+# Special points are located to so small a part of a step.
+FINEST = 1e-14
+FIRST_HALVINGS, HALVINGS = 5, 50
+MOST_SECANTS = 30
+
+
+class Stretch(Protocol):
+    """An orbit followed for a time, with the derivatives of its end by a state of n numbers."""
+
+    @property
+    def start(self) -> Values:
+        """State at the start, shape (n,)."""
+
+    @property
+    def end(self) -> Values:
+        """State at the end, shape (n,)."""
+
+    @property
+    def monodromy(self) -> Values:
+        """Derivative of the end by the start, shape (n, n)."""
+
+    @property
+    def start_rate(self) -> Values:
+        """Rate of change of the state at the start, shape (n,)."""
+
+    @property
+    def end_rate(self) -> Values:
+        """Rate of change of the state at the end, shape (n,)."""
+
+
+S = TypeVar("S", bound=Stretch)
+
+
+@dataclass(frozen=True, slots=True)
+class Point(Generic[S]):
+    """A point of a curve.
+
+    Parameters
+    ----------
+    unknowns : ndarray, shape (m,)
+        State, period and parameters.
+    stretch : Stretch
+        The orbit, followed once round.
+    tangent : ndarray, shape (m,)
+        Direction of the curve in parts of the scales, of length 1.
+    """
+
+    unknowns: Values
+    stretch: S
+    tangent: Values
+
+    def reversed(self) -> Point[S]:
+        """Return the point with the curve led the other way."""
+        return replace(self, tangent=-self.tangent)
+
+
+@dataclass(frozen=True, slots=True)
+class Count(Generic[S]):
+    """A whole number of an orbit, and a function that is 0, and changes sign, where it changes.
+
+    The function need do so only close by.
+    """
+
+    number: Callable[[S], int]
+    sign: Callable[[S], float]
+
+
+@dataclass(frozen=True, slots=True)
+class Problem(Generic[S]):
+    """A curve of closed orbits, by its equations.
+
+    Parameters
+    ----------
+    shoot : callable
+        Returns the stretch that unknowns mean; SimulationError where there is none.
+    equations : callable
+        Returns, of unknowns, their stretch, and a direction that the state may not move along, what
+        the equations miss, shape (m - 1,), and their derivatives, shape (m - 1, m).
+    check : callable
+        Raises SimulationError if a stretch that closes is not what is sought.
+    tests : mapping of str to callable
+        Functions of a point and of that before it, each 0 at a special point of that name.
+    counts : mapping of str to Count
+        Whole numbers of an orbit, each of which changes at a special point of that name.
+    """
+
+    shoot: Callable[[Values], S]
+    equations: Callable[[Values, S, Values], tuple[Values, Values]]
+    check: Callable[[S], object]
+    tests: Mapping[str, Callable[[Point[S], Point[S]], float]] = field(default_factory=dict)
+    counts: Mapping[str, Count[S]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Special(Generic[S]):
+    """A special point of a curve: its name, and the point."""
+
+    name: str
+    point: Point[S]
+
+
+@dataclass(frozen=True, slots=True)
+class Step(Generic[S]):
+    """One step along a curve.
+
+    Parameters
+    ----------
+    point : Point
+        The point that it comes to.
+    met : list of Special
+        The special points on the way, in their order.
+    taken, length : float
+        Its length, and that of the next one, in parts of the scales.
+    """
+
+    point: Point[S]
+    met: list[Special[S]]
+    taken: float
+    length: float
+
+
+def shooting_equations(
+    stretch: Stretch, direction: Values, *columns: Values
+) -> tuple[Values, Values]:
+    """Return what the equations of shooting miss, and their derivatives.
+
+    Parameters
+    ----------
+    stretch : Stretch
+        The orbit.
+    direction : ndarray, shape (n,)
+        The direction that the state may not move along: the field at some point close by.
+    *columns : ndarray, shape (n,)
+        Derivatives of the end by the parameters.
+
+    Returns
+    -------
+    miss : ndarray, shape (n + 1,)
+        Start less end, and 0.
+    matrix : ndarray, shape (n + 1, n + 1 + parameters)
+        Derivatives of end less start, and of the state along the direction.
+    """
+    n = stretch.start.size
+    matrix = np.zeros((n + 1, n + 1 + len(columns)))
+    matrix[:n, :n] = stretch.monodromy - np.eye(n)
+    matrix[:n, n] = stretch.end_rate
+    for number, column in enumerate(columns, start=n + 1):
+        matrix[:n, number] = column
+    matrix[n, :n] = direction / np.linalg.norm(direction)
+    return np.append(stretch.start - stretch.end, 0.0), matrix
+
+
+@dataclass(frozen=True, slots=True)
+class Curve(Generic[S]):
+    """A curve of closed orbits that is followed step by step.
+
+    Parameters
+    ----------
+    problem : Problem
+        Its equations.
+    scale : ndarray, shape (m,)
+        Sizes of the unknowns, in parts of which lengths are measured.
+    """
+
+    problem: Problem[S]
+    scale: Values
+
+    def first(self, guess: Values) -> Point[S]:
+        """Return the point near a guess with the same last parameter; it is led to larger ones."""
+        try:
+            return self.near(guess, _unit(guess.size, -1))
+        except SimulationError:  # the curve turns back there
+            return self.near(guess, _unit(guess.size, -2))
+
+    def near(self, guess: Values, plane: Values) -> Point[S]:
+        """Return the point in the plane through `guess` with normal `plane`."""
+        return self._corrected(guess, plane)[0]
+
+    def step(self, last: Point[S], length: float) -> Step[S]:
+        """Take a step of this length, or of less where the curve demands it.
+
+        Raises
+        ------
+        SimulationError
+            If even the shortest step fails, with the reason of the last attempt.
+        """
+        while True:
+            try:
+                point, newton_steps = self._at(last, length)
+                cosine = float(point.tangent @ last.tangent)
+                moved = (point.unknowns - last.unknowns) / self.scale - length * last.tangent
+                if cosine >= LEAST_COSINE and np.linalg.norm(moved) <= MOST_CORRECTION * length:
+                    break
+                reason = "the curve bends too much"
+            except SimulationError as error:
+                reason = error.reason
+            length *= CUT
+            if length < SHORTEST_STEP:
+                raise SimulationError(f"no step can be taken: {reason}")
+        easy = newton_steps <= EASY and cosine >= GOOD_COSINE
+        longer = min(length * GROWTH, LONGEST_STEP) if easy else length
+        return Step(point, self._met(last, point, length), length, longer)
+
+    def crossing(self, last: Point[S], length: float, place: int, value: float) -> Point[S]:
+        """Return the point at which an unknown has a value that a step from `last` passes."""
+        whole = last.tangent[place] * self.scale[place]
+        part = (value - last.unknowns[place]) / whole if whole else 0.0
+        guess = last.unknowns + min(max(part, 0.0), length) * last.tangent * self.scale
+        guess[place] = value
+        point = self.near(guess, _unit(guess.size, place))
+        return point if float(point.tangent @ last.tangent) > 0.0 else point.reversed()
+
+    def root(self, near: Point[S], test: Callable[[S], float]) -> Point[S]:
+        """Return the point close by at which a test function is 0, by the secant method.
+
+        Raises
+        ------
+        SimulationError
+            If it finds none.
+        """
+        before, value, place = 0.0, test(near.stretch), FIRST_STEP
+        for _ in range(MOST_SECANTS):
+            point = self._at(near, place)[0]
+            here = test(point.stretch)
+            change = -here * (place - before) / (here - value) if here != value else 0.0
+            if abs(change) <= FINEST:
+                return point
+            before, value = place, here
+            place += min(max(change, -LONGEST_STEP), LONGEST_STEP)
+        raise SimulationError("no special point was found close by")
+
+    def _at(self, last: Point[S], length: float) -> tuple[Point[S], int]:
+        """Return the point at a length along the tangent, and the steps of Newton's method."""
+        return self._corrected(last.unknowns + length * last.tangent * self.scale, last.tangent)
+
+    def _corrected(self, guess: Values, plane: Values) -> tuple[Point[S], int]:
+        """Return the point in the plane through `guess` with normal `plane`, and the steps."""
+        unknowns, size, direction = guess, math.inf, np.empty(0)
+        for steps in range(MOST_NEWTON_STEPS + 1):
+            stretch = self.problem.shoot(unknowns)
+            if size <= CONVERGED:
+                return self._point(unknowns, stretch, plane), steps
+            direction = direction if steps else stretch.start_rate
+            miss, matrix = self._bordered(unknowns, stretch, direction, plane)
+            step = _solved(matrix, np.append(miss, 0.0))
+            size = float(np.linalg.norm(step))
+            if not size < LEAVES:
+                raise SimulationError("Newton's method leaves the curve")
+            unknowns = unknowns + step * self.scale
+            if unknowns[stretch.start.size] <= 0.0:
+                raise SimulationError("the period shrinks to nothing")
+        raise SimulationError("Newton's method does not converge to the curve")
+
+    def _point(self, unknowns: Values, stretch: S, plane: Values) -> Point[S]:
+        """Return a closed orbit as a point of the curve, led as `plane` is."""
+        self.problem.check(stretch)
+        _, matrix = self._bordered(unknowns, stretch, stretch.start_rate, plane)
+        tangent = _solved(matrix, _unit(plane.size, -1))
+        return Point(unknowns, stretch, tangent / np.linalg.norm(tangent))
+
+    def _bordered(
+        self, unknowns: Values, stretch: S, direction: Values, plane: Values
+    ) -> tuple[Values, Values]:
+        """Return what the equations miss, and their derivatives, in parts of the scales."""
+        miss, matrix = self.problem.equations(unknowns, stretch, direction)
+        return miss, np.vstack([matrix * self.scale, plane])
+
+    def _met(self, last: Point[S], point: Point[S], length: float) -> list[Special[S]]:
+        """Return the special points between two points, in their order."""
+        found: list[tuple[float, Special[S]]] = []
+        for name, test in self.problem.tests.items():
+            if test(last, last) * test(point, last) < 0.0:
+                found.append(self._zero(last, (0.0, length), name, partial(_by, test, last)))
+        for name, count in self.problem.counts.items():
+            found += self._changes(last, point, length, name, count)
+        found.sort(key=lambda each: each[0])
+        return [special for _, special in found]
+
+    def _zero(
+        self,
+        last: Point[S],
+        between: tuple[float, float],
+        name: str,
+        test: Callable[[Point[S]], float],
+    ) -> tuple[float, Special[S]]:
+        """Return where a test function is 0 on a step, and the special point there."""
+
+        def value(part: float) -> float:
+            return test(self._at(last, part)[0] if part else last)
+
+        low, high = between
+        place = float(brentq(value, low, high, xtol=FINEST * high, rtol=FINEST))
+        return place, Special(name, self._at(last, place)[0])
+
+    def _changes(
+        self, last: Point[S], point: Point[S], length: float, name: str, count: Count[S]
+    ) -> list[tuple[float, Special[S]]]:
+        """Return where a count changes on a step, and the special points there."""
+        found: list[tuple[float, Special[S]]] = []
+        low, below = 0.0, last.stretch
+        while count.number(below) != count.number(point.stretch):
+            high, above = length, point.stretch
+            for halving in range(HALVINGS):
+                if halving >= FIRST_HALVINGS and count.sign(below) * count.sign(above) < 0.0:
+                    sign = partial(_of_stretch, count.sign)
+                    found.append(self._zero(last, (low, high), name, sign))
+                    break
+                middle = 0.5 * (low + high)
+                here = self._at(last, middle)[0].stretch
+                if count.number(here) == count.number(below):
+                    low, below = middle, here
+                else:
+                    high, above = middle, here
+            else:
+                found.append((high, Special(name, self._at(last, high)[0])))
+            low, below = high, above
+        return found
+
+
+def _by(test: Callable[[Point[S], Point[S]], float], last: Point[S], point: Point[S]) -> float:
+    return test(point, last)
+
+
+def _of_stretch(function: Callable[[S], float], point: Point[S]) -> float:
+    return function(point.stretch)
+
+
+def _solved(matrix: Values, right: Values) -> Values:
+    try:
+        return np.asarray(np.linalg.solve(matrix, right))
+    except np.linalg.LinAlgError:
+        raise SimulationError("the equations of the curve are singular") from None
+
+
+def _unit(size: int, place: int) -> Values:
+    """Return the unit vector along one unknown."""
+    unit = np.zeros(size)
+    unit[place] = 1.0
+    return unit

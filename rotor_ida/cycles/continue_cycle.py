@@ -1,0 +1,324 @@
+"""Continue a limit cycle over speed, damping or clearance: the branch as a labelled dataset."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.checks import (
+    MOST_NUMBERS,
+    check_choice,
+    check_count,
+    check_instance,
+    check_progress,
+    check_vector,
+)
+from rotor_ida.cycles.branch import (
+    CLOSED,
+    PLACE,
+    Course,
+    Side,
+    advance,
+    course_from,
+)
+from rotor_ida.cycles.continuation import Point, Special
+from rotor_ida.cycles.dataset import cycle_columns, of_cycle, state_columns
+from rotor_ida.cycles.guess import Guess, guess_of
+from rotor_ida.cycles.limit_cycle import cycle_from
+from rotor_ida.stability.orbit import Shot
+from rotor_ida.cycles.shooting import checked_cycle
+from rotor_ida.errors import InputError
+from rotor_ida.parallel import Progress
+from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.provenance import computing, provenance
+from rotor_ida.schema import SPECIAL, labelled, labelled_dataset
+from rotor_ida.storage.studies.arrays import Arrays, packed, unpacked
+from rotor_ida.storage.studies.results import Form, Results, open_results
+
+Values = npt.NDArray[np.float64]
+Parameter = Literal["omega", "zeta", "delta0"]
+Direction = Literal["both", "forward", "backward"]
+
+DIRECTIONS = ("both", "forward", "backward")
+# Points between two pieces that a study keeps.
+PIECE = 50
+FORM = Form(packed, unpacked)
+
+
+def continue_cycle(
+    rotor: Rotor,
+    *,
+    start: npt.ArrayLike | xr.Dataset,
+    parameter: Parameter = "omega",
+    limits: tuple[float, float],
+    direction: Direction = "both",
+    points: int = 2000,
+    study: str | os.PathLike[str] | None = None,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Follow a limit cycle over a parameter, round folds and through grazes.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        The rotor.
+    start : array_like, shape (4,), or Dataset
+        A start ``(x, y, vx, vy)`` that leads to the cycle [1]; or what `limit_cycle` returned; or
+        one point of a branch, ``branch.isel(point=...)``; or one of its special points,
+        ``branch.isel(special=...)``: at a period doubling the branch of doubled cycles is followed.
+    parameter : {"omega", "zeta", "delta0"}
+        The parameter to vary; the others stay as they are.
+    limits : tuple of float
+        The least and the largest value of it [1].
+    direction : {"both", "forward", "backward"}
+        Which way to go from the start. Forward is towards larger values of the parameter, or from a
+        point of a branch on along that branch. From where a period doubles there is but one way.
+    points : int
+        The largest number of points each way.
+    study : path-like, optional
+        Folder in which points are kept as they are found. If it holds some already, only the others
+        are sought, to the same bits. It must be new, empty, or of a study of this very branch.
+    progress : callable, optional
+        Called with the number of points found and the largest there can be.
+
+    Returns
+    -------
+    Dataset
+        On ``point`` the continued parameter, ``period``, ``radius_min``, ``radius_max``,
+        ``stability``, ``response``, ``contact_count``, ``largest_force``, ``impulse_per_period``,
+        ``trace``, the multipliers, ``residual``, and a state ``x y vx vy`` on the rotating axes
+        [1]. On ``special``, in order along the branch, ``special_kind`` (fold, period doubling,
+        graze), ``special_value`` of the parameter, ``special_period`` and the state there;
+        ``special_point`` is the point before it. The attribute ``closed`` is 1 if the branch comes
+        back to its beginning; ``first_end`` and ``last_end`` say why it ends.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used, or there is no limit cycle to start from.
+    SimulationError
+        If Newton's method does not converge to a first point.
+
+    Notes
+    -----
+    Pseudo-arclength continuation by Keller of ``(s, T, p)``, a state, the period and the parameter,
+    by single shooting with Taylor series of order 19; see docs/cycles.md. With M the monodromy
+    matrix and ``q = exp(-2 zeta T)`` a fold is a zero of ``2 (1 + q) - tr M``, a period doubling
+    one of ``tr M``; a graze is where the number of contacts changes, and an extremum of the radius
+    touches the ring. Each is found to rounding along the branch. A branch ends at the limits,
+    closed, at ``halved`` (a doubled cycle has come back to one of half its period), at
+    ``contact_free`` (its last contact vanishes), where no step can be taken, or after `points`.
+
+    References
+    ----------
+    H. B. Keller, "Numerical solution of bifurcation and nonlinear eigenvalue problems", 1977.
+
+    Examples
+    --------
+    >>> rotor = Rotor(omega=3.0, zeta=0.07, delta0=0.5)
+    >>> branch = continue_cycle(rotor, start=(3, 1, 0, 0), limits=(2.5, 3.2))
+    >>> branch.special_value.values.round(6)[1:2], branch.attrs["first_end"]
+    (array([2.530419]), 'limits')
+    """
+    check_instance("rotor", rotor, Rotor)
+    check_choice("parameter", parameter, PARAMETERS)
+    check_choice("direction", direction, DIRECTIONS)
+    count = check_count("points", points, minimum=2, maximum=MOST_NUMBERS)
+    check_progress(progress)
+    guess = guess_of(rotor, start)
+    bounds = check_limits(parameter, limits, guess.rotor)
+    if guess.period is None:
+        cycle = cycle_from(guess.rotor, guess.state)
+        guess = Guess(guess.rotor, cycle.state, cycle.period)
+    return branch_from(guess, parameter, bounds, direction, count, study, progress)
+
+
+def check_limits(parameter: str, limits: object, rotor: Rotor) -> tuple[float, float]:
+    """Return the limits of a parameter if they can be used and hold that of the rotor."""
+    values = check_vector("limits", limits)
+    if values.size != 2 or not 0.0 <= values[0] < values[1]:
+        raise InputError(f"limits must be two increasing numbers from 0 on, got {limits!r}")
+    low, high = values.tolist()
+    if low == 0.0 and parameter != "delta0":
+        raise InputError(f"limits of {parameter} must be above 0, got {limits!r}")
+    here = getattr(rotor, parameter)
+    if not low <= here <= high:
+        raise InputError(f"limits must hold the {parameter} of the start, {here!r}, got {limits!r}")
+    if parameter == "delta0" and here == 0.0:
+        raise InputError("delta0 must be above 0 to be continued, got 0.0")
+    return low, high
+
+
+def branch_from(
+    guess: Guess,
+    parameter: str,
+    limits: tuple[float, float],
+    direction: str,
+    points: int,
+    study: str | os.PathLike[str] | None = None,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Return the branch through a guess of a cycle with its period, as `continue_cycle` does."""
+    course = course_from(guess, parameter, limits, points, np.zeros(1, np.uint8))
+    design = {
+        "kind": "branch",
+        **{name: getattr(guess.rotor, name) for name in PARAMETERS},
+        "state": guess.state.tolist(),
+        "period": guess.period,
+        "special": guess.special,
+        "slope": guess.slope,
+        "parameter": parameter,
+        "limits": list(limits),
+        "direction": direction,
+        "points": points,
+        **computing(),
+    }
+    with open_results(study, design, 2 * points, FORM) as kept:
+        sides = _follow(course, direction, kept, progress)
+    first = course.first.stretch
+    attributes = provenance({"method": "taylor", "flight": "exact"}) | {
+        "parameter": parameter,
+        "limits": np.array(limits),
+        "direction": direction,
+        "points": points,
+        "start": guess.state,
+        "start_period": guess.period,
+        "start_special": guess.special,
+        **{f"start_{name}": getattr(guess.rotor, name) for name in PARAMETERS},
+    }
+    found = branch_dataset(sides, (parameter,), first.rotor, "Branch of limit cycles")
+    return found.assign_attrs(attributes)
+
+
+def _follow(
+    course: Course, direction: str, kept: Results[Arrays], progress: Progress | None
+) -> tuple[Side, Side]:
+    """Follow a branch forward and backward; the side that is not wanted keeps its first point."""
+    ways = {"both": (0, 1), "forward": (0,), "backward": (1,)}[direction if course.both else "both"]
+    sides = (Side([course.first]), Side([course.first.reversed()]))
+    pieces = dict(kept.results())
+    for way in ways if course.both else (0,):
+        side = sides[way]
+        for number in range(way, 2 * course.most, 2):
+            if side.end:
+                break
+            if number in pieces:
+                _restore(course, side, pieces[number])
+                continue
+            begun, met = len(side.points), len(side.specials)
+            while not side.end and len(side.points) < begun + PIECE:
+                advance(course, side)
+            added = len(side.points) - begun
+            kept.keep(number, _piece(side, begun, met), _counted(course, side, added))
+            if progress is not None:
+                progress(min(kept.points_done, 2 * course.most), 2 * course.most)
+        if side.end == CLOSED:
+            break
+    return sides
+
+
+def _counted(course: Course, side: Side, added: int) -> int:
+    """Return for how many points a piece counts: the last one for all that are not needed."""
+    return added + course.most - len(side.points) if side.end else added
+
+
+def _piece(side: Side, begun: int, met: int) -> Arrays:
+    """Return what has been found since as arrays."""
+    points, specials = side.points[begun:], side.specials[met:]
+    return {
+        "unknowns": np.array([point.unknowns for point in points]).reshape(-1, 6),
+        "tangents": np.array([point.tangent for point in points]).reshape(-1, 6),
+        "special_place": np.array([place for place, _ in specials], dtype=np.int64),
+        "special_kind": np.array([SPECIAL[each.name] for _, each in specials], dtype=np.int64),
+        "special_unknowns": np.array([each.point.unknowns for _, each in specials]).reshape(-1, 6),
+        "special_tangents": np.array([each.point.tangent for _, each in specials]).reshape(-1, 6),
+        "length": np.array(side.length),
+        "end": np.array(side.end),
+    }
+
+
+def _restore(course: Course, side: Side, piece: Arrays) -> None:
+    """Do the reverse of `_piece`: put what a study has kept behind what is there."""
+    kinds = {number: word for word, number in SPECIAL.items()}
+    side.points += [
+        _point(course, *each) for each in zip(piece["unknowns"], piece["tangents"], strict=True)
+    ]
+    for place, kind, unknowns, tangent in zip(
+        piece["special_place"].tolist(), piece["special_kind"].tolist(),
+        piece["special_unknowns"], piece["special_tangents"], strict=True,
+    ):  # fmt: skip
+        side.specials.append((place, Special(kinds[kind], _point(course, unknowns, tangent))))
+    side.length, side.end = float(piece["length"]), str(piece["end"])
+
+
+def _point(course: Course, unknowns: Values, tangent: Values) -> Point[Shot]:
+    return Point(unknowns, course.line.problem.shoot(unknowns), tangent)
+
+
+def branch_dataset(
+    sides: tuple[Side, Side], parameters: tuple[str, ...], rotor: Rotor, title: str
+) -> xr.Dataset:
+    """Return both sides of a curve of cycles, from the end of the one to the end of the other.
+
+    Parameters
+    ----------
+    sides : tuple of Side
+        What was found forward and backward from the first point.
+    parameters : tuple of str
+        The parameters that vary, in their order among the unknowns.
+    rotor : Rotor
+        The rotor, for those that do not.
+    title : str
+        What it is.
+    """
+    forward, backward = sides
+    before = len(backward.points) - 1
+    points = [point.reversed() for point in backward.points[:0:-1]] + forward.points
+    specials = [(before - place - 1, each) for place, each in backward.specials[::-1]]
+    specials += [(before + place, each) for place, each in forward.specials]
+    variables = cycle_columns([checked_cycle(point.stretch) for point in points], "point")
+    slopes = np.array([point.tangent[PLACE] for point in points])
+    variables["slope"] = of_cycle("slope", "point", slopes)
+    variables |= _special_columns(specials, parameters)
+    coordinates = {
+        name: labelled(name, (), float(getattr(rotor, name)))
+        for name in PARAMETERS
+        if name not in parameters
+    }
+    for place, name in enumerate(parameters, start=PLACE):
+        values = np.array([point.unknowns[place] for point in points])
+        coordinates[name] = labelled(name, "point", values)
+    coordinates["multiplier"] = labelled("multiplier", "multiplier", np.arange(4))
+    closed = forward.end == CLOSED
+    ends = {
+        "closed": int(closed),
+        "first_end": CLOSED if closed else backward.end or "start",
+        "last_end": forward.end or "start",
+    }
+    return labelled_dataset(title, variables, coordinates, ends)
+
+
+def _special_columns(
+    specials: Sequence[tuple[int, Special[Shot]]], parameters: tuple[str, ...]
+) -> dict[str, xr.Variable]:
+    """Return the special points, in order along the curve."""
+    cycles = [checked_cycle(each.point.stretch) for _, each in specials]
+    unknowns = np.array([each.point.unknowns for _, each in specials])
+    unknowns = unknowns.reshape(-1, PLACE + len(parameters))
+    columns: dict[str, npt.ArrayLike] = {
+        "special_kind": np.array([SPECIAL[each.name] for _, each in specials], dtype=np.int8),
+        "special_value": unknowns[:, PLACE],
+        "special_period": unknowns[:, PLACE - 1],
+        "special_radius_min": np.array([cycle.radius_min for cycle in cycles], dtype=np.float64),
+        "special_radius_max": np.array([cycle.radius_max for cycle in cycles], dtype=np.float64),
+        "special_point": np.array([place for place, _ in specials], dtype=np.int64),
+    }
+    if len(parameters) > 1:
+        columns["special_second_value"] = unknowns[:, PLACE + 1]
+    variables = {name: labelled(name, "special", column) for name, column in columns.items()}
+    return variables | state_columns(unknowns[:, :4], "special", "special_")

@@ -1,0 +1,110 @@
+"""What a limit cycle is sought from: a state, a cycle found before, or a point of a branch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.checks import COMPONENTS, check_positive, check_state, shown
+from rotor_ida.errors import InputError
+from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.schema import SPECIAL
+
+Values = npt.NDArray[np.float64]
+
+DOUBLING = "period_doubling"
+
+
+@dataclass(frozen=True, slots=True)
+class Guess:
+    """A guess of a limit cycle.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        Its rotor.
+    state : ndarray, shape (4,)
+        ``(x, y, vx, vy)`` on the rotating axes [1].
+    period : float or None
+        About its period [1]; None where it is not known.
+    special : str
+        What kind of special point of a branch it is; empty if it is none.
+    slope : float
+        Rate of the continued parameter along the branch that it is a point of; else 1.
+    """
+
+    rotor: Rotor
+    state: Values
+    period: float | None = None
+    special: str = ""
+    slope: float = 1.0
+
+
+def guess_of(rotor: Rotor, start: object, period: object = None) -> Guess:
+    """Return the guess that a start is.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        The rotor. Of a start that is a point of a branch, the continued parameter is taken from
+        there.
+    start : array_like, shape (4,), or Dataset
+        A state, or a cycle, or one point or one special point of a branch.
+    period : float, optional
+        About the period of the cycle, for a start that is a state [1].
+
+    Raises
+    ------
+    InputError
+        If it is neither, or of another rotor.
+    """
+    if not isinstance(start, xr.Dataset):
+        state = np.array(check_state("start", start))
+        known = None if period is None else check_positive("period", period)
+        return Guess(rotor, state, known)
+    if period is not None:
+        raise InputError("period must be left out with a start that has one")
+    if "special_value" in start and start["special_value"].ndim == 0:
+        return _of_special(rotor, start)
+    needed = ("period", *COMPONENTS, *PARAMETERS)
+    missing = [name for name in needed if name not in start.variables]
+    if missing:
+        raise InputError(
+            "start must be a state, a limit cycle or a point of a branch; as a dataset it lacks "
+            f"{', '.join(missing)}"
+        )
+    if any(start[name].ndim for name in ("period", *PARAMETERS)):
+        raise InputError("start must be one point of a branch: choose it with isel(point=...)")
+    state = np.array([float(start[name].values.flat[0]) for name in COMPONENTS])
+    slope = float(start["slope"]) if "slope" in start else 1.0
+    found = Guess(_rotor_of(rotor, start), state, float(start["period"]), slope=slope)
+    return _checked(found)
+
+
+def _of_special(rotor: Rotor, start: xr.Dataset) -> Guess:
+    state = np.array([float(start[f"special_{name}"]) for name in COMPONENTS])
+    kind = {number: word for word, number in SPECIAL.items()}[int(start["special_kind"])]
+    place = start.assign_coords({start.attrs["parameter"]: start["special_value"]})
+    return _checked(Guess(_rotor_of(rotor, place), state, float(start["special_period"]), kind))
+
+
+def _rotor_of(rotor: Rotor, start: xr.Dataset) -> Rotor:
+    """Return the rotor of a start, which may differ from `rotor` in the continued parameter."""
+    found = Rotor(**{name: float(start[name]) for name in PARAMETERS})
+    continued = start.attrs.get("parameter", "")
+    for name in PARAMETERS:
+        here, given = getattr(found, name), getattr(rotor, name)
+        if name != continued and here != given:
+            raise InputError(f"start must be of the same rotor: its {name} is {shown(here)}, "
+                             f"that of the rotor {shown(given)}")  # fmt: skip
+    return found
+
+
+def _checked(guess: Guess) -> Guess:
+    """Return the guess if it has a period."""
+    if guess.period is None or not guess.period > 0.0 or not np.isfinite(guess.state).all():
+        raise InputError("start must be a limit cycle, got a result without one")
+    return guess

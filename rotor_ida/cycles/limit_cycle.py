@@ -1,0 +1,303 @@
+"""The limit cycle that a start leads to, or that lies near a guess."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.checks import check_instance
+from rotor_ida.cycles.dataset import cycle_columns, of_cycle, state_columns
+from rotor_ida.cycles.guess import Guess, guess_of
+from rotor_ida.cycles.multipliers import multipliers_of
+from rotor_ida.stability.orbit import RTOL
+from rotor_ida.cycles.shooting import Cycle, close_orbit
+from rotor_ida.equations.contact import contact_force
+from rotor_ida.errors import InputError, SimulationError
+from rotor_ida.parallel import Stop, interruptible
+from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.provenance import provenance
+from rotor_ida.schema import (
+    LINE_KIND,
+    RESPONSE,
+    STABILITY,
+    WHIRL_DIRECTION,
+    Column,
+    labelled_dataset,
+)
+from rotor_ida.simulation.options import Options, check_can_be_followed
+from rotor_ida.simulation.start import starts_in_contact
+from rotor_ida.stability.tangent_flow import DONE, follow_on
+from rotor_ida.sweeps.steady_state import FAILED, follow_to_steady_state
+
+Values = npt.NDArray[np.float64]
+
+NOT_FOUND = "not_found"
+# The orbit is followed to its cycle with this tolerance; Newton's method takes over from there.
+SETTLING_RTOL = 1e-10
+# A start that comes back to itself this near within so much time is a guess of the cycle there,
+# which need not attract it; the cycle found may be farther off by such a factor.
+NEAR, NEAR_TIME, MOVED = 1e-3, 100.0, 10.0
+LOOKS_A_TIME, LOOKS_A_REVOLUTION = 50, 200
+# Tolerance of a second solution, whose difference is the error that is stated.
+LOOSER = 30.0 * RTOL
+# One period in so many samples, for the spectrum and the picture; of its lines those are told that
+# come to this part of the strongest.
+SAMPLES, SHOWN = 1024, 1e-6
+
+
+def limit_cycle(
+    rotor: Rotor, *, start: npt.ArrayLike | xr.Dataset, period: float | None = None
+) -> xr.Dataset:
+    """Return the limit cycle that a start leads to, or that lies near a guess.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        The rotor; it must turn and be damped.
+    start : array_like, shape (4,), or Dataset
+        ``(x, y, vx, vy)`` at time 0 [1]. One that comes back to itself to a part of 1e-3 is taken
+        for a guess of a cycle, stable or not; from any other the rotor is followed to its
+        attractor. Or another limit cycle, or one point of a branch, as a guess.
+    period : float, optional
+        About the period of the cycle [1]: then Newton's method begins at the start itself.
+
+    Returns
+    -------
+    Dataset
+        ``response``: ``bouncing`` or ``full_contact`` where there is a limit cycle; else what there
+        is instead, or ``not_found``, and all that follows is NaN. The ``period`` on the rotating
+        axes and ``period_error``, ``radius_min``, ``radius_max``, ``contact_count`` in a period,
+        ``largest_force``, ``impulse_per_period``, ``stability``, ``residual`` [1]. On
+        ``multiplier``, by falling modulus, ``multiplier_real``, ``multiplier_imag`` and
+        ``multiplier_error``. On ``t`` one period of ``x y vx vy``, read on the rotating axes. On
+        ``line`` the spectrum on fixed axes: ``frequency``, ``whirl_amplitude`` and ``line_kind``;
+        ``whirl_ratio`` is the frequency of the strongest beside the spin over the spin speed.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used, or ``omega`` or ``zeta`` is 0: nothing settles then.
+    SimulationError
+        If Newton's method does not converge from a cycle that was seen, or given.
+
+    Notes
+    -----
+    On the rotating axes the motion is autonomous, and a response that is not synchronous repeats
+    itself there: ``phi(s, T) = s`` with the flow phi, a state s and the period T. Newton's method
+    solves this for both, by Taylor series that follow the orbit and its derivatives through all
+    entries and exits. The multipliers are 1, ``q = exp(-2 zeta T)``, mu and ``q/mu``, so the trace
+    of the monodromy matrix gives them all: the flow is conformally symplectic. How well the matrix,
+    as integrated, obeys this is told by ``trivial_defect`` and ``symplectic_defect``. The errors
+    are the differences from a second solution with 30 times the tolerance, and half a unit of the
+    last digit at least.
+
+    References
+    ----------
+    R. Seydel, "Practical Bifurcation and Stability Analysis", Springer, 2010, chapter 7.
+    R. I. Leine, H. Nijmeijer, "Dynamics and Bifurcations of Non-Smooth Mechanical Systems",
+    Springer, 2004, chapter 7: the jump of M at a discontinuity, which vanishes here.
+
+    Examples
+    --------
+    >>> cycle = limit_cycle(Rotor(omega=2.0, zeta=0.07, delta0=2.0), start=(0, 0, 0, 0))
+    >>> cycle.period.round(12).item(), cycle.contact_count.item()
+    (4.56391667538, 1)
+    >>> cycle.multiplier_real.values.round(8)
+    array([ 1.        , -0.51147221, -0.51147221,  0.52784725])
+    """
+    check_turns_and_settles(check_instance("rotor", rotor, Rotor))
+    guess = guess_of(rotor, start, period)
+    if isinstance(start, xr.Dataset) and guess.rotor != rotor:
+        guess = Guess(rotor, guess.state, guess.period)
+    check_can_be_followed(rotor, _state_of(guess.state))
+    cycle, response = interruptible(lambda stop: found_cycle(guess, stop))
+    return _dataset(rotor, guess, cycle, response)
+
+
+def check_turns_and_settles(rotor: Rotor) -> None:
+    """Refuse a rotor that has no limit cycles."""
+    for name in ("omega", "zeta"):
+        if getattr(rotor, name) == 0.0:
+            raise InputError(f"{name} must be above 0 for a limit cycle, got 0.0: nothing settles")
+
+
+def cycle_from(rotor: Rotor, state: Values) -> Cycle:
+    """Return the limit cycle that a start leads to.
+
+    Raises
+    ------
+    InputError
+        If there is none.
+    """
+    check_can_be_followed(rotor, _state_of(state))
+    cycle, response = interruptible(lambda stop: found_cycle(Guess(rotor, state), stop))
+    if cycle is None:
+        raise InputError(
+            f"start must lead to a limit cycle, got one from which the response is {response}"
+        )
+    return cycle
+
+
+def found_cycle(guess: Guess, stop: Stop) -> tuple[Cycle | None, str]:
+    """Return the limit cycle that a guess leads to, or None, and the kind of response.
+
+    Raises
+    ------
+    SimulationError
+        If Newton's method does not converge from a cycle that was seen, or given.
+    """
+    rotor, state = guess.rotor, guess.state
+    if guess.period is not None:
+        cycle = close_orbit(rotor, state, guess.period, stop)
+        return cycle, cycle.response
+    near = _near(rotor, state, stop)
+    if near is not None:
+        return near, near.response
+    options = Options(method="taylor", rtol=SETTLING_RTOL)
+    settled = follow_to_steady_state(rotor, _state_of(state), options, stop=stop)
+    if settled.response == FAILED:
+        raise SimulationError(settled.message)
+    if math.isnan(settled.features.period):
+        unknown = settled.response == "unresolved"
+        return None, NOT_FOUND if unknown else settled.response
+    cycle = close_orbit(rotor, np.array(settled.end), settled.features.period, stop)
+    return cycle, cycle.response
+
+
+def _near(rotor: Rotor, state: Values, stop: Stop) -> Cycle | None:
+    """Return the cycle to which a start is a guess: it comes back to itself closely."""
+    time = _time_of_return(rotor, state, stop)
+    if time is None:
+        return None
+    try:
+        cycle = close_orbit(rotor, state, time, stop)
+    except SimulationError:
+        return None
+    moved = np.linalg.norm(cycle.state - state)
+    return cycle if moved <= MOVED * NEAR * np.linalg.norm(state) else None
+
+
+def _time_of_return(rotor: Rotor, state: Values, stop: Stop) -> float | None:
+    """Return when an orbit first comes back to its start, if it does within a while."""
+    looks = max(LOOKS_A_TIME, math.ceil(LOOKS_A_REVOLUTION * rotor.omega / (2.0 * math.pi)))
+    span, size = 1.0 / looks, float(np.linalg.norm(state))
+    states = follow(rotor, state, span, math.ceil(NEAR_TIME * looks) + 1, stop)
+    away = states - state
+    rates = np.gradient(states, span, axis=0)
+    ahead = np.einsum("ni,ni->n", away, rates) / np.einsum("ni,ni->n", rates, rates).clip(1e-300)
+    across = np.linalg.norm(away - ahead[:, None] * rates, axis=1)
+    left = np.flatnonzero(np.linalg.norm(away, axis=1) > MOVED * NEAR * size)
+    if not left.size:
+        return None
+    back = np.flatnonzero((across <= NEAR * size) & (np.abs(ahead) <= span))
+    back = back[back > left[0]]
+    return float(span * back[0] - ahead[back[0]]) if back.size else None
+
+
+def follow(rotor: Rotor, state: Values, span: float, count: int, stop: Stop) -> Values:
+    """Return so many states of an orbit, a span apart, on the rotating axes.
+
+    Raises
+    ------
+    SimulationError
+        If it could not be followed.
+    """
+    states, in_contact = np.full((count, 4), np.nan), np.empty(count, dtype=np.bool_)
+    states[0], (x, y, vx, vy) = state, state.tolist()
+    parameters = (rotor.omega, rotor.zeta, rotor.delta0)
+    in_contact[0] = starts_in_contact(complex(x, y), complex(vx, vy), *parameters)
+    if follow_on(states, in_contact, span, parameters, RTOL, stop) != DONE:
+        raise SimulationError("an orbit could not be followed", time=0.0, state=(x, y, vx, vy))
+    return states
+
+
+def _state_of(state: Values) -> tuple[float, float, float, float]:
+    x, y, vx, vy = state.tolist()
+    return x, y, vx, vy
+
+
+def _dataset(rotor: Rotor, guess: Guess, cycle: Cycle | None, response: str) -> xr.Dataset:
+    """Return a limit cycle, or what there is instead, as a labelled dataset."""
+    coordinates: dict[str, Column] = {name: ((), getattr(rotor, name)) for name in PARAMETERS}
+    coordinates["multiplier"] = ("multiplier", np.arange(4))
+    attributes = provenance({"method": "taylor", "flight": "exact", "rtol": RTOL}) | {
+        **{name: getattr(rotor, name) for name in PARAMETERS},
+        "start": guess.state,
+    }
+    if guess.period is not None:
+        attributes["start_period"] = guess.period
+    variables = _none(response) if cycle is None else _columns(cycle)
+    title = "Limit cycle on the rotating axes"
+    return labelled_dataset(title, variables, coordinates, attributes)
+
+
+def _columns(cycle: Cycle) -> dict[str, xr.Variable]:
+    """Return the numbers, one period and the spectrum of a cycle as variables."""
+    columns = {
+        name: variable.isel(cycle=0) for name, variable in cycle_columns([cycle], "cycle").items()
+    }
+    stop = np.zeros(1, np.uint8)
+    states = follow(cycle.rotor, cycle.state, cycle.period / SAMPLES, SAMPLES + 1, stop)
+    looser = close_orbit(cycle.rotor, cycle.state, cycle.period, stop, LOOSER)
+    period_error = max(abs(looser.period - cycle.period), np.spacing(cycle.period) / 2.0)
+    found = multipliers_of(cycle.shot)
+    errors = np.abs(multipliers_of(looser.shot) - found)
+    errors[found == 1.0] = 0.0
+    columns["period_error"] = of_cycle("period_error", (), period_error)
+    columns["multiplier_error"] = of_cycle("multiplier_error", "multiplier", errors)
+    if cycle.rotor.delta0 == 0.0:  # the integral of a smooth periodic function
+        force = contact_force(np.hypot(states[:-1, 0], states[:-1, 1]), 0.0)
+        impulse = float(force.mean()) * cycle.period
+        columns["impulse_per_period"] = of_cycle("impulse_per_period", (), impulse)
+    times = np.linspace(0.0, cycle.period, SAMPLES + 1)
+    return (
+        columns
+        | {"t": of_cycle("t", "t", times)}
+        | state_columns(states, "t")
+        | _lines(cycle, states)
+    )
+
+
+def _lines(cycle: Cycle, states: Values) -> dict[str, xr.Variable]:
+    """Return the spectrum of one period: on fixed axes lines at omega + k 2 pi/T."""
+    omega = cycle.rotor.omega
+    heights = np.fft.fft(states[:-1, 0] + 1j * states[:-1, 1]) / SAMPLES
+    orders = np.fft.fftfreq(SAMPLES, 1.0 / SAMPLES)
+    sizes = np.abs(heights)
+    chosen = np.flatnonzero(sizes >= SHOWN * sizes.max())
+    chosen = chosen[np.argsort(orders[chosen])]
+    frequency = omega + 2.0 * math.pi / cycle.period * orders[chosen]
+    kinds = np.where(orders[chosen] == 0.0, LINE_KIND["spin"], np.sign(frequency)).astype(np.int8)
+    others = np.flatnonzero(orders[chosen] != 0.0)
+    strongest = others[np.argmax(sizes[chosen][others])]
+    ratio = float(frequency[strongest] / omega)
+    direction = WHIRL_DIRECTION["forward" if ratio > 0.0 else "backward"]
+    return {
+        "line": of_cycle("line", "line", np.arange(chosen.size)),
+        "frequency": of_cycle("frequency", "line", frequency),
+        "whirl_amplitude": of_cycle("whirl_amplitude", "line", sizes[chosen]),
+        "line_kind": of_cycle("line_kind", "line", kinds),
+        "whirl_ratio": of_cycle("whirl_ratio", (), ratio),
+        "whirl_direction": of_cycle("whirl_direction", (), np.int8(direction)),
+    }
+
+
+def _none(response: str) -> dict[str, xr.Variable]:
+    """Return the variables of a result without a limit cycle."""
+    numbers = ("period", "radius_min", "radius_max", "largest_force", "impulse_per_period", "trace",
+               "residual", "trivial_defect", "symplectic_defect", "period_error", "whirl_ratio")  # fmt: skip
+    columns = {name: of_cycle(name, (), math.nan) for name in numbers}
+    columns |= {
+        name: of_cycle(name, "multiplier", np.full(4, math.nan))
+        for name in ("multiplier_real", "multiplier_imag", "multiplier_error")
+    }
+    columns["response"] = of_cycle("response", (), np.int8(RESPONSE[response]))
+    columns["stability"] = of_cycle("stability", (), np.int8(STABILITY["absent"]))
+    columns["contact_count"] = of_cycle("contact_count", (), 0)
+    none = np.empty(0)
+    columns |= {name: of_cycle(name, "line", none) for name in ("frequency", "whirl_amplitude")}
+    columns |= {"t": of_cycle("t", "t", none)}
+    return columns | state_columns(np.empty((0, 4)), "t")

@@ -1,0 +1,116 @@
+"""The multipliers of a limit cycle, from the trace of its monodromy matrix.
+
+Damping is uniform: the flow contracts areas at the rate ``exp(-2 zeta t)``, it is conformally
+symplectic [1]_. Over a period T the monodromy matrix M obeys ``M^T S M = q S``, ``q = exp(-2 zeta
+T)``, with S the symplectic form of displacement and momentum on the rotating axes. So its
+multipliers come in pairs of product q. A shift along the cycle is one, 1, and has the partner q;
+the other two are ``mu`` and ``q/mu``, with
+
+    mu + q/mu = tr M - 1 - q,
+
+a complex pair on the circle of radius sqrt(q), or two real numbers. One number tells all:
+a fold is where ``tr M = 2 (1 + q)``, a period doubling where ``tr M = 0``, and the cycle is stable
+exactly between. A pair cannot cross the unit circle, as its modulus is ``sqrt(q) < 1``: no torus is
+born from a cycle.
+
+References
+----------
+.. [1] R. C. Calleja, A. Celletti, R. de la Llave, "A KAM theory for conformally symplectic
+   systems", Journal of Differential Equations 255, 2013.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.stability.orbit import Shot
+
+Values = npt.NDArray[np.float64]
+Complex = npt.NDArray[np.complex128]
+
+# The symplectic form ``dx ^ dvx + dy ^ dvy``: the velocity of the rotor, read on the rotating axes,
+# is the momentum of the displacement there.
+FORM = np.kron([[0.0, 1.0], [-1.0, 0.0]], np.eye(2))
+
+
+def contraction(zeta: float, period: float) -> float:
+    """Return ``q = exp(-2 zeta T)``, by which areas shrink in a period.
+
+    Examples
+    --------
+    >>> contraction(0.0, 3.0)
+    1.0
+    """
+    return math.exp(-2.0 * zeta * period)
+
+
+def fold_test(shot: Shot) -> float:
+    """Return ``2 (1 + q) - tr M``: 0 at a fold, and below 0 where a real multiplier is above 1."""
+    return 2.0 * (1.0 + _contraction_of(shot)) - float(np.trace(shot.monodromy))
+
+
+def doubling_test(shot: Shot) -> float:
+    """Return ``tr M``: 0 at a period doubling, and below 0 where a real multiplier is below -1."""
+    return float(np.trace(shot.monodromy))
+
+
+def is_stable(shot: Shot) -> bool:
+    """Return whether all multipliers but the trivial one lie inside the unit circle."""
+    return fold_test(shot) > 0.0 and doubling_test(shot) > 0.0
+
+
+def multipliers_of(shot: Shot) -> Complex:
+    """Return the four multipliers of a closed orbit, by falling modulus.
+
+    Parameters
+    ----------
+    shot : Shot
+        The cycle, followed once round.
+
+    Returns
+    -------
+    ndarray of complex, shape (4,)
+        The multipliers [1].
+    """
+    q = _contraction_of(shot)
+    half = 0.5 * (float(np.trace(shot.monodromy)) - 1.0 - q)
+    rest = half * half - q
+    if rest < 0.0:
+        root = math.sqrt(-rest)
+        pair = [complex(half, root), complex(half, -root)]
+    else:
+        # the smaller one from the product: a difference would cancel
+        larger = half + math.copysign(math.sqrt(rest), half)
+        pair = [complex(larger), complex(q / larger)]
+    found = np.array([1.0, q, *pair], dtype=np.complex128)
+    return found[np.argsort(-np.abs(found), kind="stable")]
+
+
+def defects_of(shot: Shot) -> tuple[float, float]:
+    """Return how far the integrated matrix is from the structure that the multipliers rest on.
+
+    Parameters
+    ----------
+    shot : Shot
+        The cycle, followed once round.
+
+    Returns
+    -------
+    trivial : float
+        ``|M f - f|/|f|``, with f the rate of change at the start: 0 if 1 is a multiplier [1].
+    symplectic : float
+        The largest element of ``M^T S M - q S``, as a part of that of ``M^T S M`` with all signs
+        positive: what rounding can do at most is of the order 1e-15 [1].
+    """
+    rate, matrix = shot.start_rate, shot.monodromy
+    trivial = np.linalg.norm(matrix @ rate - shot.end_rate) / np.linalg.norm(rate)
+    defect = np.abs(matrix.T @ FORM @ matrix - _contraction_of(shot) * FORM).max()
+    size = (np.abs(matrix).T @ np.abs(FORM) @ np.abs(matrix)).max()
+    return float(trivial), float(defect / size)
+
+
+def _contraction_of(shot: Shot) -> float:
+    return contraction(shot.rotor.zeta, shot.duration)

@@ -1,0 +1,200 @@
+"""Close an orbit by Newton's method: shooting once round, across all entries and exits.
+
+Unknown are a state s and the period T, with phi the flow:
+
+    phi(s, T) = s,    f(s0) . (s - s0) = 0,
+
+the second because any shift along the cycle solves the first: the state may not move along the
+field at the present one. Without the contact there is no cycle: a motion inside the clearance
+closes too, on a circle about the centre of its whirl, but is one of a neutral family.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.stability.orbit import EXIT, IMPULSE, RADIUS, RTOL, Shot, shoot
+from rotor_ida.equations.contact import contact_force
+from rotor_ida.errors import SimulationError
+from rotor_ida.parallel.jobs import Stop
+from rotor_ida.parameters import Rotor
+
+Values = npt.NDArray[np.float64]
+
+MOST_STEPS = 25
+# A step of Newton's method this small, relative to state and period, leaves an error of its square.
+CONVERGED = 1e-9
+# What an orbit that closes may miss its start by, relative to the state, times the size of M.
+CLOSED = 1e-12
+# No step may change state or period by more than this part of them.
+LONGEST_STEP = 0.25
+# An orbit that stays within this part of its radius is a whirl of constant radius.
+LEAST_EXTENT = 1e-7
+
+
+@dataclass(frozen=True, slots=True)
+class Cycle:
+    """A closed orbit.
+
+    Parameters
+    ----------
+    shot : Shot
+        The orbit, followed once round.
+    residual : float
+        Distance of its end from its start, relative to its size [1].
+    """
+
+    shot: Shot
+    residual: float
+
+    @property
+    def rotor(self) -> Rotor:
+        """The rotor."""
+        return self.shot.rotor
+
+    @property
+    def state(self) -> Values:
+        """``(x, y, vx, vy)`` on the rotating axes at its start [1]."""
+        return self.shot.start
+
+    @property
+    def period(self) -> float:
+        """Its period [1]."""
+        return self.shot.duration
+
+    @property
+    def radius_min(self) -> float:
+        """Smallest distance from the bearing axis [1]."""
+        return float(self.shot.extrema[:, RADIUS].min())
+
+    @property
+    def radius_max(self) -> float:
+        """Largest distance from the bearing axis [1]."""
+        return float(self.shot.extrema[:, RADIUS].max())
+
+    @property
+    def contacts(self) -> int:
+        """Number of contacts in a period; 0 where it has no entry."""
+        return contacts_of(self.shot)
+
+    @property
+    def touches(self) -> bool:
+        """Whether it is ever in contact."""
+        return self.rotor.delta0 == 0.0 or self.radius_max > self.rotor.delta0
+
+    @property
+    def response(self) -> str:
+        """Kind of response: ``bouncing`` or ``full_contact``."""
+        return "bouncing" if self.contacts else "full_contact"
+
+    @property
+    def largest_force(self) -> float:
+        """Largest contact force [1]."""
+        return float(contact_force(self.radius_max, self.rotor.delta0))
+
+    @property
+    def impulse(self) -> float:
+        """Impulse of the contact force in a period [1]; NaN without clearance."""
+        parts = self.shot.contacts[:, IMPULSE]
+        return float(np.nansum(parts)) if self.rotor.delta0 > 0.0 else math.nan
+
+
+def contacts_of(shot: Shot) -> int:
+    """Return the number of exits on an orbit, which on a closed one is that of its contacts."""
+    return int(np.isfinite(shot.contacts[:, EXIT]).sum())
+
+
+def close_orbit(
+    rotor: Rotor, state: Values, period: float, stop: Stop, rtol: float = RTOL
+) -> Cycle:
+    """Return the limit cycle near a state and a period.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        The rotor.
+    state : ndarray, shape (4,)
+        ``(x, y, vx, vy)`` on the rotating axes [1].
+    period : float
+        About its period [1].
+    stop : ndarray, shape (1,)
+        Anything but 0 asks to stop.
+    rtol : float
+        Tolerance of one step of the integration [1].
+
+    Raises
+    ------
+    SimulationError
+        If Newton's method does not converge, or to no limit cycle.
+    """
+    shot = shoot(rotor, state, period, stop, rtol)
+    last = math.inf
+    for _ in range(MOST_STEPS):
+        step = _newton_step(shot)
+        size = _relative_size(step, shot)
+        if size > LONGEST_STEP:
+            step *= LONGEST_STEP / size
+        shot = shoot(rotor, shot.start + step[:4], shot.duration + step[4], stop, rtol)
+        if size <= CONVERGED or (size < 1e3 * CONVERGED and size >= last):
+            return checked_cycle(shot)
+        last = size
+    raise failure(shot, f"Newton's method found no limit cycle in {MOST_STEPS} steps")
+
+
+def checked_cycle(shot: Shot) -> Cycle:
+    """Return an orbit as a limit cycle.
+
+    Raises
+    ------
+    SimulationError
+        If it does not close, is a whirl of constant radius, or never touches the ring.
+    """
+    scale = float(np.linalg.norm(shot.start)) or 1.0
+    residual = float(np.linalg.norm(shot.end - shot.start)) / scale
+    if not residual <= CLOSED * max(float(np.linalg.norm(shot.monodromy)), 1.0):
+        raise failure(shot, f"the orbit misses its start by {residual:.3g} of its size")
+    if not len(shot.extrema):
+        raise failure(shot, "Newton's method came to a whirl of constant radius")
+    cycle = Cycle(shot, residual)
+    if cycle.radius_max - cycle.radius_min <= LEAST_EXTENT * cycle.radius_max:
+        raise failure(shot, "Newton's method came to a whirl of constant radius")
+    if not cycle.touches:
+        raise failure(shot, "Newton's method came to a whirl inside the clearance")
+    return cycle
+
+
+def failure(shot: Shot, reason: str) -> SimulationError:
+    """Return the error of a Newton iteration that ended at `shot`."""
+    x, y, vx, vy = shot.start.tolist()
+    return SimulationError(
+        f"{reason}: period {shot.duration:.9g}, omega {shot.rotor.omega:.9g}, "
+        f"zeta {shot.rotor.zeta:.9g}, delta0 {shot.rotor.delta0:.9g}",
+        time=0.0, state=(x, y, vx, vy),
+    )  # fmt: skip
+
+
+def _newton_step(shot: Shot) -> Values:
+    """Return the step of state and period, shape (5,)."""
+    matrix = np.zeros((5, 5))
+    rate = shot.start_rate
+    matrix[:4, :4] = shot.monodromy - np.eye(4)
+    matrix[:4, 4] = shot.end_rate
+    matrix[4, :4] = rate / np.linalg.norm(rate)
+    miss = np.append(shot.start - shot.end, 0.0)
+    try:
+        step: Values = np.linalg.solve(matrix, miss)
+    except np.linalg.LinAlgError:
+        step = np.linalg.lstsq(matrix, miss)[0]
+    if not np.isfinite(step).all():
+        raise failure(shot, "Newton's method met an orbit whose neighbours close as well")
+    return step
+
+
+def _relative_size(step: Values, shot: Shot) -> float:
+    """Return the size of a step in parts of state and period."""
+    scale = float(np.linalg.norm(shot.start)) or 1.0
+    return max(float(np.linalg.norm(step[:4])) / scale, abs(float(step[4])) / shot.duration)
