@@ -11,10 +11,10 @@ Each table by its own name, or both; needs gfortran and make, with which bifpy b
   which AUTO agrees with this program, and times a point.
 
 AUTO solves for a cycle by collocation, on NTST intervals of 4 points each; contact begins and ends
-inside some of them. It prints multipliers with six digits, so an error of 0 is one below 5e-6. The
-trivial multiplier of this program is 1 by construction: its error is that of the matrix's product
-with the rate of change. AUTO's model is compiled, and the executable alone is timed. bifpy builds
-AUTO without optimisation; for a fair race, install it so:
+inside some of them. It prints periods with 11 digits and multipliers with six: an error of 0 is one
+below 5e-6. The trivial multiplier of this program is 1 by construction; what stands for its error
+is that of the monodromy matrix times the rate of change. AUTO's model is compiled, and the
+executable alone is timed. bifpy builds AUTO without optimisation; for a fair race, install it so:
 
     MAKEFLAGS='F90=gfortran\ -O3 F77=gfortran\ -O3' pip install --no-cache-dir bifpy
 """

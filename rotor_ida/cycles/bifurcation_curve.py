@@ -41,12 +41,12 @@ from rotor_ida.cycles.continue_cycle import branch_dataset, check_limits
 from rotor_ida.cycles.guess import Guess, guess_of
 from rotor_ida.cycles.limit_cycle import cycle_from
 from rotor_ida.cycles.multipliers import doubling_test, fold_test
-from rotor_ida.stability.orbit import Shot
 from rotor_ida.cycles.shooting import checked_cycle, contacts_of
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress, Stop
 from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.provenance import provenance
+from rotor_ida.stability.orbit import Shot
 
 Values = npt.NDArray[np.float64]
 Kind = Literal["fold", "period_doubling"]

@@ -25,11 +25,11 @@ from rotor_ida.cycles.continuation import (
 )
 from rotor_ida.cycles.guess import Guess
 from rotor_ida.cycles.multipliers import doubling_test, fold_test
-from rotor_ida.stability.orbit import RADIUS, Shot, shoot
 from rotor_ida.cycles.shooting import Cycle, checked_cycle, contacts_of
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.stability.orbit import RADIUS, Shot, shoot
 
 Values = npt.NDArray[np.float64]
 

@@ -30,13 +30,13 @@ from rotor_ida.cycles.continuation import Point, Special
 from rotor_ida.cycles.dataset import cycle_columns, of_cycle, state_columns
 from rotor_ida.cycles.guess import Guess, guess_of
 from rotor_ida.cycles.limit_cycle import cycle_from
-from rotor_ida.stability.orbit import Shot
 from rotor_ida.cycles.shooting import checked_cycle
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress
 from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.provenance import computing, provenance
 from rotor_ida.schema import SPECIAL, labelled, labelled_dataset
+from rotor_ida.stability.orbit import Shot
 from rotor_ida.storage.studies.arrays import Arrays, packed, unpacked
 from rotor_ida.storage.studies.results import Form, Results, open_results
 

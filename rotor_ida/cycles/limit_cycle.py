@@ -12,7 +12,6 @@ from rotor_ida.checks import check_instance
 from rotor_ida.cycles.dataset import cycle_columns, of_cycle, state_columns
 from rotor_ida.cycles.guess import Guess, guess_of
 from rotor_ida.cycles.multipliers import multipliers_of
-from rotor_ida.stability.orbit import RTOL
 from rotor_ida.cycles.shooting import Cycle, close_orbit
 from rotor_ida.equations.contact import contact_force
 from rotor_ida.errors import InputError, SimulationError
@@ -29,6 +28,7 @@ from rotor_ida.schema import (
 )
 from rotor_ida.simulation.options import Options, check_can_be_followed
 from rotor_ida.simulation.start import starts_in_contact
+from rotor_ida.stability.orbit import RTOL
 from rotor_ida.stability.tangent_flow import DONE, follow_on
 from rotor_ida.sweeps.steady_state import FAILED, follow_to_steady_state
 
@@ -287,8 +287,11 @@ def _lines(cycle: Cycle, states: Values) -> dict[str, xr.Variable]:
 
 def _none(response: str) -> dict[str, xr.Variable]:
     """Return the variables of a result without a limit cycle."""
-    numbers = ("period", "radius_min", "radius_max", "largest_force", "impulse_per_period", "trace",
-               "residual", "trivial_defect", "symplectic_defect", "period_error", "whirl_ratio")  # fmt: skip
+    numbers = (
+        *("period", "period_error", "radius_min", "radius_max", "largest_force"),
+        *("impulse_per_period", "trace", "residual", "trivial_defect", "symplectic_defect"),
+        "whirl_ratio",
+    )
     columns = {name: of_cycle(name, (), math.nan) for name in numbers}
     columns |= {
         name: of_cycle(name, "multiplier", np.full(4, math.nan))

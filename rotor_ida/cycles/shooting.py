@@ -17,11 +17,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.stability.orbit import EXIT, IMPULSE, RADIUS, RTOL, Shot, shoot
 from rotor_ida.equations.contact import contact_force
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import Rotor
+from rotor_ida.stability.orbit import EXIT, IMPULSE, RADIUS, RTOL, Shot, shoot
 
 Values = npt.NDArray[np.float64]
 
