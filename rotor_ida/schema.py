@@ -44,6 +44,9 @@ RESPONSE = {
     "synchronous": 2,
     "bouncing": 3,
     "full_contact": 4,
+    "touching": 5,
+    "chaotic": 6,
+    "not_found": 7,
     "failed": -1,
 }
 EVENT_KIND = {"exit": -1, "entry": 1}
