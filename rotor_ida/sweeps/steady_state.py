@@ -43,6 +43,9 @@ DECAY_TIMES = 24.0
 LONGEST_FIRST_WAIT = 2000.0
 # No look at the motion begins later, unless it is the first.
 LONGEST = 20_000.0
+# Errors of single contacts add up round a cycle, and the smallest radius may be a small part of
+# the motion. So runs are made with tolerances this much tighter, if that leaves the solver room.
+TIGHTER, ROOMY = 0.1, 1e-11
 # A long contact in one run slowly leaves the unit circle on which its direction is kept.
 LONGEST_RUN = 100.0
 # The window holds whole revolutions: so many at least, and so much time at least; from look to
@@ -143,7 +146,7 @@ class _Trajectory:
         length = float(window.times[-1])
 
         def again(times: Values) -> Values:
-            orbit = run(self.rotor, self.before, length, times, self.options, stop=self.stop)
+            orbit = self._run(self.before, length, times)
             return rotated(orbit.states, -self.rotor.omega * times)
 
         return turning_points(self.rotor, window.times, window.states, again)
@@ -151,7 +154,7 @@ class _Trajectory:
     def _extend(self, duration: float, times: Values) -> Orbit:
         """Simulate from the end of the run before, where time and phase count as 0 again."""
         self.before = self.state
-        orbit = run(self.rotor, self.before, duration, times, self.options, stop=self.stop)
+        orbit = self._run(self.before, duration, times)
         omega = self.rotor.omega
         self.event_times.append(self.time + orbit.event_times)
         self.event_kinds.append(orbit.event_kinds)
@@ -160,6 +163,10 @@ class _Trajectory:
         self.state = (x, y, vx, vy)
         self.time += duration
         return orbit
+
+    def _run(self, start: State, duration: float, times: Values) -> Orbit:
+        scale = TIGHTER if self.options.rtol >= ROOMY else 1.0
+        return run(self.rotor, start, duration, times, self.options, scale=scale, stop=self.stop)
 
     def settled(
         self, response: str, features: Features, window_start: float, message: str = ""
