@@ -36,8 +36,8 @@ def follow(job, _stop):
     """Return what CVODE makes of one start: kind, amplitude and extreme radii."""
     rotor, state = job
     settled = follow_to_steady_state(rotor, state, Options(rtol=1e-10))
-    window = settled.window
-    return settled.response, window.amplitude, window.radius_min, window.radius_max
+    seen = settled.features
+    return settled.response, seen.amplitude, seen.radius_min, seen.radius_max
 
 
 def label_of(outcome, attractors):

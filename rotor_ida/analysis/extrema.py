@@ -12,16 +12,15 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.interpolate import CubicHermiteSpline
 
 from rotor_ida.checks import MOST_NUMBERS, State
-from rotor_ida.equations.contact import secant_stiffness
 from rotor_ida.equations.model import rotated
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.start import starts_in_contact
 from rotor_ida.stability.tangent_flow import DONE, follow_from, follow_on
+from rotor_ida.sweeps.turning_points import radial_motion, roots_of_cubics
 
 Values = npt.NDArray[np.float64]
 
@@ -92,7 +91,7 @@ def radius_extrema(rotor: Rotor, start: State, duration: float, rtol: float, sto
     reached, offsets, good = _polished(
         rotor, times[knots], states[knots], in_contact[knots], offsets, step, rtol, stop
     )
-    g, slope = _radial(rotor, reached)
+    g, slope = radial_motion(rotor, reached)
     keep = np.flatnonzero(good)
     found = times[knots] + offsets
     keep = keep[np.argsort(found[keep], kind="stable")]
@@ -133,9 +132,7 @@ def _knots(
 
 def _guesses(rotor: Rotor, times: Values, states: Values) -> tuple[npt.NDArray[np.intp], Values]:
     """Return the knot before each root of the cubics, and the time from there to it."""
-    g, slope = _radial(rotor, states)
-    roots = CubicHermiteSpline(times, g, slope).roots(extrapolate=False)
-    roots = roots[np.isfinite(roots)]
+    roots = roots_of_cubics(rotor, times, states)
     knots = np.clip(np.searchsorted(times, roots, side="right") - 1, 0, times.size - 2)
     return knots, roots - times[knots]
 
@@ -159,7 +156,7 @@ def _polished(
         if done != DONE:
             row = int(np.argmin(np.isfinite(reached).all(axis=1)))
             raise _failure(rotor, float(times[row]), states[row])
-        g, slope = _radial(rotor, reached)
+        g, slope = radial_motion(rotor, reached)
         change = -np.divide(g, slope, out=np.full_like(g, np.inf), where=slope != 0.0)
         if (np.abs(change) <= CLOSE).all():
             break
@@ -173,12 +170,3 @@ def _failure(rotor: Rotor, time: float, state: Values) -> SimulationError:
     x, y, vx, vy = rotated(state, rotor.omega * time).tolist()
     message = "the motion could not be followed to its extrema"
     return SimulationError(message, time=time, state=(x, y, vx, vy))
-
-
-def _radial(rotor: Rotor, states: Values) -> tuple[Values, Values]:
-    """Return ``g = r r'`` and its rate of change, of states on the rotating axes."""
-    x, y, vx, vy = states.T
-    stiffness = secant_stiffness(np.hypot(x, y), rotor.delta0)
-    ax = rotor.omega**2 - 2.0 * rotor.zeta * vx - stiffness * x
-    ay = -2.0 * rotor.zeta * vy - stiffness * y
-    return x * vx + y * vy, vx**2 + vy**2 + x * ax + y * ay

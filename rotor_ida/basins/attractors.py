@@ -17,7 +17,7 @@ from rotor_ida.basins.matching import Labels, NearestFeatures, approaching
 from rotor_ida.checks import State
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.options import Options
-from rotor_ida.sweeps.response import CONTACT_FREE, SYNCHRONOUS
+from rotor_ida.sweeps.response import BOUNCING, CHAOTIC, CONTACT_FREE, FULL_CONTACT, SYNCHRONOUS
 from rotor_ida.sweeps.steady_state import SettledResponse, follow_to_steady_state
 
 Values = npt.NDArray[np.float64]
@@ -26,6 +26,8 @@ Values = npt.NDArray[np.float64]
 WITNESSES = 3
 # Features from CVODE and from the kernel agree to this relative difference.
 AGREEMENT = 0.02
+# What features call bouncing or in full contact may be chaotic.
+OSCILLATING = (BOUNCING, FULL_CONTACT, CHAOTIC)
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,13 +131,12 @@ def _confirm_known(
     """Let CVODE follow starts that certainly end there, until one does."""
     for start in starts:
         settled = follow_to_steady_state(rotor, _state(start), options)
-        window = settled.window
-        if window is None or settled.response != attractor.kind:
+        if settled.response != attractor.kind:
             continue
         if settled.response == CONTACT_FREE:
             return replace(attractor, confirmed=True)
-        if abs(window.amplitude - attractor.amplitude) <= AGREEMENT * attractor.amplitude:
-            return _with_numbers_of(settled, attractor)
+        if abs(settled.features.amplitude - attractor.amplitude) <= AGREEMENT * attractor.amplitude:
+            return _confirmed(settled)
     return attractor
 
 
@@ -150,19 +151,18 @@ def _from_features(kind: str, orbits: Undecided, members: Numbers) -> Attractor:
 def _confirm(
     rotor: Rotor, attractor: Attractor, orbits: Undecided, members: Numbers, options: Options
 ) -> Attractor | None:
-    """Let CVODE follow the orbits nearest to the median; None if it finds another motion."""
+    """Let CVODE follow the orbits nearest to the median; None if it finds no motion like them."""
     extremes = orbits.later[members][:, [RADIUS_MIN, RADIUS_MAX]].astype(np.float64)
     middle = np.array([attractor.radius_min, attractor.radius_max])
     spread = np.ptp(extremes, axis=0).max() + AGREEMENT * attractor.radius_max
     order = np.argsort(np.abs(extremes - middle).max(axis=1), kind="stable")
     for member in members[order[:WITNESSES]]:
         settled = follow_to_steady_state(rotor, _state(orbits.states[:, member]), options)
-        window = settled.window
-        if window is None or settled.response != attractor.kind:
+        if settled.response not in OSCILLATING:
             continue
-        seen = np.array([window.radius_min, window.radius_max])
+        seen = np.array([settled.features.radius_min, settled.features.radius_max])
         if np.abs(seen - middle).max() <= spread:
-            return _with_numbers_of(settled, attractor)
+            return _confirmed(settled)
     return None
 
 
@@ -178,11 +178,11 @@ def _number_of_same(attractor: Attractor, found: list[Attractor]) -> int | None:
     return None
 
 
-def _with_numbers_of(settled: SettledResponse, attractor: Attractor) -> Attractor:
-    window = settled.window
-    assert window is not None
+def _confirmed(settled: SettledResponse) -> Attractor:
+    """Return an attractor as CVODE found it."""
+    seen = settled.features
     return Attractor(
-        attractor.kind, window.amplitude, window.phase_lag, window.radius_min, window.radius_max,
+        settled.response, seen.amplitude, seen.phase_lag, seen.radius_min, seen.radius_max,
         confirmed=True,
     )  # fmt: skip
 

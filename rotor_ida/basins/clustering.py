@@ -9,15 +9,21 @@ from scipy.spatial import KDTree
 
 from rotor_ida.basins.batches import Undecided
 from rotor_ida.basins.features import MEAN_X, MEAN_Y, RADIUS_MAX, RADIUS_MIN
+from rotor_ida.basins.following import PATIENCE
 from rotor_ida.basins.known_attractors import KnownAttractors
 from rotor_ida.parameters import Rotor
-from rotor_ida.sweeps.response import BOUNCING, FULL_CONTACT, LASTING, PATIENCE, SLIGHT
+from rotor_ida.sweeps.response import BOUNCING, FULL_CONTACT
 from rotor_ida.sweeps.steady_state import durations
 
 Numbers = npt.NDArray[np.int64]
 Mask = npt.NDArray[np.bool_]
 Limits = tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]
 
+# A motion counts as lasting when its swing stays within this factor from one window to the next.
+LASTING = 0.8
+# A motion that indents by less than this, with a mean whirl this near to the contact-free one,
+# leaves the ring through ever slighter touches.
+SLIGHT = 0.01
 # Two orbits are on the same attractor when their extreme radii differ by no more than this many
 # times their change from one window to the next, plus the accuracy of a window.
 SCATTERS = 3.0

@@ -18,7 +18,6 @@ from rotor_ida.basins.trapping_regions import TrappingRegion
 from rotor_ida.parallel import FailedJob, Progress, Stop, run_all
 from rotor_ida.storage.studies.arrays import scratch
 from rotor_ida.storage.studies.results import Results
-from rotor_ida.sweeps.response import PATIENCE
 from rotor_ida.sweeps.steady_state import DECAY_TIMES, durations
 
 Values = npt.NDArray[np.float64]
@@ -28,6 +27,8 @@ Starts = Callable[[int, int], Values]
 # and to report progress. Who does the work has no say: it leaves no trace in the result.
 LARGEST_BATCH, SMALLEST_BATCH = 8192, 512
 FEWEST_BATCHES = 64
+# The earlier of two windows lies so many 1/zeta after the start.
+PATIENCE = 10.0
 # Of more undecided orbits than this, a sample is clustered and the others are matched to it.
 LARGEST_SAMPLE = 1_000_000
 

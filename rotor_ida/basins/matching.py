@@ -8,6 +8,7 @@ from scipy.spatial import KDTree
 
 from rotor_ida.basins.batches import Undecided
 from rotor_ida.basins.clustering import (
+    LASTING,
     Numbers,
     extreme_radii,
     lasting,
@@ -19,7 +20,6 @@ from rotor_ida.basins.clustering import (
 from rotor_ida.basins.features import MEAN_X, MEAN_Y, WANDER
 from rotor_ida.basins.kernel import UNDECIDED
 from rotor_ida.basins.known_attractors import KnownAttractors
-from rotor_ida.sweeps.response import LASTING
 
 Labels = npt.NDArray[np.int16]
 

@@ -4,7 +4,12 @@ Nothing here knows the simulator, and the simulator knows nothing of this: each 
 other's independent witness.
 """
 
-from rotor_ida.closed_forms.contact_free import ContactFreeWhirl, contact_free_whirl, flight
+from rotor_ida.closed_forms.contact_free import (
+    ContactFreeWhirl,
+    contact_free_whirl,
+    flight,
+    touch_fading,
+)
 from rotor_ida.closed_forms.folds import cusp, cusp_zeta, folds, jumps
 from rotor_ida.closed_forms.free_vibration import (
     amplitude_from_speed,
@@ -42,4 +47,5 @@ __all__ = [
     "speeds_at_amplitude",
     "stability_determinant",
     "synchronous_response",
+    "touch_fading",
 ]

@@ -109,6 +109,48 @@ def contact_free_whirl(rotor: Rotor) -> ContactFreeWhirl:
     )
 
 
+def touch_fading(rotor: Rotor) -> float:
+    """Return by how much 1/h grows from one touch to the next, where touches fade for ever.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        Parameters of the rotor.
+
+    Returns
+    -------
+    float
+        The constant C [1]; NaN where there is no such motion: without damping, at rest, or where
+        the contact-free whirl does not fit into the clearance with room to spare.
+
+    Notes
+    -----
+    A contact-free whirl whose centre lies a little too far out touches the ring once a revolution,
+    at a depth h. There the radius is ``delta0 + h - kappa t**2/2`` with
+    ``kappa = omega**2 A_f (1 - A_f/delta0)``, so the Hertz force gives the impulse
+    ``(3 pi/8) h**2 sqrt(2/kappa)`` towards the bearing axis, and damping lets it carry the centre
+    inwards by ``1/(2 zeta)`` of that. The next touch is the slighter::
+
+        h - h' = C h**2,   C = (3 pi/(16 zeta)) sqrt(2/kappa)
+
+    so 1/h grows by C from touch to touch, and the n-th has ``h = 1/(C n)``, to leading order in
+    h: the touches never end, and the limit is the whirl that just reaches the ring.
+
+    Examples
+    --------
+    >>> round(touch_fading(Rotor(omega=0.5, zeta=0.07, delta0=2.0)), 2)
+    33.68
+    """
+    check_instance("rotor", rotor, Rotor)
+    amplitude = abs(complex(complex_amplitude(rotor.omega, rotor.zeta)))
+    room = rotor.delta0 - amplitude
+    if rotor.zeta == 0.0 or amplitude == 0.0 or room <= 0.0:
+        return math.nan
+    # a product of these would underflow at the smallest speeds
+    width = math.sqrt(2.0 / amplitude) * math.sqrt(rotor.delta0 / room) / rotor.omega
+    return 3.0 * math.pi / (16.0 * rotor.zeta) * width
+
+
 def flight(time: npt.ArrayLike, *, rotor: Rotor, start: object, start_time: float = 0.0) -> Values:
     """Return the motion inside the clearance, as if the ring were not there.
 

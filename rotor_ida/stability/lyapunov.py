@@ -45,7 +45,9 @@ METHODS_OF_TANGENTS: tuple[MethodOfTangents, ...] = ("taylor", "adams", "bdf")
 # Time after which tangent vectors are made orthonormal again.
 SPAN = 0.5
 SPANS_A_BATCH = 20
-FEWEST_BATCHES = 4
+FEWEST_BATCHES, BATCHES = 4, 20
+# Time in which the tangent vectors of a motion that has settled turn into their directions.
+TURNING = 100.0
 SHOWN = 400
 # Each span leaves four numbers in memory.
 LONGEST = SPAN * MOST_NUMBERS
@@ -57,7 +59,7 @@ def lyapunov_exponent(
     start: npt.ArrayLike,
     transient: float = 500.0,
     duration: float = 5000.0,
-    batches: int = 20,
+    batches: int = BATCHES,
     rtol: float = 1e-10,
     method: MethodOfTangents = "taylor",
 ) -> xr.Dataset:
@@ -175,6 +177,36 @@ def lyapunov_exponent(
         "start": np.array(first), "transient": lead, "duration": length, "batches": count,
     }  # fmt: skip
     return labelled_dataset("Lyapunov exponents of one motion", columns, coordinates, attributes)
+
+
+def largest_exponent(
+    rotor: Rotor, start: State, duration: float, stop: Stop, *, rtol: float = 1e-10
+) -> tuple[float, float]:
+    """Return the largest Lyapunov exponent of the motion from a state on, and its error.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        The rotor.
+    start : tuple of float
+        ``(x, y, vx, vy)`` on the rotating axes, where the motion has settled [1].
+    duration : float
+        Time over which the mean is taken [1].
+    stop : ndarray, shape (1,)
+        Anything but 0 asks to stop.
+    rtol : float
+        Tolerance of one step, relative to the size of the state and of each tangent vector [1].
+
+    Raises
+    ------
+    SimulationError
+        If the integration was stuck, or asked to stop.
+    """
+    spans = (math.ceil(TURNING / SPAN), BATCHES * math.ceil(duration / (BATCHES * SPAN)))
+    stretches = _stretches(rotor, start, *spans, SPAN, rtol, stop, "taylor")
+    exponents, errors = _means(stretches / SPAN, BATCHES, -4.0 * rotor.zeta)
+    largest = int(np.argmax(exponents))
+    return float(exponents[largest]), float(errors[largest])
 
 
 def _stretches(

@@ -103,6 +103,18 @@ def follow_from(
 
 
 @compiled
+def carry(
+    bundle: Values, in_contact: bool, span: float, rotor: Parameters, rtol: float, stop: Stop
+) -> int:
+    """Follow a state and its tangent vectors over `span`, as `follow` does, by Taylor series."""
+    mode = np.array([1.0 if in_contact else 0.0])
+    motion = open_taylor(rotor[0], rotor[1], rotor[2], rotor[2] > 0.0, rtol, True)
+    done = follow(bundle, mode, span, rotor, rtol, motion, stop)
+    release(motion)
+    return done
+
+
+@compiled
 def follow(
     bundle: Values, mode: Values, span: float, rotor: Parameters, rtol: float, motion: Motion,
     stop: Stop,

@@ -5,9 +5,8 @@ The points come in pieces, as rows, in memory or as bytes from a study.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
@@ -20,20 +19,21 @@ from rotor_ida.provenance import provenance
 from rotor_ida.schema import RESPONSE, STATUS, Column, labelled, labelled_dataset
 from rotor_ida.storage.studies.arrays import packed, scratch, unpacked
 from rotor_ida.sweeps.ramps import Ramps
+from rotor_ida.sweeps.response import Features
 from rotor_ida.sweeps.steady_state import FAILED, SettledResponse
 
 Values = npt.NDArray[np.float64]
 Array = npt.NDArray[np.generic]
 
 DIMS = (*PARAMETERS, "start", "direction")
-WINDOW_QUANTITIES = ("amplitude", "phase_lag", "radius_min", "radius_max")
+FEATURES = tuple(each.name for each in fields(Features))
 ENDS = ("end_x", "end_y", "end_vx", "end_vy")
 EVENT_STATES = ("event_x", "event_y", "event_vx", "event_vy")
 
 # The columns of a sweep with a number for each point, and those with one for each event.
 POINT_COLUMNS: dict[str, type[np.generic]] = {
     "response": np.int8,
-    **dict.fromkeys(WINDOW_QUANTITIES, np.float64),
+    **dict.fromkeys(FEATURES, np.float64),
     "window_start": np.float64,
     "window_end": np.float64,
     "status": np.int8,
@@ -134,7 +134,7 @@ def rows_of(points: Sequence[SettledResponse]) -> Rows:
     """Return points as rows."""
     columns: dict[str, list[object]] = {
         "response": [RESPONSE[point.response] for point in points],
-        **{name: [_of_window(point, name) for point in points] for name in WINDOW_QUANTITIES},
+        **{name: [getattr(point.features, name) for point in points] for name in FEATURES},
         "window_start": [point.window_start for point in points],
         "window_end": [point.window_end for point in points],
         "status": [STATUS["failed" if point.response == FAILED else "done"] for point in points],
@@ -180,7 +180,3 @@ def rows_from_bytes(content: bytes) -> Rows:
         return Rows(columns, tables["messages"].tolist())
     except (KeyError, IndexError, ValueError) as error:
         raise ValueError(f"it holds no points of a sweep: {error}") from error
-
-
-def _of_window(point: SettledResponse, name: str) -> float:
-    return math.nan if point.window is None else float(getattr(point.window, name))

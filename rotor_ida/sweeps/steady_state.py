@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -16,7 +16,24 @@ from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run
-from rotor_ida.sweeps.response import UNRESOLVED, Features, classify, features_of
+from rotor_ida.stability.lyapunov import largest_exponent
+from rotor_ida.sweeps.periods import extreme_radii, recurrence, slowest_multiplier
+from rotor_ida.sweeps.response import (
+    BOUNCING,
+    CHAOTIC,
+    CONTACT_FREE,
+    FULL_CONTACT,
+    SYNCHRONOUS,
+    TOUCHING,
+    UNRESOLVED,
+    Features,
+    Window,
+    phase_lag_of,
+    stays_free,
+    touches_fade,
+    whirls_steadily,
+)
+from rotor_ida.sweeps.turning_points import TurningPoints, turning_points
 
 Values = npt.NDArray[np.float64]
 
@@ -24,15 +41,35 @@ FAILED = "failed"
 # A transient that decays like exp(-zeta t) has fallen by 4e-11 after this many 1/zeta.
 DECAY_TIMES = 24.0
 LONGEST_FIRST_WAIT = 2000.0
-# The final window holds whole revolutions: so many at least, and so much time at least.
+# No look at the motion begins later, unless it is the first.
+LONGEST = 20_000.0
+# Errors of single contacts add up round a cycle, and the smallest radius may be a small part of
+# the motion. So runs are made with tolerances this much tighter, if that leaves the solver room.
+TIGHTER, ROOMY = 0.1, 1e-11
+# A long contact in one run slowly leaves the unit circle on which its direction is kept.
+LONGEST_RUN = 100.0
+# The window holds whole revolutions: so many at least, and so much time at least; from look to
+# look it is doubled, up to so many times that, for periods of many revolutions.
 WINDOW_REVOLUTIONS = 4
 WINDOW_TIME = 40.0
+LONGEST_WINDOW = 8
 SAMPLES_PER_REVOLUTION = 64
 SAMPLES_PER_TIME = 16
 # A whirl counts as steady when it strays from its mean by less than this part of it, or by
-# less than this many tolerances.
+# less than this many tolerances, and a motion as periodic when it is no farther from its cycle.
 STEADY = 1e-9
 STEADY_TOLERANCES = 10.0
+# So much farther off, it recurs: it may be that far on either side of its cycle.
+RECURS = 10.0
+# Chaos may be a transient: exponents are asked for only where a motion has not settled after this
+# time and so many 1/zeta, and then over this time, or over so many times what it was followed.
+LATE, PATIENCE = 3000.0, 10.0
+EXPONENT_TIME, EXPONENT_TIMES = 10_000.0, 2.0
+# An exponent is clear of zero when it exceeds so many errors, and when by it neighbours part by
+# a factor of exp(20) in the time over which it was taken.
+CLEAR_ERRORS = 5.0
+CLEAR_STRETCH = 20.0
+ROUNDING = 2.0**-52
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,8 +80,8 @@ class SettledResponse:
     ----------
     response : str
         One of the kinds of `rotor_ida.sweeps.response`, or ``"failed"``.
-    window : Features or None
-        The motion over the final window; None if the run failed.
+    features : Features
+        The motion over the final window; all NaN if the run failed.
     window_start, window_end : float
         The final window [1].
     event_times, event_kinds : ndarray, shape (m,)
@@ -58,7 +95,7 @@ class SettledResponse:
     """
 
     response: str
-    window: Features | None
+    features: Features
     window_start: float
     window_end: float
     event_times: Values
@@ -75,7 +112,8 @@ class _Trajectory:
     rotor: Rotor
     options: Options
     state: State
-    stop: Stop | None = None
+    stop: Stop
+    before: State = (0.0, 0.0, 0.0, 0.0)  # where the last run began
     time: float = 0.0
     event_times: list[Values] = field(default_factory=lambda: [np.empty(0)])
     event_kinds: list[npt.NDArray[np.int8]] = field(
@@ -83,10 +121,40 @@ class _Trajectory:
     )
     event_states: list[Values] = field(default_factory=lambda: [np.empty((0, 4))])
 
-    def extend(self, duration: float, samples: int) -> Orbit:
+    def wait(self, duration: float) -> None:
+        """Simulate on from the end of the run before."""
+        count = math.ceil(duration / LONGEST_RUN)
+        for _ in range(count):
+            self._extend(duration / count, np.empty(0))
+
+    def look(self, length: float, samples: int) -> Window:
+        """Simulate on, and return what the motion does meanwhile."""
+        times = np.linspace(0.0, length, samples)
+        orbit = self._extend(length, times)
+        return Window(
+            rotor=self.rotor,
+            times=times,
+            states=rotated(orbit.states, -self.rotor.omega * times),
+            contacts=orbit.contacts,
+            touches=orbit.event_times.size,
+            ends_in_contact=orbit.starts_in_contact != bool(orbit.event_times.size % 2),
+            steady=max(STEADY, STEADY_TOLERANCES * self.options.rtol),
+        )
+
+    def turns(self, window: Window) -> TurningPoints:
+        """Return where the radius turns in the window that was last looked at."""
+        length = float(window.times[-1])
+
+        def again(times: Values) -> Values:
+            orbit = self._run(self.before, length, times)
+            return rotated(orbit.states, -self.rotor.omega * times)
+
+        return turning_points(self.rotor, window.times, window.states, again)
+
+    def _extend(self, duration: float, times: Values) -> Orbit:
         """Simulate from the end of the run before, where time and phase count as 0 again."""
-        times = np.linspace(0.0, duration, samples) if samples else np.empty(0)
-        orbit = run(self.rotor, self.state, duration, times, self.options, stop=self.stop)
+        self.before = self.state
+        orbit = self._run(self.before, duration, times)
         omega = self.rotor.omega
         self.event_times.append(self.time + orbit.event_times)
         self.event_kinds.append(orbit.event_kinds)
@@ -96,13 +164,17 @@ class _Trajectory:
         self.time += duration
         return orbit
 
+    def _run(self, start: State, duration: float, times: Values) -> Orbit:
+        scale = TIGHTER if self.options.rtol >= ROOMY else 1.0
+        return run(self.rotor, start, duration, times, self.options, scale=scale, stop=self.stop)
+
     def settled(
-        self, response: str, window: Features | None, window_start: float, message: str = ""
+        self, response: str, features: Features, window_start: float, message: str = ""
     ) -> SettledResponse:
         """Return the settled response."""
         return SettledResponse(
             response=response,
-            window=window,
+            features=features,
             window_start=window_start,
             window_end=self.time,
             event_times=np.concatenate(self.event_times),
@@ -113,15 +185,56 @@ class _Trajectory:
         )
 
 
-def follow_to_steady_state(
-    rotor: Rotor, start: State, options: Options, *, doublings: int = 3, stop: Stop | None = None
-) -> SettledResponse:
-    """Follow a rotor until the kind of its response is decided, or no doubling is left.
+@dataclass(slots=True)
+class _Approach:
+    """How near a motion has come to its cycle, from look to look.
 
-    The motion is classified over a final window: first after the time in which damping should
-    have settled it, then each time its duration has doubled. A whirl of constant radius in
-    contact, or one that has left the ring for good, is decided at once; any other motion only
-    if its swing is the same as in the window before.
+    Parameters
+    ----------
+    recurs : bool
+        Whether it repeated itself in the last window.
+    distance : float
+        How far it was from its cycle at the end of that, relative to its size [1].
+    time : float
+        When that was [1].
+    """
+
+    recurs: bool = False
+    distance: float = math.inf
+    time: float = 0.0
+
+    def period(self, trajectory: _Trajectory, window: Window, turns: TurningPoints) -> float | None:
+        """Return the period of a motion that has come to a stable cycle; None for others."""
+        found = recurrence(turns, RECURS * window.steady)
+        self.recurs = found is not None
+        if found is None:
+            self.distance = math.inf
+            return None
+        multiplier = slowest_multiplier(
+            trajectory.rotor, trajectory.state, found.period, trajectory.stop
+        )
+        decay = abs(multiplier) ** ((trajectory.time - self.time) / found.period)
+        distance = found.missed_by / max(abs(1.0 - multiplier), ROUNDING)
+        if math.isfinite(self.distance):
+            # rounding lets no motion miss itself by less, however near it has come
+            distance = min(distance, decay * self.distance)
+        self.distance, self.time = distance, trajectory.time
+        settled = abs(multiplier) < 1.0 and distance <= window.steady
+        return found.period if settled else None
+
+
+def follow_to_steady_state(
+    rotor: Rotor,
+    start: State,
+    options: Options,
+    *,
+    longest: float = LONGEST,
+    stop: Stop | None = None,
+) -> SettledResponse:
+    """Follow a rotor until the kind of its response is decided, or for long enough.
+
+    The motion is looked at over a window: first after the time in which damping should have
+    settled it, then each time the time has doubled.
 
     Parameters
     ----------
@@ -131,41 +244,84 @@ def follow_to_steady_state(
         ``(x, y, vx, vy)`` on the rotating axes, which at time 0 are the fixed ones [1].
     options : Options
         How to simulate.
-    doublings : int
-        How often the duration may be doubled.
+    longest : float
+        Time after which no further look begins, if the first has been made [1].
     stop : ndarray, shape (1,), optional
         Ends the run, as failed, as soon as it holds anything but 0.
     """
-    trajectory = _Trajectory(rotor, options, start, stop)
-    wait, length, samples = durations(rotor)
-    earlier: Features | None = None
-    began = 0.0
+    trajectory = _Trajectory(rotor, options, start, np.zeros(1, np.uint8) if stop is None else stop)
     try:
-        for attempt in range(doublings + 1):
-            trajectory.extend(wait if attempt == 0 else trajectory.time, 0)
-            began = trajectory.time
-            orbit = trajectory.extend(length, samples)
-            ends_in_contact = orbit.starts_in_contact != bool(orbit.event_times.size % 2)
-            window = features_of(
-                rotor,
-                orbit.times,
-                orbit.states,
-                orbit.event_times,
-                ends_in_contact=ends_in_contact,
-                steady=max(STEADY, STEADY_TOLERANCES * options.rtol),
-            )
-            response = classify(earlier, window, time=began)
-            if response != UNRESOLVED:
-                break
-            earlier = window
-        return trajectory.settled(response, window, began)
+        return _decided(trajectory, longest)
     except SimulationError as error:
-        return trajectory.settled(FAILED, None, math.nan, str(error))
+        return trajectory.settled(FAILED, Features(), math.nan, str(error))
+
+
+def _decided(trajectory: _Trajectory, longest: float) -> SettledResponse:
+    """Look at the motion until its kind is decided."""
+    wait, length, samples = durations(trajectory.rotor)
+    approach, times = _Approach(), 1
+    while True:
+        trajectory.wait(wait)
+        began = trajectory.time
+        window = trajectory.look(times * length, times * (samples - 1) + 1)
+        kind, features = _kind_of(window, trajectory, approach)
+        wait, times = trajectory.time, min(2 * times, LONGEST_WINDOW)
+        never = trajectory.rotor.zeta == 0.0
+        if kind != UNRESOLVED or never or trajectory.time + wait > longest:
+            return trajectory.settled(kind, features, began)
+
+
+def _kind_of(window: Window, trajectory: _Trajectory, approach: _Approach) -> tuple[str, Features]:
+    """Return the kind of response seen in a window, and what is stated of it."""
+    if whirls_steadily(window):
+        return SYNCHRONOUS, _features(window)
+    turns = trajectory.turns(window)
+    features = _features(window, turns)
+    if stays_free(window):
+        return CONTACT_FREE, features
+    period = approach.period(trajectory, window, turns)
+    if period is not None:
+        low, high = extreme_radii(turns, period)
+        features = replace(features, radius_min=low, radius_max=high, period=period)
+        return BOUNCING if window.touches else FULL_CONTACT, features
+    if touches_fade(window):
+        return TOUCHING, features
+    if approach.recurs or not _may_be_chaotic(trajectory):
+        return UNRESOLVED, features
+    exponent, error, parts = _stretching(trajectory)
+    features = replace(features, lyapunov_exponent=exponent, lyapunov_error=error)
+    return CHAOTIC if parts else UNRESOLVED, features
+
+
+def _features(window: Window, turns: TurningPoints | None = None) -> Features:
+    """Return what is stated of any motion over a window."""
+    radii = np.abs(window.positions)
+    if turns is not None:
+        radii = np.concatenate([radii, turns.radii])
+    whirl = window.whirl
+    return Features(abs(whirl), phase_lag_of(whirl), float(radii.min()), float(radii.max()))
+
+
+def _may_be_chaotic(trajectory: _Trajectory) -> bool:
+    """Return whether a motion that has not settled so late may never."""
+    rotor, time = trajectory.rotor, trajectory.time
+    return rotor.omega > 0.0 and time >= LATE and rotor.zeta * time >= PATIENCE
+
+
+def _stretching(trajectory: _Trajectory) -> tuple[float, float, bool]:
+    """Return the largest exponent from now on, its error, and whether it is clear of zero."""
+    duration = max(EXPONENT_TIME, EXPONENT_TIMES * trajectory.time)
+    exponent, error = largest_exponent(
+        trajectory.rotor, trajectory.state, duration, trajectory.stop
+    )
+    clear = exponent > CLEAR_ERRORS * error and exponent * duration > CLEAR_STRETCH
+    return exponent, error, clear
 
 
 def failed(rotor: Rotor, start: State, options: Options, reason: str) -> SettledResponse:
     """Return the failed response of a rotor that could not be followed from `start`."""
-    return _Trajectory(rotor, options, start).settled(FAILED, None, math.nan, reason)
+    trajectory = _Trajectory(rotor, options, start, np.zeros(1, np.uint8))
+    return trajectory.settled(FAILED, Features(), math.nan, reason)
 
 
 def durations(rotor: Rotor) -> tuple[float, float, int]:

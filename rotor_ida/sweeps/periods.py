@@ -1,0 +1,125 @@
+"""The period of a motion that repeats itself, and how near the motion has come to its cycle.
+
+The states at which the radius is largest are a Poincare section of the motion on the rotating axes.
+The motion is periodic when they come again in the same order; its period is the time that this
+takes. How near it has come is told by how far it misses itself after one period: a slow transient
+misses itself by little while it is still far off, by its distance times ``1 - mu``, mu the cycle's
+multiplier. So mu is computed too, by Taylor series; it decides when to stop, and no number that is
+stated rests on it.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.checks import State
+from rotor_ida.errors import SimulationError
+from rotor_ida.parallel import Stop
+from rotor_ida.parameters import Rotor
+from rotor_ida.simulation.start import starts_in_contact
+from rotor_ida.stability.tangent_flow import DONE, carry
+from rotor_ida.sweeps.turning_points import CLOSE, TurningPoints
+
+Values = npt.NDArray[np.float64]
+
+# The window must hold the period so many times.
+FEWEST_PERIODS = 3
+# A radius that swings no more than this many times what a state misses by may be a spiral inwards.
+CLEAR_SWING = 1e6
+RTOL = 1e-12
+
+
+@dataclass(frozen=True, slots=True)
+class Recurrence:
+    """How a motion repeats itself.
+
+    Parameters
+    ----------
+    period : float
+        Time after which it does [1].
+    missed_by : float
+        Largest difference of two states a period apart, in the last two periods, relative to the
+        largest state [1].
+    """
+
+    period: float
+    missed_by: float
+
+
+def recurrence(turns: TurningPoints, tolerance: float) -> Recurrence | None:
+    """Return how the motion repeats itself all over the window; None if it does not.
+
+    Parameters
+    ----------
+    turns : TurningPoints
+        The turning points of the radius.
+    tolerance : float
+        By how much two states a period apart may differ, relative to the largest state [1].
+    """
+    times, states = turns.times[turns.are_maxima], turns.states[turns.are_maxima]
+    most = times.size // FEWEST_PERIODS
+    if most == 0:
+        return None
+    size = float(np.abs(states).max())
+    allowed = min(tolerance * size, float(np.ptp(turns.radii)) / CLEAR_SWING)
+    before = states[-2 : -2 - most : -1]
+    candidates = 1 + np.flatnonzero(np.abs(before - states[-1]).max(axis=1) <= allowed)
+    for count in candidates.tolist():
+        missed_by = np.abs(states[count:] - states[:-count]).max(axis=1)
+        if missed_by.max() <= allowed:
+            period = float(times[-1] - times[-1 - count])
+            return Recurrence(period, float(missed_by[-count:].max()) / size)
+    return None
+
+
+def extreme_radii(turns: TurningPoints, period: float) -> tuple[float, float]:
+    """Return the smallest and the largest radius in the last period of a window."""
+    since = turns.times[turns.are_maxima][-1] - period
+    radii = turns.radii[turns.times > since + CLOSE]
+    return float(radii.min()), float(radii.max())
+
+
+def slowest_multiplier(rotor: Rotor, state: State, period: float, stop: Stop) -> complex:
+    """Return the multiplier, besides the trivial one, by which neighbours come back slowest.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        The rotor.
+    state : tuple of float
+        A state of the cycle, on the rotating axes [1].
+    period : float
+        The period of the cycle [1].
+    stop : ndarray, shape (1,)
+        Anything but 0 asks to stop.
+
+    Raises
+    ------
+    SimulationError
+        If the cycle could not be followed, or was asked to stop.
+
+    Notes
+    -----
+    Damping is uniform, so the multipliers are 1, ``q = exp(-2 zeta period)``, mu and ``q/mu``:
+    the sum of all four, the trace of the monodromy matrix, gives mu.
+
+    References
+    ----------
+    U. Dressler, "Symmetry property of the Lyapunov spectra of a class of dissipative dynamical
+    systems with viscous damping", Physical Review A 38, 1988.
+    """
+    parameters = (rotor.omega, rotor.zeta, rotor.delta0)
+    x, y, vx, vy = state
+    in_contact = starts_in_contact(complex(x, y), complex(vx, vy), *parameters)
+    bundle = np.vstack([state, np.eye(4)])
+    if carry(bundle, in_contact, period, parameters, RTOL, stop) != DONE:
+        raise SimulationError("a cycle could not be followed round", time=0.0, state=state)
+    product = math.exp(-2.0 * rotor.zeta * period)
+    both = float(np.trace(bundle[1:])) - 1.0 - product
+    apart = cmath.sqrt(both * both - 4.0 * product)
+    return 0.5 * max(both + apart, both - apart, key=abs)
