@@ -205,7 +205,7 @@ def advance(course: Course, side: Side) -> None:
     """Take one step along a branch."""
     line, last = course.line, side.points[-1]
     try:
-        step = line.step(last, side.length)
+        step = line.step(last, side.length, side.points[-2] if len(side.points) > 1 else None)
     except SimulationError:
         side.end = _end_at(last)
         return
