@@ -33,7 +33,7 @@ ZETA = 0.07
 CLEARANCES = [2.0, 1.0, 0.5, 0.0]
 LOWEST, HIGHEST = 0.05, 3.0
 COLUMNS = ["delta0", "points", "on_branch", "fewest_digits", "median_digits", "bouncing",
-           "full_contact", "unresolved", "failed"]  # fmt: skip
+           "full_contact", "touching", "chaotic", "unresolved", "failed"]  # fmt: skip
 DIRECTIONS = {0: "rest", 1: "up", -1: "down"}
 
 
