@@ -248,6 +248,7 @@ class Curve(Generic[S]):
                 cosine = float(point.tangent @ last.tangent)
                 moved = np.linalg.norm((point.unknowns - guess) / self.scale)
                 if cosine >= LEAST_COSINE and moved <= MOST_CORRECTION * length:
+                    met = self._met(last, point, length)
                     break
                 reason = "the curve bends too much"
             except SimulationError as error:
@@ -257,7 +258,7 @@ class Curve(Generic[S]):
                 raise SimulationError(f"no step can be taken: {reason}")
         easy = newton_steps <= EASY and cosine >= GOOD_COSINE
         longer = min(length * GROWTH, LONGEST_STEP) if easy else length
-        return Step(point, self._met(last, point, length), length, longer)
+        return Step(point, met, length, longer)
 
     def crossing(self, last: Point[S], length: float, place: int, value: float) -> Point[S]:
         """Return the point at which an unknown has a value that a step from `last` passes."""
