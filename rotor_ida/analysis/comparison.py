@@ -52,7 +52,7 @@ def compare(dataset: xr.Dataset) -> xr.Dataset:
         is on none), ``amplitude_error`` [1] and ``phase_error`` [rad]; with ``branch`` added
         ``branch_amplitude_error`` and ``branch_phase_error``; on ``(omega, zeta, delta0, branch)``
         ``exact_amplitude``, ``exact_phase_lag``, ``stability`` and ``in_contact``. Of limit cycles
-        ``period``, ``radius_min`` and ``radius_max`` as simulated, and ``exact_period``,
+        ``period``, ``radius_min``, ``radius_max`` and the end as simulated, and ``exact_period``,
         ``exact_radius_min``, ``exact_radius_max`` [1] and ``cycle_stability`` beside them.
 
     Raises
@@ -116,7 +116,7 @@ def compare(dataset: xr.Dataset) -> xr.Dataset:
     ):
         variables[name] = labelled(name, with_branch, error.transpose(*with_branch).values)
     variables |= _exact_variables(exact)
-    given = [name for name in (*NEEDED, *OF_CYCLES) if name in dataset]
+    given = [name for name in (*NEEDED, *OF_CYCLES, *ENDS) if name in dataset]
     variables |= {name: dataset[name].variable for name in given}
     coordinates = {
         str(name): each.variable
