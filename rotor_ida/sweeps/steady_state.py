@@ -42,7 +42,7 @@ FAILED = "failed"
 DECAY_TIMES = 24.0
 LONGEST_FIRST_WAIT = 2000.0
 # No window begins later, unless it is the first.
-LONGEST = 20_000.0
+LONGEST = 40_000.0
 # Errors of single contacts add up round a cycle, and the smallest radius may be a small part of
 # the motion. So runs are made with tolerances this much tighter, if that leaves the solver room.
 TIGHTER, ROOMY = 0.1, 1e-11
@@ -63,7 +63,7 @@ STEADY_TOLERANCES = 10.0
 RECURS = 10.0
 # Chaos may be a transient: exponents are asked for only where a motion has not settled after this
 # time and so many 1/zeta, and then over this time, or over so many times what it was followed.
-LATE, PATIENCE = 3000.0, 10.0
+LATE, PATIENCE = 3000.0, 20.0
 EXPONENT_TIME, EXPONENT_TIMES = 10_000.0, 2.0
 # An exponent is clear of zero when it exceeds so many errors, and when by it neighbours part by
 # a factor of exp(20) in the time over which it was taken.
