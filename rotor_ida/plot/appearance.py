@@ -23,6 +23,7 @@ from rotor_ida.plot.labels import KIND_WORDS, parameter_text
 
 # From matplotlib's petroff10, chosen so that the greys differ too.
 BLUE, ORANGE, RED, PURPLE, GREY = "#3f90da", "#e76300", "#bd1f01", "#832db6", "#94a4a2"
+BROWN = "#a96b59"
 INK = "#1a1a1a"
 DASHES = (0, (4, 2))
 # Where a legend under the axes begins, clear of ticks and label [point].
@@ -50,6 +51,9 @@ STABLE, UNSTABLE, NEUTRAL = "stable whirl", "unstable whirl", "neutral whirl"
 CONTACT_FREE, FOLD = "contact-free whirl", "fold"
 FROM_REST, FROM_START = "each speed from rest", "each speed from its start"
 GOING_UP, GOING_DOWN = "speed going up", "speed going down"
+STABLE_CYCLE, UNSTABLE_CYCLE = "stable cycle", "unstable cycle"
+BOUNCING_CYCLE, FULL_CONTACT_CYCLE = "bouncing cycle", "full-contact cycle"
+FOLD_OF_CYCLES, DOUBLING, GRAZE = "fold of cycles", "period doubling", "graze"
 _ORDER = [
     STABLE,
     UNSTABLE,
@@ -61,6 +65,13 @@ _ORDER = [
     FROM_START,
     GOING_UP,
     GOING_DOWN,
+    BOUNCING_CYCLE,
+    FULL_CONTACT_CYCLE,
+    STABLE_CYCLE,
+    UNSTABLE_CYCLE,
+    FOLD_OF_CYCLES,
+    DOUBLING,
+    GRAZE,
 ]
 
 _SETTINGS: Any = {
