@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +12,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rotor_ida.checks import shown
+from rotor_ida.analysis.branches import Course, course_of, parameters_of, runs_of
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import PARAMETERS
 from rotor_ida.plot.appearance import (
@@ -299,8 +298,8 @@ def plot_branch(branch: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     'radius $|z|$'
     """
     branch = check_dataset("branch", branch, BRANCH)
-    parameter = _parameters_of("branch", branch, "parameter", 1)[0]
-    course = _course_of(branch, parameter)
+    parameter = parameters_of("branch", branch, "parameter", 1)[0]
+    course = course_of(branch)
     with style():
         fresh = ax is None or not ax.has_data()
         ax = axes_or_new(ax)
@@ -356,9 +355,9 @@ def plot_curves(
         raise InputError("curves must hold at least one bifurcation curve, got none")
     for curve in datasets:
         check_dataset("curves", curve, (*PARAMETERS, *SPECIALS, "special_second_value"))
-    across, up = _parameters_of("curves", datasets[0], "parameters", 2)
+    across, up = parameters_of("curves", datasets[0], "parameters", 2)
     for curve in datasets[1:]:
-        names = _parameters_of("curves", curve, "parameters", 2)
+        names = parameters_of("curves", curve, "parameters", 2)
         if set(names) != {across, up}:
             raise InputError(
                 f"curves must all be over {across} and {up}, got {' and '.join(names)}"
@@ -379,7 +378,7 @@ def plot_curves(
             colour = _colour_of(ax, told)
             ax.plot(curve[across].values, curve[up].values, color=colour, ls=dashes, lw=1.2,
                     label=told, zorder=2.5)  # fmt: skip
-            names = _parameters_of("curves", curve, "parameters", 2)
+            names = parameters_of("curves", curve, "parameters", 2)
             first, second = curve["special_value"].values, curve["special_second_value"]
             if names[0] == across:
                 _draw_specials(ax, curve, first, second, ("cusp",))
@@ -437,17 +436,6 @@ def _parted(
     return np.array(rest), np.array(along)
 
 
-def _parameters_of(name: str, dataset: xr.Dataset, attribute: str, number: int) -> list[str]:
-    """Return the parameters that vary along a branch or a curve, as its attribute tells."""
-    words = str(dataset.attrs.get(attribute, "")).split()
-    if len(words) != number or not set(words) <= set(PARAMETERS):
-        raise InputError(
-            f"{name} must name what was varied in its attribute {attribute!r}, got "
-            f"{shown(dataset.attrs.get(attribute, ''))}"
-        )
-    return words
-
-
 def _kind_of_curve(curve: xr.Dataset) -> str:
     kind = str(curve.attrs.get("kind", ""))
     if kind not in CURVES:
@@ -455,54 +443,12 @@ def _kind_of_curve(curve: xr.Dataset) -> str:
     return kind
 
 
-@dataclass(frozen=True, slots=True)
-class _Course:
-    """A branch with its special points in their places, and what lies between each two points."""
-
-    value: Values
-    low: Values
-    high: Values
-    stability: list[str]
-    response: list[str]
-
-
-def _course_of(branch: xr.Dataset, parameter: str) -> _Course:
-    points, specials = branch.sizes["point"], branch["special_point"].values
-    keys = np.concatenate([np.arange(points, dtype=np.float64), specials + 0.5])
-    order = np.argsort(keys, kind="stable")
-    value, low, high = (
-        np.concatenate([branch[name].values, branch[special].values])[order]
-        for name, special in (
-            (parameter, "special_value"),
-            ("radius_min", EXTENT[0]),
-            ("radius_max", EXTENT[1]),
-        )
-    )
-    # behind a special point the cycles are of the kind of the point that follows
-    at = np.minimum(np.ceil(keys[order]).astype(int), points - 1)[:-1]
-    return _Course(
-        value, low, high, *(_words(branch[name], at) for name in ("stability", "response"))
-    )
-
-
-def _words(variable: xr.DataArray, places: Whole) -> list[str]:
-    words = {number: word for word, number in flags_of(variable).items()}
-    return [words[number] for number in variable.values[places].tolist()]
-
-
-def _runs(course: _Course, told: Sequence[object]) -> list[tuple[int, int]]:
-    """Return first and last points of the pieces of one word, in which the value does not turn."""
-    rising = (np.diff(course.value) > 0.0).tolist()
-    marks = list(zip(told, rising, strict=True))
-    turns = [place for place in range(1, len(marks)) if marks[place] != marks[place - 1]]
-    return list(zip([0, *turns], [*turns, len(marks)], strict=True))
-
-
-def _draw_bands(ax: Axes, course: _Course) -> None:
+def _draw_bands(ax: Axes, course: Course) -> None:
     """Fill between smallest and largest radius, piece by piece: a branch folds over itself."""
-    kinds = list(zip(course.response, course.stability, strict=True))
-    for first, last in _runs(course, kinds):
-        response, stability = kinds[first]
+    rising = (np.diff(course.value) > 0.0).tolist()
+    kinds = list(zip(course.response, course.stability, rising, strict=True))
+    for first, last in runs_of(kinds):
+        response, stability, _ = kinds[first]
         piece = slice(first, last + 1)
         ax.fill_between(
             course.value[piece], course.low[piece], course.high[piece], color=BANDS[response][1],
@@ -514,11 +460,10 @@ def _draw_bands(ax: Axes, course: _Course) -> None:
                         label=f"{words}: range of $|z|$")  # fmt: skip
 
 
-def _draw_edges(ax: Axes, course: _Course) -> None:
+def _draw_edges(ax: Axes, course: Course) -> None:
     for kind, (words, dashes, width) in EDGES.items():
         lines: list[Values] = []
-        turns = [0, *_changes(course.stability), len(course.stability)]
-        for first, last in pairwise(turns):
+        for first, last in runs_of(course.stability):
             if course.stability[first] == kind:
                 piece = slice(first, last + 1)
                 for edge in (course.low, course.high):
@@ -526,10 +471,6 @@ def _draw_edges(ax: Axes, course: _Course) -> None:
         if lines:
             ax.plot(*np.concatenate(lines, axis=1), color=BROWN, ls=dashes, lw=width, label=words,
                     zorder=2.4)  # fmt: skip
-
-
-def _changes(words: Sequence[str]) -> list[int]:
-    return [place for place in range(1, len(words)) if words[place] != words[place - 1]]
 
 
 def _draw_specials(
