@@ -9,6 +9,14 @@ values of a parameter that the picture has one of, axes of another kind or in ot
 from rotor_ida.plot.appearance import mixed_panels, panels, shared_legend, style
 from rotor_ida.plot.basins import plot_basin, plot_basin_fractions
 from rotor_ida.plot.beyond import plot_exponents, plot_extrema, plot_section, plot_spectrum
+from rotor_ida.plot.cycles import (
+    cycle_figure,
+    plot_branch,
+    plot_curves,
+    plot_cycle,
+    plot_lines,
+    plot_multipliers,
+)
 from rotor_ida.plot.formulas import (
     plot_cuts,
     plot_deviation,
@@ -39,6 +47,7 @@ from rotor_ida.plot.runs import (
 from rotor_ida.plot.saving import save_figure
 
 __all__ = [
+    "cycle_figure",
     "mixed_panels",
     "panels",
     "parameter_text",
@@ -46,10 +55,13 @@ __all__ = [
     "plot_backbone",
     "plot_basin",
     "plot_basin_fractions",
+    "plot_branch",
     "plot_by_clearance",
     "plot_by_damping",
+    "plot_curves",
     "plot_cusp",
     "plot_cuts",
+    "plot_cycle",
     "plot_deviation",
     "plot_drawn_out",
     "plot_exponents",
@@ -58,7 +70,9 @@ __all__ = [
     "plot_forces",
     "plot_history",
     "plot_jumps",
+    "plot_lines",
     "plot_machine",
+    "plot_multipliers",
     "plot_orbit",
     "plot_over_clearance",
     "plot_periods",

@@ -53,6 +53,9 @@ STABLE, UNSTABLE, NEUTRAL = "stable whirl", "unstable whirl", "neutral whirl"
 CONTACT_FREE, FOLD = "contact-free whirl", "fold"
 FROM_REST, FROM_START = "each speed from rest", "each speed from its start"
 GOING_UP, GOING_DOWN = "speed going up", "speed going down"
+STABLE_CYCLE, UNSTABLE_CYCLE = "stable cycle", "unstable cycle"
+BOUNCING_CYCLE, FULL_CONTACT_CYCLE = "bouncing cycle", "full-contact cycle"
+FOLD_OF_CYCLES, DOUBLING, GRAZE = "fold of cycles", "period doubling", "graze"
 _ORDER = [
     STABLE,
     UNSTABLE,
@@ -64,6 +67,13 @@ _ORDER = [
     FROM_START,
     GOING_UP,
     GOING_DOWN,
+    BOUNCING_CYCLE,
+    FULL_CONTACT_CYCLE,
+    STABLE_CYCLE,
+    UNSTABLE_CYCLE,
+    FOLD_OF_CYCLES,
+    DOUBLING,
+    GRAZE,
 ]
 
 _SETTINGS: Any = {

@@ -47,6 +47,8 @@ LABELS = {
     "period": r"period $T$",
     "natural": r"natural frequency $2\pi/T$",
     "contact_force": r"contact force $f$",
+    "multiplier_real": r"multiplier $\operatorname{Re}\,\mu$",
+    "multiplier_imag": r"$\operatorname{Im}\,\mu$",
 }
 SYMBOLS = {"omega": r"\omega", "zeta": r"\zeta", "delta0": r"\delta_0"}
 

@@ -182,7 +182,7 @@ def plot_history(run: xr.Dataset, name: str, *, ax: Axes | None = None) -> Axes:
         label_axis(ax.xaxis, "t", run["t"])
         label_axis(ax.yaxis, name, run["x"])
         path = path_of(run)
-        _draw_motion(ax, path, path.time, getattr(path, name), width=0.9)
+        draw_motion(ax, path, path.time, getattr(path, name), width=0.9)
         ax.set_xlim(float(path.time[0]), float(path.time[-1]))
     return ax
 
@@ -208,7 +208,7 @@ def plot_drawn_out(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     with style():
         solid = solid_axes(ax)
         path = path_of(run)
-        _draw_motion(solid, path, path.time, path.x, path.y, width=0.7)
+        draw_motion(solid, path, path.time, path.x, path.y, width=0.7)
         label_axis(solid.xaxis, "t", run["t"])
         label_axis(solid.yaxis, "x_alone", run["x"])
         label_axis(solid.zaxis, "y_alone", run["y"])
@@ -250,7 +250,7 @@ def plot_machine(run: xr.Dataset) -> Figure:
         grid = figure.add_gridspec(2, 2, width_ratios=(1.0, 1.25))
         orbit, history = figure.add_subplot(grid[:, 0]), figure.add_subplot(grid[0, 1])
         force = figure.add_subplot(grid[1, 1], sharex=history)
-        _draw_motion(orbit, path, path.x, path.y, width=0.8)
+        draw_motion(orbit, path, path.x, path.y, width=0.8)
         draw_ring(orbit, ring)
         orbit.set_aspect("equal", adjustable="datalim")
         orbit.set(xlabel=label_of("x", run["x"]), ylabel=label_of("y", run["y"]))
@@ -456,7 +456,7 @@ def _draw_forces(ax: Axes, run: xr.Dataset) -> None:
         ax.text(0.5, 0.5, "no contact", transform=ax.transAxes, ha="center", va="center")
 
 
-def _draw_motion(ax: Any, path: Path, *columns: Values, width: float, heavier: float = 1.0) -> None:
+def draw_motion(ax: Any, path: Path, *columns: Values, width: float, heavier: float = 1.0) -> None:
     """Draw flight and contact in their colours, contact this much heavier."""
     for chosen, colour, lw, label in (
         (~path.in_contact, BLUE, width, "flight"),
@@ -489,7 +489,7 @@ def _plot_orbit(run: xr.Dataset, path: Path, names: tuple[str, str], ax: Axes | 
 
 def _draw_orbit(ax: Axes, run: xr.Dataset, path: Path) -> None:
     draw_ring(ax, clearance_of(run))
-    _draw_motion(ax, path, path.x, path.y, width=_line_width(run), heavier=1.2)
+    draw_motion(ax, path, path.x, path.y, width=_line_width(run), heavier=1.2)
     _mark_events(ax, run, run["event_x"].values, run["event_y"].values)
     ax.plot(path.x[0], path.y[0], ls="", marker="s", ms=4.5, color=INK, label="start", zorder=3.1)
     ax.set_aspect("equal", adjustable="datalim")

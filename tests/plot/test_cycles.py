@@ -1,0 +1,309 @@
+"""Pictures of limit cycles, their branches and their bifurcation curves."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from rotor_ida import (
+    DimensionalRotor,
+    InputError,
+    Rotor,
+    bifurcation_curve,
+    continue_cycle,
+    dimensional,
+    folds,
+    limit_cycle,
+)
+from rotor_ida.closed_forms import response_curve
+from rotor_ida.plot import (
+    cycle_figure,
+    plot_amplitude,
+    plot_branch,
+    plot_curves,
+    plot_cycle,
+    plot_lines,
+    plot_multipliers,
+)
+from rotor_ida.plot.labels import LABELS
+from rotor_ida.schema import labelled
+
+BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+MACHINE = DimensionalRotor(
+    mass=4.0,
+    contact_stiffness=1e9,
+    damping=280.0,
+    eccentricity=1e-6,
+    clearance=2e-6,
+    speed=600.0,
+)
+
+
+@pytest.fixture(scope="module")
+def cycle():
+    return limit_cycle(BOUNCING, start=(2.6, 0.75, 0.66, -1.65), period=4.5)
+
+
+@pytest.fixture(scope="module")
+def branch(cycle):
+    """Stable and unstable cycles, with a fold, period doublings and grazes: it folds back."""
+    return continue_cycle(BOUNCING, start=cycle, limits=(0.3, 3.0))
+
+
+@pytest.fixture(scope="module")
+def curve(branch):
+    start = branch.isel(special=int(np.argmax(branch.special_kind.values == 2)))
+    limits = {"omega": (0.3, 2.0), "delta0": (1.5, 2.5)}
+    return bifurcation_curve(BOUNCING, start=start, kind="period_doubling", limits=limits)
+
+
+def lines_of(ax):
+    return {line.get_label(): line for line in ax.lines}
+
+
+def words_of(ax):
+    return [text.get_text() for text in ax.get_legend().get_texts()]
+
+
+def bands_of(ax):
+    """Return what is filled, as the parameter and the edges of each piece."""
+    pieces = [each.get_paths()[0].vertices for each in ax.collections if each.get_paths()]
+    return [piece for piece in pieces if len(piece)]
+
+
+def test_orbit_goes_once_round_outside_and_inside_the_ring(cycle):
+    ax = plot_cycle(cycle)
+    lines = lines_of(ax)
+    flight, contact = (np.hypot(*lines[name].get_data()) for name in ("flight", "contact"))
+    assert np.nanmax(flight) <= 2.0 + 1e-12
+    assert np.nanmin(contact) >= 2.0 - 1e-5  # its ends lie on the chord of two samples
+    np.testing.assert_allclose(np.nanmax(contact), cycle.radius_max, rtol=1e-4)
+    for name in ("entry", "exit"):
+        assert lines[name].get_xdata().size == cycle.contact_count
+        np.testing.assert_allclose(np.hypot(*lines[name].get_data()), 2.0, rtol=1e-5)
+    np.testing.assert_allclose(np.hypot(*lines["clearance"].get_data()), 2.0)
+    assert ax.get_aspect() == 1.0
+    assert (ax.get_xlabel(), ax.get_ylabel()) == (LABELS["rotating_x"], LABELS["rotating_y"])
+
+
+def test_full_contact_has_no_events_and_no_ring_without_clearance():
+    rotor = Rotor(omega=3.0, zeta=0.07, delta0=0.5)
+    found = limit_cycle(rotor, start=(1.2279, -0.1301, 0.7419, -2.9153), period=3.1152)
+    assert set(lines_of(plot_cycle(found))) == {"clearance", "contact"}
+    # no cycle without clearance is needed to see that no ring is drawn
+    assert set(lines_of(plot_cycle(found.assign_coords(delta0=0.0)))) == {"contact"}
+
+
+def test_multipliers_lie_on_their_circles(cycle):
+    lines = lines_of(plot_multipliers(cycle))
+    q = math.exp(-2.0 * 0.07 * cycle.period)
+    along, others = (
+        np.array(lines[name].get_data()) for name in ("1 and $q$", r"$\mu$ and $q/\mu$")
+    )
+    np.testing.assert_allclose(np.sort(along[0]), [q, 1.0], rtol=1e-12)
+    np.testing.assert_allclose(np.hypot(*others), math.sqrt(q), rtol=1e-12)
+    circles = [line for line in lines.values() if len(line.get_xdata()) > 100]
+    radii = [np.hypot(*circle.get_data())[0] for circle in circles]
+    np.testing.assert_allclose(radii, [1.0, math.sqrt(q)])
+
+
+def test_lines_are_those_of_the_spectrum(cycle):
+    lines = lines_of(plot_lines(cycle))
+    ratio, height = lines["spin speed"].get_data()
+    np.testing.assert_allclose(ratio, [1.0])
+    assert height[0] == cycle.whirl_amplitude.values[cycle.line_kind.values == 0]
+    assert (lines["backward whirl"].get_xdata() < 0.0).all()
+    assert (lines["forward whirl"].get_xdata() > 0.0).all()
+    strongest = np.argmax(lines["forward whirl"].get_ydata())
+    np.testing.assert_allclose(lines["forward whirl"].get_xdata()[strongest], cycle.whirl_ratio)
+
+
+def test_figure_of_a_cycle_has_all_three(cycle):
+    figure = cycle_figure(cycle)
+    assert [ax.get_xlabel() for ax in figure.axes] == [
+        LABELS["rotating_x"], LABELS["multiplier_real"], LABELS["frequency_over_omega"]
+    ]  # fmt: skip
+    figure.draw_without_rendering()
+    for ax in figure.axes:
+        box = ax.get_legend().get_window_extent()
+        assert box.x0 >= 0.0
+        assert box.x1 <= figure.bbox.width
+
+
+def test_figures_carry_the_units_of_the_dataset(cycle, branch):
+    seen = dimensional(cycle, MACHINE, units={"length": "um"})
+    ax = plot_cycle(seen)
+    assert ax.get_ylabel().endswith("[µm]")
+    np.testing.assert_allclose(np.hypot(*lines_of(ax)["clearance"].get_data()), 2.0)
+    plain, there = (lines_of(plot_multipliers(each)) for each in (cycle, seen))
+    assert set(plain) == set(there)
+    ratio = lines_of(plot_lines(seen))["spin speed"].get_xdata()
+    np.testing.assert_allclose(ratio, [1.0])
+    drawn = plot_branch(dimensional(branch, MACHINE, units={"length": "um"}))
+    assert drawn.get_ylabel() == "radius $|Z|$ [µm]"
+    with pytest.raises(InputError, match="what is drawn on one axis must have its units"):
+        plot_branch(branch, ax=drawn)
+
+
+def test_bands_do_not_turn_back(branch):
+    """Each piece of a band has one height over every value of the parameter."""
+    pieces = bands_of(plot_branch(branch))
+    assert len(pieces) > 3
+    for piece in pieces:
+        x = piece[:, 0]
+        turns = np.flatnonzero(np.diff(np.sign(np.diff(x)[np.diff(x) != 0.0])))
+        assert turns.size <= 2  # there and back, as an outline goes
+
+
+def test_bands_cover_the_whole_branch(branch):
+    drawn = np.concatenate(bands_of(plot_branch(branch)))
+    for name in ("radius_min", "radius_max"):
+        for omega, radius in zip(branch.omega.values, branch[name].values, strict=True):
+            assert (drawn == [omega, radius]).all(axis=1).any()
+
+
+def test_stable_edges_are_solid_and_unstable_ones_dashed(branch):
+    lines = lines_of(plot_branch(branch))
+    for word, flag in (("stable cycle", 0), ("unstable cycle", 1)):
+        points = lines[word].get_xydata()
+        here = branch.isel(point=branch.stability.values == flag)
+        for omega, radius in zip(here.omega.values, here.radius_max.values, strict=True):
+            assert (points == [omega, radius]).all(axis=1).any()
+    assert lines["stable cycle"].get_linestyle() == "-"
+    assert lines["unstable cycle"].get_linestyle() == "--"
+
+
+def test_stability_changes_where_a_special_point_is_not_at_the_next_point(branch):
+    lines = lines_of(plot_branch(branch))
+    values = branch.special_value.values[np.isin(branch.special_kind.values, (1, 2))]
+    for value, word in itertools.product(values[-1:], ("stable cycle", "unstable cycle")):
+        assert value in lines[word].get_xdata()
+
+
+def test_special_points_are_marked_and_named(branch):
+    ax = plot_branch(branch)
+    lines = lines_of(ax)
+    for word, flag in (("fold of cycles", 1), ("period doubling", 2), ("graze", 3)):
+        here = branch.special_kind.values == flag
+        assert here.any()
+        np.testing.assert_array_equal(lines[word].get_xdata(), branch.special_value.values[here])
+        np.testing.assert_array_equal(
+            lines[word].get_ydata(), branch.special_radius_max.values[here]
+        )
+    assert words_of(ax) == [
+        "bouncing cycle: range of $|z|$",
+        "full-contact cycle: range of $|z|$",
+        "stable cycle",
+        "unstable cycle",
+        "fold of cycles",
+        "period doubling",
+        "graze",
+    ]
+    assert (ax.get_xlabel(), ax.get_ylabel()) == (LABELS["omega"], LABELS["radius"])
+    assert ax.get_title() == r"$\zeta = 0.07$,  $\delta_0 = 2$"
+    assert ax.get_ylim()[1] > branch.radius_max.max()
+
+
+def test_branches_lie_over_the_exact_curve_and_under_the_marks(branch, simulated):
+    exact = response_curve(zeta=0.07, delta0=2.0, limits=(0.05, 3.0))
+    sweep = simulated.assign_coords(delta0=[2.0])
+    ax = plot_amplitude(exact, simulated=sweep, fold_points=folds(zeta=0.07, delta0=2.0))
+    before, top, right = ax.get_title(), ax.get_ylim()[1], ax.get_xlim()[1]
+    marks = [line.get_zorder() for line in ax.lines if line.get_zorder() >= 3.0]
+    plot_branch(branch, ax=ax)
+    plot_branch(branch.isel(point=slice(0, 5)), ax=ax)
+    assert (ax.get_title(), ax.get_ylim()[1], ax.get_xlim()[1]) == (before, top, right)
+    assert ax.get_ylabel() == LABELS["amplitude"]
+    words = words_of(ax)
+    assert len(words) == len(set(words))
+    assert words[:4] == ["stable whirl", "unstable whirl", "contact-free whirl", "fold"]
+    assert {"bouncing: range of $|z|$", "bouncing cycle: range of $|z|$"} <= set(words)
+    lines = lines_of(ax)
+    assert lines["period doubling"].get_zorder() < min(marks)
+    colours = {lines[name].get_color() for name in ("stable whirl", "stable cycle")}
+    assert len(colours) == 2
+
+
+def test_a_doubled_branch_ends_on_the_one_it_left(branch):
+    start = branch.isel(special=int(np.flatnonzero(branch.special_kind.values == 2)[-1]))
+    doubled = continue_cycle(BOUNCING, start=start, limits=(1.6, 2.0))
+    ax = plot_branch(doubled, ax=plot_branch(branch))
+    edges = [line for line in ax.lines if line.get_label() == "stable cycle"]
+    assert len(edges) == 2
+    highest = float(start.special_radius_max)
+    gap = np.nanmin(np.hypot(*(edges[1].get_xydata() - [float(start.special_value), highest]).T))
+    assert gap < 0.1
+
+
+def test_curves_are_drawn_beside_the_folds_of_the_whirl(curve):
+    closed = folds(zeta=0.07, delta0=np.linspace(0.0, 3.0, 31))
+    ax = plot_curves(curve, fold_points=closed)
+    lines = lines_of(ax)
+    np.testing.assert_array_equal(lines["period doubling"].get_xdata(), curve.omega)
+    np.testing.assert_array_equal(lines["period doubling"].get_ydata(), curve.delta0)
+    shown = lines["fold of the whirl"].get_xdata()
+    np.testing.assert_array_equal(
+        np.sort(shown[np.isfinite(shown)]),
+        np.sort(closed.fold_omega.values[closed.fold_omega.notnull()]),
+    )
+    assert (ax.get_xlabel(), ax.get_ylabel()) == (LABELS["omega"], LABELS["delta0"])
+    assert ax.get_title() == r"$\zeta = 0.07$"
+
+
+def test_curves_of_several_dampings_are_told_apart(curve):
+    other = curve.assign_coords(zeta=0.08)
+    ax = plot_curves([curve, other])
+    assert words_of(ax) == [r"period doubling, $\zeta = 0.07$", r"period doubling, $\zeta = 0.08$"]
+    assert len({line.get_color() for line in ax.lines}) == 2
+    again = plot_curves([curve, curve])
+    assert words_of(again) == ["period doubling"]
+
+
+def test_curves_turned_over_come_to_the_same_place(curve):
+    turned = curve.assign_attrs(parameters="delta0 omega")
+    ax = plot_curves([curve, turned])
+    for line in ax.lines:
+        np.testing.assert_array_equal(line.get_xdata(), curve.omega)
+
+
+def test_cusps_are_marked(curve):
+    columns = {
+        "special_kind": np.array([4], np.int8), "special_value": [1.2],
+        "special_second_value": [0.4], "special_point": [3],
+    }  # fmt: skip
+    cusps = curve.drop_dims("special").assign(
+        {name: labelled(name, "special", values) for name, values in columns.items()}
+    )
+    marks = lines_of(plot_curves(cusps))["cusp"]
+    np.testing.assert_array_equal(marks.get_xydata(), [[1.2, 0.4]])
+
+
+def test_what_cannot_be_drawn_is_refused(cycle, branch, curve):
+    none = cycle.assign(period=cycle.period * math.nan)
+    for draw in (plot_cycle, plot_multipliers, plot_lines, cycle_figure):
+        with pytest.raises(InputError, match="cycle must hold a limit cycle"):
+            draw(none)
+        with pytest.raises(InputError, match="it lacks"):
+            draw(cycle.drop_vars(list(cycle.data_vars)))
+    with pytest.raises(InputError, match="branch must name what was varied in its attribute"):
+        plot_branch(branch.drop_attrs(deep=False))
+    with pytest.raises(InputError, match="it lacks"):
+        plot_branch(cycle)
+    with pytest.raises(InputError, match="curves must hold at least one"):
+        plot_curves([])
+    with pytest.raises(InputError, match="it lacks special_second_value"):
+        plot_curves(branch)
+    over_zeta = curve.assign_attrs(parameters="zeta omega")
+    with pytest.raises(InputError, match=r"curves must all be over omega and delta0, got zeta and"):
+        plot_curves([curve, over_zeta])
+    with pytest.raises(InputError, match=r"fold_points must have the zeta of the curves, 0\.07"):
+        plot_curves(curve, fold_points=folds(zeta=0.1, delta0=[0.0, 1.0]))
+
+
+def test_draw_on_the_axes_given(cycle, branch, curve):
+    drawings = [(plot_cycle, cycle), (plot_multipliers, cycle), (plot_lines, cycle)]
+    for draw, dataset in [*drawings, (plot_branch, branch), (plot_curves, curve)]:
+        ax = Figure().subplots()
+        assert draw(dataset, ax=ax) is ax
