@@ -16,7 +16,6 @@ from rotor_ida.errors import InputError
 from rotor_ida.parameters import PARAMETERS
 from rotor_ida.plot.appearance import (
     BLUE,
-    BROWN,
     CONTACT_FREE,
     FOLD,
     FROM_REST,
@@ -73,7 +72,7 @@ KINDS = {
     "contact_free": _Look(BLUE, False, False),
     "bouncing": _Look(ORANGE, False, True),
     "full_contact": _Look(PURPLE, True, True),
-    "touching": _Look(BROWN, False, False),
+    "touching": _Look(INK, False, False),
     "chaotic": _Look(RED, True, True, dotted=True),
     "unresolved": _Look(GREY, False, True, dotted=True),
 }
