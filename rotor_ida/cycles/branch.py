@@ -54,7 +54,7 @@ SHORT = 1e-3
 NEAR, SAME = 0.25, 1e-6
 FEWEST_STEPS = 8
 # Where the period doubles, doubled cycles are sought at such parts of the size of the state.
-ASIDE = (1e-2, 3e-3, 3e-2, 1e-3)
+ASIDE = (1e-3, 3e-3, 1e-2, 3e-2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -224,9 +224,12 @@ def advance(course: Course, side: Side) -> None:
         side.end = LIMITS
         if last.unknowns[passed[0]] == passed[1]:
             return
-        point = line.crossing(last, step.taken, *passed)
+        try:
+            point = line.crossing(last, point, *passed)
+        except SimulationError:  # the last point is the one before
+            return
         met = [each for each in met if _passed(course, each.point) is None]
-    elif len(side.points) > FEWEST_STEPS and _comes_back(course, last, point, step.taken):
+    elif len(side.points) > FEWEST_STEPS and _comes_back(course, last, point):
         point, side.end = course.first, CLOSED
     if halved is not None:
         met, point, side.end = [*met, Special(DOUBLING, halved)], halved, HALVED
@@ -288,7 +291,7 @@ def _end_at(last: Point[Shot]) -> str:
     return CONTACT_FREE if 0.0 < depth < SLIGHT * delta0 else STUCK
 
 
-def _comes_back(course: Course, last: Point[Shot], point: Point[Shot], length: float) -> bool:
+def _comes_back(course: Course, last: Point[Shot], point: Point[Shot]) -> bool:
     """Return whether a step passes the first point of its branch, led as there.
 
     A branch comes back at any phase: the cycles are compared by what does not hang on it.
@@ -300,7 +303,7 @@ def _comes_back(course: Course, last: Point[Shot], point: Point[Shot], length: f
     if not (0.0 <= part <= 1.0 and miss <= NEAR * np.linalg.norm(along)):
         return False
     try:
-        again = course.line.crossing(last, length, PLACE, float(course.first.unknowns[PLACE]))
+        again = course.line.crossing(last, point, PLACE, float(course.first.unknowns[PLACE]))
     except SimulationError:
         return False
     same = np.linalg.norm(_signature(again) - goal) <= SAME * np.linalg.norm(goal)

@@ -260,14 +260,19 @@ class Curve(Generic[S]):
         longer = min(length * GROWTH, LONGEST_STEP) if easy else length
         return Step(point, met, length, longer)
 
-    def crossing(self, last: Point[S], length: float, place: int, value: float) -> Point[S]:
-        """Return the point at which an unknown has a value that a step from `last` passes."""
-        whole = last.tangent[place] * self.scale[place]
-        part = (value - last.unknowns[place]) / whole if whole else 0.0
-        guess = last.unknowns + min(max(part, 0.0), length) * last.tangent * self.scale
+    def crossing(self, last: Point[S], point: Point[S], place: int, value: float) -> Point[S]:
+        """Return the point at which an unknown has a value that it passes on a step."""
+        length = float((point.unknowns - last.unknowns) / self.scale @ last.tangent)
+
+        def beyond(part: float) -> float:
+            return float(self._guess(last, point, part)[place]) - value
+
+        if beyond(0.0) * beyond(length) > 0.0:
+            raise SimulationError("the step does not pass the value")
+        guess = self._guess(last, point, float(brentq(beyond, 0.0, length)))
         guess[place] = value
-        point = self.near(guess, _unit(guess.size, place))
-        return point if float(point.tangent @ last.tangent) > 0.0 else point.reversed()
+        found = self.near(guess, _unit(guess.size, place))
+        return found if float(found.tangent @ last.tangent) > 0.0 else found.reversed()
 
     def root(self, near: Point[S], test: Callable[[S], float]) -> Point[S]:
         """Return the point close by at which a test function is 0, by the secant method.
