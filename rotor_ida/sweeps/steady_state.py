@@ -64,7 +64,7 @@ RECURS = 10.0
 # Chaos may be a transient: exponents are asked for only where a motion has not settled after this
 # time and so many 1/zeta, and then over this time, or over so many times what it was followed.
 LATE, PATIENCE = 3000.0, 20.0
-EXPONENT_TIME, EXPONENT_TIMES = 10_000.0, 2.0
+EXPONENT_TIME, EXPONENT_TIMES = 20_000.0, 2.0
 # An exponent is clear of zero when it exceeds so many errors, and when by it neighbours part by
 # a factor of exp(20) in the time over which it was taken.
 CLEAR_ERRORS = 5.0
