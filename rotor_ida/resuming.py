@@ -6,9 +6,12 @@ import os
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from rotor_ida.basins import basin, basin_fractions
+from rotor_ida.cycles.continue_cycle import branch_from
+from rotor_ida.cycles.guess import Guess
 from rotor_ida.errors import ArchiveError
 from rotor_ida.parallel import Progress
 from rotor_ida.parameters import PARAMETERS, Rotor
@@ -28,9 +31,11 @@ def resume(
     Parameters
     ----------
     folder : path-like
-        The folder that was given as `study` to `sweep`, `basin` or `basin_fractions`.
+        The folder that was given as `study` to `sweep`, `basin`, `basin_fractions` or
+        `continue_cycle`.
     workers, executor, progress
-        As for the function that began it; they leave no trace in the result.
+        As for the function that began it; they leave no trace in the result. A branch is followed
+        point by point, and needs no workers.
 
     Returns
     -------
@@ -59,18 +64,27 @@ def resume(
         function, given = _call(design)
     except (KeyError, TypeError) as error:
         raise ArchiveError(f"study {str(folder)!r} has a damaged design: {error!r}") from error
-    return function(**given, study=folder, workers=workers, executor=executor, progress=progress)
+    if design["kind"] != "branch":
+        given |= {"workers": workers, "executor": executor}
+    return function(**given, study=folder, progress=progress)
 
 
 def _call(design: dict[str, Any]) -> tuple[Callable[..., xr.Dataset], dict[str, Any]]:
     """Return the function that a design is of, and what it was given."""
     kind = design["kind"]
     functions: dict[str, Callable[..., xr.Dataset]]
-    functions = {"sweep": sweep, "basin": basin, "basin_fractions": basin_fractions}
+    functions = {
+        "sweep": sweep, "basin": basin, "basin_fractions": basin_fractions, "branch": branch_from,
+    }  # fmt: skip
     given = {name: design[name] for name in _GIVEN[kind]}
     if kind == "sweep":
         return sweep, {**given, "starts": [tuple(start) for start in design["starts"]]}
     rotor = Rotor(**{name: design[name] for name in PARAMETERS})
+    if kind == "branch":
+        guess = {name: design[name] for name in ("period", "special", "slope")}
+        given["guess"] = Guess(rotor, np.array(design["state"], dtype=np.float64), **guess)
+        given["limits"] = tuple(given["limits"])
+        return branch_from, given
     return functions[kind], {**given, "rotor": rotor}
 
 
@@ -78,4 +92,5 @@ _GIVEN = {
     "sweep": ("omega", "zeta", "delta0", "direction", "rtol", "atol", "method", "flight"),
     "basin": ("x", "y", "vx", "vy", "rtol"),
     "basin_fractions": ("x", "y", "vx", "vy", "rtol", "starts", "seed"),
+    "branch": ("parameter", "limits", "direction", "points"),
 }

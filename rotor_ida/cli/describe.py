@@ -10,13 +10,17 @@ import numpy as np
 import xarray as xr
 from rich.console import RenderableType
 
+from rotor_ida.analysis.branches import parameters_of, stable_ranges
 from rotor_ida.analysis.comparison import summarise
 from rotor_ida.cli.report import pairs, table
 from rotor_ida.parameters import PARAMETERS
 from rotor_ida.schema import NO_YES, RESPONSE, flags_of
 
 Record = dict[str, object]
-Kind = Literal["run", "sweep", "basin", "basin_fractions", "comparison", "whirls", "folds", "other"]
+Kind = Literal[
+    "run", "sweep", "basin", "basin_fractions", "comparison", "whirls", "folds", "cycle", "branch",
+    "curve", "other",
+]  # fmt: skip
 Description = tuple[Record, list[RenderableType]]
 METHOD = ("method", "flight", "backend", "rtol", "atol")
 VERSION = "_version"
@@ -41,6 +45,16 @@ POINT = (
 # Of larger sweeps only the kinds are told; the archive holds the points.
 MOST_TOLD = 1_000_000
 RANGES = ("omega", "amplitude", "radius_max")
+MULTIPLIER = ("multiplier_real", "multiplier_imag", "multiplier_error")
+LINE = ("frequency", "whirl_amplitude", "line_kind")
+CYCLE = (
+    *("period", "radius_min", "radius_max", "stability", "response", "contact_count"),
+    *("largest_force", "impulse_per_period", "trace", "residual", "x", "y", "vx", "vy"),
+)
+SPECIAL = (
+    *("special_kind", "special_value", "special_second_value", "special_period"),
+    *("special_radius_min", "special_radius_max", "special_point"),
+)
 MATCH = (
     *("matched_branch", *PARAMETERS, "start", "direction", "response", "amplitude"),
     *("amplitude_error", "phase_error", "digits"),
@@ -57,6 +71,9 @@ def kind_of(dataset: xr.Dataset) -> Kind:
         "run": "event_time" in dataset and "t" in dataset.dims,
         "whirls": "amplitude" in dataset and "branch" in dataset.dims,
         "folds": "fold_omega" in dataset,
+        "curve": "special_second_value" in dataset,
+        "branch": "special_value" in dataset and "special" in dataset.dims,
+        "cycle": {"period_error", "multiplier_error"} <= set(dataset.variables),
     }
     return next((kind for kind, found in signs.items() if found), "other")
 
@@ -71,6 +88,9 @@ def describe(dataset: xr.Dataset, *, most: int | None = None) -> Description:
         "comparison": _comparison,
         "whirls": _whirls,
         "folds": _folds,
+        "cycle": _cycle,
+        "branch": _branch,
+        "curve": _curve,
         "other": _other,
     }
     return described[kind_of(dataset)](dataset, most)
@@ -220,6 +240,75 @@ def _fold_rows(dataset: xr.Dataset, most: int | None) -> tuple[list[Record], lis
     rows = [row for row in rows_of(dataset, FOLD) if row["fold_omega"] == row["fold_omega"]]
     columns = ("zeta", "delta0", "fold_omega", "fold_amplitude")
     return rows, _rows("Folds", rows, columns, most)
+
+
+def _cycle(dataset: xr.Dataset, most: int | None) -> Description:
+    attributes = attributes_of(dataset)
+    parameters: Record = {name: float(dataset[name]) for name in PARAMETERS}
+    parameters["start"] = attributes.pop("start", None)
+    scalars = {name: value_of(dataset, name) for name in names_on(dataset)}
+    record: Record = {
+        "kind": "cycle",
+        "parameters": parameters,
+        **scalars,
+        "multipliers": rows_of(dataset, MULTIPLIER),
+        "lines": rows_of(dataset, LINE) if dataset.sizes["line"] else [],
+        **{name: entry for name, entry in attributes.items() if name not in PARAMETERS},
+    }
+    if dataset["period"].isnull():
+        told = {**parameters, "response": scalars["response"]}
+        return record, [pairs("No limit cycle", told)]
+    lines = dataset[list(LINE)].sortby("whirl_amplitude", ascending=False)
+    parts: list[RenderableType] = [pairs("Limit cycle", {**parameters, **scalars})]
+    parts += _rows("Multipliers", rows_of(dataset, MULTIPLIER), MULTIPLIER, None)
+    parts += _rows("Lines of the spectrum, strongest first", rows_of(lines, LINE), LINE, most)
+    return record, parts
+
+
+def _branch(dataset: xr.Dataset, most: int | None) -> Description:
+    varied = parameters_of("branch", dataset, "parameter", 1)
+    record, parts = _followed("branch", "Branch of limit cycles", dataset, varied, most)
+    stable: list[Record] = [{"from": low, "to": high} for low, high in stable_ranges(dataset)]
+    record["stable_ranges"] = stable
+    return record, [*parts, *_rows("Stable ranges", stable, ("from", "to"), most)]
+
+
+def _curve(dataset: xr.Dataset, most: int | None) -> Description:
+    varied = parameters_of("curve", dataset, "parameters", 2)
+    kind = str(dataset.attrs.get("kind", "")).replace("_", " ")
+    return _followed("curve", f"{kind.capitalize()} curve", dataset, varied, most)
+
+
+def _followed(
+    kind: Kind, title: str, dataset: xr.Dataset, varied: Sequence[str], most: int | None
+) -> Description:
+    """Return what a branch and a bifurcation curve have in common."""
+    held = {name: float(dataset[name]) for name in PARAMETERS if name not in varied}
+    attributes = attributes_of(dataset)
+    ends = {name: attributes.pop(name, "") for name in ("first_end", "last_end")}
+    ends["closed"] = bool(attributes.pop("closed", False))
+    specials = rows_of(dataset, [name for name in SPECIAL if name in dataset])
+    specials = [{"special": number, **row} for number, row in enumerate(specials)]
+    names = [*varied, *(name for name in CYCLE if name in dataset)]
+    record: Record = {
+        "kind": kind,
+        "parameters": held,
+        **ends,
+        "points": rows_of(dataset, names),
+        "special_points": specials,
+        **{"of" if name == "kind" else name: entry for name, entry in attributes.items()},
+    }
+    ranged = (*varied, "period", "radius_min", "radius_max")
+    ranges = {name: _span(dataset[name].values) for name in ranged}
+    summary = {**held, **ranges, "points": dataset.sizes["point"], **ends}
+    columns = list(specials[0]) if specials else ()
+    parts: list[RenderableType] = [pairs(title, summary)]
+    return record, [*parts, *_rows("Special points", specials, columns, most, prefix="special_")]
+
+
+def _span(values: np.ndarray[Any, Any]) -> str:
+    """Return the range of values."""
+    return f"{values.min():.8g} to {values.max():.8g}"
 
 
 def _other(dataset: xr.Dataset, most: int | None) -> Description:

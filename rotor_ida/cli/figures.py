@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
@@ -16,11 +17,17 @@ from rotor_ida.plot.labels import LABELS
 
 # Up to so many speeds of a table of whirls are marked.
 FEW_SPEEDS = 30
+# At so many clearances the folds of the whirl are shown beside those of cycles.
+CLEARANCES = 201
 
 
 def figure_of(dataset: xr.Dataset) -> Figure:
-    """Return the figure of a run, a basin, whirls, or a sweep with the exact curve behind it."""
+    """Return the figure of a dataset; of a sweep with the exact curve behind it."""
     kind = kind_of(dataset)
+    if kind == "cycle":
+        return plot.cycle_figure(dataset)
+    if kind in {"branch", "curve"}:
+        return _figure_of_cycles(kind, dataset)
     if kind == "run":
         return plot.plot_run(dataset)
     if kind == "basin":
@@ -28,7 +35,10 @@ def figure_of(dataset: xr.Dataset) -> Figure:
         plot.plot_basin(dataset, ax)
         return figure
     if kind not in {"whirls", "sweep"}:
-        raise InputError(f"figure must be of a run, of whirls or of a sweep or basin, got {kind!r}")
+        raise InputError(
+            "figure must be of a run, of whirls, of a sweep or basin, or of limit cycles, got "
+            f"{kind!r}"
+        )
     pairs = [
         (float(zeta), float(delta0))
         for zeta in dataset["zeta"].values
@@ -55,6 +65,22 @@ def figure_of(dataset: xr.Dataset) -> Figure:
         for ax in shown[max(0, len(pairs) - columns) :]:
             ax.tick_params(labelbottom=True)
             ax.set_xlabel(LABELS["omega"])
+    return figure
+
+
+def _figure_of_cycles(kind: str, dataset: xr.Dataset) -> Figure:
+    """Return the figure of a branch, or of a bifurcation curve beside the folds of the whirl."""
+    figure, (ax,) = plot.panels(1, 1, width=5.6, height=4.2)
+    if kind == "branch":
+        plot.plot_branch(dataset, ax=ax)
+        return figure
+    if "delta0" not in dataset.attrs["parameters"] or "omega" not in dataset.attrs["parameters"]:
+        plot.plot_curves(dataset, ax=ax)
+        return figure
+    delta0 = dataset["delta0"].values
+    clearances = np.linspace(delta0.min(), delta0.max(), CLEARANCES)
+    whirls = folds(zeta=dataset["zeta"].item(), delta0=clearances)
+    plot.plot_curves(dataset, fold_points=whirls, ax=ax)
     return figure
 
 

@@ -37,6 +37,11 @@ def _numbers(text: str) -> Parameter:
     return Parameter(help=text, converter=reading, consume_multiple=True, negative=())
 
 
+def _several_numbers(text: str, words: str) -> Parameter:
+    reading = parsing.converter(parsing.several_numbers)
+    return Parameter(help=text, metavar=words, converter=reading, negative=())
+
+
 def _whole_number(text: str, lowest: int, highest: int) -> Parameter:
     reading = parsing.converter(parsing.whole_number)
     return Parameter(help=text, converter=reading, validator=Number(gte=lowest, lte=highest))
@@ -50,21 +55,26 @@ def _flag(text: str, *, name: str | None = None) -> Parameter:
     return Parameter(name=name, help=text, negative=(), show_default=False)
 
 
+OMEGA = _number("Spin speed over the reference frequency.")
+ZETA = _number("Damping ratio.")
+DELTA0 = _number("Radial clearance over eccentricity.")
+OneOmega = Annotated[float | None, OMEGA]
+OneZeta = Annotated[float | None, ZETA]
+OneDelta0 = Annotated[float | None, DELTA0]
 Omegas = Annotated[list[float], _numbers("Spin speeds: numbers, or START:STOP:COUNT.")]
 Zetas = Annotated[list[float], _numbers("Damping ratios: numbers, or START:STOP:COUNT.")]
 Delta0s = Annotated[list[float], _numbers("Clearances: numbers, or START:STOP:COUNT.")]
 
 REST: State = (0.0, 0.0, 0.0, 0.0)
-Start = Annotated[
-    State,
-    Parameter(
-        help="Where the motion begins; without it, at rest on the axis.",
-        metavar="X Y VX VY",
-        converter=parsing.converter(parsing.start),
-        negative=(),
-        show_default=False,
-    ),
-]
+START = Parameter(
+    help="Where the motion begins; without it, at rest on the axis.",
+    metavar="X Y VX VY",
+    converter=parsing.converter(parsing.start),
+    negative=(),
+    show_default=False,
+)
+Start = Annotated[State, START]
+StartOrNone = Annotated[State | None, START]
 Starts = Annotated[
     list[State],
     Parameter(
@@ -98,6 +108,45 @@ StartCount = Annotated[
     int, _whole_number("Number of random starts.", 1, parsing.MOST_POINTS_OF_STUDY)
 ]
 Seed = Annotated[int, _whole_number("Seed of the random numbers.", 0, LARGEST_SEED)]
+
+Period = Annotated[
+    float | None,
+    _number("About the period of a cycle that the start is close to, on the rotating axes."),
+]
+From = Annotated[
+    Path | None,
+    _path("Begin at the cycle in this archive, or on a branch or curve.", name="--from"),
+]
+PointNumber = Annotated[
+    int | None, _whole_number("Number of the point in the archive.", 0, MOST_NUMBERS)
+]
+SpecialNumber = Annotated[
+    int | None, _whole_number("Number of the special point in the archive.", 0, MOST_NUMBERS)
+]
+PointCount = Annotated[int, _whole_number("Largest number of points each way.", 2, MOST_NUMBERS)]
+Name = Literal["omega", "zeta", "delta0"]
+OneParameter = Annotated[Name, Parameter(help="What is varied.")]
+TwoParameters = Annotated[
+    tuple[Name, Name],
+    Parameter(
+        help="What is varied: two of omega, zeta and delta0.",
+        metavar="NAME NAME",
+        negative=(),
+        show_default=" ".join,
+    ),
+]
+Limits = Annotated[
+    tuple[float, float], _several_numbers("Least and largest value of it.", "LOW HIGH")
+]
+TwoLimits = Annotated[
+    tuple[float, float, float, float],
+    _several_numbers("Least and largest value of the one, and of the other.", "LOW HIGH LOW HIGH"),
+]
+Way = Annotated[
+    Literal["both", "forward", "backward"],
+    Parameter(help="Which way to go: forward is to larger values, or on along a branch."),
+]
+Bifurcation = Annotated[Literal["fold", "period_doubling"], Parameter(help="What is followed.")]
 
 Duration = Annotated[float, _number("Time to simulate.")]
 Samples = Annotated[
@@ -143,9 +192,9 @@ Force = Annotated[bool, _flag("Replace files that are there.")]
 class RotorOptions:
     """One rotor."""
 
-    omega: Annotated[float, _number("Spin speed over the reference frequency.")]
-    zeta: Annotated[float, _number("Damping ratio.")]
-    delta0: Annotated[float, _number("Radial clearance over eccentricity.")]
+    omega: Annotated[float, OMEGA]
+    zeta: Annotated[float, ZETA]
+    delta0: Annotated[float, DELTA0]
 
     def rotor(self) -> Rotor:
         """Return the rotor."""

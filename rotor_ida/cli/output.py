@@ -90,11 +90,13 @@ def answer(
 
 
 def answer_whole(dataset: xr.Dataset, output: Output, study: Path | None) -> Report:
-    """Return the report on a sweep, basin or sample, in trouble if it is not whole."""
+    """Return the report on a sweep, basin, sample or branch, in trouble if it is not whole."""
     in_study = None if study is None or output.out is not None else study / RESULT
     if "status" in dataset:
         report = answer(dataset, output, result=in_study)
         return _troubled(report, _failures(dataset), FAILED)
+    if "special_value" in dataset:
+        return answer(dataset, output, result=in_study)
     missing = int(dataset["not_computed_count"])
     interrupted = bool(dataset.attrs["interrupted"])
     if not missing and not interrupted:

@@ -85,6 +85,17 @@ def numbers(name: str, words: Sequence[str]) -> list[float]:
     return listed
 
 
+def several_numbers(name: str, words: Sequence[str]) -> tuple[float, ...]:
+    """Return words as finite numbers, one each.
+
+    Examples
+    --------
+    >>> several_numbers("limits", ["0.5", "3"])
+    (0.5, 3.0)
+    """
+    return tuple(number(name, [word]) for word in words)
+
+
 def number_or_range(name: str, words: Sequence[str]) -> float | list[float]:
     """Return a word as a number, or as the numbers of a range ``START:STOP:COUNT``.
 

@@ -22,6 +22,7 @@ from cyclopts import (
 from rich.console import Console
 
 from rotor_ida.cli.commands.compute import basin, fractions, reproduce, response, simulate, sweep
+from rotor_ida.cli.commands.cycles import continue_, curve, cycle
 from rotor_ida.cli.commands.doctor import doctor
 from rotor_ida.cli.commands.stored import compare, resume, show, status, verify
 from rotor_ida.cli.report import FAILED, INTERRUPTED, Report, console_on, text_of
@@ -82,7 +83,7 @@ def application(console: Console) -> App:
         version=version("rotor-ida"),
         console=console,
     )
-    computing = (simulate, response, sweep, basin, fractions)
+    computing = (simulate, response, sweep, basin, fractions, cycle, continue_, curve)
     archived = (status, resume, compare, verify, show)
     for command in (reproduce, *computing, *archived, doctor):
         app.command(command)
@@ -129,7 +130,8 @@ def misread(error: CycloptsError) -> str:
         case UnknownCommandError(root_input_tokens=[first, *_]):
             said = f"unknown command {first!r}: see rotor-ida --help"
         case MissingArgumentError() if option:
-            said = _missing(option, error.unused_tokens or [], error.tokens_so_far)
+            words = "" if error.argument is None else error.argument.parameter.metavar or ""
+            said = _missing(option, words, error.unused_tokens or [], error.tokens_so_far)
         case _:
             error.verbose = False
             said = f"{error}".rstrip(".")
@@ -137,13 +139,15 @@ def misread(error: CycloptsError) -> str:
     return said
 
 
-def _missing(option: str, unused: Sequence[str], given: Sequence[str]) -> str:
+def _missing(option: str, words: str, unused: Sequence[str], given: Sequence[str]) -> str:
     """Return in one line what an option lacks; one that is misspelt is the likelier cause."""
     misspelt = [word for word in unused if word.startswith("--")]
     if misspelt and option not in unused:
         return f"unknown option {misspelt[0]!r}"
-    if given:  # of the options, a start alone has several values
-        return f"{option.removeprefix('--')} must be four numbers X Y VX VY, got {len(given)}"
+    if given:  # it has several values
+        number = {2: "two", 4: "four"}[len(words.split())]
+        kind = "names" if "NAME" in words else "numbers"
+        return f"{option.removeprefix('--')} must be {number} {kind} {words}, got {len(given)}"
     return f"{option} must be given a value"
 
 

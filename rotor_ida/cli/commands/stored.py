@@ -75,7 +75,7 @@ def verify(
     workers: options.Workers = None,
     as_json: options.AsJson = False,
 ) -> Report:
-    """Compute an archived run, sweep or basin again, and hold it against the archive.
+    """Compute an archived result again, and hold it against the archive.
 
     Of the run that the example of simulate wrote, as it was computed, and by another method:
 

@@ -1,0 +1,232 @@
+"""The commands for limit cycles: one cycle, its branch, its bifurcations over two parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from cyclopts import Parameter
+
+import rotor_ida
+from rotor_ida.checks import COMPONENTS, State
+from rotor_ida.cli import options
+from rotor_ida.cli.output import Output, answer, answer_whole, read, working
+from rotor_ida.cli.report import FIRST_ROWS, Report
+from rotor_ida.errors import InputError, SimulationError
+from rotor_ida.parameters import PARAMETERS, Rotor
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# What `--from` can read a cycle from.
+SOURCES = ("cycle", "branch", "curve")
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+class Origin:
+    """Where a branch or a curve begins: at a start of a rotor, or at a cycle in an archive."""
+
+    omega: options.OneOmega = None
+    zeta: options.OneZeta = None
+    delta0: options.OneDelta0 = None
+    start: options.StartOrNone = None
+    period: options.Period = None
+    from_: options.From = None
+    point: options.PointNumber = None
+    special: options.SpecialNumber = None
+
+    def check(self) -> None:
+        """Refuse options that do not go together."""
+        of_file = [name for name in ("point", "special") if getattr(self, name) is not None]
+        of_start = [
+            name for name in (*PARAMETERS, "start", "period") if getattr(self, name) is not None
+        ]
+        if self.from_ is not None:
+            if of_start:
+                raise InputError(f"{of_start[0]} must be left out with --from")
+            if len(of_file) > 1:
+                raise InputError("special must be left out with --point")
+            return
+        if of_file:
+            raise InputError(f"{of_file[0]} must be left out without --from")
+        missing = [name for name in PARAMETERS if getattr(self, name) is None]
+        if missing:
+            raise InputError(f"{missing[0]} must be given, or a file with --from")
+
+    def guess(self, *, curve_kind: str | None = None) -> tuple[Rotor, State | xr.Dataset]:
+        """Return rotor and start of what is to be followed.
+
+        A point of a bifurcation curve of `curve_kind` is a start of just that bifurcation.
+        """
+        if self.from_ is not None:
+            return _in_archive(self.from_, self.point, self.special, curve_kind)
+        rotor = Rotor(**{name: getattr(self, name) for name in PARAMETERS})
+        start = self.start or options.REST
+        if self.period is None:
+            return rotor, start
+        return rotor, _closed(rotor, start, self.period)
+
+
+def cycle(
+    *,
+    rotor: options.RotorOptions,
+    start: options.Start = options.REST,
+    period: options.Period = None,
+    output: Output = Output(),
+) -> Report:
+    r"""Find the limit cycle that a start leads to, with its multipliers and spectrum.
+
+    From rest, with the result kept in a file:
+
+        rotor-ida cycle --omega 2 --zeta 0.07 --delta0 2 --out cycle.nc
+
+    Near a state on the rotating axes that comes back after about so long, stable or not:
+
+        rotor-ida cycle --omega 2 --zeta 0.07 --delta0 2 \
+            --start 2.6 0.75 0.66 -1.65 --period 4.5
+    """
+    output.check()
+    with working("cycle"):
+        if period is None:
+            found = rotor_ida.limit_cycle(rotor.rotor(), start=start)
+        else:
+            found = _closed(rotor.rotor(), start, period)
+    if found["period"].notnull() or output.figure is None:
+        return answer(found, output, most=FIRST_ROWS)
+    report = answer(found, replace(output, figure=None), most=FIRST_ROWS)
+    return replace(report, parts=[*report.parts, "drew no figure: there is no limit cycle"])
+
+
+def continue_(
+    *,
+    origin: Origin = Origin(),
+    limits: options.Limits,
+    parameter: options.OneParameter = "omega",
+    direction: options.Way = "both",
+    points: options.PointCount = 2000,
+    study: options.Study = None,
+    output: Output = Output(),
+) -> Report:
+    r"""Follow a limit cycle over speed, damping or clearance, with its folds and doublings.
+
+    Of the cycle that the example of cycle wrote; then the branch of doubled cycles that leaves it:
+
+        rotor-ida continue --from cycle.nc --limits 1.5 2.5 --out branch.nc
+
+        rotor-ida continue --from branch.nc --special 1 --limits 1.7 2
+    """
+    origin.check()
+    output.check()
+    with working("points", study) as progress:
+        rotor, start = origin.guess()
+        branch = rotor_ida.continue_cycle(
+            rotor,
+            start=start,
+            parameter=parameter,
+            limits=limits,
+            direction=direction,
+            points=points,
+            study=study,
+            progress=progress,
+        )
+        return answer_whole(branch, output, study)
+
+
+def curve(
+    *,
+    origin: Origin = Origin(),
+    kind: options.Bifurcation,
+    limits: options.TwoLimits,
+    parameters: options.TwoParameters = ("omega", "delta0"),
+    points: options.PointCount = 2000,
+    output: Output = Output(),
+) -> Report:
+    r"""Follow a fold or a period doubling of limit cycles over two parameters.
+
+    Of the branch that the example of continue wrote:
+
+        rotor-ida curve --from branch.nc --special 1 --kind period_doubling \
+            --limits 1.7 1.9 1.9 2.1
+    """
+    origin.check()
+    output.check()
+    low, high, second_low, second_high = limits
+    with working("points") as progress:
+        rotor, start = origin.guess(curve_kind=kind)
+        found = rotor_ida.bifurcation_curve(
+            rotor,
+            start=start,
+            kind=kind,
+            parameters=parameters,
+            limits=((low, high), (second_low, second_high)),
+            points=points,
+            progress=progress,
+        )
+        return answer(found, output)
+
+
+def _closed(rotor: Rotor, start: State, period: float) -> xr.Dataset:
+    """Return the cycle near a guess; that there is none is a mistake in the guess."""
+    try:
+        return rotor_ida.limit_cycle(rotor, start=start, period=period)
+    except SimulationError as error:
+        raise InputError(f"start and period must be near a limit cycle: {error}") from error
+
+
+def _in_archive(
+    file: Path, point: int | None, special: int | None, curve_kind: str | None
+) -> tuple[Rotor, xr.Dataset]:
+    """Return the cycle in an archive, or that at one point of a branch or curve, and its rotor."""
+    from rotor_ida.cli.describe import kind_of  # noqa: PLC0415 - heavy, and not for --help
+
+    dataset = read(file)
+    kind = kind_of(dataset)
+    if kind not in SOURCES:
+        raise InputError(f"from must be a cycle, a branch or a curve, got {str(file)!r}, a {kind}")
+    if "time_scale" in dataset.attrs:
+        raise InputError(f"from must be dimensionless, got {str(file)!r} in SI units")
+    if kind != "cycle":
+        dataset = _at(dataset, kind, point, special)
+    elif point is not None or special is not None:
+        raise InputError(f"point and special must be left out with a cycle, got {str(file)!r}")
+    if kind == "curve":
+        dataset = _of_curve(dataset, "special_" if point is None else "", curve_kind)
+    place = dataset
+    if kind == "branch" and special is not None:
+        place = dataset.assign_coords({dataset.attrs["parameter"]: dataset["special_value"]})
+    return Rotor(**{name: place[name].item() for name in PARAMETERS}), dataset
+
+
+def _at(dataset: xr.Dataset, kind: str, point: int | None, special: int | None) -> xr.Dataset:
+    """Return one point, or one special point, of a branch or curve."""
+    if point is None and special is None:
+        raise InputError(f"point or special must be given with a {kind}")
+    dim, number = ("point", point) if special is None else ("special", special)
+    size = dataset.sizes[dim]
+    if number is None or number >= size:
+        have = f"from 0 to {size - 1}" if size else "left out: there is none"
+        raise InputError(f"{dim} must be {have}, got {number}")
+    return dataset.isel({dim: number})
+
+
+def _of_curve(at: xr.Dataset, prefix: str, curve_kind: str | None) -> xr.Dataset:
+    """Return a point of a bifurcation curve as a point of a branch over its first parameter.
+
+    It is a special point of that branch where just that bifurcation is to be followed.
+    """
+    import xarray as xr  # noqa: PLC0415 - heavy, and not for --help
+
+    from rotor_ida.schema import SPECIAL  # noqa: PLC0415
+
+    kind, (first, second) = at.attrs["kind"], at.attrs["parameters"].split()
+    (held,) = set(PARAMETERS) - {first, second}
+    names = ("special_value", "special_second_value") if prefix else (first, second)
+    values = {held: at[held].item(), first: at[names[0]].item(), second: at[names[1]].item()}
+    numbers = {name: at[f"{prefix}{name}"].item() for name in (*COMPONENTS, "period")}
+    if kind != curve_kind:
+        return xr.Dataset(numbers, values)
+    told = {f"special_{name}": number for name, number in numbers.items()}
+    told |= {"special_kind": SPECIAL[kind], "special_value": values[first]}
+    return xr.Dataset(told, values, {"parameter": first})
