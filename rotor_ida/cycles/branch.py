@@ -296,6 +296,10 @@ def _comes_back(course: Course, last: Point[Shot], point: Point[Shot]) -> bool:
 
     A branch comes back at any phase: the cycles are compared by what does not hang on it.
     """
+    between = (course.first.unknowns - last.unknowns) * (course.first.unknowns - point.unknowns)
+    apart = (point.unknowns - last.unknowns) ** 2
+    if (between[PLACE - 1 :] > apart[PLACE - 1 :]).any():
+        return False
     goal, here, there = (_signature(each) for each in (course.first, last, point))
     along = there - here
     part = float((goal - here) @ along) / float(along @ along)
