@@ -9,6 +9,7 @@ from .basins import basin_fractions as basin_fractions
 from .closed_forms import folds as folds
 from .closed_forms import synchronous_response as synchronous_response
 from .cycles.bifurcation_curve import bifurcation_curve as bifurcation_curve
+from .cycles.branches import branches_through as branches_through
 from .cycles.continue_cycle import continue_cycle as continue_cycle
 from .cycles.limit_cycle import limit_cycle as limit_cycle
 from .errors import ArchiveError as ArchiveError

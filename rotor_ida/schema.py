@@ -56,6 +56,7 @@ STATUS = {"done": 0, "failed": 1}
 DIRECTION = {"down": -1, "from_start": 0, "up": 1}
 NO_YES = {"no": 0, "yes": 1}
 WHIRL_DIRECTION = {"backward": -1, "none": 0, "forward": 1}
+EXACT = {"nothing": 0, "whirl": 1, "cycle": 2}
 LINE_KIND = {"backward": -1, "spin": 0, "forward": 1}
 SPECIAL = {"fold": 1, "period_doubling": 2, "graze": 3, "cusp": 4}
 EXTREMUM = {"minimum": -1, "constant": 0, "maximum": 1}
@@ -263,6 +264,14 @@ QUANTITIES: dict[str, Quantity] = {
     "branch_phase_error": Quantity("simulated minus exact phase lag on each branch", "radian"),
     "exact_amplitude": Quantity("amplitude of each exact synchronous whirl", scale="length"),
     "exact_phase_lag": Quantity("phase lag of each exact synchronous whirl", "radian"),
+    "lies_on": Quantity("kind of exact response that the simulated one is on", flags=EXACT),
+    "exact_period": Quantity("period of the exact limit cycle", scale="time"),
+    "exact_radius_min": Quantity(
+        "smallest distance from the bearing axis on the exact limit cycle", scale="length"
+    ),
+    "exact_radius_max": Quantity(
+        "largest distance from the bearing axis on the exact limit cycle", scale="length"
+    ),
     "digits": Quantity("decimal digits to which simulated and exact response agree"),
 }
 

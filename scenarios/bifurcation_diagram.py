@@ -52,7 +52,7 @@ def main(settings: Settings) -> None:
 def beyond(found):
     """Return in words from which speed on a start keeps bouncing or swinging, by clearance."""
     flags = flags_of(found.response)
-    swings = found.response.isin([flags["bouncing"], flags["full_contact"]])
+    swings = found.response.isin([flags[kind] for kind in ("bouncing", "full_contact", "chaotic")])
     anywhere = swings.any([dim for dim in swings.dims if dim not in {"omega", "delta0"}])
     return [
         f"at δ₀ = {delta0:g} from ω = {found.omega[swing].min().item():.3g} on"

@@ -3,17 +3,19 @@
 Figure 10 draws every synchronous whirl at zeta = 0.07 with its stability, its folds and the
 backbone; from delta0 = 1 on the contacting whirls are an isola beside the contact-free family.
 Phases have figures of their own. Figure 11 adds what a simulated rotor settles on, from rest and
-with the speed going up and down. It shows that the curve is right wherever the rotor follows it,
-and where the rotor does something that no curve of one harmonic can show: it bounces on the ring
-for ever, or stays in contact at a radius that oscillates. With a clearance of 2 it never comes to
-the contacting branch from rest.
+with the speed going up and down, and the branches of limit cycles on which it bounces on the ring
+for ever, or stays in contact at a radius that oscillates: no curve of one harmonic can show them,
+yet they are as exact. Each branch is a band from the smallest to the largest radius, stable or not,
+with its folds and period doublings. With a clearance of 2 the rotor never comes to the contacting
+whirls from rest.
 
 Writes the exact curves (fig10.nc), the backbones (backbone.nc), the sweeps with all their contact
-events (fig11_from_rest.nc, fig11_up_down.nc), the comparison (fig11.nc), and the figures as PNG and
-SVG.
+events (fig11_from_rest.nc, fig11_up_down.nc), the comparison (fig11.nc), the branches of limit
+cycles (fig11_cycles_1.nc and so on), and the figures as PNG and SVG.
 """
 
 import sys
+from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
@@ -21,19 +23,26 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from rotor_ida import compare, folds, sweep, synchronous_response
+from rotor_ida import branches_through, compare, folds, sweep, synchronous_response
 from rotor_ida.analysis.comparison import summarise
 from rotor_ida.closed_forms import free_periods, response_curve
 from rotor_ida.paper.printed import phase_31
 from rotor_ida.paper.scenario import Settings, progress_bar, run_script, scientific
-from rotor_ida.plot import panels, plot_amplitude, plot_backbone, plot_phase, shared_legend
-from rotor_ida.schema import RESPONSE
+from rotor_ida.plot import (
+    panels,
+    plot_amplitude,
+    plot_backbone,
+    plot_branch,
+    plot_phase,
+    shared_legend,
+)
+from rotor_ida.schema import RESPONSE, SPECIAL
 
 ZETA = 0.07
 CLEARANCES = [2.0, 1.0, 0.5, 0.0]
 LOWEST, HIGHEST = 0.05, 3.0
-COLUMNS = ["delta0", "points", "on_branch", "fewest_digits", "median_digits", "bouncing",
-           "full_contact", "unresolved", "failed"]  # fmt: skip
+COLUMNS = ["delta0", "points", "on_whirl", "on_cycle", "fewest_digits", "median_digits",
+           "touching", "chaotic", "unresolved", "failed"]  # fmt: skip
 DIRECTIONS = {0: "rest", 1: "up", -1: "down"}
 
 
@@ -67,7 +76,12 @@ def main(settings: Settings) -> None:
     ).sortby("direction")  # fmt: skip
     compared = compare(simulated)
     settings.keep(compared, "fig11")
-    draw("fig11", exact, simulated, settings, compared=compared)
+    with progress_bar("limit cycles        ") as progress:
+        branches = branches_through(compared, limits=(LOWEST, HIGHEST), progress=progress)
+    for number, branch in enumerate(branches, start=1):
+        settings.keep(branch, f"fig11_cycles_{number}")
+    draw("fig11", exact, simulated, settings, compared=compared, branches=branches)
+    draw_cycles(exact, simulated, branches, settings)
     Console().print(table(compared))
 
 
@@ -78,19 +92,71 @@ def draw(
     settings: Settings,
     backbone: xr.Dataset | None = None,
     compared: xr.Dataset | None = None,
+    branches: Sequence[xr.Dataset] = (),
 ) -> None:
     for plot, quantity in ((plot_amplitude, "amplitude"), (plot_phase, "phase")):
-        figure, axes = panels(2, 2, height=5.6 if simulated is None else 6.2)
+        figure, axes = panels(2, 2, height=5.6 if simulated is None else 7.4)
         for ax, delta0 in zip(axes, CLEARANCES, strict=True):
             here = exact.sel(delta0=delta0)
             beside = None if simulated is None else simulated.sel(delta0=delta0)
             plot(here, simulated=beside, fold_points=here, ax=ax)
+            for branch in of_clearance(branches, delta0) if quantity == "amplitude" else ():
+                plot_branch(of_kinds(branch, "fold", "period_doubling"), ax=ax)
             if backbone is not None and quantity == "amplitude":
                 plot_backbone(backbone.sel(delta0=delta0), ax=ax)
         shared_legend(figure, axes, columns=5 if simulated is None else 4)
         ending = "" if quantity == "amplitude" else "_phase"
-        texts = of_curves(quantity, exact) if compared is None else of_sweeps(quantity, compared)
-        settings.show(figure, f"{name}{ending}", archives=[name], **texts)
+        texts = (
+            of_curves(quantity, exact)
+            if compared is None
+            else of_sweeps(quantity, compared, branches)
+        )
+        archives = [name, *(f"{name}_cycles_{number + 1}" for number in range(len(branches)))]
+        settings.show(figure, f"{name}{ending}", archives=archives, **texts)
+
+
+def of_clearance(branches: Sequence[xr.Dataset], delta0: float) -> list[xr.Dataset]:
+    """Return the branches at one clearance."""
+    return [branch for branch in branches if float(branch.delta0) == delta0]
+
+
+def of_kinds(branch: xr.Dataset, *kinds: str) -> xr.Dataset:
+    """Return a branch with special points of some kinds only."""
+    wanted = np.isin(branch.special_kind, [SPECIAL[kind] for kind in kinds])
+    return branch.isel(special=np.flatnonzero(wanted))
+
+
+def draw_cycles(
+    exact: xr.Dataset, simulated: xr.Dataset, branches: Sequence[xr.Dataset], settings: Settings
+) -> None:
+    """Draw the branches of limit cycles alone, as large as they are."""
+    with_cycles = [delta0 for delta0 in CLEARANCES if of_clearance(branches, delta0)]
+    if not with_cycles:
+        return
+    figure, axes = panels(len(with_cycles), 1, height=0.9 + 2.7 * len(with_cycles), shared=False)
+    for ax, delta0 in zip(axes, with_cycles, strict=True):
+        here, cycles = exact.sel(delta0=delta0), of_clearance(branches, delta0)
+        plot_amplitude(here, simulated=simulated.sel(delta0=delta0), fold_points=here, ax=ax)
+        for branch in cycles:
+            plot_branch(branch, ax=ax)
+        ax.set_ylim(0.0, 1.08 * max(float(branch.radius_max.max()) for branch in cycles))
+        ax.set(xlim=(LOWEST, HIGHEST), ylabel="amplitude $A$, radius $|z|$")
+    shared_legend(figure, axes, columns=4)
+    counted = "; ".join(
+        f"{len(of_clearance(branches, delta0))} at δ₀ = {delta0:g}, from ω = "
+        f"{min(float(each.omega.min()) for each in of_clearance(branches, delta0)):.4f} on"
+        for delta0 in with_cycles[::-1]
+    )
+    archives = [f"fig11_cycles_{number + 1}" for number in range(len(branches))]
+    settings.show(
+        figure,
+        "fig11_cycles",
+        archives=archives,
+        shows="The limit cycles of Fig. 11 alone: branches over the speed, with folds, period "
+        "doublings and grazes.",
+        found=f"Branches on which a simulated rotor was met: {counted}. Most are parts of isolas: "
+        "closed curves that no continuation from a whirl can reach.",
+    )
 
 
 def of_curves(quantity: str, exact: xr.Dataset) -> dict[str, str]:
@@ -129,15 +195,26 @@ def of_curves(quantity: str, exact: xr.Dataset) -> dict[str, str]:
     }
 
 
-def of_sweeps(quantity: str, compared: xr.Dataset) -> dict[str, str]:
+def of_sweeps(
+    quantity: str, compared: xr.Dataset, branches: Sequence[xr.Dataset]
+) -> dict[str, str]:
     """Return what the gallery says of Fig. 11."""
-    rows = ", ".join(
-        f"{row['on_branch']} of {row['points']} at δ₀ = {row['delta0']:g}"
-        for row in summarise(compared.sel(direction=[0]))[::-1]
+    rows = summarise(compared.sel(direction=[0]))[::-1]
+    counted = ", ".join(
+        f"{row['on_whirl']} and {row['on_cycle']} of {row['points']} at δ₀ = {row['delta0']:g}"
+        for row in rows
     )
+    everywhere = summarise(compared)
+    exact = sum(row["on_whirl"] + row["on_cycle"] for row in everywhere)
+    points = sum(row["points"] for row in everywhere)
+    others = {
+        kind: count
+        for kind in RESPONSE
+        if (count := sum(row[kind] for row in everywhere))
+    }  # fmt: skip
+    rest = ", ".join(f"{count} {kind.replace('_', ' ')}" for kind, count in others.items())
     digits = float(compared.digits.min())
-    at_two = compared.response.sel(delta0=2.0, direction=0)
-    reached = int((at_two == RESPONSE["synchronous"]).sum())
+    reached = int((compared.response.sel(delta0=2.0, direction=0) == RESPONSE["synchronous"]).sum())
     texts = {
         "shows": f"The exact {quantity} and what a simulated rotor settles on, from rest and with "
         "the speed going up and down.",
@@ -150,19 +227,26 @@ def of_sweeps(quantity: str, compared: xr.Dataset) -> dict[str, str]:
             "rotor that bounces or swings has many harmonics: marked is the lag of the one at the "
             "spin speed."
         }
+    specials = [np.isin(each.special_kind, [SPECIAL[kind] for kind in ("fold", "period_doubling")])
+                for each in branches]  # fmt: skip
+    texts["shows"] = texts["shows"][:-1] + (
+        f"; with the {len(branches)} branches of limit cycles that it meets, as bands of |z|, and "
+        f"their {sum(int(each.sum()) for each in specials)} folds and period doublings."
+    )
     times = f"{reached} times" if reached else "never"
     return texts | {
-        "verdict": "Without clearance they are; with clearance only where the rotor comes to a "
-        "whirl.",
-        "found": f"From rest on one of the exact whirls: {rows}. There curve and simulation agree "
-        f"to {digits:.1f} digits or more. Elsewhere the rotor bounces, or its radius oscillates; "
-        f"from rest it comes {times} to the contacting branch at δ₀ = 2.",
+        "verdict": "Without clearance they are; with clearance the rotor often settles on limit "
+        "cycles, which the theory does not hold.",
+        "found": f"From rest on an exact whirl and on an exact limit cycle: {counted}. Of all "
+        f"{points} responses {exact} lie on one or the other, to {digits:.1f} digits or more"
+        + (f"; the rest: {rest}. " if rest else ". ")
+        + f"From rest the rotor comes {times} to the contacting whirls at δ₀ = 2.",
     }
 
 
 def table(compared: xr.Dataset) -> Table:
-    """Return how many points lie on an exact branch, to how many digits, and what others do."""
-    title = f"Simulated responses beside the exact whirls at ζ = {ZETA}"
+    """Return how many points lie on an exact response, to how many digits, and what others do."""
+    title = f"Simulated responses beside exact whirls and limit cycles at ζ = {ZETA}"
     shown = Table("speed", title=title, box=SIMPLE_HEAD, padding=0, show_edge=False)
     for name in COLUMNS:
         shown.add_column(name.replace("_", "\n"), justify="right")

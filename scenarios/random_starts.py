@@ -79,7 +79,8 @@ def kinds_of(found: xr.Dataset) -> xr.Dataset:
 
 def off_the_curve(over_speed: xr.Dataset, delta0: float) -> list[str]:
     """Return in words from which speed on most starts end where no curve shows them."""
-    off = over_speed.response.isin([RESPONSE["bouncing"], RESPONSE["full_contact"]])
+    kinds = ("bouncing", "full_contact", "chaotic")
+    off = over_speed.response.isin([RESPONSE[kind] for kind in kinds])
     most = over_speed.response_fraction.where(off, 0.0).sum("response").values > 0.5
     if not most.any():
         return []

@@ -136,6 +136,7 @@ GIVEN: dict[str, Callable[[Path], dict[str, object]]] = {
     "restoring_field": lambda _: {"x": 1.0, "y": 1.0, "delta0": 0.5},
     "flight": lambda _: {"time": 1.0, "rotor": ROTOR, "start": REST},
     "contact_free_whirl": lambda _: {"rotor": ROTOR},
+    "touch_fading": lambda _: {"rotor": ROTOR},
     "stability_determinant": lambda _: {"amplitude": 2.0, "omega": 1.2, "zeta": 0.5, "delta0": 0.5},
     "eigenvalues": lambda _: {"amplitude": 2.0, "omega": 1.2, "zeta": 0.5, "delta0": 0.5},
 }

@@ -1,4 +1,8 @@
-"""Hold simulated responses against the exact synchronous whirls."""
+"""Hold simulated responses against exact ones: synchronous whirls, and limit cycles.
+
+What was simulated comes from the sweep alone. A whirl is held against the closed forms; a motion
+that repeats itself against the limit cycle to which Newton's method leads from where it ended.
+"""
 
 from __future__ import annotations
 
@@ -6,11 +10,15 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.checks import check_instance
+from rotor_ida.checks import COMPONENTS, check_instance
 from rotor_ida.closed_forms import synchronous_response
-from rotor_ida.errors import InputError
-from rotor_ida.parameters import PARAMETERS
-from rotor_ida.schema import RESPONSE, labelled, labelled_dataset, origin_of
+from rotor_ida.cycles.multipliers import is_stable
+from rotor_ida.cycles.shooting import Cycle, close_orbit
+from rotor_ida.errors import InputError, SimulationError
+from rotor_ida.parallel import interruptible
+from rotor_ida.parallel.jobs import Stop
+from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.schema import EXACT, RESPONSE, STABILITY, labelled, labelled_dataset, origin_of
 
 Values = npt.NDArray[np.float64]
 
@@ -18,28 +26,34 @@ NEEDED = ("response", "amplitude", "phase_lag")
 # A settled whirl lies on a branch when it is this near, as a part of its amplitude: far above
 # any simulation's error, far below the distance between branches.
 ON_BRANCH = 1e-5
+# What is stated of a motion that repeats itself, and the state from which Newton's method begins.
+OF_CYCLES = ("period", "radius_min", "radius_max")
+ENDS = tuple(f"end_{name}" for name in COMPONENTS)
 # A double holds no more decimal digits than this.
 ALL_DIGITS = 16.0
 
 
 def compare(dataset: xr.Dataset) -> xr.Dataset:
-    """Put each simulated response of a sweep beside every exact synchronous whirl.
+    """Put each simulated response of a sweep beside the exact one that it is on.
 
     Parameters
     ----------
     dataset : Dataset
         A sweep: ``response``, ``amplitude`` and ``phase_lag`` on ``omega``, ``zeta`` and
-        ``delta0`` and any further dimensions.
+        ``delta0`` and any further dimensions; for limit cycles also ``period``, ``radius_min``,
+        ``radius_max`` and the states at the ends.
 
     Returns
     -------
     Dataset
-        ``response`` says what each point does. On the dimensions of the sweep:
-        ``matched_branch`` (-1 where it is on none), ``amplitude_error`` [1], ``phase_error``
-        [rad] and ``digits``, NaN where it is on none. With ``branch`` added:
-        ``branch_amplitude_error`` and ``branch_phase_error``. On
-        ``(omega, zeta, delta0, branch)``: ``exact_amplitude``, ``exact_phase_lag``,
-        ``stability`` and ``in_contact``.
+        ``response`` says what each point does. On the dimensions of the sweep: ``lies_on``
+        (nothing, a whirl, or a cycle) and ``digits``, to how many decimal digits simulated and
+        exact numbers agree, NaN where it lies on nothing. Of whirls ``matched_branch`` (-1 where it
+        is on none), ``amplitude_error`` [1] and ``phase_error`` [rad]; with ``branch`` added
+        ``branch_amplitude_error`` and ``branch_phase_error``; on ``(omega, zeta, delta0, branch)``
+        ``exact_amplitude``, ``exact_phase_lag``, ``stability`` and ``in_contact``. Of limit cycles
+        ``period``, ``radius_min``, ``radius_max`` and the end as simulated, and ``exact_period``,
+        ``exact_radius_min``, ``exact_radius_max`` [1] and ``cycle_stability`` beside them.
 
     Raises
     ------
@@ -50,7 +64,11 @@ def compare(dataset: xr.Dataset) -> xr.Dataset:
     -----
     Only a response of constant radius in contact, or a contact-free one, can lie on a branch.
     It does when the complex amplitudes ``A exp(-i theta)`` differ by less than 1e-5 of the
-    exact amplitude; ``digits`` is minus the decimal logarithm of that difference.
+    exact amplitude; ``digits`` is minus the decimal logarithm of that difference. A response with a
+    period lies on the limit cycle that Newton's method finds from its end, by Taylor series, where
+    period and extremes of the radius differ by less than 1e-5 of the exact ones; ``digits`` is that
+    of the largest of the three. The simulated numbers are those of the sweep, found in its own
+    motion.
 
     Examples
     --------
@@ -78,12 +96,19 @@ def compare(dataset: xr.Dataset) -> xr.Dataset:
         "matched_branch": nearest.where(matched, -1).astype(np.int8),
         "amplitude_error": amplitude_error.isel(branch=nearest).where(matched),
         "phase_error": phase_error.isel(branch=nearest).where(matched),
-        "digits": -np.log10(np.maximum(distance, 10.0**-ALL_DIGITS)).where(matched),
     }
     variables = {
         name: labelled(name, dims, column.transpose(*dims).values)
         for name, column in columns.items()
     }
+    cycles = _cycles_beside(dataset)
+    on_whirl = matched.transpose(*dims).values
+    off = np.where(on_whirl, distance.transpose(*dims).values, cycles.pop("distance"))
+    on = np.where(on_whirl, EXACT["whirl"], np.where(off < ON_BRANCH, EXACT["cycle"], 0))
+    variables["lies_on"] = labelled("lies_on", dims, on.astype(np.int8))
+    digits = np.where(on == EXACT["nothing"], np.nan, -np.log10(np.maximum(off, 10.0**-ALL_DIGITS)))
+    variables["digits"] = labelled("digits", dims, digits)
+    variables |= {name: labelled(name, dims, column) for name, column in cycles.items()}
     with_branch = (*dims, "branch")
     for name, error in (
         ("branch_amplitude_error", amplitude_error),
@@ -91,17 +116,18 @@ def compare(dataset: xr.Dataset) -> xr.Dataset:
     ):
         variables[name] = labelled(name, with_branch, error.transpose(*with_branch).values)
     variables |= _exact_variables(exact)
-    variables |= {name: dataset[name].variable for name in NEEDED}
+    given = [name for name in (*NEEDED, *OF_CYCLES, *ENDS) if name in dataset]
+    variables |= {name: dataset[name].variable for name in given}
     coordinates = {
         str(name): each.variable
         for name, each in {**dataset["response"].coords, "branch": exact["branch"]}.items()
     }
-    title = "Simulated responses beside the exact synchronous whirls"
+    title = "Simulated responses beside the exact ones"
     return labelled_dataset(title, variables, coordinates, origin_of(dataset))
 
 
 def summarise(compared: xr.Dataset) -> list[dict[str, object]]:
-    """Count, for each clearance, how many responses lie on an exact branch and to how far.
+    """Count, for each clearance, how many responses lie on an exact one, and to how far.
 
     Parameters
     ----------
@@ -111,26 +137,28 @@ def summarise(compared: xr.Dataset) -> list[dict[str, object]]:
     Returns
     -------
     list of dict
-        One row for each ``delta0``, with the number of points, how many lie on a branch,
-        smallest and median number of digits of those, and the number of every other kind.
+        One row for each ``delta0``, with the number of points, how many lie on a whirl and on a
+        limit cycle, smallest and median number of digits of those, and the number of every other
+        kind.
 
     Examples
     --------
     >>> from rotor_ida import sweep
     >>> row, = summarise(compare(sweep(omega=1.7, zeta=0.5, delta0=0.5)))
-    >>> row["points"], row["on_branch"], row["bouncing"]
-    (1, 1, 0)
+    >>> row["points"], row["on_whirl"], row["on_cycle"], row["bouncing"]
+    (1, 1, 0, 0)
     """
     rows = []
     for delta0 in compared["delta0"].values:
         part = compared.sel(delta0=delta0)
-        on_branch = part["matched_branch"].values >= 0
-        digits = part["digits"].values[on_branch]
-        other = part["response"].values[~on_branch]
+        on = part["lies_on"].values
+        digits = part["digits"].values[on != EXACT["nothing"]]
+        other = part["response"].values[on == EXACT["nothing"]]
         row: dict[str, object] = {
             "delta0": float(delta0),
-            "points": int(on_branch.size),
-            "on_branch": int(on_branch.sum()),
+            "points": int(on.size),
+            "on_whirl": int((on == EXACT["whirl"]).sum()),
+            "on_cycle": int((on == EXACT["cycle"]).sum()),
             "fewest_digits": float(digits.min()) if digits.size else float("nan"),
             "median_digits": float(np.median(digits)) if digits.size else float("nan"),
         }
@@ -158,6 +186,62 @@ def _relative_distance(
     # A rotor at rest is exactly on its branch of amplitude 0.
     scale = exact["amplitude"].where(exact["amplitude"] != 0.0, 1.0)
     return distance / scale
+
+
+def _cycles_beside(dataset: xr.Dataset) -> dict[str, npt.NDArray[np.generic]]:
+    """Return the exact limit cycles beside the responses with a period, and how far off these are.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        A sweep.
+
+    Returns
+    -------
+    dict
+        ``exact_period``, ``exact_radius_min`` and ``exact_radius_max``, NaN where there is none,
+        ``cycle_stability``, and ``distance``: the largest difference from the simulated numbers,
+        as a part of the exact one, infinite where there is none.
+    """
+    response = dataset["response"]
+    found = {f"exact_{name}": np.full(response.shape, np.nan) for name in OF_CYCLES}
+    stability = np.full(response.shape, STABILITY["absent"], dtype=np.int8)
+    distance = np.full(response.shape, np.inf)
+    table: dict[str, npt.NDArray[np.generic]] = {**found, "cycle_stability": stability}
+    table["distance"] = distance
+    if any(name not in dataset for name in (*OF_CYCLES, *ENDS)):
+        return table
+    spread = {
+        name: dataset[name].broadcast_like(response).transpose(*response.dims).values
+        for name in (*OF_CYCLES, *ENDS, *PARAMETERS)
+    }
+    for place in zip(*np.nonzero(np.isfinite(spread["period"])), strict=True):
+        rotor = Rotor(**{name: float(spread[name][place]) for name in PARAMETERS})
+        end = np.array([spread[name][place] for name in ENDS])
+        cycle = _cycle_near(rotor, end, float(spread["period"][place]))
+        if cycle is None:
+            continue
+        stability[place] = STABILITY["stable" if is_stable(cycle.shot) else "unstable"]
+        exact = np.array([getattr(cycle, name) for name in OF_CYCLES])
+        simulated = np.array([spread[name][place] for name in OF_CYCLES])
+        # a rotor that passes near the centre has a tiny smallest radius
+        sizes = np.array([cycle.period, cycle.radius_max, cycle.radius_max])
+        distance[place] = (np.abs(simulated - exact) / sizes).max()
+        for name, value in zip(OF_CYCLES, exact.tolist(), strict=True):
+            found[f"exact_{name}"][place] = value
+    return table
+
+
+def _cycle_near(rotor: Rotor, state: Values, period: float) -> Cycle | None:
+    """Return the limit cycle near a state, or None if Newton's method finds none."""
+
+    def work(stop: Stop) -> Cycle | None:
+        try:
+            return close_orbit(rotor, state, period, stop)
+        except SimulationError:
+            return None
+
+    return interruptible(work)
 
 
 def _exact_variables(exact: xr.Dataset) -> dict[str, xr.Variable]:

@@ -21,7 +21,7 @@ from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.schema import RESPONSE
 from rotor_ida.simulation.options import Method
 from rotor_ida.simulation.simulate import simulate
-from rotor_ida.sweeps.response import CONTACT_FREE, SYNCHRONOUS
+from rotor_ida.sweeps.response import BOUNCING, CONTACT_FREE, FULL_CONTACT, SYNCHRONOUS
 from rotor_ida.sweeps.sweep import DIRECTIONS, sweep
 from rotor_ida.testing import assert_events_close
 
@@ -30,6 +30,14 @@ RANGES = tuple(f"range_{name}" for name in COMPONENTS)
 HOW = ("rtol", "atol", "method", "flight")
 # What tells one response from another.
 NUMBERS = ("amplitude", "phase_lag", "radius_min", "radius_max")
+# Of which motions the numbers are those of the motion, not of one stretch of it.
+OF_MOTION = {
+    **dict.fromkeys(("amplitude", "phase_lag"), (CONTACT_FREE, SYNCHRONOUS)),
+    **dict.fromkeys(
+        ("radius_min", "radius_max", "period"),
+        (CONTACT_FREE, SYNCHRONOUS, BOUNCING, FULL_CONTACT),
+    ),
+}
 # Variables by which a kind of result is known, and attributes that it takes to compute it again.
 NEEDED = {
     "run": (("event_time", "event_time_error", "t"), (*PARAMETERS, "start", "duration", *HOW)),
@@ -117,8 +125,8 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
         ``agrees``, and ``trouble``: the first difference in words. Of runs the numbers of events,
         the largest difference of two event times and the largest error stated for one [1]; of the
         others the number of points, starts or numbers of limit cycles that were compared, of those
-        that differ, and the largest difference of two amplitudes, radii or numbers, relative to the
-        larger one.
+        that differ, and the largest difference of two amplitudes, radii, periods or such numbers,
+        relative to the larger one.
 
     Examples
     --------
@@ -232,14 +240,14 @@ def _of_responses(again: xr.Dataset, archived: xr.Dataset, kind: str) -> dict[st
     else:
         differs = again[name].values != archived[name].values
         differing = int(differs.sum())
-        apart = max(_apart(again, archived, each) for each in NUMBERS)
+        apart = max(_apart(again, archived, each) for each in OF_MOTION if each in archived)
         if differing:
             place = dict(zip(again[name].dims, np.argwhere(differs)[0].tolist(), strict=True))
             one, other = again[name].isel(place).item(), archived[name].isel(place).item()
             trouble = f"{differing} of {differs.size} differ in {name}; the first: "
             trouble += f"{place}, made again {one}, archived {other}"
         elif not apart <= CLOSE:
-            trouble = f"amplitudes or radii differ by {apart:.3g} of their size"
+            trouble = f"amplitudes, radii or periods differ by {apart:.3g} of their size"
     return {
         "agrees": not trouble,
         "compared": int(archived[name].size),
@@ -250,15 +258,15 @@ def _of_responses(again: xr.Dataset, archived: xr.Dataset, kind: str) -> dict[st
 
 
 def _apart(again: xr.Dataset, archived: xr.Dataset, name: str) -> float:
-    """Return the largest difference of steady whirls, relative to the larger value.
+    """Return the largest difference of a number of the motions, relative to the larger value.
 
-    The numbers of other motions are those of one stretch of them, which another machine may see
-    elsewhere. What is not told by either counts as equal.
+    Numbers of one stretch of a motion are passed over: another machine may see another stretch.
+    What is not told by either counts as equal.
     """
     one, other = again[name].values, archived[name].values
     kinds = archived["kind" if "kind" in archived else "response"].values
-    steady = np.isin(kinds, [RESPONSE[kind] for kind in (CONTACT_FREE, SYNCHRONOUS)])
-    same = (one == other) | (np.isnan(one) & np.isnan(other)) | ~steady
+    told = np.isin(kinds, [RESPONSE[kind] for kind in OF_MOTION[name]])
+    same = (one == other) | (np.isnan(one) & np.isnan(other)) | ~told
     scale = np.maximum(np.abs(one), np.abs(other))
     part = np.divide(np.abs(one - other), scale, out=np.zeros_like(scale), where=~same)
     return float(np.nan_to_num(part, nan=np.inf).max(initial=0.0))

@@ -106,7 +106,7 @@ def _curve(dataset: xr.Dataset, progress: Progress | None) -> xr.Dataset:
     numbers["special_value"] = getattr(rotor, first)
     place = {name: getattr(rotor, name) for name in PARAMETERS}
     start = xr.Dataset(numbers, place, {"parameter": first})
-    low, high, second_low, second_high = np.ravel(given["limits"]).tolist()
+    low, high, second_low, second_high = given["limits"]
     return bifurcation_curve(
         rotor,
         start=start,

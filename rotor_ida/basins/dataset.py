@@ -78,7 +78,8 @@ def fractions_dataset(
     """
     labels, attractors = found.labels, found.attractors
     missing, undecided, *ends = _counts(labels, len(attractors)).tolist()
-    of_kind = {number: 0 for word, number in RESPONSE.items() if word != "failed"}
+    never = {"failed", "not_found"}  # no attractor is of these kinds
+    of_kind = {number: 0 for word, number in RESPONSE.items() if word not in never}
     of_kind[RESPONSE["unresolved"]] = undecided
     for each, count in zip(attractors, ends, strict=True):
         of_kind[RESPONSE[each.kind]] += count

@@ -39,7 +39,8 @@ SHARE = ("response", "response_count", "response_fraction", "response_fraction_e
 STARTS = ("start_x", "start_y", "start_vx", "start_vy")
 POINT = (
     *("response", *PARAMETERS, "start", "direction", "amplitude", "phase_lag"),
-    *("radius_min", "radius_max", "event_count", "status", "message"),
+    *("radius_min", "radius_max", "period", "lyapunov_exponent", "lyapunov_error"),
+    *("event_count", "status", "message"),
 )
 # Of larger sweeps only the kinds are told; the archive holds the points.
 MOST_TOLD = 1_000_000
@@ -147,7 +148,8 @@ def _largest(values: Iterable[object]) -> float:
 
 
 def _sweep(dataset: xr.Dataset, most: int | None) -> Description:
-    points = rows_of(dataset, POINT) if dataset["response"].size <= MOST_TOLD else []
+    names = [name for name in POINT if name in dataset.variables]
+    points = rows_of(dataset, names) if dataset["response"].size <= MOST_TOLD else []
     record: Record = {
         "kind": "sweep",
         "starts": rows_of(dataset, STARTS),
@@ -343,10 +345,14 @@ def _rows(
 
 
 def _telling(points: Sequence[Record]) -> list[str]:
-    """Return the columns of a sweep to show: words only where they say anything."""
-    silent = {"", "done", "from_start"}
-    said = {name for name in POINT if any(point[name] not in silent for point in points)}
+    """Return the columns of a sweep to show: only those that say anything."""
+    said = {name for point in points for name, value in point.items() if _says(value)}
     return [name for name in POINT if name in said - {"phase_lag", "event_count"}]
+
+
+def _says(value: object) -> bool:
+    nothing = isinstance(value, float) and math.isnan(value)
+    return not nothing and value not in {"", "done", "from_start"}
 
 
 def names_on(dataset: xr.Dataset, *dims: str) -> list[str]:

@@ -80,7 +80,7 @@ def _figure_of_cycles(kind: str, dataset: xr.Dataset) -> Figure:
 
 def _whirls_beside(curve: xr.Dataset) -> xr.Dataset | None:
     """Return the folds of the whirl within the limits of a curve over speed and clearance."""
-    limits = np.ravel(curve.attrs["limits"]).reshape(2, 2)
+    limits = np.reshape(curve.attrs["limits"], (2, 2))
     of = dict(zip(str(curve.attrs["parameters"]).split(), limits.tolist(), strict=True))
     if "zeta" in of:
         return None

@@ -56,6 +56,8 @@ CUSP = "cusp"
 TESTS: dict[str, Callable[[Shot], float]] = {FOLD: fold_test, DOUBLING: doubling_test}
 # Step of the differences by which a test function is differentiated, in parts of the scales.
 DIFFERENCE = 1e-6
+# And the derivatives serve as long as no unknown moves farther, in parts of the scales.
+KEPT = 1e-3
 # Points of a branch, each way, on which a first bifurcation is sought.
 MOST_SOUGHT = 2000
 
@@ -144,7 +146,7 @@ def bifurcation_curve(
     attributes = provenance({"method": "taylor", "flight": "exact"}) | {
         "kind": kind,
         "parameters": f"{first} {second}",
-        "limits": np.array(bounds),
+        "limits": np.array(bounds).ravel(),
         "points": count,
         "start": guess.state,
         "start_period": guess.period or math.nan,
@@ -225,18 +227,38 @@ def _problem(
     def follow(unknowns: Values) -> Shot:
         return shot_of(rotor, unknowns, names, stop)
 
+    gradient = _Gradient(lambda unknowns: test(follow(unknowns)), scale)
+
     def equations(unknowns: Values, shot: Shot, direction: Values) -> tuple[Values, Values]:
         miss, matrix = shooting_equations(shot, direction, *shot.by_parameter[:, columns].T)
-        here, gradient = test(shot), np.empty(unknowns.size)
-        for place, step in enumerate(DIFFERENCE * scale):
-            beside = unknowns.copy()
-            beside[place] += step
-            gradient[place] = (test(follow(beside)) - here) / (beside[place] - unknowns[place])
-        return np.append(miss, -here), np.vstack([matrix, gradient])
+        here = test(shot)
+        return np.append(miss, -here), np.vstack([matrix, gradient.near(unknowns, here)])
 
     return Problem(
         follow, equations, checked_cycle, {CUSP: _turning}, {GRAZE: Count(contacts_of, nearest_gap)}
     )
+
+
+class _Gradient:
+    """The derivatives of a test function by the unknowns, kept while these hardly move.
+
+    Newton's method needs them to find its way, not to say where it has come to.
+    """
+
+    def __init__(self, function: Callable[[Values], float], scale: Values) -> None:
+        self._function, self._scale = function, scale
+        self._place, self._gradient = np.full(scale.size, math.inf), np.empty(scale.size)
+
+    def near(self, unknowns: Values, here: float) -> Values:
+        """Return the derivatives at unknowns, where the function is `here`, or close by."""
+        if not (np.abs(unknowns - self._place) <= KEPT * np.abs(self._scale)).all():
+            self._place = unknowns
+            for place, step in enumerate(DIFFERENCE * self._scale):
+                beside = unknowns.copy()
+                beside[place] += step
+                change = self._function(beside) - here
+                self._gradient[place] = change / (beside[place] - unknowns[place])
+        return self._gradient.copy()
 
 
 def _turning(point: Point[Shot], last: Point[Shot]) -> float:

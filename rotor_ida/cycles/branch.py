@@ -21,6 +21,7 @@ from rotor_ida.cycles.continuation import (
     Point,
     Problem,
     Special,
+    Step,
     shooting_equations,
 )
 from rotor_ida.cycles.guess import Guess
@@ -46,12 +47,14 @@ FOLD, DOUBLING, GRAZE = "fold", "period_doubling", "graze"
 SLIGHT = 1e-3
 # A cycle is two equal halves when its half misses its start by less than this part of it.
 EQUAL = 1e-6
+# The last step to it is so short that nothing is overlooked on the way.
+SHORT = 1e-3
 # A branch that comes back to its first point passes it this near, in parts of the step, and the
 # cycle there is the same to this part.
 NEAR, SAME = 0.25, 1e-6
 FEWEST_STEPS = 8
 # Where the period doubles, doubled cycles are sought at such parts of the size of the state.
-ASIDE = (1e-2, 3e-3, 3e-2, 1e-3)
+ASIDE = (1e-3, 3e-3, 1e-2, 3e-2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -203,22 +206,31 @@ def _half_misses(line: Curve[Shot], point: Point[Shot]) -> float:
 
 def advance(course: Course, side: Side) -> None:
     """Take one step along a branch."""
-    line, last = course.line, side.points[-1]
-    try:
-        step = line.step(last, side.length)
-    except SimulationError:
-        side.end = _end_at(last)
-        return
+    line, last, length, halved = course.line, side.points[-1], side.length, None
+    before = side.points[-2] if len(side.points) > 1 else None
+    while True:
+        try:
+            step = line.step(last, length, before)
+        except SimulationError:
+            side.end = _end_at(last)
+            return
+        if len(course.limits) == 1:
+            halved = _halved(line, last, step)
+        if halved is None or step.taken <= SHORT:
+            break
+        length = 0.25 * step.taken
     point, met = step.point, step.met
     if (passed := _passed(course, point)) is not None:
         side.end = LIMITS
         if last.unknowns[passed[0]] == passed[1]:
             return
-        point = line.crossing(last, step.taken, *passed)
+        try:
+            point = line.crossing(last, point, *passed)
+        except SimulationError:  # the last point is the one before
+            return
         met = [each for each in met if _passed(course, each.point) is None]
-    elif len(side.points) > FEWEST_STEPS and _comes_back(course, last, point, step.taken):
+    elif len(side.points) > FEWEST_STEPS and _comes_back(course, last, point):
         point, side.end = course.first, CLOSED
-    halved = _halved(line, last, point, met) if len(course.limits) == 1 else None
     if halved is not None:
         met, point, side.end = [*met, Special(DOUBLING, halved)], halved, HALVED
     side.specials += [(len(side.points) - 1, each) for each in met]
@@ -228,20 +240,19 @@ def advance(course: Course, side: Side) -> None:
         side.end = ENOUGH
 
 
-def _halved(
-    line: Curve[Shot], last: Point[Shot], point: Point[Shot], met: list[Special[Shot]]
-) -> Point[Shot] | None:
-    """Return the cycle that doubles its period between two points of a branch, if there is one.
+def _halved(line: Curve[Shot], last: Point[Shot], step: Step[Shot]) -> Point[Shot] | None:
+    """Return the cycle that doubles its period on a step along a branch, if there is one.
 
     There the branch of doubled cycles ends, as a cycle twice round. A step either comes to such a
     cycle itself, or passes to the same branch half a period later: the parameter turns back, and
     there is no fold.
     """
+    point = step.point
     twice = _is_twice_round(point.stretch)
-    turns = last.tangent[-1] * point.tangent[-1] < 0.0
-    if not twice and (not turns or any(each.name == FOLD for each in met)):
+    turns = last.tangent[PLACE] * point.tangent[PLACE] < 0.0
+    if not twice and (not turns or any(each.name == FOLD for each in step.met)):
         return None
-    near = point if twice or abs(point.tangent[-1]) < abs(last.tangent[-1]) else last
+    near = point if twice or abs(point.tangent[PLACE]) < abs(last.tangent[PLACE]) else last
     half = Curve(line.problem, line.scale * HALF)
     try:
         return half.root(half.first(near.unknowns * HALF), doubling_test)
@@ -280,7 +291,7 @@ def _end_at(last: Point[Shot]) -> str:
     return CONTACT_FREE if 0.0 < depth < SLIGHT * delta0 else STUCK
 
 
-def _comes_back(course: Course, last: Point[Shot], point: Point[Shot], length: float) -> bool:
+def _comes_back(course: Course, last: Point[Shot], point: Point[Shot]) -> bool:
     """Return whether a step passes the first point of its branch, led as there.
 
     A branch comes back at any phase: the cycles are compared by what does not hang on it.
@@ -292,7 +303,7 @@ def _comes_back(course: Course, last: Point[Shot], point: Point[Shot], length: f
     if not (0.0 <= part <= 1.0 and miss <= NEAR * np.linalg.norm(along)):
         return False
     try:
-        again = course.line.crossing(last, length, PLACE, float(course.first.unknowns[PLACE]))
+        again = course.line.crossing(last, point, PLACE, float(course.first.unknowns[PLACE]))
     except SimulationError:
         return False
     same = np.linalg.norm(_signature(again) - goal) <= SAME * np.linalg.norm(goal)

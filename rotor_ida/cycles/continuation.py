@@ -6,7 +6,7 @@ is kept along the tangent there, so that folds are passed like other points [1]_
 asked for is a `Stretch`: the end of an orbit, and its derivatives. Lengths are measured with each
 unknown in parts of its scale. A step:
 
-1. *predict* along the tangent,
+1. *predict* by a cubic through the last two points, with the tangents there,
 2. *correct* by Newton's method in the plane across it,
 3. try a shorter one where that fails, or the curve bends too much; let the next be longer where it
    was easy,
@@ -36,8 +36,8 @@ Values = npt.NDArray[np.float64]
 
 MOST_NEWTON_STEPS = 10
 # A step of Newton's method this small leaves an error of its square, or near a graze of its power
-# 1.5: after one more the error is rounding.
-CONVERGED = 1e-8
+# 1.5: after it the error is rounding. One that would be as small as rounding is not taken.
+CONVERGED, EXACT = 1e-8, 1e-13
 # And with a step this large it is on its way elsewhere.
 LEAVES = 1.0
 FIRST_STEP, LONGEST_STEP, SHORTEST_STEP = 5e-3, 4e-2, 1e-10
@@ -224,8 +224,17 @@ class Curve(Generic[S]):
         """Return the point in the plane through `guess` with normal `plane`."""
         return self._corrected(guess, plane)[0]
 
-    def step(self, last: Point[S], length: float) -> Step[S]:
+    def step(self, last: Point[S], length: float, before: Point[S] | None = None) -> Step[S]:
         """Take a step of this length, or of less where the curve demands it.
+
+        Parameters
+        ----------
+        last : Point
+            Where the step begins.
+        length : float
+            Its length, in parts of the scales.
+        before : Point, optional
+            The point before, if there is one.
 
         Raises
         ------
@@ -234,10 +243,12 @@ class Curve(Generic[S]):
         """
         while True:
             try:
-                point, newton_steps = self._at(last, length)
+                guess = self._guess(last, before, length)
+                point, newton_steps = self._at(last, length, before)
                 cosine = float(point.tangent @ last.tangent)
-                moved = (point.unknowns - last.unknowns) / self.scale - length * last.tangent
-                if cosine >= LEAST_COSINE and np.linalg.norm(moved) <= MOST_CORRECTION * length:
+                moved = np.linalg.norm((point.unknowns - guess) / self.scale)
+                if cosine >= LEAST_COSINE and moved <= MOST_CORRECTION * length:
+                    met = self._met(last, point, length)
                     break
                 reason = "the curve bends too much"
             except SimulationError as error:
@@ -247,16 +258,21 @@ class Curve(Generic[S]):
                 raise SimulationError(f"no step can be taken: {reason}")
         easy = newton_steps <= EASY and cosine >= GOOD_COSINE
         longer = min(length * GROWTH, LONGEST_STEP) if easy else length
-        return Step(point, self._met(last, point, length), length, longer)
+        return Step(point, met, length, longer)
 
-    def crossing(self, last: Point[S], length: float, place: int, value: float) -> Point[S]:
-        """Return the point at which an unknown has a value that a step from `last` passes."""
-        whole = last.tangent[place] * self.scale[place]
-        part = (value - last.unknowns[place]) / whole if whole else 0.0
-        guess = last.unknowns + min(max(part, 0.0), length) * last.tangent * self.scale
+    def crossing(self, last: Point[S], point: Point[S], place: int, value: float) -> Point[S]:
+        """Return the point at which an unknown has a value that it passes on a step."""
+        length = float((point.unknowns - last.unknowns) / self.scale @ last.tangent)
+
+        def beyond(part: float) -> float:
+            return float(self._guess(last, point, part)[place]) - value
+
+        if beyond(0.0) * beyond(length) > 0.0:
+            raise SimulationError("the step does not pass the value")
+        guess = self._guess(last, point, float(brentq(beyond, 0.0, length)))
         guess[place] = value
-        point = self.near(guess, _unit(guess.size, place))
-        return point if float(point.tangent @ last.tangent) > 0.0 else point.reversed()
+        found = self.near(guess, _unit(guess.size, place))
+        return found if float(found.tangent @ last.tangent) > 0.0 else found.reversed()
 
     def root(self, near: Point[S], test: Callable[[S], float]) -> Point[S]:
         """Return the point close by at which a test function is 0, by the secant method.
@@ -268,7 +284,7 @@ class Curve(Generic[S]):
         """
         before, value, place = 0.0, test(near.stretch), FIRST_STEP
         for _ in range(MOST_SECANTS):
-            point = self._at(near, place)[0]
+            point = self._at(near, place, None)[0]
             here = test(point.stretch)
             change = -here * (place - before) / (here - value) if here != value else 0.0
             if abs(change) <= FINEST:
@@ -277,21 +293,60 @@ class Curve(Generic[S]):
             place += min(max(change, -LONGEST_STEP), LONGEST_STEP)
         raise SimulationError("no special point was found close by")
 
-    def _at(self, last: Point[S], length: float) -> tuple[Point[S], int]:
-        """Return the point at a length along the tangent, and the steps of Newton's method."""
-        return self._corrected(last.unknowns + length * last.tangent * self.scale, last.tangent)
+    def _at(self, last: Point[S], length: float, other: Point[S] | None) -> tuple[Point[S], int]:
+        """Return the point a length along the tangent, and the steps of Newton's method."""
+        guess = self._guess(last, other, length)
+        return self._corrected(guess, last.tangent, last.stretch.start_rate)
 
-    def _corrected(self, guess: Values, plane: Values) -> tuple[Point[S], int]:
-        """Return the point in the plane through `guess` with normal `plane`, and the steps."""
-        unknowns, size, direction = guess, math.inf, np.empty(0)
+    def _guess(self, last: Point[S], other: Point[S] | None, length: float) -> Values:
+        """Return about the point a length along the tangent, across the field at the last one.
+
+        It lies on the tangent, or on a cubic through another point, before or after the last one,
+        with the tangents at both.
+        """
+        along = length * last.tangent
+        if other is not None:
+            chord, tangent = self._beside(last, other)
+            # the arc is longer than its chord
+            arc = float(np.copysign(np.linalg.norm(chord), chord @ last.tangent))
+            arc *= 1.0 + (1.0 - float(tangent @ last.tangent)) / 12.0
+            x = length / arc
+            along = x * (1.0 - x) ** 2 * arc * last.tangent + x**2 * (3.0 - 2.0 * x) * chord
+            along += x**2 * (x - 1.0) * arc * tangent
+            along += (length - along @ last.tangent) * last.tangent
+        return last.unknowns + along * self.scale
+
+    def _beside(self, last: Point[S], other: Point[S]) -> tuple[Values, Values]:
+        """Return where another point lies from the last one, and its tangent, at the same phase.
+
+        Its state is shifted along its orbit into the plane across the field at the last one.
+        """
+        field, rate = last.stretch.start_rate, other.stretch.start_rate
+        n, slope = field.size, float(field @ rate)
+        shift = np.append(rate / self.scale[:n], np.zeros(self.scale.size - n)) / slope
+        chord = (other.unknowns - last.unknowns) / self.scale
+        chord = chord - float(field @ (chord[:n] * self.scale[:n])) * shift
+        tangent = other.tangent - float(field @ (other.tangent[:n] * self.scale[:n])) * shift
+        return chord, tangent / np.linalg.norm(tangent)
+
+    def _corrected(
+        self, guess: Values, plane: Values, direction: Values | None = None
+    ) -> tuple[Point[S], int]:
+        """Return the point in the plane through `guess` with normal `plane`, and the steps.
+
+        The state does not move along `direction`, by default the field at the guess.
+        """
+        unknowns, size = guess, math.inf
         for steps in range(MOST_NEWTON_STEPS + 1):
             stretch = self.problem.shoot(unknowns)
             if size <= CONVERGED:
                 return self._point(unknowns, stretch, plane), steps
-            direction = direction if steps else stretch.start_rate
+            direction = stretch.start_rate if direction is None else direction
             miss, matrix = self._bordered(unknowns, stretch, direction, plane)
             step = _solved(matrix, np.append(miss, 0.0))
             size = float(np.linalg.norm(step))
+            if size <= EXACT:
+                return self._point(unknowns, stretch, plane), steps
             if not size < LEAVES:
                 raise SimulationError("Newton's method leaves the curve")
             unknowns = unknowns + step * self.scale
@@ -318,7 +373,7 @@ class Curve(Generic[S]):
         found: list[tuple[float, Special[S]]] = []
         for name, test in self.problem.tests.items():
             if test(last, last) * test(point, last) < 0.0:
-                found.append(self._zero(last, (0.0, length), name, partial(_by, test, last)))
+                found.append(self._zero(last, point, (0.0, length), name, partial(_by, test, last)))
         for name, count in self.problem.counts.items():
             found += self._changes(last, point, length, name, count)
         found.sort(key=lambda each: each[0])
@@ -327,6 +382,7 @@ class Curve(Generic[S]):
     def _zero(
         self,
         last: Point[S],
+        point: Point[S],
         between: tuple[float, float],
         name: str,
         test: Callable[[Point[S]], float],
@@ -334,11 +390,11 @@ class Curve(Generic[S]):
         """Return where a test function is 0 on a step, and the special point there."""
 
         def value(part: float) -> float:
-            return test(self._at(last, part)[0] if part else last)
+            return test(self._at(last, part, point)[0] if part else last)
 
         low, high = between
         place = float(brentq(value, low, high, xtol=FINEST * high, rtol=FINEST))
-        return place, Special(name, self._at(last, place)[0])
+        return place, Special(name, self._at(last, place, point)[0])
 
     def _changes(
         self, last: Point[S], point: Point[S], length: float, name: str, count: Count[S]
@@ -351,16 +407,16 @@ class Curve(Generic[S]):
             for halving in range(HALVINGS):
                 if halving >= FIRST_HALVINGS and count.sign(below) * count.sign(above) < 0.0:
                     sign = partial(_of_stretch, count.sign)
-                    found.append(self._zero(last, (low, high), name, sign))
+                    found.append(self._zero(last, point, (low, high), name, sign))
                     break
                 middle = 0.5 * (low + high)
-                here = self._at(last, middle)[0].stretch
+                here = self._at(last, middle, point)[0].stretch
                 if count.number(here) == count.number(below):
                     low, below = middle, here
                 else:
                     high, above = middle, here
             else:
-                found.append((high, Special(name, self._at(last, high)[0])))
+                found.append((high, Special(name, self._at(last, high, point)[0])))
             low, below = high, above
         return found
 

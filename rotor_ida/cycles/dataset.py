@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -63,7 +63,7 @@ def state_columns(states: Values, dim: str, prefix: str = "") -> dict[str, xr.Va
     }
 
 
-def of_cycle(name: str, dims: str | tuple[str, ...], values: npt.ArrayLike) -> xr.Variable:
+def of_cycle(name: str, dims: Hashable | Sequence[Hashable], values: npt.ArrayLike) -> xr.Variable:
     """Return a variable of limit cycles, labelled so where its name serves other things too."""
     quantity = QUANTITIES[f"cycle_{name}" if f"cycle_{name}" in QUANTITIES else name]
     return xr.Variable(dims, np.asarray(values), quantity.attributes())

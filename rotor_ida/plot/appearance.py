@@ -43,6 +43,8 @@ KIND_SHADES = {
     "contact_free": ("#92dadd", "#4f9b9f", "#d5f2f3", "#1f6f73"),
     "bouncing": (ORANGE, "#ffc48a", "#a96b59", "#ffa90e"),
     "full_contact": (PURPLE, "#d7b3ea", "#4b1a68", "#b9ac70"),
+    "touching": ("#c08878", "#d8b8ae", "#6b3a2c", "#8a7a75"),
+    "chaotic": (RED, "#f0a898", "#6e1200", "#d97b66"),
     "unresolved": (GREY, "#717581", "#c9d1d0", "#5a5f5e"),
 }
 

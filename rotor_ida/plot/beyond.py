@@ -53,6 +53,7 @@ FLOOR = 3e-5
 LINES = ((BLUE, "-"), (ORANGE, "--"), (PURPLE, "-."), (INK, ":"))
 # What a bifurcation diagram is made of.
 FREE = "extremum, contact-free or unresolved"
+FREE_KINDS = ("contact_free", "touching", "unresolved")
 EXTREMA = {
     "constant": ("constant radius", BLUE),
     "maximum": ("local maximum of $|z|$", ORANGE),
@@ -245,9 +246,9 @@ def plot_extrema(
         for place in places[:3]
     )
     here = clearance == delta0
-    kinds_of_response = flags_of(found["response"])
+    flags = flags_of(found["response"])
     # of an unresolved motion it is not known whether the extrema remain
-    free = np.isin(response, [kinds_of_response[kind] for kind in ("contact_free", "unresolved")])
+    free = np.isin(response, [number for kind, number in flags.items() if kind in FREE_KINDS])
     radius, kinds = found["extremum_radius"].values, found["extremum_kind"].values
     flags = flags_of(found["extremum_kind"])
     with style():

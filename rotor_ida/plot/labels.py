@@ -79,6 +79,8 @@ KIND_WORDS = {
     "contact_free": "contact-free response",
     "bouncing": "bouncing",
     "full_contact": "full contact",
+    "touching": "touching ever more slightly",
+    "chaotic": "chaotic",
     "unresolved": "unresolved",
 }
 

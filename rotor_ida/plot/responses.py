@@ -27,6 +27,7 @@ from rotor_ida.plot.appearance import (
     NEUTRAL,
     ORANGE,
     PURPLE,
+    RED,
     STABLE,
     UNSTABLE,
     axes_or_new,
@@ -71,6 +72,8 @@ KINDS = {
     "contact_free": _Look(BLUE, False, False),
     "bouncing": _Look(ORANGE, False, True),
     "full_contact": _Look(PURPLE, True, True),
+    "touching": _Look(INK, False, False),
+    "chaotic": _Look(RED, True, True, dotted=True),
     "unresolved": _Look(GREY, False, True, dotted=True),
 }
 DIRECTIONS = {0: ("o", 4.2), 1: ("^", 3.4), -1: ("v", 3.4)}
@@ -95,9 +98,9 @@ def plot_amplitude(
         What `rotor_ida.synchronous_response` returned, for the same parameters: the whirls at
         its speeds are marked.
     simulated : Dataset, optional
-        What `rotor_ida.sweep` returned, for the same parameters. Responses that are synchronous
-        or contact-free are marks at their amplitude, by direction of the sweep; all others are
-        bars over the range of the distance from the bearing axis.
+        What `rotor_ida.sweep` returned, for the same parameters. Responses that are synchronous,
+        contact-free or touching are marks at their amplitude, by direction of the sweep; all
+        others are bars over the range of the distance from the bearing axis.
     fold_points : Dataset, optional
         What `rotor_ida.folds` returned, for the same parameters: the folds are marked.
     ax : Axes, optional
@@ -284,7 +287,7 @@ def _draw_simulated(ax: Axes, simulated: xr.Dataset, quantity: str) -> None:
     flat = _columns(simulated, ("omega", *SIMULATED))
     flags = flags_of(simulated["response"])
     for kind, look in KINDS.items():
-        of_kind = flat["response"] == flags[kind]
+        of_kind = flat["response"] == flags.get(kind)
         if not of_kind.any():
             continue
         points = {name: values[of_kind] for name, values in flat.items()}
@@ -346,7 +349,7 @@ def _draw_over_clearance(ax: Axes, simulated: xr.Dataset) -> None:
     flat = _columns(simulated, names)
     flags = flags_of(simulated["response"])
     for kind, looks in KINDS.items():
-        of_kind = flat["response"] == flags[kind]
+        of_kind = flat["response"] == flags.get(kind)
         if not of_kind.any():
             continue
         delta0 = flat["delta0"][of_kind]

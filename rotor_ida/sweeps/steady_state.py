@@ -41,15 +41,15 @@ FAILED = "failed"
 # A transient that decays like exp(-zeta t) has fallen by 4e-11 after this many 1/zeta.
 DECAY_TIMES = 24.0
 LONGEST_FIRST_WAIT = 2000.0
-# No look at the motion begins later, unless it is the first.
-LONGEST = 20_000.0
+# No window begins later, unless it is the first.
+LONGEST = 40_000.0
 # Errors of single contacts add up round a cycle, and the smallest radius may be a small part of
 # the motion. So runs are made with tolerances this much tighter, if that leaves the solver room.
 TIGHTER, ROOMY = 0.1, 1e-11
 # A long contact in one run slowly leaves the unit circle on which its direction is kept.
 LONGEST_RUN = 100.0
-# The window holds whole revolutions: so many at least, and so much time at least; from look to
-# look it is doubled, up to so many times that, for periods of many revolutions.
+# The window holds whole revolutions: so many at least, and so much time at least; from one to
+# the next it is doubled, up to so many times that, for periods of many revolutions.
 WINDOW_REVOLUTIONS = 4
 WINDOW_TIME = 40.0
 LONGEST_WINDOW = 8
@@ -63,8 +63,8 @@ STEADY_TOLERANCES = 10.0
 RECURS = 10.0
 # Chaos may be a transient: exponents are asked for only where a motion has not settled after this
 # time and so many 1/zeta, and then over this time, or over so many times what it was followed.
-LATE, PATIENCE = 3000.0, 10.0
-EXPONENT_TIME, EXPONENT_TIMES = 10_000.0, 2.0
+LATE, PATIENCE = 3000.0, 20.0
+EXPONENT_TIME, EXPONENT_TIMES = 20_000.0, 2.0
 # An exponent is clear of zero when it exceeds so many errors, and when by it neighbours part by
 # a factor of exp(20) in the time over which it was taken.
 CLEAR_ERRORS = 5.0
@@ -127,7 +127,7 @@ class _Trajectory:
         for _ in range(count):
             self._extend(duration / count, np.empty(0))
 
-    def look(self, length: float, samples: int) -> Window:
+    def observe(self, length: float, samples: int) -> Window:
         """Simulate on, and return what the motion does meanwhile."""
         times = np.linspace(0.0, length, samples)
         orbit = self._extend(length, times)
@@ -142,7 +142,7 @@ class _Trajectory:
         )
 
     def turns(self, window: Window) -> TurningPoints:
-        """Return where the radius turns in the window that was last looked at."""
+        """Return where the radius turns in the last window."""
         length = float(window.times[-1])
 
         def again(times: Values) -> Values:
@@ -187,7 +187,7 @@ class _Trajectory:
 
 @dataclass(slots=True)
 class _Approach:
-    """How near a motion has come to its cycle, from look to look.
+    """How near a motion has come to its cycle, from window to window.
 
     Parameters
     ----------
@@ -233,7 +233,7 @@ def follow_to_steady_state(
 ) -> SettledResponse:
     """Follow a rotor until the kind of its response is decided, or for long enough.
 
-    The motion is looked at over a window: first after the time in which damping should have
+    The motion is observed over a window: first after the time in which damping should have
     settled it, then each time the time has doubled.
 
     Parameters
@@ -245,7 +245,7 @@ def follow_to_steady_state(
     options : Options
         How to simulate.
     longest : float
-        Time after which no further look begins, if the first has been made [1].
+        Time after which no further window begins [1].
     stop : ndarray, shape (1,), optional
         Ends the run, as failed, as soon as it holds anything but 0.
     """
@@ -257,13 +257,13 @@ def follow_to_steady_state(
 
 
 def _decided(trajectory: _Trajectory, longest: float) -> SettledResponse:
-    """Look at the motion until its kind is decided."""
+    """Observe the motion, window after window, until its kind is decided."""
     wait, length, samples = durations(trajectory.rotor)
     approach, times = _Approach(), 1
     while True:
         trajectory.wait(wait)
         began = trajectory.time
-        window = trajectory.look(times * length, times * (samples - 1) + 1)
+        window = trajectory.observe(times * length, times * (samples - 1) + 1)
         kind, features = _kind_of(window, trajectory, approach)
         wait, times = trajectory.time, min(2 * times, LONGEST_WINDOW)
         never = trajectory.rotor.zeta == 0.0

@@ -99,7 +99,9 @@ def sweep(
     Dataset
         On ``(omega, zeta, delta0, start, direction)``: ``response`` (its kind, as a flag),
         ``amplitude`` and ``phase_lag`` of the motion at the spin speed, ``radius_min``,
-        ``radius_max``, ``status``, ``message``, the final window and the state at its end on
+        ``radius_max``, ``period`` (on the rotating axes, of bouncing and full-contact motions; else
+        NaN), ``lyapunov_exponent`` and ``lyapunov_error`` (the largest; NaN where the response was
+        decided without), ``status``, ``message``, the final window and the state at its end on
         the rotating axes; the events of all runs in one table, ``event_count`` rows each.
 
     Raises
@@ -109,6 +111,28 @@ def sweep(
         ``message`` say why; so do those of a ramp whose workers of dask keep dying.
     SimulationError
         If one of ``"processes"`` died, or the scheduler.
+
+    Notes
+    -----
+    The motion is seen over a window: first after 24/zeta (2,000 at most), then whenever the time
+    has doubled, until its response is decided, or until 40,000. It is, in this order,
+
+    - ``synchronous`` or ``contact_free`` if it whirls steadily in contact, or has left the ring for
+      good: both follow from one state;
+    - ``bouncing`` or ``full_contact`` if the states at which its radius is largest come again all
+      over a window that holds three periods, and their misses and the cycle's slowest multiplier
+      say that it is within 1e-9 of the cycle;
+    - ``touching`` if it touches once a revolution and 1/h, h the indentation, grows from touch to
+      touch by what `rotor_ida.closed_forms.touch_fading` says, to 10 %;
+    - ``chaotic`` if it has not settled after 3,000 and 20/zeta, and its largest Lyapunov exponent,
+      over 20,000 or more from there on, exceeds five of its errors. Chaos that lasts longer may
+      still be a transient;
+    - ``unresolved`` if it is none of these. Without damping nothing settles, and only the first
+      window is seen.
+
+    Period and extreme radii are those of the simulated motion in its last period: the roots of
+    ``r r'``, found by simulating the window again with samples there. All runs are made with a
+    tenth of the tolerances given, down to an ``rtol`` of 1e-12, since errors add up round a cycle.
 
     Examples
     --------

@@ -67,6 +67,7 @@ RESULTS = {
         omega=[1.2, 1.7, 2.2], zeta=0.3, delta0=[0.5, 1.0], starts=[(0, 0, 0, 0), (3, 0, 0, 1)]
     ),
     "up and down": lambda: sweep(omega=[1.2, 1.7], zeta=0.3, delta0=0.5, direction="both"),
+    "other kinds": lambda: sweep(omega=[0.5, 2.0], zeta=0.07, delta0=2.0, workers=1),
     "basin": lambda: basin(
         Rotor(omega=1.7, zeta=0.3, delta0=0.5), x=1.0, y=[-2.0, 0.0, 3.0], vx=[0.0, 5.0]
     ),
@@ -90,7 +91,8 @@ def test_a_result_of_many_points_is_made_again_to_the_bit(tmp_path, kind):
     ("kind", "forge", "trouble"),
     [
         ("sweep", lambda of: of.assign(response=of.response + 1), "12 of 12 differ in response"),
-        ("sweep", lambda of: of.assign(amplitude=of.amplitude * 1.001), "amplitudes or radii"),
+        ("sweep", lambda of: of.assign(amplitude=of.amplitude * 1.001), "amplitudes, radii or"),
+        ("other kinds", lambda of: of.assign(period=of.period * 1.001), "radii or periods differ"),
         ("basin", lambda of: of.assign(label=of.label - 1), "6 of 6 differ in label; the first"),
         (
             "basin_fractions",
@@ -108,7 +110,8 @@ def test_a_forged_result_of_many_points_does_not_verify(kind, forge, trouble):
 
 def test_another_kind_of_dataset_cannot_be_verified():
     with pytest.raises(
-        InputError, match="only what simulate, sweep, basin and basin_fractions have computed"
+        InputError,
+        match="only what simulate, sweep, basin, basin_fractions, limit_cycle, continue_cycle and",
     ):
         rerun(folds(zeta=0.07, delta0=0.0))
     run = simulate(ROTOR, start=(0, 0, 0, 0), duration=5.0)
@@ -123,18 +126,18 @@ def test_another_kind_of_dataset_cannot_be_verified():
         (
             "sweep",
             lambda of: of.drop_vars("start_y"),
-            "only what simulate, sweep, basin and basin_fractions",
+            "only what simulate, sweep, basin, basin_fractions, limit_cycle",
         ),
         (
             "sweep",
             lambda of: of.drop_vars("amplitude"),
-            "only what simulate, sweep, basin and basin_fractions",
+            "only what simulate, sweep, basin, basin_fractions, limit_cycle",
         ),
         ("sweep", lambda of: of.assign(amplitude=of.amplitude.astype(str)), "amplitude must be nu"),
         (
             "basin",
             lambda of: of.drop_vars("vy"),
-            "only what simulate, sweep, basin and basin_fractions",
+            "only what simulate, sweep, basin, basin_fractions, limit_cycle",
         ),
         (
             "basin_fractions",

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import rotor_ida
@@ -66,7 +65,7 @@ def archives(tmp_path_factory: pytest.TempPathFactory) -> Path:
         kind="period_doubling",
         limits=[(1.7, 1.9), (1.9, 2.1)],
     )
-    rotor_ida.save(curve.assign_attrs(limits=np.ravel(curve.limits)), folder / "curve.nc")
+    rotor_ida.save(curve, folder / "curve.nc")
     in_si_units = rotor_ida.dimensional(
         cycle,
         rotor_ida.DimensionalRotor(

@@ -76,6 +76,9 @@ def test_the_examples_run_one_after_the_other(program: Program, monkeypatch: pyt
         "sweep.nc",
         "basin.nc",
         "compared.nc",
+        "cycle.nc",
+        "branch.nc",
+        "curve.nc",
     } <= written
 
 

@@ -10,7 +10,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rotor_ida.closed_forms import contact_free_whirl, flight, synchronous_response
+from rotor_ida.closed_forms import (
+    contact_free_whirl,
+    flight,
+    synchronous_response,
+    touch_fading,
+)
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import Rotor
 
@@ -130,3 +135,21 @@ def test_impossible_flights_are_refused(changed, message):
     given_values = {"time": 1.0, "start": (0.0, 0.0, 0.0, 0.0), "start_time": 0.5, **changed}
     with pytest.raises(InputError, match=message):
         flight(given_values.pop("time"), rotor=rotor, **given_values)
+
+
+@pytest.mark.parametrize(("omega", "constant"), [(0.5, 33.68), (2.28, 7.382), (2.94, 5.724)])
+def test_the_constant_by_which_touches_fade_is_the_known_one(omega, constant):
+    """From DESIGN, section 4, where it was held against 20,000 units of time of simulation."""
+    found = touch_fading(Rotor(omega=omega, zeta=0.07, delta0=2.0))
+    assert found == pytest.approx(constant, rel=2e-4)
+
+
+@pytest.mark.parametrize(
+    ("omega", "zeta", "delta0"), [(0.0, 0.1, 1.0), (1.7, 0.0, 2.0), (1.7, 0.07, 0.9), (1.0, 0.1, 0)]
+)
+def test_touches_do_not_fade_without_damping_speed_or_room(omega, zeta, delta0):
+    assert math.isnan(touch_fading(Rotor(omega=omega, zeta=zeta, delta0=delta0)))
+
+
+def test_touches_fade_at_the_smallest_speeds_too():
+    assert touch_fading(Rotor(omega=1e-200, zeta=0.1, delta0=1.0)) > 0.0

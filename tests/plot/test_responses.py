@@ -97,7 +97,8 @@ def test_responses_that_no_curve_shows_are_bars_over_their_radius(exact, simulat
     bars = {each.get_label(): each for each in ax.collections}
     bouncing = bars["bouncing: range of $|z|$"].get_segments()[0]
     np.testing.assert_allclose(bouncing, [[1.5, 0.2], [1.5, 2.2]])
-    assert {"full contact: range of $|z|$", "unresolved: range of $|z|$"} <= set(bars)
+    words = {"full contact", "chaotic", "unresolved"}
+    assert {f"{each}: range of $|z|$" for each in words} <= set(bars)
 
 
 def test_legend_names_every_kind_and_direction_once(exact, simulated, fold_points):
@@ -111,6 +112,8 @@ def test_legend_names_every_kind_and_direction_once(exact, simulated, fold_point
         "contact-free response",
         "bouncing: range of $|z|$",
         "full contact: range of $|z|$",
+        "touching ever more slightly",
+        "chaotic: range of $|z|$",
         "unresolved: range of $|z|$",
         "speed going up",
         "speed going down",

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from rotor_ida import InputError, Rotor, SimulationError, lyapunov_exponent, synchronous_response
-from rotor_ida.analysis import lyapunov
 from rotor_ida.closed_forms import eigenvalues
 from rotor_ida.simulation.cvode import libraries
 from rotor_ida.simulation.cvode.interface import callbacks_with_tangents
+from rotor_ida.stability import lyapunov
 from rotor_ida.stability.tangent_flow import STUCK
 
 REST = (0.0, 0.0, 0.0, 0.0)

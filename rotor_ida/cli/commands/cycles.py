@@ -148,7 +148,7 @@ def curve(
     Of the branch that the example of continue wrote:
 
         rotor-ida curve --from branch.nc --special 1 --kind period_doubling \
-            --limits 1.7 1.9 1.9 2.1
+            --limits 1.7 1.9 1.9 2.1 --out curve.nc
     """
     origin.check()
     output.check()

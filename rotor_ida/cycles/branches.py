@@ -1,0 +1,119 @@
+"""All branches of limit cycles that the responses of a sweep lie on."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.checks import COMPONENTS, check_instance
+from rotor_ida.cycles.continue_cycle import branch_from, check_limits
+from rotor_ida.cycles.guess import Guess
+from rotor_ida.cycles.shooting import close_orbit
+from rotor_ida.errors import InputError, SimulationError
+from rotor_ida.parallel import Progress
+from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.schema import EXACT
+
+Values = npt.NDArray[np.float64]
+
+NEEDED = ("lies_on", "exact_period", "exact_radius_max", *(f"end_{name}" for name in COMPONENTS))
+# Two cycles of one rotor are the same when period and largest radius differ by less than this.
+SAME = 1e-7
+# Where a branch is looked at, its cycles are taken to lie on straight lines between its points: one
+# of them may be so near to another cycle.
+CLOSE = 0.02
+
+
+def branches_through(
+    compared: xr.Dataset,
+    *,
+    limits: tuple[float, float],
+    points: int = 2000,
+    progress: Progress | None = None,
+) -> list[xr.Dataset]:
+    """Return the branches over the speed of all limit cycles that simulated responses lie on.
+
+    Parameters
+    ----------
+    compared : Dataset
+        What `rotor_ida.compare` returned of a sweep.
+    limits : tuple of float
+        The lowest and the highest speed to which they are followed [1].
+    points : int
+        The largest number of points of each, each way.
+    progress : callable, optional
+        Called with the number of responses looked at and that of all.
+
+    Returns
+    -------
+    list of Dataset
+        As of `rotor_ida.continue_cycle`, each once, in the order in which they were met.
+
+    Raises
+    ------
+    InputError
+        If the dataset is no such comparison.
+
+    Examples
+    --------
+    >>> from rotor_ida import compare, sweep
+    >>> swept = sweep(omega=[2.7, 3.0], zeta=0.07, delta0=0.5, starts=[(3, 1, 0, 0)])
+    >>> branches = branches_through(compare(swept), limits=(0.05, 5.0))
+    >>> [branch.attrs["closed"] for branch in branches]
+    [1]
+    """
+    check_instance("compared", compared, xr.Dataset)
+    missing = [name for name in (*NEEDED, *PARAMETERS) if name not in compared.variables]
+    if missing:
+        raise InputError(f"compared must be a comparison of a sweep; it lacks {', '.join(missing)}")
+    lies_on = compared["lies_on"]
+    spread = {
+        name: compared[name].broadcast_like(lies_on).transpose(*lies_on.dims).values
+        for name in (*NEEDED, *PARAMETERS)
+    }
+    places = np.argwhere(lies_on.values == EXACT["cycle"])
+    found: list[xr.Dataset] = []
+    for number, place in enumerate(map(tuple, places), start=1):
+        here = {name: float(values[place]) for name, values in spread.items()}
+        rotor = Rotor(**{name: here[name] for name in PARAMETERS})
+        period, radius = here["exact_period"], here["exact_radius_max"]
+        if not any(_holds(branch, rotor, period, radius) for branch in found):
+            state = np.array([here[f"end_{name}"] for name in COMPONENTS])
+            guess = Guess(rotor, state, period)
+            bounds = check_limits("omega", limits, rotor)
+            found.append(branch_from(guess, "omega", bounds, "both", points))
+        if progress is not None:
+            progress(number, len(places))
+    return found
+
+
+def _holds(branch: xr.Dataset, rotor: Rotor, period: float, radius: float) -> bool:
+    """Return whether a limit cycle lies on a branch."""
+    if any(float(branch[name]) != getattr(rotor, name) for name in ("zeta", "delta0")):
+        return False
+    speeds = branch["omega"].values - rotor.omega
+    for place in np.flatnonzero(speeds[:-1] * speeds[1:] <= 0.0).tolist():
+        near = _between(branch, place, rotor.omega)
+        if abs(near["period"] - period) > CLOSE * period:
+            continue
+        if abs(near["radius_max"] - radius) > CLOSE * radius:
+            continue
+        state = np.array([near[name] for name in COMPONENTS])
+        try:
+            cycle = close_orbit(rotor, state, near["period"], np.zeros(1, np.uint8))
+        except SimulationError:
+            continue
+        apart = max(abs(cycle.period / period - 1.0), abs(cycle.radius_max / radius - 1.0))
+        if apart <= SAME:
+            return True
+    return False
+
+
+def _between(branch: xr.Dataset, place: int, omega: float) -> dict[str, float]:
+    """Return period, largest radius and state between two points of a branch."""
+    low, high = branch["omega"].values[place : place + 2].tolist()
+    part = (omega - low) / (high - low) if high != low else 0.0
+    names = ("period", "radius_max", *COMPONENTS)
+    ends = {name: branch[name].values[place : place + 2].tolist() for name in names}
+    return {name: one + part * (other - one) for name, (one, other) in ends.items()}
