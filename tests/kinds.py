@@ -28,6 +28,23 @@ def a_run(delta0: float = 2.0) -> xr.Dataset:
     return rotor_ida.simulate(rotor, start=REST, duration=20.0, samples=41)
 
 
+def a_cycle() -> xr.Dataset:
+    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+    return rotor_ida.limit_cycle(rotor, start=(2.6, 0.75, 0.66, -1.65), period=4.5)
+
+
+def a_branch() -> xr.Dataset:
+    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+    return rotor_ida.continue_cycle(rotor, start=a_cycle(), limits=(1.7, 2.1))
+
+
+def a_curve() -> xr.Dataset:
+    rotor, branch = Rotor(omega=2.0, zeta=0.07, delta0=2.0), a_branch()
+    return rotor_ida.bifurcation_curve(
+        rotor, start=branch.isel(special=0), kind="period_doubling", limits=[(1.7, 1.9), (1.9, 2.1)]
+    )
+
+
 def a_sweep(direction: str = "up") -> xr.Dataset:
     return rotor_ida.sweep(omega=[1.2, 1.3], zeta=0.07, delta0=[0.0, 0.5], direction=direction)
 
@@ -55,6 +72,10 @@ KINDS: dict[str, Callable[[], xr.Dataset]] = {
     "lyapunov_exponent": lambda: rotor_ida.lyapunov_exponent(
         CENTRED, start=REST, transient=5.0, duration=40.0, batches=4
     ),
+    "limit_cycle": a_cycle,
+    "no_limit_cycle": lambda: rotor_ida.limit_cycle(CENTRED, start=REST),
+    "branch": a_branch,
+    "bifurcation_curve": a_curve,
     "bifurcation_diagram": lambda: rotor_ida.bifurcation_diagram(
         omega=[1.2], zeta=0.2, delta0=0.0, starts=1, extrema_time=20.0
     ),

@@ -2,7 +2,14 @@
 
 import pytest
 
-from rotor_ida import DimensionalRotor, InputError, dimensional, lyapunov_exponent, simulate
+from rotor_ida import (
+    DimensionalRotor,
+    InputError,
+    dimensional,
+    limit_cycle,
+    lyapunov_exponent,
+    simulate,
+)
 from rotor_ida.schema import QUANTITIES
 from rotor_ida.si_units import UNITS
 
@@ -46,6 +53,24 @@ def test_scales_say_what_one_is_in_the_units_chosen(plain):
 def test_units_may_be_written_as_readers_do(plain, kind, wanted, written):
     shown = dimensional(plain, MACHINE, units={kind: wanted})
     assert shown[{"length": "x", "velocity": "vx", "time": "t"}[kind]].attrs["units"] == written
+
+
+def test_a_limit_cycle_has_a_period_in_seconds_and_forces_in_newtons():
+    """Sampled over one period of the machine, the motion closes and has its largest force."""
+    machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6,
+                               clearance=2e-6, speed=1000.0)  # fmt: skip
+    found = limit_cycle(machine.rotor(), start=REST)
+    shown = dimensional(found, machine)
+    force = 1e9 * max(shown.radius_max.item() - 2e-6, 0.0) ** 1.5
+    assert shown.largest_force.item() == pytest.approx(force, rel=1e-12)
+    assert shown.period.item() == pytest.approx(found.period.item() * machine.time_scale, rel=1e-15)
+    units = {"period": "s", "period_error": "s", "t": "s", "radius_max": "m", "x": "m",
+             "vx": "m s-1", "largest_force": "N", "impulse_per_period": "N s", "frequency": "s-1",
+             "whirl_amplitude": "m", "multiplier_real": "1", "contact_count": "1"}  # fmt: skip
+    assert {name: shown[name].attrs["units"] for name in units} == units
+    assert shown.t.values[-1] == pytest.approx(shown.period.item(), rel=1e-15)
+    spin = shown.frequency.values[shown.line_kind.values == 0]
+    assert spin == pytest.approx(1000.0, rel=1e-12)
 
 
 def test_rates_are_per_second():

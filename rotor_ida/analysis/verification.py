@@ -8,6 +8,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from rotor_ida.analysis.verified_cycles import (
+    NEEDED_OF_CYCLES,
+    cycles_again,
+    differences_of_cycles,
+)
 from rotor_ida.basins import basin, basin_fractions
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.errors import InputError
@@ -45,6 +50,7 @@ NEEDED = {
         ("response_fraction", "count", "kind", *NUMBERS),
         (*PARAMETERS, "labelling_rtol", "starts", "seed", *RANGES),
     ),
+    **NEEDED_OF_CYCLES,
 }
 # How far these numbers may be off on another machine.
 CLOSE = 1e-6
@@ -62,13 +68,13 @@ def rerun(
     Parameters
     ----------
     dataset : Dataset
-        A result of `simulate`, `sweep`, `basin` or `basin_fractions`, for instance one that was
-        loaded from an archive.
+        A result of `simulate`, `sweep`, `basin`, `basin_fractions`, `limit_cycle`,
+        `continue_cycle` or `bifurcation_curve`, for instance one that was loaded from an archive.
     method : {"adams", "bdf", "ida", "taylor"}, optional
         Another solver of the contacts of a run or sweep: a witness that shares no step with the
         first.
     workers, progress
-        As for the function that computed it; a single run needs neither.
+        As for the function that computed it; a single run or cycle needs neither.
 
     Returns
     -------
@@ -95,6 +101,8 @@ def rerun(
         raise InputError("a result in SI units cannot be verified: verify the dimensionless one")
     if kind == "run":
         return _run(dataset)
+    if kind in NEEDED_OF_CYCLES:
+        return cycles_again(dataset, kind, progress)
     again: dict[str, Callable[..., xr.Dataset]] = {
         "sweep": _sweep,
         "basin": _basin,
@@ -116,8 +124,9 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
     dict
         ``agrees``, and ``trouble``: the first difference in words. Of runs the numbers of events,
         the largest difference of two event times and the largest error stated for one [1]; of the
-        others the number of points or starts, of those that differ, and the largest difference of
-        two amplitudes, radii or periods, relative to the larger one.
+        others the number of points, starts or numbers of limit cycles that were compared, of those
+        that differ, and the largest difference of two amplitudes, radii, periods or such numbers,
+        relative to the larger one.
 
     Examples
     --------
@@ -127,6 +136,8 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
     True
     """
     kind = _kind_of(archived)
+    if kind in NEEDED_OF_CYCLES:
+        return differences_of_cycles(again, archived, kind)
     return _of_events(again, archived) if kind == "run" else _of_responses(again, archived, kind)
 
 
@@ -141,8 +152,9 @@ def _kind_of(dataset: xr.Dataset) -> str:
                 raise InputError(f"{words[0]} must be numbers, got {dataset[words[0]].dtype}")
             return kind
     raise InputError(
-        "only what simulate, sweep, basin and basin_fractions have computed can be verified, got a "
-        f"dataset of {', '.join(map(str, dataset.data_vars)) or 'nothing'}"
+        "only what simulate, sweep, basin, basin_fractions, limit_cycle, continue_cycle and "
+        "bifurcation_curve have computed can be verified, got a dataset of "
+        f"{', '.join(map(str, dataset.data_vars)) or 'nothing'}"
     )
 
 

@@ -55,6 +55,8 @@ SPECIAL = (
     *("special_kind", "special_value", "special_second_value", "special_period"),
     *("special_radius_min", "special_radius_max", "special_point"),
 )
+# Attributes of a branch whose names a record has for something else.
+RENAMED = {"kind": "of", "points": "most_points", "parameters": "varied"}
 MATCH = (
     *("matched_branch", *PARAMETERS, "start", "direction", "response", "amplitude"),
     *("amplitude_error", "phase_error", "digits"),
@@ -261,7 +263,7 @@ def _cycle(dataset: xr.Dataset, most: int | None) -> Description:
     lines = dataset[list(LINE)].sortby("whirl_amplitude", ascending=False)
     parts: list[RenderableType] = [pairs("Limit cycle", {**parameters, **scalars})]
     parts += _rows("Multipliers", rows_of(dataset, MULTIPLIER), MULTIPLIER, None)
-    parts += _rows("Lines of the spectrum, strongest first", rows_of(lines, LINE), LINE, most)
+    parts += _rows("Strongest lines", rows_of(lines, LINE), LINE, most)
     return record, parts
 
 
@@ -296,7 +298,7 @@ def _followed(
         **ends,
         "points": rows_of(dataset, names),
         "special_points": specials,
-        **{"of" if name == "kind" else name: entry for name, entry in attributes.items()},
+        **{RENAMED.get(name, name): entry for name, entry in attributes.items()},
     }
     ranged = (*varied, "period", "radius_min", "radius_max")
     ranges = {name: _span(dataset[name].values) for name in ranged}

@@ -18,7 +18,7 @@ from rotor_ida.plot.labels import LABELS
 # Up to so many speeds of a table of whirls are marked.
 FEW_SPEEDS = 30
 # At so many clearances the folds of the whirl are shown beside those of cycles.
-CLEARANCES = 201
+CLEARANCES = 41
 
 
 def figure_of(dataset: xr.Dataset) -> Figure:
@@ -74,14 +74,21 @@ def _figure_of_cycles(kind: str, dataset: xr.Dataset) -> Figure:
     if kind == "branch":
         plot.plot_branch(dataset, ax=ax)
         return figure
-    if "delta0" not in dataset.attrs["parameters"] or "omega" not in dataset.attrs["parameters"]:
-        plot.plot_curves(dataset, ax=ax)
-        return figure
-    delta0 = dataset["delta0"].values
-    clearances = np.linspace(delta0.min(), delta0.max(), CLEARANCES)
-    whirls = folds(zeta=dataset["zeta"].item(), delta0=clearances)
-    plot.plot_curves(dataset, fold_points=whirls, ax=ax)
+    plot.plot_curves(dataset, fold_points=_whirls_beside(dataset), ax=ax)
     return figure
+
+
+def _whirls_beside(curve: xr.Dataset) -> xr.Dataset | None:
+    """Return the folds of the whirl within the limits of a curve over speed and clearance."""
+    limits = np.reshape(curve.attrs["limits"], (2, 2))
+    of = dict(zip(str(curve.attrs["parameters"]).split(), limits.tolist(), strict=True))
+    if "zeta" in of:
+        return None
+    delta0, (low, high) = curve["delta0"].values, of["omega"]
+    clearances = np.linspace(delta0.min(), delta0.max(), CLEARANCES)
+    whirls = folds(zeta=curve["zeta"].item(), delta0=clearances)
+    within = (whirls["fold_omega"] >= low) & (whirls["fold_omega"] <= high)
+    return whirls.where(within) if within.any() else None
 
 
 def _limits_of(part: xr.Dataset) -> tuple[float, float]:

@@ -110,7 +110,8 @@ def test_a_forged_result_of_many_points_does_not_verify(kind, forge, trouble):
 
 def test_another_kind_of_dataset_cannot_be_verified():
     with pytest.raises(
-        InputError, match="only what simulate, sweep, basin and basin_fractions have computed"
+        InputError,
+        match="only what simulate, sweep, basin, basin_fractions, limit_cycle, continue_cycle and",
     ):
         rerun(folds(zeta=0.07, delta0=0.0))
     run = simulate(ROTOR, start=(0, 0, 0, 0), duration=5.0)
@@ -125,18 +126,18 @@ def test_another_kind_of_dataset_cannot_be_verified():
         (
             "sweep",
             lambda of: of.drop_vars("start_y"),
-            "only what simulate, sweep, basin and basin_fractions",
+            "only what simulate, sweep, basin, basin_fractions, limit_cycle",
         ),
         (
             "sweep",
             lambda of: of.drop_vars("amplitude"),
-            "only what simulate, sweep, basin and basin_fractions",
+            "only what simulate, sweep, basin, basin_fractions, limit_cycle",
         ),
         ("sweep", lambda of: of.assign(amplitude=of.amplitude.astype(str)), "amplitude must be nu"),
         (
             "basin",
             lambda of: of.drop_vars("vy"),
-            "only what simulate, sweep, basin and basin_fractions",
+            "only what simulate, sweep, basin, basin_fractions, limit_cycle",
         ),
         (
             "basin_fractions",

@@ -54,6 +54,30 @@ def archives(tmp_path_factory: pytest.TempPathFactory) -> Path:
     still = rotor_ida.Rotor(omega=1.7, zeta=0.3, delta0=0.0)
     basin = rotor_ida.basin(still, x=[-5.0, 0.0, 5.0], y=[-5.0, 5.0])
     rotor_ida.save(basin, folder / "basin.nc")
+    bouncing = rotor_ida.Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+    cycle = rotor_ida.limit_cycle(bouncing, start=(2.6, 0.75, 0.66, -1.65), period=4.5)
+    rotor_ida.save(cycle, folder / "cycle.nc")
+    branch = rotor_ida.continue_cycle(bouncing, start=cycle, limits=(1.5, 2.5))
+    rotor_ida.save(branch, folder / "branch.nc")
+    curve = rotor_ida.bifurcation_curve(
+        bouncing,
+        start=branch.isel(special=1),
+        kind="period_doubling",
+        limits=[(1.7, 1.9), (1.9, 2.1)],
+    )
+    rotor_ida.save(curve, folder / "curve.nc")
+    in_si_units = rotor_ida.dimensional(
+        cycle,
+        rotor_ida.DimensionalRotor(
+            mass=4.0,
+            contact_stiffness=1e9,
+            damping=280.0,
+            eccentricity=1e-6,
+            clearance=2e-6,
+            speed=600.0,
+        ),
+    )
+    rotor_ida.save(in_si_units, folder / "in_si_units.nc")
     (folder / "text.nc").write_text("no archive")
     (folder / "empty.nc").write_bytes(b"")
     (folder / "cut.nc").write_bytes((folder / "run.nc").read_bytes()[:2000])

@@ -28,6 +28,22 @@ def sweep(**changes: str) -> str:
     return " ".join(["sweep", *(f"--{name} {value}" for name, value in words.items())])
 
 
+def cycle(**changes: str) -> str:
+    words = {"omega": "2", "zeta": "0.07", "delta0": "2"} | changes
+    return " ".join(["cycle", *(f"--{name} {value}" for name, value in words.items())])
+
+
+def follow(**changes: str) -> str:
+    words = {"from": "{cycle}", "limits": "1 3"} | changes
+    return " ".join(["continue", *(f"--{name} {value}" for name, value in words.items())])
+
+
+def turn(**changes: str) -> str:
+    words = {"kind": "period_doubling", "limits": "1.9 2.1 1.9 2.1"} | changes
+    given = " ".join(f"--{name} {value}" for name, value in words.items())
+    return f"curve --from {{cycle}} {given}"
+
+
 FINITE = "must be a finite real number, got"
 MISTAKES = [
     # values
@@ -89,6 +105,54 @@ MISTAKES = [
     (sweep(workers="100000"), "workers must be at most 512"),
     (sweep(start="1 0 0 --start 1 0 0 0 0"), "start must be four numbers"),
     (sweep(method="rk4"), "method must be one of"),
+    # limit cycles
+    (cycle(omega="0"), "omega must be above 0 for a limit cycle, got 0.0"),
+    (cycle(zeta="0"), "zeta must be above 0 for a limit cycle, got 0.0"),
+    (cycle(period="0"), "period must be positive, got 0.0"),
+    (cycle(period="nan"), f"period {FINITE} nan"),
+    (cycle(period="1"), "start and period must be near a limit cycle: Newton's method found no"),
+    (cycle(start="1 2 3"), "start must be four numbers X Y VX VY, got 3"),
+    (cycle(out="taken.nc"), "out must not exist unless --force is given"),
+    (follow(limits="1"), "limits must be two numbers LOW HIGH, got 1"),
+    (follow(limits="1 2 3"), "unexpected argument '3'"),
+    (follow(limits="1 x"), f"limits {FINITE} 'x'"),
+    (follow(limits="3 1"), "limits must be two increasing numbers from 0 on, got (3.0, 1.0)"),
+    (follow(limits="-1 3"), "limits must be two increasing numbers from 0 on"),
+    (follow(limits="0 3"), "limits of omega must be above 0"),
+    (follow(limits="2.5 3"), "limits must hold the omega of the start, 2.0, got (2.5, 3.0)"),
+    (follow(parameter="mass"), "parameter must be one of 'omega', 'zeta', 'delta0', got 'mass'"),
+    (follow(direction="up"), "direction must be one of 'both', 'forward', 'backward', got 'up'"),
+    (follow(points="1"), "points must be at least 2, got 1"),
+    (follow(point="3"), "point and special must be left out with a cycle"),
+    (follow(**{"from": "{branch}"}), "point or special must be given with a branch"),
+    (follow(**{"from": "{branch}"}, point="999"), "point must be from 0 to"),
+    (follow(**{"from": "{branch}"}, point="-1"), "point must be at least 0, got -1"),
+    (follow(**{"from": "{branch}"}, special="2"), "special must be from 0 to 1, got 2"),
+    (follow(**{"from": "{branch}"}, special="1", point="1"), "special must be left out with"),
+    (follow(**{"from": "{run}"}), "from must be a cycle, a branch or a curve, got"),
+    (follow(**{"from": "{in_si_units}"}), "from must be dimensionless, got"),
+    (follow(**{"from": "missing.nc"}), "must be a file that exists, got 'missing.nc'"),
+    (follow(omega="2"), "omega must be left out with --from"),
+    (follow(start="0 0 0 0"), "start must be left out with --from"),
+    ("continue --limits 1 3", "omega must be given, or a file with --from"),
+    ("continue --omega 2 --zeta 0.07 --limits 1 3", "delta0 must be given, or a file with --from"),
+    ("continue --omega 2 --zeta 0.07 --delta0 2 --point 1 --limits 1 3", "point must be left out"),
+    ("continue --from {cycle}", "--limits must be given a value"),
+    (
+        "continue --omega 1.2 --zeta 0.07 --delta0 2 --limits 1 3",
+        "start must lead to a limit cycle, got one from which the response is contact_free",
+    ),
+    (
+        "continue --omega 2 --zeta 0.07 --delta0 2 --period 1 --limits 1 3",
+        "start and period must be near a limit cycle",
+    ),
+    (turn(limits="1 2"), "limits must be four numbers LOW HIGH LOW HIGH, got 2"),
+    (turn(limits="1 3 3 4"), "limits must hold the delta0 of the start"),
+    (turn(kind="torus"), "kind must be one of 'fold', 'period_doubling', got 'torus'"),
+    (turn(parameters="omega"), "parameters must be two names NAME NAME, got 1"),
+    (turn(parameters="omega mass"), "got 'mass'"),
+    (turn(parameters="omega omega"), "parameters must be two of omega, zeta, delta0"),
+    (turn(kind="fold"), "limits must hold a fold of the branch through the start, got none there"),
     # words
     ("fly", "unknown command 'fly'"),
     ("--fly", "unknown command '--fly'"),
@@ -125,7 +189,7 @@ MISTAKES = [
     ("show {empty}", "is not an archive of rotor_ida: it is no netCDF-4 file"),
     ("show {cut}", "is damaged, was altered or is not an archive"),
     ("show {run} --figure nowhere/a.png", "figure must be in a folder that exists"),
-    ("show {folds} --figure a.png", "figure must be of a run, of whirls or of a sweep"),
+    ("show {folds} --figure a.png", "figure must be of a run, of whirls, of a sweep"),
     ("compare {run}", "compare needs a sweep"),
     ("compare {text}", "is not an archive of rotor_ida"),
     ("compare {sweep} --out {sweep} --force", "out must not be the file that is compared"),
@@ -143,7 +207,7 @@ def test_a_mistake_gets_one_line(program: Program, archives: Path, line: str, me
     Path("taken.png").write_text("mine")
     Path("folder.nc").mkdir()
     before = sorted(Path().rglob("*"))
-    names = ("run", "sweep", "folds", "text", "empty", "cut")
+    names = ("run", "sweep", "folds", "text", "empty", "cut", "cycle", "branch", "in_si_units")
     answer = program(*line.format(**{name: archives / f"{name}.nc" for name in names}).split())
     assert answer.status == 2
     assert answer.out == ""

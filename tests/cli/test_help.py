@@ -16,12 +16,23 @@ import pytest
 
 import rotor_ida
 from rotor_ida.cli.commands.compute import basin, fractions, simulate, sweep
+from rotor_ida.cli.commands.cycles import continue_, curve, cycle
 
 Program = Callable[..., Any]
 
 COMMANDS = [
-    *("reproduce", "simulate", "response", "sweep", "basin", "fractions", "status", "resume"),
-    *("compare", "verify", "show", "doctor"),
+    *(
+        "reproduce",
+        "simulate",
+        "response",
+        "sweep",
+        "basin",
+        "fractions",
+        "cycle",
+        "continue",
+        "curve",
+    ),
+    *("status", "resume", "compare", "verify", "show", "doctor"),
 ]
 
 
@@ -65,6 +76,9 @@ def test_the_examples_run_one_after_the_other(program: Program, monkeypatch: pyt
         "sweep.nc",
         "basin.nc",
         "compared.nc",
+        "cycle.nc",
+        "branch.nc",
+        "curve.nc",
     } <= written
 
 
@@ -90,7 +104,15 @@ def options_of(command: Callable[..., object]) -> dict[str, tuple[object, object
 
 @pytest.mark.parametrize(
     ("command", "library"),
-    [(simulate, "simulate"), (sweep, "sweep"), (basin, "basin"), (fractions, "basin_fractions")],
+    [
+        (simulate, "simulate"),
+        (sweep, "sweep"),
+        (basin, "basin"),
+        (fractions, "basin_fractions"),
+        (cycle, "limit_cycle"),
+        (continue_, "continue_cycle"),
+        (curve, "bifurcation_curve"),
+    ],
 )
 def test_defaults_are_those_of_the_library(command: Callable[..., object], library: str):
     ours = options_of(command)
@@ -106,6 +128,16 @@ def test_directions_are_those_of_the_library():
         choice for kind in get_args(options_of(sweep)["direction"][0]) for choice in get_args(kind)
     }
     assert choices == set(get_args(Direction))
+
+
+def test_choices_of_branches_are_those_of_the_library():
+    from rotor_ida.cycles.bifurcation_curve import Kind
+    from rotor_ida.cycles.continue_cycle import Direction, Parameter
+
+    ours = options_of(continue_)
+    assert get_args(ours["direction"][0]) == get_args(Direction)
+    assert get_args(ours["parameter"][0]) == get_args(Parameter)
+    assert get_args(options_of(curve)["kind"][0]) == get_args(Kind)
 
 
 @pytest.mark.parametrize("command", COMMANDS)

@@ -148,7 +148,7 @@ def curve(
     Of the branch that the example of continue wrote:
 
         rotor-ida curve --from branch.nc --special 1 --kind period_doubling \
-            --limits 1.7 1.9 1.9 2.1
+            --limits 1.7 1.9 1.9 2.1 --out curve.nc
     """
     origin.check()
     output.check()
@@ -191,6 +191,8 @@ def _in_archive(
         dataset = _at(dataset, kind, point, special)
     elif point is not None or special is not None:
         raise InputError(f"point and special must be left out with a cycle, got {str(file)!r}")
+    elif dataset["period"].isnull():
+        raise InputError(f"from must hold a limit cycle, got {str(file)!r} without one")
     if kind == "curve":
         dataset = _of_curve(dataset, "special_" if point is None else "", curve_kind)
     place = dataset

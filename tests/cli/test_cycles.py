@@ -1,0 +1,212 @@
+"""Limit cycles on the command line: cycle, continue and curve; their archives and studies."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rotor_ida
+from rotor_ida.cli.commands import cycles
+from rotor_ida.cli.figures import figure_of
+from rotor_ida.storage.studies.database import FILE
+
+Program = Callable[..., Any]
+
+ROTOR = ("--omega", 2, "--zeta", 0.07, "--delta0", 2)
+NEAR = ("--start", 2.6, 0.75, 0.66, -1.65, "--period", 4.5)
+
+
+def test_cycle_answers_as_the_library_does(program: Program, archives: Path):
+    answer = program("cycle", *ROTOR, *NEAR, "--out", "cycle.nc", "--json")
+    assert (answer.status, answer.err) == (0, "")
+    record, expected = json.loads(answer.out), rotor_ida.load(archives / "cycle.nc")
+    for name in ("period", "radius_min", "radius_max", "largest_force", "period_error"):
+        assert record[name] == expected[name].item()
+    assert (record["response"], record["stability"]) == ("bouncing", "stable")
+    assert record["parameters"]["omega"] == 2.0
+    found = [row["multiplier_real"] for row in record["multipliers"]]
+    assert found == expected["multiplier_real"].values.tolist()
+    assert {row["line_kind"] for row in record["lines"]} == {"backward", "spin", "forward"}
+    np.testing.assert_array_equal(rotor_ida.load("cycle.nc")["x"], expected["x"])
+
+
+def test_a_cycle_is_found_from_rest_and_told_in_tables(program: Program):
+    answer = program("cycle", *ROTOR)
+    assert (answer.status, answer.err) == (0, "")
+    assert "4.5639167" in answer.out
+    assert "Multipliers: 4" in answer.out
+    rows = [line.split() for line in answer.out.partition("Strongest lines")[2].splitlines()]
+    heights = [float(row[1]) for row in rows if row[-1:] in (["forward"], ["backward"], ["spin"])]
+    assert len(heights) == 10
+    assert heights == sorted(heights, reverse=True)
+
+
+def test_a_response_that_is_no_cycle_is_an_answer_too(program: Program):
+    words = ("cycle", "--omega", 1.2, "--zeta", 0.07, "--delta0", 2, "--figure", "cycle")
+    answer = program(*words, "--out", "none.nc")
+    assert (answer.status, answer.err) == (0, "")
+    assert "No limit cycle" in answer.out
+    assert "contact_free" in answer.out
+    assert "drew no figure: there is no limit cycle" in answer.out
+    assert os.listdir() == ["none.nc"]
+    assert program("show", "none.nc").status == 0
+    refused = program("continue", "--from", "none.nc", "--limits", 1, 2)
+    assert refused.status == 2
+    assert "from must hold a limit cycle, got 'none.nc' without one" in refused.err
+
+
+def test_continue_begins_at_a_start_or_at_an_archived_cycle(program: Program, archives: Path):
+    limits = ("--limits", 1.5, 2.5, "--json")
+    by_start = json.loads(program("continue", *ROTOR, *NEAR, *limits).out)
+    by_file = json.loads(program("continue", "--from", archives / "cycle.nc", *limits).out)
+    branch = rotor_ida.load(archives / "branch.nc")
+    for record in (by_start, by_file):
+        values = [row["special_value"] for row in record["special_points"]]
+        np.testing.assert_allclose(values, branch["special_value"], rtol=1e-9)
+    assert [row["special_kind"] for row in by_file["special_points"]] == [
+        "graze", "period_doubling"
+    ]  # fmt: skip
+    assert by_file["points"][0]["omega"] == branch["omega"].values[0]
+    np.testing.assert_allclose(by_file["stable_ranges"][0]["to"], 2.5)
+    assert (by_file["first_end"], by_file["closed"]) == ("limits", False)
+
+
+def test_continue_from_a_point_over_another_parameter(program: Program, archives: Path):
+    words = ("--from", archives / "branch.nc", "--point", 12, "--parameter", "delta0")
+    answer = program("continue", *words, "--limits", 1.9, 2.1, "--json")
+    assert (answer.status, answer.err) == (0, "")
+    record = json.loads(answer.out)
+    branch = rotor_ida.load(archives / "branch.nc")
+    assert record["parameters"]["omega"] == branch["omega"].values[12]
+    assert (record["points"][0]["delta0"], record["points"][-1]["delta0"]) == (1.9, 2.1)
+
+
+def test_the_doubled_branch_leaves_at_a_doubling(program: Program, archives: Path):
+    words = ("--from", archives / "branch.nc", "--special", 1, "--limits", 1.75, 2.5)
+    record = json.loads(program("continue", *words, "--json").out)
+    simple = rotor_ida.load(archives / "branch.nc")["special_period"].values[1]
+    assert all(row["period"] > 1.9 * simple for row in record["points"])
+    assert record["last_end"] == "limits"
+
+
+def test_curve_begins_at_a_special_point_a_cycle_or_a_curve(program: Program, archives: Path):
+    limits = ("--kind", "period_doubling", "--limits", 1.7, 1.9, 1.9, 2.1, "--json")
+    expected = rotor_ida.load(archives / "curve.nc")
+    for source in (
+        ("branch.nc", "--special", 1), ("branch.nc", "--point", 10), ("curve.nc", "--point", 3),
+    ):  # fmt: skip
+        answer = program("curve", "--from", archives / source[0], *source[1:], *limits)
+        assert (answer.status, answer.err) == (0, ""), source
+        record = json.loads(answer.out)
+        ends = sorted(record["points"][place]["omega"] for place in (0, -1))
+        np.testing.assert_allclose(ends, np.sort(expected["omega"].values[[0, -1]]), rtol=1e-9)
+        assert (record["kind"], record["of"]) == ("curve", "period_doubling")
+
+
+def test_a_branch_begins_at_a_point_of_a_curve(program: Program, archives: Path):
+    words = ("--from", archives / "curve.nc", "--point", 0, "--limits", 1.75, 1.85, "--json")
+    record = json.loads(program("continue", *words).out)
+    curve = rotor_ida.load(archives / "curve.nc").isel(point=0)
+    (special,) = record["special_points"]
+    np.testing.assert_allclose(special["special_value"], curve["omega"], rtol=1e-9)
+    assert record["parameters"]["delta0"] == curve["delta0"].item()
+
+
+@pytest.mark.parametrize("name", ["cycle", "branch", "curve"])
+def test_archives_are_shown_drawn_and_verified(program: Program, archives: Path, name: str):
+    shown = program("show", archives / f"{name}.nc", "--figure", name)
+    assert (shown.status, shown.err) == (0, "")
+    assert Path(f"{name}.png").exists()
+    record = json.loads(program("show", archives / f"{name}.nc", "--json").out)
+    assert record["kind"] == name
+    verified = program("verify", archives / f"{name}.nc", "--json")
+    assert (verified.status, verified.err) == (0, "")
+    told = json.loads(verified.out)
+    assert told["agrees"] is True
+    assert told["compared"] > 10
+    assert told["largest_difference"] < 1e-8
+    assert program("verify", archives / f"{name}.nc", "--method", "bdf").status == 2
+
+
+@pytest.mark.parametrize(
+    ("name", "variable", "told"),
+    [
+        ("cycle", "period", "period differs"),
+        ("branch", "special_value", "value of special point 0 differs"),
+        ("branch", "radius_max", "radius_max at the first end differs"),
+        ("curve", "delta0", "delta0 at the first end differs"),
+    ],
+)
+def test_what_was_forged_does_not_verify(
+    program: Program, archives: Path, name: str, variable: str, told: str
+):
+    dataset = rotor_ida.load(archives / f"{name}.nc")
+    forged = dataset[variable] * (1.0 + 1e-7)
+    if variable in dataset.coords:
+        dataset = dataset.assign_coords({variable: forged})
+    else:
+        dataset = dataset.assign({variable: forged})
+    rotor_ida.save(dataset, "forged.nc")
+    answer = program("verify", "forged.nc")
+    assert answer.status == 1
+    assert answer.err.startswith(f"rotor-ida: forged.nc does not verify: {told}")
+
+
+def test_a_forged_stability_does_not_verify(program: Program, archives: Path):
+    dataset = rotor_ida.load(archives / "cycle.nc")
+    dataset["stability"].values[...] = 1
+    rotor_ida.save(dataset, "forged.nc")
+    answer = program("verify", "forged.nc")
+    assert "stability differs: made again stable, archived unstable" in answer.err
+
+
+def test_figure_of_a_curve_has_the_folds_of_the_whirl_within_its_limits(archives: Path):
+    curve = rotor_ida.load(archives / "curve.nc")
+    (ax,) = figure_of(curve).axes
+    assert ax.get_legend_handles_labels()[1] == ["period doubling"]
+    (ax,) = figure_of(curve.assign_attrs(limits=np.array([1.0, 1.9, 1.9, 2.1]))).axes
+    assert set(ax.get_legend_handles_labels()[1]) == {"period doubling", "fold of the whirl"}
+    assert ax.get_xlim()[0] > 1.0
+    over_damping = curve.assign_coords(zeta=("point", curve.omega.values), omega=1.8)
+    figure_of(over_damping.assign_attrs(parameters="zeta delta0"))
+
+
+def test_a_study_of_a_branch_goes_on(
+    program: Program, archives: Path, monkeypatch: pytest.MonkeyPatch
+):
+    words = ("continue", "--from", archives / "cycle.nc", "--limits", 0.3, 3, "--study", "study")
+    whole = json.loads(program(*words[:-2], "--json").out)
+    real = rotor_ida.continue_cycle
+
+    def breaks_off(*given: Any, **more: Any) -> Any:
+        told: list[int] = []
+
+        def stop(done: int, _points: int) -> None:
+            told.append(done)
+            if len(told) == 2:
+                raise KeyboardInterrupt
+
+        return real(*given, **{**more, "progress": stop})
+
+    with monkeypatch.context() as patch:
+        patch.setattr(cycles.rotor_ida, "continue_cycle", breaks_off)
+        answer = program(*words)
+    assert answer.status == 130
+    assert "points are kept in study: go on with rotor-ida resume study" in answer.err
+    assert os.listdir("study") == [FILE]
+    found = json.loads(program("status", "study", "--json").out)
+    assert found["kind"] == "branch"
+    assert 0 < found["done"] < found["points"]
+    resumed = program("resume", "study", "--json", "--figure", "branch")
+    assert (resumed.status, resumed.err) == (0, "")
+    record = json.loads(resumed.out)
+    assert record["points"] == whole["points"]
+    assert record["special_points"] == whole["special_points"]
+    assert Path("study", "result.nc").exists()
+    assert Path("branch.png").exists()
