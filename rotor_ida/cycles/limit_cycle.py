@@ -41,8 +41,9 @@ SETTLING_RTOL = 1e-10
 # which need not attract it; the cycle found may be farther off by such a factor.
 NEAR, NEAR_TIME, MOVED = 1e-3, 100.0, 10.0
 LOOKS_A_TIME, LOOKS_A_REVOLUTION = 50, 200
-# Tolerance of a second solution, whose difference is the error that is stated.
-LOOSER = 30.0 * RTOL
+# Tolerance of further solutions, begun at such parts of the period; so many times their largest
+# difference is the error that is stated.
+LOOSER, ELSEWHERE, SAFETY = 30.0 * RTOL, (0.23, 0.52, 0.81), 5.0
 # One period in so many samples, for the spectrum and the picture; of its lines those are told that
 # come to this part of the strongest.
 SAMPLES, SHOWN = 1024, 1e-6
@@ -91,8 +92,8 @@ def limit_cycle(
     entries and exits. The multipliers are 1, ``q = exp(-2 zeta T)``, mu and ``q/mu``, so the trace
     of the monodromy matrix gives them all: the flow is conformally symplectic. How well the matrix,
     as integrated, obeys this is told by ``trivial_defect`` and ``symplectic_defect``. The errors
-    are the differences from a second solution with 30 times the tolerance, and half a unit of the
-    last digit at least.
+    are five times the largest differences from three more solutions, begun elsewhere on the cycle
+    and with 30 times the tolerance.
 
     References
     ----------
@@ -241,11 +242,17 @@ def _columns(cycle: Cycle) -> dict[str, xr.Variable]:
     }
     stop = np.zeros(1, np.uint8)
     states = follow(cycle.rotor, cycle.state, cycle.period / SAMPLES, SAMPLES + 1, stop)
-    looser = close_orbit(cycle.rotor, cycle.state, cycle.period, stop, LOOSER)
-    period_error = max(abs(looser.period - cycle.period), np.spacing(cycle.period) / 2.0)
+    # elsewhere on the cycle rounding is another as well
+    looser = [
+        close_orbit(cycle.rotor, states[round(part * SAMPLES)], cycle.period, stop, LOOSER)
+        for part in ELSEWHERE
+    ]
     found = multipliers_of(cycle.shot)
-    errors = np.abs(multipliers_of(looser.shot) - found)
+    apart = np.abs([multipliers_of(other.shot) - found for other in looser]).max(axis=0)
+    errors = SAFETY * (apart + np.spacing(np.abs(found)))
     errors[found == 1.0] = 0.0
+    period_apart = max(abs(other.period - cycle.period) for other in looser)
+    period_error = SAFETY * (period_apart + np.spacing(cycle.period))
     columns["period_error"] = of_cycle("period_error", (), period_error)
     columns["multiplier_error"] = of_cycle("multiplier_error", "multiplier", errors)
     if cycle.rotor.delta0 == 0.0:  # the integral of a smooth periodic function
