@@ -4,8 +4,9 @@ At zeta = 0.07 the stable cycle on which the rotor bounces at omega = 2 doubles 
 omega = 1.803 when the speed falls; the doubled cycle doubles again, and so on, ever faster: the
 distances shrink in the end by Feigenbaum's factor 4.669. Each doubling is located on its exact
 branch, and the next branch is entered there. A simulated rotor that is led down slowly shows the
-same: its largest radii split, and beyond the end of the cascade they fill bands, where the largest
-Lyapunov exponent is positive.
+same: its largest radii split, and beyond the end of the cascade they fill bands. The exponent with
+which neighbours come together on a cycle, from its exact multipliers, rises to zero at each
+doubling; where no cycle is left, it is the Lyapunov exponent, which is positive.
 
 Writes the branches (branch_1.nc and so on), the sweep (down.nc), its largest radii and exponents
 (radii.nc), and the figure as PNG and SVG; prints the table of doublings.
@@ -23,13 +24,12 @@ from rotor_ida import (
     Rotor,
     continue_cycle,
     limit_cycle,
-    lyapunov_exponent,
     poincare_section,
     sweep,
 )
 from rotor_ida.paper.scenario import Settings, progress_bar, run_script
-from rotor_ida.plot import panels
-from rotor_ida.plot.appearance import BLUE, GREY, ORANGE, own_legend, style
+from rotor_ida.plot import panels, shared_legend, style
+from rotor_ida.plot.appearance import BLUE, GREY, ORANGE
 from rotor_ida.plot.labels import LABELS
 from rotor_ida.schema import RESPONSE, SPECIAL, labelled, labelled_dataset
 
@@ -37,10 +37,11 @@ ZETA, DELTA0 = 0.07, 2.0
 NAMES = ("x", "y", "vx", "vy")
 # The first branch, and speeds of the simulated rotor.
 LIMITS = (1.6, 2.1)
-HIGHEST, LOWEST = 1.82, 1.685
+HIGHEST, MIDDLE, LOWEST = 1.82, 1.71, 1.685
 # Each further branch is followed down by so much of the distance between the doublings before.
 AHEAD = 0.6
 REVOLUTIONS = 150
+PERIODS = 2
 FEIGENBAUM = 4.669201609
 
 
@@ -51,13 +52,14 @@ def main(settings: Settings) -> None:
     places = [first_doubling(branch) for branch in branches]
     end = places[-1][0] - (places[-2][0] - places[-1][0]) / (FEIGENBAUM - 1.0)
 
-    speeds = np.linspace(LOWEST, HIGHEST, 12 if settings.quick else 109)
+    each = 6 if settings.quick else 36
+    speeds = np.unique([np.linspace(LOWEST, MIDDLE, each), np.linspace(MIDDLE, HIGHEST, each)])
     begin = limit_cycle(Rotor(omega=2.0, zeta=ZETA, delta0=DELTA0), start=(0, 0, 0, 0))
     start = [float(begin[name][0]) for name in NAMES]
     with progress_bar("speed down") as progress:
         down = sweep(
             omega=speeds, zeta=ZETA, delta0=DELTA0, starts=[start], direction="down",
-            workers=1, progress=progress,
+            method="taylor", workers=1, progress=progress,
         )  # fmt: skip
     settings.keep(down, "down")
     radii = largest_radii(down.squeeze(["zeta", "delta0", "start", "direction"]))
@@ -94,24 +96,23 @@ def first_doubling(branch: xr.Dataset, before: float = np.inf) -> tuple[float, f
 
 
 def largest_radii(down: xr.Dataset) -> xr.Dataset:
-    """Return the local maxima of |z| and the largest Lyapunov exponent at each speed."""
+    """Return the local maxima of |z| and the largest exponent beside that of a shift."""
     radii, exponents, errors = [], [], []
     for omega in down.omega.values.tolist():
         here = down.sel(omega=omega)
         rotor = Rotor(omega=omega, zeta=ZETA, delta0=DELTA0)
         start = [float(here[f"end_{name}"]) for name in NAMES]
-        if int(here.response) == RESPONSE["contact_free"]:
-            radii.append(np.empty(0))
-            exponents.append(np.nan)
-            errors.append(np.nan)
-            continue
-        section = poincare_section(rotor, start=start, revolutions=REVOLUTIONS, at="peak")
-        radii.append(np.hypot(section.rotating_x.values, section.rotating_y.values))
-        found = lyapunov_exponent(rotor, start=start, transient=200.0, duration=4000.0)
-        # a shift along the orbit has the exponent 0: the next one tells, where none is positive
-        largest = int(np.argmax(found.lyapunov_exponent.values))
-        exponents.append(float(found.lyapunov_exponent[largest]))
-        errors.append(float(found.lyapunov_error[largest]))
+        revolutions, exponent, error = REVOLUTIONS, *chaos_of(here)
+        if np.isfinite(here.period):
+            cycle = limit_cycle(rotor, start=start, period=float(here.period))
+            revolutions = int(np.ceil(PERIODS * float(cycle.period) * omega / (2.0 * np.pi)))
+            exponent, error = exponent_of(cycle), 0.0
+        touches = int(here.response) != RESPONSE["contact_free"]
+        section = poincare_section(rotor, start=start, revolutions=revolutions, at="peak")
+        peaks = np.hypot(section.rotating_x.values, section.rotating_y.values)
+        radii.append(peaks if touches else np.empty(0))
+        exponents.append(exponent)
+        errors.append(error)
     variables = {
         "extremum_count": labelled("extremum_count", "omega", [part.size for part in radii]),
         "extremum_radius": labelled("extremum_radius", "extremum", np.concatenate(radii)),
@@ -124,48 +125,65 @@ def largest_radii(down: xr.Dataset) -> xr.Dataset:
     return labelled_dataset("Largest radii and exponents, speed going down", variables, coordinates)
 
 
+def chaos_of(here: xr.Dataset) -> tuple[float, float]:
+    """Return the exponent and the error that the sweep states, NaN where it needed none."""
+    return float(here.lyapunov_exponent), float(here.lyapunov_error)
+
+
+def exponent_of(cycle: xr.Dataset) -> float:
+    """Return the rate at which the slowest neighbours come to a cycle, from its multipliers."""
+    sizes = np.hypot(cycle.multiplier_real.values, cycle.multiplier_imag.values)
+    others = np.delete(sizes, np.argmin(np.abs(cycle.multiplier_real.values - 1.0)))
+    return float(np.log(others.max()) / cycle.period)
+
+
 def draw(
     places: list[tuple[float, float, int]], end: float, radii: xr.Dataset, settings: Settings
 ) -> None:
-    figure, (above, below) = panels(2, 1, height=6.4, shared=False)
+    figure, axes = panels(3, 1, height=8.6, shared=False)
     omega = np.repeat(radii.omega.values, radii.extremum_count.values)
+    chaotic = radii.response.values == RESPONSE["chaotic"]
     with style():
-        above.plot(omega, radii.extremum_radius, ls="", marker="o", ms=1.3, mec="none", mfc=BLUE,
-                   rasterized=True, label="simulated, speed going down")  # fmt: skip
-        below.errorbar(
-            radii.omega, radii.lyapunov_exponent, yerr=radii.lyapunov_error, fmt="o", ms=2.5,
-            color=BLUE, elinewidth=0.8, label="largest Lyapunov exponent",
-        )  # fmt: skip
-        below.axhline(0.0, color=GREY, lw=0.8)
-        for ax in (above, below):
+        for ax in axes[:2]:
+            ax.plot(omega, radii.extremum_radius, ls="", marker="o", ms=1.4, mec="none", mfc=BLUE,
+                    rasterized=True)  # fmt: skip
+            ax.plot([], [], ls="", marker="o", ms=3.0, mec="none", mfc=BLUE, label="simulated")
+            ax.set_ylabel("maxima of $|z|$")
+        for chosen, face, words in ((~chaotic, "white", "limit cycle"), (chaotic, BLUE, "chaos")):
+            part = radii.isel(omega=np.flatnonzero(chosen))
+            axes[2].errorbar(
+                part.omega, part.lyapunov_exponent, yerr=part.lyapunov_error, fmt="o", ms=3.0,
+                color=BLUE, mfc=face, elinewidth=0.8, label=words,
+            )  # fmt: skip
+        axes[2].axhline(0.0, color=GREY, lw=0.8)
+        for ax in axes:
             for number, (place, _, _) in enumerate(places):
                 ax.axvline(place, color=ORANGE, lw=0.9, ls="--", zorder=1.5,
                            label="period doubling" if number == 0 else None)  # fmt: skip
-            ax.axvline(end, color="k", lw=0.8, ls=":", label="end of the cascade")
-            ax.set_xlim(LOWEST, HIGHEST)
+            ax.axvline(end, color="k", lw=0.9, ls=":", label="end of the cascade")
             ax.tick_params(labelbottom=True)
-            own_legend(ax)
-        above.set(ylabel="maxima of $|z|$", title=r"$\zeta = 0.07,\ \delta_0 = 2$")
-        below.set(xlabel=LABELS["omega"], ylabel="exponent")
-    ratios = ratios_of(places)
-    chaotic = radii.omega.values[radii.response.values == RESPONSE["chaotic"]]
-    if chaotic.size:
-        told = ", ".join(
-            f"{float(radii.lyapunov_exponent.sel(omega=each)):.4f} at ω = {each:.5f}"
-            for each in chaotic
+        axes[0].set(xlim=(LOWEST, HIGHEST), title=rf"$\zeta = {ZETA},\ \delta_0 = {DELTA0:g}$")
+        axes[1].set_xlim(LOWEST, MIDDLE)
+        axes[2].set(xlim=(LOWEST, MIDDLE), xlabel=LABELS["omega"], ylabel="largest exponent")
+        shared_legend(figure, axes, columns=5)
+    told = ", ".join(
+        f"{value:.4f} ± {error:.4f} at ω = {speed:.4f}"
+        for speed, value, error in zip(
+            radii.omega.values[chaotic], radii.lyapunov_exponent.values[chaotic],
+            radii.lyapunov_error.values[chaotic], strict=True,
         )
-        words = f"The simulated rotor is chaotic at {chaotic.size} of the speeds: {told}."
-    else:
-        words = "At none of the speeds simulated is the rotor chaotic."
+    )  # fmt: skip
+    words = f"exponents {told}" if told else "none of the speeds simulated is chaotic"
+    ratios = ratios_of(places)
     settings.show(
         figure,
         "doubling_cascade",
         archives=["down", "radii", *(f"branch_{number + 1}" for number in range(len(places)))],
         shows="The largest radii of a simulated rotor led down in speed, with the exact period "
-        "doublings; and its largest Lyapunov exponent.",
+        "doublings; the same drawn out; and the largest exponent beside that of a shift.",
         found=f"Doublings at ω = {', '.join(f'{place:.9f}' for place, _, _ in places)}. Their "
         f"distances shrink by {', '.join(f'{ratio:.4f}' for ratio in ratios)}; Feigenbaum's factor "
-        f"is 4.6692. By it the cascade ends at ω = {end:.6f}. {words}",
+        f"is 4.6692. By it the cascade ends at ω = {end:.6f}; below it: {words}.",
     )
 
 

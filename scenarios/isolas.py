@@ -132,8 +132,8 @@ def draw_isolas(
         shows="The branches of limit cycles at δ₀ = 0.5 and 2 over the speed, and the left end of "
         "the second drawn out.",
         found="; ".join(
-            f"at δ₀ = {float(isola.delta0):g} the branch {word} on itself and lies between folds at "
-            f"ω = {folds_of(isola).min():.10f} and {folds_of(isola).max():.10f}"
+            f"at δ₀ = {float(isola.delta0):g} the branch {word} on itself, between folds at ω = "
+            f"{folds_of(isola).min():.10f} and {folds_of(isola).max():.10f}"
             for isola, word in zip(isolas, closed, strict=True)
         ).capitalize()
         + f". Near the left end of the second, cycles are stable from {low:.10f}, a fold, to "

@@ -231,6 +231,8 @@ def advance(course: Course, side: Side) -> None:
         met = [each for each in met if _passed(course, each.point) is None]
     elif len(side.points) > FEWEST_STEPS and _comes_back(course, last, point):
         point, side.end = course.first, CLOSED
+        # behind its first point the branch goes on as it began
+        met = [each for each in met if not any(_same(each, known) for _, known in side.specials)]
     if halved is not None:
         met, point, side.end = [*met, Special(DOUBLING, halved)], halved, HALVED
     side.specials += [(len(side.points) - 1, each) for each in met]
@@ -296,6 +298,10 @@ def _comes_back(course: Course, last: Point[Shot], point: Point[Shot]) -> bool:
 
     A branch comes back at any phase: the cycles are compared by what does not hang on it.
     """
+    between = (course.first.unknowns - last.unknowns) * (course.first.unknowns - point.unknowns)
+    apart = (point.unknowns - last.unknowns) ** 2
+    if (between[PLACE - 1 :] > apart[PLACE - 1 :]).any():
+        return False
     goal, here, there = (_signature(each) for each in (course.first, last, point))
     along = there - here
     part = float((goal - here) @ along) / float(along @ along)
@@ -308,6 +314,13 @@ def _comes_back(course: Course, last: Point[Shot], point: Point[Shot]) -> bool:
         return False
     same = np.linalg.norm(_signature(again) - goal) <= SAME * np.linalg.norm(goal)
     return bool(same and again.tangent[-1] * course.first.tangent[-1] > 0.0)
+
+
+def _same(special: Special[Shot], known: Special[Shot]) -> bool:
+    """Return whether two special points are one, at whatever phase."""
+    one, other = _signature(special.point), _signature(known.point)
+    near = np.linalg.norm(one - other) <= SAME * np.linalg.norm(other)
+    return special.name == known.name and bool(near)
 
 
 def _signature(point: Point[Shot]) -> Values:

@@ -189,13 +189,15 @@ def shooting_equations(
         Derivatives of end less start, and of the state along the direction.
     """
     n = stretch.start.size
-    matrix = np.zeros((n + 1, n + 1 + len(columns)))
-    matrix[:n, :n] = stretch.monodromy - np.eye(n)
+    miss, matrix = np.zeros(n + 1), np.zeros((n + 1, n + 1 + len(columns)))
+    miss[:n] = stretch.start - stretch.end
+    matrix[:n, :n] = stretch.monodromy
+    matrix.flat[: n * matrix.shape[1] : matrix.shape[1] + 1] -= 1.0  # the diagonal
     matrix[:n, n] = stretch.end_rate
     for number, column in enumerate(columns, start=n + 1):
         matrix[:n, number] = column
-    matrix[n, :n] = direction / np.linalg.norm(direction)
-    return np.append(stretch.start - stretch.end, 0.0), matrix
+    matrix[n, :n] = direction / math.sqrt(direction @ direction)
+    return miss, matrix
 
 
 @dataclass(frozen=True, slots=True)
@@ -244,7 +246,7 @@ class Curve(Generic[S]):
         while True:
             try:
                 guess = self._guess(last, before, length)
-                point, newton_steps = self._at(last, length, before)
+                point, newton_steps = self._corrected(guess, last.tangent, last.stretch.start_rate)
                 cosine = float(point.tangent @ last.tangent)
                 moved = np.linalg.norm((point.unknowns - guess) / self.scale)
                 if cosine >= LEAST_COSINE and moved <= MOST_CORRECTION * length:
@@ -343,7 +345,7 @@ class Curve(Generic[S]):
                 return self._point(unknowns, stretch, plane), steps
             direction = stretch.start_rate if direction is None else direction
             miss, matrix = self._bordered(unknowns, stretch, direction, plane)
-            step = _solved(matrix, np.append(miss, 0.0))
+            step = _solved(matrix, miss)
             size = float(np.linalg.norm(step))
             if size <= EXACT:
                 return self._point(unknowns, stretch, plane), steps
@@ -366,7 +368,11 @@ class Curve(Generic[S]):
     ) -> tuple[Values, Values]:
         """Return what the equations miss, and their derivatives, in parts of the scales."""
         miss, matrix = self.problem.equations(unknowns, stretch, direction)
-        return miss, np.vstack([matrix * self.scale, plane])
+        bordered = np.empty((matrix.shape[1], matrix.shape[1]))
+        bordered[:-1], bordered[-1] = matrix * self.scale, plane
+        right = np.zeros(plane.size)
+        right[:-1] = miss
+        return right, bordered
 
     def _met(self, last: Point[S], point: Point[S], length: float) -> list[Special[S]]:
         """Return the special points between two points, in their order."""
