@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 import xarray as xr
 
-from rotor_ida.analysis.branches import course_of, parameters_of, stable_ranges
+from rotor_ida.analysis.branch_course import course_of, parameters_of, stable_ranges
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.cycles.bifurcation_curve import bifurcation_curve
 from rotor_ida.cycles.continue_cycle import branch_from
@@ -84,13 +84,9 @@ def differences_of_cycles(again: xr.Dataset, archived: xr.Dataset, kind: str) ->
 
 def _branch(dataset: xr.Dataset, progress: Progress | None) -> xr.Dataset:
     given, (parameter,) = dataset.attrs, parameters_of("branch", dataset, "parameter", 1)
-    # which way is forward is told by the branch itself, at the point where it began
-    away = np.abs(dataset[parameter].values / given[f"start_{parameter}"] - 1.0)
-    away += np.abs(dataset["period"].values / given["start_period"] - 1.0)
-    slope = float(dataset["slope"].values[np.argmin(away)])
     guess = Guess(
         _rotor_at_start(dataset), np.array(given["start"]), float(given["start_period"]),
-        str(given["start_special"]), slope,
+        str(given["start_special"]), float(given["start_slope"]),
     )  # fmt: skip
     low, high = np.asarray(given["limits"]).tolist()
     direction, points = str(given["direction"]), int(given["points"])

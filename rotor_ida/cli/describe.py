@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from rich.console import RenderableType
 
-from rotor_ida.analysis.branches import parameters_of, stable_ranges
+from rotor_ida.analysis.branch_course import parameters_of, stable_ranges
 from rotor_ida.analysis.comparison import summarise
 from rotor_ida.cli.report import pairs, table
 from rotor_ida.parameters import PARAMETERS

@@ -307,7 +307,10 @@ def _none(response: str) -> dict[str, xr.Variable]:
     columns["response"] = of_cycle("response", (), np.int8(RESPONSE[response]))
     columns["stability"] = of_cycle("stability", (), np.int8(STABILITY["absent"]))
     columns["contact_count"] = of_cycle("contact_count", (), 0)
+    columns["whirl_direction"] = of_cycle("whirl_direction", (), np.int8(WHIRL_DIRECTION["none"]))
     none = np.empty(0)
     columns |= {name: of_cycle(name, "line", none) for name in ("frequency", "whirl_amplitude")}
-    columns |= {"t": of_cycle("t", "t", none)}
+    columns["line"] = of_cycle("line", "line", np.empty(0, dtype=np.int64))
+    columns["line_kind"] = of_cycle("line_kind", "line", np.empty(0, dtype=np.int8))
+    columns["t"] = of_cycle("t", "t", none)
     return columns | state_columns(np.empty((0, 4)), "t")

@@ -12,7 +12,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rotor_ida.analysis.branches import Course, course_of, parameters_of, runs_of
+from rotor_ida.analysis.branch_course import Course, course_of, parameters_of, runs_of
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import PARAMETERS
 from rotor_ida.plot.appearance import (

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rotor_ida import InputError, Rotor, bifurcation_curve, continue_cycle, limit_cycle
-from rotor_ida.analysis.branches import course_of, runs_of, stable_ranges
+from rotor_ida.analysis.branch_course import course_of, runs_of, stable_ranges
 from rotor_ida.analysis.verification import differences, rerun
 
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
