@@ -39,7 +39,7 @@ from rotor_ida.cycles.branch import (
 from rotor_ida.cycles.continuation import Count, Curve, Point, Problem, shooting_equations
 from rotor_ida.cycles.continue_cycle import branch_dataset, check_limits
 from rotor_ida.cycles.guess import Guess, guess_of
-from rotor_ida.cycles.limit_cycle import cycle_from
+from rotor_ida.cycles.limit_cycle import check_turns_and_settles, cycle_from
 from rotor_ida.cycles.multipliers import doubling_test, fold_test
 from rotor_ida.cycles.shooting import checked_cycle, contacts_of
 from rotor_ida.errors import InputError
@@ -128,6 +128,7 @@ def bifurcation_curve(
     count = check_count("points", points, minimum=2, maximum=MOST_NUMBERS)
     check_progress(progress)
     guess = guess_of(rotor, start)
+    check_turns_and_settles(guess.rotor)
     bounds = _checked_limits((first, second), limits, guess.rotor)
     go_on = np.zeros(1, np.uint8)
     if guess.special != kind:

@@ -29,7 +29,7 @@ from rotor_ida.cycles.branch import (
 from rotor_ida.cycles.continuation import Point, Special
 from rotor_ida.cycles.dataset import cycle_columns, of_cycle, state_columns
 from rotor_ida.cycles.guess import Guess, guess_of
-from rotor_ida.cycles.limit_cycle import cycle_from
+from rotor_ida.cycles.limit_cycle import check_turns_and_settles, cycle_from
 from rotor_ida.cycles.shooting import checked_cycle
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress
@@ -131,6 +131,7 @@ def continue_cycle(
     count = check_count("points", points, minimum=2, maximum=MOST_NUMBERS)
     check_progress(progress)
     guess = guess_of(rotor, start)
+    check_turns_and_settles(guess.rotor)
     bounds = check_limits(parameter, limits, guess.rotor)
     if guess.period is None:
         cycle = cycle_from(guess.rotor, guess.state)

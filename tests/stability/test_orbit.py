@@ -170,7 +170,7 @@ def test_a_start_on_the_ring_is_in_contact_where_it_moves_outwards(outwards, at_
     start = np.array([2.0, 0.0, 0.3 * outwards, 0.1])
     shot = shoot(BOUNCING, start, 4.0, GO_ON)
     assert np.isnan(shot.contacts[0, ENTRY]) == at_once
-    beside = start + [1e-9 * outwards, 0.0, 0.0, 0.0]
+    beside = start + 1e-9 * outwards * np.eye(4)[0]
     other = shoot(BOUNCING, beside, 4.0, GO_ON)
     # off the ring by nothing that counts
     np.testing.assert_allclose(shot.end, other.end, rtol=0.0, atol=1e-6)
