@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.checks import COMPONENTS, check_positive, check_state, shown
+from rotor_ida.checks import COMPONENTS, check_between, check_state, shown
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.schema import SPECIAL
@@ -16,6 +16,8 @@ from rotor_ida.schema import SPECIAL
 Values = npt.NDArray[np.float64]
 
 DOUBLING = "period_doubling"
+# No cycle has a shorter period; an orbit over a longer time takes too long to be closed.
+SHORTEST_PERIOD, LONGEST_PERIOD = 1e-6, 1e4
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,8 +65,9 @@ def guess_of(rotor: Rotor, start: object, period: object = None) -> Guess:
     """
     if not isinstance(start, xr.Dataset):
         state = np.array(check_state("start", start))
-        known = None if period is None else check_positive("period", period)
-        return Guess(rotor, state, known)
+        if period is None:
+            return Guess(rotor, state)
+        return Guess(rotor, state, check_between("period", period, SHORTEST_PERIOD, LONGEST_PERIOD))
     if period is not None:
         raise InputError("period must be left out with a start that has one")
     if "special_value" in start and start["special_value"].ndim == 0:

@@ -12,7 +12,7 @@ from rotor_ida.checks import check_instance
 from rotor_ida.cycles.dataset import cycle_columns, of_cycle, state_columns
 from rotor_ida.cycles.guess import Guess, guess_of
 from rotor_ida.cycles.multipliers import multipliers_of
-from rotor_ida.cycles.shooting import Cycle, close_orbit
+from rotor_ida.cycles.shooting import Cycle, close_orbit, once_round
 from rotor_ida.equations.contact import contact_force
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.parallel import Stop, interruptible
@@ -63,7 +63,8 @@ def limit_cycle(
         for a guess of a cycle, stable or not; from any other the rotor is followed to its
         attractor. Or another limit cycle, or one point of a branch, as a guess.
     period : float, optional
-        About the period of the cycle [1]: then Newton's method begins at the start itself.
+        About the period of the cycle, or a multiple of it, from 1e-6 to 1e4 [1]: then Newton's
+        method begins at the start itself.
 
     Returns
     -------
@@ -113,7 +114,7 @@ def limit_cycle(
     guess = guess_of(rotor, start, period)
     if isinstance(start, xr.Dataset) and guess.rotor != rotor:
         guess = Guess(rotor, guess.state, guess.period)
-    check_can_be_followed(rotor, _state_of(guess.state))
+    check_can_be_followed(rotor, _state_of(guess.state), settling=True)
     cycle, response = interruptible(lambda stop: found_cycle(guess, stop))
     return _dataset(rotor, guess, cycle, response)
 
@@ -133,7 +134,7 @@ def cycle_from(rotor: Rotor, state: Values) -> Cycle:
     InputError
         If there is none.
     """
-    check_can_be_followed(rotor, _state_of(state))
+    check_can_be_followed(rotor, _state_of(state), settling=True)
     cycle, response = interruptible(lambda stop: found_cycle(Guess(rotor, state), stop))
     if cycle is None:
         raise InputError(
@@ -152,7 +153,7 @@ def found_cycle(guess: Guess, stop: Stop) -> tuple[Cycle | None, str]:
     """
     rotor, state = guess.rotor, guess.state
     if guess.period is not None:
-        cycle = close_orbit(rotor, state, guess.period, stop)
+        cycle = once_round(close_orbit(rotor, state, guess.period, stop), stop)
         return cycle, cycle.response
     near = _near(rotor, state, stop)
     if near is not None:

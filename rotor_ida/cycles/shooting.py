@@ -21,7 +21,16 @@ from rotor_ida.equations.contact import contact_force
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import Rotor
-from rotor_ida.stability.orbit import EXIT, IMPULSE, RADIUS, RTOL, Shot, shoot
+from rotor_ida.stability.orbit import (
+    EXIT,
+    IMPULSE,
+    KIND,
+    MAXIMUM,
+    RADIUS,
+    RTOL,
+    Shot,
+    shoot,
+)
 
 Values = npt.NDArray[np.float64]
 
@@ -34,6 +43,8 @@ CLOSED = 1e-12
 LONGEST_STEP = 0.25
 # An orbit that stays within this part of its radius is a whirl of constant radius.
 LEAST_EXTENT = 1e-7
+# An orbit that is back at its start to this part of it before its end goes round more than once.
+BACK = 1e-8
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,6 +154,16 @@ def close_orbit(
             return checked_cycle(shot)
         last = size
     raise failure(shot, f"Newton's method found no limit cycle in {MOST_STEPS} steps")
+
+
+def once_round(cycle: Cycle, stop: Stop) -> Cycle:
+    """Return a limit cycle over its smallest period, if it was followed round more than once."""
+    most = 1 + int((cycle.shot.extrema[:, KIND] == MAXIMUM).sum())
+    for times in range(most, 1, -1):
+        part = shoot(cycle.rotor, cycle.state, cycle.period / times, stop)
+        if np.linalg.norm(part.end - part.start) <= BACK * np.linalg.norm(part.start):
+            return close_orbit(cycle.rotor, cycle.state, cycle.period / times, stop)
+    return cycle
 
 
 def checked_cycle(shot: Shot) -> Cycle:
