@@ -216,7 +216,7 @@ def _comparison(dataset: xr.Dataset, most: int | None) -> Description:
         for name in summary[0]
         if name not in RESPONSE or any(row[name] != 0 for row in summary)
     ]
-    parts: list[RenderableType] = [table("On an exact branch, by clearance", summary, columns)]
+    parts: list[RenderableType] = [table("On an exact whirl or limit cycle, by clearance", summary, columns)]
     if most is not None:
         parts += _rows("Points", points, names, most, digits=6)
     return record, parts

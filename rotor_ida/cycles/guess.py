@@ -16,6 +16,7 @@ from rotor_ida.schema import SPECIAL
 Values = npt.NDArray[np.float64]
 
 DOUBLING = "period_doubling"
+NO_CYCLE = "start must be a limit cycle, got a result without one"
 # No cycle has a shorter period; an orbit over a longer time takes too long to be closed.
 SHORTEST_PERIOD, LONGEST_PERIOD = 1e-6, 1e4
 
@@ -70,6 +71,8 @@ def guess_of(rotor: Rotor, start: object, period: object = None) -> Guess:
         return Guess(rotor, state, check_between("period", period, SHORTEST_PERIOD, LONGEST_PERIOD))
     if period is not None:
         raise InputError("period must be left out with a start that has one")
+    if "length_scale" in start.attrs:
+        raise InputError("start must be dimensionless, got one in SI units")
     if "special_value" in start and start["special_value"].ndim == 0:
         return _of_special(rotor, start)
     needed = ("period", *COMPONENTS, *PARAMETERS)
@@ -81,6 +84,8 @@ def guess_of(rotor: Rotor, start: object, period: object = None) -> Guess:
         )
     if any(start[name].ndim for name in ("period", *PARAMETERS)):
         raise InputError("start must be one point of a branch: choose it with isel(point=...)")
+    if not start["x"].size:
+        raise InputError(NO_CYCLE)
     state = np.array([float(start[name].values.flat[0]) for name in COMPONENTS])
     slope = float(start["slope"]) if "slope" in start else 1.0
     found = Guess(_rotor_of(rotor, start), state, float(start["period"]), slope=slope)
@@ -90,24 +95,33 @@ def guess_of(rotor: Rotor, start: object, period: object = None) -> Guess:
 def _of_special(rotor: Rotor, start: xr.Dataset) -> Guess:
     state = np.array([float(start[f"special_{name}"]) for name in COMPONENTS])
     kind = {number: word for word, number in SPECIAL.items()}[int(start["special_kind"])]
-    place = start.assign_coords({start.attrs["parameter"]: start["special_value"]})
+    values = ("special_value", "special_second_value")
+    place = start.assign_coords(
+        {name: start[value] for name, value in zip(_continued(start), values, strict=False)}
+    )
     return _checked(Guess(_rotor_of(rotor, place), state, float(start["special_period"]), kind))
 
 
+def _continued(start: xr.Dataset) -> list[str]:
+    """Return the parameters that vary along a branch or a curve; none of a single cycle."""
+    return str(start.attrs.get("parameter", start.attrs.get("parameters", ""))).split()
+
+
 def _rotor_of(rotor: Rotor, start: xr.Dataset) -> Rotor:
-    """Return the rotor of a start, which may differ from `rotor` in the continued parameter."""
+    """Return the rotor of a start, which may differ from `rotor` in what was continued."""
     found = Rotor(**{name: float(start[name]) for name in PARAMETERS})
-    continued = start.attrs.get("parameter", "")
     for name in PARAMETERS:
         here, given = getattr(found, name), getattr(rotor, name)
-        if name != continued and here != given:
-            raise InputError(f"start must be of the same rotor: its {name} is {shown(here)}, "
-                             f"that of the rotor {shown(given)}")  # fmt: skip
+        if name not in _continued(start) and here != given:
+            raise InputError(
+                f"start must be of the same rotor: its {name} is {shown(here)}, that of the rotor "
+                f"{shown(given)}"
+            )
     return found
 
 
 def _checked(guess: Guess) -> Guess:
     """Return the guess if it has a period."""
     if guess.period is None or not guess.period > 0.0 or not np.isfinite(guess.state).all():
-        raise InputError("start must be a limit cycle, got a result without one")
+        raise InputError(NO_CYCLE)
     return guess

@@ -181,7 +181,7 @@ def test_compare_counts_by_clearance(program: Program, archives: Path):
     answer = program("compare", archives / "sweep.nc", "--out", "compared.nc", "--json")
     assert (answer.status, answer.err) == (0, "")
     record = json.loads(answer.out)
-    assert [row["on_branch"] for row in record["summary"]] == [2, 2]
+    assert [row["on_whirl"] for row in record["summary"]] == [2, 2]
     expected = rotor_ida.load(archives / "compared.nc")
     assert column(record["points"], "digits") == expected["digits"].values.ravel().tolist()
     np.testing.assert_array_equal(rotor_ida.load("compared.nc")["digits"], expected["digits"])
