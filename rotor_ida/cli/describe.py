@@ -57,9 +57,11 @@ SPECIAL = (
 )
 # Attributes of a branch whose names a record has for something else.
 RENAMED = {"kind": "of", "points": "most_points", "parameters": "varied"}
+TOLD = ("lies_on", *PARAMETERS, "start", "direction", "response", "period", "digits")
 MATCH = (
-    *("matched_branch", *PARAMETERS, "start", "direction", "response", "amplitude"),
-    *("amplitude_error", "phase_error", "digits"),
+    *("lies_on", *PARAMETERS, "start", "direction", "response", "digits"),
+    *("matched_branch", "amplitude", "amplitude_error", "phase_error"),
+    *("period", "exact_period", "exact_radius_min", "exact_radius_max", "cycle_stability"),
 )
 
 
@@ -216,9 +218,10 @@ def _comparison(dataset: xr.Dataset, most: int | None) -> Description:
         for name in summary[0]
         if name not in RESPONSE or any(row[name] != 0 for row in summary)
     ]
-    parts: list[RenderableType] = [table("On an exact whirl or limit cycle, by clearance", summary, columns)]
+    title = "On an exact whirl or limit cycle, by clearance"
+    parts: list[RenderableType] = [table(title, summary, columns)]
     if most is not None:
-        parts += _rows("Points", points, names, most, digits=6)
+        parts += _rows("Points", points, [name for name in names if name in TOLD], most, digits=6)
     return record, parts
 
 

@@ -185,7 +185,7 @@ def test_compare_counts_by_clearance(program: Program, archives: Path):
     expected = rotor_ida.load(archives / "compared.nc")
     assert column(record["points"], "digits") == expected["digits"].values.ravel().tolist()
     np.testing.assert_array_equal(rotor_ida.load("compared.nc")["digits"], expected["digits"])
-    assert "on branch" in program("compare", archives / "sweep.nc").out
+    assert "on whirl" in program("compare", archives / "sweep.nc").out
 
 
 @pytest.mark.parametrize("kind", ["run", "sweep", "basin", "whirls", "folds", "compared"])
