@@ -1,7 +1,7 @@
 """The continuation core on other flows, whose folds and doublings are published.
 
-Here a cycle is followed by SciPy's DOP853 with its variational equations: nothing of the rotor takes
-part.
+Here a cycle is followed by SciPy's DOP853 with its variational equations: nothing of the rotor
+takes part.
 """
 
 from dataclasses import dataclass
