@@ -43,6 +43,7 @@ CLOSED = 1e-12
 LONGEST_STEP = 0.25
 # An orbit that stays within this part of its radius is a whirl of constant radius.
 LEAST_EXTENT = 1e-7
+CONSTANT = "Newton's method came to a whirl of constant radius"
 # An orbit that is back at its start to this part of it before its end goes round more than once.
 BACK = 1e-8
 
@@ -179,10 +180,10 @@ def checked_cycle(shot: Shot) -> Cycle:
     if not residual <= CLOSED * max(float(np.linalg.norm(shot.monodromy)), 1.0):
         raise failure(shot, f"the orbit misses its start by {residual:.3g} of its size")
     if not len(shot.extrema):
-        raise failure(shot, "Newton's method came to a whirl of constant radius")
+        raise failure(shot, CONSTANT)
     cycle = Cycle(shot, residual)
     if cycle.radius_max - cycle.radius_min <= LEAST_EXTENT * cycle.radius_max:
-        raise failure(shot, "Newton's method came to a whirl of constant radius")
+        raise failure(shot, CONSTANT)
     if not cycle.touches:
         raise failure(shot, "Newton's method came to a whirl inside the clearance")
     return cycle
@@ -202,9 +203,12 @@ def _newton_step(shot: Shot) -> Values:
     """Return the step of state and period, shape (5,)."""
     matrix = np.zeros((5, 5))
     rate = shot.start_rate
+    speed = float(np.linalg.norm(rate))
+    if speed == 0.0:
+        raise failure(shot, CONSTANT)
     matrix[:4, :4] = shot.monodromy - np.eye(4)
     matrix[:4, 4] = shot.end_rate
-    matrix[4, :4] = rate / np.linalg.norm(rate)
+    matrix[4, :4] = rate / speed
     miss = np.append(shot.start - shot.end, 0.0)
     try:
         step: Values = np.linalg.solve(matrix, miss)

@@ -1,0 +1,131 @@
+"""Multipliers from the trace, and the structure that this rests on, measured on M."""
+
+import numpy as np
+import pytest
+
+from rotor_ida import Rotor
+from rotor_ida.cycles.multipliers import (
+    FORM,
+    contraction,
+    defects_of,
+    doubling_test,
+    fold_test,
+    is_stable,
+    multipliers_of,
+)
+from rotor_ida.cycles.shooting import close_orbit
+from rotor_ida.stability.orbit import shoot
+from tests.cycles.known import BOUNCING, FULL, PAIRS, PARTNERS, SLIVER, SPECIAL_POINTS
+from tests.witness import flown
+
+GO_ON = np.zeros(1, np.uint8)
+KNOWN = [BOUNCING, FULL]
+
+
+def closed(known):
+    return close_orbit(known.rotor, np.array(known.state), known.period, GO_ON)
+
+
+@pytest.mark.parametrize("known", KNOWN)
+def test_multipliers_of_the_known_cycles(known):
+    """DESIGN 9, to the eight digits that are given."""
+    found = multipliers_of(closed(known).shot)
+    assert np.abs(found[0] - 1.0) < 1e-10
+    pair, partner = PAIRS[known], PARTNERS[known]
+    for expected in (pair, pair.conjugate(), partner):
+        assert np.abs(found - expected).min() < 1e-8
+    assert (np.diff(np.abs(found)) <= 0.0).all()
+
+
+@pytest.mark.parametrize(("known", "pair"), SLIVER.items())
+def test_multipliers_of_the_sliver_are_real_and_negative(known, pair):
+    shot = closed(known).shot
+    found = multipliers_of(shot)
+    for expected in (1.0, *pair):
+        assert np.abs(found - expected).min() < 1e-7
+    assert is_stable(shot)
+
+
+@pytest.mark.parametrize("known", [*KNOWN, *SLIVER])
+def test_they_are_the_eigenvalues_of_the_matrix_of_dop853(known):
+    """An integrator that knows nothing of the structure, and no trace: the matrix itself."""
+    cycle = closed(known)
+    other = flown(known.rotor, cycle.state, cycle.period).monodromy
+    found = np.sort_complex(multipliers_of(cycle.shot))
+    expected = np.sort_complex(np.linalg.eigvals(other))
+    # the smallest are the differences of much larger numbers
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-7)
+
+
+@pytest.mark.parametrize("known", [*KNOWN, *SLIVER])
+def test_structure_measured_on_the_matrix_before_it_is_used(known):
+    """The trivial multiplier to 1e-10; det M / q^2 and the partner / q to 1e-8, by eigenvalues."""
+    cycle = closed(known)
+    matrix, q = cycle.shot.monodromy, contraction(known.rotor.zeta, cycle.period)
+    values, size = np.linalg.eigvals(matrix), np.linalg.norm(matrix)
+    # where M is large, det M and q are small differences of its elements
+    condition = max(size / q, 1.0)
+    assert np.abs(values - 1.0).min() < 1e-10
+    assert np.abs(values / q - 1.0).min() < max(1e-8, 1e-15 * condition)
+    assert np.linalg.det(matrix) / q**2 == pytest.approx(1.0, abs=max(1e-8, 1e-15 * condition**2))
+    trivial, symplectic = defects_of(cycle.shot)
+    assert trivial < 1e-10
+    assert symplectic < 1e-13
+
+
+@pytest.mark.parametrize("rotor", [
+    Rotor(omega=2.0, zeta=0.07, delta0=2.0), Rotor(omega=3.0, zeta=0.01, delta0=0.5),
+    Rotor(omega=1.1, zeta=0.3, delta0=1.0), Rotor(omega=1.7, zeta=0.1, delta0=0.0),
+])  # fmt: skip
+def test_every_stretch_of_every_orbit_is_conformally_symplectic(rotor):
+    """M^T S M = q S holds for any start and time, through entries and exits; not for cycles alone.
+
+    Measured on both integrators.
+    """
+    generator = np.random.default_rng(5)
+    for _ in range(4):
+        start, duration = generator.uniform(-3.0, 3.0, 4), float(generator.uniform(2.0, 15.0))
+        q = contraction(rotor.zeta, duration)
+        for matrix, allowed in (
+            (shoot(rotor, start, duration, GO_ON).monodromy, 1e-13),
+            (flown(rotor, start, duration).monodromy, 1e-9),
+        ):
+            size = (np.abs(matrix).T @ np.abs(FORM) @ np.abs(matrix)).max()
+            assert np.abs(matrix.T @ FORM @ matrix - q * FORM).max() < allowed * size
+
+
+def test_the_form_is_that_of_fixed_axes_velocity():
+    """With the velocity seen on the turning axes as momentum the flow would not have it."""
+    matrix = closed(BOUNCING).shot.monodromy
+    q = contraction(0.07, BOUNCING.period)
+    seen = np.eye(4)  # from (Z, W) to (Z, Z') = (Z, W - i omega Z)
+    seen[2:, :2] = 2.0 * np.array([[0.0, 1.0], [-1.0, 0.0]])
+    other = np.linalg.inv(seen).T @ FORM @ np.linalg.inv(seen)
+    assert np.abs(matrix.T @ FORM @ matrix - q * FORM).max() < 1e-13
+    assert np.abs(matrix.T @ other @ matrix - q * other).max() > 1e-2
+
+
+@pytest.mark.parametrize("known", SPECIAL_POINTS)
+def test_a_test_function_vanishes_where_auto_and_dop853_find_the_bifurcation(known):
+    """Once round from the state found there; to close it again fails where it is beyond a fold.
+
+    The witness is good to about 2e-10, and the elements of M change by some 100 in a unit.
+    """
+    shot = shoot(known.rotor, np.array(known.state), known.period, GO_ON)
+    test, place = {"fold": (fold_test, 1.0), "period_doubling": (doubling_test, -1.0)}[known.kind]
+    assert abs(test(shot)) < 1e-6
+    values = np.linalg.eigvals(shot.monodromy)
+    others = np.delete(values, np.argmin(np.abs(values - 1.0)))
+    # at a fold 1 is a double root, of which rounding makes a pair 1e-4 off
+    assert np.abs(others - place).min() < (1e-3 if known.kind == "fold" else 1e-6)
+
+
+@pytest.mark.parametrize(("omega", "stable"), [(0.3995, True), (0.401, False), (1.79, False),
+                                               (1.82, True)])  # fmt: skip
+def test_stability_is_what_eigenvalues_say_on_both_sides_of_a_doubling(omega, stable):
+    known = SPECIAL_POINTS[3 if omega < 1.0 else 4]
+    rotor = Rotor(omega=omega, zeta=0.07, delta0=2.0)
+    shot = close_orbit(rotor, np.array(known.state), known.period, GO_ON).shot
+    values = np.linalg.eigvals(shot.monodromy)
+    others = np.delete(values, np.argmin(np.abs(values - 1.0)))
+    assert is_stable(shot) == bool((np.abs(others) < 1.0).all()) == stable

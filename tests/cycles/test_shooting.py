@@ -1,0 +1,168 @@
+"""Closing an orbit: known cycles, convergence, phases, and orbits that are none."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rotor_ida import Rotor, SimulationError, synchronous_response
+from rotor_ida.cycles.shooting import checked_cycle, close_orbit, contacts_of, once_round
+from rotor_ida.simulation.options import Options
+from rotor_ida.stability.orbit import shoot
+from rotor_ida.sweeps.steady_state import follow_to_steady_state
+from tests.cycles.known import BOUNCING, FULL, HIGHEST, SPECIAL_POINTS, signature
+from tests.witness import flown
+
+GO_ON = np.zeros(1, np.uint8)
+KNOWN = [BOUNCING, FULL]
+
+
+def closed(known, period=None, state=None):
+    start = np.array(known.state if state is None else state)
+    return close_orbit(known.rotor, start, period or known.period, GO_ON)
+
+
+@pytest.mark.parametrize("known", KNOWN)
+def test_the_known_cycles_are_found_from_a_poor_guess(known):
+    """DESIGN 9: periods to 1e-11, largest radii to the nine digits that are given."""
+    cycle = closed(known, 1.02 * known.period, 1.01 * np.array(known.state))
+    assert cycle.period == pytest.approx(known.period, abs=1e-11)
+    assert cycle.radius_max == pytest.approx(HIGHEST[known], abs=1e-9)
+    assert cycle.residual < 1e-13
+
+
+@pytest.mark.parametrize("known", KNOWN)
+def test_a_cycle_closes_by_dop853_as_well(known):
+    cycle = closed(known)
+    end = flown(known.rotor, cycle.state, cycle.period).end
+    # DOP853 at 1e-12 a step
+    np.testing.assert_allclose(end, cycle.state, rtol=0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("known", KNOWN)
+def test_period_and_extremes_are_those_that_cvode_settles_on(known):
+    """The simulated numbers know nothing of Newton's method."""
+    settled = follow_to_steady_state(known.rotor, (0.0, 0.0, 0.0, 0.0), Options())
+    found = signature(closed(known))
+    simulated = signature(settled.features)
+    np.testing.assert_allclose(simulated, found, rtol=1e-9)
+
+
+@pytest.mark.parametrize("known", KNOWN)
+def test_any_phase_gives_the_same_cycle(known):
+    """A shift along the cycle changes where it begins, and nothing else."""
+    first = closed(known)
+    for part in (0.11, 0.37, 0.5, 0.83):
+        there = shoot(known.rotor, first.state, part * first.period, GO_ON).end
+        again = closed(known, state=there)
+        np.testing.assert_allclose(signature(again), signature(first), rtol=1e-12)
+        assert again.contacts == first.contacts
+        if again.contacts:
+            assert again.impulse == pytest.approx(first.impulse, rel=1e-11)
+
+
+@pytest.mark.parametrize("known", KNOWN)
+def test_convergence_is_quadratic(known):
+    """What an iterate misses the cycle by is squared from step to step, until rounding."""
+    shots = []
+
+    def watched(*arguments):
+        shots.append(shoot(*arguments))
+        return shots[-1]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("rotor_ida.cycles.shooting.shoot", watched)
+        closed(known, 1.01 * known.period)
+    missed = [np.linalg.norm(shot.end - shot.start) for shot in shots]
+    middle = [place for place, miss in enumerate(missed) if 1e-7 < miss < 1e-2]
+    assert middle
+    for place in middle:
+        assert missed[place + 1] < 30.0 * missed[place] ** 2
+
+
+def test_unstable_cycles_close_from_a_near_guess():
+    """Beyond the doubling at 1.80339 the cycle goes on, unstable: no simulation stays there."""
+    doubling = SPECIAL_POINTS[4]
+    rotor = replace(doubling.rotor, omega=1.79)
+    cycle = close_orbit(rotor, np.array(doubling.state), doubling.period, GO_ON)
+    values = np.linalg.eigvals(cycle.shot.monodromy)
+    assert np.abs(values).max() > 1.0 + 1e-6
+    assert cycle.period == pytest.approx(doubling.period, rel=0.02)
+
+
+def test_one_contact_a_period_and_its_impulse_balances_the_other_forces():
+    """Over a period of the fixed frame's motion forces and change of momentum balance.
+
+    On the rotating axes, averaged over a period: the mean of W' = 0, so the mean of the contact
+    force is omega^2 - (2 zeta + i omega) times that of W. The size of impulse is no less.
+    """
+    cycle = closed(BOUNCING)
+    assert cycle.contacts == contacts_of(cycle.shot) == 1
+    rotor, count = BOUNCING.rotor, 4096
+    states = np.array([
+        shoot(rotor, cycle.state, cycle.period * (k + 0.5) / count, GO_ON).end
+        for k in range(0, count, 16)
+    ])  # fmt: skip
+    z, w = states[:, 0] + 1j * states[:, 1], states[:, 2] + 1j * states[:, 3]
+    force = np.maximum(np.abs(z) - rotor.delta0, 0.0) ** 1.5
+    assert force.mean() * cycle.period == pytest.approx(cycle.impulse, rel=1e-5)
+    mean = (force * z / np.abs(z)).mean()
+    expected = rotor.omega**2 - (2.0 * rotor.zeta + 1j * rotor.omega) * w.mean()
+    assert mean == pytest.approx(expected, abs=1e-4)
+    assert force.max() == pytest.approx(cycle.largest_force, rel=1e-3)
+
+
+@pytest.mark.parametrize("times", [2, 3, 7])
+def test_a_cycle_followed_round_several_times_is_found_once_round(times):
+    several = closed(BOUNCING, times * BOUNCING.period)
+    assert several.period == pytest.approx(times * BOUNCING.period, rel=1e-12)
+    assert several.contacts == times
+    once = once_round(several, GO_ON)
+    assert once.period == pytest.approx(BOUNCING.period, abs=1e-11)
+    assert once.contacts == 1
+
+
+def test_once_round_is_not_halved():
+    """A doubled cycle, whose halves are alike but not equal, keeps its period."""
+    cycle = closed(BOUNCING)
+    assert once_round(cycle, GO_ON) is cycle
+
+
+def test_a_synchronous_whirl_is_no_cycle():
+    rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
+    whirl = synchronous_response(omega=1.7, zeta=0.07, delta0=0.0).isel(branch=0)
+    z = whirl.amplitude.item() * np.exp(-1j * whirl.phase_lag.item())
+    state = np.array([z.real, z.imag, (1.7j * z).real, (1.7j * z).imag])
+    with pytest.raises(SimulationError, match="a whirl of constant radius: period"):
+        close_orbit(rotor, state + 1e-6 * np.eye(4)[0], 2.0, GO_ON)
+
+
+def test_rest_on_a_whirl_has_no_direction_and_is_refused_without_a_warning():
+    """Without damping the whirl of amplitude 1 inside the clearance is an exact equilibrium."""
+    rotor = Rotor(omega=2.0, zeta=0.0, delta0=1.5)
+    with pytest.raises(SimulationError, match="a whirl of constant radius"):
+        close_orbit(rotor, np.array([-1.0, 0.0, 0.0, -2.0]), 2.0, GO_ON)
+
+
+def test_a_motion_inside_the_clearance_closes_but_is_no_cycle():
+    """It turns about a centre that stays where it is left, once in a revolution."""
+    rotor, omega = Rotor(omega=2.0, zeta=0.07, delta0=2.0), 2.0
+    whirl = -omega / (omega - 2j * rotor.zeta)
+    z, w = 0.3 + whirl, 1j * omega * whirl
+    state = np.array([z.real, z.imag, w.real, w.imag])
+    shot = shoot(rotor, state, 2.0 * np.pi / omega, GO_ON)
+    with pytest.raises(SimulationError, match="a whirl inside the clearance"):
+        checked_cycle(shot)
+
+
+def test_what_does_not_close_is_refused_with_the_place():
+    cycle = closed(BOUNCING)
+    with pytest.raises(SimulationError, match="the orbit misses its start by") as refused:
+        checked_cycle(shoot(BOUNCING.rotor, cycle.state, 0.7 * cycle.period, GO_ON))
+    assert refused.value.state == tuple(cycle.state)
+    assert "omega 2, zeta 0.07, delta0 2" in str(refused.value)
+
+
+def test_a_wild_guess_ends_with_the_place():
+    with pytest.raises(SimulationError, match="found no limit cycle in 25 steps: period"):
+        closed(BOUNCING, 1.5 * BOUNCING.period)
