@@ -22,6 +22,7 @@ from rotor_ida.errors import SimulationError
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import Rotor
 from rotor_ida.stability.orbit import (
+    ENTRY,
     EXIT,
     IMPULSE,
     KIND,
@@ -116,8 +117,11 @@ class Cycle:
 
 
 def contacts_of(shot: Shot) -> int:
-    """Return the number of exits on an orbit, which on a closed one is that of its contacts."""
-    return int(np.isfinite(shot.contacts[:, EXIT]).sum())
+    """Return the number of contacts on a closed orbit; 0 where it has no entry.
+
+    Where it begins and ends at an entry or an exit, rounding may leave one of these out.
+    """
+    return int(np.isfinite(shot.contacts[:, [ENTRY, EXIT]]).sum(axis=0).max(initial=0))
 
 
 def close_orbit(
