@@ -1,0 +1,51 @@
+"""All branches of limit cycles that a sweep has met: each once, each met response on one."""
+
+import numpy as np
+import pytest
+
+from rotor_ida import InputError, branches_through, compare, sweep
+from rotor_ida.schema import EXACT
+
+LIMITS = (0.3, 5.0)
+
+
+@pytest.fixture(scope="module")
+def met():
+    """At omega 1.6 and 2 the rotor bounces at both clearances; at delta0 1 on two branches."""
+    starts = [(0.0, 0.0, 0.0, 0.0), (3.0, 1.0, 0.0, 0.0), (-2.0, 1.0, 1.0, -1.0)]
+    return compare(sweep(omega=[1.6, 1.9, 2.0], zeta=0.07, delta0=[1.0, 2.0], starts=starts))
+
+
+def test_every_cycle_lies_on_one_of_the_branches_and_no_branch_comes_twice(met):
+    branches = branches_through(met, limits=LIMITS)
+    cycles = met.where(met.lies_on == EXACT["cycle"])
+    wanted = np.unique(cycles.exact_period.values[np.isfinite(cycles.exact_period.values)].round(6))
+    assert wanted.size > len(branches) >= 2
+    ends = {(float(each.delta0), round(float(each.omega.min()), 4)) for each in branches}
+    assert len(ends) == len(branches)
+    for period in wanted.tolist():
+        assert any(
+            float(each.period.min()) - 1e-6 <= period <= float(each.period.max()) + 1e-6
+            for each in branches
+        )
+
+
+def test_they_are_told_by_their_clearance(met):
+    clearances = [float(each.delta0) for each in branches_through(met, limits=LIMITS)]
+    assert set(clearances) == {1.0, 2.0}
+
+
+def test_progress_comes_to_all_that_lie_on_cycles(met):
+    told = []
+    branches_through(met.sel(delta0=[2.0]), limits=LIMITS, progress=lambda *each: told.append(each))
+    count = int((met.sel(delta0=[2.0]).lies_on == EXACT["cycle"]).sum())
+    assert told == [(number, count) for number in range(1, count + 1)]
+
+
+def test_what_is_no_comparison_is_refused(met):
+    with pytest.raises(InputError, match="must be a comparison of a sweep; it lacks end_x"):
+        branches_through(met.drop_vars("end_x"), limits=LIMITS)
+    with pytest.raises(InputError, match="compared must be a Dataset"):
+        branches_through("fig11.nc", limits=LIMITS)
+    with pytest.raises(InputError, match="limits must hold the omega"):
+        branches_through(met, limits=(0.3, 1.0))
