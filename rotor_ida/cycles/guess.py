@@ -16,6 +16,7 @@ from rotor_ida.schema import SPECIAL
 Values = npt.NDArray[np.float64]
 
 DOUBLING = "period_doubling"
+NO_CYCLE = "start must be a limit cycle, got a result without one"
 # No cycle has a shorter period; an orbit over a longer time takes too long to be closed.
 SHORTEST_PERIOD, LONGEST_PERIOD = 1e-6, 1e4
 
@@ -81,6 +82,8 @@ def guess_of(rotor: Rotor, start: object, period: object = None) -> Guess:
         )
     if any(start[name].ndim for name in ("period", *PARAMETERS)):
         raise InputError("start must be one point of a branch: choose it with isel(point=...)")
+    if any(not start[name].size for name in COMPONENTS):
+        raise InputError(NO_CYCLE)
     state = np.array([float(start[name].values.flat[0]) for name in COMPONENTS])
     slope = float(start["slope"]) if "slope" in start else 1.0
     found = Guess(_rotor_of(rotor, start), state, float(start["period"]), slope=slope)
@@ -109,5 +112,5 @@ def _rotor_of(rotor: Rotor, start: xr.Dataset) -> Rotor:
 def _checked(guess: Guess) -> Guess:
     """Return the guess if it has a period."""
     if guess.period is None or not guess.period > 0.0 or not np.isfinite(guess.state).all():
-        raise InputError("start must be a limit cycle, got a result without one")
+        raise InputError(NO_CYCLE)
     return guess
