@@ -58,6 +58,26 @@ def swept() -> xr.Dataset:
     return rotor_ida.sweep(omega=1.2, zeta=0.5, delta0=0.5)
 
 
+CYCLES = Rotor(omega=3.0, zeta=0.07, delta0=0.5)
+
+
+@functools.cache
+def cycle() -> xr.Dataset:
+    return rotor_ida.limit_cycle(CYCLES, start=(3.0, 1.0, 0.0, 0.0))
+
+
+@functools.cache
+def fold() -> xr.Dataset:
+    branch = rotor_ida.continue_cycle(CYCLES, start=cycle(), limits=(2.5, 3.1))
+    return branch.isel(special=0)
+
+
+@functools.cache
+def compared() -> xr.Dataset:
+    starts = [(3.0, 1.0, 0.0, 0.0)]
+    return rotor_ida.compare(rotor_ida.sweep(omega=3.0, zeta=0.07, delta0=0.5, starts=starts))
+
+
 # Arguments with which each function does little.
 GIVEN: dict[str, Callable[[Path], dict[str, object]]] = {
     "Rotor": lambda _: {"omega": 1.2, "zeta": 0.5, "delta0": 0.5},
@@ -89,6 +109,30 @@ GIVEN: dict[str, Callable[[Path], dict[str, object]]] = {
         "starts": 1,
         "extrema_time": 1.0,
         "workers": 1,
+    },
+    "limit_cycle": lambda _: {
+        "rotor": CYCLES,
+        "start": [float(cycle()[name][0]) for name in ("x", "y", "vx", "vy")],
+        "period": 3.1,
+    },
+    "continue_cycle": lambda folder: {
+        "rotor": CYCLES,
+        "start": cycle(),
+        "limits": (2.95, 3.05),
+        "points": 5,
+        "study": folder / "branch",
+    },
+    "bifurcation_curve": lambda _: {
+        "rotor": CYCLES,
+        "start": fold(),
+        "kind": "fold",
+        "limits": ((2.4, 3.2), (0.4, 0.6)),
+        "points": 3,
+    },
+    "branches_through": lambda _: {
+        "compared": compared(),
+        "limits": (2.95, 3.05),
+        "points": 5,
     },
     "lyapunov_exponent": lambda _: {
         "rotor": ROTOR,

@@ -22,6 +22,7 @@ from rotor_ida.checks import (
     check_count,
     check_instance,
     check_progress,
+    shown,
 )
 from rotor_ida.cycles.branch import (
     CLOSED,
@@ -120,9 +121,9 @@ def bifurcation_curve(
     --------
     >>> rotor = Rotor(omega=3.0, zeta=0.07, delta0=0.5)
     >>> curve = bifurcation_curve(rotor, start=(3, 1, 0, 0), kind="fold",
-    ...                           limits={"omega": (2.4, 2.6), "delta0": (0.4, 0.6)})
-    >>> curve.omega.sel(point=abs(curve.delta0 - 0.5).argmin()).round(2).item()
-    2.53
+    ...                           limits={"omega": (2.4, 3.2), "delta0": (0.4, 0.6)})
+    >>> curve.omega.values[curve.delta0 == 0.5].round(9)
+    array([2.530418916])
     """
     check_instance("rotor", rotor, Rotor)
     check_choice("kind", kind, KINDS)
@@ -157,10 +158,14 @@ def bifurcation_curve(
     return found.assign_attrs(attributes)
 
 
-def _checked_parameters(parameters: Sequence[str]) -> tuple[str, str]:
-    if len(parameters) != 2 or len(set(parameters) & set(PARAMETERS)) != 2:
-        raise InputError(f"parameters must be two of {', '.join(PARAMETERS)}, got {parameters!r}")
-    first, second = parameters
+def _checked_parameters(parameters: object) -> tuple[str, str]:
+    names = list(parameters) if isinstance(parameters, (tuple, list)) else []
+    if len(names) != 2 or not all(isinstance(name, str) for name in names):
+        names = []
+    if len(set(names) & set(PARAMETERS)) != 2:
+        wanted = ", ".join(PARAMETERS)
+        raise InputError(f"parameters must be two of {wanted}, got {shown(parameters)}")
+    first, second = names
     return first, second
 
 
@@ -170,10 +175,10 @@ def _checked_limits(
     pair = limits
     if isinstance(limits, Mapping):
         if set(limits) != set(names):
-            raise InputError(f"limits must be of {' and '.join(names)}, got {', '.join(limits)}")
+            raise InputError(f"limits must be of {' and '.join(names)}, got {shown(limits)}")
         pair = [limits[name] for name in names]
-    if not isinstance(pair, Sequence) or len(pair) != 2:
-        raise InputError(f"limits must be two pairs of numbers, got {limits!r}")
+    if isinstance(pair, str) or not isinstance(pair, Sequence) or len(pair) != 2:
+        raise InputError(f"limits must be two pairs of numbers, got {shown(limits)}")
     first, second = (
         check_limits(name, each, rotor) for name, each in zip(names, pair, strict=True)
     )

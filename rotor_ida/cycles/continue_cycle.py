@@ -17,6 +17,7 @@ from rotor_ida.checks import (
     check_instance,
     check_progress,
     check_vector,
+    shown,
 )
 from rotor_ida.cycles.branch import (
     CLOSED,
@@ -122,8 +123,8 @@ def continue_cycle(
     --------
     >>> rotor = Rotor(omega=3.0, zeta=0.07, delta0=0.5)
     >>> branch = continue_cycle(rotor, start=(3, 1, 0, 0), limits=(2.5, 3.2))
-    >>> branch.special_value.values.round(6)[1:2], branch.attrs["first_end"]
-    (array([2.530419]), 'limits')
+    >>> branch.special_value.values.round(6), branch.attrs["first_end"]
+    (array([2.530419, 2.681874]), 'limits')
     """
     check_instance("rotor", rotor, Rotor)
     check_choice("parameter", parameter, PARAMETERS)
@@ -143,13 +144,15 @@ def check_limits(parameter: str, limits: object, rotor: Rotor) -> tuple[float, f
     """Return the limits of a parameter if they can be used and hold that of the rotor."""
     values = check_vector("limits", limits)
     if values.size != 2 or not 0.0 <= values[0] < values[1]:
-        raise InputError(f"limits must be two increasing numbers from 0 on, got {limits!r}")
+        raise InputError(f"limits must be two increasing numbers from 0 on, got {shown(limits)}")
     low, high = values.tolist()
     if low == 0.0 and parameter != "delta0":
-        raise InputError(f"limits of {parameter} must be above 0, got {limits!r}")
+        raise InputError(f"limits of {parameter} must be above 0, got {shown(limits)}")
     here = getattr(rotor, parameter)
     if not low <= here <= high:
-        raise InputError(f"limits must hold the {parameter} of the start, {here!r}, got {limits!r}")
+        raise InputError(
+            f"limits must hold the {parameter} of the start, {here!r}, got {shown(limits)}"
+        )
     if parameter == "delta0" and here == 0.0:
         raise InputError("delta0 must be above 0 to be continued, got 0.0")
     return low, high

@@ -84,7 +84,7 @@ def guess_of(rotor: Rotor, start: object, period: object = None) -> Guess:
         )
     if any(start[name].ndim for name in ("period", *PARAMETERS)):
         raise InputError("start must be one point of a branch: choose it with isel(point=...)")
-    if not start["x"].size:
+    if any(not start[name].size for name in COMPONENTS):
         raise InputError(NO_CYCLE)
     state = np.array([float(start[name].values.flat[0]) for name in COMPONENTS])
     slope = float(start["slope"]) if "slope" in start else 1.0

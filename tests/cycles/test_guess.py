@@ -1,0 +1,88 @@
+"""What a cycle is sought from: states, cycles, points of branches; and what cannot be one."""
+
+import numpy as np
+import pytest
+
+from rotor_ida import InputError, Rotor, continue_cycle, limit_cycle, simulate
+from rotor_ida.cycles.guess import guess_of
+from tests.cycles.known import BOUNCING
+
+REST = (0.0, 0.0, 0.0, 0.0)
+
+
+@pytest.fixture(scope="module")
+def cycle():
+    return limit_cycle(BOUNCING.rotor, start=REST)
+
+
+@pytest.fixture(scope="module")
+def branch():
+    return continue_cycle(BOUNCING.rotor, start=REST, limits=(1.75, 2.1))
+
+
+def test_a_state_is_a_guess_without_a_period():
+    guess = guess_of(BOUNCING.rotor, [1, 2, 3, 4])
+    assert (guess.state.tolist(), guess.period, guess.special) == ([1.0, 2.0, 3.0, 4.0], None, "")
+
+
+def test_a_cycle_is_a_guess_with_its_own_state_and_period(cycle):
+    guess = guess_of(BOUNCING.rotor, cycle)
+    assert guess.period == cycle["period"].item()
+    assert guess.state[0] == cycle["x"][0].item()
+
+
+def test_a_point_of_a_branch_brings_its_parameter(branch):
+    """The rotor may be any of the branch: the continued parameter is taken from the point."""
+    point = branch.isel(point=3)
+    guess = guess_of(BOUNCING.rotor, point)
+    assert guess.rotor.omega == point["omega"].item() != BOUNCING.rotor.omega
+    again = limit_cycle(guess.rotor, start=point)
+    assert again["period"].item() == pytest.approx(point["period"].item(), rel=1e-12)
+    assert np.sign(guess.slope) == np.sign(branch["omega"][4] - branch["omega"][3])
+
+
+def test_a_special_point_says_what_it_is(branch):
+    place = int(np.flatnonzero(branch["special_kind"] == 2)[0])
+    guess = guess_of(BOUNCING.rotor, branch.isel(special=place))
+    assert guess.special == "period_doubling"
+    assert guess.rotor.omega == pytest.approx(1.803392470017, abs=1e-9)
+    assert guess.period == pytest.approx(5.054250530560, abs=1e-8)
+
+
+def refused(start, says, rotor=BOUNCING.rotor, period=None):
+    with pytest.raises(InputError, match=says):
+        limit_cycle(rotor, start=start, period=period)
+    if period is None:
+        with pytest.raises(InputError, match=says):
+            continue_cycle(rotor, start=start, limits=(0.5, 3.0))
+
+
+@pytest.mark.parametrize("start", [(0, 0, 0), (0, 0, 0, np.nan), "rest", None, [[0, 0, 0, 0]]])
+def test_what_is_no_state_is_refused(start):
+    refused(start, "start")
+
+
+def test_whole_branches_are_refused(branch):
+    refused(branch, r"choose it with isel\(point=\.\.\.\)")
+
+
+def test_a_dataset_of_something_else_is_refused():
+    run = simulate(BOUNCING.rotor, start=REST, duration=1.0)
+    refused(run, "as a dataset it lacks period")
+
+
+def test_another_rotor_is_refused(cycle, branch):
+    other = Rotor(omega=2.0, zeta=0.08, delta0=2.0)
+    says = "start must be of the same rotor: its zeta is 0.07, that of the rotor 0.08"
+    refused(cycle, says, other)
+    refused(branch.isel(point=0), says, other)
+
+
+def test_a_result_without_a_cycle_is_refused():
+    rotor = Rotor(omega=1.7, zeta=0.07, delta0=9.0)
+    nothing = limit_cycle(rotor, start=REST)
+    refused(nothing, "start must be a limit cycle, got a result without one", rotor)
+
+
+def test_a_cycle_has_its_period_already(cycle):
+    refused(cycle, "period must be left out with a start that has one", period=4.5)

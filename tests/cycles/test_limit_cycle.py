@@ -1,0 +1,198 @@
+"""The limit cycle that a start leads to: kinds of result, spectrum, errors, archives."""
+
+import numpy as np
+import pytest
+
+import rotor_ida
+from rotor_ida import InputError, Rotor, SimulationError, limit_cycle, simulate
+from rotor_ida.schema import LINE_KIND, RESPONSE, STABILITY
+from tests.cycles.known import BOUNCING, FULL, HIGHEST, PAIRS, SLIVER, SPECIAL_POINTS, signature
+
+REST = (0.0, 0.0, 0.0, 0.0)
+# A third of the spin speed, without clearance and with little damping.
+WITHOUT_CLEARANCE = Rotor(omega=3.473446685718647, zeta=0.04, delta0=0.0)
+TO_IT = (1.680227894690578, 1.7216694496323166, -1.3086145322038387, -1.7211419526289315)
+
+
+def kind_of(cycle):
+    return {flag: word for word, flag in RESPONSE.items()}[int(cycle["response"])]
+
+
+def shifted(cycle, place):
+    """A state on a cycle, as a start."""
+    return tuple(float(cycle[name][place]) for name in ("x", "y", "vx", "vy"))
+
+
+@pytest.mark.parametrize(("known", "kind", "contacts"), [(BOUNCING, "bouncing", 1),
+                                                         (FULL, "full_contact", 0)])  # fmt: skip
+def test_known_cycles_from_rest(known, kind, contacts):
+    """DESIGN 9: periods to 1e-11, multipliers to 1e-8."""
+    cycle = limit_cycle(known.rotor, start=REST if known is BOUNCING else (3.0, 1.0, 0.0, 0.0))
+    assert cycle["period"].item() == pytest.approx(known.period, abs=1e-11)
+    assert cycle["radius_max"].item() == pytest.approx(HIGHEST[known], abs=1e-9)
+    pair = complex(cycle["multiplier_real"][1], abs(cycle["multiplier_imag"][1]))
+    assert pair == pytest.approx(PAIRS[known], abs=1e-8)
+    assert (kind_of(cycle), cycle["contact_count"].item()) == (kind, contacts)
+    assert cycle["stability"].item() == STABILITY["stable"]
+    assert 0.0 < cycle["period_error"].item() < 1e-12
+    assert (cycle["multiplier_error"] < 1e-11).all()
+
+
+def test_peak_force_and_impulse_are_those_of_cvodes_contacts():
+    cycle = limit_cycle(BOUNCING.rotor, start=REST)
+    run = simulate(BOUNCING.rotor, start=REST, duration=400.0, rtol=1e-11, atol=1e-13)
+    last = run.isel(contact=-2)
+    assert last["peak_force"].item() == pytest.approx(cycle["largest_force"].item(), rel=1e-8)
+    assert last["impulse"].item() == pytest.approx(cycle["impulse_per_period"].item(), rel=1e-8)
+    period = float(run["entry_time"][-2] - run["entry_time"][-3])
+    assert period == pytest.approx(cycle["period"].item(), rel=1e-8)
+
+
+@pytest.mark.parametrize("known", [*SLIVER, SPECIAL_POINTS[4]])
+def test_unstable_and_barely_stable_cycles_from_a_near_start_alone(known):
+    """No period given: the start comes back to itself, so it is a guess of the cycle there."""
+    state = np.array(known.state) * (1.0 + 1e-6)
+    cycle = limit_cycle(known.rotor, start=state)
+    assert cycle["period"].item() == pytest.approx(known.period, rel=1e-7)
+
+
+def test_an_unstable_cycle_is_not_left_for_an_attractor():
+    """Between its two doublings the bouncing cycle at omega 1.7 is unstable."""
+    point = SPECIAL_POINTS[4]
+    rotor = Rotor(omega=1.79, zeta=0.07, delta0=2.0)
+    unstable = limit_cycle(rotor, start=point.state, period=point.period)
+    assert unstable["stability"].item() == STABILITY["unstable"]
+    assert abs(complex(unstable["multiplier_real"][0], unstable["multiplier_imag"][0])) > 1.0
+    again = limit_cycle(rotor, start=shifted(unstable, 300))
+    np.testing.assert_allclose(signature(again), signature(unstable), rtol=1e-12)
+
+
+@pytest.mark.parametrize(("rotor", "start", "kind"), [
+    (Rotor(omega=1.7, zeta=0.07, delta0=0.0), REST, "synchronous"),
+    (Rotor(omega=1.7, zeta=0.07, delta0=9.0), REST, "contact_free"),
+    (Rotor(omega=2.28, zeta=0.07, delta0=2.0), (0.5, 2.0, 0.0, 0.0), "touching"),
+    (Rotor(omega=1.38, zeta=0.07, delta0=1.0), (1.5, -0.25, 0.0, 0.0), "chaotic"),
+])  # fmt: skip
+def test_without_a_cycle_it_says_what_there_is_instead(rotor, start, kind):
+    found = limit_cycle(rotor, start=start)
+    assert kind_of(found) == kind
+    assert np.isnan(found["period"])
+    assert np.isnan(found["multiplier_real"]).all()
+    assert found["stability"].item() == STABILITY["absent"]
+    assert found.sizes["t"] == 0
+
+
+def test_one_period_comes_back_and_is_cvodes_motion():
+    """Samples on the rotating axes, against a run that begins at the cycle."""
+    cycle = limit_cycle(BOUNCING.rotor, start=REST)
+    for name in ("x", "y", "vx", "vy"):
+        assert cycle[name][-1].item() == pytest.approx(cycle[name][0].item(), abs=1e-12)
+    times = cycle["t"].values
+    assert times[-1] == cycle["period"].item()
+    run = simulate(BOUNCING.rotor, start=shifted(cycle, 0), duration=times[-1], samples=times.size)
+    turn = np.exp(-1j * BOUNCING.rotor.omega * times)
+    there = (run["x"].values + 1j * run["y"].values) * turn
+    np.testing.assert_allclose(there, cycle["x"] + 1j * cycle["y"], rtol=0.0, atol=1e-8)
+
+
+@pytest.mark.parametrize("known", [BOUNCING, FULL])
+def test_lines_of_the_spectrum_make_the_motion_again(known):
+    """On fixed axes lines at omega + k 2 pi/T; their powers add up to the mean square radius."""
+    cycle = limit_cycle(known.rotor, start=known.state)
+    radius = np.hypot(cycle["x"].values[:-1], cycle["y"].values[:-1])
+    power = float((cycle["whirl_amplitude"] ** 2).sum())
+    assert power == pytest.approx(float((radius**2).mean()), rel=1e-9)
+    spin = cycle["whirl_amplitude"].values[cycle["line_kind"].values == LINE_KIND["spin"]]
+    assert spin.item() == pytest.approx(abs(np.mean(cycle["x"][:-1] + 1j * cycle["y"][:-1])))
+    orders = (cycle["frequency"].values - known.rotor.omega) * known.period / (2.0 * np.pi)
+    np.testing.assert_allclose(orders, np.round(orders), rtol=0.0, atol=1e-9)
+    strongest = np.argmax(np.where(cycle["line_kind"] == LINE_KIND["spin"], 0.0,
+                                   cycle["whirl_amplitude"]))  # fmt: skip
+    ratio = float(cycle["frequency"][strongest]) / known.rotor.omega
+    assert cycle["whirl_ratio"].item() == pytest.approx(ratio, rel=1e-12)
+
+
+def test_without_clearance_a_third_of_the_spin_speed_rules():
+    """Always in contact: no contact begins, and the impulse is the integral of the force."""
+    cycle = limit_cycle(WITHOUT_CLEARANCE, start=TO_IT)
+    assert kind_of(cycle) == "full_contact"
+    assert cycle["contact_count"].item() == 0
+    run = simulate(WITHOUT_CLEARANCE, start=shifted(cycle, 0), samples=20_001,
+                   duration=cycle["period"].item())  # fmt: skip
+    radius = np.hypot(run["x"].values, run["y"].values)
+    # trapezoids of a smooth periodic function: the ends are one sample
+    impulse = float((radius[:-1] ** 1.5).mean() * cycle["period"])
+    assert cycle["impulse_per_period"].item() == pytest.approx(impulse, rel=1e-8)
+    assert cycle["largest_force"].item() == pytest.approx(float(radius.max() ** 1.5), rel=1e-6)
+    assert cycle["radius_min"].item() == pytest.approx(float(radius.min()), abs=1e-6)
+    assert abs(cycle["whirl_ratio"].item()) == pytest.approx(1.0 / 3.0, abs=0.01)
+
+
+@pytest.mark.parametrize("times", [2, 3, 10])
+def test_a_multiple_of_the_period_leads_to_the_period(times):
+    cycle = limit_cycle(BOUNCING.rotor, start=BOUNCING.state, period=times * BOUNCING.period)
+    assert cycle["period"].item() == pytest.approx(BOUNCING.period, abs=1e-11)
+    assert cycle["contact_count"].item() == 1
+    assert cycle.attrs["start_period"] == times * BOUNCING.period
+
+
+@pytest.mark.parametrize("part", [0.001, 0.5, 1.5])
+def test_a_wild_period_raises_with_the_place(part):
+    with pytest.raises(SimulationError, match="found no limit cycle in 25 steps: period") as wild:
+        limit_cycle(BOUNCING.rotor, start=BOUNCING.state, period=part * BOUNCING.period)
+    assert wild.value.state is not None
+
+
+@pytest.mark.parametrize(("period", "says"), [
+    (1e300, "period must lie from 1e-06 to 10000.0, got 1e.300"),
+    (5e-324, "period must lie from 1e-06 to 10000.0, got 5e-324"),
+    (0.0, "period must be positive, got 0.0"),
+    (np.nan, "period must be a finite real number, got nan"),
+    (True, "period must be a finite real number, got True"),
+])  # fmt: skip
+def test_periods_that_cannot_be_are_refused(period, says):
+    with pytest.raises(InputError, match=says):
+        limit_cycle(BOUNCING.rotor, start=REST, period=period)
+
+
+@pytest.mark.parametrize(("change", "says"), [
+    ({"zeta": 0.0}, "zeta must be above 0 for a limit cycle, got 0.0: nothing settles"),
+    ({"omega": 0.0}, "omega must be above 0 for a limit cycle, got 0.0: nothing settles"),
+    ({"omega": 1e-6}, "omega must be 0 or from 0.001 to 1000 to settle, got 1e-06"),
+    ({"omega": 1e5}, "omega must be 0 or from 0.001 to 1000 to settle, got 100000.0"),
+    ({"delta0": 1e7}, "delta0 must be at most 1e.06 to be simulated, got 10000000.0"),
+])  # fmt: skip
+def test_rotors_without_an_answer_are_refused_at_once(change, says):
+    rotor = Rotor(**({"omega": 2.0, "zeta": 0.07, "delta0": 2.0} | change))
+    for period in (None, 3.0):
+        with pytest.raises(InputError, match=says):
+            limit_cycle(rotor, start=REST, period=period)
+
+
+def test_little_damping_large_clearance():
+    """Period and extremes by CVODE's own motion, at zeta 0.01."""
+    rotor = Rotor(omega=2.0, zeta=0.01, delta0=5.0)
+    start = (7.0, 1.0, 0.0, 3.0)
+    row = rotor_ida.sweep(omega=2.0, zeta=0.01, delta0=5.0, starts=[start]).squeeze()
+    cycle = limit_cycle(rotor, start=start)
+    assert kind_of(cycle) == "bouncing"
+    np.testing.assert_allclose(signature(row), signature(cycle), rtol=1e-8)
+    assert cycle["trivial_defect"].item() < 1e-10
+    assert cycle["symplectic_defect"].item() < 1e-13
+
+
+@pytest.mark.parametrize("make", [
+    lambda: limit_cycle(BOUNCING.rotor, start=REST),
+    lambda: limit_cycle(BOUNCING.rotor, start=BOUNCING.state, period=4.5),
+    lambda: limit_cycle(WITHOUT_CLEARANCE, start=TO_IT),
+    lambda: limit_cycle(Rotor(omega=1.7, zeta=0.07, delta0=9.0), start=REST),
+], ids=["bouncing", "from a guess", "without clearance", "no cycle"])  # fmt: skip
+def test_an_archive_gives_it_back(make, tmp_path):
+    cycle = make()
+    loaded = rotor_ida.load(rotor_ida.save(cycle, tmp_path / "cycle.nc"))
+    assert loaded.drop_attrs(deep=False).identical(cycle.drop_attrs(deep=False))
+    for name, value in cycle.attrs.items():
+        if name != "history":
+            np.testing.assert_array_equal(loaded.attrs[name], value)
+    for value in cycle.attrs.values():
+        assert not isinstance(value, bool | None)
