@@ -122,8 +122,8 @@ def bifurcation_curve(
     >>> rotor = Rotor(omega=3.0, zeta=0.07, delta0=0.5)
     >>> curve = bifurcation_curve(rotor, start=(3, 1, 0, 0), kind="fold",
     ...                           limits={"omega": (2.4, 3.2), "delta0": (0.4, 0.6)})
-    >>> curve.omega.values[curve.delta0 == 0.5].round(9)
-    array([2.530418916])
+    >>> curve.omega.values[curve.delta0 == 0.5].round(8).item()
+    2.53041892
     """
     check_instance("rotor", rotor, Rotor)
     check_choice("kind", kind, KINDS)
@@ -177,7 +177,7 @@ def _checked_limits(
         if set(limits) != set(names):
             raise InputError(f"limits must be of {' and '.join(names)}, got {shown(limits)}")
         pair = [limits[name] for name in names]
-    if isinstance(pair, str) or not isinstance(pair, Sequence) or len(pair) != 2:
+    if not isinstance(pair, (tuple, list, np.ndarray)) or len(pair) != 2:
         raise InputError(f"limits must be two pairs of numbers, got {shown(limits)}")
     first, second = (
         check_limits(name, each, rotor) for name, each in zip(names, pair, strict=True)

@@ -6,7 +6,13 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.checks import COMPONENTS, check_instance
+from rotor_ida.checks import (
+    COMPONENTS,
+    MOST_NUMBERS,
+    check_count,
+    check_instance,
+    check_progress,
+)
 from rotor_ida.cycles.continue_cycle import branch_from, check_limits
 from rotor_ida.cycles.guess import Guess
 from rotor_ida.cycles.shooting import close_orbit
@@ -64,6 +70,8 @@ def branches_through(
     [1]
     """
     check_instance("compared", compared, xr.Dataset)
+    count = check_count("points", points, minimum=2, maximum=MOST_NUMBERS)
+    check_progress(progress)
     missing = [name for name in (*NEEDED, *PARAMETERS) if name not in compared.variables]
     if missing:
         raise InputError(f"compared must be a comparison of a sweep; it lacks {', '.join(missing)}")
@@ -82,7 +90,7 @@ def branches_through(
             state = np.array([here[f"end_{name}"] for name in COMPONENTS])
             guess = Guess(rotor, state, period)
             bounds = check_limits("omega", limits, rotor)
-            found.append(branch_from(guess, "omega", bounds, "both", points))
+            found.append(branch_from(guess, "omega", bounds, "both", count))
         if progress is not None:
             progress(number, len(places))
     return found
