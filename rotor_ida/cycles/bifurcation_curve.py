@@ -172,12 +172,12 @@ def _checked_parameters(parameters: object) -> tuple[str, str]:
 def _checked_limits(
     names: tuple[str, str], limits: object, rotor: Rotor
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    pair = limits
+    pair = limits.tolist() if isinstance(limits, np.ndarray) else limits
     if isinstance(limits, Mapping):
         if set(limits) != set(names):
             raise InputError(f"limits must be of {' and '.join(names)}, got {shown(limits)}")
         pair = [limits[name] for name in names]
-    if not isinstance(pair, (tuple, list, np.ndarray)) or len(pair) != 2:
+    if not isinstance(pair, (tuple, list)) or len(pair) != 2:
         raise InputError(f"limits must be two pairs of numbers, got {shown(limits)}")
     first, second = (
         check_limits(name, each, rotor) for name, each in zip(names, pair, strict=True)
