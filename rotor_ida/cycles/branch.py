@@ -144,7 +144,7 @@ def cycles_over(rotor: Rotor, parameter: str, stop: Stop) -> Problem[Shot]:
     """Return the cycles of a rotor over one of its parameters."""
     column = PARAMETERS.index(parameter)
     return Problem(
-        lambda unknowns: shot_of(rotor, unknowns, (parameter,), stop),
+        lambda unknowns, known: shot_of(rotor, unknowns, (parameter,), stop, known),
         lambda _unknowns, shot, direction: shooting_equations(
             shot, direction, shot.by_parameter[:, column]
         ),
@@ -157,7 +157,9 @@ def cycles_over(rotor: Rotor, parameter: str, stop: Stop) -> Problem[Shot]:
     )
 
 
-def shot_of(rotor: Rotor, unknowns: Values, parameters: Sequence[str], stop: Stop) -> Shot:
+def shot_of(
+    rotor: Rotor, unknowns: Values, parameters: Sequence[str], stop: Stop, known: Shot | None = None
+) -> Shot:
     """Return the orbit that state, period and some parameters mean.
 
     Raises
@@ -169,7 +171,8 @@ def shot_of(rotor: Rotor, unknowns: Values, parameters: Sequence[str], stop: Sto
     for name, value in values.items():
         if value < 0.0 or (value == 0.0 and name != "delta0"):
             raise SimulationError(f"{name} falls to {value:.3g}")
-    return shoot(replace(rotor, **values), unknowns[:4], float(unknowns[4]), stop)
+    there = replace(rotor, **values)
+    return shoot(there, unknowns[:4], float(unknowns[4]), stop, known=known)
 
 
 def _doubled(line: Curve[Shot], guess: Guess, value: float) -> Point[Shot]:
@@ -178,7 +181,7 @@ def _doubled(line: Curve[Shot], guess: Guess, value: float) -> Point[Shot]:
     Its cycles leave along the eigenvector of the multiplier -1, twice round.
     """
     period = guess.period or math.nan
-    once = line.problem.shoot(np.append(guess.state, (period, value)))
+    once = line.problem.shoot(np.append(guess.state, (period, value)), None)
     multipliers, vectors = np.linalg.eig(once.monodromy)
     aside = np.real(vectors[:, np.argmin(np.abs(multipliers + 1.0))])
     aside -= (aside @ once.start_rate) / (once.start_rate @ once.start_rate) * once.start_rate
@@ -200,7 +203,7 @@ def _doubled(line: Curve[Shot], guess: Guess, value: float) -> Point[Shot]:
 def _half_misses(line: Curve[Shot], point: Point[Shot]) -> float:
     """Return by how much half a period misses its start, relative to the size of the state."""
     start = point.stretch.start
-    half = line.problem.shoot(point.unknowns * HALF)
+    half = line.problem.shoot(point.unknowns * HALF, None)
     return float(np.linalg.norm(half.end - start) / np.linalg.norm(start))
 
 

@@ -120,7 +120,9 @@ class Problem(Generic[S]):
     Parameters
     ----------
     shoot : callable
-        Returns the stretch that unknowns mean; SimulationError where there is none.
+        Returns the stretch that unknowns mean; SimulationError where there is none. Beside the
+        unknowns it is given a stretch close by, or None: what that knows and only leads Newton's
+        method need not be computed again.
     equations : callable
         Returns, of unknowns, their stretch, and a direction that the state may not move along, what
         the equations miss, shape (m - 1,), and their derivatives, shape (m - 1, m).
@@ -132,7 +134,7 @@ class Problem(Generic[S]):
         Whole numbers of an orbit, each of which changes at a special point of that name.
     """
 
-    shoot: Callable[[Values], S]
+    shoot: Callable[[Values, S | None], S]
     equations: Callable[[Values, S, Values], tuple[Values, Values]]
     check: Callable[[S], object]
     tests: Mapping[str, Callable[[Point[S], Point[S]], float]] = field(default_factory=dict)
@@ -338,9 +340,9 @@ class Curve(Generic[S]):
 
         The state does not move along `direction`, by default the field at the guess.
         """
-        unknowns, size = guess, math.inf
+        unknowns, size, stretch = guess, math.inf, None
         for steps in range(MOST_NEWTON_STEPS + 1):
-            stretch = self.problem.shoot(unknowns)
+            stretch = self.problem.shoot(unknowns, stretch)
             if size <= CONVERGED:
                 return self._point(unknowns, stretch, plane), steps
             direction = stretch.start_rate if direction is None else direction

@@ -265,7 +265,7 @@ def _restore(course: Course, side: Side, piece: Arrays) -> None:
 
 
 def _point(course: Course, unknowns: Values, tangent: Values) -> Point[Shot]:
-    return Point(unknowns, course.line.problem.shoot(unknowns), tangent)
+    return Point(unknowns, course.line.problem.shoot(unknowns, None), tangent)
 
 
 def branch_dataset(

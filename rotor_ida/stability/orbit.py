@@ -53,7 +53,7 @@ _FIRST_ROOM = 64
 _LOOKS_A_REVOLUTION = 32
 _FEWEST_LOOKS = 8
 _LOOKS_A_STEP = 4
-_HALVINGS = 60
+_HALVINGS = 45
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +99,14 @@ class Shot:
         return rotating_field(self.end, self.rotor)
 
 
-def shoot(rotor: Rotor, start: Values, duration: float, stop: Stop, rtol: float = RTOL) -> Shot:
+def shoot(
+    rotor: Rotor,
+    start: Values,
+    duration: float,
+    stop: Stop,
+    rtol: float = RTOL,
+    known: Shot | None = None,
+) -> Shot:
     """Follow a state for a time, with the derivatives of where it ends.
 
     Parameters
@@ -114,6 +121,8 @@ def shoot(rotor: Rotor, start: Values, duration: float, stop: Stop, rtol: float 
         Anything but 0 asks to stop.
     rtol : float
         Tolerance of one step, relative to the size of the state [1].
+    known : Shot, optional
+        A stretch close by, whose derivatives by the parameters serve: they take half of the time.
 
     Raises
     ------
@@ -129,7 +138,7 @@ def shoot(rotor: Rotor, start: Values, duration: float, stop: Stop, rtol: float 
         bundle[0], bundle[1:BY_PARAMETER], bundle[BY_PARAMETER:] = start, np.eye(4), 0.0
         contacts, extrema = np.full((room, 5), np.nan), np.empty((4 * room, 3))
         status, touched, turned = follow_orbit(
-            bundle, in_contact, duration, parameters, rtol, stop, contacts, extrema
+            bundle, in_contact, duration, parameters, rtol, stop, contacts, extrema, known is None
         )
         room *= 4
     if status != DONE or not np.isfinite(bundle).all():
@@ -138,16 +147,19 @@ def shoot(rotor: Rotor, start: Values, duration: float, stop: Stop, rtol: float 
         )
     return Shot(
         rotor, start, bundle[0].copy(), duration, bundle[1:BY_PARAMETER].T.copy(),
-        bundle[BY_PARAMETER:].T.copy(), contacts[:touched], extrema[:turned],
+        known.by_parameter if known else bundle[BY_PARAMETER:].T.copy(), contacts[:touched],
+        extrema[:turned],
     )  # fmt: skip
 
 
 @compiled
 def follow_orbit(
     bundle: Values, in_contact: bool, duration: float, rotor: Parameters, rtol: float, stop: Stop,
-    contacts: Values, extrema: Values,
+    contacts: Values, extrema: Values, by_parameters: bool,
 ) -> tuple[int, int, int]:  # fmt: skip
     """Follow a bundle for a time, and write its contacts and the extrema of its radius.
+
+    The differences that the parameters make are followed only where they are asked for.
 
     Returns
     -------
@@ -167,18 +179,9 @@ def follow_orbit(
         left = duration - now
         if in_contact:
             passed, in_contact, turned = _contact(
-                bundle,
-                left,
-                now,
-                rotor,
-                rtol,
-                motion,
-                made,
-                stop,
-                contacts[touched],
-                extrema,
-                turned,
-            )
+                bundle, left, now, rotor, rtol, motion, made, stop, contacts[touched], extrema,
+                turned, by_parameters,
+            )  # fmt: skip
             touched += 1
             if passed < 0.0:
                 status = STUCK
@@ -193,7 +196,7 @@ def follow_orbit(
                 break
             passed, in_contact = min(touch, left), touch <= left
             turned = _turns_of_flight(z, w, passed, now, omega, zeta, extrema, turned)
-            _fly(bundle, passed, omega, zeta)
+            _fly(bundle, passed, omega, zeta, by_parameters)
             if in_contact:
                 put_on_the_ring(bundle, delta0)
                 contacts[min(touched, contacts.shape[0] - 1), ENTRY] = now + passed
@@ -205,13 +208,14 @@ def follow_orbit(
 
 
 @compiled
-def _fly(bundle: Values, tau: float, omega: float, zeta: float) -> None:
+def _fly(bundle: Values, tau: float, omega: float, zeta: float, by_parameters: bool) -> None:
     """Move a bundle by `tau` of free flight, in closed form."""
     z, w = complex(bundle[0, 0], bundle[0, 1]), complex(bundle[0, 2], bundle[0, 3])
-    by_omega_z, by_omega_w, by_zeta_z, by_zeta_w = fly_by_parameters(z, w, tau, omega, zeta)
     fly_bundle(bundle, tau, omega, zeta)
-    _add(bundle[BY_PARAMETER], by_omega_z, by_omega_w)
-    _add(bundle[BY_PARAMETER + 1], by_zeta_z, by_zeta_w)
+    if by_parameters:
+        by_omega_z, by_omega_w, by_zeta_z, by_zeta_w = fly_by_parameters(z, w, tau, omega, zeta)
+        _add(bundle[BY_PARAMETER], by_omega_z, by_omega_w)
+        _add(bundle[BY_PARAMETER + 1], by_zeta_z, by_zeta_w)
 
 
 @compiled
@@ -255,6 +259,7 @@ def _turns_of_flight(
 def _contact(
     bundle: Values, left: float, now: float, rotor: Parameters, rtol: float, motion: Taylor,
     made: Differences, stop: Stop, contact: Values, extrema: Values, turned: int,
+    by_parameters: bool,
 ) -> tuple[float, bool, int]:  # fmt: skip
     """Follow a contact until its exit or for `left`; return the time passed, negative if stuck.
 
@@ -270,8 +275,9 @@ def _contact(
     while passed < left:
         if asked_to_stop(stop) or motion.advance() != GOES_ON:
             return -1.0, True, turned
-        made.terms[0] = columns
-        expand_by_parameters(motion, made)
+        if by_parameters:
+            made.terms[0] = columns
+            expand_by_parameters(motion, made)
         if regularised:
             end, leaves = end_of_step(motion, left, 0.0, reached)
             passed = reached[T]
@@ -280,7 +286,8 @@ def _contact(
             reached[:] = motion.at(end)
         if math.isnan(end):
             return -1.0, True, turned
-        evaluate_row(made.terms, motion.order, end - motion.low, columns)
+        if by_parameters:
+            evaluate_row(made.terms, motion.order, end - motion.low, columns)
         if regularised:
             turned = _turn_of_contact(motion, end, reached, now, contact, extrema, turned)
         else:

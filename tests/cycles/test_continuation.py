@@ -55,7 +55,7 @@ def tor_bpc(state, nu):
     return rate, jacobian, np.array([-x / r, 0.0, 0.0])
 
 
-def flown(model, unknowns):
+def flown(model, unknowns, _known):
     """Follow a state for a period, with its derivatives by state and parameter."""
     start, period, parameter = unknowns[:3], float(unknowns[3]), float(unknowns[4])
 
