@@ -341,8 +341,10 @@ class Curve(Generic[S]):
         The state does not move along `direction`, by default the field at the guess.
         """
         unknowns, size, stretch = guess, math.inf, None
+        # a guess far from the curve needs all derivatives anew
+        close = direction is not None
         for steps in range(MOST_NEWTON_STEPS + 1):
-            stretch = self.problem.shoot(unknowns, stretch)
+            stretch = self.problem.shoot(unknowns, stretch if close else None)
             if size <= CONVERGED:
                 return self._point(unknowns, stretch, plane), steps
             direction = stretch.start_rate if direction is None else direction

@@ -1,13 +1,16 @@
 """Comparison: each response on the branch it is on, and on none where it is on none."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 import xarray as xr
 
-from rotor_ida import InputError, compare, simulate, sweep, synchronous_response
+from rotor_ida import InputError, compare, save, simulate, sweep, synchronous_response
 from rotor_ida.analysis.comparison import summarise
 from rotor_ida.parameters import Rotor
-from rotor_ida.schema import RESPONSE
+from rotor_ida.schema import EXACT, RESPONSE, STABILITY
 
 AXES = {"omega": 1.7, "zeta": 0.07, "delta0": [0.0, 1.0]}
 
@@ -57,11 +60,57 @@ def test_simulated_responses_agree_to_eight_digits_or_are_something_else():
     """delta0 = 0: on the curve from rest. delta0 = 1: not synchronous (DESIGN, section 3)."""
     rows = summarise(compare(sweep(**AXES)))
     assert [row["delta0"] for row in rows] == [0.0, 1.0]
-    assert rows[0]["on_branch"] == 1
-    assert rows[0]["fewest_digits"] > 8.0
-    assert rows[1]["on_branch"] == 0
-    assert rows[1]["full_contact"] == 1
-    assert np.isnan(rows[1]["fewest_digits"])
+    assert (rows[0]["on_whirl"], rows[0]["on_cycle"]) == (1, 0)
+    assert (rows[1]["on_whirl"], rows[1]["on_cycle"]) == (0, 1)
+    assert min(row["fewest_digits"] for row in rows) > 8.0
+    assert rows[1]["full_contact"] == 0  # nothing is left that lies on nothing
+
+
+def test_a_periodic_response_lies_beside_its_exact_cycle():
+    """The two cycles of DESIGN section 9: CVODE's numbers against Newton's, and against those."""
+    for omega, delta0, period, radius in (
+        (2.0, 2.0, 4.563916675380, 4.104416607),
+        (3.0, 0.5, 3.115214254929, 3.000222126),
+    ):
+        starts = [(3.0, 1.0, 0.0, 0.0)]
+        compared = compare(sweep(omega=omega, zeta=0.07, delta0=delta0, starts=starts)).squeeze()
+        assert compared.lies_on.item() == EXACT["cycle"]
+        assert compared.exact_period.item() == pytest.approx(period, abs=1e-11)
+        assert compared.exact_radius_max.item() == pytest.approx(radius, abs=1e-9)
+        assert compared.cycle_stability.item() == STABILITY["stable"]
+        off = abs(compared.period.item() - compared.exact_period.item())
+        assert 0.0 < off < 1e-9  # the simulated number is not Newton's
+        assert compared.digits.item() > 9.0
+        assert compared.matched_branch.item() == -1
+
+
+def test_a_sweep_without_periods_is_held_against_whirls_alone():
+    swept = sweep(omega=3.0, zeta=0.07, delta0=0.5, starts=[(3.0, 1.0, 0.0, 0.0)])
+    compared = compare(swept.drop_vars("period"))
+    assert compared.lies_on.item() == EXACT["nothing"]
+    assert np.isnan(compared.exact_period.item())
+    assert np.isnan(compared.digits.item())
+
+
+def test_a_false_period_lies_on_nothing():
+    swept = sweep(omega=3.0, zeta=0.07, delta0=0.5, starts=[(3.0, 1.0, 0.0, 0.0)])
+    compared = compare(swept.assign(period=swept.period * (1.0 + 1e-4)))
+    assert compared.lies_on.item() == EXACT["nothing"]
+    assert compared.exact_period.item() == pytest.approx(3.115214254929, abs=1e-11)
+
+
+def test_it_needs_no_solver(tmp_path):
+    """A sweep on another machine may have no SUNDIALS: closed forms and Taylor series suffice."""
+    save(sweep(omega=3.0, zeta=0.07, delta0=0.5, starts=[(3.0, 1.0, 0.0, 0.0)]), tmp_path / "s.nc")
+    code = (
+        "import sys; sys.modules['sksundae'] = None\n"
+        "from rotor_ida import compare, load\n"
+        "print(compare(load('s.nc')).lies_on.item())"
+    )
+    shown = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=tmp_path
+    )
+    assert shown.stdout.split() == ["2"]
 
 
 def test_a_run_is_not_a_sweep():
