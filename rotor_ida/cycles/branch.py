@@ -51,7 +51,7 @@ EQUAL = 1e-6
 NEAR, SAME = 0.25, 1e-6
 FEWEST_STEPS = 8
 # Where the period doubles, doubled cycles are sought at such parts of the size of the state.
-ASIDE = (1e-2, 3e-3, 3e-2, 1e-3)
+ASIDE = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5)
 
 
 @dataclass(frozen=True, slots=True)
