@@ -249,8 +249,11 @@ def first_touch(
             root = _polish(z0, a, w, outside, tau, omega, zeta, delta0)
             if _gap_function(z0, a, w, root, omega, zeta, delta0)[1] > 0.0:
                 return root
+            # A flight that began, within rounding, in a hollow of the gap on the ring is over.
+            if slope > 0.0 and bend > 0.0:
+                return tau
             # A touch that rounding cannot tell from a miss: pass over its summit.
-            step = 2.0 * math.sqrt(2.0 * floor / max(-bend, floor)) + ROUNDING * tau
+            step = 2.0 * math.sqrt(2.0 * floor / max(abs(bend), floor)) + ROUNDING * tau
         else:
             # The centre drifts along a straight line, so it is farthest out at an end.
             centre = max(abs(z0 - a + w * drift(tau, zeta)), last_centre)

@@ -148,3 +148,20 @@ def test_the_floor_is_near_rounding():
     straight = first_touch(0j, 1 + 0j, 0.0, 0.0, 2.0, 10.0, GO_ON)
     assert straight == pytest.approx(2.0, rel=1e-15)
     assert math.isinf(first_touch(0j, 1 + 0j, 0.0, 0.0, 2.0, 1.9, GO_ON))
+
+
+@pytest.mark.parametrize("ulps", range(-4, 5))
+@pytest.mark.parametrize("slowly", [1e-12, 1e-9, 1e-8, 1e-7])
+def test_a_contact_left_for_no_time_is_entered_again_at_once(ulps, slowly):
+    """Where the radius is least on the ring, within rounding on either side, and turns outwards.
+
+    A search that passes over such a hollow as over a summit flies through the ring.
+    """
+    delta0, omega, zeta, speed = 2.0, 2.0, 0.07, 6.0
+    z0 = complex(delta0 * (1.0 + ulps * 2.0**-52))
+    pulled = speed**2 / delta0 + omega**2 + 2.0 * zeta * slowly
+    touch = first_touch(z0, complex(-slowly, speed), omega, zeta, delta0, 5.0, GO_ON)
+    # as far off as the floor of the search lets the gap grow
+    assert touch <= 2.0 * slowly / pulled + math.sqrt(
+        8.0 * touch_floor(omega, zeta, delta0) / pulled
+    )

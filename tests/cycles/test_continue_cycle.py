@@ -1,0 +1,287 @@
+"""Branches of limit cycles: special points, ends, both ways, studies, archives."""
+
+import numpy as np
+import pytest
+
+import rotor_ida
+from rotor_ida import InputError, Rotor, continue_cycle, limit_cycle
+from rotor_ida.schema import RESPONSE, SPECIAL, STABILITY
+from tests.cycles.known import BOUNCING, FULL, SLIVER, SPECIAL_POINTS
+
+REST = (0.0, 0.0, 0.0, 0.0)
+WIDE = (0.1, 5.0)
+START = {2.0: (BOUNCING.rotor, BOUNCING.state), 0.5: (FULL.rotor, FULL.state)}
+
+
+@pytest.fixture(scope="module")
+def isolas():
+    """The closed branches of the two known cycles over omega."""
+    return {delta0: continue_cycle(rotor, start=limit_cycle(rotor, start=state), limits=WIDE)
+            for delta0, (rotor, state) in START.items()}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def doubled(isolas):
+    """The branch of doubled cycles that leaves the bouncing ones in the sliver."""
+    isola = isolas[2.0]
+    place = specials(isola, "period_doubling")[np.argmin(
+        isola["special_value"].values[specials(isola, "period_doubling")])]  # fmt: skip
+    return continue_cycle(BOUNCING.rotor, start=isola.isel(special=place), limits=WIDE)
+
+
+def specials(branch, kind):
+    return np.flatnonzero(branch["special_kind"] == SPECIAL[kind])
+
+
+def table(branch):
+    """Special points by value and period, in an order that does not hang on the start."""
+    columns = [branch[f"special_{name}"].values for name in ("kind", "value", "period")]
+    rows = np.column_stack(columns)
+    return rows[np.lexsort(rows.T[::-1].round(6))]
+
+
+@pytest.mark.parametrize("delta0", START)
+def test_isolas_close(isolas, delta0):
+    """DESIGN 9: at delta0 0.5 and 2 the branch comes back to itself, with no end."""
+    isola = isolas[delta0]
+    ends = (isola.attrs["closed"], isola.attrs["first_end"], isola.attrs["last_end"])
+    assert ends == (1, "closed", "closed")
+    for name in ("omega", "period", "x", "vy"):
+        assert isola[name][-1].item() == isola[name][0].item()
+    for kind in SPECIAL:
+        assert len(specials(isola, kind)) % 2 == 0, kind
+
+
+@pytest.mark.parametrize("known", SPECIAL_POINTS)
+def test_folds_and_doublings_are_those_of_auto_and_dop853(isolas, known):
+    """Six points found by programs that share nothing with this one, to 1e-9 in omega."""
+    isola = isolas[known.rotor.delta0]
+    places = specials(isola, known.kind)
+    nearest = places[np.argmin(np.abs(isola["special_value"].values[places] - known.rotor.omega))]
+    # the witness is good to 2e-10
+    assert isola["special_value"][nearest].item() == pytest.approx(known.rotor.omega, abs=1e-9)
+    assert isola["special_period"][nearest].item() == pytest.approx(known.period, abs=1e-8)
+
+
+@pytest.mark.parametrize("delta0", START)
+def test_there_are_no_others(isolas, delta0):
+    for kind in ("fold", "period_doubling"):
+        expected = [each for each in SPECIAL_POINTS
+                    if each.kind == kind and each.rotor.delta0 == delta0]  # fmt: skip
+        assert len(specials(isolas[delta0], kind)) == len(expected)
+
+
+@pytest.mark.parametrize("delta0", START)
+def test_stability_changes_at_folds_and_doublings_alone(isolas, delta0):
+    """And by the eigenvalues' own sign: the largest of the others leaves the unit circle there."""
+    isola = isolas[delta0]
+    unstable = (isola["stability"] == STABILITY["unstable"]).values
+    changes = set(np.flatnonzero(unstable[1:] != unstable[:-1]).tolist())
+    places = np.concatenate([specials(isola, "fold"), specials(isola, "period_doubling")])
+    assert changes == set(isola["special_point"].values[places].tolist())
+    size = np.hypot(isola["multiplier_real"], isola["multiplier_imag"]).values
+    assert ((size > 1.0 + 1e-12).any(axis=1) == unstable).all()
+
+
+@pytest.mark.parametrize("delta0", START)
+def test_omega_turns_back_at_folds_alone(isolas, delta0):
+    isola = isolas[delta0]
+    omega = isola["omega"].values
+    # twice, or more often where the branch begins
+    turns = np.flatnonzero(np.diff(omega)[1:] * np.diff(omega)[:-1] < 0.0)
+    folds = isola["special_point"].values[specials(isola, "fold")]
+    assert all(np.abs(turns + 0.5 - fold).min() <= 1.5 for fold in folds)
+    assert len(turns) == len(folds)
+    assert (np.sign(isola["slope"][:-1].values[np.diff(omega) > 0.02]) > 0.0).all()
+
+
+@pytest.mark.parametrize("delta0", START)
+def test_points_follow_one_another_without_a_jump(isolas, delta0):
+    """No step leads to another branch: extremes and period change little from point to point."""
+    isola = isolas[delta0]
+    for name in ("radius_max", "radius_min", "period"):
+        values = isola[name].values
+        assert np.abs(np.diff(values)).max() < 0.06 * values.max(), name
+    assert isola["residual"].max() < 1e-12
+    assert isola["trivial_defect"].max() < 1e-10
+
+
+@pytest.mark.parametrize("delta0", START)
+def test_contacts_change_at_grazes_alone(isolas, delta0):
+    isola = isolas[delta0]
+    changes = np.flatnonzero(np.diff(isola["contact_count"].values))
+    grazes = specials(isola, "graze")
+    assert changes.tolist() == isola["special_point"].values[grazes].tolist()
+    kinds = isola["response"].values
+    assert ((kinds == RESPONSE["full_contact"]) == (isola["contact_count"] == 0)).all()
+
+
+def test_at_a_graze_the_radius_touches_the_ring(isolas):
+    """By the extremes of a run from the state found there: one of its turns is on the ring."""
+    isola = isolas[2.0]
+    for place in specials(isola, "graze"):
+        start = tuple(float(isola[f"special_{name}"][place]) for name in ("x", "y", "vx", "vy"))
+        rotor = Rotor(omega=isola["special_value"][place].item(), zeta=0.07, delta0=2.0)
+        period = isola["special_period"][place].item()
+        run = rotor_ida.simulate(rotor, start=start, duration=period, samples=40_001)
+        radius = np.hypot(run["x"], run["y"]).values
+        inner = radius[1:-1]
+        turns = inner[(inner - radius[:-2]) * (radius[2:] - inner) <= 0.0]
+        # between samples 1e-4 apart
+        assert np.abs(turns - 2.0).min() < 1e-6
+
+
+def test_the_sliver_is_stable_between_its_fold_and_its_doubling(isolas):
+    """Less than 0.003 wide, and on the isola: known cycles lie on it."""
+    isola = isolas[2.0]
+    fold, doubling = SPECIAL_POINTS[2].rotor.omega, SPECIAL_POINTS[3].rotor.omega
+    inside = (isola["omega"] > fold) & (isola["omega"] < doubling) & (isola["period"] > 20.0)
+    sliver = isola.isel(point=np.flatnonzero(inside & (isola["stability"] == STABILITY["stable"])))
+    assert sliver.sizes["point"] >= 2
+    for known in SLIVER:
+        branch = continue_cycle(known.rotor, start=known.state, limits=(0.39, 0.41))
+        there = np.sort(branch["special_value"].values[specials(branch, "period_doubling")])
+        assert there == pytest.approx([doubling], abs=1e-9)
+        there = branch["special_value"].values[specials(branch, "fold")]
+        assert there == pytest.approx([fold], abs=1e-9)
+
+
+def test_the_doubled_branch_leaves_one_doubling_and_ends_at_the_other(doubled):
+    """From 0.4006 its period is twice the other's; it comes back to halves at 1.80339."""
+    assert doubled.attrs["last_end"] == "halved"
+    assert doubled.attrs["start_special"] == "period_doubling"
+    assert doubled["omega"][-1].item() == pytest.approx(1.803392470017, abs=1e-9)
+    assert doubled["period"][0].item() == pytest.approx(2.0 * 21.98437687706, rel=1e-3)
+    assert doubled["omega"][0].item() == pytest.approx(0.400606983928, abs=1e-3)
+    assert doubled["period"][-1].item() == pytest.approx(5.05425053056, abs=1e-8)
+    last = doubled.isel(special=-1)
+    assert last["special_kind"].item() == SPECIAL["period_doubling"]
+    assert last["special_value"].item() == doubled["omega"][-1].item()
+
+
+@pytest.mark.parametrize("part", [0.13, 0.5, 0.77])
+def test_any_point_leads_to_the_same_special_points(isolas, part):
+    """Going on from a point of an archived branch, not from where it began."""
+    isola = isolas[2.0]
+    point = isola.isel(point=int(part * isola.sizes["point"]))
+    again = continue_cycle(BOUNCING.rotor, start=point, limits=WIDE)
+    assert again.attrs["closed"] == 1
+    np.testing.assert_allclose(table(again), table(isola), rtol=0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("direction", ["forward", "backward"])
+def test_one_way_is_one_side(direction):
+    """Forward and backward from one start make the branch both ways."""
+    both = continue_cycle(BOUNCING.rotor, start=REST, limits=(1.7, 2.3))
+    one = continue_cycle(BOUNCING.rotor, start=REST, limits=(1.7, 2.3), direction=direction)
+    here = int(np.argmin(np.abs(both["omega"].values - 2.0)))
+    side = slice(here, None) if direction == "forward" else slice(None, here + 1)
+    np.testing.assert_array_equal(one["omega"].values, both["omega"].values[side])
+    end = {"forward": 2.3, "backward": 1.7}[direction]
+    assert one["omega"][{"forward": -1, "backward": 0}[direction]].item() == end
+    assert one.attrs["closed"] == 0
+    assert {one.attrs["first_end"], one.attrs["last_end"]} == {"limits", "start"}
+
+
+@pytest.mark.parametrize("parameter", ["zeta", "delta0"])
+def test_other_parameters_lead_to_the_cycles_that_are_there(parameter):
+    """Each end of a branch is the cycle that the rotor there leads to, by its own iteration."""
+    value = getattr(BOUNCING.rotor, parameter)
+    limits = (0.93 * value, 1.06 * value)
+    branch = continue_cycle(BOUNCING.rotor, start=REST, parameter=parameter, limits=limits)
+    assert (branch.attrs["first_end"], branch.attrs["last_end"]) == ("limits", "limits")
+    for place in (0, -1):
+        point = branch.isel(point=place)
+        rotor = Rotor(**{name: float(point[name]) for name in ("omega", "zeta", "delta0")})
+        assert getattr(rotor, parameter) in limits
+        cycle = limit_cycle(rotor, start=REST)
+        for name in ("period", "radius_min", "radius_max"):
+            assert point[name].item() == pytest.approx(cycle[name].item(), rel=1e-11)
+
+
+def test_two_grazes_in_one_step_are_seen():
+    """The extremum of the radius dips below the ring and comes back within a hundredth of delta0.
+
+    The coarse steps of the rest of the branch would pass over both.
+    """
+    rotor = Rotor(omega=1.3850668555561103, zeta=0.07, delta0=1.0)
+    start = (-0.624493313840432, 0.4765683392859543, 1.6091633273020345, -0.5633522915863312)
+    branch = continue_cycle(rotor, start=start, parameter="delta0", limits=(0.02, 8.0))
+    assert branch.attrs["closed"] == 1
+    grazes = branch["special_value"].values[specials(branch, "graze")]
+    for expected in (0.9622163, 0.9822761):
+        assert np.abs(grazes - expected).min() < 1e-6
+
+
+class Interrupted(Exception):
+    """What a user does in the middle."""
+
+
+def test_a_study_goes_on_to_the_same_bits(tmp_path):
+    rotor, limits = BOUNCING.rotor, (0.9, 2.4)
+    whole = continue_cycle(rotor, start=BOUNCING.state, limits=limits)
+
+    def interrupt(done, total):
+        assert 0 < done <= total
+        if done > 60:
+            raise Interrupted
+
+    study = tmp_path / "study"
+    with pytest.raises(Interrupted):
+        continue_cycle(rotor, start=BOUNCING.state, limits=limits, study=study, progress=interrupt)
+    seen = []
+    resumed = continue_cycle(rotor, start=BOUNCING.state, limits=limits, study=study,
+                             progress=lambda done, total: seen.append((done, total)))  # fmt: skip
+    assert resumed.drop_attrs(deep=False).identical(whole.drop_attrs(deep=False))
+    assert seen[0][0] > 60
+    assert seen[-1][0] == seen[-1][1]
+    once_more = continue_cycle(rotor, start=BOUNCING.state, limits=limits, study=study)
+    assert once_more.drop_attrs(deep=False).identical(whole.drop_attrs(deep=False))
+    with pytest.raises(InputError):
+        continue_cycle(rotor, start=BOUNCING.state, limits=(0.8, 2.4), study=study)
+
+
+@pytest.mark.parametrize("make", [
+    lambda: continue_cycle(BOUNCING.rotor, start=REST, limits=(1.7, 2.1)),
+    lambda: continue_cycle(BOUNCING.rotor, start=REST, limits=(1.99, 2.01)),
+    lambda: continue_cycle(BOUNCING.rotor, start=REST, limits=WIDE, points=2),
+], ids=["with a doubling", "without special points", "two points"])  # fmt: skip
+def test_an_archive_gives_it_back(make, tmp_path):
+    branch = make()
+    loaded = rotor_ida.load(rotor_ida.save(branch, tmp_path / "branch.nc"))
+    assert loaded.drop_attrs(deep=False).identical(branch.drop_attrs(deep=False))
+    for name, value in branch.attrs.items():
+        if name != "history":
+            np.testing.assert_array_equal(loaded.attrs[name], value)
+    assert loaded.sizes["special"] == branch["special_kind"].size
+
+
+def test_points_end_a_branch():
+    branch = continue_cycle(BOUNCING.rotor, start=REST, limits=WIDE, points=5)
+    assert branch.sizes["point"] == 9
+    assert (branch.attrs["first_end"], branch.attrs["last_end"]) == ("points", "points")
+
+
+@pytest.mark.parametrize(("arguments", "says"), [
+    ({"limits": (2.1, 3.0)}, "limits must hold the omega of the start, 2.0, got"),
+    ({"limits": (3.0, 1.0)}, "limits must be two increasing numbers from 0 on, got"),
+    ({"limits": (2.0,)}, "limits must be two increasing numbers from 0 on, got"),
+    ({"limits": (-1.0, 3.0)}, "limits must be two increasing numbers from 0 on, got"),
+    ({"limits": (0.0, 3.0)}, "limits of omega must be above 0, got"),
+    ({"limits": (1.0, np.nan)}, "limits must"),
+    ({"parameter": "phase"}, "parameter must be"),
+    ({"direction": "up"}, "direction must be"),
+    ({"points": 1}, "points must be at least 2, got 1"),
+    ({"progress": 3}, "progress must be"),
+    ({"rotor": Rotor(omega=2.0, zeta=0.0, delta0=2.0)}, "zeta must be above 0 for a limit cycle"),
+    ({"rotor": Rotor(omega=1.7, zeta=0.07, delta0=0.0)},
+     "start must lead to a limit cycle, got one from which the response is synchronous"),
+    ({"rotor": Rotor(omega=1.7, zeta=0.07, delta0=9.0)},
+     "start must lead to a limit cycle, got one from which the response is contact_free"),
+    ({"rotor": Rotor(omega=2.0, zeta=0.07, delta0=0.0), "parameter": "delta0"},
+     "delta0 must be above 0 to be continued, got 0.0"),
+])  # fmt: skip
+def test_what_cannot_be_continued_is_refused(arguments, says):
+    given = {"rotor": BOUNCING.rotor, "start": REST, "limits": (0.5, 3.0)} | arguments
+    with pytest.raises(InputError, match=says):
+        continue_cycle(given.pop("rotor"), **given)
