@@ -38,6 +38,8 @@ MOST_NEWTON_STEPS = 10
 # A step of Newton's method this small leaves an error of its square, or near a graze of its power
 # 1.5: after it the error is rounding. One that would be as small as rounding is not taken.
 CONVERGED, EXACT = 1e-8, 1e-13
+# After a step this small what only leads the method need not be computed again.
+NEARBY = 1e-5
 # And with a step this large it is on its way elsewhere.
 LEAVES = 1.0
 FIRST_STEP, LONGEST_STEP, SHORTEST_STEP = 5e-3, 4e-2, 1e-10
@@ -341,10 +343,8 @@ class Curve(Generic[S]):
         The state does not move along `direction`, by default the field at the guess.
         """
         unknowns, size, stretch = guess, math.inf, None
-        # a guess far from the curve needs all derivatives anew
-        close = direction is not None
         for steps in range(MOST_NEWTON_STEPS + 1):
-            stretch = self.problem.shoot(unknowns, stretch if close else None)
+            stretch = self.problem.shoot(unknowns, stretch if size <= NEARBY else None)
             if size <= CONVERGED:
                 return self._point(unknowns, stretch, plane), steps
             direction = stretch.start_rate if direction is None else direction

@@ -149,12 +149,12 @@ def check_limits(parameter: str, limits: object, rotor: Rotor) -> tuple[float, f
     if low == 0.0 and parameter != "delta0":
         raise InputError(f"limits of {parameter} must be above 0, got {shown(limits)}")
     here = getattr(rotor, parameter)
+    if parameter == "delta0" and here == 0.0:
+        raise InputError("delta0 must be above 0 to be continued, got 0.0")
     if not low <= here <= high:
         raise InputError(
             f"limits must hold the {parameter} of the start, {here!r}, got {shown(limits)}"
         )
-    if parameter == "delta0" and here == 0.0:
-        raise InputError("delta0 must be above 0 to be continued, got 0.0")
     return low, high
 
 

