@@ -24,6 +24,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import pairwise
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
@@ -49,6 +50,9 @@ MOST_CORRECTION = 0.25
 # Special points are located to so small a part of a step.
 FINEST = 1e-14
 FIRST_HALVINGS, HALVINGS = 5, 50
+# Where a count is about to change, within this part of the size of the state, the middle of a step
+# is looked at too: it may change twice.
+ABOUT = 2e-2
 MOST_SECANTS = 30
 
 
@@ -248,6 +252,7 @@ class Curve(Generic[S]):
                 cosine = float(point.tangent @ last.tangent)
                 moved = np.linalg.norm((point.unknowns - guess) / self.scale)
                 if cosine >= LEAST_COSINE and moved <= MOST_CORRECTION * length:
+                    met = self._met(last, point, length)
                     break
                 reason = "the curve bends too much"
             except SimulationError as error:
@@ -257,7 +262,7 @@ class Curve(Generic[S]):
                 raise SimulationError(f"no step can be taken: {reason}")
         easy = newton_steps <= EASY and cosine >= GOOD_COSINE
         longer = min(length * GROWTH, LONGEST_STEP) if easy else length
-        return Step(point, self._met(last, point, length), length, longer)
+        return Step(point, met, length, longer)
 
     def crossing(self, last: Point[S], length: float, place: int, value: float) -> Point[S]:
         """Return the point at which an unknown has a value that a step from `last` passes."""
@@ -394,10 +399,30 @@ class Curve(Generic[S]):
         self, last: Point[S], point: Point[S], length: float, name: str, count: Count[S]
     ) -> list[tuple[float, Special[S]]]:
         """Return where a count changes on a step, and the special points there."""
+        ends = (last.stretch, point.stretch)
+        places = [(0.0, ends[0]), (length, ends[1])]
+        nearest = min(abs(count.sign(each)) for each in ends)
+        if nearest < ABOUT * np.linalg.norm(last.stretch.start):
+            middle = 0.5 * length
+            places.insert(1, (middle, self._at(last, middle, point)[0].stretch))
         found: list[tuple[float, Special[S]]] = []
-        low, below = 0.0, last.stretch
-        while count.number(below) != count.number(point.stretch):
-            high, above = length, point.stretch
+        for below, above in pairwise(places):
+            found += self._changes_between(last, point, (below, above), name, count)
+        return found
+
+    def _changes_between(
+        self,
+        last: Point[S],
+        point: Point[S],
+        between: tuple[tuple[float, S], tuple[float, S]],
+        name: str,
+        count: Count[S],
+    ) -> list[tuple[float, Special[S]]]:
+        """Return where a count changes between two places of a step, with their orbits."""
+        found: list[tuple[float, Special[S]]] = []
+        (low, below), (length, last_orbit) = between
+        while count.number(below) != count.number(last_orbit):
+            high, above = length, last_orbit
             for halving in range(HALVINGS):
                 if halving >= FIRST_HALVINGS and count.sign(below) * count.sign(above) < 0.0:
                     sign = partial(_of_stretch, count.sign)

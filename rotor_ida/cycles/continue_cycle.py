@@ -44,7 +44,8 @@ Values = npt.NDArray[np.float64]
 Parameter = Literal["omega", "zeta", "delta0"]
 Direction = Literal["both", "forward", "backward"]
 
-DIRECTIONS = ("both", "forward", "backward")
+# Which sides each direction asks for: 0 is the one that is led forward.
+WAYS = {"both": (0, 1), "forward": (0,), "backward": (1,)}
 # Points between two pieces that a study keeps.
 PIECE = 50
 FORM = Form(packed, unpacked)
@@ -127,7 +128,7 @@ def continue_cycle(
     """
     check_instance("rotor", rotor, Rotor)
     check_choice("parameter", parameter, PARAMETERS)
-    check_choice("direction", direction, DIRECTIONS)
+    check_choice("direction", direction, tuple(WAYS))
     count = check_count("points", points, minimum=2, maximum=MOST_NUMBERS)
     check_progress(progress)
     guess = guess_of(rotor, start)
@@ -179,8 +180,9 @@ def branch_from(
         "points": points,
         **computing(),
     }
-    with open_results(study, design, 2 * points, FORM) as kept:
-        sides = _follow(course, direction, kept, progress)
+    ways = WAYS[direction] if course.both else WAYS["forward"]
+    with open_results(study, design, len(ways) * points, FORM) as kept:
+        sides = _follow(course, ways, kept, progress)
     first = course.first.stretch
     attributes = provenance({"method": "taylor", "flight": "exact"}) | {
         "parameter": parameter,
@@ -197,13 +199,12 @@ def branch_from(
 
 
 def _follow(
-    course: Course, direction: str, kept: Results[Arrays], progress: Progress | None
+    course: Course, ways: Sequence[int], kept: Results[Arrays], progress: Progress | None
 ) -> tuple[Side, Side]:
     """Follow a branch forward and backward; the side that is not wanted keeps its first point."""
-    ways = {"both": (0, 1), "forward": (0,), "backward": (1,)}[direction if course.both else "both"]
     sides = (Side([course.first]), Side([course.first.reversed()]))
-    pieces = dict(kept.results())
-    for way in ways if course.both else (0,):
+    pieces, total = dict(kept.results()), len(ways) * course.most
+    for way in ways:
         side = sides[way]
         for number in range(way, 2 * course.most, 2):
             if side.end:
@@ -214,18 +215,24 @@ def _follow(
             begun, met = len(side.points), len(side.specials)
             while not side.end and len(side.points) < begun + PIECE:
                 advance(course, side)
-            added = len(side.points) - begun
-            kept.keep(number, _piece(side, begun, met), _counted(course, side, added))
+            sides_left = len(ways) - 1 - ways.index(way)
+            counted = _counted(course, side, begun, sides_left)
+            kept.keep(number, _piece(side, begun, met), counted)
             if progress is not None:
-                progress(min(kept.points_done, 2 * course.most), 2 * course.most)
+                progress(kept.points_done, total)
         if side.end == CLOSED:
             break
     return sides
 
 
-def _counted(course: Course, side: Side, added: int) -> int:
+def _counted(course: Course, side: Side, begun: int, sides_left: int) -> int:
     """Return for how many points a piece counts: the last one for all that are not needed."""
-    return added + course.most - len(side.points) if side.end else added
+    points = len(side.points) - begun + (begun == 1)
+    if side.end:
+        points += course.most - len(side.points)
+    if side.end == CLOSED:
+        points += sides_left * course.most
+    return points
 
 
 def _piece(side: Side, begun: int, met: int) -> Arrays:
