@@ -147,7 +147,8 @@ def bifurcation_curve(
     attributes = provenance({"method": "taylor", "flight": "exact"}) | {
         "kind": kind,
         "parameters": f"{first} {second}",
-        "limits": np.array(bounds),
+        f"limits_{first}": np.array(bounds[0]),
+        f"limits_{second}": np.array(bounds[1]),
         "points": count,
         "start": guess.state,
         "start_period": guess.period or math.nan,

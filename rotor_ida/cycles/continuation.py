@@ -371,7 +371,8 @@ class Curve(Generic[S]):
         """Return the special points between two points, in their order."""
         found: list[tuple[float, Special[S]]] = []
         for name, test in self.problem.tests.items():
-            if test(last, last) * test(point, last) < 0.0:
+            # a 0 counts as positive, so that one at the very beginning of a curve is met once
+            if (test(last, last) < 0.0) != (test(point, last) < 0.0):
                 found.append(self._zero(last, point, (0.0, length), name, partial(_by, test, last)))
         for name, count in self.problem.counts.items():
             found += self._changes(last, point, length, name, count)
