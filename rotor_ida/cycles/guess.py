@@ -93,20 +93,28 @@ def guess_of(rotor: Rotor, start: object, period: object = None) -> Guess:
 def _of_special(rotor: Rotor, start: xr.Dataset) -> Guess:
     state = np.array([float(start[f"special_{name}"]) for name in COMPONENTS])
     kind = {number: word for word, number in SPECIAL.items()}[int(start["special_kind"])]
-    place = start.assign_coords({start.attrs["parameter"]: start["special_value"]})
+    values = ("special_value", "special_second_value")
+    place = start.assign_coords(
+        {name: start[value] for name, value in zip(_continued(start), values, strict=False)}
+    )
     return _checked(Guess(_rotor_of(rotor, place), state, float(start["special_period"]), kind))
 
 
 def _rotor_of(rotor: Rotor, start: xr.Dataset) -> Rotor:
-    """Return the rotor of a start, which may differ from `rotor` in the continued parameter."""
+    """Return the rotor of a start, which may differ from `rotor` in the continued parameters."""
     found = Rotor(**{name: float(start[name]) for name in PARAMETERS})
-    continued = start.attrs.get("parameter", "")
+    continued = _continued(start)
     for name in PARAMETERS:
         here, given = getattr(found, name), getattr(rotor, name)
-        if name != continued and here != given:
+        if name not in continued and here != given:
             raise InputError(f"start must be of the same rotor: its {name} is {shown(here)}, "
                              f"that of the rotor {shown(given)}")  # fmt: skip
     return found
+
+
+def _continued(start: xr.Dataset) -> list[str]:
+    """Return the parameters over which a branch or a curve was followed; none of a single cycle."""
+    return str(start.attrs.get("parameters", start.attrs.get("parameter", ""))).split()
 
 
 def _checked(guess: Guess) -> Guess:

@@ -106,7 +106,7 @@ def test_one_parameter_after_the_other_is_the_same_curve(fold):
     """Swapped, and given as pairs: the same ends, at the limits of the clearance."""
     swapped = bifurcation_curve(
         Rotor(omega=fold["omega"][3].item(), zeta=0.07, delta0=fold["delta0"][3].item()),
-        start=fold.isel(point=3).assign_attrs(parameter=""), kind="fold",
+        start=fold.isel(point=3), kind="fold",
         parameters=("delta0", "omega"), limits=((0.45, 0.55), (2.2, 3.1)),
     )  # fmt: skip
     ends = np.sort(fold["omega"].values[[0, -1]])
