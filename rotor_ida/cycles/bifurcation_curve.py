@@ -145,6 +145,8 @@ def bifurcation_curve(
                 progress(sum(len(each.points) for each in sides), 2 * count)
         if side.end == CLOSED:
             break
+    if progress is not None:
+        progress(2 * count, 2 * count)
     attributes = provenance({"method": "taylor", "flight": "exact"}) | {
         "kind": kind,
         "parameters": f"{first} {second}",

@@ -24,6 +24,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import pairwise
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
@@ -51,6 +52,9 @@ MOST_CORRECTION = 0.25
 # Special points are located to so small a part of a step.
 FINEST = 1e-14
 FIRST_HALVINGS, HALVINGS = 5, 50
+# Where a count is about to change, within this part of the size of the state, the middle of a step
+# is looked at too: it may change twice.
+ABOUT = 2e-2
 MOST_SECANTS = 30
 
 
@@ -382,7 +386,8 @@ class Curve(Generic[S]):
         """Return the special points between two points, in their order."""
         found: list[tuple[float, Special[S]]] = []
         for name, test in self.problem.tests.items():
-            if test(last, last) * test(point, last) < 0.0:
+            # a 0 counts as positive, so that one at the very beginning of a curve is met once
+            if (test(last, last) < 0.0) != (test(point, last) < 0.0):
                 found.append(self._zero(last, point, (0.0, length), name, partial(_by, test, last)))
         for name, count in self.problem.counts.items():
             found += self._changes(last, point, length, name, count)
@@ -410,10 +415,30 @@ class Curve(Generic[S]):
         self, last: Point[S], point: Point[S], length: float, name: str, count: Count[S]
     ) -> list[tuple[float, Special[S]]]:
         """Return where a count changes on a step, and the special points there."""
+        ends = (last.stretch, point.stretch)
+        places = [(0.0, ends[0]), (length, ends[1])]
+        nearest = min(abs(count.sign(each)) for each in ends)
+        if nearest < ABOUT * np.linalg.norm(last.stretch.start):
+            middle = 0.5 * length
+            places.insert(1, (middle, self._at(last, middle, point)[0].stretch))
         found: list[tuple[float, Special[S]]] = []
-        low, below = 0.0, last.stretch
-        while count.number(below) != count.number(point.stretch):
-            high, above = length, point.stretch
+        for below, above in pairwise(places):
+            found += self._changes_between(last, point, (below, above), name, count)
+        return found
+
+    def _changes_between(
+        self,
+        last: Point[S],
+        point: Point[S],
+        between: tuple[tuple[float, S], tuple[float, S]],
+        name: str,
+        count: Count[S],
+    ) -> list[tuple[float, Special[S]]]:
+        """Return where a count changes between two places of a step, with their orbits."""
+        found: list[tuple[float, Special[S]]] = []
+        (low, below), (length, last_orbit) = between
+        while count.number(below) != count.number(last_orbit):
+            high, above = length, last_orbit
             for halving in range(HALVINGS):
                 if halving >= FIRST_HALVINGS and count.sign(below) * count.sign(above) < 0.0:
                     sign = partial(_of_stretch, count.sign)

@@ -56,8 +56,8 @@ def test_phase_error_is_wrapped():
     assert compared.phase_error.item() == pytest.approx(1e-9, rel=1e-5)
 
 
-def test_simulated_responses_agree_to_eight_digits_or_are_something_else():
-    """delta0 = 0: on the curve from rest. delta0 = 1: not synchronous (DESIGN, section 3)."""
+def test_simulated_responses_agree_to_eight_digits_with_a_whirl_or_a_cycle():
+    """delta0 = 0: on the curve from rest. delta0 = 1: on a cycle (DESIGN, section 3)."""
     rows = summarise(compare(sweep(**AXES)))
     assert [row["delta0"] for row in rows] == [0.0, 1.0]
     assert (rows[0]["on_whirl"], rows[0]["on_cycle"]) == (1, 0)

@@ -3,7 +3,14 @@
 import numpy as np
 import pytest
 
-from rotor_ida import InputError, Rotor, continue_cycle, limit_cycle, simulate
+from rotor_ida import (
+    InputError,
+    Rotor,
+    bifurcation_curve,
+    continue_cycle,
+    limit_cycle,
+    simulate,
+)
 from rotor_ida.cycles.guess import guess_of
 from tests.cycles.known import BOUNCING
 
@@ -86,3 +93,36 @@ def test_a_result_without_a_cycle_is_refused():
 
 def test_a_cycle_has_its_period_already(cycle):
     refused(cycle, "period must be left out with a start that has one", period=4.5)
+
+
+@pytest.fixture(scope="module")
+def curve():
+    branch = continue_cycle(BOUNCING.rotor, start=REST, limits=(1.9, 4.2))
+    fold = int(np.flatnonzero(branch["special_kind"] == 1)[0])
+    return bifurcation_curve(
+        BOUNCING.rotor, start=branch.isel(special=fold), kind="fold",
+        limits={"omega": (3.8, 4.1), "delta0": (1.7, 2.1)},
+    )  # fmt: skip
+
+
+def test_a_point_of_a_bifurcation_curve_brings_both_parameters(curve):
+    point = curve.isel(point=2)
+    guess = guess_of(BOUNCING.rotor, point)
+    assert (guess.rotor.omega, guess.rotor.delta0) == (
+        point["omega"].item(),
+        point["delta0"].item(),
+    )
+    limits = (guess.rotor.omega - 0.02, guess.rotor.omega + 0.02)
+    branch = continue_cycle(BOUNCING.rotor, start=point, limits=limits)
+    folds = branch["special_value"].values[branch["special_kind"].values == 1]
+    assert folds == pytest.approx([guess.rotor.omega], abs=1e-9)
+
+
+def test_a_special_point_of_a_bifurcation_curve_brings_both_parameters(curve):
+    """Where the fold's cycle grazes: there the number of its contacts changes on the branch too."""
+    assert curve["special_kind"].values.tolist() == [3]
+    graze = curve.isel(special=0)
+    guess = guess_of(BOUNCING.rotor, graze)
+    assert guess.rotor.omega == graze["special_value"].item()
+    assert guess.rotor.delta0 == graze["special_second_value"].item()
+    assert guess.special == "graze"
