@@ -58,7 +58,7 @@ TESTS: dict[str, Callable[[Shot], float]] = {FOLD: fold_test, DOUBLING: doubling
 # Step of the differences by which a test function is differentiated, in parts of the scales.
 DIFFERENCE = 1e-6
 # And the derivatives serve as long as no unknown moves farther, in parts of the scales.
-KEPT = 1e-3
+KEPT = 1e-5
 # Points of a branch, each way, on which a first bifurcation is sought.
 MOST_SOUGHT = 2000
 

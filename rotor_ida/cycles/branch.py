@@ -311,12 +311,14 @@ def _comes_back(course: Course, last: Point[Shot], point: Point[Shot]) -> bool:
     miss = np.linalg.norm(goal - here - part * along)
     if not (0.0 <= part <= 1.0 and miss <= NEAR * np.linalg.norm(along)):
         return False
+    # the parameter that changes most there tells the place
+    place = PLACE + int(np.argmax(np.abs(course.first.tangent[PLACE:])))
     try:
-        again = course.line.crossing(last, point, PLACE, float(course.first.unknowns[PLACE]))
+        again = course.line.crossing(last, point, place, float(course.first.unknowns[place]))
     except SimulationError:
         return False
     same = np.linalg.norm(_signature(again) - goal) <= SAME * np.linalg.norm(goal)
-    return bool(same and again.tangent[-1] * course.first.tangent[-1] > 0.0)
+    return bool(same and again.tangent[place] * course.first.tangent[place] > 0.0)
 
 
 def _same(special: Special[Shot], known: Special[Shot]) -> bool:

@@ -229,7 +229,7 @@ def test_progress_comes_to_its_end(limits, direction):
                    progress=lambda *numbers: seen.append(numbers))  # fmt: skip
     done = [each for each, _ in seen]
     assert done == sorted(done)
-    assert {total for _, total in seen} == {600 if direction == "backward" else 1200}
+    assert {total for _, total in seen} == {599 if direction == "backward" else 1198}
     assert seen[-1][0] == seen[-1][1]
 
 
