@@ -56,9 +56,10 @@ KINDS = (FOLD, DOUBLING)
 CUSP = "cusp"
 TESTS: dict[str, Callable[[Shot], float]] = {FOLD: fold_test, DOUBLING: doubling_test}
 # Step of the differences by which a test function is differentiated, in parts of the scales.
-DIFFERENCE = 1e-6
-# And the derivatives serve as long as no unknown moves farther, in parts of the scales.
-KEPT = 1e-5
+DIFFERENCE = 1e-8
+# And the derivatives serve as long as no unknown moves farther, in parts of the scales: beside a
+# graze they change without bound.
+KEPT = 1e-12
 # Points of a branch, each way, on which a first bifurcation is sought.
 MOST_SOUGHT = 2000
 
@@ -248,7 +249,7 @@ def _problem(
 
 
 class _Gradient:
-    """The derivatives of a test function by the unknowns, kept while these hardly move.
+    """The derivatives of a test function by the unknowns, kept while these do not move.
 
     Newton's method needs them to find its way, not to say where it has come to.
     """

@@ -159,3 +159,58 @@ def test_what_cannot_be_followed_is_refused(arguments, says):
              "limits": ((2.2, 3.2), (0.4, 0.6))} | arguments  # fmt: skip
     with pytest.raises(InputError, match=says):
         bifurcation_curve(given.pop("rotor"), **given)
+
+
+@pytest.mark.parametrize("second", ["zeta", "delta0"])
+def test_a_curve_of_folds_goes_on_through_a_graze(second):
+    """There the trace has a kink; the curve passes it and comes to the limits, not to a stop."""
+    known = SPECIAL_POINTS[2]
+    branch = continue_cycle(BOUNCING.rotor, start=BOUNCING.state, limits=(0.39, 5.0))
+    folds = np.flatnonzero(branch["special_kind"] == SPECIAL["fold"])
+    place = folds[np.argmin(branch["special_value"].values[folds])]
+    assert branch["special_value"][place].item() == pytest.approx(known.rotor.omega, abs=1e-9)
+    names = {"zeta": ("zeta", "delta0"), "delta0": ("omega", "delta0")}[second]
+    limits = {"zeta": (0.03, 0.075), "omega": (0.3, 0.7), "delta0": (1.5, 4.0)}
+    curve = bifurcation_curve(
+        known.rotor,
+        start=branch.isel(special=place),
+        kind="fold",
+        parameters=names,
+        limits={name: limits[name] for name in names},
+    )
+    assert (curve.attrs["first_end"], curve.attrs["last_end"]) == ("limits", "limits")
+    assert (curve["special_kind"] == SPECIAL["graze"]).sum() == 1
+    assert curve["residual"].max() < 1e-11
+
+
+def test_at_a_cusp_two_folds_meet_by_the_power_three_halves():
+    """By branches over omega at fixed damping, which know nothing of the curve."""
+    rotor = Rotor(omega=2.0778537615907418, zeta=0.01, delta0=0.5)
+    start = (1.3359443508310456, 2.8700392188796327, -0.650809977005204, 1.1746181110346243)
+    branch = continue_cycle(rotor, start=start, limits=(1.5, 2.4))
+    folds = np.flatnonzero(branch["special_kind"] == SPECIAL["fold"])
+    place = folds[np.argmin(np.abs(branch["special_value"].values[folds] - 1.62249752))]
+    curve = bifurcation_curve(rotor, start=branch.isel(special=place), kind="fold",
+                              parameters=("omega", "zeta"),
+                              limits={"omega": (1.5, 1.7), "zeta": (0.003, 0.011)})  # fmt: skip
+    cusps = np.flatnonzero(curve["special_kind"] == SPECIAL["cusp"])
+    assert len(cusps) == 2
+    place = cusps[np.argmax(curve["special_second_value"].values[cusps])]
+    omega, zeta = (curve[f"special_{name}"][place].item() for name in ("value", "second_value"))
+    aside, apart = [], []
+    # nearer to the cusp both folds lie within one step; farther off there is another cusp
+    within = (zeta - curve["zeta"] > 8e-5) & (zeta - curve["zeta"] < 2.5e-4)
+    before = np.arange(curve.sizes["point"]) <= curve["special_point"][place].item()
+    for point in np.flatnonzero(within & before):
+        there = curve.isel(point=point)
+        rotor = Rotor(omega=there["omega"].item(), zeta=there["zeta"].item(), delta0=0.5)
+        near = continue_cycle(rotor, start=there, limits=(omega - 2e-3, omega + 2e-3))
+        found = bifurcations(near, "fold")
+        # the fold from which it began, and the other one
+        found = found[np.argsort(np.abs(found - rotor.omega))[:2]]
+        assert found[0] == pytest.approx(rotor.omega, abs=1e-10)
+        aside.append(zeta - rotor.zeta)
+        apart.append(abs(found[1] - found[0]))
+    assert len(aside) >= 3
+    power = np.polyfit(np.log(aside), np.log(apart), 1)[0]
+    assert power == pytest.approx(1.5, abs=0.05)
