@@ -408,7 +408,10 @@ class Curve(Generic[S]):
             return test(self._at(last, part, point)[0] if part else last)
 
         low, high = between
-        place = float(brentq(value, low, high, xtol=FINEST * high, rtol=FINEST))
+        try:
+            place = float(brentq(value, low, high, xtol=FINEST * high, rtol=FINEST))
+        except (ValueError, RuntimeError):  # no change of sign when followed again
+            raise SimulationError(f"a {name} could not be located") from None
         return place, Special(name, self._at(last, place, point)[0])
 
     def _changes(

@@ -97,6 +97,14 @@ def followed(line, point, steps, wanted):
     return {each.name: each.point for each in met}
 
 
+def test_a_special_point_that_cannot_be_located_is_an_error_of_ours(monkeypatch):
+    """Rounding may take back a change of sign: the step is cut then, and no user meets SciPy's."""
+    line = Curve(cycles_of(tor_bpc), np.ones(5))
+    monkeypatch.setattr(Curve, "_at", lambda self, last, part, point: (part, 0))
+    with pytest.raises(SimulationError, match="a fold could not be located"):
+        line._zero(1.0, None, (0.0, 1.0), "fold", lambda point: 1.0)
+
+
 def test_lorenz_doubles_where_it_is_published():
     """Sigma 10, b 8/3: downwards a cycle of period 0.480867 doubles at rho 229.4067 (DESIGN 9)."""
     state = np.array([38.1192, 96.3381, 232.4727])  # settled at rho 235
