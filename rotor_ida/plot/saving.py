@@ -85,11 +85,25 @@ def _settled_layout(figure: Figure) -> Iterator[None]:
     if engine is not None:
         for _ in range(2):
             engine.execute(figure)
+        _round_positions(figure)
     figure.set_layout_engine("none")
     try:
         yield
     finally:
         figure.set_layout_engine(engine)
+
+
+def _round_positions(figure: Figure) -> None:
+    """Take off the last digits of where the axes stand.
+
+    They change each time that the layout is solved, and a clip's name in an SVG is a hash of all
+    of them.
+    """
+    for ax in figure.axes:
+        if ax.get_in_layout():
+            place = ax.get_position(original=True)
+            ax.set_position([round(edge, 9) for edge in place.bounds], which="original")
+            ax.set_in_layout(True)
 
 
 def _draw(figure: Figure, path: Path) -> None:
