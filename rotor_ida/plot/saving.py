@@ -10,6 +10,7 @@ from pathlib import Path
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
+from matplotlib.transforms import Bbox
 
 from rotor_ida.errors import ArchiveError, InputError
 from rotor_ida.files import already_there, check_path, check_target, written_whole
@@ -102,7 +103,7 @@ def _round_positions(figure: Figure) -> None:
     for ax in figure.axes:
         if ax.get_in_layout():
             place = ax.get_position(original=True)
-            ax.set_position([round(edge, 9) for edge in place.bounds], which="original")
+            ax.set_position(Bbox(place.get_points().round(9)), which="original")
             ax.set_in_layout(True)
 
 
