@@ -16,15 +16,17 @@ import heyoka as hy
 import numpy as np
 
 from rotor_ida import Rotor
+from rotor_ida.basins.crossings import SECTION
 from rotor_ida.basins.following import follow_starts
 from rotor_ida.basins.kernel import NOT_COMPUTED, follow
-from rotor_ida.basins.known_attractors import known_attractors
+from rotor_ida.basins.known import known_from_closed_forms
 from rotor_ida.basins.labelling import RTOL
 from rotor_ida.storage.studies.results import Results
 
 HALF_WIDTH = 15.0
 SPAN = 100.0
-NOWHERE = np.array([0.0, 0.0, -1.0])
+NOWHERE = np.array([0.0, 0.0, -1.0, -1.0])
+GO_ON = np.zeros(1, dtype=np.uint8)
 
 
 def grid(cells):
@@ -71,8 +73,8 @@ def time_of_heyoka(rotor, states, batch, **options):
 
 def time_of_kernel(rotor, states, tolerance):
     """Return core time a start [s] of the kernel over the same span, with nothing to capture."""
-    known = known_attractors(rotor)
-    arguments = (rotor.omega, rotor.zeta, known.clearance), np.empty((0, 14)), NOWHERE
+    nothing = np.empty((0, 14)), NOWHERE, np.empty((0, SECTION))
+    arguments = (rotor.omega, rotor.zeta, rotor.delta0 or None), *nothing
     for _ in range(2):  # the first compiles
         copy = states.copy()
         labels = np.full(states.shape[1], NOT_COMPUTED, dtype=np.int16)
@@ -110,15 +112,15 @@ def main():
             took = 1e6 * time_of_heyoka(rotor, some, batch, **options)
             name = "default tolerance (2e-16)" if tolerance is None else f"tolerance {tolerance:g}"
             print(f"heyoka, batch {batch}, {name}: {took:.2f} us")
+    known = known_from_closed_forms(rotor, GO_ON)
     for _ in range(2):
         wall, core = time.perf_counter(), time.process_time()
         found = follow_starts(
-            known_attractors(rotor), lambda a, b: states[:, a:b], states.shape[1], Results(),
-            tolerance=given.rtol, workers=given.workers, executor="threads", progress=None,
+            known, lambda a, b: states[:, a:b], states.shape[1], Results(), tolerance=given.rtol,
+            workers=given.workers, executor="threads", progress=None,
         )  # fmt: skip
         wall, core = time.perf_counter() - wall, time.process_time() - core
     numbers, counts = np.unique(found.labels, return_counts=True)
-    labels = dict(zip(numbers.tolist(), counts.tolist(), strict=True))
     labels = dict(zip(numbers.tolist(), counts.tolist(), strict=True))
     print(
         f"all {states.shape[1]} labels, rtol {given.rtol:g}: "

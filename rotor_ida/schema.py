@@ -52,6 +52,9 @@ RESPONSE = {
 EVENT_KIND = {"exit": -1, "entry": 1}
 # What became of a start, besides the numbers of the attractors and the kinds of response.
 FATE = {"not_computed": -2, "undecided": -1}
+# What says that starts end on an attractor: a region that no orbit leaves, proven or found by
+# following orbits that begin in it; or only that they last.
+TRAPPING = {"none": 0, "estimated": 1, "proven": 2}
 STATUS = {"done": 0, "failed": 1}
 DIRECTION = {"down": -1, "from_start": 0, "up": 1}
 NO_YES = {"no": 0, "yes": 1}
@@ -198,6 +201,11 @@ QUANTITIES: dict[str, Quantity] = {
         "time after which the end is certain, or at which following ended", scale="time"
     ),
     "kind": Quantity("kind of response on the attractor", flags=RESPONSE),
+    "trapping": Quantity("what holds the starts that end on the attractor", flags=TRAPPING),
+    "lifetime": Quantity(
+        "mean time after which the motion is left, infinite where that was not seen", scale="time"
+    ),
+    "lifetime_low": Quantity("least such time that is likely at 95 %", scale="time"),
     "confirmed": Quantity("whether CVODE has followed a start to the attractor", flags=NO_YES),
     "count": Quantity("number of starts that end on the attractor"),
     "fraction": Quantity("part of the computed starts that end on the attractor"),

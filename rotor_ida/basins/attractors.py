@@ -1,33 +1,42 @@
-"""The attractors of a rotor, each confirmed by CVODE, and the labels of its undecided starts."""
+"""The attractors on which starts of a rotor ended, each as a row of numbers."""
 
 from __future__ import annotations
 
+import cmath
 import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
+from scipy.special import gammaincinv
 
-from rotor_ida.basins.batches import Undecided
-from rotor_ida.basins.clustering import ACCURACY, Numbers, clusters, limits_of, touching, within
-from rotor_ida.basins.features import MEAN_X, MEAN_Y, RADIUS_MAX, RADIUS_MIN
-from rotor_ida.basins.following import FollowedStarts
-from rotor_ida.basins.kernel import UNDECIDED
-from rotor_ida.basins.matching import Labels, NearestFeatures, approaching
+from rotor_ida.basins.cycle_sections import cycle_section
+from rotor_ida.basins.following import FollowedStarts, Starts
+from rotor_ida.basins.kernel import CHAOTIC
+from rotor_ida.basins.known import lag_of
 from rotor_ida.checks import State
+from rotor_ida.cycles.limit_cycle import follow
+from rotor_ida.cycles.shooting import Cycle
+from rotor_ida.parallel import Stop
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.options import Options
-from rotor_ida.sweeps.response import BOUNCING, CHAOTIC, CONTACT_FREE, FULL_CONTACT, SYNCHRONOUS
+from rotor_ida.storage.studies.arrays import stretches
+from rotor_ida.sweeps import response
+from rotor_ida.sweeps.response import phase_lag_of
 from rotor_ida.sweeps.steady_state import SettledResponse, follow_to_steady_state
 
 Values = npt.NDArray[np.float64]
 
-# CVODE follows so many orbits of an attractor before the attractor counts as unconfirmed.
+# CVODE follows so many starts of an attractor before the attractor counts as unconfirmed.
 WITNESSES = 3
-# Features from CVODE and from the kernel agree to this relative difference.
-AGREEMENT = 0.02
-# What features call bouncing or in full contact may be chaotic.
-OSCILLATING = (BOUNCING, FULL_CONTACT, CHAOTIC)
+# What CVODE finds agrees with the attractor to this relative difference.
+AGREEMENT = 1e-5
+# How the starts on an attractor are held: see `rotor_ida.schema.TRAPPING`.
+PROVEN, ESTIMATED, NOTHING = "proven", "estimated", "none"
+# One period in so many samples, for the mean whirl.
+SAMPLES = 512
+# The least lifetime that may be ruled out with this certainty.
+CERTAINTY = 0.95
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,11 +48,19 @@ class Attractor:
     kind : str
         One of the kinds of `rotor_ida.sweeps.response`.
     amplitude, phase_lag : float
-        Of the motion at the spin speed [1], [rad]; NaN where it depends on the start.
+        Of the motion at the spin speed [1], [rad].
     radius_min, radius_max : float
         Smallest and largest distance from the bearing axis [1]; NaN where it depends on the start.
+    period : float
+        On the rotating axes, of a limit cycle [1]; else NaN.
+    trapping : {"proven", "estimated", "none"}
+        What says that starts end on it: a region that no orbit leaves, proven or found by following
+        orbits that begin in it; or only that they last.
+    lifetime, lifetime_low : float
+        Mean time after which a chaotic motion is left, infinite where none was, and the least one
+        that is likely at 95 % [1]; infinite for all others.
     confirmed : bool
-        Whether CVODE has followed an orbit to it; amplitudes and radii are then CVODE's.
+        Whether CVODE has followed a start to it.
     """
 
     kind: str
@@ -51,140 +68,143 @@ class Attractor:
     phase_lag: float
     radius_min: float
     radius_max: float
+    period: float = math.nan
+    trapping: str = PROVEN
+    lifetime: float = math.inf
+    lifetime_low: float = math.inf
     confirmed: bool = False
 
 
-def attractors_of(
-    results: FollowedStarts, starts: list[Values], options: Options
-) -> list[Attractor]:
-    """Find the attractors of the undecided starts, and confirm every attractor.
+def attractors_of(found: FollowedStarts) -> list[Attractor]:
+    """Return the attractors of starts, and number the labels by them.
 
-    Parameters
-    ----------
-    results : FollowedStarts
-        Results of the starts; labels of undecided ones are changed to the numbers of the
-        attractors in the list returned.
-    starts : list of ndarray, shape (m, 4)
-        For each known attractor some starts that certainly end there [1].
-    options : Options
-        How CVODE is to confirm.
+    Whirls in contact come first, with starts or without, by amplitude; then the contact-free ones,
+    fading touches, limit cycles by largest radius, and chaos, of these only what starts end on.
     """
-    known = _known_attractors(results)
-    if not results.interrupted:
-        known = [
-            _confirm_known(results.known.rotor, attractor, trapped, options)
-            for attractor, trapped in zip(known, starts, strict=True)
-        ]
-    orbits = results.sample()
-    labels, found = _clustered(results, orbits, len(known), options)
-    if orbits.numbers.size == results.undecided_count:
-        results.labels[orbits.numbers] = labels
-    else:
-        nearest = NearestFeatures(results.known, orbits, labels)
-        for batch in results.undecided():
-            results.labels[batch.numbers] = nearest.labels_of(batch)
-    return known + found
+    rotor = found.known.rotor
+    rows: list[tuple[int, Attractor]] = []
+    kind = response.CONTACT_FREE if rotor.omega == 0.0 else response.SYNCHRONOUS
+    for number, each in enumerate(found.known.whirls):
+        size = each.amplitude
+        trapping = PROVEN if each.exists else NOTHING
+        row = Attractor(kind, size, each.phase_lag, size, size, trapping=trapping)
+        rows.append((number, row))
+    present = _present(found.labels)
+    if found.known.has_free:
+        rows.append((found.known.free_label, _contact_free(found)))
+        if found.known.fading_label in present:
+            rows.append((found.known.fading_label, _fading(found)))
+    stop = np.zeros(1, np.uint8)
+    for number, cycle in enumerate(found.cycles, start=found.known.first_cycle):
+        if number in present:
+            rows.append((number, _of_cycle(cycle, stop)))
+    if CHAOTIC in present:
+        rows.append((CHAOTIC, _chaos(found)))
+    _renumber(found.labels, [label for label, _ in rows])
+    return [row for _, row in rows]
 
 
-def _clustered(
-    results: FollowedStarts, orbits: Undecided, known: int, options: Options
-) -> tuple[Labels, list[Attractor]]:
-    """Return the labels of undecided orbits, and the attractors that were not known before."""
-    labels = approaching(results.known, orbits)
-    unmatched = (labels == UNDECIDED) & ~touching(results.known, orbits)
-    kinds, members_of = clusters(results.known.rotor, orbits, unmatched)
-    found: list[Attractor] = []
-    for kind, members in zip(kinds, members_of, strict=True):
-        attractor: Attractor | None = _from_features(kind, orbits, members)
-        if attractor is not None and not results.interrupted:
-            attractor = _confirm(results.known.rotor, attractor, orbits, members, options)
-        if attractor is None:
-            continue
-        number = _number_of_same(attractor, found)
-        if number is None:
-            number = len(found)
-            found.append(attractor)
-        labels[members] = known + number
-        limits = limits_of(orbits, members)
-        labels[within(orbits, limits, unmatched & (labels == UNDECIDED))] = known + number
-    return labels, found
-
-
-def _known_attractors(results: FollowedStarts) -> list[Attractor]:
-    """Return the attractors that closed forms give."""
-    rotor = results.known.rotor
-    kind = CONTACT_FREE if rotor.omega == 0.0 else SYNCHRONOUS
-    known = [
-        Attractor(kind, each.amplitude, each.phase_lag, each.amplitude, each.amplitude)
-        for each in results.known.regions
+def confirmed(
+    rotor: Rotor, attractors: list[Attractor], starts: list[Values], options: Options
+) -> list[Attractor]:
+    """Return the attractors, each confirmed where CVODE finds it from one of its starts."""
+    return [
+        replace(each, confirmed=any(_finds(rotor, each, start, options) for start in own))
+        for each, own in zip(attractors, starts, strict=True)
     ]
-    if results.known.has_free:
-        whirl = complex(results.known.free[0], results.known.free[1])
-        lag = math.atan2(-whirl.imag, whirl.real) if whirl else 0.0
-        known.append(Attractor(CONTACT_FREE, abs(whirl), lag, math.nan, math.nan))
-    return known
 
 
-def _confirm_known(
-    rotor: Rotor, attractor: Attractor, starts: Values, options: Options
-) -> Attractor:
-    """Let CVODE follow starts that certainly end there, until one does."""
-    for start in starts:
-        settled = follow_to_steady_state(rotor, _state(start), options)
-        if settled.response != attractor.kind:
-            continue
-        if settled.response == CONTACT_FREE:
-            return replace(attractor, confirmed=True)
-        if abs(settled.features.amplitude - attractor.amplitude) <= AGREEMENT * attractor.amplitude:
-            return _confirmed(settled)
-    return attractor
+def witnesses(found: FollowedStarts, count: int, starts: Starts) -> list[Values]:
+    """Return, for each of so many attractors, the starts that were decided first.
+
+    These are the least likely to lie so near to a boundary of its basin that another integrator
+    ends elsewhere.
+    """
+    first = [np.empty(0, dtype=np.int64) for _ in range(count)]
+    for stretch in stretches(found.labels.size):
+        for number in range(count):
+            members = stretch.start + np.flatnonzero(found.labels[stretch] == number)
+            members = np.concatenate([first[number], members])
+            order = np.argsort(found.times[members], kind="stable")
+            first[number] = members[order[:WITNESSES]]
+    states = [[starts(place, place + 1)[:, 0] for place in each.tolist()] for each in first]
+    return [np.array(each).reshape(-1, 4) for each in states]
 
 
-def _from_features(kind: str, orbits: Undecided, members: Numbers) -> Attractor:
-    """Return an attractor with the median features of its orbits."""
-    middle = np.median(orbits.later[members].astype(np.float64), axis=0)
-    mean = complex(middle[MEAN_X], middle[MEAN_Y])
-    lag = math.atan2(-mean.imag, mean.real)
-    return Attractor(kind, abs(mean), lag, float(middle[RADIUS_MIN]), float(middle[RADIUS_MAX]))
+def _finds(rotor: Rotor, attractor: Attractor, start: Values, options: Options) -> bool:
+    """Return whether CVODE follows a start to an attractor."""
+    settled = follow_to_steady_state(rotor, _state(start), options)
+    if settled.response != attractor.kind:
+        return False
+    if attractor.kind in (response.CONTACT_FREE, response.TOUCHING, response.CHAOTIC):
+        return True
+    return _agrees(settled, attractor)
 
 
-def _confirm(
-    rotor: Rotor, attractor: Attractor, orbits: Undecided, members: Numbers, options: Options
-) -> Attractor | None:
-    """Let CVODE follow the orbits nearest to the median; None if it finds no motion like them."""
-    extremes = orbits.later[members][:, [RADIUS_MIN, RADIUS_MAX]].astype(np.float64)
-    middle = np.array([attractor.radius_min, attractor.radius_max])
-    spread = np.ptp(extremes, axis=0).max() + AGREEMENT * attractor.radius_max
-    order = np.argsort(np.abs(extremes - middle).max(axis=1), kind="stable")
-    for member in members[order[:WITNESSES]]:
-        settled = follow_to_steady_state(rotor, _state(orbits.states[:, member]), options)
-        if settled.response not in OSCILLATING:
-            continue
-        seen = np.array([settled.features.radius_min, settled.features.radius_max])
-        if np.abs(seen - middle).max() <= spread:
-            return _confirmed(settled)
-    return None
-
-
-def _number_of_same(attractor: Attractor, found: list[Attractor]) -> int | None:
-    """Return the number of the same attractor, as CVODE found it, among those found before."""
-    for number, other in enumerate(found):
-        apart = max(
-            abs(attractor.radius_min - other.radius_min),
-            abs(attractor.radius_max - other.radius_max),
-        )
-        if other.kind == attractor.kind and apart <= ACCURACY * other.radius_max:
-            return number
-    return None
-
-
-def _confirmed(settled: SettledResponse) -> Attractor:
-    """Return an attractor as CVODE found it."""
+def _agrees(settled: SettledResponse, attractor: Attractor) -> bool:
     seen = settled.features
+    pairs = (
+        (seen.radius_min, attractor.radius_min),
+        (seen.radius_max, attractor.radius_max),
+        (seen.period, attractor.period),
+    )
+    known = [(one, other) for one, other in pairs if not math.isnan(other)]
+    return all(abs(one - other) <= AGREEMENT * attractor.radius_max for one, other in known)
+
+
+def _contact_free(found: FollowedStarts) -> Attractor:
+    whirl = complex(found.known.free[0], found.known.free[1])
+    return Attractor(response.CONTACT_FREE, abs(whirl), lag_of(whirl), math.nan, math.nan)
+
+
+def _fading(found: FollowedStarts) -> Attractor:
+    """Return the limit of fading touches: the contact-free whirl that just reaches the ring."""
+    whirl, delta0 = complex(found.known.free[0], found.known.free[1]), found.known.rotor.delta0
     return Attractor(
-        settled.response, seen.amplitude, seen.phase_lag, seen.radius_min, seen.radius_max,
-        confirmed=True,
+        response.TOUCHING, abs(whirl), lag_of(whirl), abs(delta0 - 2.0 * abs(whirl)), delta0,
+        trapping=ESTIMATED,
     )  # fmt: skip
+
+
+def _of_cycle(cycle: Cycle, stop: Stop) -> Attractor:
+    states = follow(cycle.rotor, cycle.state, cycle.period / SAMPLES, SAMPLES + 1, stop)[:-1]
+    whirl = complex(states[:, 0].mean(), states[:, 1].mean())
+    return Attractor(
+        cycle.response, abs(whirl), phase_lag_of(whirl), cycle.radius_min, cycle.radius_max,
+        cycle.period, ESTIMATED if cycle_section(cycle, stop).exists else NOTHING,
+    )  # fmt: skip
+
+
+def _chaos(found: FollowedStarts) -> Attractor:
+    """Return the chaotic motions together, with how long they last.
+
+    Leaving is taken to be as likely at any time: of orbits watched for the time t together n left.
+    """
+    amplitudes, lags, low, high = found.chaos.T
+    whirl = complex(np.mean(amplitudes * np.exp(-1j * lags)))
+    most = float(gammaincinv(found.left + 1.0, CERTAINTY))
+    return Attractor(
+        response.CHAOTIC, abs(whirl), -cmath.phase(whirl), float(low.min()), float(high.max()),
+        trapping=NOTHING, lifetime=found.watched / found.left if found.left else math.inf,
+        lifetime_low=found.watched / most,
+    )  # fmt: skip
+
+
+def _present(labels: npt.NDArray[np.int16]) -> set[int]:
+    """Return the labels that occur."""
+    present: set[int] = set()
+    for stretch in stretches(labels.size):
+        present.update(np.unique(labels[stretch]).tolist())
+    return present
+
+
+def _renumber(labels: npt.NDArray[np.int16], kept: list[int]) -> None:
+    """Replace labels by their places in a list; those of fates stay."""
+    table = np.arange(max([*kept, 0]) + 1 - CHAOTIC, dtype=np.int16)
+    table[CHAOTIC:] = np.arange(CHAOTIC, 0)
+    table[kept] = np.arange(len(kept))
+    for stretch in stretches(labels.size):
+        labels[stretch] = table[labels[stretch]]
 
 
 def _state(values: Values) -> State:

@@ -14,7 +14,7 @@ from rotor_ida.basins.attractors import Attractor
 from rotor_ida.basins.labelling import Labelled
 from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.provenance import provenance
-from rotor_ida.schema import FATE, RESPONSE, Column, labelled, labelled_dataset
+from rotor_ida.schema import FATE, RESPONSE, TRAPPING, Column, labelled, labelled_dataset
 from rotor_ida.simulation.dataset import parameter_coordinates
 from rotor_ida.simulation.options import Options
 from rotor_ida.storage.studies.arrays import scratch, stretches
@@ -23,9 +23,12 @@ Values = npt.NDArray[np.float64]
 
 LABELLING = (
     "every start followed in lockstep lanes by DOP853 on the rotating axes until a trapping region "
-    "holds it, or matched by features of its motion; attractors confirmed by CVODE"
+    "holds it; those left over followed by Taylor series, and their limit cycles found by Newton's "
+    "method; attractors confirmed by CVODE"
 )
-TABLE = ("amplitude", "phase_lag", "radius_min", "radius_max")
+TABLE = (
+    "amplitude", "phase_lag", "radius_min", "radius_max", "period", "lifetime", "lifetime_low",
+)  # fmt: skip
 
 
 def basin_dataset(
@@ -142,6 +145,7 @@ def _attractor_table(
     columns: dict[str, npt.ArrayLike] = {
         "kind": np.array([RESPONSE[each.kind] for each in attractors], dtype=np.int8),
         **{name: np.array([getattr(each, name) for each in attractors], float) for name in TABLE},
+        "trapping": np.array([TRAPPING[each.trapping] for each in attractors], dtype=np.int8),
         "confirmed": np.array([each.confirmed for each in attractors], dtype=np.int8),
         "count": counts,
         "fraction": fraction[:-1],

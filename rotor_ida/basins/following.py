@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.basins.batches import BatchResult, Undecided, joined, thinned
-from rotor_ida.basins.features import COLUMNS, measure
-from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED, follow
-from rotor_ida.basins.known_attractors import KnownAttractors
-from rotor_ida.basins.trapping_regions import TrappingRegion
-from rotor_ida.parallel import FailedJob, Progress, Stop, run_all
-from rotor_ida.storage.studies.arrays import scratch
+from rotor_ida.basins.batches import CHAOS, CYCLE, BatchResult
+from rotor_ida.basins.fates import Batch, decide
+from rotor_ida.basins.kernel import CHAOTIC, NOT_COMPUTED
+from rotor_ida.basins.known import Known, same_cycle
+from rotor_ida.cycles.shooting import Cycle, close_orbit
+from rotor_ida.parallel import FailedJob, Progress, Stop, interruptible, run_all
+from rotor_ida.storage.studies.arrays import scratch, stretches
 from rotor_ida.storage.studies.results import Results
-from rotor_ida.sweeps.steady_state import DECAY_TIMES, durations
 
 Values = npt.NDArray[np.float64]
 Starts = Callable[[int, int], Values]
@@ -27,10 +27,8 @@ Starts = Callable[[int, int], Values]
 # and to report progress. Who does the work has no say: it leaves no trace in the result.
 LARGEST_BATCH, SMALLEST_BATCH = 8192, 512
 FEWEST_BATCHES = 64
-# The earlier of two windows lies so many 1/zeta after the start.
-PATIENCE = 10.0
-# Of more undecided orbits than this, a sample is clustered and the others are matched to it.
-LARGEST_SAMPLE = 1_000_000
+# Before all others so many starts are followed, from which limit cycles become known.
+SCOUTS = 128
 
 
 @dataclass(slots=True)
@@ -39,53 +37,49 @@ class FollowedStarts:
 
     Parameters
     ----------
-    known : KnownAttractors
-        The rotor and the attractors that closed forms give.
+    known : Known
+        The rotor, and its whirls.
     labels : ndarray of int16, shape (n,)
-        Number of the trapping region, UNDECIDED or NOT_COMPUTED.
+        Number of the attractor, by `first_cycle` from `known` and `cycles`; CHAOTIC, UNDECIDED or
+        NOT_COMPUTED.
     times : ndarray of float32, shape (n,)
         Time at which the start was decided, or given up [1]; NaN where not computed.
-    batches : Results
-        The batches, with more about those starts that no trapping region holds.
-    undecided_count : int
-        Number of these.
+    cycles : list of Cycle
+        The limit cycles that starts ended on, by rising largest radius.
+    chaos : ndarray, shape (k, 4)
+        Amplitude, phase lag and extreme radii of chaotic motions [1].
+    left, watched : float
+        Number of orbits that left a chaotic motion while this was watched, and for how long all of
+        them together were watched [1].
     interrupted : bool
         Whether the user stopped it.
     not_computed_reason : str
         Why starts were not computed, other than by an interrupt; empty if there are none.
     """
 
-    known: KnownAttractors
+    known: Known
     labels: npt.NDArray[np.int16]
     times: npt.NDArray[np.float32]
-    batches: Results[BatchResult]
-    undecided_count: int
+    cycles: list[Cycle] = field(default_factory=list)
+    chaos: Values = field(default_factory=lambda: np.empty((0, CHAOS)))
+    left: float = 0.0
+    watched: float = 0.0
     interrupted: bool = False
     not_computed_reason: str = ""
 
-    def undecided(self) -> Iterator[Undecided]:
-        """Yield the undecided orbits, batch by batch, in the order of the starts."""
-        for _, batch in self.batches.results():
-            yield batch.undecided
-
-    def sample(self) -> Undecided:
-        """Return the undecided orbits; of very many, every so many-th."""
-        step = max(1, math.ceil(self.undecided_count / LARGEST_SAMPLE))
-        return joined(thinned(self.undecided(), step))
-
 
 @dataclass(frozen=True, slots=True)
-class _Batch:
+class _Job:
     """A stretch of the starts, (4, n) from number `first` on, with all that a process needs."""
 
-    known: KnownAttractors
+    known: Known
     first: int
     states: Values
     tolerance: float
 
 
 def follow_starts(
-    known: KnownAttractors,
+    known: Known,
     starts: Starts,
     count: int,
     kept: Results[BatchResult],
@@ -99,8 +93,8 @@ def follow_starts(
 
     Parameters
     ----------
-    known : KnownAttractors
-        A damped rotor and the attractors that closed forms give.
+    known : Known
+        A damped rotor and the attractors that are known beforehand.
     starts : callable
         Gives the starts from one number up to another as an array of shape (4, n) [1].
     count : int
@@ -116,83 +110,112 @@ def follow_starts(
     """
     size = min(max(math.ceil(count / FEWEST_BATCHES), SMALLEST_BATCH), LARGEST_BATCH)
     due = [number for number in range(math.ceil(count / size)) if number not in kept.done]
-    edges = ((number * size, min((number + 1) * size, count)) for number in due)
-    batches = (_Batch(known, first, starts(first, last), tolerance) for first, last in edges)
     interrupted, reason = False, ""
     if progress is not None and kept.points_done:
         progress(kept.points_done, count)
-    if not due:  # then no cluster need be started
-        return _gathered(known, count, kept, interrupted, reason)
     try:
-        with closing(run_all(_follow, batches, workers=workers, executor=executor)) as followed:
-            for turn, batch in followed:
-                if isinstance(batch, FailedJob):
-                    reason = batch.reason
-                else:
-                    kept.keep(due[turn], batch, batch.labels.size)
-                if progress is not None:
-                    progress(kept.points_done, count)
+        if len(due) > 1:
+            scout = partial(_scouted, known, starts, count, tolerance)
+            known = interruptible(scout)
+        edges = ((number * size, min((number + 1) * size, count)) for number in due)
+        jobs = (_Job(known, first, starts(first, last), tolerance) for first, last in edges)
+        if due:  # else no cluster need be started
+            with closing(run_all(_follow, jobs, workers=workers, executor=executor)) as followed:
+                for turn, batch in followed:
+                    if isinstance(batch, FailedJob):
+                        reason = batch.reason
+                    else:
+                        kept.keep(due[turn], batch, batch.labels.size)
+                    if progress is not None:
+                        progress(kept.points_done, count)
     except KeyboardInterrupt:
         if kept.folder is not None:  # a study goes on another time, from what it has kept
             raise
         interrupted = True
-    return _gathered(known, count, kept, interrupted, reason)
+    found = _gathered(known, count, kept)
+    found.interrupted, found.not_computed_reason = interrupted, reason
+    return found
 
 
-def _gathered(
-    known: KnownAttractors, count: int, kept: Results[BatchResult], interrupted: bool, reason: str
-) -> FollowedStarts:
+def _scouted(known: Known, starts: Starts, count: int, tolerance: float, stop: Stop) -> Known:
+    """Return what is known once a few starts, spread over all, have been followed."""
+    numbers = np.unique(np.linspace(0, count - 1, min(SCOUTS, count)).astype(np.int64))
+    states = np.concatenate([starts(number, number + 1) for number in numbers.tolist()], axis=1)
+    return _decided(_Job(known, 0, states, tolerance), stop).known
+
+
+def _follow(job: _Job, stop: Stop) -> BatchResult:
+    """Follow a batch of starts until what becomes of them is decided."""
+    batch = _decided(job, stop)
+    batch.times[batch.labels == NOT_COMPUTED] = np.nan
+    cycles = [[*each.cycle.state, each.cycle.period] for each in batch.known.cycles]
+    chaos = np.empty((0, CHAOS))
+    if batch.chaotic is not None:
+        seen = batch.chaotic.features
+        chaos = np.array([[seen.amplitude, seen.phase_lag, seen.radius_min, seen.radius_max]])
+    return BatchResult(
+        job.first, batch.labels, batch.times, np.array(cycles).reshape(-1, CYCLE), chaos,
+        np.array([batch.left, batch.watched]),
+    )  # fmt: skip
+
+
+def _decided(job: _Job, stop: Stop) -> Batch:
+    # the kernel overwrites the states, and they may be a view of the caller's own
+    size = job.states.shape[1]
+    batch = Batch(
+        job.known, np.array(job.states, order="C"), np.full(size, NOT_COMPUTED, dtype=np.int16),
+        np.zeros(size, dtype=np.float32), job.tolerance, stop,
+    )  # fmt: skip
+    decide(batch)
+    return batch
+
+
+def _gathered(known: Known, count: int, kept: Results[BatchResult]) -> FollowedStarts:
     """Return the results of all starts, gathered from the batches."""
-    labels = np.asarray(scratch((count,), np.int16, kept.folder))
-    times = np.asarray(scratch((count,), np.float32, kept.folder))
-    labels[:], times[:] = NOT_COMPUTED, np.nan
-    undecided = 0
+    found = FollowedStarts(
+        known,
+        np.asarray(scratch((count,), np.int16, kept.folder)),
+        np.asarray(scratch((count,), np.float32, kept.folder)),
+    )
+    found.labels[:], found.times[:] = NOT_COMPUTED, np.nan
+    numbers: dict[tuple[float, ...], int] = {}
     for _, batch in kept.results():
         stretch = slice(batch.first, batch.first + batch.labels.size)
-        labels[stretch], times[stretch] = batch.labels, batch.times
-        undecided += batch.undecided.numbers.size
-    return FollowedStarts(known, labels, times, kept, undecided, interrupted, reason)
+        found.labels[stretch] = _renumbered(batch, found, numbers)
+        found.times[stretch] = batch.times
+        found.chaos = np.concatenate([found.chaos, batch.chaos])
+        found.left += float(batch.watched[0])
+        found.watched += float(batch.watched[1])
+    _put_in_order(found)
+    return found
 
 
-def _follow(batch: _Batch, stop: Stop) -> BatchResult:
-    """Follow a batch, describe the undecided by features, follow these on, describe them again."""
-    known, rotor = batch.known, batch.known.rotor
-    # the kernel overwrites them, and they may be a view of the caller's own
-    states = np.array(batch.states, order="C")
-    size = states.shape[1]
-    labels = np.full(size, NOT_COMPUTED, dtype=np.int16)
-    times = np.zeros(size, dtype=np.float32)
-    wait, length, samples = durations(rotor)
-    earlier_wait = wait * PATIENCE / DECAY_TIMES
-    numbers = np.arange(size)
-    windows: list[Values] = []
-    for duration in (earlier_wait, wait - earlier_wait):
-        here, took = labels[numbers], times[numbers]
-        here[:] = NOT_COMPUTED
-        follow(
-            states, here, took, (rotor.omega, rotor.zeta, known.clearance), _table(known.regions),
-            known.free, duration, batch.tolerance, stop,
-        )  # fmt: skip
-        labels[numbers], times[numbers] = here, took
-        undecided = here == UNDECIDED
-        numbers, states = numbers[undecided], np.ascontiguousarray(states[:, undecided])
-        windows = [window[undecided] for window in windows]
-        features = np.zeros((numbers.size, COLUMNS))
-        measure(
-            states, (rotor.omega, rotor.zeta, known.clearance), length / (samples - 1), samples - 1,
-            features, stop,
-        )  # fmt: skip
-        windows.append(features)
-        times[numbers] += np.float32(length)
-    if stop[0]:
-        labels[numbers] = NOT_COMPUTED
-        numbers = numbers[:0]
-        windows, states = [window[:0] for window in windows], states[:, :0]
-    times[labels == NOT_COMPUTED] = np.nan
-    earlier, later = (window.astype(np.float32) for window in windows)
-    orbits = Undecided(batch.first + numbers, earlier, later, states)
-    return BatchResult(batch.first, labels, times, orbits)
+def _renumbered(
+    batch: BatchResult, found: FollowedStarts, numbers: dict[tuple[float, ...], int]
+) -> npt.NDArray[np.int16]:
+    """Return the labels of a batch with its limit cycles numbered as those of all batches."""
+    first, stop = found.known.first_cycle, np.zeros(1, np.uint8)
+    labels = batch.labels.copy()
+    for number, row in enumerate(batch.cycles):
+        key = tuple(row.tolist())
+        if key not in numbers:
+            cycle = close_orbit(found.known.rotor, row[:4], float(row[4]), stop)
+            same = [place for place, each in enumerate(found.cycles) if same_cycle(each, cycle)]
+            numbers[key] = same[0] if same else len(found.cycles)
+            if not same:
+                found.cycles.append(cycle)
+        labels[batch.labels == first + number] = first + numbers[key]
+    return labels
 
 
-def _table(regions: list[TrappingRegion]) -> Values:
-    return np.array([each.numbers for each in regions]).reshape(-1, 14)
+def _put_in_order(found: FollowedStarts) -> None:
+    """Sort the limit cycles by rising largest radius, and number the labels anew."""
+    order = np.argsort([each.radius_max for each in found.cycles], kind="stable")
+    found.cycles = [found.cycles[place] for place in order]
+    first = found.known.first_cycle
+    # negative labels stand at the end of the table, where they find themselves
+    table = np.arange(first + len(order) - CHAOTIC, dtype=np.int16)
+    table[CHAOTIC:] = np.arange(CHAOTIC, 0)
+    table[first + order] = first + np.arange(len(order))
+    for stretch in stretches(found.labels.size):
+        found.labels[stretch] = table[found.labels[stretch]]

@@ -10,20 +10,17 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.basins.attractors import WITNESSES, Attractor, attractors_of
+from rotor_ida.basins.attractors import Attractor, attractors_of, confirmed, witnesses
 from rotor_ida.basins.batches import batch_as_bytes, batch_from_bytes
-from rotor_ida.basins.following import FollowedStarts, Starts, follow_starts
-from rotor_ida.basins.known_attractors import known_attractors
+from rotor_ida.basins.following import Starts, follow_starts
+from rotor_ida.basins.known import known_from_closed_forms
 from rotor_ida.checks import MOST_POINTS_OF_STUDY, check_between, check_instance, check_progress
 from rotor_ida.errors import InputError
-from rotor_ida.parallel import Progress, choose
+from rotor_ida.parallel import Progress, choose, interruptible
 from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.provenance import computing
 from rotor_ida.simulation.options import Options, check_can_be_followed
-from rotor_ida.storage.studies.arrays import stretches
 from rotor_ida.storage.studies.results import Form, open_results
-
-Values = npt.NDArray[np.float64]
 
 FORM = Form(batch_as_bytes, batch_from_bytes)
 RTOL = 1e-6
@@ -70,7 +67,7 @@ def label(
     study: str | os.PathLike[str] | None,
     progress: Progress | None,
 ) -> Labelled:
-    """Follow the starts and match each to an attractor.
+    """Follow the starts, each to its attractor.
 
     `starts` gives those from one number up to another, as (4, n); `design` says for a study what
     they are.
@@ -83,18 +80,20 @@ def label(
     place, several = choose(executor, workers, compiled=True)
     options = Options()
     with open_results(study, {**design, **_design(rotor, tolerance, options)}, count, FORM) as kept:
+        known = interruptible(lambda stop: known_from_closed_forms(rotor, stop))
         found = follow_starts(
-            known_attractors(rotor), starts, count, kept,
+            known, starts, count, kept,
             tolerance=tolerance, workers=several, executor=place, progress=progress,
         )  # fmt: skip
-        trapped = _witnesses(found, starts)
-        try:
-            attractors = attractors_of(found, trapped, options)
-        except KeyboardInterrupt:  # labels without confirmation are better than none
-            if study is not None:
-                raise
-            found.interrupted = True
-            attractors = attractors_of(found, trapped, options)
+        attractors = attractors_of(found)
+        if not found.interrupted:
+            try:
+                seen = witnesses(found, len(attractors), starts)
+                attractors = confirmed(rotor, attractors, seen, options)
+            except KeyboardInterrupt:  # labels without confirmation are better than none
+                if study is not None:
+                    raise
+                found.interrupted = True
         attributes: dict[str, object] = {"labelling_rtol": tolerance}
         attributes["interrupted"] = int(found.interrupted)
         if found.not_computed_reason:
@@ -106,21 +105,3 @@ def _design(rotor: Rotor, rtol: float, options: Options) -> dict[str, object]:
     """Return what decides on the bits of the labels beside the starts."""
     parameters = {name: getattr(rotor, name) for name in PARAMETERS}
     return {**parameters, "rtol": rtol, "confirmed_with_rtol": options.rtol, **computing()}
-
-
-def _witnesses(found: FollowedStarts, starts: Starts) -> list[Values]:
-    """Return, for each known attractor, the starts that were decided first.
-
-    These are the least likely to lie so near to a boundary of its basin that another integrator
-    ends elsewhere.
-    """
-    numbers = range(len(found.known.regions) + found.known.has_free)
-    first = [np.empty(0, dtype=np.int64) for _ in numbers]
-    for stretch in stretches(found.labels.size):
-        for number in numbers:
-            members = stretch.start + np.flatnonzero(found.labels[stretch] == number)
-            members = np.concatenate([first[number], members])
-            order = np.argsort(found.times[members], kind="stable")
-            first[number] = members[order[:WITNESSES]]
-    states = [[starts(place, place + 1)[:, 0] for place in each.tolist()] for each in first]
-    return [np.array(each).reshape(-1, 4) for each in states]

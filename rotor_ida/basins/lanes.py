@@ -26,7 +26,9 @@ State = tuple[float, float, float, float]
 # So many keep the vector units busy while the buffer stays in the innermost cache.
 LANES = 64
 X, Y, U, V, TIME, STEP, INSIDE = (LANES * row for row in range(7))
-BUFFER = 7 * LANES
+# State and time before the last step.
+X_WAS, Y_WAS, U_WAS, V_WAS, TIME_WAS = (LANES * row for row in range(7, 12))
+BUFFER = 12 * LANES
 
 
 def _weights(row: Values) -> tuple[float, ...]:
@@ -110,6 +112,13 @@ def rate(z: State, omega: float, zeta: float, delta0: float | None) -> State:
         omega * omega - damping * u + omega * v - restoring * x,
         -damping * v - omega * u - restoring * y,
     )
+
+
+@inlined_for_lanes
+def remember_step(lanes: Values) -> None:
+    """Write the present states and times into the rows of those before the next step."""
+    for i in range(5 * LANES):
+        lanes[X_WAS + i] = lanes[X + i]
 
 
 @inlined_for_lanes

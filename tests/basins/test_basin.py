@@ -54,14 +54,11 @@ def test_labels_are_those_of_cvode(omega, delta0, kinds):
     seen = set()
     for number, state in enumerate(states.T.tolist()):
         settled = follow_to_steady_state(rotor, tuple(state), Options(rtol=1e-10))
-        if found.labels[number] == FATE["undecided"]:
-            assert settled.response in {"unresolved", "touching"}
-            continue
         attractor = found.attractors[found.labels[number]]
         seen.add(attractor.kind)
         assert settled.response == attractor.kind
         if attractor.kind != "contact_free":
-            assert settled.features.radius_max == pytest.approx(attractor.radius_max, rel=1e-3)
+            assert settled.features.radius_max == pytest.approx(attractor.radius_max, rel=1e-8)
     assert seen == kinds
 
 
@@ -91,10 +88,10 @@ def test_numbers_add_up(figure_7):
 
 
 def test_whoever_does_the_work_finds_the_same_bits():
-    """Many of these starts stay undecided, so that all that a batch returns counts."""
-    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+    """There are limit cycles here, of periods 21 and 64, so all that a batch returns counts."""
+    rotor = Rotor(omega=1.7, zeta=0.07, delta0=2.0)
     alone = basin(rotor, x=AXIS, y=AXIS, executor="serial")
-    assert set(flags_of(alone.label)) > {"undecided", "attractor_1"}
+    assert np.isfinite(alone.period).sum() == 2
     for executor, workers in (("threads", 3), ("processes", 2)):
         together = basin(rotor, x=AXIS, y=AXIS, executor=executor, workers=workers)
         assert alone.identical(together)

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from rotor_ida import Rotor
-from rotor_ida.basins.following import _table
+from rotor_ida.basins.crossings import SECTION
 from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED, follow
-from rotor_ida.basins.known_attractors import known_attractors
+from rotor_ida.basins.known import known_from_closed_forms
 from rotor_ida.basins.lanes import LANES
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
 
-NOTHING = np.array([0.0, 0.0, -1.0])
+NOTHING = np.array([0.0, 0.0, -1.0, -1.0])
 GO_ON = np.zeros(1, dtype=np.uint8)
 
 
@@ -21,7 +21,8 @@ def followed(rotor, states, *, regions=None, free=NOTHING, duration, tolerance=1
     times = np.zeros(states.shape[1], dtype=np.float32)
     regions = np.empty((0, 14)) if regions is None else regions
     parameters = (rotor.omega, rotor.zeta, rotor.delta0 or None)
-    follow(states, labels, times, parameters, regions, free, duration, tolerance, stop)
+    none = np.empty((0, SECTION))
+    follow(states, labels, times, parameters, regions, free, none, duration, tolerance, stop)
     return states, labels, times
 
 
@@ -32,12 +33,12 @@ def random_states(count, half_width=10.0, seed=0):
 @pytest.mark.parametrize("count", [1, LANES - 1, 5 * LANES + 3])
 def test_a_start_does_not_depend_on_its_neighbours(count):
     rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
-    known = known_attractors(rotor)
+    whirls = known_from_closed_forms(rotor, GO_ON).tables()[0]
     states = random_states(count)
-    _, labels, times = followed(rotor, states, regions=_table(known.regions), duration=500.0)
+    _, labels, times = followed(rotor, states, regions=whirls, duration=500.0)
     assert (labels >= 0).all()
     for number in (0, count // 2, count - 1):
-        alone = followed(rotor, states[:, [number]], regions=_table(known.regions), duration=500.0)
+        alone = followed(rotor, states[:, [number]], regions=whirls, duration=500.0)
         assert alone[1][0] == labels[number]
         assert alone[2][0] == times[number]
 
@@ -62,7 +63,8 @@ def test_contact_free_starts_are_told_at_once_and_no_others():
     """A start is caught at time 0 exactly if flight keeps it inside the clearance for ever."""
     rotor = Rotor(omega=1.0, zeta=0.5, delta0=3.0)
     states = random_states(LANES, half_width=1.5)
-    _, labels, times = followed(rotor, states, free=known_attractors(rotor).free, duration=0.5)
+    free = known_from_closed_forms(rotor, GO_ON).free
+    _, labels, times = followed(rotor, states, free=free, duration=0.5)
     at_once = (labels == 0) & (times == 0.0)
     assert 10 < at_once.sum() < LANES - 10
     for number in range(0, LANES, 4):

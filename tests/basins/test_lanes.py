@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from rotor_ida import Rotor
-from rotor_ida.basins.features import ROWS, measure_step
 from rotor_ida.basins.lanes import (
     ADVANCE,
     BUFFER,
@@ -105,16 +104,11 @@ def test_a_step_that_is_too_long_is_taken_back():
 
 
 @pytest.mark.skipif(platform.machine() not in {"x86_64", "AMD64"}, reason="reads x86 assembly")
-@pytest.mark.parametrize(("kernel", "rows"), [(step_lanes, BUFFER), (measure_step, ROWS * LANES)])
-def test_the_loop_over_lanes_is_vector_code(kernel, rows):
+def test_the_loop_over_lanes_is_vector_code():
     """A branch, or a function too long to be inlined, would cost a factor of four in silence."""
     settings = {"fastmath": {"contract", "nsz", "arcp", "reassoc"}, "error_model": "numpy"}
-    fresh = numba.njit(**settings)(kernel.py_func)  # nothing is told of code from the cache
-    parameters = (1.7, 0.07, 0.5)
-    if kernel is step_lanes:
-        fresh(np.zeros(rows), *parameters, 1e-6)
-    else:
-        fresh(np.ones(rows), 0.1, *parameters)
+    fresh = numba.njit(**settings)(step_lanes.py_func)  # nothing is told of code from the cache
+    fresh(np.zeros(BUFFER), 1.7, 0.07, 0.5, 1e-6)
     (assembly,) = fresh.inspect_asm().values()
     # in double precision: where a vector holds two doubles, two single-precision roots stay scalar
     packed = re.findall(r"\bv?(?:fmadd|mul|sqrt|add)\w*pd\b", assembly)

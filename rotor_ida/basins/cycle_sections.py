@@ -1,0 +1,163 @@
+"""A set on a section of a stable limit cycle that returns into itself: what passes it is sure.
+
+The section is the plane across the field at the state c of the cycle where its radius is largest.
+Near c an orbit comes back to it by ``s - c -> Pi (s - c)``, with the monodromy matrix seen on the
+section. The multipliers of the cycle but for the trivial one are the eigenvalues of Pi; a sum of
+the squared amplitudes of its modes falls from return to return,
+
+    V(s) = sum w_i |l_i . (s - c)|**2 = |L (s - c)|**2,    l_i the left eigenvectors,
+
+by the largest ``|mu_i|**2`` at least. How large the set ``V <= 1`` can be is found by following
+states of it: it is halved until every one of many states, spread over it, comes back with a smaller
+V. So it is an estimate, not a proof as for the whirls (`trapping_regions`).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.basins.crossings import SECTION, measure_returns
+from rotor_ida.cycles.multipliers import multipliers_of
+from rotor_ida.cycles.shooting import Cycle
+from rotor_ida.parallel import Stop
+from rotor_ida.stability.orbit import MAXIMUM, RADIUS, TIME, shoot
+
+Values = npt.NDArray[np.float64]
+
+TOLERANCE = 1e-8
+# States are spread over shells of these sizes, so many over each.
+SHELLS = (1.0, 0.8, 0.6, 0.4, 0.2)
+STATES = 64
+# V must fall by this part of what it does in the linear motion, and the set is taken this much
+# smaller than where it did, as a part of its width.
+FALLS, CAUTION = 0.3, 0.8
+# The largest set tried has this width, in parts of the size of the cycle; the smallest, and how
+# much narrower each is than the one before.
+WIDEST, NARROWEST, NARROWER = 1.0, 1e-5, 0.6
+# Weights of the mode with the multiplier exp(-2 zeta T), or of the faster pair, against the others.
+MODE_RATIOS = (0.1, 1.0, 10.0)
+# Beyond this condition number the modes give no form.
+MOST_SKEW = 1e8
+
+
+@dataclass(frozen=True, slots=True)
+class CycleSection:
+    """A section of a limit cycle with a set on it that returns into itself.
+
+    Parameters
+    ----------
+    cycle : Cycle
+        The cycle.
+    centre, normal : ndarray, shape (4,)
+        Its state on the section, and the direction of the field there [1].
+    form : ndarray, shape (3, 4)
+        L: the set is ``|L (s - centre)| <= 1``. All infinite where no such set was found.
+    """
+
+    cycle: Cycle
+    centre: Values
+    normal: Values
+    form: Values
+
+    @property
+    def exists(self) -> bool:
+        """Whether a set was found."""
+        return bool(np.isfinite(self.form).all())
+
+    @property
+    def numbers(self) -> Values:
+        """What the kernel needs, shape (SECTION,); nothing passes one whose centre is infinite."""
+        if not self.exists:
+            return np.concatenate([np.full(4, np.inf), np.ones(SECTION - 5), [0.0]])
+        widest = 1.0 / np.linalg.svd(self.form, compute_uv=False)[-1]
+        return np.concatenate([self.centre, self.normal, self.form.ravel(), [widest**2]])
+
+
+def cycle_section(cycle: Cycle, stop: Stop) -> CycleSection:
+    """Return a section of a stable limit cycle with a set that returns into itself.
+
+    Parameters
+    ----------
+    cycle : Cycle
+        The cycle.
+    stop : ndarray, shape (1,)
+        Anything but 0 asks to stop.
+    """
+    shot = cycle.shot
+    maxima = shot.extrema[shot.extrema[:, 2] == MAXIMUM]
+    time = float(maxima[np.argmax(maxima[:, RADIUS]), TIME])
+    centre = shoot(cycle.rotor, cycle.state, time, stop).end if time > 0.0 else cycle.state
+    round_ = shoot(cycle.rotor, centre, cycle.period, stop)
+    normal = round_.start_rate / np.linalg.norm(round_.start_rate)
+    section = CycleSection(cycle, centre, normal, np.full((3, 4), np.inf))
+    slowest = float(np.abs(multipliers_of(cycle.shot)[1]))
+    best, volume = section, 0.0
+    for form in _forms(round_.monodromy, normal):
+        width = _width(section, form, slowest, stop)
+        if width > 0.0 and width**3 / _density(form) > volume:
+            volume = width**3 / _density(form)
+            best = CycleSection(cycle, centre, normal, form / (CAUTION * width))
+    return best
+
+
+def _forms(monodromy: Values, normal: Values) -> list[Values]:
+    """Return the forms L that weigh the modes of the return differently, of size 1 or so."""
+    plane = np.linalg.svd(normal[None])[2][1:]  # three directions across the field
+    values, vectors = np.linalg.eig(plane @ monodromy @ plane.T)
+    if np.linalg.cond(vectors) > MOST_SKEW:
+        return []
+    inverse = np.linalg.inv(vectors)
+    fast = np.abs(values) < np.abs(values).max() * (1.0 - 1e-6)
+    forms = []
+    for ratio in MODE_RATIOS:
+        weights = np.where(fast, ratio, 1.0)
+        square = ((inverse.conj().T * weights) @ inverse).real
+        factor = np.linalg.cholesky(0.5 * (square + square.T)).T
+        forms.append(factor @ plane / np.linalg.norm(factor, 2))
+    return forms
+
+
+def _density(form: Values) -> float:
+    """Return the product of the inverse half-widths of the set ``|L x| <= 1``."""
+    return float(np.prod(np.linalg.svd(form, compute_uv=False)))
+
+
+def _width(section: CycleSection, form: Values, slowest: float, stop: Stop) -> float:
+    """Return the largest width tried at which all states come back nearer; 0 if there is none."""
+    cycle = section.cycle
+    rotor = cycle.rotor
+    inverse = np.linalg.pinv(form)
+    directions = inverse @ _sphere(STATES)
+    allowed = 1.0 - FALLS * (1.0 - slowest**2)
+    clearance = rotor.delta0 if rotor.delta0 > 0.0 else None
+    width = WIDEST * float(np.linalg.norm(section.centre))
+    while width >= NARROWEST * float(np.linalg.norm(section.centre)) and not stop[0]:
+        here = CycleSection(cycle, section.centre, section.normal, form / width)
+        good = True
+        for shell in SHELLS:
+            states = section.centre[:, None] + shell * width * directions
+            values = np.empty(STATES)
+            measure_returns(
+                states, (rotor.omega, rotor.zeta, clearance), here.numbers,
+                (0.5 * cycle.period, 1.6 * cycle.period), TOLERANCE, values, stop,
+            )  # fmt: skip
+            if not (values <= allowed * shell**2).all():
+                good = False
+                break
+        if good:
+            return width
+        width *= NARROWER
+    return 0.0
+
+
+def _sphere(count: int) -> Values:
+    """Return directions spread evenly over the sphere, shape (3, count)."""
+    place = (np.arange(count) + 0.5) / count
+    height = 1.0 - 2.0 * place
+    angle = math.pi * (1.0 + math.sqrt(5.0)) * count * place
+    across = np.sqrt(1.0 - height**2)
+    return np.stack([across * np.cos(angle), across * np.sin(angle), height])

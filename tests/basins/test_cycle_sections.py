@@ -1,0 +1,84 @@
+"""Sections of limit cycles: from the set on them starts come back nearer, and end on the cycle."""
+
+import numpy as np
+import pytest
+
+from rotor_ida import Rotor
+from rotor_ida.basins.crossings import measure_returns
+from rotor_ida.basins.cycle_sections import cycle_section
+from rotor_ida.cycles.limit_cycle import cycle_from
+from rotor_ida.simulation.options import Options
+from rotor_ida.stability.orbit import shoot
+from rotor_ida.sweeps.steady_state import follow_to_steady_state
+
+GO_ON = np.zeros(1, np.uint8)
+CASES = [
+    (Rotor(omega=2.0, zeta=0.07, delta0=2.0), (0.0, 0.0, 0.0, 0.0)),
+    (Rotor(omega=3.0, zeta=0.07, delta0=0.5), (3.0, 1.0, 0.0, 0.0)),
+    (Rotor(omega=1.7, zeta=0.07, delta0=2.0), (3.0, 1.0, 0.0, 0.0)),  # period 21
+]
+
+
+@pytest.fixture(scope="module", params=CASES, ids=["bouncing", "full contact", "six contacts"])
+def section(request):
+    rotor, start = request.param
+    return cycle_section(cycle_from(rotor, np.array(start)), GO_ON)
+
+
+def states_on(section, size, count, seed=0):
+    """Return random states of the section at ``|L (s - c)| = size``, shape (count, 4)."""
+    directions = np.random.default_rng(seed).normal(size=(3, count))
+    directions /= np.linalg.norm(directions, axis=0)
+    return section.centre + size * (np.linalg.pinv(section.form) @ directions).T
+
+
+def value_of(section, state):
+    return float(np.sum((section.form @ (state - section.centre)) ** 2))
+
+
+def test_states_lie_on_the_section_and_the_cycle_passes_it(section):
+    assert section.exists
+    offsets = states_on(section, 1.0, 20) - section.centre
+    np.testing.assert_allclose(offsets @ section.normal, 0.0, atol=1e-12)
+    back = shoot(section.cycle.rotor, section.centre, section.cycle.period, GO_ON)
+    assert value_of(section, back.end) < 1e-16
+    np.testing.assert_allclose(back.start_rate / np.linalg.norm(back.start_rate), section.normal)
+
+
+def test_other_states_come_back_nearer(section):
+    """Not those on which the set was chosen."""
+    rotor = section.cycle.rotor
+    period = section.cycle.period
+    for size in (1.0, 0.5, 0.1):
+        states = np.ascontiguousarray(states_on(section, size, 300, seed=7).T)
+        values = np.empty(300)
+        measure_returns(
+            states, (rotor.omega, rotor.zeta, rotor.delta0), section.numbers,
+            (0.5 * period, 1.6 * period), 1e-9, values, GO_ON,
+        )  # fmt: skip
+        assert (values < size**2).all()
+
+
+def test_the_kernel_reads_the_section_as_the_taylor_series_do(section):
+    """The value at the return, by steps of the kernel and by the flow to rounding."""
+    rotor, period = section.cycle.rotor, section.cycle.period
+    states = states_on(section, 0.5, 8, seed=3)
+    values = np.empty(8)
+    measure_returns(
+        np.ascontiguousarray(states.T), (rotor.omega, rotor.zeta, rotor.delta0), section.numbers,
+        (0.5 * period, 1.6 * period), 1e-10, values, GO_ON,
+    )  # fmt: skip
+    for state, value in zip(states, values, strict=True):
+        time = period
+        for _ in range(8):
+            shot = shoot(rotor, state, time, GO_ON)
+            ahead = float((shot.end - section.centre) @ section.normal)
+            time -= ahead / float(shot.end_rate @ section.normal)
+        assert value == pytest.approx(value_of(section, shot.end), abs=2e-3)
+
+
+def test_cvode_ends_on_the_cycle_from_its_rim(section):
+    for state in states_on(section, 1.0, 4, seed=5).tolist():
+        settled = follow_to_steady_state(section.cycle.rotor, tuple(state), Options(rtol=1e-10))
+        assert settled.features.period == pytest.approx(section.cycle.period, rel=1e-8)
+        assert settled.features.radius_max == pytest.approx(section.cycle.radius_max, rel=1e-8)

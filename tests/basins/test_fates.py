@@ -1,0 +1,94 @@
+"""What no region holds is followed to its attractor, which then is known; chaos says how long."""
+
+import math
+
+import numpy as np
+import pytest
+
+from rotor_ida import Rotor, basin_fractions, limit_cycle
+from rotor_ida.basins import fates
+from rotor_ida.basins.fates import Batch, decide
+from rotor_ida.basins.kernel import CHAOTIC, NOT_COMPUTED, UNDECIDED
+from rotor_ida.basins.known import known_from_closed_forms
+from rotor_ida.schema import RESPONSE, TRAPPING
+from rotor_ida.simulation.options import Options
+from rotor_ida.sweeps.steady_state import follow_to_steady_state
+
+BOUNCER = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+BOX = dict.fromkeys(("x", "y", "vx", "vy"), (-8.0, 8.0))
+
+
+def batch_of(rotor, states, stop=None):
+    count = states.shape[1]
+    stop = np.zeros(1, np.uint8) if stop is None else stop
+    known = known_from_closed_forms(rotor, np.zeros(1, np.uint8))
+    labels = np.full(count, NOT_COMPUTED, np.int16)
+    return Batch(known, states.copy(), labels, np.zeros(count, np.float32), 1e-6, stop)
+
+
+def random_states(count, half_width=8.0, seed=0):
+    return np.random.default_rng(seed).uniform(-half_width, half_width, (4, count))
+
+
+def test_a_cycle_is_found_once_and_holds_the_others(monkeypatch):
+    followed = []
+    one_by_one = fates.fate_of
+
+    def counted(batch, number):
+        followed.append(number)
+        return one_by_one(batch, number)
+
+    monkeypatch.setattr(fates, "fate_of", counted)
+    batch = batch_of(BOUNCER, random_states(200))
+    decide(batch)
+    assert len(batch.known.cycles) == 1
+    exact = limit_cycle(BOUNCER, start=(0, 0, 0, 0))
+    assert batch.known.cycles[0].cycle.period == pytest.approx(float(exact.period), rel=1e-12)
+    assert (batch.labels == batch.known.first_cycle).sum() > 50
+    assert (batch.labels >= 0).all()
+    assert len(followed) < 5
+
+
+def test_two_cycles_of_one_rotor_stay_apart():
+    """Periods 21.47 and 64.38, one three times the other but for a thousandth."""
+    found = basin_fractions(
+        Rotor(omega=1.7, zeta=0.07, delta0=2.0), x=(-15, 15), y=(-15, 15), starts=400
+    )
+    periods = np.sort(found.period.values[np.isfinite(found.period)])
+    assert periods == pytest.approx([21.467766, 64.381321], abs=1e-5)
+    assert int(found.undecided_count) == 0
+    assert (found.trapping == TRAPPING["estimated"]).sum() == 3
+
+
+def test_labels_are_where_each_start_ends_by_itself():
+    states = random_states(24, seed=4)
+    batch = batch_of(BOUNCER, states)
+    decide(batch)
+    kinds = {0: "contact_free", 1: "touching", 2: "bouncing"}
+    for number, state in enumerate(states.T.tolist()):
+        settled = follow_to_steady_state(BOUNCER, tuple(state), Options(rtol=1e-10))
+        assert kinds[int(batch.labels[number])] == settled.response
+
+
+def test_chaos_that_lasts_says_so():
+    found = basin_fractions(Rotor(omega=1.69, zeta=0.07, delta0=2.0), **BOX, starts=100)
+    chaos = found.isel(attractor=int(np.flatnonzero(found.kind == RESPONSE["chaotic"])[0]))
+    assert float(chaos.fraction) > 0.2
+    assert math.isinf(float(chaos.lifetime))
+    assert float(chaos.lifetime_low) > 1e4
+    assert int(chaos.trapping) == TRAPPING["none"]
+    assert 1.5 < float(chaos.radius_min) < float(chaos.radius_max) < 4.5
+
+
+def test_chaos_that_is_a_transient_says_how_long_it_lasts():
+    found = basin_fractions(Rotor(omega=1.5, zeta=0.01, delta0=2.0), **BOX, starts=200)
+    chaos = found.isel(attractor=int(np.flatnonzero(found.kind == RESPONSE["chaotic"])[0]))
+    assert 0.1 < float(chaos.fraction) < 0.5
+    assert 3e3 < float(chaos.lifetime_low) < float(chaos.lifetime) < 3e5
+
+
+def test_a_batch_that_is_stopped_is_not_computed():
+    batch = batch_of(BOUNCER, random_states(100), np.ones(1, np.uint8))
+    decide(batch)
+    assert (batch.labels == NOT_COMPUTED).all()
+    assert not {UNDECIDED, CHAOTIC} & set(batch.labels.tolist())
