@@ -212,6 +212,14 @@ QUANTITIES: dict[str, Quantity] = {
     "fraction_error": Quantity(
         "standard error of the fraction, if the starts were drawn at random from their range"
     ),
+    "settling_median": Quantity(
+        "median of the times after which the end of starts on the attractor is certain",
+        scale="time",
+    ),
+    "settling_95": Quantity("time after which it is certain for 95 % of them", scale="time"),
+    "missed_fraction": Quantity(
+        "fraction of starts that an attractor may have and yet be missed, with a probability of 5 %"
+    ),
     "undecided_count": Quantity("number of starts whose end is not known"),
     "undecided_fraction": Quantity("part of the computed starts whose end is not known"),
     "not_computed_count": Quantity("number of starts that were not followed to the end"),

@@ -97,7 +97,7 @@ def attractors_of(found: FollowedStarts) -> list[Attractor]:
     stop = np.zeros(1, np.uint8)
     for number, cycle in enumerate(found.cycles, start=found.known.first_cycle):
         if number in present:
-            rows.append((number, _of_cycle(cycle, stop)))
+            rows.append((number, attractor_of_cycle(cycle, stop)))
     if CHAOTIC in present:
         rows.append((CHAOTIC, _chaos(found)))
     _renumber(found.labels, [label for label, _ in rows])
@@ -166,7 +166,8 @@ def _fading(found: FollowedStarts) -> Attractor:
     )  # fmt: skip
 
 
-def _of_cycle(cycle: Cycle, stop: Stop) -> Attractor:
+def attractor_of_cycle(cycle: Cycle, stop: Stop) -> Attractor:
+    """Return a limit cycle as an attractor."""
     states = follow(cycle.rotor, cycle.state, cycle.period / SAMPLES, SAMPLES + 1, stop)[:-1]
     whirl = complex(states[:, 0].mean(), states[:, 1].mean())
     return Attractor(

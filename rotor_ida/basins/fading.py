@@ -22,10 +22,12 @@ from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.flight import unbalance_whirl
-from rotor_ida.stability.orbit import PEAK_ROOT, PEAK_TIME, shoot
+from rotor_ida.simulation.options import Options
+from rotor_ida.simulation.run import run
 
 Values = npt.NDArray[np.float64]
 
+HOW = Options(method="taylor", rtol=1e-12)
 STATES, MOST_TRIES = 24, 240
 # The drift is at most this part of how much too far out it ends.
 MOST_DRIFT = 0.3
@@ -87,11 +89,12 @@ def _fades(rotor: Rotor, state: Values, stop: Stop) -> bool:
     """Return whether the touches of a motion fade by the law."""
     revolution = 2.0 * math.pi / rotor.omega
     duration = DRIFT_ENDS / rotor.zeta + REVOLUTIONS * revolution
+    x, y, vx, vy = state.tolist()
     try:
-        shot = shoot(rotor, state, duration, stop, rtol=1e-12)
+        orbit = run(rotor, (x, y, vx, vy), duration, np.empty(0), HOW, stop=stop)
     except SimulationError:
         return False
-    depths, times = shot.contacts[:, PEAK_ROOT] ** 2, shot.contacts[:, PEAK_TIME]
+    times, depths = orbit.contacts[:, 2:4].T
     if depths.size < LAST or times[-1] < duration - 2.0 * revolution:
         return False
     revolutions = np.diff(times[-LAST:]) / revolution

@@ -137,6 +137,15 @@ def follow_starts(
     return found
 
 
+def follow_here(known: Known, states: Values, tolerance: float, stop: Stop) -> FollowedStarts:
+    """Follow starts of shape (4, n) in this process, the first of them before the others."""
+    scouts = np.ascontiguousarray(states[:, :SCOUTS])
+    known = _decided(_Job(known, 0, scouts, tolerance), stop).known
+    kept: Results[BatchResult] = Results()
+    kept.keep(0, _follow(_Job(known, 0, states, tolerance), stop), states.shape[1])
+    return _gathered(known, states.shape[1], kept)
+
+
 def _scouted(known: Known, starts: Starts, count: int, tolerance: float, stop: Stop) -> Known:
     """Return what is known once a few starts, spread over all, have been followed."""
     numbers = np.unique(np.linspace(0, count - 1, min(SCOUTS, count)).astype(np.int64))

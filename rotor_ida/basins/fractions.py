@@ -86,16 +86,12 @@ def basin_fractions(
     """
     check_rotor(rotor)
     given = {"x": x, "y": y, "vx": vx, "vy": vy}
-    box = np.array([_range(name, given[name]) for name in COMPONENTS])
+    box = np.array([range_of(name, given[name]) for name in COMPONENTS])
     count = check_count("starts", starts, maximum=MOST_POINTS_OF_STUDY)
     chosen = check_seed(seed)
 
     def drawn(first: int, last: int) -> Values:
-        """Return the starts with these numbers, as if all were drawn in one go."""
-        bits = np.random.PCG64(chosen)
-        bits.advance(len(COMPONENTS) * first)
-        chance = np.random.Generator(bits).random((last - first, len(COMPONENTS)))
-        return np.asarray(box[:, :1] + (box[:, 1:] - box[:, :1]) * chance.T)
+        return drawn_from(box, chosen, first, last)
 
     ranges = {name: limits.tolist() for name, limits in zip(COMPONENTS, box, strict=True)}
     design = {"kind": "basin_fractions", "starts": count, "seed": chosen, **ranges}
@@ -108,7 +104,15 @@ def basin_fractions(
     return fractions_dataset(rotor, found, attributes)
 
 
-def _range(name: str, value: object) -> tuple[float, float]:
+def drawn_from(box: Values, seed: int, first: int, last: int) -> Values:
+    """Return the starts of a box with these numbers, shape (4, n), as if drawn all in one go."""
+    bits = np.random.PCG64(seed)
+    bits.advance(len(COMPONENTS) * first)
+    chance = np.random.Generator(bits).random((last - first, len(COMPONENTS)))
+    return np.asarray(box[:, :1] + (box[:, 1:] - box[:, :1]) * chance.T)
+
+
+def range_of(name: str, value: object) -> tuple[float, float]:
     """Return the ends of a range; a number is a range of no length."""
     ends = check_vector(name, value, largest=LARGEST).tolist()
     if len(ends) > 2 or (len(ends) == 1 and not is_scalar(name, value)):

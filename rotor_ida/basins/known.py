@@ -87,9 +87,13 @@ class Known:
 
 def same_cycle(one: Cycle, other: Cycle) -> bool:
     """Return whether two limit cycles of a rotor are one, whatever their phases."""
-    period = abs(one.period / other.period - 1.0)
-    radius = abs(one.radius_max / other.radius_max - 1.0)
-    return period <= SAME and radius <= SAME
+    return same_numbers(one.period, one.radius_max, other)
+
+
+def same_numbers(period: float, radius_max: float, cycle: Cycle) -> bool:
+    """Return whether a limit cycle has this period and largest radius."""
+    apart = abs(period / cycle.period - 1.0), abs(radius_max / cycle.radius_max - 1.0)
+    return max(apart) <= SAME
 
 
 def known_from_closed_forms(rotor: Rotor, stop: Stop) -> Known:

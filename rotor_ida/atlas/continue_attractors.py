@@ -1,0 +1,212 @@
+"""Which attractors exist over speed, damping or clearance, and how likely each is."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from contextlib import closing
+from itertools import product
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.atlas.cells import Cell, CellJob, cell_as_bytes, cell_from_bytes, fill_cell
+from rotor_ida.atlas.dataset import atlas_dataset
+from rotor_ida.atlas.identities import identify
+from rotor_ida.basins.fractions import drawn_from, range_of
+from rotor_ida.basins.labelling import LOOSEST, RTOL, TIGHTEST, check_rotor
+from rotor_ida.checks import (
+    COMPONENTS,
+    MOST_NUMBERS,
+    check_between,
+    check_count,
+    check_points,
+    check_progress,
+    check_seed,
+    check_vector,
+)
+from rotor_ida.errors import InputError
+from rotor_ida.parallel import FailedJob, Progress, choose, interruptible, run_all
+from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.provenance import computing
+from rotor_ida.storage.studies.results import Form, Results, open_results
+
+Values = npt.NDArray[np.float64]
+
+FORM = Form(cell_as_bytes, cell_from_bytes)
+# Of one rotor, so that its labels fit into memory many times.
+MOST_STARTS = 1_000_000
+MOST_AXES = 2
+
+
+def continue_attractors(
+    *,
+    omega: npt.ArrayLike,
+    zeta: npt.ArrayLike,
+    delta0: npt.ArrayLike,
+    x: npt.ArrayLike = 0.0,
+    y: npt.ArrayLike = 0.0,
+    vx: npt.ArrayLike = 0.0,
+    vy: npt.ArrayLike = 0.0,
+    starts: int | npt.ArrayLike = 1000,
+    seed: int = 0,
+    rtol: float = RTOL,
+    workers: int | None = None,
+    executor: str = "auto",
+    study: str | os.PathLike[str] | None = None,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Return the attractors over speed, damping or clearance, and the fraction of starts on each.
+
+    Parameters
+    ----------
+    omega, zeta, delta0 : float or array_like, shape (n,)
+        Parameters [1]: one or two of them rising arrays, the others numbers; damped throughout.
+    x, y, vx, vy : float or array_like, shape (2,)
+        Components of the start [1]: numbers, or ranges ``(low, high)`` from which they are drawn,
+        independently and uniformly.
+    starts : int or array_like, shape (n, 4)
+        Number of starts, the same for all rotors; or the starts themselves, ``(x, y, vx, vy)`` [1],
+        drawn from any distribution: then the ranges are left out.
+    seed : int
+        Seed of the random numbers: the same seed gives the same starts.
+    rtol, workers, executor, study, progress
+        As for `rotor_ida.basin`; rotors are what is counted and kept.
+
+    Returns
+    -------
+    Dataset
+        On ``omega``, ``zeta``, ``delta0`` and ``attractor``, NaN where an attractor does not exist:
+        ``fraction``, ``fraction_error`` and ``count``; ``amplitude``, ``phase_lag``,
+        ``radius_min``, ``radius_max``, ``period``, ``lifetime``, ``lifetime_low``,
+        ``settling_median`` and ``settling_95`` [1]; ``kind`` and ``trapping`` as flags. On the
+        parameters ``undecided_fraction`` and ``not_computed_count``. The scalar
+        ``missed_fraction``: an attractor with this part of all starts is missed by the sample with
+        a probability of 5 %.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used.
+    SimulationError
+        If one of ``"processes"`` died, or the scheduler.
+
+    Notes
+    -----
+    Every rotor is labelled as by `rotor_ida.basin_fractions`, all from the same starts. An
+    attractor has one number throughout: a limit cycle is followed from rotor to rotor along its
+    branch, a whirl along the exact response curve. One that comes to a rotor where no start ended
+    on it is listed there with the fraction 0: its basin is smaller than the sample can tell. Where
+    a period doubles, the cycle of twice the period is a new attractor.
+
+    References
+    ----------
+    G. Datseris, K. Luiz Rossi, A. Wagemakers, "Framework for global stability analysis of dynamical
+    systems", Chaos 33, 2023: basin fractions continued over a parameter.
+
+    Examples
+    --------
+    >>> found = continue_attractors(omega=[1.7, 1.75], zeta=0.07, delta0=0.0, x=(-15, 15),
+    ...                             y=(-15, 15), starts=200)
+    >>> found.fraction.squeeze().values.sum(axis=1)
+    array([1., 1.])
+    >>> found.amplitude.squeeze().sel(omega=1.7).values.round(4)
+    array([1.8796, 9.4872])
+    """
+    axes = _axes(omega=omega, zeta=zeta, delta0=delta0)
+    rotors = [Rotor(omega=a, zeta=b, delta0=c) for a, b, c in product(*axes.values())]
+    for rotor in rotors:
+        check_rotor(rotor)
+    check_progress(progress)
+    states, drawn = _states({"x": x, "y": y, "vx": vx, "vy": vy}, starts, seed)
+    tolerance = check_between("rtol", rtol, TIGHTEST, LOOSEST)
+    place, several = choose(executor, workers, compiled=True)
+    design = {
+        "kind": "continue_attractors",
+        **{name: values.tolist() for name, values in axes.items()},
+        **drawn, "rtol": tolerance, **computing(),
+    }  # fmt: skip
+    with open_results(study, design, len(rotors), FORM) as kept:
+        jobs = [CellJob(rotor, states, tolerance) for rotor in rotors]
+        reason = _fill(jobs, kept, place, several, progress)
+        cells = [Cell(rotor, not_computed=states.shape[1]) for rotor in rotors]
+        for number, cell in kept.results():
+            cells[number] = cell
+    lines = _lines([values.size for values in axes.values()])
+    interruptible(lambda stop: identify(cells, lines, stop))
+    attributes = {"labelling_rtol": tolerance, **drawn}
+    if reason:
+        attributes["not_computed_reason"] = reason
+    return atlas_dataset(axes, cells, states.shape[1], attributes)
+
+
+def _fill(
+    jobs: list[CellJob], kept: Results[Cell], executor: str, workers: int | None,
+    progress: Progress | None,
+) -> str:  # fmt: skip
+    """Follow the starts of each rotor that is not kept; return why one could not be, or nothing."""
+    due = [number for number in range(len(jobs)) if number not in kept.done]
+    reason = ""
+    if progress is not None and kept.points_done:
+        progress(kept.points_done, len(jobs))
+    if not due:
+        return reason
+    chosen = (jobs[number] for number in due)
+    with closing(run_all(fill_cell, chosen, workers=workers, executor=executor)) as ended:
+        for turn, cell in ended:
+            if isinstance(cell, FailedJob):
+                reason = cell.reason
+            else:
+                kept.keep(due[turn], cell, 1)
+            if progress is not None:
+                progress(kept.points_done, len(jobs))
+    return reason
+
+
+def _axes(**given: npt.ArrayLike) -> dict[str, Values]:
+    """Return the parameters as rising axes of which two at most are longer than one."""
+    axes = {name: check_vector(name, value) for name, value in given.items()}
+    for name, axis in axes.items():
+        falls = np.flatnonzero(np.diff(axis) <= 0.0)
+        if falls.size:
+            before, after = axis[falls[0]], axis[falls[0] + 1]
+            raise InputError(f"{name} must increase, got {float(after)!r} after {float(before)!r}")
+    longer = [name for name, axis in axes.items() if axis.size > 1]
+    if len(longer) > MOST_AXES:
+        raise InputError(f"two of {', '.join(PARAMETERS)} at most may be arrays, got three")
+    check_points(*axes.values(), (), (), most=MOST_NUMBERS)
+    return axes
+
+
+def _states(
+    ranges: Mapping[str, npt.ArrayLike], starts: object, seed: object
+) -> tuple[Values, dict[str, object]]:
+    """Return the starts, shape (4, n), and what tells of them."""
+    if np.ndim(starts) == 0:  # type: ignore[arg-type]
+        count = check_count("starts", starts, maximum=MOST_STARTS)
+        chosen = check_seed(seed)
+        box = np.array([range_of(name, ranges[name]) for name in COMPONENTS])
+        told: dict[str, object] = {"starts": count, "seed": chosen}
+        told |= {name: limits.tolist() for name, limits in zip(COMPONENTS, box, strict=True)}
+        return drawn_from(box, chosen, 0, count), told
+    given = np.asarray(starts)
+    if given.ndim != 2 or given.shape[1] != len(COMPONENTS) or not 1 <= len(given) <= MOST_STARTS:
+        raise InputError(
+            f"starts must be a number, or an array of shape (n, 4) with n from 1 to {MOST_STARTS}, "
+            f"got one of shape {given.shape}"
+        )
+    if any(np.any(np.asarray(value) != 0.0) for value in ranges.values()):
+        raise InputError("x, y, vx and vy must be left out where starts are given")
+    columns = [check_vector(f"starts[:, {k}]", given[:, k]) for k in range(4)]
+    return np.array(columns), {"starts": given.tolist()}
+
+
+def _lines(sizes: list[int]) -> list[list[int]]:
+    """Return the numbers of the cells along each line of the grid."""
+    numbers = np.arange(int(np.prod(sizes))).reshape(sizes)
+    lines = []
+    for axis, size in enumerate(sizes):
+        if size > 1:
+            lines += np.moveaxis(numbers, axis, -1).reshape(-1, size).tolist()
+    return lines

@@ -1,0 +1,176 @@
+"""Which attractors of neighbouring rotors are one: each is followed from rotor to rotor.
+
+A limit cycle is followed along its branch by pseudo-arclength, a whirl along its exact response
+curve. One that comes to the neighbour stable is an attractor there, whether a start ended on it or
+not: a basin that no start has hit is found so. The contact-free family, its touching edge and chaos
+carry on where both neighbours have them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.atlas.cells import NEVER, Cell, Member
+from rotor_ida.basins.attractors import attractor_of_cycle
+from rotor_ida.basins.known import same_numbers
+from rotor_ida.closed_forms import synchronous_response
+from rotor_ida.cycles.branch import LIMITS, PLACE, Side, advance, course_from
+from rotor_ida.cycles.guess import Guess
+from rotor_ida.cycles.multipliers import is_stable
+from rotor_ida.cycles.shooting import Cycle, close_orbit
+from rotor_ida.errors import SimulationError
+from rotor_ida.parallel import Stop
+from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.schema import STABILITY
+from rotor_ida.sweeps import response
+
+Values = npt.NDArray[np.float64]
+
+# From one rotor to the next a branch of limit cycles has at most so many points.
+MOST_POINTS = 400
+# A whirl is followed in so many parts of a step; its amplitude may change by this part in each.
+PARTS, MOST_CHANGE = 64, 0.1
+# A whirl is the same as one of the neighbour when their amplitudes agree to this part.
+SAME_WHIRL = 1e-9
+SHARED = (response.CONTACT_FREE, response.TOUCHING, response.CHAOTIC)
+# Attractors are numbered in this order of their kinds.
+KINDS = (
+    response.CONTACT_FREE,
+    response.TOUCHING,
+    response.SYNCHRONOUS,
+    response.BOUNCING,
+    response.FULL_CONTACT,
+    response.CHAOTIC,
+)
+
+
+def identify(cells: Sequence[Cell], lines: Sequence[Sequence[int]], stop: Stop) -> int:
+    """Give the attractors of all cells their numbers; return how many there are.
+
+    Parameters
+    ----------
+    cells : sequence of Cell
+        The rotors; attractors that are found by following others are added.
+    lines : sequence of sequence of int
+        Numbers of the cells along each line of the grid, one parameter rising.
+    stop : ndarray, shape (1,)
+        Anything but 0 asks to stop.
+    """
+    links: list[tuple[Member, Member]] = []
+    joined: set[tuple[int, int]] = set()  # an attractor, and the neighbour that it was found in
+    for line in lines:
+        for way in (list(line), list(reversed(line))):
+            for here, there in pairwise(way):
+                if stop[0]:
+                    return 0
+                for member in list(cells[here].members):
+                    if (id(member), there) in joined:
+                        continue
+                    other = _successor(member, cells[here].rotor, cells[there], stop)
+                    if other is not None:
+                        links.append((member, other))
+                        joined |= {(id(member), there), (id(other), here)}
+    return _numbered(cells, links)
+
+
+def _successor(member: Member, rotor: Rotor, there: Cell, stop: Stop) -> Member | None:
+    """Return what an attractor of a rotor is in a neighbouring cell."""
+    kind = member.attractor.kind
+    if kind in SHARED:
+        return next((each for each in there.members if each.attractor.kind == kind), None)
+    if kind == response.SYNCHRONOUS:
+        amplitude = followed_whirl(member.attractor.amplitude, rotor, there.rotor)
+        for each in there.members:
+            apart = abs(each.attractor.amplitude - amplitude)
+            if each.attractor.kind == kind and apart <= SAME_WHIRL * amplitude:
+                return each
+        return None
+    known = [each for each in there.members if not math.isnan(each.attractor.period)]
+    cycle = followed_cycle(member, rotor, there.rotor, stop)
+    if cycle is None:
+        return None
+    for each in known:
+        if same_numbers(each.attractor.period, each.attractor.radius_max, cycle):
+            return each
+    added = Member(attractor_of_cycle(cycle, stop), 0, NEVER, cycle.state)
+    there.members.append(added)
+    return added
+
+
+def followed_cycle(member: Member, here: Rotor, there: Rotor, stop: Stop) -> Cycle | None:
+    """Return the stable limit cycle that one becomes as a parameter changes; None if it ends."""
+    name = _changed(here, there)
+    begin, end = getattr(here, name), getattr(there, name)
+    guess = Guess(here, member.state, member.attractor.period)
+    limits = (min(begin, end), max(begin, end))
+    try:
+        course = course_from(guess, name, limits, MOST_POINTS, stop)
+        rising = course.first.tangent[PLACE] > 0.0
+        side = Side([course.first if rising == (end > begin) else course.first.reversed()])
+        while not side.end:
+            advance(course, side)
+        last = side.points[-1]
+        if side.end != LIMITS or last.unknowns[PLACE] != end or not is_stable(last.stretch):
+            return None
+        return close_orbit(there, last.unknowns[:4], float(last.unknowns[4]), stop)
+    except SimulationError:
+        return None
+
+
+def followed_whirl(amplitude: float, here: Rotor, there: Rotor) -> float:
+    """Return the amplitude that a whirl takes on as parameters change; NaN if it ends.
+
+    Where a branch ends at a fold, the nearest of the others is farther off than it can have moved.
+    """
+    name = _changed(here, there)
+    parameters = {each: getattr(there, each) for each in PARAMETERS}
+    parameters[name] = np.linspace(getattr(here, name), getattr(there, name), PARTS + 1)
+    whirls = synchronous_response(**parameters).squeeze()
+    stands = (whirls["stability"] == STABILITY["stable"]) & (whirls["in_contact"] == 1)
+    sizes = whirls["amplitude"].where(stands).transpose(name, ...).values
+    for row in sizes[1:]:
+        apart = np.abs(row - amplitude)
+        if not (apart <= MOST_CHANGE * amplitude).any():
+            return math.nan
+        amplitude = float(row[np.nanargmin(apart)])
+    return amplitude
+
+
+def _changed(here: Rotor, there: Rotor) -> str:
+    """Return the parameter in which two neighbours differ."""
+    return next(each for each in PARAMETERS if getattr(here, each) != getattr(there, each))
+
+
+def _numbered(cells: Sequence[Cell], links: Sequence[tuple[Member, Member]]) -> int:
+    """Give linked attractors one number, and no two of one cell the same."""
+    groups: dict[int, set[int]] = {}  # group -> the cells that it is in
+    group_of: dict[int, int] = {}
+    members = [(number, each) for number, cell in enumerate(cells) for each in cell.members]
+    for group, (number, each) in enumerate(members):
+        groups[group], group_of[id(each)] = {number}, group
+    for one, other in links:
+        first, second = sorted((group_of[id(one)], group_of[id(other)]))
+        # round a cusp the two whirls of one rotor are joined: they stay two
+        if first == second or groups[first] & groups[second]:
+            continue
+        groups[first] |= groups.pop(second)
+        group_of = {key: first if value == second else value for key, value in group_of.items()}
+    order = _ordered([(group_of[id(each)], each) for _, each in members])
+    for _, each in members:
+        each.identity = order[group_of[id(each)]]
+    return len(order)
+
+
+def _ordered(members: Sequence[tuple[int, Member]]) -> dict[int, int]:
+    """Return the number of each group: by kind of response, then as they are met."""
+    kinds: dict[int, list[int]] = {}
+    for group, each in members:
+        kinds.setdefault(group, []).append(KINDS.index(each.attractor.kind))
+    usual = {group: max(set(found), key=found.count) for group, found in kinds.items()}
+    ordered = sorted(usual, key=lambda group: (usual[group], group))
+    return {group: number for number, group in enumerate(ordered)}
