@@ -59,7 +59,7 @@ TESTS: dict[str, Callable[[Shot], float]] = {FOLD: fold_test, DOUBLING: doubling
 DIFFERENCE = 1e-8
 # And the derivatives serve as long as no unknown moves farther, in parts of the scales: beside a
 # graze they change without bound.
-KEPT = 1e-12
+KEPT = 1e-8
 # Points of a branch, each way, on which a first bifurcation is sought.
 MOST_SOUGHT = 2000
 
