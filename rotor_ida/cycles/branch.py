@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -166,12 +166,12 @@ def shot_of(rotor: Rotor, unknowns: Values, parameters: Sequence[str], stop: Sto
     SimulationError
         If a parameter cannot be, or the orbit cannot be followed.
     """
-    values = dict(zip(parameters, unknowns[5:].tolist(), strict=True))
-    for name, value in values.items():
+    values = {"omega": rotor.omega, "zeta": rotor.zeta, "delta0": rotor.delta0}
+    for name, value in zip(parameters, unknowns[5:].tolist(), strict=True):
         if value < 0.0 or (value == 0.0 and name != "delta0"):
             raise SimulationError(f"{name} falls to {value:.3g}")
-    there = replace(rotor, **values)
-    return shoot(there, unknowns[:4], float(unknowns[4]), stop)
+        values[name] = value
+    return shoot(Rotor(**values), unknowns[:4], float(unknowns[4]), stop)
 
 
 def _doubled(line: Curve[Shot], guess: Guess, value: float) -> Point[Shot]:
@@ -266,17 +266,18 @@ def _halved(line: Curve[Shot], last: Point[Shot], step: Step[Shot]) -> Point[Sho
 
 def _is_twice_round(shot: Shot) -> bool:
     """Return whether a cycle is one of half its period, followed twice."""
-    radii = shot.extrema[:, RADIUS]
-    if radii.size % 2 or not radii.size:
+    radii = shot.extrema[:, RADIUS].tolist()
+    half, odd = divmod(len(radii), 2)
+    if odd or not half:
         return False
-    one, other = radii.reshape(2, -1)
-    return bool((np.abs(one - other) <= EQUAL * radii.max()).all())
+    pairs, allowed = zip(radii[:half], radii[half:], strict=True), EQUAL * max(radii)
+    return all(abs(one - other) <= allowed for one, other in pairs)
 
 
 def nearest_gap(shot: Shot) -> float:
     """Return the extremum of the radius that is nearest to the ring, from there: 0 at a graze."""
-    gaps = shot.extrema[:, RADIUS] - shot.rotor.delta0
-    return float(gaps[np.argmin(np.abs(gaps))])
+    gaps: list[float] = (shot.extrema[:, RADIUS] - shot.rotor.delta0).tolist()
+    return min(gaps, key=abs)
 
 
 def _passed(course: Course, point: Point[Shot]) -> tuple[int, float] | None:

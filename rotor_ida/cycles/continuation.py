@@ -36,10 +36,10 @@ from rotor_ida.errors import SimulationError
 
 Values = npt.NDArray[np.float64]
 
-MOST_NEWTON_STEPS = 7
+MOST_NEWTON_STEPS = 10
 # A step of Newton's method this small leaves an error of its square, or near a graze of its power
 # 1.5: after it the error is rounding. One that would be as small as rounding is not taken.
-CONVERGED, EXACT = 1e-8, 1e-13
+CONVERGED, EXACT = 1e-9, 2e-14
 # And with a step this large it is on its way elsewhere.
 LEAVES = 1.0
 FIRST_STEP, LONGEST_STEP, SHORTEST_STEP = 5e-3, 4e-2, 1e-10

@@ -122,7 +122,7 @@ def shoot(rotor: Rotor, start: Values, duration: float, stop: Stop, rtol: float 
             start, duration, parameters, rtol, stop, bundle, rates, contacts, extrema
         )
         room *= 4
-    if status != DONE or not math.isfinite(bundle.sum()):
+    if status != DONE:
         x, y, vx, vy = start.tolist()
         raise SimulationError(
             "an orbit could not be followed round", time=0.0, state=(x, y, vx, vy)
@@ -170,6 +170,8 @@ def follow_orbit(
         bundle, in_contact, duration, rotor, rtol, stop, contacts, extrema
     )
     rotating_field_into(bundle[0], rates[1], omega, zeta, delta0)
+    if status == DONE and not math.isfinite(bundle.sum()):
+        status = STUCK
     return status, touched, turned
 
 
