@@ -46,13 +46,13 @@ FIRST_STEP, LONGEST_STEP, SHORTEST_STEP = 5e-3, 4e-2, 1e-10
 # With so few steps of Newton's method, and so little bending, the next step is longer by a factor;
 # no step may turn the tangent by an angle with a smaller cosine, or be corrected by a larger part.
 EASY, GROWTH, CUT = 4, 1.5, 0.5
-LEAST_COSINE, GOOD_COSINE = 0.95, 0.985
+LEAST_COSINE, GOOD_COSINE = 0.92, 0.985
 MOST_CORRECTION = 0.25
 # A direction that states do not move along is kept while the field does not turn farther from it.
-KEPT_COSINE = 0.9
+KEPT_COSINE = 0.95
 # Points before the last one that the next is predicted from.
 EARLIER = 2
-# Special points are located to so small a part of a step.
+# Special points are located to so small a part of the scales.
 FINEST = 1e-14
 FIRST_HALVINGS, HALVINGS = 5, 50
 # Where a count is about to change, within this part of the size of the state, the middle of a step
@@ -203,9 +203,9 @@ def shooting_equations(
     """
     n = stretch.start.size
     miss, matrix = np.zeros(n + 1), np.zeros((n + 1, n + 1 + len(columns)))
-    miss[:n] = stretch.start - stretch.end
+    np.subtract(stretch.start, stretch.end, out=miss[:n])
     matrix[:n, :n] = stretch.monodromy
-    matrix.flat[: n * matrix.shape[1] : matrix.shape[1] + 1] -= 1.0  # the diagonal
+    matrix.ravel()[: n * matrix.shape[1] : matrix.shape[1] + 1] -= 1.0  # the diagonal
     matrix[:n, n] = stretch.end_rate
     for number, column in enumerate(columns, start=n + 1):
         matrix[:n, number] = column
@@ -268,12 +268,13 @@ class Curve(Generic[S]):
                 reason = "the curve bends too much"
             except SimulationError as error:
                 reason = error.reason
-            length *= CUT
+            # behind a kink, what lies before it says nothing
+            length, earlier = length * CUT, ()
             if length < SHORTEST_STEP:
                 raise SimulationError(f"no step can be taken: {reason}")
         easy = newton_steps <= EASY and cosine >= GOOD_COSINE
         longer = min(length * GROWTH, LONGEST_STEP) if easy else length
-        return Step(point, met, length, longer)
+        return Step(self._led_on(point), met, length, longer)
 
     def crossing(self, last: Point[S], point: Point[S], place: int, value: float) -> Point[S]:
         """Return the point at which an unknown has a value that it passes on a step."""
@@ -316,6 +317,15 @@ class Curve(Generic[S]):
         rate = stretch.start_rate
         kept = before @ rate >= KEPT_COSINE * _size(before) * _size(rate)
         return before if kept else rate
+
+    def _led_on(self, point: Point[S]) -> Point[S]:
+        """Return a point with the direction from there on, and the tangent across it."""
+        direction = self.direction_at(point.stretch, point.direction)
+        if direction is point.direction:
+            return point
+        turned = replace(point, direction=direction)
+        _, tangent = self._beside(turned, point)
+        return replace(turned, tangent=tangent / _size(tangent))
 
     def _at(self, last: Point[S], others: Sequence[Point[S]], length: float) -> Point[S]:
         """Return the point a length along the tangent."""
@@ -391,7 +401,6 @@ class Curve(Generic[S]):
     def _point(self, unknowns: Values, stretch: S, plane: Values, direction: Values) -> Point[S]:
         """Return a closed orbit as a point of the curve, led as `plane` is."""
         self.problem.check(stretch)
-        direction = self.direction_at(stretch, direction)
         _, matrix = self._bordered(unknowns, stretch, direction, plane)
         tangent = _solved(matrix, _unit(plane.size, -1))
         return Point(unknowns, stretch, tangent / _size(tangent), direction)
@@ -401,10 +410,9 @@ class Curve(Generic[S]):
     ) -> tuple[Values, Values]:
         """Return what the equations miss, and their derivatives, in parts of the scales."""
         miss, matrix = self.problem.equations(unknowns, stretch, direction)
-        bordered = np.empty((matrix.shape[1], matrix.shape[1]))
-        bordered[:-1], bordered[-1] = matrix * self.scale, plane
-        right = np.zeros(plane.size)
-        right[:-1] = miss
+        bordered, right = np.empty((plane.size, plane.size)), np.zeros(plane.size)
+        np.multiply(matrix, self.scale, out=bordered[:-1])
+        bordered[-1], right[:-1] = plane, miss
         return right, bordered
 
     def _met(self, way: _Way[S]) -> list[Special[S]]:
@@ -464,9 +472,7 @@ def _zero(
     """Return where a test function is 0 on a step, and the special point there."""
     low, high = between
     try:
-        place = float(
-            brentq(lambda part: test(way.at(part)), low, high, xtol=FINEST * high, rtol=FINEST)
-        )
+        place = float(brentq(lambda part: test(way.at(part)), low, high, xtol=FINEST, rtol=FINEST))
     except (ValueError, RuntimeError):  # no change of sign when followed again
         raise SimulationError(f"a {name} could not be located") from None
     return place, Special(name, way.at(place))
@@ -479,7 +485,9 @@ def _changes(way: _Way[S], name: str, count: Count[S]) -> list[tuple[float, Spec
     nearest = min(abs(count.sign(each)) for each in ends)
     if nearest < ABOUT * _size(ends[0].start):
         middle = 0.5 * way.length
-        places.insert(1, (middle, way.about(middle)))
+        about = count.number(way.about(middle))
+        if any(about != count.number(end) for end in ends):
+            places.insert(1, (middle, way.at(middle).stretch))
     found: list[tuple[float, Special[S]]] = []
     for below, above in pairwise(places):
         found += _changes_between(way, (below, above), name, count)
@@ -500,7 +508,7 @@ def _changes_between(
                 found.append(_zero(way, (low, high), name, sign))
                 break
             middle = 0.5 * (low + high)
-            here = way.about(middle) if halving < FIRST_HALVINGS else way.at(middle).stretch
+            here = way.at(middle).stretch
             if count.number(here) == count.number(below):
                 low, below = middle, here
             else:
