@@ -36,7 +36,8 @@ from rotor_ida.errors import SimulationError
 
 Values = npt.NDArray[np.float64]
 
-MOST_NEWTON_STEPS = 10
+# Steps of Newton's method, and those before each must be smaller than the last.
+MOST_NEWTON_STEPS, FREE_STEPS = 10, 3
 # A step of Newton's method this small leaves an error of its square, or near a graze of its power
 # 1.5: after it the error is rounding. One that would be as small as rounding is not taken.
 CONVERGED, EXACT = 1e-9, 2e-14
@@ -388,9 +389,11 @@ class Curve(Generic[S]):
                 return self._point(unknowns, stretch, plane, direction), steps
             miss, matrix = self._bordered(unknowns, stretch, direction, plane)
             step = _solved(matrix, miss)
-            size = _size(step)
+            before, size = size, _size(step)
             if size <= EXACT:
                 return self._point(unknowns, stretch, plane, direction), steps
+            if steps >= FREE_STEPS and size > before:
+                break
             if not size < LEAVES:
                 raise SimulationError("Newton's method leaves the curve")
             unknowns = unknowns + step * self.scale
@@ -458,7 +461,8 @@ class _Way(Generic[S]):
     def at(self, part: float) -> Point[S]:
         """Return the point a length along the tangent."""
         if part not in self.points:
-            self.points[part] = self.curve._at(self.last, self.others, part)
+            nearest = min((each for each in self.points if each), key=lambda each: abs(each - part))
+            self.points[part] = self.curve._at(self.last, (self.points[nearest],), part)
         return self.points[part]
 
     def about(self, part: float) -> S:

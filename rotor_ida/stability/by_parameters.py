@@ -17,7 +17,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.equations.compiling import compiled
+from rotor_ida.equations.compiling import shared
 from rotor_ida.simulation.contact_phase import Q, T, cartesian
 from rotor_ida.simulation.tangents import COUNT
 from rotor_ida.simulation.taylor.motion import Taylor
@@ -30,7 +30,7 @@ _PLACES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
 _PARTS, _SHARES = 0.5 * (1.0 + _PLACES), 0.5 * _WEIGHTS
 
 
-@compiled
+@shared
 def added_by_parameters(motion: Taylor, end: float, matrix: Values, added: Values) -> None:
     """Write what omega, zeta and delta0 add to the state over a step, up to the point `end`.
 
@@ -68,7 +68,7 @@ def added_by_parameters(motion: Taylor, end: float, matrix: Values, added: Value
             )
 
 
-@compiled
+@shared
 def _turned_rates(motion: Taylor, read: Values, turned: Values) -> None:
     """Write S b for each parameter: b = (b1, b2, b3, b4) becomes (b3, b4, -b1, -b2).
 

@@ -101,7 +101,7 @@ def test_a_special_point_that_cannot_be_located_is_an_error_of_ours(monkeypatch)
     """Rounding may take back a change of sign: the step is cut then, and no user meets SciPy's."""
     line = Curve(cycles_of(tor_bpc), np.ones(5))
     monkeypatch.setattr(Curve, "_at", lambda self, last, others, part: part)
-    way = _Way(line, 0.0, (1.0,), {})
+    way = _Way(line, 0.0, (1.0,), {0.0: 0.0, 1.0: 1.0})
     with pytest.raises(SimulationError, match="a fold could not be located"):
         _zero(way, (0.0, 1.0), "fold", lambda point: 1.0)
 
