@@ -461,7 +461,9 @@ class _Way(Generic[S]):
     def at(self, part: float) -> Point[S]:
         """Return the point a length along the tangent."""
         if part not in self.points:
-            nearest = min((each for each in self.points if each), key=lambda each: abs(each - part))
+            # what is nearer to the beginning than to the place tells nothing of it
+            near = [each for each in self.points if abs(each - part) <= each]
+            nearest = min(near, key=lambda each: abs(each - part))
             self.points[part] = self.curve._at(self.last, (self.points[nearest],), part)
         return self.points[part]
 
