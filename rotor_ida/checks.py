@@ -71,6 +71,8 @@ def check_real(name: str, value: object) -> float:
     ...
     rotor_ida.errors.InputError: omega must be a finite real number, got '2'
     """
+    if type(value) is float and math.isfinite(value):
+        return value
     scalar = _scalar(name, value)
     if isinstance(scalar, Real) and not isinstance(scalar, _NO_NUMBERS):
         try:

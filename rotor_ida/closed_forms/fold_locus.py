@@ -18,6 +18,7 @@ rises and falls; each crossing of the given damping is a fold, with ``omega**2 =
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,9 +27,10 @@ import numpy.typing as npt
 from rotor_ida.closed_forms.double_double import DoubleDouble
 
 Values = npt.NDArray[np.float64]
+Flags = npt.NDArray[np.bool_]
 
 _NODES_PER_DECADE = 24
-_BISECTIONS = 120
+_MOST_BISECTIONS = 120
 _ROUNDING = 1e-14
 
 
@@ -126,12 +128,13 @@ def _side(nodes: Values, delta0: float, side: int) -> LocusSide:
     """Return one side, its turning points found by bisection and put among the nodes."""
     slope = locus_points(nodes, delta0, side).slope
     before = np.nonzero(slope[:-1] * slope[1:] < 0.0)[0]
-    low, high, rising = nodes[before], nodes[before + 1], slope[before] > 0.0
-    for _ in range(_BISECTIONS):
-        middle = 0.5 * (low + high)
-        still = (locus_points(middle, delta0, side).slope > 0.0) == rising
-        low, high = np.where(still, middle, low), np.where(still, high, middle)
-    u = np.unique(np.concatenate([nodes, low]))
+    rising = slope[before] > 0.0
+    turning = _last_before(
+        nodes[before],
+        nodes[before + 1],
+        lambda u: (locus_points(u, delta0, side).slope > 0.0) == rising,
+    )
+    u = np.unique(np.concatenate([nodes, turning]))
     return LocusSide(delta0, side, u, locus_points(u, delta0, side).damping)
 
 
@@ -149,19 +152,29 @@ def folds_on_side(locus: LocusSide, zeta: Values) -> tuple[npt.NDArray[np.int_],
     above = locus.damping > damping[:, None]
     exists = np.isfinite(locus.damping[:-1] + locus.damping[1:])
     row, node = np.nonzero((above[:, :-1] != above[:, 1:]) & exists)
-    low, high, falling = locus.u[node], locus.u[node + 1], above[row, node]
-    for _ in range(_BISECTIONS):
-        middle = 0.5 * (low + high)
-        at_middle = locus_points(middle, locus.delta0, locus.side).damping
-        before = (at_middle > damping[row]) == falling
-        low, high = np.where(before, middle, low), np.where(before, high, middle)
+    bounds, falling = (locus.u[node], locus.u[node + 1]), above[row, node]
+    low = _last_before(
+        *bounds,
+        lambda u: (locus_points(u, locus.delta0, locus.side).damping > damping[row]) == falling,
+    )
     points = locus_points(low, locus.delta0, locus.side)
     smaller = points.a if locus.side == 0 else points.b
-    bounds = (locus.u[node], locus.u[node + 1])
     u, smaller = _polished(np.stack([low, smaller]), bounds, zeta[row], locus)
     amplitude = locus.delta0 + u * u
     b = amplitude - smaller if locus.side == 0 else smaller
     return row, np.sqrt(u**3 / b), amplitude
+
+
+def _last_before(low: Values, high: Values, before: Callable[[Values], Flags]) -> Values:
+    """Return, by bisection down to neighbouring doubles, where `before` holds for the last time."""
+    for _ in range(_MOST_BISECTIONS):
+        middle = 0.5 * (low + high)
+        neighbours = (middle == low) | (middle == high)
+        still = before(middle)
+        low, high = np.where(still, middle, low), np.where(still, high, middle)
+        if neighbours.all():
+            break
+    return low
 
 
 def _polished(

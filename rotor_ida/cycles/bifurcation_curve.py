@@ -59,7 +59,7 @@ TESTS: dict[str, Callable[[Shot], float]] = {FOLD: fold_test, DOUBLING: doubling
 DIFFERENCE = 1e-8
 # And the derivatives serve as long as no unknown moves farther, in parts of the scales: beside a
 # graze they change without bound.
-KEPT = 1e-12
+KEPT = 1e-8
 # Points of a branch, each way, on which a first bifurcation is sought.
 MOST_SOUGHT = 2000
 
@@ -233,14 +233,14 @@ def _problem(
     """Return the bifurcations of a kind over two parameters of a rotor."""
     test, columns = TESTS[kind], [PARAMETERS.index(name) for name in names]
 
-    def follow(unknowns: Values, known: Shot | None) -> Shot:
-        return shot_of(rotor, unknowns, names, stop, known)
+    def follow(unknowns: Values) -> Shot:
+        return shot_of(rotor, unknowns, names, stop)
 
-    gradient = _Gradient(lambda unknowns, known: test(follow(unknowns, known)), scale)
+    gradient = _Gradient(lambda unknowns: test(follow(unknowns)), scale)
 
     def equations(unknowns: Values, shot: Shot, direction: Values) -> tuple[Values, Values]:
         miss, matrix = shooting_equations(shot, direction, *shot.by_parameter[:, columns].T)
-        slopes = gradient.near(unknowns, shot, test(shot))
+        slopes = gradient.near(unknowns, test(shot))
         return np.append(miss, -test(shot)), np.vstack([matrix, slopes])
 
     return Problem(
@@ -254,18 +254,18 @@ class _Gradient:
     Newton's method needs them to find its way, not to say where it has come to.
     """
 
-    def __init__(self, function: Callable[[Values, Shot], float], scale: Values) -> None:
+    def __init__(self, function: Callable[[Values], float], scale: Values) -> None:
         self._function, self._scale = function, scale
         self._place, self._gradient = np.full(scale.size, math.inf), np.empty(scale.size)
 
-    def near(self, unknowns: Values, shot: Shot, here: float) -> Values:
-        """Return the derivatives at unknowns and their shot, where the function is `here`."""
+    def near(self, unknowns: Values, here: float) -> Values:
+        """Return the derivatives at unknowns, where the function is `here`."""
         if not (np.abs(unknowns - self._place) <= KEPT * np.abs(self._scale)).all():
             self._place = unknowns
             for place, step in enumerate(DIFFERENCE * self._scale):
                 beside = unknowns.copy()
                 beside[place] += step
-                change = self._function(beside, shot) - here
+                change = self._function(beside) - here
                 self._gradient[place] = change / (beside[place] - unknowns[place])
         return self._gradient.copy()
 

@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.cycles.continuation import (
+    EARLIER,
     FIRST_STEP,
     Count,
     Curve,
@@ -144,7 +145,7 @@ def cycles_over(rotor: Rotor, parameter: str, stop: Stop) -> Problem[Shot]:
     """Return the cycles of a rotor over one of its parameters."""
     column = PARAMETERS.index(parameter)
     return Problem(
-        lambda unknowns, known: shot_of(rotor, unknowns, (parameter,), stop, known),
+        lambda unknowns: shot_of(rotor, unknowns, (parameter,), stop),
         lambda _unknowns, shot, direction: shooting_equations(
             shot, direction, shot.by_parameter[:, column]
         ),
@@ -157,9 +158,7 @@ def cycles_over(rotor: Rotor, parameter: str, stop: Stop) -> Problem[Shot]:
     )
 
 
-def shot_of(
-    rotor: Rotor, unknowns: Values, parameters: Sequence[str], stop: Stop, known: Shot | None = None
-) -> Shot:
+def shot_of(rotor: Rotor, unknowns: Values, parameters: Sequence[str], stop: Stop) -> Shot:
     """Return the orbit that state, period and some parameters mean.
 
     Raises
@@ -167,12 +166,12 @@ def shot_of(
     SimulationError
         If a parameter cannot be, or the orbit cannot be followed.
     """
-    values = dict(zip(parameters, unknowns[5:].tolist(), strict=True))
-    for name, value in values.items():
+    values = {"omega": rotor.omega, "zeta": rotor.zeta, "delta0": rotor.delta0}
+    for name, value in zip(parameters, unknowns[5:].tolist(), strict=True):
         if value < 0.0 or (value == 0.0 and name != "delta0"):
             raise SimulationError(f"{name} falls to {value:.3g}")
-    there = replace(rotor, **values)
-    return shoot(there, unknowns[:4], float(unknowns[4]), stop, known=known)
+        values[name] = value
+    return shoot(Rotor(**values), unknowns[:4], float(unknowns[4]), stop)
 
 
 def _doubled(line: Curve[Shot], guess: Guess, value: float) -> Point[Shot]:
@@ -181,7 +180,7 @@ def _doubled(line: Curve[Shot], guess: Guess, value: float) -> Point[Shot]:
     Its cycles leave along the eigenvector of the multiplier -1, twice round.
     """
     period = guess.period or math.nan
-    once = line.problem.shoot(np.append(guess.state, (period, value)), None)
+    once = line.problem.shoot(np.append(guess.state, (period, value)))
     multipliers, vectors = np.linalg.eig(once.monodromy)
     aside = np.real(vectors[:, np.argmin(np.abs(multipliers + 1.0))])
     aside -= (aside @ once.start_rate) / (once.start_rate @ once.start_rate) * once.start_rate
@@ -203,17 +202,17 @@ def _doubled(line: Curve[Shot], guess: Guess, value: float) -> Point[Shot]:
 def _half_misses(line: Curve[Shot], point: Point[Shot]) -> float:
     """Return by how much half a period misses its start, relative to the size of the state."""
     start = point.stretch.start
-    half = line.problem.shoot(point.unknowns * HALF, None)
+    half = line.problem.shoot(point.unknowns * HALF)
     return float(np.linalg.norm(half.end - start) / np.linalg.norm(start))
 
 
 def advance(course: Course, side: Side) -> None:
     """Take one step along a branch."""
     line, last, length, halved = course.line, side.points[-1], side.length, None
-    before = side.points[-2] if len(side.points) > 1 else None
+    earlier = side.points[-2 : -2 - EARLIER : -1]
     while True:
         try:
-            step = line.step(last, length, before)
+            step = line.step(last, length, earlier)
         except SimulationError:
             side.end = _end_at(last)
             return
@@ -267,17 +266,18 @@ def _halved(line: Curve[Shot], last: Point[Shot], step: Step[Shot]) -> Point[Sho
 
 def _is_twice_round(shot: Shot) -> bool:
     """Return whether a cycle is one of half its period, followed twice."""
-    radii = shot.extrema[:, RADIUS]
-    if radii.size % 2 or not radii.size:
+    radii = shot.extrema[:, RADIUS].tolist()
+    half, odd = divmod(len(radii), 2)
+    if odd or not half:
         return False
-    one, other = radii.reshape(2, -1)
-    return bool((np.abs(one - other) <= EQUAL * radii.max()).all())
+    pairs, allowed = zip(radii[:half], radii[half:], strict=True), EQUAL * max(radii)
+    return all(abs(one - other) <= allowed for one, other in pairs)
 
 
 def nearest_gap(shot: Shot) -> float:
     """Return the extremum of the radius that is nearest to the ring, from there: 0 at a graze."""
-    gaps = shot.extrema[:, RADIUS] - shot.rotor.delta0
-    return float(gaps[np.argmin(np.abs(gaps))])
+    gaps: list[float] = (shot.extrema[:, RADIUS] - shot.rotor.delta0).tolist()
+    return min(gaps, key=abs)
 
 
 def _passed(course: Course, point: Point[Shot]) -> tuple[int, float] | None:

@@ -6,7 +6,7 @@ is kept along the tangent there, so that folds are passed like other points [1]_
 asked for is a `Stretch`: the end of an orbit, and its derivatives. Lengths are measured with each
 unknown in parts of its scale. A step:
 
-1. *predict* by a cubic through the last two points, with the tangents there,
+1. *predict* by a polynomial through the last three points, with the tangents there,
 2. *correct* by Newton's method in the plane across it,
 3. try a shorter one where that fails, or the curve bends too much; let the next be longer where it
    was easy,
@@ -21,7 +21,7 @@ References
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import pairwise
@@ -29,27 +29,31 @@ from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 import numpy.typing as npt
+from scipy.linalg.lapack import dgesv
 from scipy.optimize import brentq
 
 from rotor_ida.errors import SimulationError
 
 Values = npt.NDArray[np.float64]
 
-MOST_NEWTON_STEPS = 10
+# Steps of Newton's method, and those before each must be smaller than the last.
+MOST_NEWTON_STEPS, FREE_STEPS = 10, 3
 # A step of Newton's method this small leaves an error of its square, or near a graze of its power
 # 1.5: after it the error is rounding. One that would be as small as rounding is not taken.
-CONVERGED, EXACT = 1e-8, 1e-13
-# After a step this small what only leads the method need not be computed again.
-NEARBY = 1e-5
+CONVERGED, EXACT = 1e-9, 2e-14
 # And with a step this large it is on its way elsewhere.
 LEAVES = 1.0
 FIRST_STEP, LONGEST_STEP, SHORTEST_STEP = 5e-3, 4e-2, 1e-10
 # With so few steps of Newton's method, and so little bending, the next step is longer by a factor;
 # no step may turn the tangent by an angle with a smaller cosine, or be corrected by a larger part.
 EASY, GROWTH, CUT = 4, 1.5, 0.5
-LEAST_COSINE, GOOD_COSINE = 0.95, 0.985
+LEAST_COSINE, GOOD_COSINE = 0.92, 0.985
 MOST_CORRECTION = 0.25
-# Special points are located to so small a part of a step.
+# A direction that states do not move along is kept while the field does not turn farther from it.
+KEPT_COSINE = 0.95
+# Points before the last one that the next is predicted from.
+EARLIER = 2
+# Special points are located to so small a part of the scales.
 FINEST = 1e-14
 FIRST_HALVINGS, HALVINGS = 5, 50
 # Where a count is about to change, within this part of the size of the state, the middle of a step
@@ -97,11 +101,15 @@ class Point(Generic[S]):
         The orbit, followed once round.
     tangent : ndarray, shape (m,)
         Direction of the curve in parts of the scales, of length 1.
+    direction : ndarray, shape (n,)
+        The direction that the state does not move along from there on: the field there, or at a
+        point before.
     """
 
     unknowns: Values
     stretch: S
     tangent: Values
+    direction: Values
 
     def reversed(self) -> Point[S]:
         """Return the point with the curve led the other way."""
@@ -126,9 +134,7 @@ class Problem(Generic[S]):
     Parameters
     ----------
     shoot : callable
-        Returns the stretch that unknowns mean; SimulationError where there is none. Beside the
-        unknowns it is given a stretch close by, or None: what that knows and only leads Newton's
-        method need not be computed again.
+        Returns the stretch that unknowns mean; SimulationError where there is none.
     equations : callable
         Returns, of unknowns, their stretch, and a direction that the state may not move along, what
         the equations miss, shape (m - 1,), and their derivatives, shape (m - 1, m).
@@ -140,7 +146,7 @@ class Problem(Generic[S]):
         Whole numbers of an orbit, each of which changes at a special point of that name.
     """
 
-    shoot: Callable[[Values, S | None], S]
+    shoot: Callable[[Values], S]
     equations: Callable[[Values, S, Values], tuple[Values, Values]]
     check: Callable[[S], object]
     tests: Mapping[str, Callable[[Point[S], Point[S]], float]] = field(default_factory=dict)
@@ -198,9 +204,9 @@ def shooting_equations(
     """
     n = stretch.start.size
     miss, matrix = np.zeros(n + 1), np.zeros((n + 1, n + 1 + len(columns)))
-    miss[:n] = stretch.start - stretch.end
+    np.subtract(stretch.start, stretch.end, out=miss[:n])
     matrix[:n, :n] = stretch.monodromy
-    matrix.flat[: n * matrix.shape[1] : matrix.shape[1] + 1] -= 1.0  # the diagonal
+    matrix.ravel()[: n * matrix.shape[1] : matrix.shape[1] + 1] -= 1.0  # the diagonal
     matrix[:n, n] = stretch.end_rate
     for number, column in enumerate(columns, start=n + 1):
         matrix[:n, number] = column
@@ -234,7 +240,7 @@ class Curve(Generic[S]):
         """Return the point in the plane through `guess` with normal `plane`."""
         return self._corrected(guess, plane)[0]
 
-    def step(self, last: Point[S], length: float, before: Point[S] | None = None) -> Step[S]:
+    def step(self, last: Point[S], length: float, earlier: Sequence[Point[S]] = ()) -> Step[S]:
         """Take a step of this length, or of less where the curve demands it.
 
         Parameters
@@ -243,8 +249,8 @@ class Curve(Generic[S]):
             Where the step begins.
         length : float
             Its length, in parts of the scales.
-        before : Point, optional
-            The point before, if there is one.
+        earlier : sequence of Point
+            Points before that, the nearest first.
 
         Raises
         ------
@@ -253,33 +259,34 @@ class Curve(Generic[S]):
         """
         while True:
             try:
-                guess = self._guess(last, before, length)
-                point, newton_steps = self._corrected(guess, last.tangent, last.stretch.start_rate)
+                guess = self._guess(last, earlier, length)
+                point, newton_steps = self._corrected(guess, last.tangent, last.direction)
                 cosine = float(point.tangent @ last.tangent)
-                moved = np.linalg.norm((point.unknowns - guess) / self.scale)
+                moved = _size((point.unknowns - guess) / self.scale)
                 if cosine >= LEAST_COSINE and moved <= MOST_CORRECTION * length:
-                    met = self._met(last, point, length)
+                    met = self._met(_Way(self, last, (point, *earlier), {0.0: last, length: point}))
                     break
                 reason = "the curve bends too much"
             except SimulationError as error:
                 reason = error.reason
-            length *= CUT
+            # behind a kink, what lies before it says nothing
+            length, earlier = length * CUT, ()
             if length < SHORTEST_STEP:
                 raise SimulationError(f"no step can be taken: {reason}")
         easy = newton_steps <= EASY and cosine >= GOOD_COSINE
         longer = min(length * GROWTH, LONGEST_STEP) if easy else length
-        return Step(point, met, length, longer)
+        return Step(self._led_on(point), met, length, longer)
 
     def crossing(self, last: Point[S], point: Point[S], place: int, value: float) -> Point[S]:
         """Return the point at which an unknown has a value that it passes on a step."""
         length = float((point.unknowns - last.unknowns) / self.scale @ last.tangent)
 
         def beyond(part: float) -> float:
-            return float(self._guess(last, point, part)[place]) - value
+            return float(self._guess(last, (point,), part)[place]) - value
 
         if beyond(0.0) * beyond(length) > 0.0:
             raise SimulationError("the step does not pass the value")
-        guess = self._guess(last, point, float(brentq(beyond, 0.0, length)))
+        guess = self._guess(last, (point,), float(brentq(beyond, 0.0, length)))
         guess[place] = value
         found = self.near(guess, _unit(guess.size, place))
         return found if float(found.tangent @ last.tangent) > 0.0 else found.reversed()
@@ -294,7 +301,7 @@ class Curve(Generic[S]):
         """
         before, value, place = 0.0, test(near.stretch), FIRST_STEP
         for _ in range(MOST_SECANTS):
-            point = self._at(near, place, None)[0]
+            point = self._at(near, (), place)
             here = test(point.stretch)
             change = -here * (place - before) / (here - value) if here != value else 0.0
             if abs(change) <= FINEST:
@@ -303,41 +310,69 @@ class Curve(Generic[S]):
             place += min(max(change, -LONGEST_STEP), LONGEST_STEP)
         raise SimulationError("no special point was found close by")
 
-    def _at(self, last: Point[S], length: float, other: Point[S] | None) -> tuple[Point[S], int]:
-        """Return the point a length along the tangent, and the steps of Newton's method."""
-        guess = self._guess(last, other, length)
-        return self._corrected(guess, last.tangent, last.stretch.start_rate)
+    def direction_at(self, stretch: S, before: Values) -> Values:
+        """Return the direction that the state does not move along from a point on.
 
-    def _guess(self, last: Point[S], other: Point[S] | None, length: float) -> Values:
-        """Return about the point a length along the tangent, across the field at the last one.
-
-        It lies on the tangent, or on a cubic through another point, before or after the last one,
-        with the tangents at both.
+        It is that at the point before, so that points lie in one plane as long as it can be.
         """
-        along = length * last.tangent
-        if other is not None:
+        rate = stretch.start_rate
+        kept = before @ rate >= KEPT_COSINE * _size(before) * _size(rate)
+        return before if kept else rate
+
+    def _led_on(self, point: Point[S]) -> Point[S]:
+        """Return a point with the direction from there on, and the tangent across it."""
+        direction = self.direction_at(point.stretch, point.direction)
+        if direction is point.direction:
+            return point
+        turned = replace(point, direction=direction)
+        _, tangent = self._beside(turned, point)
+        return replace(turned, tangent=tangent / _size(tangent))
+
+    def _at(self, last: Point[S], others: Sequence[Point[S]], length: float) -> Point[S]:
+        """Return the point a length along the tangent."""
+        guess = self._guess(last, others, length)
+        return self._corrected(guess, last.tangent, last.direction)[0]
+
+    def _guess(self, last: Point[S], others: Sequence[Point[S]], length: float) -> Values:
+        """Return about the point a length along the tangent.
+
+        It lies on the tangent, or on the polynomial by the length along it that has, at the last
+        point and at others before or after, their places and tangents (Hermite's).
+        """
+        lengths, chords, slopes = [0.0], [np.zeros(self.scale.size)], [last.tangent]
+        for other in others:
             chord, tangent = self._beside(last, other)
-            # the arc is longer than its chord
-            arc = float(np.copysign(np.linalg.norm(chord), chord @ last.tangent))
-            arc *= 1.0 + (1.0 - float(tangent @ last.tangent)) / 12.0
-            x = length / arc
-            along = x * (1.0 - x) ** 2 * arc * last.tangent + x**2 * (3.0 - 2.0 * x) * chord
-            along += x**2 * (x - 1.0) * arc * tangent
-            along += (length - along @ last.tangent) * last.tangent
-        return last.unknowns + along * self.scale
+            lengths.append(float(chord @ last.tangent))
+            chords.append(chord)
+            slopes.append(tangent / (tangent @ last.tangent))
+        along = np.zeros(self.scale.size)
+        for here, chord, slope in zip(lengths, chords, slopes, strict=True):
+            basis, bend, beyond = 1.0, 0.0, length - here
+            for there in lengths:
+                if there != here:
+                    basis *= (length - there) / (here - there)
+                    bend += 1.0 / (here - there)
+            along += basis**2 * ((1.0 - 2.0 * bend * beyond) * chord + beyond * slope)
+        move, direction = along * self.scale, last.direction
+        # what rounding moves it along the direction would grow from step to step
+        n = direction.size
+        move[:n] -= (direction @ move[:n]) / (direction @ direction) * direction
+        return last.unknowns + move
 
     def _beside(self, last: Point[S], other: Point[S]) -> tuple[Values, Values]:
         """Return where another point lies from the last one, and its tangent, at the same phase.
 
-        Its state is shifted along its orbit into the plane across the field at the last one.
+        Its state is shifted along its orbit into the plane across the direction at the last one.
         """
-        field, rate = last.stretch.start_rate, other.stretch.start_rate
-        n, slope = field.size, float(field @ rate)
-        shift = np.append(rate / self.scale[:n], np.zeros(self.scale.size - n)) / slope
-        chord = (other.unknowns - last.unknowns) / self.scale
-        chord = chord - float(field @ (chord[:n] * self.scale[:n])) * shift
-        tangent = other.tangent - float(field @ (other.tangent[:n] * self.scale[:n])) * shift
-        return chord, tangent / np.linalg.norm(tangent)
+        chord, tangent = (other.unknowns - last.unknowns) / self.scale, other.tangent
+        if other.direction is last.direction:
+            return chord, tangent
+        rate, n = other.stretch.start_rate, last.direction.size
+        across = np.zeros(self.scale.size)
+        across[:n] = last.direction * self.scale[:n]
+        shift = np.zeros(self.scale.size)
+        shift[:n] = rate / self.scale[:n] / (last.direction @ rate)
+        return chord - (across @ chord) * shift, tangent - (across @ tangent) * shift
 
     def _corrected(
         self, guess: Values, plane: Values, direction: Values | None = None
@@ -346,17 +381,19 @@ class Curve(Generic[S]):
 
         The state does not move along `direction`, by default the field at the guess.
         """
-        unknowns, size, stretch = guess, math.inf, None
+        unknowns, size = guess, math.inf
         for steps in range(MOST_NEWTON_STEPS + 1):
-            stretch = self.problem.shoot(unknowns, stretch if size <= NEARBY else None)
-            if size <= CONVERGED:
-                return self._point(unknowns, stretch, plane), steps
+            stretch = self.problem.shoot(unknowns)
             direction = stretch.start_rate if direction is None else direction
+            if size <= CONVERGED:
+                return self._point(unknowns, stretch, plane, direction), steps
             miss, matrix = self._bordered(unknowns, stretch, direction, plane)
             step = _solved(matrix, miss)
-            size = float(np.linalg.norm(step))
+            before, size = size, _size(step)
             if size <= EXACT:
-                return self._point(unknowns, stretch, plane), steps
+                return self._point(unknowns, stretch, plane, direction), steps
+            if steps >= FREE_STEPS and size > before:
+                break
             if not size < LEAVES:
                 raise SimulationError("Newton's method leaves the curve")
             unknowns = unknowns + step * self.scale
@@ -364,99 +401,128 @@ class Curve(Generic[S]):
                 raise SimulationError("the period shrinks to nothing")
         raise SimulationError("Newton's method does not converge to the curve")
 
-    def _point(self, unknowns: Values, stretch: S, plane: Values) -> Point[S]:
+    def _point(self, unknowns: Values, stretch: S, plane: Values, direction: Values) -> Point[S]:
         """Return a closed orbit as a point of the curve, led as `plane` is."""
         self.problem.check(stretch)
-        _, matrix = self._bordered(unknowns, stretch, stretch.start_rate, plane)
+        _, matrix = self._bordered(unknowns, stretch, direction, plane)
         tangent = _solved(matrix, _unit(plane.size, -1))
-        return Point(unknowns, stretch, tangent / np.linalg.norm(tangent))
+        return Point(unknowns, stretch, tangent / _size(tangent), direction)
 
     def _bordered(
         self, unknowns: Values, stretch: S, direction: Values, plane: Values
     ) -> tuple[Values, Values]:
         """Return what the equations miss, and their derivatives, in parts of the scales."""
         miss, matrix = self.problem.equations(unknowns, stretch, direction)
-        bordered = np.empty((matrix.shape[1], matrix.shape[1]))
-        bordered[:-1], bordered[-1] = matrix * self.scale, plane
-        right = np.zeros(plane.size)
-        right[:-1] = miss
+        bordered, right = np.empty((plane.size, plane.size)), np.zeros(plane.size)
+        np.multiply(matrix, self.scale, out=bordered[:-1])
+        bordered[-1], right[:-1] = plane, miss
         return right, bordered
 
-    def _met(self, last: Point[S], point: Point[S], length: float) -> list[Special[S]]:
-        """Return the special points between two points, in their order."""
+    def _met(self, way: _Way[S]) -> list[Special[S]]:
+        """Return the special points of a step, in their order."""
         found: list[tuple[float, Special[S]]] = []
+        last, point = way.last, way.others[0]
         for name, test in self.problem.tests.items():
             # a 0 counts as positive, so that one at the very beginning of a curve is met once
             if (test(last, last) < 0.0) != (test(point, last) < 0.0):
-                found.append(self._zero(last, point, (0.0, length), name, partial(_by, test, last)))
+                found.append(_zero(way, (0.0, way.length), name, partial(_by, test, last)))
         for name, count in self.problem.counts.items():
-            found += self._changes(last, point, length, name, count)
+            found += _changes(way, name, count)
         found.sort(key=lambda each: each[0])
         return [special for _, special in found]
 
-    def _zero(
-        self,
-        last: Point[S],
-        point: Point[S],
-        between: tuple[float, float],
-        name: str,
-        test: Callable[[Point[S]], float],
-    ) -> tuple[float, Special[S]]:
-        """Return where a test function is 0 on a step, and the special point there."""
 
-        def value(part: float) -> float:
-            return test(self._at(last, part, point)[0] if part else last)
+@dataclass(frozen=True, slots=True)
+class _Way(Generic[S]):
+    """A step in which special points are sought.
 
-        low, high = between
-        try:
-            place = float(brentq(value, low, high, xtol=FINEST * high, rtol=FINEST))
-        except (ValueError, RuntimeError):  # no change of sign when followed again
-            raise SimulationError(f"a {name} could not be located") from None
-        return place, Special(name, self._at(last, place, point)[0])
+    Parameters
+    ----------
+    curve : Curve
+        Its curve.
+    last : Point
+        Where it begins.
+    others : tuple of Point
+        Where it ends, and points before it.
+    points : dict of float to Point
+        The points known on it, by their length along the tangent, both ends first.
+    """
 
-    def _changes(
-        self, last: Point[S], point: Point[S], length: float, name: str, count: Count[S]
-    ) -> list[tuple[float, Special[S]]]:
-        """Return where a count changes on a step, and the special points there."""
-        ends = (last.stretch, point.stretch)
-        places = [(0.0, ends[0]), (length, ends[1])]
-        nearest = min(abs(count.sign(each)) for each in ends)
-        if nearest < ABOUT * np.linalg.norm(last.stretch.start):
-            middle = 0.5 * length
-            places.insert(1, (middle, self._at(last, middle, point)[0].stretch))
-        found: list[tuple[float, Special[S]]] = []
-        for below, above in pairwise(places):
-            found += self._changes_between(last, point, (below, above), name, count)
-        return found
+    curve: Curve[S]
+    last: Point[S]
+    others: tuple[Point[S], ...]
+    points: dict[float, Point[S]]
 
-    def _changes_between(
-        self,
-        last: Point[S],
-        point: Point[S],
-        between: tuple[tuple[float, S], tuple[float, S]],
-        name: str,
-        count: Count[S],
-    ) -> list[tuple[float, Special[S]]]:
-        """Return where a count changes between two places of a step, with their orbits."""
-        found: list[tuple[float, Special[S]]] = []
-        (low, below), (length, last_orbit) = between
-        while count.number(below) != count.number(last_orbit):
-            high, above = length, last_orbit
-            for halving in range(HALVINGS):
-                if halving >= FIRST_HALVINGS and count.sign(below) * count.sign(above) < 0.0:
-                    sign = partial(_of_stretch, count.sign)
-                    found.append(self._zero(last, point, (low, high), name, sign))
-                    break
-                middle = 0.5 * (low + high)
-                here = self._at(last, middle, point)[0].stretch
-                if count.number(here) == count.number(below):
-                    low, below = middle, here
-                else:
-                    high, above = middle, here
+    @property
+    def length(self) -> float:
+        """Its length."""
+        return list(self.points)[1]
+
+    def at(self, part: float) -> Point[S]:
+        """Return the point a length along the tangent."""
+        if part not in self.points:
+            # what is nearer to the beginning than to the place tells nothing of it
+            near = [each for each in self.points if abs(each - part) <= each]
+            nearest = min(near, key=lambda each: abs(each - part))
+            self.points[part] = self.curve._at(self.last, (self.points[nearest],), part)
+        return self.points[part]
+
+    def about(self, part: float) -> S:
+        """Return an orbit close to that point, which need not close: it costs a third."""
+        return self.curve.problem.shoot(self.curve._guess(self.last, self.others, part))
+
+
+def _zero(
+    way: _Way[S], between: tuple[float, float], name: str, test: Callable[[Point[S]], float]
+) -> tuple[float, Special[S]]:
+    """Return where a test function is 0 on a step, and the special point there."""
+    low, high = between
+    try:
+        place = float(brentq(lambda part: test(way.at(part)), low, high, xtol=FINEST, rtol=FINEST))
+    except (ValueError, RuntimeError):  # no change of sign when followed again
+        raise SimulationError(f"a {name} could not be located") from None
+    return place, Special(name, way.at(place))
+
+
+def _changes(way: _Way[S], name: str, count: Count[S]) -> list[tuple[float, Special[S]]]:
+    """Return where a count changes on a step, and the special points there."""
+    ends = (way.last.stretch, way.others[0].stretch)
+    places = [(0.0, ends[0]), (way.length, ends[1])]
+    nearest = min(abs(count.sign(each)) for each in ends)
+    if nearest < ABOUT * _size(ends[0].start):
+        middle = 0.5 * way.length
+        about = count.number(way.about(middle))
+        if any(about != count.number(end) for end in ends):
+            places.insert(1, (middle, way.at(middle).stretch))
+    found: list[tuple[float, Special[S]]] = []
+    for below, above in pairwise(places):
+        found += _changes_between(way, (below, above), name, count)
+    return found
+
+
+def _changes_between(
+    way: _Way[S], between: tuple[tuple[float, S], tuple[float, S]], name: str, count: Count[S]
+) -> list[tuple[float, Special[S]]]:
+    """Return where a count changes between two places of a step, with their orbits."""
+    found: list[tuple[float, Special[S]]] = []
+    (low, below), (length, last_orbit) = between
+    while count.number(below) != count.number(last_orbit):
+        high, above = length, last_orbit
+        for halving in range(HALVINGS):
+            if halving >= FIRST_HALVINGS and count.sign(below) * count.sign(above) < 0.0:
+                sign = partial(_of_stretch, count.sign)
+                found.append(_zero(way, (low, high), name, sign))
+                break
+            middle = 0.5 * (low + high)
+            here = way.at(middle).stretch
+            if count.number(here) == count.number(below):
+                low, below = middle, here
             else:
-                found.append((high, Special(name, self._at(last, high, point)[0])))
-            low, below = high, above
-        return found
+                high, above = middle, here
+        else:
+            found.append((high, Special(name, way.at(high))))
+        low, below = high, above
+    return found
 
 
 def _by(test: Callable[[Point[S], Point[S]], float], last: Point[S], point: Point[S]) -> float:
@@ -468,10 +534,15 @@ def _of_stretch(function: Callable[[S], float], point: Point[S]) -> float:
 
 
 def _solved(matrix: Values, right: Values) -> Values:
-    try:
-        return np.asarray(np.linalg.solve(matrix, right))
-    except np.linalg.LinAlgError:
-        raise SimulationError("the equations of the curve are singular") from None
+    _, _, solution, flag = dgesv(matrix, right)
+    if flag != 0:
+        raise SimulationError("the equations of the curve are singular")
+    return np.asarray(solution)
+
+
+def _size(vector: Values) -> float:
+    """Return the length of a vector."""
+    return math.sqrt(vector @ vector)
 
 
 def _unit(size: int, place: int) -> Values:

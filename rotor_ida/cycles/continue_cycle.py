@@ -253,19 +253,21 @@ def _piece(side: Side, begun: int, met: int) -> Arrays:
 def _restore(course: Course, side: Side, piece: Arrays) -> None:
     """Do the reverse of `_piece`: put what a study has kept behind what is there."""
     kinds = {number: word for word, number in SPECIAL.items()}
-    side.points += [
-        _point(course, *each) for each in zip(piece["unknowns"], piece["tangents"], strict=True)
-    ]
+    for unknowns, tangent in zip(piece["unknowns"], piece["tangents"], strict=True):
+        side.points.append(_point(course, unknowns, tangent, side.points[-1]))
     for place, kind, unknowns, tangent in zip(
         piece["special_place"].tolist(), piece["special_kind"].tolist(),
         piece["special_unknowns"], piece["special_tangents"], strict=True,
     ):  # fmt: skip
-        side.specials.append((place, Special(kinds[kind], _point(course, unknowns, tangent))))
+        point = _point(course, unknowns, tangent, side.points[place])
+        side.specials.append((place, Special(kinds[kind], point)))
     side.length, side.end = float(piece["length"]), str(piece["end"])
 
 
-def _point(course: Course, unknowns: Values, tangent: Values) -> Point[Shot]:
-    return Point(unknowns, course.line.problem.shoot(unknowns, None), tangent)
+def _point(course: Course, unknowns: Values, tangent: Values, before: Point[Shot]) -> Point[Shot]:
+    shot = course.line.problem.shoot(unknowns)
+    direction = course.line.direction_at(shot, before.direction)
+    return Point(unknowns, shot, tangent, direction)
 
 
 def branch_dataset(

@@ -49,12 +49,12 @@ def contraction(zeta: float, period: float) -> float:
 
 def fold_test(shot: Shot) -> float:
     """Return ``2 (1 + q) - tr M``: 0 at a fold, and below 0 where a real multiplier is above 1."""
-    return 2.0 * (1.0 + _contraction_of(shot)) - float(np.trace(shot.monodromy))
+    return 2.0 * (1.0 + _contraction_of(shot)) - float(shot.monodromy.trace())
 
 
 def doubling_test(shot: Shot) -> float:
     """Return ``tr M``: 0 at a period doubling, and below 0 where a real multiplier is below -1."""
-    return float(np.trace(shot.monodromy))
+    return float(shot.monodromy.trace())
 
 
 def is_stable(shot: Shot) -> bool:
@@ -76,7 +76,7 @@ def multipliers_of(shot: Shot) -> Complex:
         The multipliers [1].
     """
     q = _contraction_of(shot)
-    half = 0.5 * (float(np.trace(shot.monodromy)) - 1.0 - q)
+    half = 0.5 * (float(shot.monodromy.trace()) - 1.0 - q)
     rest = half * half - q
     if rest < 0.0:
         root = math.sqrt(-rest)

@@ -82,12 +82,12 @@ class Cycle:
     @property
     def radius_min(self) -> float:
         """Smallest distance from the bearing axis [1]."""
-        return float(self.shot.extrema[:, RADIUS].min())
+        return float(min(self.shot.extrema[:, RADIUS].tolist()))
 
     @property
     def radius_max(self) -> float:
         """Largest distance from the bearing axis [1]."""
-        return float(self.shot.extrema[:, RADIUS].max())
+        return float(max(self.shot.extrema[:, RADIUS].tolist()))
 
     @property
     def contacts(self) -> int:
@@ -121,7 +121,9 @@ def contacts_of(shot: Shot) -> int:
 
     Where it begins and ends at an entry or an exit, rounding may leave one of these out.
     """
-    return int(np.isfinite(shot.contacts[:, [ENTRY, EXIT]]).sum(axis=0).max(initial=0))
+    return max(
+        sum(map(math.isfinite, shot.contacts[:, column].tolist())) for column in (ENTRY, EXIT)
+    )
 
 
 def close_orbit(
@@ -179,14 +181,15 @@ def checked_cycle(shot: Shot) -> Cycle:
     SimulationError
         If it does not close, is a whirl of constant radius, or never touches the ring.
     """
-    scale = float(np.linalg.norm(shot.start)) or 1.0
-    residual = float(np.linalg.norm(shot.end - shot.start)) / scale
-    if not residual <= CLOSED * max(float(np.linalg.norm(shot.monodromy)), 1.0):
+    scale = math.hypot(*shot.start) or 1.0
+    residual = math.hypot(*(shot.end - shot.start)) / scale
+    if not residual <= CLOSED * max(math.hypot(*shot.monodromy.flat), 1.0):
         raise failure(shot, f"the orbit misses its start by {residual:.3g} of its size")
     if not len(shot.extrema):
         raise failure(shot, CONSTANT)
     cycle = Cycle(shot, residual)
-    if cycle.radius_max - cycle.radius_min <= LEAST_EXTENT * cycle.radius_max:
+    largest = cycle.radius_max
+    if largest - cycle.radius_min <= LEAST_EXTENT * largest:
         raise failure(shot, CONSTANT)
     if not cycle.touches:
         raise failure(shot, "Newton's method came to a whirl inside the clearance")

@@ -5,24 +5,29 @@ from __future__ import annotations
 import os
 import re
 import shutil
-import subprocess
 import sys
-import time
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
-from functools import partial
+from collections.abc import Mapping, Sequence
+from contextlib import closing
 from pathlib import Path
 
 from rotor_ida.errors import InputError
 from rotor_ida.paper import freshness
 from rotor_ida.paper.gallery import write_gallery
+from rotor_ida.paper.running import Ended, run_scripts
 from rotor_ida.paper.scenario import check_folder
 from rotor_ida.parallel import count_workers
 
-Outcome = tuple[int, str, float]
-
 # One scenario draws while the other computes.
 AT_ONCE = 2
+# These take longest and begin first, so that none of them is left alone at the end.
+LONGEST = (
+    "fig07_basins",
+    "fig10_11_amplitude",
+    "bifurcation_diagram",
+    "isolas",
+    "doubling_cascade",
+    "beyond_the_curve",
+)
 
 
 def scenario_scripts() -> dict[str, Path]:
@@ -80,7 +85,7 @@ def reproduce(
 
     Notes
     -----
-    Each script runs in a Python of its own: one that crashes takes no other with it, and its
+    Each script runs in a process of its own: one that crashes takes no other with it, and its
     sweeps can start processes as when it is run by hand. What is up to date is left alone: a
     digest beside the results says from which script, sources, versions and options they came.
     """
@@ -103,11 +108,18 @@ def reproduce(
     # a quick sweep is over before further processes have started
     each = max(1, processes // at_once) if quick else processes
     command = ["--out", str(root), "--workers", str(each), "--force", *given]
-    jobs = {
-        name: partial(_run, chosen[name], command, folders[name], origins[name], at_once > 1)
-        for name in due
-    }
-    failed = _run_all(jobs, at_once)
+    order = sorted(due, key=lambda name: name not in LONGEST)
+    ends = run_scripts({name: chosen[name] for name in order}, command, root=root, at_once=at_once)
+    failed = []
+    with closing(ends):
+        for number, ended in enumerate(ends, start=1):
+            _report(ended, f"{number}/{len(due)}")
+            name = ended.name
+            shutil.copyfile(chosen[name], folders[name] / chosen[name].name)
+            freshness.record(folders[name], "" if ended.status else origins[name])
+            if ended.status:
+                failed.append(name)
+    failed.sort()
     page = write_gallery(root, scripts, failed=failed)
     print(f"figures: {page}", flush=True)
     if failed:
@@ -115,42 +127,15 @@ def reproduce(
     return 1 if failed else 0
 
 
-def _run(script: Path, options: list[str], folder: Path, origin: str, aside: bool) -> Outcome:
-    """Run a script; return its exit status, what it printed if put aside, and the time."""
-    begin = time.monotonic()
-    freshness.begin(folder)
-    line = [sys.executable, str(script), *options]
-    if aside:
-        ended = subprocess.run(
-            line, check=False, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
-        )
-        status, printed = ended.returncode, ended.stdout
+def _report(ended: Ended, count: str) -> None:
+    """Print what a script printed, and how it ended."""
+    print(ended.printed, end="", flush=True)
+    took = f"{ended.seconds:.0f} s"
+    if ended.status:
+        words = f"{ended.name} failed after {took} with exit status {ended.status}"
+        print(words, file=sys.stderr)
     else:
-        status, printed = subprocess.run(line, check=False).returncode, ""
-    shutil.copyfile(script, folder / script.name)
-    freshness.record(folder, "" if status else origin)
-    return status, printed, time.monotonic() - begin
-
-
-def _run_all(jobs: Mapping[str, Callable[[], Outcome]], at_once: int) -> list[str]:
-    """Run the jobs, some at a time, and return the names of those that failed."""
-    failed = []
-    pool = ThreadPoolExecutor(at_once)
-    try:
-        running = {pool.submit(job): name for name, job in jobs.items()}
-        for number, done in enumerate(as_completed(running), start=1):
-            name = running[done]
-            status, printed, seconds = done.result()
-            print(printed, end="", flush=True)
-            took = f"{seconds:.0f} s"
-            if status:
-                failed.append(name)
-                print(f"{name} failed after {took} with exit status {status}", file=sys.stderr)
-            else:
-                print(f"[{number}/{len(jobs)}] {name} done in {took}", flush=True)
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)
-    return sorted(failed)
+        print(f"[{count}] {ended.name} done in {took}", flush=True)
 
 
 def _chosen(scripts: Mapping[str, Path], only: Sequence[str] | None) -> dict[str, Path]:

@@ -12,7 +12,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
 
-from rotor_ida.cycles.continuation import Curve, Problem, shooting_equations
+from rotor_ida.cycles.continuation import Curve, Problem, _Way, _zero, shooting_equations
 from rotor_ida.errors import SimulationError
 
 TOLERANCE = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-13}
@@ -55,7 +55,7 @@ def tor_bpc(state, nu):
     return rate, jacobian, np.array([-x / r, 0.0, 0.0])
 
 
-def flown(model, unknowns, _known):
+def flown(model, unknowns):
     """Follow a state for a period, with its derivatives by state and parameter."""
     start, period, parameter = unknowns[:3], float(unknowns[3]), float(unknowns[4])
 
@@ -100,9 +100,10 @@ def followed(line, point, steps, wanted):
 def test_a_special_point_that_cannot_be_located_is_an_error_of_ours(monkeypatch):
     """Rounding may take back a change of sign: the step is cut then, and no user meets SciPy's."""
     line = Curve(cycles_of(tor_bpc), np.ones(5))
-    monkeypatch.setattr(Curve, "_at", lambda self, last, part, point: (part, 0))
+    monkeypatch.setattr(Curve, "_at", lambda self, last, others, part: part)
+    way = _Way(line, 0.0, (1.0,), {0.0: 0.0, 1.0: 1.0})
     with pytest.raises(SimulationError, match="a fold could not be located"):
-        line._zero(1.0, None, (0.0, 1.0), "fold", lambda point: 1.0)
+        _zero(way, (0.0, 1.0), "fold", lambda point: 1.0)
 
 
 def test_lorenz_doubles_where_it_is_published():

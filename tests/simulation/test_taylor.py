@@ -11,11 +11,7 @@ from rotor_ida.closed_forms import planar_period
 from rotor_ida.equations.model import energy, rotating_field
 from rotor_ida.simulation.contact_phase import P, Q, T, cartesian, contact_field, regularised
 from rotor_ida.simulation.motion import GOES_ON
-from rotor_ida.simulation.taylor.differences import new_differences
-from rotor_ida.simulation.taylor.motion import (
-    expand_by_parameters,
-    open_taylor,
-)
+from rotor_ida.simulation.taylor.motion import open_taylor
 from rotor_ida.simulation.taylor.roots import bernstein_basis, sign_changes
 from rotor_ida.simulation.taylor.rows import LANES, evaluate, sum_known, sum_products
 from rotor_ida.simulation.taylor.steps import order_for
@@ -184,48 +180,19 @@ def by_central_differences(change):
 
 
 def followed():
-    """Matrices of the differences that the start, and the parameters, make at the end."""
-    motion, made = motion_from(START, ROTOR, np.eye(4).ravel()), np.zeros((4, 4))
-    by_parameters = new_differences(motion.order + 1)
+    """Matrix of the differences that the start makes at the end."""
+    motion = motion_from(START, ROTOR, np.eye(4).ravel())
     while motion.values[T] < TIME:
-        by_parameters.terms[0] = made.ravel()
         assert motion.advance() == GOES_ON
-        expand_by_parameters(motion, by_parameters)
-        part = min(point_of(motion, TIME), motion.point) - motion.low
-        made = (part ** np.arange(motion.order + 1) @ by_parameters.terms).reshape(4, 4)
-    return motion.at(motion.low + part)[7:].reshape(4, 4), made
+    return motion.at(point_of(motion, TIME))[7:].reshape(4, 4)
 
 
 def test_differences_are_those_of_neighbours_at_equal_times():
     expected = by_central_differences(lambda n, h: (START + h * np.eye(4)[n], ROTOR))
-    matrix, _ = followed()
+    matrix = followed()
     np.testing.assert_allclose(matrix[:, :3], expected, rtol=0, atol=1e-9)
     # all areas shrink alike
     assert np.linalg.det(matrix) == pytest.approx(math.exp(-4.0 * ROTOR[1] * TIME), rel=1e-13)
-
-
-def test_parameters_make_the_differences_of_neighbouring_rotors():
-    expected = by_central_differences(lambda n, h: (START, tuple(ROTOR + h * np.eye(3)[n])))
-    _, made = followed()
-    np.testing.assert_allclose(made[:, :3], expected, rtol=0, atol=1e-9)
-
-
-def test_parameters_make_those_differences_without_clearance_too():
-    """Over one step from a start away from the centre, by omega and zeta."""
-    start, rotor, h = (1.2, 0.3, -0.2, 0.9), (1.2, 0.07, 0.0), 1e-5
-
-    def end(rotor, vectors=()):
-        motion = begun(start, rotor=rotor, regularised=False, vectors=vectors)
-        assert motion.advance() == GOES_ON
-        return motion, motion.at(0.05)[:4].copy()
-
-    motion, _ = end(rotor, np.eye(4).ravel())
-    made = new_differences(motion.order + 1)
-    expand_by_parameters(motion, made)
-    found = (0.05 ** np.arange(motion.order + 1) @ made.terms).reshape(4, 4)
-    for n in range(2):
-        ahead, behind = (end(tuple(rotor + s * h * np.eye(3)[n]))[1] for s in (1, -1))
-        np.testing.assert_allclose(found[:, n], (ahead - behind) / (2.0 * h), rtol=0, atol=1e-9)
 
 
 @pytest.mark.parametrize(

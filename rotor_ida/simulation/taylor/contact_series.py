@@ -13,9 +13,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.equations.compiling import shared, shared_for_lanes
+from rotor_ida.equations.compiling import shared_for_lanes
 from rotor_ida.simulation.contact_phase import C, H, J, P, Q, S, T
-from rotor_ida.simulation.tangents import VX, VY
 from rotor_ida.simulation.taylor.differences import (
     BEND_X,
     BEND_Y,
@@ -23,7 +22,6 @@ from rotor_ida.simulation.taylor.differences import (
     DIRECTION_Y,
     PACE,
     PULL,
-    write_forcing,
 )
 from rotor_ida.simulation.taylor.rows import sum_known
 from rotor_ida.simulation.taylor.series import Series, begin, over, times
@@ -98,36 +96,3 @@ def _next_factors(
     factors[BEND_X, n] = times(left, right, known, BENT_X, n, bend, c)
     factors[BEND_Y, n] = times(left, right, known, BENT_Y, n, bend, s)
     factors[DIRECTION_X, n], factors[DIRECTION_Y, n] = c, s
-
-
-@shared
-def write_contact_forcing(forcing: Values, series: Series, order: int, omega: float) -> None:
-    """Write what omega, zeta and delta0 add to the rates of the first three differences.
-
-    By delta0 it is ``f' (0, 0, c, s)``, by the others as `write_forcing` says.
-
-    Parameters
-    ----------
-    forcing : ndarray, shape (orders, 16)
-        Overwritten; the fourth difference has none.
-    series : Series
-        The series of the contact, expanded.
-    order : int
-        Its order.
-    omega : float
-        The spin speed [1].
-    """
-    terms, left = series.terms, series.left
-    for n in range(order):
-        x = y = vx = vy = bend_x = bend_y = 0.0
-        for k in range(n + 1):
-            c, s = terms[n - k, C], terms[n - k, S]
-            radius, along, around = left[k, INVERSE], terms[k, P], left[k, SPIN]
-            x += radius * c
-            y += radius * s
-            vx += along * c - around * s
-            vy += along * s + around * c
-            bend_x += terms[k, Q] * c
-            bend_y += terms[k, Q] * s
-        write_forcing(forcing, n, omega, x, y, vx, vy)
-        forcing[n, VX + 2], forcing[n, VY + 2] = 1.5 * bend_x, 1.5 * bend_y

@@ -30,9 +30,6 @@ class Differences(NamedTuple):
         Coefficients of the differences.
     factors : ndarray, shape (6, orders)
         Coefficients of the factors that the motion gives.
-    forcing : ndarray, shape (orders, 16)
-        Coefficients of what a parameter adds to their rates of change by time: 0 for differences
-        of the start, `write_forcing` for those that a parameter makes.
     parts : ndarray, shape (4, orders, 16)
         What the first four factors multiply.
     sides : ndarray, shape (2, orders, 16)
@@ -45,7 +42,6 @@ class Differences(NamedTuple):
 
     terms: Values
     factors: Values
-    forcing: Values
     parts: Values
     sides: Values
     total: Values
@@ -56,14 +52,13 @@ class Differences(NamedTuple):
 @shared
 def new_differences(orders: int) -> Differences:
     """Return room for so many coefficients."""
-    table, known = orders * LANES, 8 * orders * LANES + FACTORS * orders
+    table, known = orders * LANES, 7 * orders * LANES + FACTORS * orders
     kept = np.zeros(known + 2 * LANES)
     return Differences(
         lent(kept[:table]).reshape((orders, LANES)),
-        lent(kept[8 * table : known]).reshape((FACTORS, orders)),
-        lent(kept[table : 2 * table]).reshape((orders, LANES)),
-        lent(kept[2 * table : 6 * table]).reshape((4, orders, LANES)),
-        lent(kept[6 * table : 8 * table]).reshape((2, orders, LANES)),
+        lent(kept[7 * table : known]).reshape((FACTORS, orders)),
+        lent(kept[table : 5 * table]).reshape((4, orders, LANES)),
+        lent(kept[5 * table : 7 * table]).reshape((2, orders, LANES)),
         lent(kept[known : known + LANES]),
         lent(kept[known + LANES :]),
         kept,
@@ -73,7 +68,7 @@ def new_differences(orders: int) -> Differences:
 @shared
 def expand_differences(differences: Differences, order: int, omega: float, zeta: float) -> None:
     """Write all coefficients of the differences up to `order`, from those of order 0."""
-    terms, factors, forcing, parts, sides, total, radial, _kept = differences
+    terms, factors, parts, sides, total, radial, _kept = differences
     damping = 2.0 * zeta
     for n in range(order):
         for i in range(COUNT):
@@ -81,31 +76,16 @@ def expand_differences(differences: Differences, order: int, omega: float, zeta:
         sum_products(factors, DIRECTION_X, sides, _SIDES, n, radial)
         for i in range(COUNT):
             x, y, vx, vy = terms[n, X + i], terms[n, Y + i], terms[n, VX + i], terms[n, VY + i]
-            parts[PACE, n, X + i] = forcing[n, X + i] + vx + omega * y
-            parts[PACE, n, Y + i] = forcing[n, Y + i] + vy - omega * x
-            parts[PACE, n, VX + i] = forcing[n, VX + i] + omega * vy - damping * vx
-            parts[PACE, n, VY + i] = forcing[n, VY + i] - omega * vx - damping * vy
+            parts[PACE, n, X + i] = vx + omega * y
+            parts[PACE, n, Y + i] = vy - omega * x
+            parts[PACE, n, VX + i] = omega * vy - damping * vx
+            parts[PACE, n, VY + i] = -omega * vx - damping * vy
             parts[PULL, n, VX + i], parts[PULL, n, VY + i] = -x, -y
             parts[BEND_X, n, VX + i] = parts[BEND_Y, n, VY + i] = -radial[i]
         sum_products(factors, PACE, parts, _PARTS, n, total)
         share = 1.0 / (n + 1)
         for i in range(LANES):
             terms[n + 1, i] = total[i] * share
-
-
-@shared
-def write_forcing(
-    forcing: Values, n: int, omega: float, x: float, y: float, vx: float, vy: float
-) -> None:
-    """Write coefficients n of what omega and zeta add to the rates of the first two differences.
-
-    By omega it is ``(Y, -X, 2 omega + V_y, -V_x)``, by zeta ``(0, 0, -2 V_x, -2 V_y)``, with
-    displacement and velocity of the rotor on the rotating axes, of which coefficients n are given.
-    """
-    forcing[n, X], forcing[n, Y], forcing[n, VX], forcing[n, VY] = y, -x, vy, -vx
-    forcing[n, VX + 1], forcing[n, VY + 1] = -2.0 * vx, -2.0 * vy
-    if n == 0:
-        forcing[n, VX] += 2.0 * omega
 
 
 @shared

@@ -14,7 +14,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.equations.compiling import shared, shared_for_lanes
+from rotor_ida.equations.compiling import shared_for_lanes
 from rotor_ida.simulation.taylor.differences import (
     BEND_X,
     BEND_Y,
@@ -22,7 +22,6 @@ from rotor_ida.simulation.taylor.differences import (
     DIRECTION_Y,
     PACE,
     PULL,
-    write_forcing,
 )
 from rotor_ida.simulation.taylor.rows import sum_known
 from rotor_ida.simulation.taylor.series import Series, begin, over, times
@@ -106,14 +105,3 @@ def _next_factors(
     factors[BEND_X, n] = times(left, right, known, BENT_X, n, bend, x)
     factors[BEND_Y, n] = times(left, right, known, BENT_Y, n, bend, y)
     factors[DIRECTION_X, n], factors[DIRECTION_Y, n] = x, y
-
-
-@shared
-def write_free_forcing(forcing: Values, series: Series, order: int, omega: float) -> None:
-    """Write what omega and zeta add to the rates of the first two differences.
-
-    The clearance stays 0: the force does not change smoothly with it there.
-    """
-    terms = series.terms
-    for n in range(order):
-        write_forcing(forcing, n, omega, terms[n, X], terms[n, Y], terms[n, VX], terms[n, VY])

@@ -18,10 +18,7 @@ from rotor_ida.simulation import cartesian_phase, contact_phase
 from rotor_ida.simulation.contact_phase import P, Q
 from rotor_ida.simulation.motion import GOES_ON, NOT_FINITE, STUCK
 from rotor_ida.simulation.tangents import TANGENTS
-from rotor_ida.simulation.taylor.contact_series import (
-    expand_contact,
-    write_contact_forcing,
-)
+from rotor_ida.simulation.taylor.contact_series import expand_contact
 from rotor_ida.simulation.taylor.differences import (
     Differences,
     expand_differences,
@@ -34,7 +31,6 @@ from rotor_ida.simulation.taylor.free_series import (
     X,
     Y,
     expand_free,
-    write_free_forcing,
 )
 from rotor_ida.simulation.taylor.roots import bernstein_basis, with_one_root
 from rotor_ida.simulation.taylor.rows import (
@@ -227,25 +223,6 @@ def _step_of_tangents(motion: Taylor) -> float:
     differences.terms[0] = motion.values[motion.size :]
     expand_differences(differences, order, motion.omega, motion.zeta)
     return longest_step_of(differences, order, motion.rtol)
-
-
-@shared
-def expand_by_parameters(motion: Taylor, made: Differences) -> None:
-    """Write the series of differences that small changes of omega, zeta and delta0 make.
-
-    Parameters
-    ----------
-    motion : Taylor
-        A motion with its tangents, after a step.
-    made : Differences
-        The first two are by omega and zeta; in contact the third is by delta0.
-    """
-    if motion.regularised:
-        write_contact_forcing(made.forcing, motion.series, motion.order, motion.omega)
-    else:
-        write_free_forcing(made.forcing, motion.series, motion.order, motion.omega)
-    made.factors[:] = motion.factors
-    expand_differences(made, motion.order, motion.omega, motion.zeta)
 
 
 @inlined

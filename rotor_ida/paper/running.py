@@ -1,0 +1,132 @@
+"""Scripts run side by side, each in a process of its own that begins with the imports done."""
+
+from __future__ import annotations
+
+import os
+import runpy
+import sys
+import tempfile
+import time
+from collections.abc import Generator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from multiprocessing import get_all_start_methods, get_context
+from multiprocessing.connection import wait
+from multiprocessing.context import ForkServerContext, SpawnContext
+from multiprocessing.process import BaseProcess
+from pathlib import Path
+
+from rotor_ida.paper import freshness
+
+# What scripts import takes longer than many of them compute: a server does it once, and each
+# script begins in a copy of that.
+IMPORTED = (
+    "mpl_toolkits.mplot3d",
+    "rotor_ida.analysis.bifurcation_diagram",
+    "rotor_ida.analysis.spectra",
+    "rotor_ida.basins",
+    "rotor_ida.cycles.bifurcation_curve",
+    "rotor_ida.cycles.branches",
+    "rotor_ida.paper.errata",
+    "rotor_ida.paper.scenario",
+    "rotor_ida.stability.lyapunov",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Ended:
+    """How a script ended: its exit status, what it printed if put aside, and the time [s]."""
+
+    name: str
+    status: int
+    printed: str
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Running:
+    name: str
+    process: BaseProcess
+    printed: Path | None
+    begin: float
+
+
+def run_scripts(
+    scripts: Mapping[str, Path], options: Sequence[str], *, root: Path, at_once: int
+) -> Generator[Ended, None, None]:
+    """Run scripts, some at a time, and yield how each ended.
+
+    Parameters
+    ----------
+    scripts : mapping of str to Path
+        The scripts by name, in the order in which they begin.
+    options : sequence of str
+        Their command line.
+    root : Path
+        Where each has a folder of its name, which is noted as being made.
+    at_once : int
+        How many to run at a time; if several, what they print is put aside.
+
+    Yields
+    ------
+    Ended
+        One for each script, as they end.
+
+    Notes
+    -----
+    A script that crashes takes no other with it. When the caller stops asking, or the user
+    interrupts, those that still run are ended.
+    """
+    context = _context()
+    waiting = iter(scripts.items())
+    running: list[_Running] = []
+    with tempfile.TemporaryDirectory() as aside:
+        try:
+            while True:
+                for name, script in islice(waiting, at_once - len(running)):
+                    printed = Path(aside, name) if at_once > 1 else None
+                    if printed is not None:
+                        printed.touch()
+                    freshness.begin(root / name)
+                    given = (script, options, Path.cwd(), printed)
+                    process = context.Process(target=_run, args=given)
+                    process.start()
+                    running.append(_Running(name, process, printed, time.monotonic()))
+                if not running:
+                    return
+                wait([each.process.sentinel for each in running])
+                for each in [each for each in running if not each.process.is_alive()]:
+                    running.remove(each)
+                    yield _ended(each)
+        finally:
+            for each in running:
+                each.process.terminate()
+            for each in running:
+                each.process.join()
+
+
+def _context() -> ForkServerContext | SpawnContext:
+    """Return how processes are started: from a server that has imported, where there can be one."""
+    if "forkserver" not in get_all_start_methods():
+        return get_context("spawn")
+    context = get_context("forkserver")
+    context.set_forkserver_preload(list(IMPORTED))
+    return context
+
+
+def _run(script: Path, options: Sequence[str], place: Path, printed: Path | None) -> None:
+    """Run a script as by hand from a place, in this process."""
+    os.chdir(place)
+    if printed is not None:
+        with printed.open("wb") as file:
+            for stream in (1, 2):
+                os.dup2(file.fileno(), stream)
+    sys.argv = [str(script), *options]
+    runpy.run_path(str(script), run_name="__main__")
+
+
+def _ended(job: _Running) -> Ended:
+    job.process.join()
+    seconds = time.monotonic() - job.begin
+    printed = job.printed.read_text(encoding="utf-8", errors="replace") if job.printed else ""
+    return Ended(job.name, job.process.exitcode or 0, printed, seconds)
