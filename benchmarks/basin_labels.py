@@ -46,7 +46,7 @@ def label_of(outcome, attractors):
     for number, each in enumerate(attractors):
         if each.kind != kind:
             continue
-        if kind == "contact_free":
+        if kind in ("contact_free", "touching", "chaotic"):
             return number
         if kind == "synchronous" and abs(each.amplitude - amplitude) < 1e-3 * amplitude:
             return number

@@ -5,6 +5,7 @@ from .analysis.rotating_axes import rotating as rotating
 from .analysis.sections import poincare_section as poincare_section
 from .analysis.spectra import spectrum as spectrum
 from .atlas import continue_attractors as continue_attractors
+from .atlas import touchdown_report as touchdown_report
 from .basins import basin as basin
 from .basins import basin_fractions as basin_fractions
 from .closed_forms import folds as folds

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from rotor_ida.atlas import continue_attractors
 from rotor_ida.basins import basin, basin_fractions
 from rotor_ida.cycles.continue_cycle import branch_from
 from rotor_ida.cycles.guess import Guess
@@ -31,8 +32,8 @@ def resume(
     Parameters
     ----------
     folder : path-like
-        The folder that was given as `study` to `sweep`, `basin`, `basin_fractions` or
-        `continue_cycle`.
+        The folder that was given as `study` to `sweep`, `basin`, `basin_fractions`,
+        `continue_attractors` or `continue_cycle`.
     workers, executor, progress
         As for the function that began it; they leave no trace in the result. A branch is followed
         point by point, and needs no workers.
@@ -79,6 +80,9 @@ def _call(design: dict[str, Any]) -> tuple[Callable[..., xr.Dataset], dict[str, 
     given = {name: design[name] for name in _GIVEN[kind]}
     if kind == "sweep":
         return sweep, {**given, "starts": [tuple(start) for start in design["starts"]]}
+    if kind == "continue_attractors":
+        drawn = {name: design[name] for name in _DRAWN if name in design}
+        return continue_attractors, {**given, **drawn}
     rotor = Rotor(**{name: design[name] for name in PARAMETERS})
     if kind == "branch":
         guess = {name: design[name] for name in ("period", "special", "slope")}
@@ -93,4 +97,7 @@ _GIVEN = {
     "basin": ("x", "y", "vx", "vy", "rtol"),
     "basin_fractions": ("x", "y", "vx", "vy", "rtol", "starts", "seed"),
     "branch": ("parameter", "limits", "direction", "points"),
+    "continue_attractors": (*PARAMETERS, "rtol", "starts"),
 }
+# What starts are drawn from; none of it where they were given.
+_DRAWN = ("x", "y", "vx", "vy", "seed")

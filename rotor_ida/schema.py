@@ -217,6 +217,11 @@ QUANTITIES: dict[str, Quantity] = {
         scale="time",
     ),
     "settling_95": Quantity("time after which it is certain for 95 % of them", scale="time"),
+    "mean_force": Quantity("mean contact force: the impulse in a unit of time", scale="force"),
+    "dissipation_per_revolution": Quantity(
+        "energy that damping takes in one revolution", scale="energy"
+    ),
+    "excursion": Quantity("largest distance from the bearing axis over the clearance"),
     "missed_fraction": Quantity(
         "fraction of starts that an attractor may have and yet be missed, with a probability of 5 %"
     ),

@@ -52,7 +52,7 @@ def main(settings: Settings) -> None:
     )  # fmt: skip
 
     coarse = 48 if settings.quick else 256
-    figure, axes = panels(2, 2, width=7.2, height=7.8, shared=False)
+    figure, axes = panels(2, 2, width=7.2, height=8.8, shared=False)
     words = []
     for ax, delta0 in zip(axes, CLEARANCES, strict=True):
         rotor = Rotor(omega=OMEGA, zeta=ZETA, delta0=delta0)

@@ -1,8 +1,8 @@
-"""Figure 11 from random starts: which part of them reaches each kind of response.
+"""Figure 11 from random starts: which part of them ends on each attractor.
 
 Three parameter points, each followed from two independent samples of starts in the box
-|x|, |y| <= 10, |x'|, |y'| <= 10, which must agree within their sampling errors; and the shares
-over the speed, for four clearances.
+|x|, |y| <= 10, |x'|, |y'| <= 10, which must agree within their sampling errors; and the attractors
+over the speed, for four clearances, each followed from speed to speed.
 
 Writes the shares (netCDF) and a figure as PNG and SVG, and prints the comparison of the samples.
 """
@@ -12,9 +12,9 @@ import sys
 import numpy as np
 import xarray as xr
 
-from rotor_ida import Rotor, basin_fractions
+from rotor_ida import Rotor, basin_fractions, continue_attractors
 from rotor_ida.paper.scenario import Settings, progress_bar, run_script
-from rotor_ida.plot import panels, plot_basin_fractions, shared_legend
+from rotor_ida.plot import panels, plot_attractors, shared_legend
 from rotor_ida.schema import RESPONSE
 
 ZETA = 0.07
@@ -34,28 +34,25 @@ def main(settings: Settings) -> None:
         print(f"omega {omega:g}, delta0 {delta0:g}: {in_words(pair[0])}")
     print(f"two samples are apart by at most {furthest:.1f} standard errors")
 
-    speeds = np.linspace(0.2, 3.0, 5 if settings.quick else 29)
+    speeds = np.linspace(0.2, 3.0, 7 if settings.quick else 57)
     each = 60 if settings.quick else 400
     figure, axes = panels(2, 2, height=6.0)
-    with progress_bar("random starts") as progress:
-        done, total = 0, len(CLEARANCES) * speeds.size
-        most: list[str] = []
-        for ax, delta0 in zip(axes, CLEARANCES, strict=True):
-            rows = []
-            for omega in speeds:
-                rows.append(kinds_of(reached(omega, delta0, each, 3, settings)))
-                done += 1
-                progress(done, total)
-            over_speed = xr.concat(rows, "omega", join="exact", combine_attrs="override")
-            settings.keep(over_speed, f"over_speed_delta0_{delta0:g}")
-            plot_basin_fractions(over_speed, ax=ax)
-            most += off_the_curve(over_speed, delta0)
+    most: list[str] = []
+    for ax, delta0 in zip(axes, CLEARANCES, strict=True):
+        with progress_bar(f"attractors at clearance {delta0:g}") as progress:
+            over_speed = continue_attractors(
+                omega=speeds, zeta=ZETA, delta0=delta0, **BOX, starts=each, seed=3,
+                workers=settings.workers, progress=progress,
+            )  # fmt: skip
+        settings.keep(over_speed, f"over_speed_delta0_{delta0:g}")
+        plot_attractors(over_speed, ax=ax)
+        most += off_the_curve(over_speed, delta0)
     shared_legend(figure, axes, columns=5)
     settings.show(
         figure, "basin_fractions",
         archives=[f"over_speed_delta0_{delta0:g}" for delta0 in CLEARANCES],
-        shows="The part of random starts that reaches each kind of response, over the speed, for "
-        "four clearances.",
+        shows="The part of random starts that ends on each attractor, over the speed, for four "
+        "clearances; shades of one colour are attractors of one kind of response.",
         paper="Analytical and numerical results are in good agreement for every clearance.",
         verdict="Without clearance they are; with clearance not for most starts at high speed.",
         found="Without clearance every start ends on a synchronous whirl. With clearance most "
@@ -71,17 +68,10 @@ def reached(omega, delta0, starts, seed, settings):
     return basin_fractions(rotor, **BOX, starts=starts, seed=seed, workers=settings.workers)
 
 
-def kinds_of(found: xr.Dataset) -> xr.Dataset:
-    """Return what a sample says of the kinds of response alone."""
-    names = [name for name, each in found.data_vars.items() if each.dims == ("response",)]
-    return found[names]
-
-
 def off_the_curve(over_speed: xr.Dataset, delta0: float) -> list[str]:
     """Return in words from which speed on most starts end where no curve shows them."""
-    kinds = ("bouncing", "full_contact", "chaotic")
-    off = over_speed.response.isin([RESPONSE[kind] for kind in kinds])
-    most = over_speed.response_fraction.where(off, 0.0).sum("response").values > 0.5
+    off = over_speed.kind.isin([RESPONSE[kind] for kind in ("bouncing", "full_contact", "chaotic")])
+    most = over_speed.fraction.where(off, 0.0).sum("attractor").squeeze().values > 0.5
     if not most.any():
         return []
     return [f"from ω = {over_speed.omega[most].min().item():.2g} on at δ₀ = {delta0:g}"]

@@ -64,6 +64,9 @@ KINDS: dict[str, Callable[[], xr.Dataset]] = {
     "basin_fractions": lambda: rotor_ida.basin_fractions(
         CENTRED, x=(-5, 5), y=(-5, 5), starts=20, workers=1
     ),
+    "atlas": lambda: rotor_ida.continue_attractors(
+        omega=[1.6, 1.7], zeta=0.07, delta0=0.0, x=(-5, 5), y=(-5, 5), starts=20, workers=1
+    ),
     "contact_summary": lambda: rotor_ida.contact_summary(a_run()),
     "rotating": lambda: rotor_ida.rotating(a_run()),
     "spectrum": lambda: rotor_ida.spectrum(a_run()),

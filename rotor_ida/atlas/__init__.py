@@ -4,5 +4,6 @@
 """
 
 from rotor_ida.atlas.continue_attractors import continue_attractors
+from rotor_ida.atlas.touchdown import touchdown_report
 
-__all__ = ["continue_attractors"]
+__all__ = ["continue_attractors", "touchdown_report"]

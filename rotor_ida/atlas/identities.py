@@ -130,7 +130,9 @@ def followed_whirl(amplitude: float, here: Rotor, there: Rotor) -> float:
     name = _changed(here, there)
     parameters = {each: getattr(there, each) for each in PARAMETERS}
     parameters[name] = np.linspace(getattr(here, name), getattr(there, name), PARTS + 1)
-    whirls = synchronous_response(**parameters).squeeze()
+    whirls = synchronous_response(**parameters).squeeze(
+        [each for each in PARAMETERS if each != name]
+    )
     stands = (whirls["stability"] == STABILITY["stable"]) & (whirls["in_contact"] == 1)
     sizes = whirls["amplitude"].where(stands).transpose(name, ...).values
     for row in sizes[1:]:

@@ -18,8 +18,8 @@ from rotor_ida.schema import NO_YES, RESPONSE, flags_of
 
 Record = dict[str, object]
 Kind = Literal[
-    "run", "sweep", "basin", "basin_fractions", "comparison", "whirls", "folds", "cycle", "branch",
-    "curve", "other",
+    "run", "sweep", "basin", "basin_fractions", "atlas", "comparison", "whirls", "folds", "cycle",
+    "branch", "curve", "other",
 ]  # fmt: skip
 Description = tuple[Record, list[RenderableType]]
 METHOD = ("method", "flight", "backend", "rtol", "atol")
@@ -71,6 +71,7 @@ def kind_of(dataset: xr.Dataset) -> Kind:
         "comparison": "matched_branch" in dataset,
         "basin": "label" in dataset and "attractor" in dataset.dims,
         "basin_fractions": "response_fraction" in dataset,
+        "atlas": "missed_fraction" in dataset,
         "sweep": "response" in dataset and set(PARAMETERS) <= set(dataset.dims),
         "run": "event_time" in dataset and "t" in dataset.dims,
         "whirls": "amplitude" in dataset and "branch" in dataset.dims,
@@ -89,6 +90,7 @@ def describe(dataset: xr.Dataset, *, most: int | None = None) -> Description:
         "sweep": _sweep,
         "basin": _attractors,
         "basin_fractions": _attractors,
+        "atlas": _atlas,
         "comparison": _comparison,
         "whirls": _whirls,
         "folds": _folds,
@@ -201,6 +203,40 @@ def _attractors(dataset: xr.Dataset, most: int | None) -> Description:
     attributes = attributes_of(dataset)
     told = {name: entry for name, entry in attributes.items() if name not in PARAMETERS}
     return record | told, [*parts, pairs("Starts", counts)]
+
+
+def _atlas(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return each attractor with where it exists and how likely it is there."""
+    words = {number: word for word, number in flags_of(dataset["kind"]).items()}
+    rows: list[Record] = []
+    for number in range(dataset.sizes["attractor"]):
+        own = dataset.isel(attractor=number)
+        fraction = own["fraction"]
+        here = np.isfinite(fraction.values)
+        kinds = sorted({words[kind] for kind in own["kind"].values[here].tolist()})
+        row: Record = {"attractor": number, "kind": ", ".join(kinds), "points": int(here.sum())}
+        for name in PARAMETERS:
+            places = dataset[name].broadcast_like(fraction).transpose(*fraction.dims).values[here]
+            if dataset[name].size > 1:
+                row[name] = f"{places.min():.6g} to {places.max():.6g}"
+        shares = fraction.values[here]
+        row["fraction"] = f"{shares.min():.3g} to {shares.max():.3g}"
+        radius = own["radius_max"].values[here]
+        known = radius[np.isfinite(radius)]
+        row["radius_max"] = f"{known.min():.6g} to {known.max():.6g}" if known.size else ""
+        rows.append(row)
+    record: Record = {
+        "kind": "atlas",
+        "parameters": {name: dataset[name].values.tolist() for name in PARAMETERS},
+        "attractors": rows,
+        "missed_fraction": float(dataset["missed_fraction"]),
+        "largest_undecided_fraction": float(dataset["undecided_fraction"].max()),
+    }
+    scalars = {name: record[name] for name in ("missed_fraction", "largest_undecided_fraction")}
+    told = {name: entry for name, entry in attributes_of(dataset).items() if name not in PARAMETERS}
+    columns = list(rows[0]) if rows else []
+    parts = _rows("Attractors", rows, columns, most, digits=6)
+    return record | told, [*parts, pairs("Starts", scalars)]
 
 
 def _comparison(dataset: xr.Dataset, most: int | None) -> Description:

@@ -34,10 +34,15 @@ def figure_of(dataset: xr.Dataset) -> Figure:
         figure, (ax,) = plot.panels(1, 1, width=4.6, height=5.0)
         plot.plot_basin(dataset, ax)
         return figure
+    if kind == "atlas":
+        figure, (ax,) = plot.panels(1, 1, width=5.6, height=4.2)
+        plot.plot_attractors(dataset, ax)
+        plot.shared_legend(figure, [ax])
+        return figure
     if kind not in {"whirls", "sweep"}:
         raise InputError(
-            "figure must be of a run, of whirls, of a sweep or basin, or of limit cycles, got "
-            f"{kind!r}"
+            "figure must be of a run, of whirls, of a sweep, basin or atlas, or of limit cycles, "
+            f"got {kind!r}"
         )
     pairs = [
         (float(zeta), float(delta0))

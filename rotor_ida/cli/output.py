@@ -95,7 +95,7 @@ def answer_whole(dataset: xr.Dataset, output: Output, study: Path | None) -> Rep
     if "status" in dataset:
         report = answer(dataset, output, result=in_study)
         return _troubled(report, _failures(dataset), FAILED)
-    if "special_value" in dataset:
+    if "special_value" in dataset or "missed_fraction" in dataset:
         return answer(dataset, output, result=in_study)
     missing = int(dataset["not_computed_count"])
     interrupted = bool(dataset.attrs["interrupted"])

@@ -21,7 +21,15 @@ from cyclopts import (
 )
 from rich.console import Console
 
-from rotor_ida.cli.commands.compute import basin, fractions, reproduce, response, simulate, sweep
+from rotor_ida.cli.commands.compute import (
+    atlas,
+    basin,
+    fractions,
+    reproduce,
+    response,
+    simulate,
+    sweep,
+)
 from rotor_ida.cli.commands.cycles import continue_, curve, cycle
 from rotor_ida.cli.commands.doctor import doctor
 from rotor_ida.cli.commands.stored import compare, resume, show, status, verify
@@ -83,7 +91,10 @@ def application(console: Console) -> App:
         version=version("rotor-ida"),
         console=console,
     )
-    computing = (simulate, response, sweep, basin, fractions, cycle, continue_, curve)
+    computing = (
+        *(simulate, response, sweep, basin, fractions, atlas),
+        *(cycle, continue_, curve),
+    )
     archived = (status, resume, compare, verify, show)
     for command in (reproduce, *computing, *archived, doctor):
         app.command(command)

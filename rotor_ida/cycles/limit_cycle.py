@@ -271,17 +271,11 @@ def _columns(cycle: Cycle) -> dict[str, xr.Variable]:
 
 def _lines(cycle: Cycle, states: Values) -> dict[str, xr.Variable]:
     """Return the spectrum of one period: on fixed axes lines at omega + k 2 pi/T."""
-    omega = cycle.rotor.omega
-    heights = np.fft.fft(states[:-1, 0] + 1j * states[:-1, 1]) / SAMPLES
-    orders = np.fft.fftfreq(SAMPLES, 1.0 / SAMPLES)
-    sizes = np.abs(heights)
+    ratio, orders, sizes = whirl_beside(cycle, states[:-1])
     chosen = np.flatnonzero(sizes >= SHOWN * sizes.max())
     chosen = chosen[np.argsort(orders[chosen])]
-    frequency = omega + 2.0 * math.pi / cycle.period * orders[chosen]
+    frequency = cycle.rotor.omega + 2.0 * math.pi / cycle.period * orders[chosen]
     kinds = np.where(orders[chosen] == 0.0, LINE_KIND["spin"], np.sign(frequency)).astype(np.int8)
-    others = np.flatnonzero(orders[chosen] != 0.0)
-    strongest = others[np.argmax(sizes[chosen][others])]
-    ratio = float(frequency[strongest] / omega)
     direction = WHIRL_DIRECTION["forward" if ratio > 0.0 else "backward"]
     return {
         "line": of_cycle("line", "line", np.arange(chosen.size)),
@@ -291,6 +285,32 @@ def _lines(cycle: Cycle, states: Values) -> dict[str, xr.Variable]:
         "whirl_ratio": of_cycle("whirl_ratio", (), ratio),
         "whirl_direction": of_cycle("whirl_direction", (), np.int8(direction)),
     }
+
+
+def whirl_beside(cycle: Cycle, states: Values) -> tuple[float, Values, Values]:
+    """Return the frequency of the strongest whirl beside the spin over the spin speed.
+
+    Parameters
+    ----------
+    cycle : Cycle
+        A limit cycle.
+    states : ndarray, shape (n, 4)
+        One period of it on the rotating axes, at equal times [1].
+
+    Returns
+    -------
+    ratio : float
+        The frequency, negative for backward whirl [1].
+    orders, sizes : ndarray, shape (n,)
+        Of all lines at ``omega + k 2 pi/T``: the order k, and the amplitude [1].
+    """
+    heights = np.fft.fft(states[:, 0] + 1j * states[:, 1]) / len(states)
+    sizes: Values = np.abs(heights)
+    orders: Values = np.fft.fftfreq(len(states), 1.0 / len(states))
+    others = np.flatnonzero(orders != 0.0)
+    strongest = float(orders[others[np.argmax(sizes[others])]])
+    ratio = 1.0 + 2.0 * math.pi / cycle.period * strongest / cycle.rotor.omega
+    return ratio, orders, sizes
 
 
 def _none(response: str) -> dict[str, xr.Variable]:

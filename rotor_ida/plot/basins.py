@@ -1,4 +1,4 @@
-"""Basins: a plane of starts, one colour for each attractor, and their fractions over the speed."""
+"""Basins: a plane of starts, one colour for each attractor, and fractions over a parameter."""
 
 from __future__ import annotations
 
@@ -34,6 +34,7 @@ NEEDED = (*PARAMETERS, "label", "kind", "amplitude", "radius_min", "radius_max",
 UNDECIDED, NOT_COMPUTED = INK, "white"
 FATE_WORDS = {"undecided": "undecided", "not_computed": "not computed"}
 CONSTANT_RADIUS = 1e-3
+MOST_IN_A_COLUMN = 6
 
 
 def plot_basin(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
@@ -88,7 +89,7 @@ def plot_basin(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
             ax.set_box_aspect(1.0)
         ax.set_title(_title(dataset))
         handles = _handles(dataset, colours)
-        legend_below(ax, columns=1 + (len(handles) > 3), handles=handles)
+        legend_below(ax, columns=1 + (len(handles) > MOST_IN_A_COLUMN), handles=handles)
     return ax
 
 
@@ -132,6 +133,69 @@ def plot_basin_fractions(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         ax.set_xlabel(LABELS["omega"])
         ax.set_ylabel("share of starts")
         ax.set_title(title_of("dataset", dataset, ("zeta", "delta0")))
+        if alone:
+            own_legend(ax)
+    return ax
+
+
+def plot_attractors(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
+    """Draw the fractions of starts by attractor over a parameter, one upon the other.
+
+    Attractors of one kind of response have shades of one colour; each keeps its own throughout. The
+    legend names the kinds.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        What `rotor_ida.continue_attractors` returned, over one parameter.
+    ax : Axes, optional
+        Where to draw, and what is returned; by default the axes of a new figure.
+
+    Raises
+    ------
+    InputError
+        If the dataset is no such result, or over more or less than one parameter.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rotor_ida import continue_attractors
+    >>> found = continue_attractors(omega=np.linspace(1.6, 1.8, 3), zeta=0.07, delta0=0.0,
+    ...                             x=(-15, 15), y=(-15, 15), starts=50)
+    >>> plot_attractors(found).get_ylabel()
+    'share of starts'
+    """
+    check_dataset("dataset", dataset, (*PARAMETERS, "attractor", "fraction", "kind"))
+    varying = [name for name in PARAMETERS if dataset[name].size > 1]
+    if len(varying) != 1:
+        raise InputError(f"dataset must be over one parameter to be drawn, got {len(varying)}")
+    (name,) = varying
+    fixed = {each: 0 for each in PARAMETERS if each != name}
+    line = dataset.isel(fixed).transpose(name, ..., "attractor")
+    words = {number: word for word, number in flags_of(dataset["kind"]).items()}
+    families, named = {kind: cycle(family) for kind, family in KIND_SHADES.items()}, set[str]()
+    alone = ax is None
+    with style():
+        ax = axes_or_new(ax)
+        places, base = line[name].values, np.zeros(line.sizes[name])
+        for number in range(line.sizes["attractor"]):
+            own = line.isel(attractor=number)
+            here = np.isfinite(own["fraction"].values)
+            kind = words[int(np.bincount(own["kind"].values[here]).argmax())]
+            top = base + np.nan_to_num(own["fraction"].values)
+            ax.fill_between(
+                places, base, top, facecolor=next(families[kind]), edgecolor="white", lw=0.3,
+                label="_" if kind in named else KIND_WORDS[kind],
+            )  # fmt: skip
+            base = top
+            named.add(kind)
+        if (base < 1.0 - 1e-9).any():
+            ax.fill_between(places, base, 1.0, color=UNDECIDED, lw=0.0, label="undecided")
+        ax.set_xlim(float(places[0]), float(places[-1]))
+        ax.set_ylim(0.0, 1.0)
+        label_axis(ax.xaxis, name, dataset[name])
+        ax.set_ylabel("share of starts")
+        ax.set_title(title_of("dataset", line, tuple(fixed)))
         if alone:
             own_legend(ax)
     return ax
@@ -184,6 +248,8 @@ def _name(attractor: xr.Dataset) -> str:
     """Return the kind of an attractor and its amplitude, or the radii between which it swings."""
     words = {number: word for word, number in flags_of(attractor["kind"]).items()}
     kind = KIND_WORDS[words[int(attractor["kind"])]]
+    if words[int(attractor["kind"])] == "touching":  # what it tends to is told by its kind
+        return kind
     unit = unit_of(attractor["amplitude"])
     low, high = float(attractor["radius_min"]), float(attractor["radius_max"])
     if math.isnan(high) or high - low <= CONSTANT_RADIUS * high:

@@ -15,7 +15,7 @@ from typing import Any, get_args, get_type_hints
 import pytest
 
 import rotor_ida
-from rotor_ida.cli.commands.compute import basin, fractions, simulate, sweep
+from rotor_ida.cli.commands.compute import atlas, basin, fractions, simulate, sweep
 from rotor_ida.cli.commands.cycles import continue_, curve, cycle
 
 Program = Callable[..., Any]
@@ -28,6 +28,7 @@ COMMANDS = [
         "sweep",
         "basin",
         "fractions",
+        "atlas",
         "cycle",
         "continue",
         "curve",
@@ -109,6 +110,7 @@ def options_of(command: Callable[..., object]) -> dict[str, tuple[object, object
         (sweep, "sweep"),
         (basin, "basin"),
         (fractions, "basin_fractions"),
+        (atlas, "continue_attractors"),
         (cycle, "limit_cycle"),
         (continue_, "continue_cycle"),
         (curve, "bifurcation_curve"),

@@ -200,6 +200,49 @@ def fractions(
         return answer_whole(dataset, output, study)
 
 
+def atlas(
+    *,
+    omega: options.Omegas,
+    zeta: options.Zetas,
+    delta0: options.Delta0s,
+    x: options.Range,
+    y: options.Range,
+    vx: options.Range = 0.0,
+    vy: options.Range = 0.0,
+    starts: options.StartCount = 1000,
+    seed: options.Seed = 0,
+    rtol: options.Rtol = 1e-6,
+    jobs: options.JobOptions = options.JobOptions(),
+    study: options.Study = None,
+    output: Output = Output(),
+) -> Report:
+    r"""Say which attractors exist over speed, damping or clearance, and how likely each is.
+
+    Over 29 speeds, drawn as shares of the starts:
+
+        rotor-ida atlas --omega 0.2:3:29 --zeta 0.07 --delta0 2 --x=-15:15 --y=-15:15 \
+            --out atlas.nc --figure atlas
+    """
+    output.check()
+    with working("atlas", study) as progress:
+        dataset = rotor_ida.continue_attractors(
+            omega=omega,
+            zeta=zeta,
+            delta0=delta0,
+            x=x,
+            y=y,
+            vx=vx,
+            vy=vy,
+            starts=starts,
+            seed=seed,
+            rtol=rtol,
+            **asdict(jobs),
+            study=study,
+            progress=progress,
+        )
+        return answer_whole(dataset, output, study)
+
+
 def reproduce(
     *,
     out: options.Results = Path("results"),
