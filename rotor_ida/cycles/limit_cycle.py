@@ -306,7 +306,7 @@ def whirl_beside(cycle: Cycle, states: Values) -> tuple[float, Values, Values]:
     """
     heights = np.fft.fft(states[:, 0] + 1j * states[:, 1]) / len(states)
     sizes: Values = np.abs(heights)
-    orders: Values = np.fft.fftfreq(len(states), 1.0 / len(states))
+    orders = np.asarray(np.fft.fftfreq(len(states), 1.0 / len(states)), dtype=np.float64)
     others = np.flatnonzero(orders != 0.0)
     strongest = float(orders[others[np.argmax(sizes[others])]])
     ratio = 1.0 + 2.0 * math.pi / cycle.period * strongest / cycle.rotor.omega

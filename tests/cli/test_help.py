@@ -76,6 +76,8 @@ def test_the_examples_run_one_after_the_other(program: Program, monkeypatch: pyt
         "whirls.nc",
         "sweep.nc",
         "basin.nc",
+        "atlas.nc",
+        "atlas.png",
         "compared.nc",
         "cycle.nc",
         "branch.nc",

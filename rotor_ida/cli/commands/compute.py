@@ -205,8 +205,8 @@ def atlas(
     omega: options.Omegas,
     zeta: options.Zetas,
     delta0: options.Delta0s,
-    x: options.Range,
-    y: options.Range,
+    x: options.Range = 0.0,
+    y: options.Range = 0.0,
     vx: options.Range = 0.0,
     vy: options.Range = 0.0,
     starts: options.StartCount = 1000,
@@ -221,7 +221,7 @@ def atlas(
     Over 29 speeds, drawn as shares of the starts:
 
         rotor-ida atlas --omega 0.2:3:29 --zeta 0.07 --delta0 2 --x=-15:15 --y=-15:15 \
-            --out atlas.nc --figure atlas
+            --starts 200 --out atlas.nc --figure atlas
     """
     output.check()
     with working("atlas", study) as progress:
