@@ -75,8 +75,11 @@ def test_interrupt_ends_the_scripts(written, tmp_path):
     scripts = written(waits=WAITING)
     program = tmp_path / "program.py"
     program.write_text(
+        "import signal\n"
         "from pathlib import Path\n"
         "from rotor_ida.paper.running import run_scripts\n"
+        # who is started in the background ignores it
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "if __name__ == '__main__':\n"
         f"    scripts = {{'waits': Path({str(scripts['waits'])!r})}}\n"
         f"    root = Path({str(tmp_path / 'out')!r})\n"
