@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from rotor_ida.atlas.cells import NEVER, Cell, Member
 from rotor_ida.basins.attractors import attractor_of_cycle
+from rotor_ida.basins.cycle_sections import cycle_section
 from rotor_ida.basins.known import same_numbers
 from rotor_ida.closed_forms import synchronous_response
 from rotor_ida.cycles.branch import LIMITS, PLACE, Side, advance, course_from
@@ -97,7 +98,8 @@ def _successor(member: Member, rotor: Rotor, there: Cell, stop: Stop) -> Member 
     for each in known:
         if same_numbers(each.attractor.period, each.attractor.radius_max, cycle):
             return each
-    added = Member(attractor_of_cycle(cycle, stop), 0, NEVER, cycle.state)
+    held = cycle_section(cycle, stop).exists
+    added = Member(attractor_of_cycle(cycle, held, stop), 0, NEVER, cycle.state)
     there.members.append(added)
     return added
 

@@ -10,7 +10,6 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import gammaincinv
 
-from rotor_ida.basins.cycle_sections import cycle_section
 from rotor_ida.basins.following import FollowedStarts, Starts
 from rotor_ida.basins.kernel import CHAOTIC
 from rotor_ida.basins.known import lag_of
@@ -95,9 +94,9 @@ def attractors_of(found: FollowedStarts) -> list[Attractor]:
         if found.known.fading_label in present:
             rows.append((found.known.fading_label, _fading(found)))
     stop = np.zeros(1, np.uint8)
-    for number, cycle in enumerate(found.cycles, start=found.known.first_cycle):
-        if number in present:
-            rows.append((number, attractor_of_cycle(cycle, stop)))
+    for place, (cycle, held) in enumerate(zip(found.cycles, found.held, strict=True)):
+        if (number := found.known.first_cycle + place) in present:
+            rows.append((number, attractor_of_cycle(cycle, held, stop)))
     if CHAOTIC in present:
         rows.append((CHAOTIC, _chaos(found)))
     _renumber(found.labels, [label for label, _ in rows])
@@ -166,13 +165,13 @@ def _fading(found: FollowedStarts) -> Attractor:
     )  # fmt: skip
 
 
-def attractor_of_cycle(cycle: Cycle, stop: Stop) -> Attractor:
-    """Return a limit cycle as an attractor."""
+def attractor_of_cycle(cycle: Cycle, held: bool, stop: Stop) -> Attractor:
+    """Return a limit cycle as an attractor, and whether a section of it holds starts."""
     states = follow(cycle.rotor, cycle.state, cycle.period / SAMPLES, SAMPLES + 1, stop)[:-1]
     whirl = complex(states[:, 0].mean(), states[:, 1].mean())
     return Attractor(
         cycle.response, abs(whirl), phase_lag_of(whirl), cycle.radius_min, cycle.radius_max,
-        cycle.period, ESTIMATED if cycle_section(cycle, stop).exists else NOTHING,
+        cycle.period, ESTIMATED if held else NOTHING,
     )  # fmt: skip
 
 

@@ -11,8 +11,8 @@ from rotor_ida.storage.studies.arrays import packed, unpacked
 
 Values = npt.NDArray[np.float64]
 
-# What is kept of a limit cycle: state, period.
-CYCLE = 5
+# What is kept of a limit cycle: state, period, and 1 where a section of it holds starts.
+CYCLE = 6
 # And of a chaotic motion: amplitude, phase lag, smallest and largest radius.
 CHAOS = 4
 
@@ -30,8 +30,8 @@ class BatchResult:
         rows of `cycles`.
     times : ndarray of float32, shape (n,)
         Time at which the start was decided, or given up [1]; NaN where not computed.
-    cycles : ndarray, shape (m, 5)
-        State and period of each limit cycle that the batch knew [1].
+    cycles : ndarray, shape (m, 6)
+        State, period, and whether a section holds starts, of each limit cycle that was known [1].
     chaos : ndarray, shape (k, 4)
         Amplitude, phase lag and extreme radii of a chaotic motion, if it met any [1].
     watched : ndarray, shape (2,)

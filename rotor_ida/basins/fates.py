@@ -36,6 +36,9 @@ HOW = Options(method="taylor", rtol=1e-10)
 AMPLITUDE = 1e-5
 # Orbits that need longer are followed until this time by the kernel, then one by one.
 LONGEST = 4000.0
+# Where no more than this part is left over, it is followed for longer before one is looked at: it
+# may only be slow.
+FEW = 0.05
 # Of orbits that last as long as chaos, so many are looked at.
 CHECKED = 2
 
@@ -102,6 +105,11 @@ def decide(batch: Batch) -> None:
     if batch.known.rotor.omega == 0.0:  # energy only falls: all comes to rest
         batch.labels[waiting] = 0
         return
+    while 0 < waiting.size <= FEW * batch.labels.size:
+        passed = float(batch.times[waiting].max())
+        if passed >= LONGEST or batch.stop[0]:
+            break
+        waiting = batch.follow(waiting, passed)
     while waiting.size and not batch.stop[0]:
         first, waiting = int(waiting[0]), waiting[1:]
         known = batch.known

@@ -46,6 +46,8 @@ class FollowedStarts:
         Time at which the start was decided, or given up [1]; NaN where not computed.
     cycles : list of Cycle
         The limit cycles that starts ended on, by rising largest radius.
+    held : list of bool
+        Whether a section of each holds starts.
     chaos : ndarray, shape (k, 4)
         Amplitude, phase lag and extreme radii of chaotic motions [1].
     left, watched : float
@@ -61,6 +63,7 @@ class FollowedStarts:
     labels: npt.NDArray[np.int16]
     times: npt.NDArray[np.float32]
     cycles: list[Cycle] = field(default_factory=list)
+    held: list[bool] = field(default_factory=list)
     chaos: Values = field(default_factory=lambda: np.empty((0, CHAOS)))
     left: float = 0.0
     watched: float = 0.0
@@ -157,7 +160,7 @@ def _follow(job: _Job, stop: Stop) -> BatchResult:
     """Follow a batch of starts until what becomes of them is decided."""
     batch = _decided(job, stop)
     batch.times[batch.labels == NOT_COMPUTED] = np.nan
-    cycles = [[*each.cycle.state, each.cycle.period] for each in batch.known.cycles]
+    cycles = [[*each.cycle.state, each.cycle.period, each.exists] for each in batch.known.cycles]
     chaos = np.empty((0, CHAOS))
     if batch.chaotic is not None:
         seen = batch.chaotic.features
@@ -213,6 +216,7 @@ def _renumbered(
             numbers[key] = same[0] if same else len(found.cycles)
             if not same:
                 found.cycles.append(cycle)
+                found.held.append(bool(row[5]))
         labels[batch.labels == first + number] = first + numbers[key]
     return labels
 
@@ -221,6 +225,7 @@ def _put_in_order(found: FollowedStarts) -> None:
     """Sort the limit cycles by rising largest radius, and number the labels anew."""
     order = np.argsort([each.radius_max for each in found.cycles], kind="stable")
     found.cycles = [found.cycles[place] for place in order]
+    found.held = [found.held[place] for place in order]
     first = found.known.first_cycle
     # negative labels stand at the end of the table, where they find themselves
     table = np.arange(first + len(order) - CHAOTIC, dtype=np.int16)

@@ -56,7 +56,7 @@ def test_a_whirl_that_ends_at_a_fold_has_no_successor():
 def member_at(omega, delta0, start):
     rotor = Rotor(omega=omega, zeta=0.07, delta0=delta0)
     cycle = cycle_from(rotor, np.array(start))
-    return rotor, Member(attractor_of_cycle(cycle, GO_ON), 3, NEVER, cycle.state)
+    return rotor, Member(attractor_of_cycle(cycle, True, GO_ON), 3, NEVER, cycle.state)
 
 
 @pytest.mark.parametrize("omega", [1.95, 2.4, 3.1])

@@ -22,7 +22,9 @@ def found_with(labels, cycles=(), chaos=(), left=0.0, watched=0.0):
     known = known_from_closed_forms(BOUNCER, np.zeros(1, np.uint8))
     times = np.zeros(labels.size, np.float32)
     rows = np.array(chaos).reshape(-1, 4)
-    return FollowedStarts(known, labels, times, list(cycles), rows, left, watched)
+    return FollowedStarts(
+        known, labels, times, list(cycles), [True] * len(cycles), rows, left, watched
+    )
 
 
 def test_labels_number_the_rows():

@@ -12,7 +12,7 @@ def test_every_bit_of_a_batch_comes_back():
         8192,
         np.array([0, -3, 2], dtype=np.int16),
         np.array([0.5, np.nan, 2.0], dtype=np.float32),
-        np.array([[1.0, 2.0, 3.0, 4.0, 1e-300]]),
+        np.array([[1.0, 2.0, 3.0, 4.0, 1e-300, 1.0]]),
         np.empty((0, 4)),
         np.array([3.0, 1e5]),
     )
