@@ -161,11 +161,10 @@ def draw(
                 ax.axvline(place, color=ORANGE, lw=0.9, ls="--", zorder=1.5,
                            label="period doubling" if number == 0 else None)  # fmt: skip
             ax.axvline(end, color="k", lw=0.9, ls=":", label="end of the cascade")
-            ax.tick_params(labelbottom=True)
         axes[0].set(xlim=(LOWEST, HIGHEST), title=rf"$\zeta = {ZETA},\ \delta_0 = {DELTA0:g}$")
         axes[1].set_xlim(LOWEST, MIDDLE)
         axes[2].set(xlim=(LOWEST, MIDDLE), xlabel=LABELS["omega"], ylabel="largest exponent")
-        shared_legend(figure, axes, columns=5)
+        shared_legend(figure, axes, columns=5, outer=False)
     told = ", ".join(
         f"{value:.4f} ± {error:.4f} at ω = {speed:.4f}"
         for speed, value, error in zip(

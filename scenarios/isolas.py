@@ -119,9 +119,7 @@ def draw_isolas(
     near = isolas[1].where(np.abs(isolas[1].omega - low) < 2 * width, drop=True)
     ax.set_ylim(0.0, 1.08 * float(near.radius_max.max()))
     ax.set_title(ax.get_title() + ", the sliver", fontsize=axes[0].title.get_fontsize())
-    for each in axes:
-        each.tick_params(labelbottom=True)
-    shared_legend(figure, axes, columns=4)
+    shared_legend(figure, axes, columns=4, outer=False)
     digits = float(witness.digits.squeeze())
     lies = int(witness.lies_on.squeeze()) == EXACT["cycle"]
     closed = ["closes" if isola.attrs["closed"] else "does not close" for isola in isolas]
