@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.atlas.cells import CellJob, Member, fill_cell
+from rotor_ida.atlas.cells import Cell, CellJob, Member, fill_cell
 from rotor_ida.atlas.dataset import RISK
 from rotor_ida.basins.fractions import drawn_from, range_of
 from rotor_ida.basins.labelling import LOOSEST, RTOL, TIGHTEST, check_rotor
@@ -107,38 +108,39 @@ def touchdown_report(
     box /= np.array([length, length, velocity, velocity])[:, None]
     job = CellJob(rotor, drawn_from(box, chosen, 0, count), tolerance)
     cell = interruptible(lambda stop: fill_cell(job, stop))
-    rows = [_numbers(rotor, each) for each in cell.members]
-    columns: dict[str, Column] = {
-        name: ("attractor", np.array([row[name] for row in rows], dtype=np.float64))
-        for name in NUMBERS
-    }
-    columns |= {
-        name: ("attractor", np.array([getattr(each.attractor, name) for each in cell.members]))
-        for name in OWN
-    }
-    kinds = [RESPONSE[each.attractor.kind] for each in cell.members]
-    columns["kind"] = ("attractor", np.array(kinds, dtype=np.int8))
-    held = [TRAPPING[each.attractor.trapping] for each in cell.members]
-    columns["trapping"] = ("attractor", np.array(held, dtype=np.int8))
-    columns["whirl_direction"] = ("attractor", np.array([_direction(row) for row in rows], np.int8))
-    part = np.array([each.count for each in cell.members]) / count
-    columns["fraction"] = ("attractor", part)
-    columns["fraction_error"] = ("attractor", np.sqrt(part * (1.0 - part) / count))
-    settling = np.array([each.settling for each in cell.members]).reshape(-1, 2)
-    columns["settling_median"], columns["settling_95"] = (
-        ("attractor", settling[:, 0]), ("attractor", settling[:, 1]),
-    )  # fmt: skip
-    columns["undecided_fraction"] = ((), cell.undecided / count)
-    columns["missed_fraction"] = ((), 1.0 - RISK ** (1.0 / count))
-    coordinates = parameter_coordinates(rotor)
-    coordinates["attractor"] = ("attractor", np.arange(len(rows)))
-    told = provenance(Options().attributes()) | {
-        **{name: getattr(rotor, name) for name in PARAMETERS},
-        "starts": count, "seed": chosen, "labelling_rtol": tolerance,
-        **{f"range_{name}": limits for name, limits in zip(COMPONENTS, box, strict=True)},
-    }  # fmt: skip
-    report = labelled_dataset("What touching the ring does", columns, coordinates, told)
+    told = {"starts": count, "seed": chosen, "labelling_rtol": tolerance}
+    ranges = {f"range_{name}": ends for name, ends in zip(COMPONENTS, box, strict=True)}
+    report = _dataset(cell, count, {**told, **ranges})
     return dimensional(report, machine) if isinstance(machine, DimensionalRotor) else report
+
+
+def _dataset(cell: Cell, starts: int, attributes: Mapping[str, object]) -> xr.Dataset:
+    """Return what each attractor does, dimensionless, as a labelled dataset."""
+    members = cell.members
+    rows = [_numbers(cell.rotor, each) for each in members]
+    part = np.array([each.count for each in members]) / starts
+    settling = np.array([each.settling for each in members]).reshape(-1, 2)
+    columns: dict[str, npt.ArrayLike] = {
+        **{name: np.array([row[name] for row in rows], float) for name in NUMBERS},
+        **{name: np.array([getattr(each.attractor, name) for each in members]) for name in OWN},
+        "kind": np.array([RESPONSE[each.attractor.kind] for each in members], np.int8),
+        "trapping": np.array([TRAPPING[each.attractor.trapping] for each in members], np.int8),
+        "whirl_direction": np.array([_direction(row) for row in rows], np.int8),
+        "fraction": part,
+        "fraction_error": np.sqrt(part * (1.0 - part) / starts),
+        "settling_median": settling[:, 0],
+        "settling_95": settling[:, 1],
+    }
+    variables: dict[str, Column] = {
+        name: ("attractor", np.asarray(column)) for name, column in columns.items()
+    }
+    variables["undecided_fraction"] = ((), cell.undecided / starts)
+    variables["missed_fraction"] = ((), 1.0 - RISK ** (1.0 / starts))
+    coordinates = parameter_coordinates(cell.rotor)
+    coordinates["attractor"] = ("attractor", np.arange(len(members)))
+    told = {**provenance(Options().attributes()), **attributes}
+    told |= {name: getattr(cell.rotor, name) for name in PARAMETERS}
+    return labelled_dataset("What touching the ring does", variables, coordinates, told)
 
 
 def _scales(machine: object) -> tuple[Rotor, float, float]:
@@ -154,7 +156,7 @@ def _numbers(rotor: Rotor, member: Member) -> dict[str, float]:
     """Return what one attractor does, dimensionless."""
     attractor = member.attractor
     numbers = dict.fromkeys(NUMBERS, math.nan)
-    if attractor.radius_max == attractor.radius_max and rotor.delta0 > 0.0:
+    if rotor.delta0 > 0.0:  # NaN where the radius hangs on the start
         numbers["excursion"] = attractor.radius_max / rotor.delta0
     if attractor.kind == response.CHAOTIC:
         numbers["largest_force"] = float(contact_force(attractor.radius_max, rotor.delta0))

@@ -71,7 +71,7 @@ def kind_of(dataset: xr.Dataset) -> Kind:
         "comparison": "matched_branch" in dataset,
         "basin": "label" in dataset and "attractor" in dataset.dims,
         "basin_fractions": "response_fraction" in dataset,
-        "atlas": "missed_fraction" in dataset,
+        "atlas": "missed_fraction" in dataset and set(PARAMETERS) <= set(dataset.dims),
         "sweep": "response" in dataset and set(PARAMETERS) <= set(dataset.dims),
         "run": "event_time" in dataset and "t" in dataset.dims,
         "whirls": "amplitude" in dataset and "branch" in dataset.dims,

@@ -13,6 +13,7 @@ from rotor_ida.cli.describe import kind_of
 from rotor_ida.cli.options import check_panels
 from rotor_ida.closed_forms import response_curve
 from rotor_ida.errors import InputError
+from rotor_ida.parameters import PARAMETERS
 from rotor_ida.plot.labels import LABELS
 
 # Up to so many speeds of a table of whirls are marked.
@@ -36,7 +37,8 @@ def figure_of(dataset: xr.Dataset) -> Figure:
         return figure
     if kind == "atlas":
         figure, (ax,) = plot.panels(1, 1, width=5.6, height=4.2)
-        plot.plot_attractors(dataset, ax)
+        line = sum(dataset[name].size > 1 for name in PARAMETERS) == 1
+        (plot.plot_attractors if line else plot.plot_attractor_map)(dataset, ax)
         plot.shared_legend(figure, [ax])
         return figure
     if kind not in {"whirls", "sweep"}:

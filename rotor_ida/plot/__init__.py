@@ -7,7 +7,12 @@ values of a parameter that the picture has one of, axes of another kind or in ot
 """
 
 from rotor_ida.plot.appearance import mixed_panels, panels, shared_legend, style
-from rotor_ida.plot.basins import plot_attractors, plot_basin, plot_basin_fractions
+from rotor_ida.plot.basins import (
+    plot_attractor_map,
+    plot_attractors,
+    plot_basin,
+    plot_basin_fractions,
+)
 from rotor_ida.plot.beyond import plot_exponents, plot_extrema, plot_section, plot_spectrum
 from rotor_ida.plot.cycles import (
     cycle_figure,
@@ -52,6 +57,7 @@ __all__ = [
     "panels",
     "parameter_text",
     "plot_amplitude",
+    "plot_attractor_map",
     "plot_attractors",
     "plot_backbone",
     "plot_basin",

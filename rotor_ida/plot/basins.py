@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
 
-from rotor_ida.checks import COMPONENTS
+from rotor_ida.checks import COMPONENTS, check_choice
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import PARAMETERS
 from rotor_ida.plot.appearance import (
@@ -181,6 +181,8 @@ def plot_attractors(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         for number in range(line.sizes["attractor"]):
             own = line.isel(attractor=number)
             here = np.isfinite(own["fraction"].values)
+            if not here.any():
+                continue
             kind = words[int(np.bincount(own["kind"].values[here]).argmax())]
             top = base + np.nan_to_num(own["fraction"].values)
             ax.fill_between(
@@ -199,6 +201,84 @@ def plot_attractors(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         if alone:
             own_legend(ax)
     return ax
+
+
+def plot_attractor_map(dataset: xr.Dataset, ax: Axes | None = None, *, by: str = "kind") -> Axes:
+    r"""Draw over two parameters which response is the likeliest, or how hard it presses.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        What `rotor_ida.continue_attractors` returned, over two parameters.
+    ax : Axes, optional
+        Where to draw, and what is returned; by default the axes of a new figure.
+    by : {"kind", "force"}
+        What is coloured: the kind of response that most starts end on, with a legend; or the
+        largest contact force on the attractor that most of them end on, with a colour bar.
+
+    Raises
+    ------
+    InputError
+        If the dataset is no such result, or over other than two parameters.
+
+    Examples
+    --------
+    >>> from rotor_ida import continue_attractors
+    >>> found = continue_attractors(omega=[1.6, 1.8], zeta=0.07, delta0=[0.0, 0.5],
+    ...                             x=(-15, 15), y=(-15, 15), starts=20)
+    >>> plot_attractor_map(found).get_ylabel()
+    'clearance $\\delta_0$'
+    """
+    check_dataset("dataset", dataset, (*PARAMETERS, "attractor", "fraction", "kind", "radius_max"))
+    check_choice("by", by, ("kind", "force"))
+    varying = [name for name in PARAMETERS if dataset[name].size > 1]
+    if len(varying) != 2:
+        raise InputError(f"dataset must be over two parameters to be mapped, got {len(varying)}")
+    right, upwards = varying
+    (fixed,) = (name for name in PARAMETERS if name not in varying)
+    plane = dataset.isel({fixed: 0}).transpose(upwards, right, ..., "attractor")
+    places = plane[right].values, plane[upwards].values
+    with style():
+        ax = axes_or_new(ax, width=5.0, height=4.4)
+        ax.grid(visible=False)
+        if by == "kind":
+            numbers, shades = _likeliest_kinds(plane)
+            kinds = [kind for number, kind in enumerate(shades) if (numbers == number).any()]
+            ax.pcolormesh(
+                *places, numbers, cmap=ListedColormap(list(shades.values())), vmin=-0.5,
+                vmax=len(shades) - 0.5, shading="nearest", rasterized=True,
+            )  # fmt: skip
+            for kind in kinds:
+                ax.fill_between([], [], color=shades[kind], lw=0.0, label=KIND_WORDS[kind])
+        else:
+            mesh = ax.pcolormesh(
+                *places, _forces_of_likeliest(plane), cmap="Greys", shading="nearest",
+                rasterized=True,
+            )  # fmt: skip
+            ax.figure.colorbar(mesh, ax=ax, label="largest contact force")
+        label_axis(ax.xaxis, right, dataset[right])
+        label_axis(ax.yaxis, upwards, dataset[upwards])
+        ax.set_title(title_of("dataset", plane, (fixed,)))
+    return ax
+
+
+def _likeliest_kinds(plane: xr.Dataset) -> tuple[npt.NDArray[np.int64], dict[str, str]]:
+    """Return the number of the likeliest kind at each place, and the colours of all kinds."""
+    flags, shades = flags_of(plane["kind"]), {kind: each[0] for kind, each in KIND_SHADES.items()}
+    shares = [
+        plane["fraction"].where(plane["kind"] == flags[kind], 0.0).sum("attractor").values
+        for kind in shades
+    ]
+    numbers: npt.NDArray[np.int64] = np.argmax(shares, axis=0)
+    return numbers, shades
+
+
+def _forces_of_likeliest(plane: xr.Dataset) -> Values:
+    """Return the largest contact force of the likeliest attractor at each place; 0 without one."""
+    likeliest = plane["fraction"].fillna(-1.0).argmax("attractor")
+    depth = (plane["radius_max"] - plane["delta0"]).isel(attractor=likeliest)
+    force: Values = (depth.fillna(0.0).clip(min=0.0) ** 1.5).transpose(*likeliest.dims).values
+    return force
 
 
 def _directions(label: xr.DataArray) -> tuple[str, str]:

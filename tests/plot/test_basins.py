@@ -4,11 +4,11 @@ import xarray as xr
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
-from rotor_ida import InputError, Rotor, basin
-from rotor_ida.plot import plot_basin
+from rotor_ida import InputError, Rotor, basin, continue_attractors
+from rotor_ida.plot import plot_attractor_map, plot_attractors, plot_basin
 from rotor_ida.plot.appearance import KIND_SHADES
 from rotor_ida.plot.labels import LABELS
-from rotor_ida.schema import flags_of
+from rotor_ida.schema import RESPONSE, flags_of
 
 
 @pytest.fixture(scope="module")
@@ -97,3 +97,46 @@ def test_other_data_are_refused(figure_7):
         plot_basin(xr.Dataset({"omega": 1.0, "zeta": 1.0, "delta0": 1.0}))
     with pytest.raises(InputError, match="at least 2 x 2 starts"):
         plot_basin(figure_7.isel(x=slice(1)))
+
+
+@pytest.fixture(scope="module")
+def grid():
+    return continue_attractors(
+        omega=[1.6, 2.0, 2.4], zeta=0.07, delta0=[0.5, 2.0], x=(-15, 15), y=(-15, 15), starts=40
+    )
+
+
+def test_shares_of_attractors_fill_the_panel(grid):
+    ax = plot_attractors(grid.isel(delta0=[1]))
+    tops = np.max(
+        [path.vertices[:, 1].max() for each in ax.collections for path in each.get_paths()]
+    )
+    assert tops == pytest.approx(1.0)
+    words = ax.get_legend_handles_labels()[1]
+    assert "bouncing" in words
+    assert len(words) == len(set(words))
+
+
+def test_a_map_shows_the_likeliest_response(grid):
+    ax = plot_attractor_map(grid)
+    (mesh,) = [each for each in ax.collections if each.get_array() is not None]
+    shown = mesh.get_array().reshape(2, 3)
+    kinds = list(KIND_SHADES)
+    for row, delta0 in enumerate(grid.delta0.values):
+        for column, omega in enumerate(grid.omega.values):
+            here = grid.sel(omega=omega, delta0=delta0).squeeze()
+            number = int(here.kind[int(np.nanargmax(here.fraction.values))])
+            assert kinds[int(shown[row, column])] in RESPONSE
+            assert RESPONSE[kinds[int(shown[row, column])]] == number
+    forces = plot_attractor_map(grid, by="force")
+    (mesh,) = [each for each in forces.collections if each.get_array() is not None]
+    assert (mesh.get_array() >= 0.0).all()
+
+
+def test_a_line_is_no_map_and_a_map_no_line(grid):
+    with pytest.raises(InputError, match="over one parameter to be drawn, got 2"):
+        plot_attractors(grid)
+    with pytest.raises(InputError, match="over two parameters to be mapped, got 1"):
+        plot_attractor_map(grid.isel(delta0=[1]))
+    with pytest.raises(InputError, match="by must be one of 'kind', 'force', got 'colour'"):
+        plot_attractor_map(grid, by="colour")

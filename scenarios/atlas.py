@@ -1,0 +1,99 @@
+"""Which response is the likeliest over speed and clearance, and how hard it presses on the ring.
+
+The paper advises to increase the clearance. Starts in the box |x|, |y| <= 10, |x'|, |y'| <= 10 are
+followed at each speed and clearance to the attractors that they end on; over the map lie the folds
+of the synchronous whirls, and where the bouncing cycle folds and doubles its period.
+
+Writes the atlas and the curves (netCDF) and a figure as PNG and SVG.
+"""
+
+import sys
+
+import numpy as np
+import xarray as xr
+
+from rotor_ida import Rotor, bifurcation_curve, continue_attractors, continue_cycle, folds
+from rotor_ida.paper.scenario import Settings, progress_bar, run_script
+from rotor_ida.plot import panels, plot_attractor_map, plot_curves, shared_legend
+from rotor_ida.schema import RESPONSE, SPECIAL
+
+ZETA = 0.07
+BOX = dict.fromkeys(("x", "y", "vx", "vy"), (-10.0, 10.0))
+PLANE = {"omega": (0.2, 4.2), "delta0": (0.1, 3.0)}
+CYCLE = Rotor(omega=2.0, zeta=ZETA, delta0=2.0)
+
+
+def main(settings: Settings) -> None:
+    speeds = np.linspace(*PLANE["omega"], 6 if settings.quick else 41)
+    clearances = np.linspace(*PLANE["delta0"], 4 if settings.quick else 15)
+    with progress_bar("speeds and clearances") as progress:
+        found = continue_attractors(
+            omega=speeds, zeta=ZETA, delta0=clearances, **BOX, workers=settings.workers,
+            starts=30 if settings.quick else 200, progress=progress,
+        )  # fmt: skip
+    settings.keep(found, "atlas")
+    curves = curves_of_the_cycle(40 if settings.quick else 400)
+    for number, curve in enumerate(curves, start=1):
+        settings.keep(curve, f"curve_{number}")
+    whirls = folds(zeta=ZETA, delta0=np.linspace(*PLANE["delta0"], 60))
+    figure, axes = panels(2, 1, width=6.4, height=8.4)
+    for ax, by in zip(axes, ("kind", "force"), strict=True):
+        plot_attractor_map(found, ax, by=by)
+        plot_curves(curves, fold_points=whirls, ax=ax)
+        ax.set(xlim=PLANE["omega"], ylim=PLANE["delta0"])
+    shared_legend(figure, axes, columns=4)
+    settings.show(
+        figure, "atlas", archives=["atlas", *(f"curve_{k + 1}" for k in range(len(curves)))],
+        shows="The response that most starts end on, and the largest contact force on the "
+        "likeliest attractor, over speed and clearance.",
+        paper="A larger clearance lowers the amplitude.",
+        verdict=verdict_on(found), found=in_words(found),
+    )  # fmt: skip
+
+
+def curves_of_the_cycle(points: int) -> list[xr.Dataset]:
+    """Return where the bouncing cycle folds, and where its period doubles."""
+    branch = continue_cycle(CYCLE, start=(0, 0, 0, 0), limits=PLANE["omega"])
+    curves = []
+    for kind in ("fold", "period_doubling"):
+        places = np.flatnonzero(branch.special_kind.values == SPECIAL[kind])
+        chosen = branch.isel(special=int(places[np.argmax(branch.special_value.values[places])]))
+        curves.append(
+            bifurcation_curve(CYCLE, start=chosen, kind=kind, limits=PLANE, points=points)
+        )
+    return curves
+
+
+def in_lasting_contact(found: xr.Dataset) -> xr.DataArray:
+    """Return the share of starts that end in contact for good, over speed and clearance."""
+    kinds = ("synchronous", "bouncing", "full_contact", "chaotic")
+    hard = found.kind.isin([RESPONSE[kind] for kind in kinds])
+    return found.fraction.where(hard, 0.0).sum("attractor").squeeze()
+
+
+def in_words(found: xr.Dataset) -> str:
+    """Return what the smallest and the largest clearance do."""
+    share = in_lasting_contact(found)
+    parts = [
+        f"at δ₀ = {float(row.delta0):.2g} {float(row.mean()):.0%} of all starts end in lasting "
+        f"contact, above ω = 2 {float(row.sel(omega=slice(2.0, None)).mean()):.0%}"
+        for row in (share.isel(delta0=0), share.isel(delta0=-1))
+    ]
+    return "; ".join(parts).capitalize() + "."
+
+
+def verdict_on(found: xr.Dataset) -> str:
+    """Return where the likeliest attractor presses hardest."""
+    likeliest = found.fraction.fillna(-1.0).argmax("attractor")
+    depth = (found.radius_max - found.delta0).isel(attractor=likeliest).squeeze().fillna(0.0)
+    place = depth.isel(depth.argmax(("omega", "delta0")))
+    force, where = float(place) ** 1.5, float(place.delta0)
+    words = (
+        f"The likeliest response presses hardest, with a force of {force:.1f}, at δ₀ = {where:.2g}"
+    )
+    least = where == float(found.delta0.min())
+    return f"{words}, {'' if least else 'not '}the smallest clearance, and ω = {float(place.omega):.2g}."
+
+
+if __name__ == "__main__":
+    sys.exit(run_script(main, description=__doc__, script=__file__))
