@@ -24,15 +24,15 @@ CYCLE = Rotor(omega=2.0, zeta=ZETA, delta0=2.0)
 
 
 def main(settings: Settings) -> None:
-    speeds = np.linspace(*PLANE["omega"], 6 if settings.quick else 41)
-    clearances = np.linspace(*PLANE["delta0"], 4 if settings.quick else 15)
+    speeds = np.linspace(*PLANE["omega"], 5 if settings.quick else 41)
+    clearances = np.linspace(*PLANE["delta0"], 3 if settings.quick else 15)
     with progress_bar("speeds and clearances") as progress:
         found = continue_attractors(
             omega=speeds, zeta=ZETA, delta0=clearances, **BOX, workers=settings.workers,
-            starts=30 if settings.quick else 200, progress=progress,
+            starts=20 if settings.quick else 200, progress=progress,
         )  # fmt: skip
     settings.keep(found, "atlas")
-    curves = curves_of_the_cycle(40 if settings.quick else 400)
+    curves = curves_of_the_cycle(15 if settings.quick else 400)
     for number, curve in enumerate(curves, start=1):
         settings.keep(curve, f"curve_{number}")
     whirls = folds(zeta=ZETA, delta0=np.linspace(*PLANE["delta0"], 60))
@@ -88,11 +88,11 @@ def verdict_on(found: xr.Dataset) -> str:
     depth = (found.radius_max - found.delta0).isel(attractor=likeliest).squeeze().fillna(0.0)
     place = depth.isel(depth.argmax(("omega", "delta0")))
     force, where = float(place) ** 1.5, float(place.delta0)
-    words = (
-        f"The likeliest response presses hardest, with a force of {force:.1f}, at δ₀ = {where:.2g}"
+    least = "" if where == float(found.delta0.min()) else "not "
+    return (
+        f"The likeliest response presses hardest, with a force of {force:.1f}, at δ₀ = {where:.2g}, "
+        f"{least}the smallest clearance, and ω = {float(place.omega):.2g}."
     )
-    least = where == float(found.delta0.min())
-    return f"{words}, {'' if least else 'not '}the smallest clearance, and ω = {float(place.omega):.2g}."
 
 
 if __name__ == "__main__":
