@@ -90,8 +90,8 @@ def verdict_on(found: xr.Dataset) -> str:
     force, where = float(place) ** 1.5, float(place.delta0)
     least = "" if where == float(found.delta0.min()) else "not "
     return (
-        f"The likeliest response presses hardest, with a force of {force:.1f}, at δ₀ = {where:.2g}, "
-        f"{least}the smallest clearance, and ω = {float(place.omega):.2g}."
+        f"The likeliest response presses hardest, with a force of {force:.1f}, at ω = "
+        f"{float(place.omega):.2g} and δ₀ = {where:.2g}, {least}the smallest clearance."
     )
 
 
