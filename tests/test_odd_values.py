@@ -102,6 +102,21 @@ GIVEN: dict[str, Callable[[Path], dict[str, object]]] = {
         "starts": 2,
         "workers": 1,
     },
+    "continue_attractors": lambda _: {
+        "omega": 1.2,
+        "zeta": 0.5,
+        "delta0": 0.5,
+        "x": (0.0, 1.0),
+        "y": (0.0, 1.0),
+        "starts": 2,
+        "workers": 1,
+    },
+    "touchdown_report": lambda _: {
+        "machine": MACHINE,
+        "x": (0.0, 1e-6),
+        "y": (0.0, 1e-6),
+        "starts": 2,
+    },
     "bifurcation_diagram": lambda _: {
         "omega": 1.2,
         "zeta": 0.5,

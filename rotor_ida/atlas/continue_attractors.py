@@ -19,17 +19,21 @@ from rotor_ida.basins.labelling import LOOSEST, RTOL, TIGHTEST, check_rotor
 from rotor_ida.checks import (
     COMPONENTS,
     MOST_NUMBERS,
+    check_array,
     check_between,
     check_count,
     check_points,
     check_progress,
     check_seed,
     check_vector,
+    is_scalar,
+    shown,
 )
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import FailedJob, Progress, choose, interruptible, run_all
 from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.provenance import computing
+from rotor_ida.simulation.options import LARGEST
 from rotor_ida.storage.studies.results import Form, Results, open_results
 
 Values = npt.NDArray[np.float64]
@@ -183,23 +187,22 @@ def _states(
     ranges: Mapping[str, npt.ArrayLike], starts: object, seed: object
 ) -> tuple[Values, dict[str, object]]:
     """Return the starts, shape (4, n), and what tells of them."""
-    if np.ndim(starts) == 0:  # type: ignore[arg-type]
+    if is_scalar("starts", starts):
         count = check_count("starts", starts, maximum=MOST_STARTS)
         chosen = check_seed(seed)
         box = np.array([range_of(name, ranges[name]) for name in COMPONENTS])
         told: dict[str, object] = {"starts": count, "seed": chosen}
         told |= {name: limits.tolist() for name, limits in zip(COMPONENTS, box, strict=True)}
         return drawn_from(box, chosen, 0, count), told
-    given = np.asarray(starts)
+    given = check_array("starts", starts, largest=LARGEST)
     if given.ndim != 2 or given.shape[1] != len(COMPONENTS) or not 1 <= len(given) <= MOST_STARTS:
         raise InputError(
             f"starts must be a number, or an array of shape (n, 4) with n from 1 to {MOST_STARTS}, "
-            f"got one of shape {given.shape}"
+            f"got one of shape {shown(given.shape)}"
         )
-    if any(np.any(np.asarray(value) != 0.0) for value in ranges.values()):
+    if any(range_of(name, value) != (0.0, 0.0) for name, value in ranges.items()):
         raise InputError("x, y, vx and vy must be left out where starts are given")
-    columns = [check_vector(f"starts[:, {k}]", given[:, k]) for k in range(4)]
-    return np.array(columns), {"starts": given.tolist()}
+    return np.ascontiguousarray(given.T), {"starts": given.tolist()}
 
 
 def _lines(sizes: list[int]) -> list[list[int]]:

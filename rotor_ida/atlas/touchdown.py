@@ -13,7 +13,7 @@ from rotor_ida.atlas.cells import Cell, CellJob, Member, fill_cell
 from rotor_ida.atlas.dataset import RISK
 from rotor_ida.basins.fractions import drawn_from, range_of
 from rotor_ida.basins.labelling import LOOSEST, RTOL, TIGHTEST, check_rotor
-from rotor_ida.checks import COMPONENTS, check_between, check_count, check_seed
+from rotor_ida.checks import COMPONENTS, check_between, check_count, check_seed, shown
 from rotor_ida.cycles.limit_cycle import follow, whirl_beside
 from rotor_ida.cycles.shooting import close_orbit
 from rotor_ida.equations.contact import contact_force
@@ -149,7 +149,7 @@ def _scales(machine: object) -> tuple[Rotor, float, float]:
         return machine.rotor(), machine.length_scale, machine.velocity_scale
     if isinstance(machine, Rotor):
         return machine, 1.0, 1.0
-    raise InputError(f"machine must be a DimensionalRotor or a Rotor, got {machine!r}")
+    raise InputError(f"machine must be a DimensionalRotor or a Rotor, got {shown(machine)}")
 
 
 def _numbers(rotor: Rotor, member: Member) -> dict[str, float]:

@@ -78,7 +78,7 @@ def test_a_sweep_finds_the_same_bits(address):
 def test_basins_find_the_same_bits(address):
     axis = np.linspace(-15.0, 15.0, 24)
     here = basin(BOUNCING, x=axis, y=axis, executor="serial")
-    assert int(here.undecided_count) > 0
+    assert np.isfinite(here.period).any()  # a limit cycle, found by whoever did the work
     assert here.identical(basin(BOUNCING, x=axis, y=axis, executor=address))
     box = {"x": (-5, 5), "y": (-5, 5), "starts": 300}
     here = basin_fractions(BOUNCING, **box, executor="serial")

@@ -220,8 +220,8 @@ def atlas(
 
     Over 29 speeds, drawn as shares of the starts:
 
-        rotor-ida atlas --omega 0.2:3:29 --zeta 0.07 --delta0 2 --x=-15:15 --y=-15:15 \
-            --starts 200 --out atlas.nc --figure atlas
+        rotor-ida atlas --omega 0.2:3:29 --zeta 0.07 --delta0 2 \
+            --x=-15:15 --y=-15:15 --starts 200 --out atlas.nc --figure atlas
     """
     output.check()
     with working("atlas", study) as progress:
