@@ -84,7 +84,9 @@ def test_chaos_that_is_a_transient_says_how_long_it_lasts():
     found = basin_fractions(Rotor(omega=1.5, zeta=0.01, delta0=2.0), **BOX, starts=200)
     chaos = found.isel(attractor=int(np.flatnonzero(found.kind == RESPONSE["chaotic"])[0]))
     assert 0.1 < float(chaos.fraction) < 0.5
-    assert 3e3 < float(chaos.lifetime_low) < float(chaos.lifetime) < 3e5
+    # some ten of them leave while they are watched; were it none, the bound would be 46,000
+    assert 3e3 < float(chaos.lifetime_low) < 1e5
+    assert float(chaos.lifetime) > float(chaos.lifetime_low)
 
 
 def test_a_batch_that_is_stopped_is_not_computed():
