@@ -18,7 +18,6 @@ from rotor_ida.basins.fractions import drawn_from, range_of
 from rotor_ida.basins.labelling import LOOSEST, RTOL, TIGHTEST, check_rotor
 from rotor_ida.checks import (
     COMPONENTS,
-    MOST_NUMBERS,
     check_array,
     check_between,
     check_count,
@@ -42,6 +41,7 @@ FORM = Form(cell_as_bytes, cell_from_bytes)
 # Of one rotor, so that its labels fit into memory many times.
 MOST_STARTS = 1_000_000
 MOST_AXES = 2
+MOST_ROTORS = 100_000
 
 
 def continue_attractors(
@@ -179,7 +179,7 @@ def _axes(**given: npt.ArrayLike) -> dict[str, Values]:
     longer = [name for name, axis in axes.items() if axis.size > 1]
     if len(longer) > MOST_AXES:
         raise InputError(f"two of {', '.join(PARAMETERS)} at most may be arrays, got three")
-    check_points(*axes.values(), (), (), most=MOST_NUMBERS)
+    check_points(*axes.values(), most=MOST_ROTORS)
     return axes
 
 

@@ -13,7 +13,14 @@ from rotor_ida.atlas.cells import Cell, CellJob, Member, fill_cell
 from rotor_ida.atlas.dataset import RISK
 from rotor_ida.basins.fractions import drawn_from, range_of
 from rotor_ida.basins.labelling import LOOSEST, RTOL, TIGHTEST, check_rotor
-from rotor_ida.checks import COMPONENTS, check_between, check_count, check_seed, shown
+from rotor_ida.checks import (
+    COMPONENTS,
+    check_array,
+    check_between,
+    check_count,
+    check_seed,
+    shown,
+)
 from rotor_ida.cycles.limit_cycle import follow, whirl_beside
 from rotor_ida.cycles.shooting import close_orbit
 from rotor_ida.equations.contact import contact_force
@@ -24,7 +31,7 @@ from rotor_ida.provenance import provenance
 from rotor_ida.schema import RESPONSE, TRAPPING, WHIRL_DIRECTION, Column, labelled_dataset
 from rotor_ida.si_units import dimensional
 from rotor_ida.simulation.dataset import parameter_coordinates
-from rotor_ida.simulation.options import Options
+from rotor_ida.simulation.options import LARGEST, Options
 from rotor_ida.stability.orbit import ENTRY, EXIT, Shot
 from rotor_ida.sweeps import response
 
@@ -106,6 +113,7 @@ def touchdown_report(
     given = {"x": x, "y": y, "vx": vx, "vy": vy}
     box = np.array([range_of(name, given[name]) for name in COMPONENTS])
     box /= np.array([length, length, velocity, velocity])[:, None]
+    check_array("x, y, vx and vy, in eccentricities,", box, largest=LARGEST)
     job = CellJob(rotor, drawn_from(box, chosen, 0, count), tolerance)
     cell = interruptible(lambda stop: fill_cell(job, stop))
     told = {"starts": count, "seed": chosen, "labelling_rtol": tolerance}

@@ -33,6 +33,8 @@ STATES, MOST_TRIES = 24, 240
 MOST_DRIFT = 0.3
 # So many 1/zeta, in which a drift comes to its end, and revolutions after that.
 DRIFT_ENDS, REVOLUTIONS = 8.0, 24
+# With so little damping that a drift takes longer, none is sought.
+LONGEST = 4000.0
 # The law is to leading order in C h: the first excess tried, in parts of 1/C and of the room.
 LARGEST, OF_THE_ROOM = 0.1, 0.2
 HALVINGS = 8
@@ -60,10 +62,13 @@ def fading_excess(rotor: Rotor, stop: Stop) -> float:
     growth = touch_fading(rotor)
     if math.isnan(growth):
         return math.nan
+    if DRIFT_ENDS / rotor.zeta > LONGEST:
+        return 0.0
     room = rotor.delta0 - abs(unbalance_whirl(rotor.omega, rotor.zeta))
     excess = min(LARGEST / growth, OF_THE_ROOM * room)
     for _ in range(HALVINGS):
-        if stop[0] or all(_fades(rotor, state, stop) for state in _states(rotor, room, excess)):
+        states = _states(rotor, room, excess)
+        if stop[0] or (states and all(_fades(rotor, state, stop) for state in states)):
             return excess
         excess *= 0.5
     return 0.0

@@ -39,6 +39,8 @@ LONGEST = 4000.0
 # Where no more than this part is left over, it is followed for longer before one is looked at: it
 # may only be slow.
 FEW = 0.05
+# Where so many in turn do not settle, the others that are left are taken not to either.
+MOST_UNDECIDED = 3
 # Of orbits that last as long as chaos, so many are looked at.
 CHECKED = 2
 
@@ -107,13 +109,15 @@ def decide(batch: Batch) -> None:
         return
     while 0 < waiting.size <= FEW * batch.labels.size:
         passed = float(batch.times[waiting].max())
-        if passed >= LONGEST or batch.stop[0]:
+        if not 0.0 < passed < LONGEST or batch.stop[0]:
             break
         waiting = batch.follow(waiting, passed)
-    while waiting.size and not batch.stop[0]:
+    in_turn = 0
+    while waiting.size and in_turn < MOST_UNDECIDED and not batch.stop[0]:
         first, waiting = int(waiting[0]), waiting[1:]
         known = batch.known
         batch.labels[first] = fate = fate_of(batch, first)
+        in_turn = in_turn + 1 if fate == UNDECIDED else 0
         passed = float(batch.times[waiting].max(initial=0.0))
         if fate == CHAOTIC:
             waiting = _outlasting(batch, waiting)
@@ -139,7 +143,7 @@ def fate_of(batch: Batch, number: int) -> int:
         return CHAOTIC
     if settled.response == response.CONTACT_FREE and known.has_free:
         return known.free_label
-    if settled.response == response.TOUCHING:
+    if settled.response == response.TOUCHING and known.has_free:
         return known.fading_label
     if settled.response == response.SYNCHRONOUS:
         return _whirl_of(known, settled.features.amplitude)

@@ -117,7 +117,7 @@ def follow_starts(
     if progress is not None and kept.points_done:
         progress(kept.points_done, count)
     try:
-        if len(due) > 1:
+        if due and count > size:  # whichever are left: the same cycles are known to all
             scout = partial(_scouted, known, starts, count, tolerance)
             known = interruptible(scout)
         edges = ((number * size, min((number + 1) * size, count)) for number in due)

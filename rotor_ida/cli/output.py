@@ -95,8 +95,12 @@ def answer_whole(dataset: xr.Dataset, output: Output, study: Path | None) -> Rep
     if "status" in dataset:
         report = answer(dataset, output, result=in_study)
         return _troubled(report, _failures(dataset), FAILED)
-    if "special_value" in dataset or "missed_fraction" in dataset:
+    if "special_value" in dataset:
         return answer(dataset, output, result=in_study)
+    if "missed_fraction" in dataset:
+        reason = dataset.attrs.get("not_computed_reason", "")
+        report = answer(dataset, output, result=None if reason else in_study)
+        return _troubled(report, f"not all was computed: {reason}", FAILED) if reason else report
     missing = int(dataset["not_computed_count"])
     interrupted = bool(dataset.attrs["interrupted"])
     if not missing and not interrupted:

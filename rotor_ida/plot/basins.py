@@ -171,7 +171,7 @@ def plot_attractors(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         raise InputError(f"dataset must be over one parameter to be drawn, got {len(varying)}")
     (name,) = varying
     fixed = {each: 0 for each in PARAMETERS if each != name}
-    line = dataset.isel(fixed).transpose(name, ..., "attractor")
+    line = dataset.isel(fixed, missing_dims="ignore").transpose(name, ..., "attractor")
     words = {number: word for word, number in flags_of(dataset["kind"]).items()}
     families, named = {kind: cycle(family) for kind, family in KIND_SHADES.items()}, set[str]()
     alone = ax is None
@@ -231,12 +231,16 @@ def plot_attractor_map(dataset: xr.Dataset, ax: Axes | None = None, *, by: str =
     """
     check_dataset("dataset", dataset, (*PARAMETERS, "attractor", "fraction", "kind", "radius_max"))
     check_choice("by", by, ("kind", "force"))
+    if "length_scale" in dataset.attrs:
+        raise InputError("dataset must be dimensionless to be mapped, got one in SI units")
     varying = [name for name in PARAMETERS if dataset[name].size > 1]
     if len(varying) != 2:
         raise InputError(f"dataset must be over two parameters to be mapped, got {len(varying)}")
     right, upwards = varying
     (fixed,) = (name for name in PARAMETERS if name not in varying)
-    plane = dataset.isel({fixed: 0}).transpose(upwards, right, ..., "attractor")
+    plane = dataset.isel({fixed: 0}, missing_dims="ignore").transpose(
+        upwards, right, ..., "attractor"
+    )
     places = plane[right].values, plane[upwards].values
     with style():
         ax = axes_or_new(ax, width=5.0, height=4.4)

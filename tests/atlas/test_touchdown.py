@@ -109,6 +109,10 @@ def test_backward_whirl_has_a_negative_ratio():
         ({"machine": Rotor(omega=1.0, zeta=0.0, delta0=1.0)}, "zeta must be above 0"),
         ({"starts": -1}, "starts must be at least 1, got -1"),
         ({"x": (2, 1)}, "x must be a range"),
+        (
+            {"machine": MACHINE, "x": (-1e3, 1e3)},
+            "in eccentricities, must lie within 1e.06 of zero",
+        ),
     ],
 )
 def test_bad_input_gets_one_clear_line(changes, message):

@@ -8,6 +8,7 @@ from rotor_ida.basins import attractors, following, labelling
 from rotor_ida.basins import dataset as basin_dataset_module
 from rotor_ida.basins.labelling import label
 from rotor_ida.parallel import FailedJob
+from rotor_ida.resuming import resume
 from rotor_ida.schema import FATE, RESPONSE, flags_of
 from rotor_ida.simulation.options import Options
 from rotor_ida.sweeps.steady_state import follow_to_steady_state
@@ -95,6 +96,19 @@ def test_whoever_does_the_work_finds_the_same_bits():
     for executor, workers in (("threads", 3), ("processes", 2)):
         together = basin(rotor, x=AXIS, y=AXIS, executor=executor, workers=workers)
         assert alone.identical(together)
+
+
+def test_a_study_with_one_batch_left_ends_with_the_same_bits(tmp_path):
+    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+    axis = np.linspace(-15.0, 15.0, 32)
+    whole = basin(rotor, x=axis, y=axis)
+
+    def interrupt(_done, _total):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        basin(rotor, x=axis, y=axis, study=tmp_path / "study", workers=1, progress=interrupt)
+    assert resume(tmp_path / "study").identical(whole)
 
 
 def test_starts_lost_with_their_worker_are_not_computed(monkeypatch, figure_7):
