@@ -118,7 +118,7 @@ def continue_attractors(
     >>> found.amplitude.squeeze().sel(omega=1.7).values.round(4)
     array([1.8796, 9.4872])
     """
-    axes = _axes(omega=omega, zeta=zeta, delta0=delta0)
+    axes = _axes({"omega": omega, "zeta": zeta, "delta0": delta0})
     rotors = [Rotor(omega=a, zeta=b, delta0=c) for a, b, c in product(*axes.values())]
     for rotor in rotors:
         check_rotor(rotor)
@@ -139,7 +139,8 @@ def continue_attractors(
             cells[number] = cell
     lines = _lines([values.size for values in axes.values()])
     interruptible(lambda stop: identify(cells, lines, stop))
-    attributes = {"labelling_rtol": tolerance, **drawn}
+    told = {f"range_{each}" if each in COMPONENTS else each: drawn[each] for each in drawn}
+    attributes = {"labelling_rtol": tolerance, **told}
     if reason:
         attributes["not_computed_reason"] = reason
     return atlas_dataset(axes, cells, states.shape[1], attributes)
@@ -168,7 +169,7 @@ def _fill(
     return reason
 
 
-def _axes(**given: npt.ArrayLike) -> dict[str, Values]:
+def _axes(given: Mapping[str, npt.ArrayLike]) -> dict[str, Values]:
     """Return the parameters as rising axes of which two at most are longer than one."""
     axes = {name: check_vector(name, value) for name, value in given.items()}
     for name, axis in axes.items():
@@ -191,6 +192,8 @@ def _states(
         count = check_count("starts", starts, maximum=MOST_STARTS)
         chosen = check_seed(seed)
         box = np.array([range_of(name, ranges[name]) for name in COMPONENTS])
+        if count > 1 and (box[:, 0] == box[:, 1]).all():
+            raise InputError(f"x, y, vx or vy must be a range, got numbers for {count} starts")
         told: dict[str, object] = {"starts": count, "seed": chosen}
         told |= {name: limits.tolist() for name, limits in zip(COMPONENTS, box, strict=True)}
         return drawn_from(box, chosen, 0, count), told

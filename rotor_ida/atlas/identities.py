@@ -131,7 +131,10 @@ def followed_whirl(amplitude: float, here: Rotor, there: Rotor) -> float:
     """
     name = _changed(here, there)
     parameters = {each: getattr(there, each) for each in PARAMETERS}
-    parameters[name] = np.linspace(getattr(here, name), getattr(there, name), PARTS + 1)
+    begin, end = getattr(here, name), getattr(there, name)
+    # amplitudes are powers of a small speed
+    spread = np.geomspace if begin > 0.0 and end > 0.0 else np.linspace
+    parameters[name] = spread(begin, end, PARTS + 1)
     whirls = synchronous_response(**parameters).squeeze(
         [each for each in PARAMETERS if each != name]
     )

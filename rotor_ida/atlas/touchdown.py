@@ -112,9 +112,9 @@ def touchdown_report(
     chosen, tolerance = check_seed(seed), check_between("rtol", rtol, TIGHTEST, LOOSEST)
     given = {"x": x, "y": y, "vx": vx, "vy": vy}
     box = np.array([range_of(name, given[name]) for name in COMPONENTS])
-    box /= np.array([length, length, velocity, velocity])[:, None]
-    check_array("x, y, vx and vy, in eccentricities,", box, largest=LARGEST)
-    job = CellJob(rotor, drawn_from(box, chosen, 0, count), tolerance)
+    scaled = box / np.array([length, length, velocity, velocity])[:, None]
+    check_array("x, y, vx and vy, in eccentricities,", scaled, largest=LARGEST)
+    job = CellJob(rotor, drawn_from(scaled, chosen, 0, count), tolerance)
     cell = interruptible(lambda stop: fill_cell(job, stop))
     told = {"starts": count, "seed": chosen, "labelling_rtol": tolerance}
     ranges = {f"range_{name}": ends for name, ends in zip(COMPONENTS, box, strict=True)}

@@ -23,6 +23,7 @@ import numpy.typing as npt
 from rotor_ida.basins.crossings import SECTION, measure_returns
 from rotor_ida.cycles.multipliers import multipliers_of
 from rotor_ida.cycles.shooting import Cycle
+from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
 from rotor_ida.stability.orbit import MAXIMUM, RADIUS, TIME, shoot
 
@@ -41,7 +42,7 @@ WIDEST, NARROWEST, NARROWER = 1.0, 1e-5, 0.6
 # Weights of the mode with the multiplier exp(-2 zeta T), or of the faster pair, against the others.
 MODE_RATIOS = (0.1, 1.0, 10.0)
 # Beyond this condition number the modes give no form.
-MOST_SKEW = 1e8
+MOST_SKEW = 1e6
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +88,14 @@ def cycle_section(cycle: Cycle, stop: Stop) -> CycleSection:
     stop : ndarray, shape (1,)
         Anything but 0 asks to stop.
     """
+    try:
+        return _widest_section(cycle, stop)
+    except (SimulationError, np.linalg.LinAlgError):
+        return CycleSection(cycle, cycle.state, np.zeros(4), np.full((3, 4), np.inf))
+
+
+def _widest_section(cycle: Cycle, stop: Stop) -> CycleSection:
+    """Return the section with the largest set among those that the modes suggest."""
     shot = cycle.shot
     maxima = shot.extrema[shot.extrema[:, 2] == MAXIMUM]
     time = float(maxima[np.argmax(maxima[:, RADIUS]), TIME])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
@@ -26,6 +27,12 @@ def check_panels(panels: int) -> int:
             f"figure can show at most {MOST_PANELS} pairs of zeta and delta0, got {panels}"
         )
     return panels
+
+
+def check_varies(*axes: Sequence[float]) -> None:
+    """Refuse a figure of an atlas in which nothing varies."""
+    if all(len(axis) < 2 for axis in axes):
+        raise InputError("figure needs an atlas of several speeds, dampings or clearances, got one")
 
 
 def _number(text: str) -> Parameter:

@@ -44,6 +44,13 @@ def test_whirls_are_joined_along_the_response_curve():
     assert cells[3].members[0].identity == 1 - large
 
 
+def test_a_whirl_is_followed_over_a_long_step_at_low_speed():
+    """Without clearance its amplitude grows like omega**(4/3) there: twentyfold in all."""
+    here, there = (Rotor(omega=omega, zeta=0.07, delta0=0.0) for omega in (0.1, 1.1))
+    exact = max(whirls_at(1.1))
+    assert followed_whirl(whirls_at(0.1)[0], here, there) == pytest.approx(exact, rel=1e-9)
+
+
 def test_a_whirl_that_ends_at_a_fold_has_no_successor():
     fold = float(folds(zeta=0.07, delta0=0.0).fold_omega.max())
     small, large = whirls_at(fold - 0.1)

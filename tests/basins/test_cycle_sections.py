@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from rotor_ida import Rotor
-from rotor_ida.basins.crossings import measure_returns
+from rotor_ida.basins import cycle_sections
+from rotor_ida.basins.crossings import SECTION, measure_returns
 from rotor_ida.basins.cycle_sections import cycle_section
 from rotor_ida.cycles.limit_cycle import cycle_from
 from rotor_ida.simulation.options import Options
@@ -34,6 +35,20 @@ def states_on(section, size, count, seed=0):
 
 def value_of(section, state):
     return float(np.sum((section.form @ (state - section.centre)) ** 2))
+
+
+def test_a_section_that_cannot_be_found_holds_nothing(monkeypatch):
+    """Starts then are followed to the cycle one by one; the rest of an atlas goes on."""
+
+    def fails(*_):
+        raise np.linalg.LinAlgError
+
+    cycle = cycle_from(CASES[0][0], np.zeros(4))
+    monkeypatch.setattr(cycle_sections, "_forms", fails)
+    none = cycle_section(cycle, GO_ON)
+    assert not none.exists
+    assert none.numbers.shape == (SECTION,)
+    assert np.isinf(none.numbers[:4]).all()
 
 
 def test_states_lie_on_the_section_and_the_cycle_passes_it(section):

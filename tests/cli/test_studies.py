@@ -142,6 +142,22 @@ def _done() -> int:
     return found
 
 
+def test_an_atlas_goes_on_and_is_drawn(program: Program):
+    atlas = ["atlas", "--omega", "1.5", "--zeta", "0.3:0.6:14", "--delta0", "0", "--x=-5:5"]
+    atlas += ["--starts", "5", "--executor", "serial"]
+    answer = program("atlas", "--omega", "1.5", "--zeta", "0.3", "--delta0", "0", "--x=-5:5",
+                     "--figure", "one")  # fmt: skip
+    assert (answer.status, answer.err) == (
+        2, "rotor-ida: figure needs an atlas of several speeds, dampings or clearances, got one\n",
+    )  # fmt: skip
+    assert program(*atlas, "--study", "study").status == 0
+    assert program("resume", "study", "--out", "atlas.nc", "--figure", "atlas").status == 0
+    assert Path("atlas.png").exists()
+    shown = program("show", "atlas.nc")
+    assert shown.status == 0
+    assert "synchronous" in shown.out
+
+
 def test_an_interrupted_sample_has_no_result_yet(program: Program, monkeypatch: Any):
 
     real = following.run_all

@@ -224,6 +224,8 @@ def atlas(
             --x=-15:15 --y=-15:15 --starts 200 --out atlas.nc --figure atlas
     """
     output.check()
+    if output.figure is not None:
+        options.check_varies(omega, zeta, delta0)
     with working("atlas", study) as progress:
         dataset = rotor_ida.continue_attractors(
             omega=omega,
