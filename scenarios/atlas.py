@@ -24,8 +24,8 @@ CYCLE = Rotor(omega=2.0, zeta=ZETA, delta0=2.0)
 
 
 def main(settings: Settings) -> None:
-    speeds = np.linspace(*PLANE["omega"], 5 if settings.quick else 41)
-    clearances = np.linspace(*PLANE["delta0"], 3 if settings.quick else 15)
+    speeds = np.linspace(*PLANE["omega"], 5 if settings.quick else 33)
+    clearances = np.linspace(*PLANE["delta0"], 3 if settings.quick else 13)
     with progress_bar("speeds and clearances") as progress:
         found = continue_attractors(
             omega=speeds, zeta=ZETA, delta0=clearances, **BOX, workers=settings.workers,

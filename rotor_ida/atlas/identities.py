@@ -39,6 +39,7 @@ PARTS, MOST_CHANGE = 64, 0.1
 # A whirl is the same as one of the neighbour when their amplitudes agree to this part.
 SAME_WHIRL = 1e-9
 SHARED = (response.CONTACT_FREE, response.TOUCHING, response.CHAOTIC)
+ONE_FAMILY = (response.CONTACT_FREE, response.TOUCHING)
 # Attractors are numbered in this order of their kinds.
 KINDS = (
     response.CONTACT_FREE,
@@ -76,6 +77,9 @@ def identify(cells: Sequence[Cell], lines: Sequence[Sequence[int]], stop: Stop) 
                     if other is not None:
                         links.append((member, other))
                         joined |= {(id(member), there), (id(other), here)}
+    for kind in ONE_FAMILY:  # wherever they are, they are whirls of one family
+        alike = [each for cell in cells for each in cell.members if each.attractor.kind == kind]
+        links += pairwise(alike)
     return _numbered(cells, links)
 
 

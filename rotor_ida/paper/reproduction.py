@@ -27,6 +27,7 @@ LONGEST = (
     "isolas",
     "doubling_cascade",
     "beyond_the_curve",
+    "atlas",
 )
 
 

@@ -60,6 +60,15 @@ def test_a_whirl_that_ends_at_a_fold_has_no_successor():
     assert np.isnan(followed_whirl(large, rotor, beyond))
 
 
+def test_fading_touches_are_one_attractor_over_a_gap():
+    """Of few starts none may end so at some speed; it is still the edge of the same family."""
+    cells = [Cell(Rotor(omega=omega, zeta=0.07, delta0=2.0)) for omega in (1.0, 1.1, 1.2)]
+    for place in (0, 2):
+        touching = Attractor("touching", 1.0, 3.0, 0.0, 2.0)
+        cells[place].members.append(Member(touching, 1, NEVER, np.full(4, np.nan)))
+    assert identify(cells, [[0, 1, 2]], GO_ON) == 1
+
+
 def member_at(omega, delta0, start):
     rotor = Rotor(omega=omega, zeta=0.07, delta0=delta0)
     cycle = cycle_from(rotor, np.array(start))
