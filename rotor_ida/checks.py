@@ -29,6 +29,8 @@ MOST_WORKERS = 512
 # What fits into the memory of most machines: numbers of an axis, samples, points of a grid.
 MOST_NUMBERS = 10_000_000
 MOST_POINTS_OF_STUDY = 10_000_000_000
+# Of one kind, to each attractor of a rotor.
+MOST_SHOCKS = 10_000_000
 # Powers of larger numbers leave the range of doubles.
 LARGEST_NUMBER = 1e15
 # The spacing of doubles at the end of a motion, in radians of the revolution or in time.

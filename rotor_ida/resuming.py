@@ -97,7 +97,7 @@ _GIVEN = {
     "basin": ("x", "y", "vx", "vy", "rtol"),
     "basin_fractions": ("x", "y", "vx", "vy", "rtol", "starts", "seed"),
     "branch": ("parameter", "limits", "direction", "points"),
-    "continue_attractors": (*PARAMETERS, "rtol", "starts"),
+    "continue_attractors": (*PARAMETERS, "rtol", "starts", "shocks"),
 }
 # What starts are drawn from; none of it where they were given.
 _DRAWN = ("x", "y", "vx", "vy", "seed")

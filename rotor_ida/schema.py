@@ -62,6 +62,7 @@ WHIRL_DIRECTION = {"backward": -1, "none": 0, "forward": 1}
 EXACT = {"nothing": 0, "whirl": 1, "cycle": 2}
 LINE_KIND = {"backward": -1, "spin": 0, "forward": 1}
 SPECIAL = {"fold": 1, "period_doubling": 2, "graze": 3, "cusp": 4}
+END = {"not_found": -1, "none": 0, "fold": 1, "period_doubling": 2, "touch": 3}
 EXTREMUM = {"minimum": -1, "constant": 0, "maximum": 1}
 
 QUANTITIES: dict[str, Quantity] = {
@@ -225,6 +226,42 @@ QUANTITIES: dict[str, Quantity] = {
     "missed_fraction": Quantity(
         "fraction of starts that an attractor may have and yet be missed, with a probability of 5 %"
     ),
+    "basin_entropy": Quantity("mean entropy of the ends of starts in small boxes"),
+    "boundary_entropy": Quantity("the same over the boxes in which starts end differently"),
+    # how far from the edge
+    "target": Quantity("number of the attractor that it is thrown to"),
+    "velocity_shock": Quantity(
+        "smallest change of velocity found that throws it to the target", scale="velocity"
+    ),
+    "displacement_shock": Quantity(
+        "smallest displacement found that throws it to the target", scale="length"
+    ),
+    "velocity_shock_bound": Quantity(
+        "change of velocity below which nothing throws it off", scale="velocity"
+    ),
+    "displacement_shock_bound": Quantity(
+        "displacement below which nothing throws it off", scale="length"
+    ),
+    "velocity_shock_largest": Quantity("largest change of velocity tried", scale="velocity"),
+    "displacement_shock_largest": Quantity("largest displacement tried", scale="length"),
+    **{
+        f"{kind}_shock_{when}_{name}": Quantity(
+            f"{name} {when} the {kind} shock", scale="velocity" if name[0] == "v" else "length"
+        )
+        for kind in ("velocity", "displacement")
+        for when in ("before", "after")
+        for name in ("x", "y", "vx", "vy")
+    },
+    **{
+        f"{name}_{side}": Quantity(f"{side}est {name} at which the attractor exists")
+        for name in ("omega", "zeta", "delta0")
+        for side in ("low", "high")
+    },
+    **{
+        f"{name}_{side}_end": Quantity(f"how it ends at the {side}est {name}", flags=END)
+        for name in ("omega", "zeta", "delta0")
+        for side in ("low", "high")
+    },
     "undecided_count": Quantity("number of starts whose end is not known"),
     "undecided_fraction": Quantity("part of the computed starts whose end is not known"),
     "not_computed_count": Quantity("number of starts that were not followed to the end"),

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import math
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.basins.attractors import Attractor, attractors_of
-from rotor_ida.basins.following import follow_here
-from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED
-from rotor_ida.basins.known import known_from_closed_forms
+from rotor_ida.atlas.resilience import Resilience, Search, Subject, resilience_of
+from rotor_ida.basins.attractors import CONTACT_FREE_FAMILY, Attractor, attractors_of
+from rotor_ida.basins.entropy import sample_entropy
+from rotor_ida.basins.following import FollowedStarts, follow_here
+from rotor_ida.basins.kernel import CHAOTIC, NOT_COMPUTED, UNDECIDED
+from rotor_ida.basins.known import known_from_closed_forms, same_cycle, with_cycle
+from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.parallel import Stop
 from rotor_ida.parameters import Rotor
 from rotor_ida.schema import RESPONSE, TRAPPING
 from rotor_ida.storage.studies.arrays import packed, unpacked
+from rotor_ida.sweeps import response
 
 Values = npt.NDArray[np.float64]
 
@@ -25,6 +30,7 @@ NUMBERS = (
 # Of the times after which starts are decided: the median, and that of 95 of 100.
 QUANTILES = (0.5, 0.95)
 NEVER = np.full(2, np.nan)
+RESILIENCE = tuple(each.name for each in fields(Resilience))
 _WORDS = {number: word for word, number in RESPONSE.items()}
 _TRAPPING = {number: word for word, number in TRAPPING.items()}
 
@@ -43,6 +49,9 @@ class Member:
         Median and 95 % of the times after which they are decided [1]; NaN where there are none.
     state : ndarray, shape (4,)
         A state of it on the rotating axes, of a limit cycle [1]; else NaN.
+    resilience : Resilience or None
+        How far it is from being left, to the other attractors of the rotor in their order; None
+        where that was not asked for.
     identity : int
         Number of the attractor along the atlas; -1 until it is known.
     """
@@ -51,6 +60,7 @@ class Member:
     count: int
     settling: Values
     state: Values
+    resilience: Resilience | None = None
     identity: int = -1
 
 
@@ -66,21 +76,28 @@ class Cell:
         Its attractors.
     undecided, not_computed : int
         Numbers of starts.
+    entropies : tuple of float
+        Basin and boundary entropy of the starts.
+    largest_shocks : tuple of float
+        The largest change of velocity and of place that was tried [1].
     """
 
     rotor: Rotor
     members: list[Member] = field(default_factory=list)
     undecided: int = 0
     not_computed: int = 0
+    entropies: tuple[float, float] = (math.nan, math.nan)
+    largest_shocks: tuple[float, float] = (math.nan, math.nan)
 
 
 @dataclass(frozen=True, slots=True)
 class CellJob:
-    """A rotor with its starts, (4, n), and the error allowed in a step."""
+    """A rotor with its starts, (4, n), the error allowed in a step, and how many shocks to try."""
 
     rotor: Rotor
     states: Values
     tolerance: float
+    shocks: int = 0
 
 
 def fill_cell(job: CellJob, stop: Stop) -> Cell:
@@ -90,16 +107,48 @@ def fill_cell(job: CellJob, stop: Stop) -> Cell:
     cell, attractors = Cell(job.rotor), attractors_of(found)
     cell.undecided = int((found.labels == UNDECIDED).sum())
     cell.not_computed = int((found.labels == NOT_COMPUTED).sum())
+    cell.entropies = sample_entropy(job.states, found.labels)
     for number, attractor in enumerate(attractors):
         own = found.labels == number
         times = found.times[own]
         settling = np.quantile(times, QUANTILES) if times.size else NEVER
-        state = np.full(4, np.nan)
-        for cycle in found.cycles:
-            if cycle.period == attractor.period:
-                state = cycle.state
+        cycle = _cycle_of(found, attractor)
+        state = np.full(4, np.nan) if cycle is None else cycle.state
         cell.members.append(Member(attractor, int(own.sum()), settling, state))
+    if job.shocks and not stop[0]:
+        search = _search_among(job, found, attractors, stop)
+        cell.largest_shocks = search.largest()
+        for member, resilience in zip(cell.members, resilience_of(search), strict=True):
+            member.resilience = resilience
     return cell
+
+
+def _search_among(
+    job: CellJob, found: FollowedStarts, attractors: list[Attractor], stop: Stop
+) -> Search:
+    """Return the attractors of a rotor with what is needed to look for shocks."""
+    known, subjects = found.known, []
+    for cycle in found.cycles:
+        if known.label_of_cycle(cycle) is None:
+            known = with_cycle(known, cycle, stop)
+    for number, attractor in enumerate(attractors):
+        own = np.flatnonzero(found.labels == number)
+        start = job.states[:, own[0]] if own.size else np.full(4, np.nan)
+        own_cycle, label = _cycle_of(found, attractor), number  # the whirls come first
+        if own_cycle is not None:
+            same = [same_cycle(each.cycle, own_cycle) for each in known.cycles]
+            label = known.first_cycle + same.index(True)
+        elif attractor.kind in CONTACT_FREE_FAMILY:
+            label = known.free_label
+        elif attractor.kind == response.CHAOTIC:
+            label = CHAOTIC
+        subjects.append(Subject(attractor, label, own_cycle, start))
+    return Search(known, subjects, job.shocks, job.tolerance, stop)
+
+
+def _cycle_of(found: FollowedStarts, attractor: Attractor) -> Cycle | None:
+    """Return the limit cycle that an attractor is."""
+    return next((each for each in found.cycles if each.period == attractor.period), None)
 
 
 def cell_as_bytes(cell: Cell) -> bytes:
@@ -114,7 +163,12 @@ def cell_as_bytes(cell: Cell) -> bytes:
         "count": np.array([each.count for each in cell.members], dtype=np.int64),
         "settling": np.array([each.settling for each in cell.members]),
         "state": np.array([each.state for each in cell.members]),
+        "entropies": np.array(cell.entropies),
+        "largest_shocks": np.array(cell.largest_shocks),
     }
+    told = [each.resilience for each in cell.members if each.resilience is not None]
+    if told:
+        arrays |= {name: np.array([getattr(each, name) for each in told]) for name in RESILIENCE}
     return packed(arrays)
 
 
@@ -131,12 +185,18 @@ def cell_from_bytes(content: bytes) -> Cell:
         omega, zeta, delta0 = arrays["rotor"].tolist()
         cell = Cell(Rotor(omega=omega, zeta=zeta, delta0=delta0))
         cell.undecided, cell.not_computed = arrays["left"].tolist()
+        cell.entropies = tuple(arrays["entropies"].tolist())
+        cell.largest_shocks = tuple(arrays["largest_shocks"].tolist())
         for number, kind in enumerate(arrays["kind"].tolist()):
             numbers = dict(zip(NUMBERS, arrays["numbers"][number].tolist(), strict=True))
             trapping = _TRAPPING[int(arrays["trapping"][number])]
             attractor = Attractor(_WORDS[kind], trapping=trapping, **numbers)
             count, settling = int(arrays["count"][number]), arrays["settling"][number]
-            cell.members.append(Member(attractor, count, settling, arrays["state"][number]))
+            member = Member(attractor, count, settling, arrays["state"][number])
+            if RESILIENCE[0] in arrays:
+                told = [arrays[name][number] for name in RESILIENCE]
+                member.resilience = Resilience(*told)
+            cell.members.append(member)
     except (KeyError, TypeError, IndexError) as error:
         raise ValueError(f"it holds no cell of an atlas: {error}") from error
     return cell

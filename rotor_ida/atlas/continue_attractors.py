@@ -18,6 +18,7 @@ from rotor_ida.basins.fractions import drawn_from, range_of
 from rotor_ida.basins.labelling import LOOSEST, RTOL, TIGHTEST, check_rotor
 from rotor_ida.checks import (
     COMPONENTS,
+    MOST_SHOCKS,
     check_array,
     check_between,
     check_count,
@@ -56,6 +57,7 @@ def continue_attractors(
     starts: int | npt.ArrayLike = 1000,
     seed: int = 0,
     rtol: float = RTOL,
+    shocks: int = 0,
     workers: int | None = None,
     executor: str = "auto",
     study: str | os.PathLike[str] | None = None,
@@ -75,6 +77,9 @@ def continue_attractors(
         drawn from any distribution: then the ranges are left out.
     seed : int
         Seed of the random numbers: the same seed gives the same starts.
+    shocks : int
+        With more than 0, so many shocks of velocity and of displacement are tried to each
+        attractor of each rotor, as for `rotor_ida.touchdown_report`.
     rtol, workers, executor, study, progress
         As for `rotor_ida.basin`; rotors are what is counted and kept.
 
@@ -85,7 +90,10 @@ def continue_attractors(
         ``fraction``, ``fraction_error`` and ``count``; ``amplitude``, ``phase_lag``,
         ``radius_min``, ``radius_max``, ``period``, ``lifetime``, ``lifetime_low``,
         ``settling_median`` and ``settling_95`` [1]; ``kind`` and ``trapping`` as flags. On the
-        parameters ``undecided_fraction`` and ``not_computed_count``. The scalar
+        parameters ``undecided_fraction``, ``not_computed_count``, ``basin_entropy`` and
+        ``boundary_entropy``. With `shocks` on ``attractor`` and ``target`` ``velocity_shock`` and
+        ``displacement_shock``, on ``attractor`` their bounds and the extents of the attractor, as
+        `rotor_ida.touchdown_report` has them. The scalar
         ``missed_fraction``: an attractor with this part of all starts is missed by the sample with
         a probability of 5 %.
 
@@ -125,14 +133,15 @@ def continue_attractors(
     check_progress(progress)
     states, drawn = _states({"x": x, "y": y, "vx": vx, "vy": vy}, starts, seed)
     tolerance = check_between("rtol", rtol, TIGHTEST, LOOSEST)
+    tried = check_count("shocks", shocks, minimum=0, maximum=MOST_SHOCKS)
     place, several = choose(executor, workers, compiled=True)
     design = {
         "kind": "continue_attractors",
         **{name: values.tolist() for name, values in axes.items()},
-        **drawn, "rtol": tolerance, **computing(),
+        **drawn, "rtol": tolerance, "shocks": tried, **computing(),
     }  # fmt: skip
     with open_results(study, design, len(rotors), FORM) as kept:
-        jobs = [CellJob(rotor, states, tolerance) for rotor in rotors]
+        jobs = [CellJob(rotor, states, tolerance, tried) for rotor in rotors]
         reason = _fill(jobs, kept, place, several, progress)
         cells = [Cell(rotor, not_computed=states.shape[1]) for rotor in rotors]
         for number, cell in kept.results():
@@ -140,7 +149,7 @@ def continue_attractors(
     lines = _lines([values.size for values in axes.values()])
     interruptible(lambda stop: identify(cells, lines, stop))
     told = {f"range_{each}" if each in COMPONENTS else each: drawn[each] for each in drawn}
-    attributes = {"labelling_rtol": tolerance, **told}
+    attributes = {"labelling_rtol": tolerance, "shocks": tried, **told}
     if reason:
         attributes["not_computed_reason"] = reason
     return atlas_dataset(axes, cells, states.shape[1], attributes)

@@ -2,23 +2,36 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.atlas.cells import NUMBERS, Cell
-from rotor_ida.basins.dataset import LABELLING
+from rotor_ida.atlas.cells import NUMBERS, Cell, Member
+from rotor_ida.atlas.resilience import Resilience
+from rotor_ida.atlas.shocks import KINDS
+from rotor_ida.basins.dataset import ENTROPIES, LABELLING
 from rotor_ida.parameters import PARAMETERS
 from rotor_ida.provenance import provenance
-from rotor_ida.schema import RESPONSE, TRAPPING, Column, labelled_dataset
+from rotor_ida.schema import END, RESPONSE, TRAPPING, WHIRL_DIRECTION, Column, labelled_dataset
 from rotor_ida.simulation.options import Options
 
 Values = npt.NDArray[np.float64]
 
 # The sample misses an attractor that has more than `missed_fraction` with this probability at most.
 RISK = 0.05
+# The lowest and the highest value of each parameter at which an attractor exists, and how it ends.
+EXTENTS = tuple(f"{name}_{side}" for name in PARAMETERS for side in ("low", "high"))
+ENDS = tuple(f"{name}_end" for name in EXTENTS)
+# What stands where there is no such attractor; in other columns NaN.
+FLAGS = {
+    "whirl_direction": WHIRL_DIRECTION["none"],
+    "kind": RESPONSE["not_found"],
+    "trapping": TRAPPING["none"],
+    **dict.fromkeys(ENDS, END["not_found"]),
+}
 
 
 def atlas_dataset(
@@ -39,44 +52,91 @@ def atlas_dataset(
     """
     members = [each for cell in cells for each in cell.members]
     count = 1 + max((each.identity for each in members), default=-1)
-    shape = (len(cells), count)
-    numbers = (*NUMBERS, "fraction", "fraction_error", "settling_median", "settling_95")
-    columns = {name: np.full(shape, np.nan) for name in numbers}
-    counts = np.zeros(shape, dtype=np.int64)
-    kinds = np.full(shape, RESPONSE["not_found"], dtype=np.int8)
-    trapping = np.zeros(shape, dtype=np.int8)
-    for row, cell in enumerate(cells):
-        computed = starts - cell.not_computed
-        for each in cell.members:
-            place = row, each.identity
-            for name in NUMBERS:
-                columns[name][place] = getattr(each.attractor, name)
-            kinds[place] = RESPONSE[each.attractor.kind]
-            trapping[place] = TRAPPING[each.attractor.trapping]
-            counts[place] = each.count
-            columns["settling_median"][place], columns["settling_95"][place] = each.settling
-            if computed:
-                part = each.count / computed
-                columns["fraction"][place] = part
-                columns["fraction_error"][place] = np.sqrt(part * (1.0 - part) / computed)
-    sizes = tuple(values.size for values in axes.values())
-    over = (*PARAMETERS, "attractor")
-    variables: dict[str, Column] = {
-        name: (over, values.reshape(*sizes, count))
-        for name, values in {
-            **columns, "count": counts, "kind": kinds, "trapping": trapping,
-        }.items()
-    }  # fmt: skip
-    undecided = [cell.undecided / max(starts - cell.not_computed, 1) for cell in cells]
-    variables["undecided_fraction"] = (PARAMETERS, np.array(undecided).reshape(sizes))
-    missing = np.array([cell.not_computed for cell in cells])
-    variables["not_computed_count"] = (PARAMETERS, missing.reshape(sizes))
-    variables["missed_fraction"] = ((), 1.0 - RISK ** (1.0 / starts))
+    columns = _columns(cells, count, starts)
     coordinates: dict[str, Column] = {name: (name, values) for name, values in axes.items()}
     coordinates["attractor"] = ("attractor", np.arange(count))
+    if any(each.resilience is not None for each in members):
+        columns |= _shocks(cells, count)
+        coordinates["target"] = ("target", np.arange(count))
+    sizes = tuple(values.size for values in axes.values())
+    over = (*PARAMETERS, "attractor", "target")
+    of_cell: dict[str, npt.ArrayLike] = {
+        "undecided_fraction": [
+            each.undecided / max(starts - each.not_computed, 1) for each in cells
+        ],
+        "not_computed_count": [each.not_computed for each in cells],
+    }
+    for place, name in enumerate(ENTROPIES):
+        of_cell[name] = [each.entropies[place] for each in cells]
+    variables: dict[str, Column] = {
+        name: (over[: 2 + values.ndim], values.reshape(*sizes, *values.shape[1:]))
+        for name, values in {
+            **columns, **{name: np.array(values) for name, values in of_cell.items()}
+        }.items()
+    }  # fmt: skip
+    variables["missed_fraction"] = ((), missed_fraction(starts))
     title = "Rotor in a clearance: attractors and the fractions of starts on each"
     told = {**provenance(Options().attributes()), "labelling": LABELLING}
     return labelled_dataset(title, variables, coordinates, told | _flat(attributes))
+
+
+def missed_fraction(starts: int) -> float:
+    """Return the fraction that an attractor may have and yet be missed by so many starts."""
+    return float(1.0 - RISK ** (1.0 / starts))
+
+
+def member_row(member: Member, computed: int) -> dict[str, float]:
+    """Return the numbers of an attractor by name, of so many starts that were computed."""
+    attractor = member.attractor
+    row = {name: getattr(attractor, name) for name in NUMBERS}
+    row |= {"kind": RESPONSE[attractor.kind], "trapping": TRAPPING[attractor.trapping]}
+    part = member.count / computed if computed else math.nan
+    error = math.sqrt(part * (1.0 - part) / computed) if computed else math.nan
+    row |= {"count": member.count, "fraction": part, "fraction_error": error}
+    row["settling_median"], row["settling_95"] = member.settling.tolist()
+    if member.resilience is not None:
+        row |= _resilience_row(member.resilience)
+    return row
+
+
+def _resilience_row(told: Resilience) -> dict[str, float]:
+    bounds = [f"{kind}_shock_bound" for kind in KINDS]
+    return {
+        **dict(zip(bounds, told.bounds.tolist(), strict=True)),
+        **dict(zip(EXTENTS, told.extents.ravel().tolist(), strict=True)),
+        **dict(zip(ENDS, told.ends.ravel().tolist(), strict=True)),
+    }
+
+
+def column_of(name: str, shape: tuple[int, ...]) -> npt.NDArray[np.generic]:
+    """Return an empty column."""
+    if name in FLAGS:
+        return np.full(shape, FLAGS[name], dtype=np.int8)
+    return np.zeros(shape, dtype=np.int64) if name == "count" else np.full(shape, np.nan)
+
+
+def _columns(cells: Sequence[Cell], count: int, starts: int) -> dict[str, npt.NDArray[np.generic]]:
+    """Return the numbers of each attractor of each rotor, shape (cells, count)."""
+    columns: dict[str, npt.NDArray[np.generic]] = {}
+    for place, cell in enumerate(cells):
+        for each in cell.members:
+            for name, value in member_row(each, starts - cell.not_computed).items():
+                if name not in columns:
+                    columns[name] = column_of(name, (len(cells), count))
+                columns[name][place, each.identity] = value
+    return columns
+
+
+def _shocks(cells: Sequence[Cell], count: int) -> dict[str, npt.NDArray[np.generic]]:
+    """Return the smallest shocks from each attractor to each, shape (cells, count, count)."""
+    columns = {f"{kind}_shock": np.full((len(cells), count, count), np.nan) for kind in KINDS}
+    for place, cell in enumerate(cells):
+        numbers = [each.identity for each in cell.members]
+        for each in cell.members:
+            if each.resilience is not None:
+                for column, sizes in zip(columns.values(), each.resilience.sizes, strict=True):
+                    column[place, each.identity, numbers[: sizes.size]] = sizes
+    return dict(columns)
 
 
 def _flat(attributes: Mapping[str, object]) -> dict[str, object]:

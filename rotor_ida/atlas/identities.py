@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.atlas.cells import NEVER, Cell, Member
-from rotor_ida.basins.attractors import attractor_of_cycle
+from rotor_ida.basins.attractors import CONTACT_FREE_FAMILY, attractor_of_cycle
 from rotor_ida.basins.cycle_sections import cycle_section
 from rotor_ida.basins.known import same_numbers
 from rotor_ida.closed_forms import synchronous_response
@@ -39,7 +39,6 @@ PARTS, MOST_CHANGE = 64, 0.1
 # A whirl is the same as one of the neighbour when their amplitudes agree to this part.
 SAME_WHIRL = 1e-9
 SHARED = (response.CONTACT_FREE, response.TOUCHING, response.CHAOTIC)
-ONE_FAMILY = (response.CONTACT_FREE, response.TOUCHING)
 # Attractors are numbered in this order of their kinds.
 KINDS = (
     response.CONTACT_FREE,
@@ -77,7 +76,7 @@ def identify(cells: Sequence[Cell], lines: Sequence[Sequence[int]], stop: Stop) 
                     if other is not None:
                         links.append((member, other))
                         joined |= {(id(member), there), (id(other), here)}
-    for kind in ONE_FAMILY:  # wherever they are, they are whirls of one family
+    for kind in CONTACT_FREE_FAMILY:  # wherever they are, they are whirls of one family
         alike = [each for cell in cells for each in cell.members if each.attractor.kind == kind]
         links += pairwise(alike)
     return _numbered(cells, links)

@@ -10,11 +10,14 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.atlas.cells import Cell, CellJob, Member, fill_cell
-from rotor_ida.atlas.dataset import RISK
+from rotor_ida.atlas.dataset import column_of, member_row, missed_fraction
+from rotor_ida.atlas.shocks import KINDS
+from rotor_ida.basins.dataset import ENTROPIES
 from rotor_ida.basins.fractions import drawn_from, range_of
 from rotor_ida.basins.labelling import LOOSEST, RTOL, TIGHTEST, check_rotor
 from rotor_ida.checks import (
     COMPONENTS,
+    MOST_SHOCKS,
     check_array,
     check_between,
     check_count,
@@ -28,7 +31,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.parallel import interruptible
 from rotor_ida.parameters import PARAMETERS, DimensionalRotor, Rotor
 from rotor_ida.provenance import provenance
-from rotor_ida.schema import RESPONSE, TRAPPING, WHIRL_DIRECTION, Column, labelled_dataset
+from rotor_ida.schema import WHIRL_DIRECTION, Column, labelled_dataset
 from rotor_ida.si_units import dimensional
 from rotor_ida.simulation.dataset import parameter_coordinates
 from rotor_ida.simulation.options import LARGEST, Options
@@ -39,7 +42,8 @@ Values = npt.NDArray[np.float64]
 
 SAMPLES = 2048
 MOST_STARTS = 1_000_000
-OWN = ("amplitude", "radius_min", "radius_max", "period", "lifetime", "lifetime_low")
+# Of the numbers of an attractor, these say nothing more.
+LEFT_OUT = ("count", "phase_lag")
 NUMBERS = (
     "largest_force", "mean_force", "contacts_per_revolution", "contact_fraction",
     "dissipation_per_revolution", "whirl_ratio", "excursion",
@@ -56,6 +60,7 @@ def touchdown_report(
     starts: int = 1000,
     seed: int = 0,
     rtol: float = RTOL,
+    shocks: int = 0,
 ) -> xr.Dataset:
     """Return what each attractor of a machine does to it, and how likely it is.
 
@@ -73,6 +78,9 @@ def touchdown_report(
         Seed of the random numbers: the same seed gives the same starts.
     rtol : float
         As for `rotor_ida.basin`.
+    shocks : int
+        With more than 0, so many shocks are tried of velocity and of displacement to each
+        attractor, and the smallest that throws it to each other one is told.
 
     Returns
     -------
@@ -83,8 +91,17 @@ def touchdown_report(
         ``contact_fraction``, the share of time in contact; ``dissipation_per_revolution``, the
         energy that damping takes [J]; ``whirl_ratio`` and ``whirl_direction`` of the strongest
         whirl beside the spin; ``radius_min``, ``radius_max``, ``period`` [m], [s]; ``excursion``,
-        the largest distance from the bearing axis over the clearance. Of chaos what needs a period
-        is NaN.
+        the largest distance from the bearing axis over the clearance; the scalars
+        ``basin_entropy`` and ``boundary_entropy``. Of chaos what needs a period is NaN.
+
+        With `shocks`, on ``(attractor, target)``: ``velocity_shock`` and ``displacement_shock``
+        [m/s], [m], NaN where none was found up to ``velocity_shock_largest`` and
+        ``displacement_shock_largest``, and the states just before and after each,
+        ``velocity_shock_before_x`` and so on, from which a run can start; on ``attractor`` the
+        sizes below which no shock throws it off, ``velocity_shock_bound`` and
+        ``displacement_shock_bound``, as sure as ``trapping`` says; and ``omega_low``,
+        ``omega_high`` and so on [1], the values of each parameter between which the attractor
+        exists, with the way it ends there, ``omega_low_end`` and so on, as a flag.
 
     Raises
     ------
@@ -95,6 +112,17 @@ def touchdown_report(
     -----
     Energy comes from the drive and leaves through damping alone, ``2 zeta |z'|**2``: the Hertz
     contact gives back all that it takes.
+
+    A shock strikes at any phase and in any direction. The smallest one found has been followed by
+    CVODE to its end: it is a witness, and a smaller one may exist, down to the bound. All whirls
+    that stay inside the clearance, with the touches that fade towards them, are one attractor
+    here: of its outermost whirls, which just reach the ring, no bound is known but 0.
+
+    References
+    ----------
+    L. Halekotte, U. Feudel, "Minimal fatal shocks in multistable complex networks", Scientific
+    Reports 10, 2020: the smallest shock that leaves a basin. A. Daza et al., "Basin entropy: a new
+    tool to analyze uncertainty in dynamical systems", Scientific Reports 6, 2016.
 
     Examples
     --------
@@ -114,9 +142,10 @@ def touchdown_report(
     box = np.array([range_of(name, given[name]) for name in COMPONENTS])
     scaled = box / np.array([length, length, velocity, velocity])[:, None]
     check_array("x, y, vx and vy, in eccentricities,", scaled, largest=LARGEST)
-    job = CellJob(rotor, drawn_from(scaled, chosen, 0, count), tolerance)
+    tried = check_count("shocks", shocks, minimum=0, maximum=MOST_SHOCKS)
+    job = CellJob(rotor, drawn_from(scaled, chosen, 0, count), tolerance, tried)
     cell = interruptible(lambda stop: fill_cell(job, stop))
-    told = {"starts": count, "seed": chosen, "labelling_rtol": tolerance}
+    told = {"starts": count, "seed": chosen, "labelling_rtol": tolerance, "shocks": tried}
     ranges = {f"range_{name}": ends for name, ends in zip(COMPONENTS, box, strict=True)}
     report = _dataset(cell, count, {**told, **ranges})
     return dimensional(report, machine) if isinstance(machine, DimensionalRotor) else report
@@ -124,31 +153,43 @@ def touchdown_report(
 
 def _dataset(cell: Cell, starts: int, attributes: Mapping[str, object]) -> xr.Dataset:
     """Return what each attractor does, dimensionless, as a labelled dataset."""
-    members = cell.members
-    rows = [_numbers(cell.rotor, each) for each in members]
-    part = np.array([each.count for each in members]) / starts
-    settling = np.array([each.settling for each in members]).reshape(-1, 2)
-    columns: dict[str, npt.ArrayLike] = {
-        **{name: np.array([row[name] for row in rows], float) for name in NUMBERS},
-        **{name: np.array([getattr(each.attractor, name) for each in members]) for name in OWN},
-        "kind": np.array([RESPONSE[each.attractor.kind] for each in members], np.int8),
-        "trapping": np.array([TRAPPING[each.attractor.trapping] for each in members], np.int8),
-        "whirl_direction": np.array([_direction(row) for row in rows], np.int8),
-        "fraction": part,
-        "fraction_error": np.sqrt(part * (1.0 - part) / starts),
-        "settling_median": settling[:, 0],
-        "settling_95": settling[:, 1],
-    }
-    variables: dict[str, Column] = {
-        name: ("attractor", np.asarray(column)) for name, column in columns.items()
-    }
+    rows = []
+    for each in cell.members:
+        own = _numbers(cell.rotor, each)
+        row = {**member_row(each, starts), **own, "whirl_direction": _direction(own)}
+        rows.append({name: value for name, value in row.items() if name not in LEFT_OUT})
+    variables: dict[str, Column] = {}
+    for name in rows[0] if rows else ():
+        column = column_of(name, (len(rows),))
+        column[:] = [row[name] for row in rows]
+        variables[name] = ("attractor", column)
+    variables |= (tried := _shocks(cell))
+    variables |= {name: ((), one) for name, one in zip(ENTROPIES, cell.entropies, strict=True)}
     variables["undecided_fraction"] = ((), cell.undecided / starts)
-    variables["missed_fraction"] = ((), 1.0 - RISK ** (1.0 / starts))
+    variables["missed_fraction"] = ((), missed_fraction(starts))
     coordinates = parameter_coordinates(cell.rotor)
-    coordinates["attractor"] = ("attractor", np.arange(len(members)))
+    numbers = np.arange(len(rows))
+    coordinates["attractor"] = ("attractor", numbers)
+    if tried:
+        coordinates["target"] = ("target", numbers)
     told = {**provenance(Options().attributes()), **attributes}
     told |= {name: getattr(cell.rotor, name) for name in PARAMETERS}
     return labelled_dataset("What touching the ring does", variables, coordinates, told)
+
+
+def _shocks(cell: Cell) -> dict[str, Column]:
+    """Return the smallest shocks from each attractor to each, with the states about them."""
+    told = [each.resilience for each in cell.members if each.resilience is not None]
+    variables: dict[str, Column] = {}
+    over = ("attractor", "target")
+    for place, kind in enumerate(KINDS if told else ()):
+        variables[f"{kind}_shock"] = (over, np.array([each.sizes[place] for each in told]))
+        variables[f"{kind}_shock_largest"] = ((), cell.largest_shocks[place])
+        for when in ("before", "after"):
+            states = np.array([getattr(each, when)[place] for each in told])
+            for column, name in enumerate(COMPONENTS):
+                variables[f"{kind}_shock_{when}_{name}"] = (over, states[..., column])
+    return variables
 
 
 def _scales(machine: object) -> tuple[Rotor, float, float]:

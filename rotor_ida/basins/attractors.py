@@ -32,6 +32,8 @@ WITNESSES = 3
 AGREEMENT = 1e-5
 # How the starts on an attractor are held: see `rotor_ida.schema.TRAPPING`.
 PROVEN, ESTIMATED, NOTHING = "proven", "estimated", "none"
+# Whirls that stay inside the clearance; the outermost of them is reached by touches that fade.
+CONTACT_FREE_FAMILY = (response.CONTACT_FREE, response.TOUCHING)
 # One period in so many samples, for the mean whirl.
 SAMPLES = 512
 # The least lifetime that may be ruled out with this certainty.
@@ -108,7 +110,7 @@ def confirmed(
 ) -> list[Attractor]:
     """Return the attractors, each confirmed where CVODE finds it from one of its starts."""
     return [
-        replace(each, confirmed=any(_finds(rotor, each, start, options) for start in own))
+        replace(each, confirmed=any(leads_to(rotor, each, start, options) for start in own))
         for each, own in zip(attractors, starts, strict=True)
     ]
 
@@ -130,9 +132,16 @@ def witnesses(found: FollowedStarts, count: int, starts: Starts) -> list[Values]
     return [np.array(each).reshape(-1, 4) for each in states]
 
 
-def _finds(rotor: Rotor, attractor: Attractor, start: Values, options: Options) -> bool:
-    """Return whether CVODE follows a start to an attractor."""
+def leads_to(
+    rotor: Rotor, attractor: Attractor, start: Values, options: Options, *, family: bool = False
+) -> bool:
+    """Return whether CVODE follows a start to an attractor, or with `family` to one of its family.
+
+    Fading touches are of the contact-free family.
+    """
     settled = follow_to_steady_state(rotor, _state(start), options)
+    if family and attractor.kind in CONTACT_FREE_FAMILY:
+        return settled.response in CONTACT_FREE_FAMILY
     if settled.response != attractor.kind:
         return False
     if attractor.kind in (response.CONTACT_FREE, response.TOUCHING, response.CHAOTIC):

@@ -62,7 +62,9 @@ def basin(
         ``settling_time`` [1]. On ``attractor``: ``kind``, ``amplitude``, ``phase_lag``,
         ``radius_min``, ``radius_max`` (NaN where they depend on the start), ``confirmed``,
         ``count``, ``fraction`` and ``fraction_error``. Scalars: ``undecided_count``,
-        ``undecided_fraction``, ``not_computed_count``.
+        ``undecided_fraction``, ``not_computed_count``; ``basin_entropy``, how uncertain the end of
+        a start is within a small box, and ``boundary_entropy``, the same over the boxes in which
+        starts end differently: above log 2 the boundary is fractal.
 
     Raises
     ------

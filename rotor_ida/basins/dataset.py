@@ -11,6 +11,8 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.basins.attractors import Attractor
+from rotor_ida.basins.entropy import grid_entropy, sample_entropy
+from rotor_ida.basins.following import Starts
 from rotor_ida.basins.labelling import Labelled
 from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.provenance import provenance
@@ -26,6 +28,9 @@ LABELLING = (
     "holds it; those left over followed by Taylor series, and their limit cycles found by Newton's "
     "method; attractors confirmed by CVODE"
 )
+ENTROPIES = ("basin_entropy", "boundary_entropy")
+# Of a larger sample the first so many starts tell them.
+MOST_IN_ENTROPY = 1_000_000
 TABLE = (
     "amplitude", "phase_lag", "radius_min", "radius_max", "period", "lifetime", "lifetime_low",
 )  # fmt: skip
@@ -55,6 +60,7 @@ def basin_dataset(
         "response": _responses(labels, dims, attractors, found.folder),
         "settling_time": labelled("settling_time", dims, times),
         **_attractor_table(labels, attractors),
+        **_entropies(grid_entropy(labels)),
     }
     coordinates = parameter_coordinates(rotor)
     coordinates |= {name: (name, values) for name, values in axes.items()}
@@ -66,7 +72,7 @@ def basin_dataset(
 
 
 def fractions_dataset(
-    rotor: Rotor, found: Labelled, attributes: Mapping[str, object]
+    rotor: Rotor, starts: Starts, found: Labelled, attributes: Mapping[str, object]
 ) -> xr.Dataset:
     """Return which parts of the starts end on which attractor and kind of response.
 
@@ -74,6 +80,8 @@ def fractions_dataset(
     ----------
     rotor : Rotor
         The rotor.
+    starts : callable
+        Gives the starts from one number up to another, shape (4, n).
     found : Labelled
         The starts with what they end on.
     attributes : mapping
@@ -87,9 +95,11 @@ def fractions_dataset(
     for each, count in zip(attractors, ends, strict=True):
         of_kind[RESPONSE[each.kind]] += count
     kinds, counts = list(of_kind), np.array(list(of_kind.values()))
+    first = min(labels.size, MOST_IN_ENTROPY)
     fraction, error = _fractions(counts, labels.size - missing)
     variables: dict[str, Column | xr.Variable] = {
         **_attractor_table(labels, attractors),
+        **_entropies(sample_entropy(starts(0, first), labels[:first])),
         "response_count": ("response", counts),
         "response_fraction": ("response", fraction),
         "response_fraction_error": ("response", error),
@@ -100,6 +110,10 @@ def fractions_dataset(
     title = "Rotor in a clearance: fractions of starts"
     told = _attributes(rotor, {**attributes, **found.attributes}, found.options)
     return labelled_dataset(title, variables, coordinates, told)
+
+
+def _entropies(values: tuple[float, float]) -> dict[str, xr.Variable]:
+    return {name: labelled(name, (), one) for name, one in zip(ENTROPIES, values, strict=True)}
 
 
 def _attributes(rotor: Rotor, more: Mapping[str, object], options: Options) -> dict[str, object]:

@@ -101,7 +101,7 @@ def basin_fractions(
     )  # fmt: skip
     attributes = {"starts": count, "seed": chosen}
     attributes |= {f"range_{name}": limits for name, limits in zip(COMPONENTS, box, strict=True)}
-    return fractions_dataset(rotor, found, attributes)
+    return fractions_dataset(rotor, drawn, found, attributes)
 
 
 def drawn_from(box: Values, seed: int, first: int, last: int) -> Values:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from itertools import product
 from typing import Any, Literal
 
 import numpy as np
@@ -19,7 +20,7 @@ from rotor_ida.schema import NO_YES, RESPONSE, flags_of
 Record = dict[str, object]
 Kind = Literal[
     "run", "sweep", "basin", "basin_fractions", "atlas", "comparison", "whirls", "folds", "cycle",
-    "branch", "curve", "other",
+    "branch", "curve", "touchdown", "other",
 ]  # fmt: skip
 Description = tuple[Record, list[RenderableType]]
 METHOD = ("method", "flight", "backend", "rtol", "atol")
@@ -35,6 +36,16 @@ ATTRACTOR = (
     *("kind", "attractor", "amplitude", "phase_lag", "radius_min", "radius_max"),
     *("confirmed", "count", "fraction", "fraction_error"),
 )
+DONE_TO_MACHINE = (
+    *("fraction", "fraction_error", "settling_median", "settling_95"),
+    *("largest_force", "mean_force", "contacts_per_revolution", "contact_fraction"),
+    *("dissipation_per_revolution", "whirl_ratio", "whirl_direction"),
+    *("radius_min", "radius_max", "excursion", "period", "lifetime", "trapping"),
+    *("velocity_shock_bound", "displacement_shock_bound"),
+)
+SHOCK = ("velocity_shock", "displacement_shock")
+ENDS = {"low": "from", "high": "to"}
+OF_MACHINE = (*PARAMETERS, "undecided_fraction", "missed_fraction", "basin_entropy")
 SHARE = ("response", "response_count", "response_fraction", "response_fraction_error")
 STARTS = ("start_x", "start_y", "start_vx", "start_vy")
 POINT = (
@@ -72,6 +83,7 @@ def kind_of(dataset: xr.Dataset) -> Kind:
         "basin": "label" in dataset and "attractor" in dataset.dims,
         "basin_fractions": "response_fraction" in dataset,
         "atlas": "missed_fraction" in dataset and set(PARAMETERS) <= set(dataset.dims),
+        "touchdown": {"missed_fraction", "excursion"} <= set(dataset.variables),
         "sweep": "response" in dataset and set(PARAMETERS) <= set(dataset.dims),
         "run": "event_time" in dataset and "t" in dataset.dims,
         "whirls": "amplitude" in dataset and "branch" in dataset.dims,
@@ -91,6 +103,7 @@ def describe(dataset: xr.Dataset, *, most: int | None = None) -> Description:
         "basin": _attractors,
         "basin_fractions": _attractors,
         "atlas": _atlas,
+        "touchdown": _touchdown,
         "comparison": _comparison,
         "whirls": _whirls,
         "folds": _folds,
@@ -237,6 +250,65 @@ def _atlas(dataset: xr.Dataset, most: int | None) -> Description:
     columns = list(rows[0]) if rows else []
     parts = _rows("Attractors", rows, columns, most, digits=6)
     return record | told, [*parts, pairs("Starts", scalars)]
+
+
+def _touchdown(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return what each attractor does, a column for each, and what throws it to another."""
+    rows = rows_of(dataset, names_on(dataset, "attractor"))
+    scalars = _scalars(dataset)
+    record: Record = {"kind": "touchdown", "attractors": rows, **scalars}
+    heads = [f"{number} {row['kind']}" for number, row in enumerate(rows)]
+    lines: list[Record] = [
+        {"": _with_unit(dataset, name)} | dict(zip(heads, [row[name] for row in rows], strict=True))
+        for name in DONE_TO_MACHINE
+        if rows and name in rows[0]
+    ]
+    if rows and f"{PARAMETERS[0]}_low" in rows[0]:
+        for name, word in product(PARAMETERS, ENDS):
+            ends = [_end(row, f"{name}_{word}") for row in rows]
+            lines.append({"": f"{name} {ENDS[word]}", **dict(zip(heads, ends, strict=True))})
+    parts = _rows("Attractors", lines, list(lines[0]) if lines else [], None, digits=5)
+    if SHOCK[0] in dataset:
+        shocks = _shocks(dataset)
+        told: list[Record] = [
+            {"from": heads[one], "to": heads[to]}
+            | {_with_unit(dataset, name): each[name] for name in SHOCK}
+            for (one, to), each in shocks.items()
+            if "touching" not in {rows[one]["kind"], rows[to]["kind"]}  # as the contact-free
+        ]
+        record["shocks"] = list(shocks.values())
+        parts += _rows("Smallest shocks", told, list(told[0]) if told else [], most, digits=5)
+    parts.append(pairs("Machine", {name: scalars[name] for name in OF_MACHINE}))
+    about = attributes_of(dataset)
+    return record | {name: about[name] for name in about if name not in PARAMETERS}, parts
+
+
+def _shocks(dataset: xr.Dataset) -> dict[tuple[int, int], Record]:
+    """Return the smallest shocks by the attractors that they lead from and to."""
+    found = np.isfinite(dataset[SHOCK[0]].values) | np.isfinite(dataset[SHOCK[1]].values)
+    shocks: dict[tuple[int, int], Record] = {}
+    for one, to in np.argwhere(found).tolist():
+        here = dataset.isel(attractor=one, target=to)
+        told = {name: value_of(here, name) for name in names_on(dataset, "attractor", "target")}
+        shocks[one, to] = {"from": one, "to": to, **told}
+    return shocks
+
+
+def _scalars(dataset: xr.Dataset) -> Record:
+    names = [str(name) for name, variable in dataset.variables.items() if not variable.dims]
+    return {name: value_of(dataset, name) for name in names}
+
+
+def _end(row: Record, name: str) -> str:
+    """Return an end of the values of a parameter at which an attractor exists, and its kind."""
+    kind = str(row[f"{name}_end"]).replace("_", " ")
+    return "-" if kind in {"none", "not found"} else f"{row[name]:.5g} {kind}"
+
+
+def _with_unit(dataset: xr.Dataset, name: str) -> str:
+    """Return a variable's name with its unit, if it has one."""
+    unit = dataset[name].attrs.get("units", "1")
+    return name.replace("_", " ") + (f" [{unit}]" if unit not in {"", "1"} else "")
 
 
 def _comparison(dataset: xr.Dataset, most: int | None) -> Description:

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Annotated, Literal
 
 from cyclopts import Parameter
 from cyclopts.validators import Number
 
-from rotor_ida.checks import LARGEST_SEED, MOST_NUMBERS, MOST_WORKERS, State
+from rotor_ida.checks import LARGEST_SEED, MOST_NUMBERS, MOST_SHOCKS, MOST_WORKERS, State
 from rotor_ida.cli import parsing
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import Rotor
+from rotor_ida.parameters import DimensionalRotor, Rotor
 from rotor_ida.simulation.options import Backend, Flight, Method
 
 # A figure with more cannot be read.
@@ -114,6 +114,12 @@ Range = Annotated[
 StartCount = Annotated[
     int, _whole_number("Number of random starts.", 1, parsing.MOST_POINTS_OF_STUDY)
 ]
+ShockCount = Annotated[
+    int,
+    _whole_number(
+        "Number of shocks of each kind that are tried to each attractor.", 0, MOST_SHOCKS
+    ),
+]
 Seed = Annotated[int, _whole_number("Seed of the random numbers.", 0, LARGEST_SEED)]
 
 Period = Annotated[
@@ -206,6 +212,39 @@ class RotorOptions:
     def rotor(self) -> Rotor:
         """Return the rotor."""
         return Rotor(omega=self.omega, zeta=self.zeta, delta0=self.delta0)
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+class MachineOptions:
+    """One rotor, without dimensions or in SI units."""
+
+    omega: OneOmega = None
+    zeta: OneZeta = None
+    delta0: OneDelta0 = None
+    mass: Annotated[float | None, _number("In SI units: mass of the disc, in kg.")] = None
+    contact_stiffness: Annotated[
+        float | None, _number("Hertz stiffness of the ring, in N/m^1.5.")
+    ] = None
+    damping: Annotated[float | None, _number("Viscous damping, in N s/m.")] = None
+    eccentricity: Annotated[
+        float | None, _number("Distance of the mass centre from the disc centre, in m.")
+    ] = None
+    clearance: Annotated[float | None, _number("Radial clearance, in m.")] = None
+    speed: Annotated[float | None, _number("Spin speed, in rad/s.")] = None
+
+    def machine(self) -> Rotor | DimensionalRotor:
+        """Return the rotor or the machine, whichever is given whole."""
+        given = {name: value for name, value in asdict(self).items() if value is not None}
+        ways = [[field.name for field in fields(kind)] for kind in (Rotor, DimensionalRotor)]
+        if sorted(given) == sorted(ways[0]):
+            return Rotor(**given)
+        if sorted(given) == sorted(ways[1]):
+            return DimensionalRotor(**given)
+        raise InputError(
+            f"a rotor must be given by {', '.join(ways[0])}, or by {', '.join(ways[1])}, got "
+            f"{', '.join(given) or 'none of them'}"
+        )
 
 
 @Parameter(name="*")

@@ -29,6 +29,7 @@ from rotor_ida.cli.commands.compute import (
     response,
     simulate,
     sweep,
+    touchdown,
 )
 from rotor_ida.cli.commands.cycles import continue_, curve, cycle
 from rotor_ida.cli.commands.doctor import doctor
@@ -92,7 +93,7 @@ def application(console: Console) -> App:
         console=console,
     )
     computing = (
-        *(simulate, response, sweep, basin, fractions, atlas),
+        *(simulate, response, sweep, basin, fractions, atlas, touchdown),
         *(cycle, continue_, curve),
     )
     archived = (status, resume, compare, verify, show)

@@ -8,8 +8,9 @@ from itertools import cycle
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
+from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm, Normalize
 from matplotlib.patches import Patch
 
 from rotor_ida.checks import COMPONENTS, check_choice
@@ -32,6 +33,7 @@ Values = npt.NDArray[np.float64]
 
 NEEDED = (*PARAMETERS, "label", "kind", "amplitude", "radius_min", "radius_max", "count")
 UNDECIDED, NOT_COMPUTED = INK, "white"
+NOTHING_ELSE = "#d5e8d4"
 FATE_WORDS = {"undecided": "undecided", "not_computed": "not computed"}
 CONSTANT_RADIUS = 1e-3
 MOST_IN_A_COLUMN = 6
@@ -204,7 +206,7 @@ def plot_attractors(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
 
 
 def plot_attractor_map(dataset: xr.Dataset, ax: Axes | None = None, *, by: str = "kind") -> Axes:
-    r"""Draw over two parameters which response is the likeliest, or how hard it presses.
+    r"""Draw over two parameters the likeliest response, or how hard it presses or how firm it is.
 
     Parameters
     ----------
@@ -212,9 +214,10 @@ def plot_attractor_map(dataset: xr.Dataset, ax: Axes | None = None, *, by: str =
         What `rotor_ida.continue_attractors` returned, over two parameters.
     ax : Axes, optional
         Where to draw, and what is returned; by default the axes of a new figure.
-    by : {"kind", "force"}
-        What is coloured: the kind of response that most starts end on, with a legend; or the
-        largest contact force on the attractor that most of them end on, with a colour bar.
+    by : {"kind", "force", "shock"}
+        What is coloured: the kind of response that most starts end on, with a legend; or, of the
+        attractor that most of them end on, with a colour bar, the largest contact force, or the
+        smallest change of velocity that throws the rotor to another one.
 
     Raises
     ------
@@ -230,7 +233,9 @@ def plot_attractor_map(dataset: xr.Dataset, ax: Axes | None = None, *, by: str =
     'clearance $\\delta_0$'
     """
     check_dataset("dataset", dataset, (*PARAMETERS, "attractor", "fraction", "kind", "radius_max"))
-    check_choice("by", by, ("kind", "force"))
+    check_choice("by", by, ("kind", "force", "shock"))
+    if by == "shock" and "velocity_shock" not in dataset:
+        raise InputError("dataset must have been made with shocks to be mapped by them")
     if "length_scale" in dataset.attrs:
         raise InputError("dataset must be dimensionless to be mapped, got one in SI units")
     varying = [name for name in PARAMETERS if dataset[name].size > 1]
@@ -255,15 +260,27 @@ def plot_attractor_map(dataset: xr.Dataset, ax: Axes | None = None, *, by: str =
             for kind in kinds:
                 ax.fill_between([], [], color=shades[kind], lw=0.0, label=KIND_WORDS[kind])
         else:
-            mesh = ax.pcolormesh(
-                *places, _forces_of_likeliest(plane), cmap="Greys", shading="nearest",
-                rasterized=True,
-            )  # fmt: skip
-            ax.figure.colorbar(mesh, ax=ax, label="largest contact force")
+            _colour_by_number(ax, places, plane, by)
         label_axis(ax.xaxis, right, dataset[right])
         label_axis(ax.yaxis, upwards, dataset[upwards])
         ax.set_title(title_of("dataset", plane, (fixed,)))
     return ax
+
+
+def _colour_by_number(ax: Axes, places: tuple[Values, Values], plane: xr.Dataset, by: str) -> None:
+    """Colour a plane by the force or the smallest shock of the likeliest attractor."""
+    if by == "force":
+        values, label = _forces_of_likeliest(plane), "largest contact force"
+    else:
+        values, label = _shocks_of_likeliest(plane), "smallest change of velocity that ends it"
+    scale = Normalize() if by == "force" else LogNorm()
+    shades = colormaps["Greys" if by == "force" else "Greys_r"].with_extremes(bad=NOTHING_ELSE)
+    mesh = ax.pcolormesh(
+        *places, values, cmap=shades, norm=scale, shading="nearest", rasterized=True
+    )
+    if not np.isfinite(values).all():
+        ax.fill_between([], [], color=NOTHING_ELSE, lw=0.0, label="no shock was found")
+    ax.figure.colorbar(mesh, ax=ax, label=label)
 
 
 def _likeliest_kinds(plane: xr.Dataset) -> tuple[npt.NDArray[np.int64], dict[str, str]]:
@@ -275,6 +292,14 @@ def _likeliest_kinds(plane: xr.Dataset) -> tuple[npt.NDArray[np.int64], dict[str
     ]
     numbers: npt.NDArray[np.int64] = np.argmax(shares, axis=0)
     return numbers, shades
+
+
+def _shocks_of_likeliest(plane: xr.Dataset) -> Values:
+    """Return the smallest shock that ends the likeliest attractor; NaN where none was found."""
+    likeliest = plane["fraction"].fillna(-1.0).argmax("attractor")
+    least = plane["velocity_shock"].min("target").isel(attractor=likeliest)
+    values: Values = least.values
+    return values
 
 
 def _forces_of_likeliest(plane: xr.Dataset) -> Values:

@@ -212,6 +212,7 @@ def atlas(
     starts: options.StartCount = 1000,
     seed: options.Seed = 0,
     rtol: options.Rtol = 1e-6,
+    shocks: options.ShockCount = 0,
     jobs: options.JobOptions = options.JobOptions(),
     study: options.Study = None,
     output: Output = Output(),
@@ -238,11 +239,46 @@ def atlas(
             starts=starts,
             seed=seed,
             rtol=rtol,
+            shocks=shocks,
             **asdict(jobs),
             study=study,
             progress=progress,
         )
         return answer_whole(dataset, output, study)
+
+
+def touchdown(
+    *,
+    machine: options.MachineOptions = options.MachineOptions(),
+    x: options.Range = 0.0,
+    y: options.Range = 0.0,
+    vx: options.Range = 0.0,
+    vy: options.Range = 0.0,
+    starts: options.StartCount = 1000,
+    seed: options.Seed = 0,
+    rtol: options.Rtol = 1e-6,
+    shocks: options.ShockCount = 4096,
+    output: Output = Output(),
+) -> Report:
+    r"""Say what each attractor does to a machine, how likely it is, and what throws it off.
+
+    In SI units, from starts within 15 um of the axis:
+
+        rotor-ida touchdown --mass 4 --contact-stiffness 1e9 --damping 280 \
+            --eccentricity 1e-6 --clearance 2e-6 --speed 1000 \
+            --x=-15e-6:15e-6 --y=-15e-6:15e-6
+
+    Without dimensions, and without looking for shocks:
+
+        rotor-ida touchdown --omega 2 --zeta 0.07 --delta0 2 \
+            --x=-15:15 --y=-15:15 --shocks 0 --json
+    """
+    chosen = machine.machine()
+    output.check()
+    report = rotor_ida.touchdown_report(
+        chosen, x=x, y=y, vx=vx, vy=vy, starts=starts, seed=seed, rtol=rtol, shocks=shocks
+    )
+    return answer(report, output)
 
 
 def reproduce(

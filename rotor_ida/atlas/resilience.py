@@ -1,0 +1,269 @@
+"""Resilience: how far each attractor of a rotor is from being left, by a knock or by drifting.
+
+For each attractor the smallest shock found to each other one, confirmed by CVODE; the size up to
+which no shock throws the rotor off; and the extents of its parameters.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.atlas.extents import (
+    UNKNOWN,
+    End,
+    extent_of_contact_free,
+    extent_of_cycle,
+    extent_of_whirl,
+)
+from rotor_ida.atlas.shocks import (
+    KINDS,
+    Shocks,
+    Source,
+    bound_of_cycle,
+    bound_of_whirl,
+    ends_of,
+    try_shocks,
+)
+from rotor_ida.basins.attractors import CONTACT_FREE_FAMILY, Attractor, leads_to
+from rotor_ida.basins.cycle_sections import CycleSection
+from rotor_ida.basins.kernel import CHAOTIC, UNDECIDED
+from rotor_ida.basins.known import Known
+from rotor_ida.cycles.limit_cycle import follow
+from rotor_ida.cycles.shooting import Cycle
+from rotor_ida.errors import SimulationError
+from rotor_ida.parallel import Stop
+from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.schema import END
+from rotor_ida.simulation.options import Options
+from rotor_ida.sweeps import response
+
+Values = npt.NDArray[np.float64]
+Flags = npt.NDArray[np.int8]
+
+# Shocks are tried up to so many times the largest attractor or the clearance; the speed of a whirl
+# of that size for velocities; and down to this part of that.
+LARGEST, SMALLEST = 4.0, 1e-4
+# CVODE follows the smallest shock to its end, and where it comes elsewhere, larger ones by these
+# parts of it: a basin's border is known to an error, and may be finely folded.
+LARGER = (0.0, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2)
+# A limit cycle is shocked at any of so many of its states, chaos at so many a time unit apart that
+# come after so many more.
+SAMPLES, CHAOS_BEGINS = 1024, 2000
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """An attractor as the search for shocks needs it.
+
+    Parameters
+    ----------
+    attractor : Attractor
+        The attractor.
+    label : int
+        Its label, as in `rotor_ida.basins.kernel`.
+    cycle : Cycle or None
+        Of a limit cycle.
+    start : ndarray, shape (4,)
+        A start that ends on it [1]; NaN where there is none.
+    """
+
+    attractor: Attractor
+    label: int
+    cycle: Cycle | None
+    start: Values
+
+    @property
+    def is_whirl(self) -> bool:
+        """Whether it is a whirl in contact."""
+        return self.attractor.kind == response.SYNCHRONOUS
+
+
+@dataclass(slots=True)
+class Resilience:
+    """How far an attractor is from being left; of shocks first those of velocity, then of place.
+
+    Parameters
+    ----------
+    sizes : ndarray, shape (2, m)
+        The smallest shock found to each attractor that CVODE follows there [1]; NaN where none was.
+    before, after : ndarray, shape (2, m, 4)
+        States on the rotating axes just before and after it [1].
+    bounds : ndarray, shape (2,)
+        The size below which no shock throws the rotor off [1].
+    extents : ndarray, shape (3, 2)
+        The lowest and the highest omega, zeta and delta0 at which the attractor exists [1].
+    ends : ndarray of int8, shape (3, 2)
+        How it ends there: numbers of `rotor_ida.schema.END`.
+    """
+
+    sizes: Values
+    before: Values
+    after: Values
+    bounds: Values = field(default_factory=lambda: np.zeros(2))
+    extents: Values = field(default_factory=lambda: np.full((3, 2), np.nan))
+    ends: Flags = field(default_factory=lambda: np.full((3, 2), END["not_found"], dtype=np.int8))
+
+    @classmethod
+    def unknown(cls, attractors: int) -> Resilience:
+        """Return that of an attractor of which nothing is known."""
+        return cls(
+            np.full((2, attractors), np.nan), np.full((2, attractors, 4), np.nan),
+            np.full((2, attractors, 4), np.nan),
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Search:
+    """A rotor with all that is needed to look for shocks.
+
+    Parameters
+    ----------
+    known : Known
+        The rotor and its attractors.
+    subjects : list of Subject
+        The attractors, in their order.
+    shocks : int
+        So many of each kind are tried for each attractor.
+    tolerance : float
+        Error allowed in a step [1].
+    stop : ndarray, shape (1,)
+        Anything but 0 asks to stop.
+    """
+
+    known: Known
+    subjects: list[Subject]
+    shocks: int
+    tolerance: float
+    stop: Stop
+
+    def largest(self) -> tuple[float, float]:
+        """Return the largest change of velocity and of place that is tried [1]."""
+        rotor = self.known.rotor
+        radii = [each.attractor.radius_max for each in self.subjects]
+        size = LARGEST * max([1.0, rotor.delta0, *(one for one in radii if one > 0.0)])
+        return size * max(1.0, rotor.omega), size
+
+    def ends(self, states: Values) -> npt.NDArray[np.int16]:
+        """Return the labels of states, shape (4, n).
+
+        Beside chaos, what no region holds in time is taken for it, until CVODE has looked.
+        """
+        labels = ends_of(self.known, states, self.tolerance, self.stop)
+        if any(each.label == CHAOTIC for each in self.subjects):
+            labels[labels == UNDECIDED] = CHAOTIC
+        return labels
+
+
+def resilience_of(search: Search) -> list[Resilience]:
+    """Return how far each attractor of a rotor is from being left, in their order."""
+    found: dict[int, Resilience] = {}
+    for subject in search.subjects:  # fading touches are of the contact-free family
+        if subject.label not in found:
+            found[subject.label] = _resilience_of(search, subject)
+    return [found[subject.label] for subject in search.subjects]
+
+
+def _resilience_of(search: Search, subject: Subject) -> Resilience:
+    found, known = Resilience.unknown(len(search.subjects)), search.known
+    _fill_extents(found, known.rotor, subject, search.stop)
+    source = _source_of(known, subject, search.stop) if known.rotor.omega > 0.0 else None
+    if source is None:
+        return found
+    for row, (kind, largest) in enumerate(zip(KINDS, search.largest(), strict=True)):
+        bound = bound_of_whirl(known.whirls[subject.label], kind) if subject.is_whirl else 0.0
+        sizes = max(bound, SMALLEST * largest), largest
+        tried = try_shocks(source, subject.label, kind, sizes, search.shocks, search.ends, seed=row)
+        for place, target in enumerate(search.subjects):
+            if target.label not in (subject.label, UNDECIDED):
+                _keep_smallest(search, found, (row, place), tried)
+        section = _section_of(known, subject)
+        if section is not None:
+            thrown = tried.sizes[tried.labels != subject.label]
+            most = float(thrown.min(initial=largest))
+            bound = bound_of_cycle(section, source, kind, known.clearance, most, search.stop)
+        found.bounds[row] = bound
+    return found
+
+
+def _keep_smallest(
+    search: Search, found: Resilience, place: tuple[int, int], tried: Shocks
+) -> None:
+    """Keep the smallest shock to an attractor that CVODE follows there."""
+    target = search.subjects[place[1]]
+    for number in tried.smallest(target.label, LARGER):
+        if search.stop[0]:
+            return
+        after = tried.after[:, number]
+        if leads_to(search.known.rotor, target.attractor, after, Options(), family=True):
+            found.sizes[place] = tried.sizes[number]
+            found.before[place], found.after[place] = tried.before[:, number], after
+            return
+
+
+def _section_of(known: Known, subject: Subject) -> CycleSection | None:
+    """Return the section of a limit cycle."""
+    place = subject.label - known.first_cycle
+    return known.cycles[place] if 0 <= place < len(known.cycles) else None
+
+
+def _source_of(known: Known, subject: Subject, stop: Stop) -> Source | None:
+    """Return what gives states of an attractor, or None if they are not known."""
+    kind, rotor = subject.attractor.kind, known.rotor
+    if kind in CONTACT_FREE_FAMILY:
+        return lambda places: _contact_free_states(known, places)
+    if kind == response.CHAOTIC:
+        try:
+            states = follow(rotor, subject.start, 1.0, CHAOS_BEGINS + SAMPLES, stop)
+        except SimulationError:
+            return None
+        states = states[-SAMPLES:].T
+    elif subject.cycle is not None:
+        cycle = subject.cycle
+        states = follow(rotor, cycle.state, cycle.period / SAMPLES, SAMPLES, stop).T
+    else:
+        states = known.whirls[subject.label].centre[:, None]
+    count = states.shape[1]
+
+    def along(places: Values) -> Values:
+        return states[:, np.floor(places[0] * count).astype(np.int64) % count]
+
+    return along
+
+
+def _contact_free_states(known: Known, places: Values) -> Values:
+    """Return whirls about any centre of those that leave room, half of them about the farthest."""
+    wx, wy, room = known.free[:3].tolist()
+    distance = math.sqrt(room) * np.sqrt(np.clip(2.0 * np.abs(places[1]), 0.0, 1.0))
+    angle = 2.0 * math.pi * places[0]
+    velocity = 1j * known.rotor.omega * complex(wx, wy)
+    return np.stack([
+        wx + distance * np.cos(angle),
+        wy + distance * np.sin(angle),
+        np.full(angle.size, velocity.real),
+        np.full(angle.size, velocity.imag),
+    ])  # fmt: skip
+
+
+def _fill_extents(found: Resilience, rotor: Rotor, subject: Subject, stop: Stop) -> None:
+    """Write down between which parameters an attractor exists."""
+    for row, name in enumerate(PARAMETERS):
+        for column, end in enumerate(_extent(rotor, subject, name, stop)):
+            found.extents[row, column] = end.value
+            found.ends[row, column] = END[end.kind]
+
+
+def _extent(rotor: Rotor, subject: Subject, name: str, stop: Stop) -> tuple[End, End]:
+    attractor = subject.attractor
+    if rotor.omega == 0.0 or attractor.kind == response.CHAOTIC:
+        return UNKNOWN, UNKNOWN
+    if attractor.kind in CONTACT_FREE_FAMILY:
+        return extent_of_contact_free(rotor, name)
+    if attractor.kind == response.SYNCHRONOUS:
+        return extent_of_whirl(rotor, attractor.amplitude, name)
+    if subject.cycle is None:
+        return UNKNOWN, UNKNOWN
+    return extent_of_cycle(rotor, subject.cycle.state, subject.cycle.period, name, stop)

@@ -1,0 +1,269 @@
+"""Smallest shocks: the least knock that throws a rotor from one attractor to another.
+
+A shock changes the velocity at once, or the place, and nothing else: on the rotating axes it is a
+step in two of the four coordinates, from any state of the attractor and in any direction. Shocks
+are drawn over states, directions and sizes and followed all together, as starts of a basin are;
+then smaller and smaller ones, half of them close to the smallest found, half anywhere. What is
+found is a witness: a shock that does throw the rotor there. That no smaller one does is proven up
+to the bound, which for a stable whirl is the largest circle of shocks within its trapping region;
+for a limit cycle that circle is found by following shocks of it, up to the set on its section.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_left
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.stats import qmc
+
+from rotor_ida.basins.crossings import measure_returns
+from rotor_ida.basins.cycle_sections import CycleSection
+from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED, follow
+from rotor_ida.basins.known import Known
+from rotor_ida.basins.trapping_regions import TrappingRegion
+from rotor_ida.parallel import Stop
+from rotor_ida.sweeps.steady_state import durations
+
+Values = npt.NDArray[np.float64]
+Labels = npt.NDArray[np.int16]
+
+# Kinds of shock, with the first of the two coordinates that it changes.
+KINDS = {"velocity": 2, "displacement": 0}
+# Shocks are drawn in so many rounds, the first of them, as large as so many, evenly.
+ROUNDS, EXPLORING = 16, 4
+# Near the smallest shocks to an attractor, so many that lie apart, others are sought in this part
+# of all states and directions, less by this factor in each round.
+LEADING, AROUND, CLOSER = 8, 0.1, 0.7
+# They are smaller by such parts, spread evenly on a logarithmic scale.
+LESS_BY = (1e-4, 0.5)
+# A limit cycle is shocked for its bound at so many states in so many directions, by sizes that are
+# these parts of it. The bound is the largest of so many, each less by a factor, from which all of
+# them come back to its section, and this much less for those that were not tried.
+PHASES, DIRECTIONS, SHELLS = 32, 24, (1.0, 0.7, 0.4)
+TIGHT, SIZES, LESS, CAUTION = 1e-8, 127, 0.93, 0.8
+
+# States of an attractor, shape (4, n), at places in the unit square, shape (2, n).
+Source = Callable[[Values], Values]
+
+
+@dataclass(frozen=True, slots=True)
+class Shocks:
+    """Shocks that were followed.
+
+    Parameters
+    ----------
+    sizes : ndarray, shape (n,)
+        Their sizes [1].
+    before, after : ndarray, shape (4, n)
+        States on the rotating axes just before and after them [1].
+    labels : ndarray of int16, shape (n,)
+        Labels of what they throw the rotor to, as in `rotor_ida.basins.kernel`.
+    """
+
+    sizes: Values
+    before: Values
+    after: Values
+    labels: Labels
+
+    def smallest(self, label: int, larger: Sequence[float]) -> list[int]:
+        """Return the numbers of shocks with a label, in order of size from the smallest on.
+
+        Each is larger than the smallest by a part of it, or by a little more.
+        """
+        numbers = np.flatnonzero(self.labels == label)
+        if not numbers.size:
+            return []
+        numbers = numbers[np.argsort(self.sizes[numbers], kind="stable")]
+        sizes = self.sizes[numbers]
+        places = np.searchsorted(sizes, sizes[0] * (1.0 + np.array(larger)))
+        chosen: list[int] = numbers[np.unique(places[places < sizes.size])].tolist()
+        return chosen
+
+
+@dataclass(frozen=True, slots=True)
+class _Leading:
+    """The smallest shocks to an attractor so far, apart from each other: sizes and places."""
+
+    sizes: Values
+    places: Values
+
+
+def ends_of(known: Known, states: Values, tolerance: float, stop: Stop) -> Labels:
+    """Return the labels of states, shape (4, n); fading touches count as contact-free.
+
+    What no region holds in time is undecided.
+    """
+    states = np.array(states, order="C")
+    labels = np.full(states.shape[1], NOT_COMPUTED, dtype=np.int16)
+    rotor = known.rotor
+    follow(
+        states, labels, np.zeros(labels.size, dtype=np.float32),
+        (rotor.omega, rotor.zeta, known.clearance), *known.tables(), durations(rotor)[0],
+        tolerance, stop,
+    )  # fmt: skip
+    labels[labels == known.fading_label] = known.free_label
+    return labels
+
+
+def try_shocks(
+    source: Source, own: int, kind: str, sizes: tuple[float, float], count: int,
+    ends: Callable[[Values], Labels], seed: int,
+) -> Shocks:  # fmt: skip
+    """Return shocks that were followed, ever smaller ones to each other attractor.
+
+    Parameters
+    ----------
+    source : callable
+        Gives states of the attractor.
+    own : int
+        The label of the attractor itself.
+    kind : {"velocity", "displacement"}
+        What the shock changes.
+    sizes : tuple of float
+        The smallest and the largest size at the start [1].
+    count : int
+        How many shocks to follow.
+    ends : callable
+        Gives the labels of states.
+    seed : int
+        Seed of the random numbers.
+    """
+    random = np.random.default_rng(seed)
+    each = max(count // ROUNDS, 8)
+    spread = qmc.Sobol(4, seed=random).random_base2(max(2, round(math.log2(EXPLORING * each)))).T
+    places, drawn = spread[:3], _between(*sizes, spread[3])
+    rounds: list[Shocks] = []
+    leading: dict[int, _Leading] = {}
+    for turn in range(ROUNDS - EXPLORING + 1):
+        reach = AROUND * CLOSER**turn
+        rounds.append(_followed(source, places, drawn, kind, ends))
+        leading = _led(leading, own, rounds[-1], places, reach)
+        places, drawn = _smaller(random, leading, each, sizes, reach)
+    return Shocks(
+        np.concatenate([shots.sizes for shots in rounds]),
+        np.concatenate([shots.before for shots in rounds], axis=1),
+        np.concatenate([shots.after for shots in rounds], axis=1),
+        np.concatenate([shots.labels for shots in rounds]),
+    )
+
+
+def _led(
+    leading: dict[int, _Leading], own: int, shots: Shocks, places: Values, apart: float
+) -> dict[int, _Leading]:
+    """Return the smallest shocks to each attractor, those before with those of a round."""
+    led = {}
+    met = set(np.unique(shots.labels).tolist()) - {own, UNDECIDED, NOT_COMPUTED}
+    for label in sorted(met | leading.keys()):
+        found = shots.labels == label
+        sizes, where = shots.sizes[found], places[:, found]
+        if label in leading:
+            sizes = np.concatenate([leading[label].sizes, sizes])
+            where = np.concatenate([leading[label].places, where], axis=1)
+        chosen: list[int] = []
+        for number in np.argsort(sizes, kind="stable").tolist():
+            away = np.abs(where[:, chosen] - where[:, number, None])
+            if (np.minimum(away, 1.0 - away).max(axis=0) > apart).all():
+                chosen.append(number)
+            if len(chosen) == LEADING:
+                break
+        led[label] = _Leading(sizes[chosen], where[:, chosen])
+    return led
+
+
+def _smaller(
+    random: np.random.Generator, leading: dict[int, _Leading], count: int,
+    sizes: tuple[float, float], reach: float,
+) -> tuple[Values, Values]:  # fmt: skip
+    """Return places in the unit cube, shape (3, n), and sizes of the shocks to try next.
+
+    A quarter of them are for attractors that none has come to; of the others, a third is anywhere,
+    and the rest near to the smallest to each.
+    """
+    free = count // 4 if leading else count
+    places, drawn = [random.random((3, free))], [_between(*sizes, random.random(free))]
+    for each in leading.values():
+        share = max((count - free) // (3 * len(leading)), 1)
+        chosen = random.integers(each.sizes.size, size=2 * share)
+        near = each.places[:, chosen] + reach * random.standard_normal((3, 2 * share))
+        places += [random.random((3, share)), near]
+        less = 1.0 - _between(*LESS_BY, random.random(3 * share))
+        drawn.append(np.append(np.full(share, each.sizes[0]), each.sizes[chosen]) * less)
+    return np.concatenate(places, axis=1), np.concatenate(drawn)
+
+
+def _between(low: float, high: float, part: Values) -> Values:
+    """Return sizes at parts of the way between two on a logarithmic scale."""
+    return low * (high / low) ** part
+
+
+def _followed(
+    source: Source, places: Values, sizes: Values, kind: str, ends: Callable[[Values], Labels]
+) -> Shocks:
+    """Return shocks at places of the unit cube, of which the last coordinate is the direction."""
+    before = source(places[:2])
+    after, first = before.copy(), KINDS[kind]
+    angle = 2.0 * math.pi * places[2]
+    after[first] += sizes * np.cos(angle)
+    after[first + 1] += sizes * np.sin(angle)
+    return Shocks(sizes, before, after, ends(after))
+
+
+def bound_of_whirl(region: TrappingRegion, kind: str) -> float:
+    """Return the size up to which all shocks stay in the trapping region of a whirl: proven."""
+    if not region.exists:
+        return 0.0
+    first = KINDS[kind]
+    factor = np.linalg.cholesky(region.form).T[:, first : first + 2]
+    return float(1.0 / np.linalg.svd(factor, compute_uv=False)[0])
+
+
+def bound_of_cycle(
+    section: CycleSection, source: Source, kind: str, clearance: float | None, most: float,
+    stop: Stop,
+) -> float:  # fmt: skip
+    """Return the size up to which shocks of a limit cycle come back to its section: estimated.
+
+    Parameters
+    ----------
+    section : CycleSection
+        The section, with a set that returns into itself.
+    source : callable
+        Gives states of the cycle.
+    kind : {"velocity", "displacement"}
+        What the shock changes.
+    clearance : float or None
+        As the kernel wants it [1].
+    most : float
+        The bound is not sought above this [1].
+    stop : ndarray, shape (1,)
+        Anything but 0 asks to stop.
+    """
+    if not section.exists:
+        return 0.0
+    phase, angle = np.meshgrid((np.arange(PHASES) + 0.5) / PHASES, np.arange(DIRECTIONS))
+    places = np.stack([phase, np.zeros_like(phase), angle / DIRECTIONS]).reshape(3, -1)
+    rotor, period = section.cycle.rotor, section.cycle.period
+
+    def returns(states: Values) -> Labels:
+        values = np.empty(states.shape[1])
+        measure_returns(
+            np.ascontiguousarray(states), (rotor.omega, rotor.zeta, clearance), section.numbers,
+            (0.0, 1.6 * period), TIGHT, values, stop,
+        )  # fmt: skip
+        return (values <= 1.0).astype(np.int16)
+
+    def all_return(size: float) -> bool:
+        sizes = np.full(phase.size, size)
+        return all(
+            not stop[0]
+            and bool(_followed(source, places, part * sizes, kind, returns).labels.all())
+            for part in SHELLS
+        )
+
+    sizes = most * LESS ** np.arange(SIZES)
+    first = bisect_left(sizes.tolist(), True, key=all_return)
+    return CAUTION * float(sizes[first]) if first < SIZES else 0.0

@@ -1,0 +1,130 @@
+"""Where attractors end: at the folds of the closed forms, and the special points of branches."""
+
+import math
+
+import numpy as np
+import pytest
+
+from rotor_ida import Rotor, continue_cycle, folds, limit_cycle, synchronous_response
+from rotor_ida.atlas.extents import extent_of_contact_free, extent_of_cycle, extent_of_whirl
+from rotor_ida.cycles.guess import guess_of
+from rotor_ida.parameters import PARAMETERS
+from rotor_ida.schema import SPECIAL
+
+STOP = np.zeros(1, np.uint8)
+
+
+def with_value(rotor, name, value):
+    return Rotor(**{each: getattr(rotor, each) for each in PARAMETERS} | {name: value})
+
+
+def stable_whirls(**parameters):
+    """Return the amplitudes of the stable whirls in contact over one parameter; else NaN."""
+    whirls = synchronous_response(**parameters).squeeze()
+    held = (whirls.stability == 0) & (whirls.in_contact == 1)
+    return np.atleast_1d(whirls.amplitude.where(held).values)
+
+
+def stable_amplitudes(rotor):
+    found = stable_whirls(**{name: getattr(rotor, name) for name in PARAMETERS})
+    return found[np.isfinite(found)]
+
+
+def drawn():
+    """Return rotors all over the plane with a stable whirl in contact each."""
+    random = np.random.default_rng(7)
+    rotors = []
+    while len(rotors) < 40:
+        rotor = Rotor(
+            omega=random.uniform(0.3, 4.0), zeta=10.0 ** random.uniform(-2.0, -0.5),
+            delta0=random.choice([0.0, random.uniform(0.05, 3.0)]),
+        )  # fmt: skip
+        if stable_amplitudes(rotor).size:
+            rotors.append(rotor)
+    return rotors
+
+
+ROTORS = drawn()
+# Parts of the way to an end, closer where it begins and ends.
+PARTS = 0.5 - 0.5 * np.cos(np.pi * np.linspace(0.0, 0.99, 4000))
+
+
+@pytest.mark.parametrize("rotor", ROTORS, ids=str)
+@pytest.mark.parametrize("name", PARAMETERS)
+def test_a_whirl_ends_where_the_locus_of_folds_says(rotor, name):
+    """`folds` finds them otherwise: by crossings of one function along the locus."""
+    for amplitude in stable_amplitudes(rotor).tolist():
+        for end in extent_of_whirl(rotor, amplitude, name):
+            if end.kind == "fold":
+                there = with_value(rotor, name, end.value)
+                known = folds(zeta=there.zeta, delta0=there.delta0).fold_omega.values
+                assert np.nanmin(np.abs(known / there.omega - 1.0)) < 1e-7
+            elif end.kind == "touch":
+                there = with_value(rotor, name, end.value)
+                size = there.omega / math.hypot(there.omega, 2.0 * there.zeta)
+                assert size == pytest.approx(there.delta0, rel=1e-12)
+            else:
+                assert end.kind == "none"
+                assert end.value == (math.inf if end.value > 0.0 else 0.0)
+
+
+@pytest.mark.parametrize("rotor", ROTORS[:15], ids=str)
+@pytest.mark.parametrize("name", PARAMETERS)
+def test_up_to_there_the_whirl_can_be_followed(rotor, name):
+    """In small steps, each to the nearest stable whirl: none jumps before the end."""
+    for amplitude in stable_amplitudes(rotor).tolist():
+        begin = getattr(rotor, name)
+        for end in extent_of_whirl(rotor, amplitude, name):
+            if end.kind == "none":
+                continue
+            values = begin + (end.value - begin) * PARTS
+            parameters = {each: getattr(rotor, each) for each in PARAMETERS} | {name: values}
+            here = amplitude
+            for row in stable_whirls(**parameters).reshape(values.size, -1):
+                nearest = float(row[np.nanargmin(np.abs(row - here))])
+                assert abs(nearest - here) < 0.03 * here
+                here = nearest
+
+
+def test_the_jumps_of_the_paper_are_ends():
+    rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
+    small, large = stable_amplitudes(rotor).tolist()
+    low, high = folds(zeta=0.07, delta0=0.0).fold_omega.values.ravel().tolist()
+    assert extent_of_whirl(rotor, small, "omega")[0].value == pytest.approx(low, rel=1e-11)
+    assert extent_of_whirl(rotor, large, "omega")[1].value == pytest.approx(high, rel=1e-11)
+    assert extent_of_whirl(rotor, small, "delta0")[0].value == 0.0  # there is no less
+
+
+def test_the_contact_free_whirl_ends_where_it_fills_the_clearance():
+    rotor = Rotor(omega=0.05, zeta=0.07, delta0=0.5)
+    for name in PARAMETERS:
+        ends = [end for end in extent_of_contact_free(rotor, name) if end.kind == "touch"]
+        there = with_value(rotor, name, ends[0].value)
+        size = there.omega / math.hypot(there.omega, 2.0 * there.zeta)
+        assert size == pytest.approx(there.delta0, rel=1e-12)
+    wide = Rotor(omega=2.0, zeta=0.07, delta0=1.5)
+    assert [end.value for end in extent_of_contact_free(wide, "omega")] == [0.0, math.inf]
+
+
+@pytest.mark.parametrize("name", PARAMETERS)
+@pytest.mark.parametrize(
+    ("rotor", "start"),
+    [
+        (Rotor(omega=2.0, zeta=0.07, delta0=2.0), (0.0, 0.0, 0.0, 0.0)),
+        (Rotor(omega=3.0, zeta=0.07, delta0=0.5), (3.0, 1.0, 0.0, 0.0)),
+    ],
+)
+def test_a_cycle_ends_at_the_special_points_of_its_branch(rotor, start, name):
+    cycle = limit_cycle(rotor, start=start)
+    guess, here = guess_of(rotor, cycle), getattr(rotor, name)
+    low, high = extent_of_cycle(rotor, guess.state, guess.period, name, STOP)
+    limits = (0.2 * here, 4.0 * here)
+    branch = continue_cycle(rotor, start=cycle, parameter=name, limits=limits, points=600)
+    values = branch.special_value.values
+    for kind in ("fold", "period_doubling"):
+        for end in (low, high):
+            if end.kind == kind and limits[0] < end.value < limits[1]:
+                own = values[branch.special_kind.values == SPECIAL[kind]]
+                assert np.abs(own / end.value - 1.0).min() < 1e-8
+    assert high.kind in {"fold", "period_doubling"}
+    assert low.value < here < high.value
