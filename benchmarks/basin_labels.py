@@ -13,7 +13,7 @@ import time
 import numpy as np
 
 from rotor_ida import Rotor
-from rotor_ida.basins.labelling import RTOL, label
+from rotor_ida.basins.labelling import label
 from rotor_ida.parallel import count_workers, run_all
 from rotor_ida.schema import FATE
 from rotor_ida.simulation.options import Options
@@ -75,7 +75,7 @@ def main():
     parser.add_argument("--zeta", type=float, default=0.07)
     parser.add_argument("--delta0", type=float, default=0.0)
     parser.add_argument("--starts", type=int, default=2000)
-    parser.add_argument("--rtol", type=float, default=RTOL)
+    parser.add_argument("--rtol", type=float, help="by default what suits")
     parser.add_argument("--workers", type=int)
     given = parser.parse_args()
     rotor = Rotor(omega=given.omega, zeta=given.zeta, delta0=given.delta0)

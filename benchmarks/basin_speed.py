@@ -17,10 +17,9 @@ import numpy as np
 
 from rotor_ida import Rotor
 from rotor_ida.basins.crossings import SECTION
-from rotor_ida.basins.following import follow_starts
+from rotor_ida.basins.following import RTOL, follow_starts
 from rotor_ida.basins.kernel import NOT_COMPUTED, follow
 from rotor_ida.basins.known import known_from_closed_forms
-from rotor_ida.basins.labelling import RTOL
 from rotor_ida.storage.studies.results import Results
 
 HALF_WIDTH = 15.0

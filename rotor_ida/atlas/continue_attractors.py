@@ -14,8 +14,9 @@ import xarray as xr
 from rotor_ida.atlas.cells import Cell, CellJob, cell_as_bytes, cell_from_bytes, fill_cell
 from rotor_ida.atlas.dataset import atlas_dataset
 from rotor_ida.atlas.identities import identify
+from rotor_ida.basins.following import RTOL
 from rotor_ida.basins.fractions import drawn_from, range_of
-from rotor_ida.basins.labelling import LOOSEST, RTOL, TIGHTEST, check_rotor
+from rotor_ida.basins.labelling import LOOSEST, TIGHTEST, check_rotor
 from rotor_ida.checks import (
     COMPONENTS,
     MOST_SHOCKS,
@@ -80,7 +81,9 @@ def continue_attractors(
     shocks : int
         With more than 0, so many shocks of velocity and of displacement are tried to each
         attractor of each rotor, as for `rotor_ida.touchdown_report`.
-    rtol, workers, executor, study, progress
+    rtol : float
+        Error allowed in a step, relative to the size of the state and of the eccentricity [1].
+    workers, executor, study, progress
         As for `rotor_ida.basin`; rotors are what is counted and kept.
 
     Returns

@@ -13,8 +13,9 @@ from rotor_ida.atlas.cells import Cell, CellJob, Member, fill_cell
 from rotor_ida.atlas.dataset import column_of, member_row, missed_fraction
 from rotor_ida.atlas.shocks import KINDS
 from rotor_ida.basins.dataset import ENTROPIES
+from rotor_ida.basins.following import RTOL
 from rotor_ida.basins.fractions import drawn_from, range_of
-from rotor_ida.basins.labelling import LOOSEST, RTOL, TIGHTEST, check_rotor
+from rotor_ida.basins.labelling import LOOSEST, TIGHTEST, check_rotor
 from rotor_ida.checks import (
     COMPONENTS,
     MOST_SHOCKS,
@@ -77,7 +78,7 @@ def touchdown_report(
     seed : int
         Seed of the random numbers: the same seed gives the same starts.
     rtol : float
-        As for `rotor_ida.basin`.
+        Error allowed in a step, relative to the size of the state and of the eccentricity [1].
     shocks : int
         With more than 0, so many shocks are tried of velocity and of displacement to each
         attractor, and the smallest that throws it to each other one is told.

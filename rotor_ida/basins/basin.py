@@ -9,7 +9,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.basins.dataset import basin_dataset
-from rotor_ida.basins.labelling import RTOL, check_rotor, label
+from rotor_ida.basins.labelling import check_rotor, label
 from rotor_ida.checks import COMPONENTS, check_vector, is_scalar
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress
@@ -26,7 +26,7 @@ def basin(
     y: npt.ArrayLike,
     vx: npt.ArrayLike = 0.0,
     vy: npt.ArrayLike = 0.0,
-    rtol: float = RTOL,
+    rtol: float | None = None,
     workers: int | None = None,
     executor: str = "auto",
     study: str | os.PathLike[str] | None = None,
@@ -40,8 +40,10 @@ def basin(
         The rotor; damped, since without damping nothing settles.
     x, y, vx, vy : float or array_like, shape (n,)
         Components of the start [1]: exactly two are increasing arrays, two are numbers.
-    rtol : float
-        Error allowed in a step, relative to the size of the state and of the eccentricity [1].
+    rtol : float, optional
+        Error allowed in a step, relative to the size of the state and of the eccentricity [1]; by
+        default 1e-6, or 1e-12 where one of 512 starts ends elsewhere with that, for then the
+        basins are finely folded. The attribute ``labelling_rtol`` says which.
     workers : int, optional
         How many batches of starts to follow at a time; by default one for each core that may be
         used.

@@ -37,6 +37,8 @@ class BatchResult:
     watched : ndarray, shape (2,)
         Number of orbits that left a chaotic motion while this was watched, and for how long all of
         them together were watched [1].
+    tolerance : ndarray, shape ()
+        Error allowed in a step [1].
     """
 
     first: int
@@ -45,6 +47,7 @@ class BatchResult:
     cycles: Values
     chaos: Values
     watched: Values
+    tolerance: Values
 
 
 def batch_as_bytes(batch: BatchResult) -> bytes:
@@ -56,6 +59,7 @@ def batch_as_bytes(batch: BatchResult) -> bytes:
         "cycles": batch.cycles,
         "chaos": batch.chaos,
         "watched": batch.watched,
+        "tolerance": batch.tolerance,
     }
     return packed(arrays)
 

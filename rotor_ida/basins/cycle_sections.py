@@ -15,6 +15,7 @@ V. So it is an estimate, not a proof as for the whirls (`trapping_regions`).
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,9 +37,9 @@ STATES = 64
 # V must fall by this part of what it does in the linear motion, and the set is taken this much
 # smaller than where it did, as a part of its width.
 FALLS, CAUTION = 0.3, 0.8
-# The largest set tried has this width, in parts of the size of the cycle; the smallest, and how
-# much narrower each is than the one before.
-WIDEST, NARROWEST, NARROWER = 1.0, 1e-5, 0.6
+# The widest set that may be tried, and the narrowest, in parts of the size of the cycle, and of how
+# many between them the widest is sought.
+WIDEST, NARROWEST, WIDTHS = 1.0, 1e-5, 31
 # Weights of the mode with the multiplier exp(-2 zeta T), or of the faster pair, against the others.
 MODE_RATIOS = (0.1, 1.0, 10.0)
 # Beyond this condition number the modes give no form.
@@ -136,17 +137,14 @@ def _density(form: Values) -> float:
 
 
 def _width(section: CycleSection, form: Values, slowest: float, stop: Stop) -> float:
-    """Return the largest width tried at which all states come back nearer; 0 if there is none."""
-    cycle = section.cycle
-    rotor = cycle.rotor
-    inverse = np.linalg.pinv(form)
-    directions = inverse @ _sphere(STATES)
+    """Return about the largest width at which all states come back nearer; 0 if there is none."""
+    cycle, rotor = section.cycle, section.cycle.rotor
+    directions = np.linalg.pinv(form) @ _sphere(STATES)
     allowed = 1.0 - FALLS * (1.0 - slowest**2)
     clearance = rotor.delta0 if rotor.delta0 > 0.0 else None
-    width = WIDEST * float(np.linalg.norm(section.centre))
-    while width >= NARROWEST * float(np.linalg.norm(section.centre)) and not stop[0]:
+
+    def all_nearer(width: float) -> bool:
         here = CycleSection(cycle, section.centre, section.normal, form / width)
-        good = True
         for shell in SHELLS:
             states = section.centre[:, None] + shell * width * directions
             values = np.empty(STATES)
@@ -154,13 +152,13 @@ def _width(section: CycleSection, form: Values, slowest: float, stop: Stop) -> f
                 states, (rotor.omega, rotor.zeta, clearance), here.numbers,
                 (0.5 * cycle.period, 1.6 * cycle.period), TOLERANCE, values, stop,
             )  # fmt: skip
-            if not (values <= allowed * shell**2).all():
-                good = False
-                break
-        if good:
-            return width
-        width *= NARROWER
-    return 0.0
+            if stop[0] or not (values <= allowed * shell**2).all():
+                return False
+        return True
+
+    widths = np.geomspace(WIDEST, NARROWEST, WIDTHS) * float(np.linalg.norm(section.centre))
+    first = bisect_left(widths.tolist(), True, key=all_nearer)
+    return float(widths[first]) if first < WIDTHS else 0.0
 
 
 def _sphere(count: int) -> Values:

@@ -1,12 +1,14 @@
 """What becomes of orbits that no trapping region holds: each is followed until that is decided.
 
-One orbit is followed to its attractor as in a sweep. A limit cycle is then known exactly, by
-Newton's method, and the others are tried again; so are they when the orbit only needed longer.
-Chaos is told by the largest exponent of some orbits; those that last as long are taken to be on it.
+Where an orbit comes back to where it is, Newton's method finds the limit cycle beside it; that is
+then known, with a region of its own, and all are tried again. An orbit that does not is followed to
+its attractor as in a sweep. Chaos is told by the largest exponent of some orbits; those that last
+as long are taken to be on it.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +16,7 @@ import numpy.typing as npt
 
 from rotor_ida.basins.kernel import CHAOTIC, NOT_COMPUTED, UNDECIDED, follow
 from rotor_ida.basins.known import Known, with_cycle
+from rotor_ida.cycles.limit_cycle import returns
 from rotor_ida.cycles.multipliers import is_stable
 from rotor_ida.cycles.shooting import close_orbit, once_round
 from rotor_ida.errors import SimulationError
@@ -39,6 +42,11 @@ LONGEST = 4000.0
 # Where no more than this part is left over, it is followed for longer before one is looked at: it
 # may only be slow.
 FEW = 0.05
+# A limit cycle is sought where an orbit comes back within so many revolutions, at so many of its
+# closest returns, and is beside the orbit up to this part of the size of its state.
+REVOLUTIONS, RETURNS, APART, BESIDE = 20.0, 6, 2e-3, 0.1
+# Beside a cycle that attracts it slowly an orbit is followed for so long.
+SLOWLY = 40_000.0
 # Where so many in turn do not settle, the others that are left are taken not to either.
 MOST_UNDECIDED = 3
 # Of orbits that last as long as chaos, so many are looked at.
@@ -114,8 +122,16 @@ def decide(batch: Batch) -> None:
         waiting = batch.follow(waiting, passed)
     in_turn = 0
     while waiting.size and in_turn < MOST_UNDECIDED and not batch.stop[0]:
+        known, passed = batch.known, float(batch.times[waiting].max())
+        if beside_cycle(batch, int(waiting[0])):
+            if batch.known is not known:
+                waiting = batch.follow(waiting, durations(known.rotor)[0])
+            elif passed < SLOWLY:
+                waiting = batch.follow(waiting, passed)
+            else:
+                waiting, in_turn = waiting[1:], in_turn + 1
+            continue
         first, waiting = int(waiting[0]), waiting[1:]
-        known = batch.known
         batch.labels[first] = fate = fate_of(batch, first)
         in_turn = in_turn + 1 if fate == UNDECIDED else 0
         passed = float(batch.times[waiting].max(initial=0.0))
@@ -127,6 +143,38 @@ def decide(batch: Batch) -> None:
             waiting = batch.follow(waiting, passed)
     if batch.stop[0]:
         batch.labels[batch.labels == UNDECIDED] = NOT_COMPUTED
+
+
+def beside_cycle(batch: Batch, number: int) -> bool:
+    """Return whether an orbit is beside a stable limit cycle, which is known then."""
+    rotor, state = batch.known.rotor, batch.states[:, number].copy()
+    duration = REVOLUTIONS * 2.0 * math.pi / rotor.omega
+    try:
+        times, misses = returns(rotor, state, duration, 2.0 * BESIDE, batch.stop)
+    except SimulationError:
+        return False
+    near = BESIDE * float(np.linalg.norm(state))
+    for time in _closest(times[misses <= near], misses[misses <= near], APART * duration):
+        try:
+            cycle = once_round(close_orbit(rotor, state, time, batch.stop), batch.stop)
+        except SimulationError:
+            continue
+        moved = float(np.linalg.norm(cycle.state - state))
+        if moved <= near and is_stable(cycle.shot):
+            if batch.known.label_of_cycle(cycle) is None:
+                batch.known = with_cycle(batch.known, cycle, batch.stop)
+            return True
+    return False
+
+
+def _closest(times: Values, misses: Values, apart: float) -> list[float]:
+    """Return the times of the closest returns, each apart from the others, as they come."""
+    chosen: list[float] = []
+    for place in np.argsort(misses, kind="stable").tolist():
+        time = float(times[place])
+        if len(chosen) < RETURNS and all(abs(time - other) > apart for other in chosen):
+            chosen.append(time)
+    return sorted(chosen)
 
 
 def fate_of(batch: Batch, number: int) -> int:

@@ -19,6 +19,7 @@ from rotor_ida.cycles.shooting import Cycle, close_orbit
 from rotor_ida.parallel import FailedJob, Progress, Stop, interruptible, run_all
 from rotor_ida.storage.studies.arrays import scratch, stretches
 from rotor_ida.storage.studies.results import Results
+from rotor_ida.sweeps.steady_state import durations
 
 Values = npt.NDArray[np.float64]
 Starts = Callable[[int, int], Values]
@@ -29,6 +30,8 @@ LARGEST_BATCH, SMALLEST_BATCH = 8192, 512
 FEWEST_BATCHES = 64
 # Before all others so many starts are followed, from which limit cycles become known.
 SCOUTS = 128
+# The error of a step, unless one of so many starts ends elsewhere with the small one: then that.
+RTOL, SMALL_RTOL, CHECKED = 1e-6, 1e-12, 512
 
 
 @dataclass(slots=True)
@@ -57,6 +60,8 @@ class FollowedStarts:
         Whether the user stopped it.
     not_computed_reason : str
         Why starts were not computed, other than by an interrupt; empty if there are none.
+    tolerance : float
+        Error allowed in a step [1].
     """
 
     known: Known
@@ -69,6 +74,7 @@ class FollowedStarts:
     watched: float = 0.0
     interrupted: bool = False
     not_computed_reason: str = ""
+    tolerance: float = RTOL
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +93,7 @@ def follow_starts(
     count: int,
     kept: Results[BatchResult],
     *,
-    tolerance: float,
+    tolerance: float | None,
     workers: int | None,
     executor: str,
     progress: Progress | None,
@@ -104,8 +110,8 @@ def follow_starts(
         Number of starts.
     kept : Results
         Where the batches are kept; those that it holds already are not followed again.
-    tolerance : float
-        Error allowed in a step [1].
+    tolerance : float or None
+        Error allowed in a step [1]; None chooses it.
     workers, executor
         As for `rotor_ida.parallel.run_all`.
     progress : callable or None
@@ -117,11 +123,13 @@ def follow_starts(
     if progress is not None and kept.points_done:
         progress(kept.points_done, count)
     try:
-        if due and count > size:  # whichever are left: the same cycles are known to all
+        # whichever are left: the same cycles are known to all
+        if due and (count > size or tolerance is None):
             scout = partial(_scouted, known, starts, count, tolerance)
-            known = interruptible(scout)
+            known, tolerance = interruptible(scout)
         edges = ((number * size, min((number + 1) * size, count)) for number in due)
-        jobs = (_Job(known, first, starts(first, last), tolerance) for first, last in edges)
+        each = tolerance or RTOL  # of the last batch, if there is one
+        jobs = (_Job(known, first, starts(first, last), each) for first, last in edges)
         if due:  # else no cluster need be started
             with closing(run_all(_follow, jobs, workers=workers, executor=executor)) as followed:
                 for turn, batch in followed:
@@ -149,11 +157,29 @@ def follow_here(known: Known, states: Values, tolerance: float, stop: Stop) -> F
     return _gathered(known, states.shape[1], kept)
 
 
-def _scouted(known: Known, starts: Starts, count: int, tolerance: float, stop: Stop) -> Known:
-    """Return what is known once a few starts, spread over all, have been followed."""
-    numbers = np.unique(np.linspace(0, count - 1, min(SCOUTS, count)).astype(np.int64))
-    states = np.concatenate([starts(number, number + 1) for number in numbers.tolist()], axis=1)
-    return _decided(_Job(known, 0, states, tolerance), stop).known
+def _scouted(
+    known: Known, starts: Starts, count: int, tolerance: float | None, stop: Stop
+) -> tuple[Known, float]:
+    """Return what is known once a few starts have been followed, and the error to allow."""
+    states = _spread(starts, count, SCOUTS)
+    known = _decided(_Job(known, 0, states, tolerance or RTOL), stop).known
+    if tolerance is not None:
+        return known, tolerance
+    sample = _spread(starts, count, CHECKED)
+    ends = []
+    for each in (RTOL, SMALL_RTOL):
+        batch = _batch(_Job(known, 0, sample, each), stop)
+        batch.follow(np.arange(batch.labels.size), durations(known.rotor)[0])
+        ends.append(batch.labels)
+    decided = (ends[0] >= 0) & (ends[1] >= 0)
+    alike = bool((ends[0] == ends[1])[decided].all())
+    return known, RTOL if alike else SMALL_RTOL
+
+
+def _spread(starts: Starts, count: int, most: int) -> Values:
+    """Return a few starts, spread over all, shape (4, n)."""
+    numbers = np.unique(np.linspace(0, count - 1, min(most, count)).astype(np.int64))
+    return np.concatenate([starts(number, number + 1) for number in numbers.tolist()], axis=1)
 
 
 def _follow(job: _Job, stop: Stop) -> BatchResult:
@@ -167,19 +193,23 @@ def _follow(job: _Job, stop: Stop) -> BatchResult:
         chaos = np.array([[seen.amplitude, seen.phase_lag, seen.radius_min, seen.radius_max]])
     return BatchResult(
         job.first, batch.labels, batch.times, np.array(cycles).reshape(-1, CYCLE), chaos,
-        np.array([batch.left, batch.watched]),
+        np.array([batch.left, batch.watched]), np.array(job.tolerance),
     )  # fmt: skip
 
 
 def _decided(job: _Job, stop: Stop) -> Batch:
+    batch = _batch(job, stop)
+    decide(batch)
+    return batch
+
+
+def _batch(job: _Job, stop: Stop) -> Batch:
     # the kernel overwrites the states, and they may be a view of the caller's own
     size = job.states.shape[1]
-    batch = Batch(
+    return Batch(
         job.known, np.array(job.states, order="C"), np.full(size, NOT_COMPUTED, dtype=np.int16),
         np.zeros(size, dtype=np.float32), job.tolerance, stop,
     )  # fmt: skip
-    decide(batch)
-    return batch
 
 
 def _gathered(known: Known, count: int, kept: Results[BatchResult]) -> FollowedStarts:
@@ -198,6 +228,7 @@ def _gathered(known: Known, count: int, kept: Results[BatchResult]) -> FollowedS
         found.chaos = np.concatenate([found.chaos, batch.chaos])
         found.left += float(batch.watched[0])
         found.watched += float(batch.watched[1])
+        found.tolerance = float(batch.tolerance)
     _put_in_order(found)
     return found
 

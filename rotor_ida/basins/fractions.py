@@ -9,7 +9,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.basins.dataset import fractions_dataset
-from rotor_ida.basins.labelling import RTOL, check_rotor, label
+from rotor_ida.basins.labelling import check_rotor, label
 from rotor_ida.checks import (
     COMPONENTS,
     MOST_POINTS_OF_STUDY,
@@ -37,7 +37,7 @@ def basin_fractions(
     vy: Range = 0.0,
     starts: int = 10000,
     seed: int = 0,
-    rtol: float = RTOL,
+    rtol: float | None = None,
     workers: int | None = None,
     executor: str = "auto",
     study: str | os.PathLike[str] | None = None,

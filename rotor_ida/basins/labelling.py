@@ -23,7 +23,6 @@ from rotor_ida.simulation.options import Options, check_can_be_followed
 from rotor_ida.storage.studies.results import Form, open_results
 
 FORM = Form(batch_as_bytes, batch_from_bytes)
-RTOL = 1e-6
 TIGHTEST, LOOSEST = 1e-12, 1e-4
 # Stiffer rotors take the explicit method too many steps.
 MOST_DAMPING = 20.0
@@ -76,7 +75,7 @@ def label(
     if count > most:
         raise InputError(f"starts must be at most {most}, got {count}: a study keeps more on disk")
     check_progress(progress)
-    tolerance = check_between("rtol", rtol, TIGHTEST, LOOSEST)
+    tolerance = None if rtol is None else check_between("rtol", rtol, TIGHTEST, LOOSEST)
     place, several = choose(executor, workers, compiled=True)
     options = Options()
     with open_results(study, {**design, **_design(rotor, tolerance, options)}, count, FORM) as kept:
@@ -94,14 +93,14 @@ def label(
                 if study is not None:
                     raise
                 found.interrupted = True
-        attributes: dict[str, object] = {"labelling_rtol": tolerance}
+        attributes: dict[str, object] = {"labelling_rtol": found.tolerance}
         attributes["interrupted"] = int(found.interrupted)
         if found.not_computed_reason:
             attributes["not_computed_reason"] = found.not_computed_reason
         return Labelled(found.labels, found.times, attractors, attributes, options, kept.folder)
 
 
-def _design(rotor: Rotor, rtol: float, options: Options) -> dict[str, object]:
+def _design(rotor: Rotor, rtol: float | None, options: Options) -> dict[str, object]:
     """Return what decides on the bits of the labels beside the starts."""
     parameters = {name: getattr(rotor, name) for name in PARAMETERS}
     return {**parameters, "rtol": rtol, "confirmed_with_rtol": options.rtol, **computing()}

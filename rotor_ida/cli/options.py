@@ -166,6 +166,7 @@ Samples = Annotated[
     int, _whole_number("Number of times at which the motion is kept.", 2, MOST_NUMBERS)
 ]
 Rtol = Annotated[float, _number("Relative tolerance.")]
+RtolOrNone = Annotated[float | None, _number("Relative tolerance; without it, one that suits.")]
 Workers = Annotated[
     int | None, _whole_number("Jobs done at a time; by default one a core.", 1, MOST_WORKERS)
 ]

@@ -184,19 +184,43 @@ def _near(rotor: Rotor, state: Values, stop: Stop) -> Cycle | None:
 
 def _time_of_return(rotor: Rotor, state: Values, stop: Stop) -> float | None:
     """Return when an orbit first comes back to its start, if it does within a while."""
+    times, misses = returns(rotor, state, NEAR_TIME, MOVED * NEAR, stop)
+    back = np.flatnonzero(misses <= NEAR * float(np.linalg.norm(state)))
+    return float(times[back[0]]) if back.size else None
+
+
+def returns(
+    rotor: Rotor, state: Values, duration: float, away: float, stop: Stop
+) -> tuple[Values, Values]:
+    """Return when an orbit passes its start, and by how much it misses it then.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        The rotor.
+    state : ndarray, shape (4,)
+        Where it begins, on the rotating axes [1].
+    duration : float
+        For how long it is followed [1].
+    away, stop
+        Once it has been this far away, in parts of the size of the state; and what asks to stop.
+
+    Returns
+    -------
+    times, misses : ndarray, shape (n,)
+        Times, and distances across the motion [1]; several close to each other for one passage.
+    """
     looks = max(LOOKS_A_TIME, math.ceil(LOOKS_A_REVOLUTION * rotor.omega / (2.0 * math.pi)))
     span, size = 1.0 / looks, float(np.linalg.norm(state))
-    states = follow(rotor, state, span, math.ceil(NEAR_TIME * looks) + 1, stop)
-    away = states - state
+    states = follow(rotor, state, span, math.ceil(duration * looks) + 1, stop)
+    apart = states - state
     rates = np.gradient(states, span, axis=0)
-    ahead = np.einsum("ni,ni->n", away, rates) / np.einsum("ni,ni->n", rates, rates).clip(1e-300)
-    across = np.linalg.norm(away - ahead[:, None] * rates, axis=1)
-    left = np.flatnonzero(np.linalg.norm(away, axis=1) > MOVED * NEAR * size)
-    if not left.size:
-        return None
-    back = np.flatnonzero((across <= NEAR * size) & (np.abs(ahead) <= span))
-    back = back[back > left[0]]
-    return float(span * back[0] - ahead[back[0]]) if back.size else None
+    ahead = np.einsum("ni,ni->n", apart, rates) / np.einsum("ni,ni->n", rates, rates).clip(1e-300)
+    across = np.linalg.norm(apart - ahead[:, None] * rates, axis=1)
+    left = np.flatnonzero(np.linalg.norm(apart, axis=1) > away * size)
+    passed = np.flatnonzero(np.abs(ahead) <= span)
+    passed = passed[passed > left[0]] if left.size else passed[:0]
+    return span * passed - ahead[passed], across[passed]
 
 
 def follow(rotor: Rotor, state: Values, span: float, count: int, stop: Stop) -> Values:

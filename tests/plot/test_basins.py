@@ -138,5 +138,7 @@ def test_a_line_is_no_map_and_a_map_no_line(grid):
         plot_attractors(grid)
     with pytest.raises(InputError, match="over two parameters to be mapped, got 1"):
         plot_attractor_map(grid.isel(delta0=[1]))
-    with pytest.raises(InputError, match="by must be one of 'kind', 'force', got 'colour'"):
+    with pytest.raises(
+        InputError, match="by must be one of 'kind', 'force', 'shock', got 'colour'"
+    ):
         plot_attractor_map(grid, by="colour")
