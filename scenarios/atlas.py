@@ -1,10 +1,11 @@
-"""Which response is the likeliest over speed and clearance, and how hard it presses on the ring.
+"""Which response is the likeliest over speed and clearance, how hard it presses, what ends it.
 
 The paper advises to increase the clearance. Starts in the box |x|, |y| <= 10, |x'|, |y'| <= 10 are
 followed at each speed and clearance to the attractors that they end on; over the map lie the folds
-of the synchronous whirls, and where the bouncing cycle folds and doubles its period.
+of the synchronous whirls, and where the bouncing cycle folds and doubles its period. On a coarser
+grid the smallest change of velocity is sought that throws the rotor off the likeliest attractor.
 
-Writes the atlas and the curves (netCDF) and a figure as PNG and SVG.
+Writes both atlases and the curves (netCDF) and a figure as PNG and SVG.
 """
 
 import sys
@@ -32,22 +33,30 @@ def main(settings: Settings) -> None:
             starts=20 if settings.quick else 200, progress=progress,
         )  # fmt: skip
     settings.keep(found, "atlas")
+    with progress_bar("shocks") as progress:
+        shocked = continue_attractors(
+            omega=speeds[:: 2], zeta=ZETA, delta0=clearances[:: 2], **BOX, workers=settings.workers,
+            starts=20 if settings.quick else 200, shocks=64 if settings.quick else 512,
+            progress=progress,
+        )  # fmt: skip
+    settings.keep(shocked, "shocks")
     curves = curves_of_the_cycle(15 if settings.quick else 400)
     for number, curve in enumerate(curves, start=1):
         settings.keep(curve, f"curve_{number}")
     whirls = folds(zeta=ZETA, delta0=np.linspace(*PLANE["delta0"], 60))
-    figure, axes = panels(2, 1, width=6.4, height=8.4)
-    for ax, by in zip(axes, ("kind", "force"), strict=True):
-        plot_attractor_map(found, ax, by=by)
+    figure, axes = panels(3, 1, width=6.4, height=12.0)
+    for ax, by in zip(axes, ("kind", "force", "shock"), strict=True):
+        plot_attractor_map(shocked if by == "shock" else found, ax, by=by)
         plot_curves(curves, fold_points=whirls, ax=ax)
         ax.set(xlim=PLANE["omega"], ylim=PLANE["delta0"])
     shared_legend(figure, axes, columns=4)
     settings.show(
-        figure, "atlas", archives=["atlas", *(f"curve_{k + 1}" for k in range(len(curves)))],
-        shows="The response that most starts end on, and the largest contact force on the "
-        "likeliest attractor, over speed and clearance.",
+        figure, "atlas",
+        archives=["atlas", "shocks", *(f"curve_{k + 1}" for k in range(len(curves)))],
+        shows="The response that most starts end on, the largest contact force on the likeliest "
+        "attractor, and the smallest change of velocity that ends it, over speed and clearance.",
         paper="A larger clearance lowers the amplitude.",
-        verdict=verdict_on(found), found=in_words(found),
+        verdict=verdict_on(found), found=f"{in_words(found)} {on_shocks(shocked)}",
     )  # fmt: skip
 
 
@@ -80,6 +89,19 @@ def in_words(found: xr.Dataset) -> str:
         for row in (share.isel(delta0=0), share.isel(delta0=-1))
     ]
     return "; ".join(parts).capitalize() + "."
+
+
+def on_shocks(shocked: xr.Dataset) -> str:
+    """Return where the likeliest response is the least firm."""
+    likeliest = shocked.fraction.fillna(-1.0).argmax("attractor")
+    least = shocked.velocity_shock.min("target").isel(attractor=likeliest).squeeze()
+    place = least.isel(least.fillna(np.inf).argmin(("omega", "delta0")))
+    part = float(np.isfinite(least).mean())
+    return (
+        f"At {part:.0%} of the speeds and clearances a shock was found that ends the likeliest "
+        f"response; the smallest, {float(place):.2g}, at ω = {float(place.omega):.2g} and "
+        f"δ₀ = {float(place.delta0):.2g}."
+    )
 
 
 def verdict_on(found: xr.Dataset) -> str:

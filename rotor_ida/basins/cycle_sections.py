@@ -8,8 +8,8 @@ the squared amplitudes of its modes falls from return to return,
     V(s) = sum w_i |l_i . (s - c)|**2 = |L (s - c)|**2,    l_i the left eigenvectors,
 
 by the largest ``|mu_i|**2`` at least. How large the set ``V <= 1`` can be is found by following
-states of it: it is halved until every one of many states, spread over it, comes back with a smaller
-V. So it is an estimate, not a proof as for the whirls (`trapping_regions`).
+states of it: the largest is sought of which every one of many states, spread over it, comes back
+with a smaller V. So it is an estimate, not a proof as for the whirls (`trapping_regions`).
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from rotor_ida.stability.orbit import MAXIMUM, RADIUS, TIME, shoot
 
 Values = npt.NDArray[np.float64]
 
-TOLERANCE = 1e-8
+TOLERANCE = 1e-10
 # States are spread over shells of these sizes, so many over each.
 SHELLS = (1.0, 0.8, 0.6, 0.4, 0.2)
 STATES = 64

@@ -45,6 +45,7 @@ FEW = 0.05
 # A limit cycle is sought where an orbit comes back within so many revolutions, at so many of its
 # closest returns, and is beside the orbit up to this part of the size of its state.
 REVOLUTIONS, RETURNS, APART, BESIDE = 20.0, 6, 2e-3, 0.1
+SLIGHT = 1e-3
 # Beside a cycle that attracts it slowly an orbit is followed for so long.
 SLOWLY = 40_000.0
 # Where so many in turn do not settle, the others that are left are taken not to either.
@@ -160,7 +161,9 @@ def beside_cycle(batch: Batch, number: int) -> bool:
         except SimulationError:
             continue
         moved = float(np.linalg.norm(cycle.state - state))
-        if moved <= near and is_stable(cycle.shot):
+        # a whirl of the contact-free family that just reaches the ring is no limit cycle
+        slight = cycle.radius_max - rotor.delta0 <= SLIGHT * rotor.delta0
+        if moved <= near and not slight and is_stable(cycle.shot):
             if batch.known.label_of_cycle(cycle) is None:
                 batch.known = with_cycle(batch.known, cycle, batch.stop)
             return True

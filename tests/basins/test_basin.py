@@ -224,10 +224,7 @@ def test_every_variable_is_labelled(figure_7):
 
 def test_finely_folded_basins_are_followed_more_closely():
     """At omega 1.7, delta0 2 one start in fourteen ends elsewhere with an error of 1e-6."""
-    folded, smooth = (
-        Rotor(omega=1.7, zeta=0.07, delta0=2.0),
-        Rotor(omega=2.0, zeta=0.07, delta0=2.0),
-    )
+    folded, smooth = (Rotor(omega=1.7, zeta=0.07, delta0=delta0) for delta0 in (2.0, 0.0))
     axis = np.linspace(-15.0, 15.0, 20)
     chosen = basin(folded, x=axis, y=axis)
     assert chosen.attrs["labelling_rtol"] == following.SMALL_RTOL

@@ -97,3 +97,11 @@ def test_cvode_ends_on_the_cycle_from_its_rim(section):
         settled = follow_to_steady_state(section.cycle.rotor, tuple(state), Options(rtol=1e-10))
         assert settled.features.period == pytest.approx(section.cycle.period, rel=1e-8)
         assert settled.features.radius_max == pytest.approx(section.cycle.radius_max, rel=1e-8)
+
+
+def test_close_to_a_graze_a_small_set_is_found():
+    """The least radius is 2.004: a state farther off than that touches once more."""
+    rotor = Rotor(omega=1.7126050420168066, zeta=0.07, delta0=2.0)
+    section = cycle_section(cycle_from(rotor, np.zeros(4)), GO_ON)
+    assert section.cycle.period == pytest.approx(10.655137, abs=1e-5)
+    assert section.exists
