@@ -35,9 +35,9 @@ def main(settings: Settings) -> None:
     settings.keep(found, "atlas")
     with progress_bar("shocks") as progress:
         shocked = continue_attractors(
-            omega=speeds[:: 4 if settings.quick else 2], zeta=ZETA, delta0=clearances[:: 2], **BOX, workers=settings.workers,
-            starts=20 if settings.quick else 200, shocks=64 if settings.quick else 512,
-            progress=progress,
+            omega=speeds[:: 4 if settings.quick else 2], zeta=ZETA, delta0=clearances[::2], **BOX,
+            workers=settings.workers, starts=20 if settings.quick else 200,
+            shocks=64 if settings.quick else 512, progress=progress,
         )  # fmt: skip
     settings.keep(shocked, "shocks")
     curves = curves_of_the_cycle(15 if settings.quick else 400)
