@@ -116,6 +116,7 @@ GIVEN: dict[str, Callable[[Path], dict[str, object]]] = {
         "x": (0.0, 1e-6),
         "y": (0.0, 1e-6),
         "starts": 2,
+        "shocks": 0,
     },
     "bifurcation_diagram": lambda _: {
         "omega": 1.2,

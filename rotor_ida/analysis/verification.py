@@ -13,6 +13,7 @@ from rotor_ida.analysis.verified_cycles import (
     cycles_again,
     differences_of_cycles,
 )
+from rotor_ida.atlas import continue_attractors
 from rotor_ida.basins import basin, basin_fractions
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.errors import InputError
@@ -50,6 +51,10 @@ NEEDED = {
         ("response_fraction", "count", "kind", *NUMBERS),
         (*PARAMETERS, "labelling_rtol", "starts", "seed", *RANGES),
     ),
+    "atlas": (
+        ("missed_fraction", "count", "kind", *PARAMETERS, *NUMBERS),
+        ("labelling_rtol", "shocks", "starts"),
+    ),
     **NEEDED_OF_CYCLES,
 }
 # How far these numbers may be off on another machine.
@@ -68,8 +73,9 @@ def rerun(
     Parameters
     ----------
     dataset : Dataset
-        A result of `simulate`, `sweep`, `basin`, `basin_fractions`, `limit_cycle`,
-        `continue_cycle` or `bifurcation_curve`, for instance one that was loaded from an archive.
+        A result of `simulate`, `sweep`, `basin`, `basin_fractions`, `continue_attractors`,
+        `limit_cycle`, `continue_cycle` or `bifurcation_curve`, for instance one that was loaded
+        from an archive.
     method : {"adams", "bdf", "ida", "taylor"}, optional
         Another solver of the contacts of a run or sweep: a witness that shares no step with the
         first.
@@ -107,6 +113,7 @@ def rerun(
         "sweep": _sweep,
         "basin": _basin,
         "basin_fractions": _basin_fractions,
+        "atlas": _atlas,
     }
     return again[kind](dataset, workers=workers, progress=progress)
 
@@ -152,8 +159,8 @@ def _kind_of(dataset: xr.Dataset) -> str:
                 raise InputError(f"{words[0]} must be numbers, got {dataset[words[0]].dtype}")
             return kind
     raise InputError(
-        "only what simulate, sweep, basin, basin_fractions, limit_cycle, continue_cycle and "
-        "bifurcation_curve have computed can be verified, got a dataset of "
+        "only what simulate, sweep, basin, basin_fractions, continue_attractors, limit_cycle, "
+        "continue_cycle and bifurcation_curve have computed can be verified, got a dataset of "
         f"{', '.join(map(str, dataset.data_vars)) or 'nothing'}"
     )
 
@@ -198,13 +205,26 @@ def _basin(dataset: xr.Dataset, workers: int | None, progress: Progress | None) 
 def _basin_fractions(
     dataset: xr.Dataset, workers: int | None, progress: Progress | None
 ) -> xr.Dataset:
+    return basin_fractions(_rotor(dataset), **_drawn(dataset), workers=workers, progress=progress)
+
+
+def _atlas(dataset: xr.Dataset, workers: int | None, progress: Progress | None) -> xr.Dataset:
     given = dataset.attrs
-    drawn: dict[str, Any] = {
-        name: tuple(np.atleast_1d(given[f"range_{name}"]).tolist()) for name in COMPONENTS
-    }
-    drawn |= {name: given[name] for name in ("starts", "seed")}
-    drawn["rtol"] = given["labelling_rtol"]
-    return basin_fractions(_rotor(dataset), **drawn, workers=workers, progress=progress)
+    asked: dict[str, Any] = {name: dataset[name].values for name in PARAMETERS}
+    if "seed" in given:
+        asked |= _drawn(dataset)
+    else:
+        asked |= {"starts": np.reshape(given["starts"], (-1, 4)), "rtol": given["labelling_rtol"]}
+    asked["shocks"] = given["shocks"]
+    return continue_attractors(**asked, workers=workers, progress=progress)
+
+
+def _drawn(dataset: xr.Dataset) -> dict[str, Any]:
+    """Return how random starts were drawn and followed."""
+    given = dataset.attrs
+    ranges = {name: tuple(np.atleast_1d(given[f"range_{name}"]).tolist()) for name in COMPONENTS}
+    how = {"starts": given["starts"], "seed": given["seed"], "rtol": given["labelling_rtol"]}
+    return ranges | how
 
 
 def _rotor(dataset: xr.Dataset) -> Rotor:
@@ -232,7 +252,9 @@ def _of_events(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
 
 def _of_responses(again: xr.Dataset, archived: xr.Dataset, kind: str) -> dict[str, object]:
     """Compare the kinds of response point by point, or start by start, and their numbers."""
-    name = {"sweep": "response", "basin": "label", "basin_fractions": "count"}[kind]
+    name = {"sweep": "response", "basin": "label", "basin_fractions": "count", "atlas": "count"}[
+        kind
+    ]
     trouble, differing, apart = "", 0, 0.0
     if dict(again.sizes) != dict(archived.sizes):
         sizes = {dim: size for dim, size in again.sizes.items() if archived.sizes.get(dim) != size}

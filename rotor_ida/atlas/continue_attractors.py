@@ -15,7 +15,7 @@ from rotor_ida.atlas.cells import Cell, CellJob, cell_as_bytes, cell_from_bytes,
 from rotor_ida.atlas.dataset import atlas_dataset
 from rotor_ida.atlas.identities import identify
 from rotor_ida.basins.following import RTOL
-from rotor_ida.basins.fractions import drawn_from, range_of
+from rotor_ida.basins.fractions import box_of, drawn_from, range_of
 from rotor_ida.basins.labelling import LOOSEST, TIGHTEST, check_rotor
 from rotor_ida.checks import (
     COMPONENTS,
@@ -203,9 +203,7 @@ def _states(
     if is_scalar("starts", starts):
         count = check_count("starts", starts, maximum=MOST_STARTS)
         chosen = check_seed(seed)
-        box = np.array([range_of(name, ranges[name]) for name in COMPONENTS])
-        if count > 1 and (box[:, 0] == box[:, 1]).all():
-            raise InputError(f"x, y, vx or vy must be a range, got numbers for {count} starts")
+        box = box_of(ranges, count)
         told: dict[str, object] = {"starts": count, "seed": chosen}
         told |= {name: limits.tolist() for name, limits in zip(COMPONENTS, box, strict=True)}
         return drawn_from(box, chosen, 0, count), told

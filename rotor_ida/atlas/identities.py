@@ -158,21 +158,28 @@ def _changed(here: Rotor, there: Rotor) -> str:
 
 def _numbered(cells: Sequence[Cell], links: Sequence[tuple[Member, Member]]) -> int:
     """Give linked attractors one number, and no two of one cell the same."""
-    groups: dict[int, set[int]] = {}  # group -> the cells that it is in
-    group_of: dict[int, int] = {}
-    members = [(number, each) for number, cell in enumerate(cells) for each in cell.members]
-    for group, (number, each) in enumerate(members):
-        groups[group], group_of[id(each)] = {number}, group
+    members = [each for cell in cells for each in cell.members]
+    place = {id(each): number for number, each in enumerate(members)}
+    within = [{number} for number, cell in enumerate(cells) for _ in cell.members]  # its cells
+    above = list(range(len(members)))  # each group hangs together below its first member
+
+    def first_of(member: Member) -> int:
+        number = place[id(member)]
+        while above[number] != number:
+            above[number] = above[above[number]]
+            number = above[number]
+        return number
+
     for one, other in links:
-        first, second = sorted((group_of[id(one)], group_of[id(other)]))
+        first, second = sorted((first_of(one), first_of(other)))
         # round a cusp the two whirls of one rotor are joined: they stay two
-        if first == second or groups[first] & groups[second]:
-            continue
-        groups[first] |= groups.pop(second)
-        group_of = {key: first if value == second else value for key, value in group_of.items()}
-    order = _ordered([(group_of[id(each)], each) for _, each in members])
-    for _, each in members:
-        each.identity = order[group_of[id(each)]]
+        if first != second and not within[first] & within[second]:
+            above[second] = first
+            within[first] |= within[second]
+    groups = [first_of(each) for each in members]
+    order = _ordered(list(zip(groups, members, strict=True)))
+    for group, each in zip(groups, members, strict=True):
+        each.identity = order[group]
     return len(order)
 
 

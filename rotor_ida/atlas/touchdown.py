@@ -14,7 +14,7 @@ from rotor_ida.atlas.dataset import column_of, member_row, missed_fraction
 from rotor_ida.atlas.shocks import KINDS
 from rotor_ida.basins.dataset import ENTROPIES
 from rotor_ida.basins.following import RTOL
-from rotor_ida.basins.fractions import drawn_from, range_of
+from rotor_ida.basins.fractions import box_of, drawn_from
 from rotor_ida.basins.labelling import LOOSEST, TIGHTEST, check_rotor
 from rotor_ida.checks import (
     COMPONENTS,
@@ -54,14 +54,14 @@ NUMBERS = (
 def touchdown_report(
     machine: DimensionalRotor | Rotor,
     *,
-    x: npt.ArrayLike,
-    y: npt.ArrayLike,
+    x: npt.ArrayLike = 0.0,
+    y: npt.ArrayLike = 0.0,
     vx: npt.ArrayLike = 0.0,
     vy: npt.ArrayLike = 0.0,
     starts: int = 1000,
     seed: int = 0,
     rtol: float = RTOL,
-    shocks: int = 0,
+    shocks: int = 4096,
 ) -> xr.Dataset:
     """Return what each attractor of a machine does to it, and how likely it is.
 
@@ -80,8 +80,8 @@ def touchdown_report(
     rtol : float
         Error allowed in a step, relative to the size of the state and of the eccentricity [1].
     shocks : int
-        With more than 0, so many shocks are tried of velocity and of displacement to each
-        attractor, and the smallest that throws it to each other one is told.
+        So many shocks of velocity and of displacement are tried to each attractor, and the
+        smallest that throws it to each other one is told; with 0 none is, nor what follows below.
 
     Returns
     -------
@@ -129,9 +129,12 @@ def touchdown_report(
     --------
     >>> machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0,
     ...                            eccentricity=1e-6, clearance=2e-6, speed=1000.0)
-    >>> report = touchdown_report(machine, x=(-1e-5, 1e-5), y=(-1e-5, 1e-5), starts=100)
+    >>> report = touchdown_report(machine, x=(-1e-5, 1e-5), y=(-1e-5, 1e-5), starts=100,
+    ...                           shocks=512)
     >>> report.largest_force.dims, report.largest_force.attrs["units"]
     (('attractor',), 'N')
+    >>> bool((report.velocity_shock_bound <= report.velocity_shock.min("target")).all())
+    True
     """
     rotor, length, velocity = _scales(machine)
     check_rotor(rotor)
@@ -139,8 +142,7 @@ def touchdown_report(
         raise InputError("speed must be above 0 for a report on touching, got 0.0")
     count = check_count("starts", starts, maximum=MOST_STARTS)
     chosen, tolerance = check_seed(seed), check_between("rtol", rtol, TIGHTEST, LOOSEST)
-    given = {"x": x, "y": y, "vx": vx, "vy": vy}
-    box = np.array([range_of(name, given[name]) for name in COMPONENTS])
+    box = box_of({"x": x, "y": y, "vx": vx, "vy": vy}, count)
     scaled = box / np.array([length, length, velocity, velocity])[:, None]
     check_array("x, y, vx and vy, in eccentricities,", scaled, largest=LARGEST)
     tried = check_count("shocks", shocks, minimum=0, maximum=MOST_SHOCKS)

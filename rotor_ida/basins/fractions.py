@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 
 import numpy as np
 import numpy.typing as npt
@@ -110,6 +111,14 @@ def drawn_from(box: Values, seed: int, first: int, last: int) -> Values:
     bits.advance(len(COMPONENTS) * first)
     chance = np.random.Generator(bits).random((last - first, len(COMPONENTS)))
     return np.asarray(box[:, :1] + (box[:, 1:] - box[:, :1]) * chance.T)
+
+
+def box_of(ranges: Mapping[str, npt.ArrayLike], starts: int) -> Values:
+    """Return the ends of the ranges of so many starts, shape (4, 2)."""
+    box = np.array([range_of(name, ranges[name]) for name in COMPONENTS])
+    if starts > 1 and (box[:, 0] == box[:, 1]).all():
+        raise InputError(f"x, y, vx or vy must be a range, got numbers for {starts} starts")
+    return box
 
 
 def range_of(name: str, value: object) -> tuple[float, float]:

@@ -13,6 +13,7 @@ from rich.console import RenderableType
 
 from rotor_ida.analysis.branch_course import parameters_of, stable_ranges
 from rotor_ida.analysis.comparison import summarise
+from rotor_ida.checks import COMPONENTS
 from rotor_ida.cli.report import pairs, table
 from rotor_ida.parameters import PARAMETERS
 from rotor_ida.schema import NO_YES, RESPONSE, flags_of
@@ -237,6 +238,10 @@ def _atlas(dataset: xr.Dataset, most: int | None) -> Description:
         radius = own["radius_max"].values[here]
         known = radius[np.isfinite(radius)]
         row["radius_max"] = f"{known.min():.6g} to {known.max():.6g}" if known.size else ""
+        if SHOCK[0] in own:
+            shocks = own[SHOCK[0]].values
+            known = shocks[np.isfinite(shocks)]
+            row[SHOCK[0]] = f"{known.min():.4g} to {known.max():.4g}" if known.size else ""
         rows.append(row)
     record: Record = {
         "kind": "atlas",
@@ -247,6 +252,8 @@ def _atlas(dataset: xr.Dataset, most: int | None) -> Description:
     }
     scalars = {name: record[name] for name in ("missed_fraction", "largest_undecided_fraction")}
     told = {name: entry for name, entry in attributes_of(dataset).items() if name not in PARAMETERS}
+    if isinstance(given := told.get("starts"), list):  # the archive holds them, row after row
+        told["starts"] = len(given) // len(COMPONENTS)
     columns = list(rows[0]) if rows else []
     parts = _rows("Attractors", rows, columns, most, digits=6)
     return record | told, [*parts, pairs("Starts", scalars)]
@@ -276,7 +283,7 @@ def _touchdown(dataset: xr.Dataset, most: int | None) -> Description:
             for (one, to), each in shocks.items()
             if "touching" not in {rows[one]["kind"], rows[to]["kind"]}  # as the contact-free
         ]
-        record["shocks"] = list(shocks.values())
+        record["smallest_shocks"] = list(shocks.values())
         parts += _rows("Smallest shocks", told, list(told[0]) if told else [], most, digits=5)
     parts.append(pairs("Machine", {name: scalars[name] for name in OF_MACHINE}))
     about = attributes_of(dataset)

@@ -8,9 +8,8 @@ from itertools import cycle
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
-from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm, Normalize
+from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm
 from matplotlib.patches import Patch
 
 from rotor_ida.checks import COMPONENTS, check_choice
@@ -273,14 +272,17 @@ def _colour_by_number(ax: Axes, places: tuple[Values, Values], plane: xr.Dataset
         values, label = _forces_of_likeliest(plane), "largest contact force"
     else:
         values, label = _shocks_of_likeliest(plane), "smallest change of velocity that ends it"
-    scale = Normalize() if by == "force" else LogNorm()
-    shades = colormaps["Greys" if by == "force" else "Greys_r"].with_extremes(bad=NOTHING_ELSE)
-    mesh = ax.pcolormesh(
-        *places, values, cmap=shades, norm=scale, shading="nearest", rasterized=True
-    )
-    if not np.isfinite(values).all():
+    known = np.isfinite(values)
+    if not known.all():
+        ax.set_facecolor(NOTHING_ELSE)
         ax.fill_between([], [], color=NOTHING_ELSE, lw=0.0, label="no shock was found")
-    ax.figure.colorbar(mesh, ax=ax, label=label)
+    mesh = ax.pcolormesh(
+        *places, values, cmap="Greys" if by == "force" else "Greys_r",
+        norm=LogNorm() if by == "shock" and known.any() else None, shading="nearest",
+        rasterized=True,
+    )  # fmt: skip
+    if known.any():
+        ax.figure.colorbar(mesh, ax=ax, label=label)
 
 
 def _likeliest_kinds(plane: xr.Dataset) -> tuple[npt.NDArray[np.int64], dict[str, str]]:

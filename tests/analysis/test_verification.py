@@ -9,6 +9,7 @@ from rotor_ida import (
     Rotor,
     basin,
     basin_fractions,
+    continue_attractors,
     dimensional,
     folds,
     load,
@@ -74,6 +75,12 @@ RESULTS = {
     "basin_fractions": lambda: basin_fractions(
         ROTOR, x=(-8, 8), y=(-8, 8), vx=1.0, starts=600, seed=4
     ),
+    "atlas": lambda: continue_attractors(
+        omega=[1.6, 1.7], zeta=0.07, delta0=0.0, x=(-15, 15), starts=40, seed=4, shocks=64
+    ),
+    "atlas of given starts": lambda: continue_attractors(
+        omega=2.0, zeta=[0.07, 0.1], delta0=2.0, starts=[(0, 0, 0, 0), (3, 1, 0, 0)]
+    ),
 }
 
 
@@ -99,6 +106,12 @@ def test_a_result_of_many_points_is_made_again_to_the_bit(tmp_path, kind):
             lambda of: of.assign({"count": of["count"][::-1].variable}),
             "differ in count",
         ),
+        (
+            "atlas",
+            lambda of: of.assign({"count": of["count"] + 1}),
+            "4 of 4 differ in count",
+        ),
+        ("atlas", lambda of: of.assign(amplitude=of.amplitude * 1.001), "amplitudes, radii or"),
     ],
 )
 def test_a_forged_result_of_many_points_does_not_verify(kind, forge, trouble):
@@ -111,7 +124,7 @@ def test_a_forged_result_of_many_points_does_not_verify(kind, forge, trouble):
 def test_another_kind_of_dataset_cannot_be_verified():
     with pytest.raises(
         InputError,
-        match="only what simulate, sweep, basin, basin_fractions, limit_cycle, continue_cycle and",
+        match="only what simulate, sweep, basin, basin_fractions, continue_attractors, limit_cyc",
     ):
         rerun(folds(zeta=0.07, delta0=0.0))
     run = simulate(ROTOR, start=(0, 0, 0, 0), duration=5.0)
@@ -126,18 +139,18 @@ def test_another_kind_of_dataset_cannot_be_verified():
         (
             "sweep",
             lambda of: of.drop_vars("start_y"),
-            "only what simulate, sweep, basin, basin_fractions, limit_cycle",
+            "only what simulate, sweep, basin, basin_fractions, continue_attr",
         ),
         (
             "sweep",
             lambda of: of.drop_vars("amplitude"),
-            "only what simulate, sweep, basin, basin_fractions, limit_cycle",
+            "only what simulate, sweep, basin, basin_fractions, continue_attr",
         ),
         ("sweep", lambda of: of.assign(amplitude=of.amplitude.astype(str)), "amplitude must be nu"),
         (
             "basin",
             lambda of: of.drop_vars("vy"),
-            "only what simulate, sweep, basin, basin_fractions, limit_cycle",
+            "only what simulate, sweep, basin, basin_fractions, continue_attr",
         ),
         (
             "basin_fractions",

@@ -295,3 +295,53 @@ def test_a_long_table_is_cut_and_says_so(program: Program):
     words = ("response", "--omega", "0.5:1:1001", "--zeta", 0.5, "--delta0", 0)
     assert "first 1000 of 1001 (all with --json)" in program(*words).out
     assert len(json.loads(program(*words, "--json").out)["whirls"]) == 1001
+
+
+MACHINE = ("--mass", 4, "--contact-stiffness", 1e9, "--damping", 280, "--eccentricity", 1e-6,
+           "--clearance", 2e-6, "--speed", 1000)  # fmt: skip
+NEAR = ("--x=-15e-6:15e-6", "--y=-15e-6:15e-6", "--starts", 100)
+
+
+def test_touchdown_prints_json_in_full_precision(program: Program):
+    answer = program("touchdown", *MACHINE, *NEAR, "--shocks", 256, "--json")
+    assert (answer.status, answer.err) == (0, "")
+    record = json.loads(answer.out)
+    machine = rotor_ida.DimensionalRotor(
+        mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6, clearance=2e-6,
+        speed=1000.0,
+    )  # fmt: skip
+    ranges = {"x": (-15e-6, 15e-6), "y": (-15e-6, 15e-6)}
+    report = rotor_ida.touchdown_report(machine, **ranges, starts=100, shocks=256)
+    assert column(record["attractors"], "largest_force") == report.largest_force.values.tolist()
+    assert record["shocks"] == 256
+    for each in record["smallest_shocks"]:
+        size = float(report.velocity_shock[each["from"], each["to"]])
+        assert each["velocity_shock"] == size
+    assert record["omega"] == machine.rotor().omega
+
+
+def test_touchdown_is_a_table_with_units(program: Program):
+    answer = program("touchdown", *MACHINE, *NEAR, "--shocks", 256)
+    assert (answer.status, answer.err) == (0, "")
+    for words in ("largest force [N]", "velocity shock [m s-1]", "omega from", "basin entropy"):
+        assert words in answer.out
+    without = program("touchdown", *MACHINE, *NEAR, "--shocks", 0)
+    assert "shock" not in without.out
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--omega", 2), "a rotor must be given by omega, zeta, delta0, or by mass, "
+         "contact_stiffness, damping, eccentricity, clearance, speed, got omega"),
+        ((*MACHINE, "--zeta", 0.1), "got zeta, mass, "),
+        ((), "got none of them"),
+        (MACHINE, "x, y, vx or vy must be a range, got numbers for 1000 starts"),
+        (("--mass", -4, *MACHINE[2:]), "mass must be"),
+    ],
+)  # fmt: skip
+def test_touchdown_needs_one_whole_machine(program: Program, words: tuple[object, ...], said: str):
+    answer = program("touchdown", *words)
+    assert answer.status == 2
+    assert answer.err.count("\n") == 1
+    assert said in answer.err

@@ -15,7 +15,7 @@ from typing import Any, get_args, get_type_hints
 import pytest
 
 import rotor_ida
-from rotor_ida.cli.commands.compute import atlas, basin, fractions, simulate, sweep
+from rotor_ida.cli.commands.compute import atlas, basin, fractions, simulate, sweep, touchdown
 from rotor_ida.cli.commands.cycles import continue_, curve, cycle
 
 Program = Callable[..., Any]
@@ -29,6 +29,7 @@ COMMANDS = [
         "basin",
         "fractions",
         "atlas",
+        "touchdown",
         "cycle",
         "continue",
         "curve",
@@ -113,6 +114,7 @@ def options_of(command: Callable[..., object]) -> dict[str, tuple[object, object
         (basin, "basin"),
         (fractions, "basin_fractions"),
         (atlas, "continue_attractors"),
+        (touchdown, "touchdown_report"),
         (cycle, "limit_cycle"),
         (continue_, "continue_cycle"),
         (curve, "bifurcation_curve"),

@@ -158,6 +158,17 @@ def test_an_atlas_goes_on_and_is_drawn(program: Program):
     assert "synchronous" in shown.out
 
 
+def test_an_atlas_of_given_starts_tells_how_many_and_the_shocks(program: Program):
+    found = rotor_ida.continue_attractors(
+        omega=[1.7, 1.75], zeta=0.07, delta0=0.0, starts=[(0, 0, 0, 0), (12, 0, 0, 0)], shocks=64
+    )
+    rotor_ida.save(found, "given.nc")
+    record = json.loads(program("show", "given.nc", "--json").out)
+    assert record["starts"] == 2
+    assert " to " in record["attractors"][0]["velocity_shock"]
+    assert program("verify", "given.nc").status == 0
+
+
 def test_an_interrupted_sample_has_no_result_yet(program: Program, monkeypatch: Any):
 
     real = following.run_all

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.collections import QuadMesh
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
@@ -142,3 +143,33 @@ def test_a_line_is_no_map_and_a_map_no_line(grid):
         InputError, match="by must be one of 'kind', 'force', 'shock', got 'colour'"
     ):
         plot_attractor_map(grid, by="colour")
+
+
+def test_a_map_of_the_smallest_shocks_shows_where_there_is_none():
+    shocked = continue_attractors(
+        omega=[2.0, 2.4], zeta=0.07, delta0=[0.5, 2.0], x=(-15, 15), y=(-15, 15), starts=40,
+        shocks=128,
+    )  # fmt: skip
+    ax = plot_attractor_map(shocked, by="shock")
+    (mesh,) = (each for each in ax.collections if isinstance(each, QuadMesh))
+    likeliest = shocked.fraction.fillna(-1.0).argmax("attractor")
+    expected = shocked.velocity_shock.min("target").isel(attractor=likeliest).squeeze().T
+    drawn = np.ma.filled(mesh.get_array(), np.nan).reshape(expected.shape)
+    np.testing.assert_array_equal(drawn, expected)
+    assert np.isfinite(drawn).any()
+    assert ("no shock was found" in ax.get_legend_handles_labels()[1]) == np.isnan(drawn).any()
+
+
+def test_a_map_without_any_shock_is_drawn_too():
+    """From one whirl there is nowhere to go."""
+    alone = continue_attractors(
+        omega=[0.3, 0.4], zeta=0.3, delta0=[0.0, 0.1], x=(-5, 5), starts=20, shocks=16
+    )
+    ax = plot_attractor_map(alone, by="shock")
+    assert ax.get_legend_handles_labels()[1] == ["no shock was found"]
+    ax.figure.canvas.draw()
+
+
+def test_a_map_by_shocks_needs_them(grid):
+    with pytest.raises(InputError, match="must have been made with shocks to be mapped by them"):
+        plot_attractor_map(grid, by="shock")
