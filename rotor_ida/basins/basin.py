@@ -42,7 +42,7 @@ def basin(
         Components of the start [1]: exactly two are increasing arrays, two are numbers.
     rtol : float, optional
         Error allowed in a step, relative to the size of the state and of the eccentricity [1]; by
-        default 1e-6, or 1e-12 where one of 512 starts ends elsewhere with that, for then the
+        default 1e-6, or 1e-11 where one of 512 starts ends elsewhere with that, for then the
         basins are finely folded. The attribute ``labelling_rtol`` says which.
     workers : int, optional
         How many batches of starts to follow at a time; by default one for each core that may be

@@ -31,7 +31,7 @@ FEWEST_BATCHES = 64
 # Before all others so many starts are followed, from which limit cycles become known.
 SCOUTS = 128
 # The error of a step, unless one of so many starts ends elsewhere with the small one: then that.
-RTOL, SMALL_RTOL, CHECKED = 1e-6, 1e-12, 512
+RTOL, SMALL_RTOL, CHECKED = 1e-6, 1e-11, 512
 
 
 @dataclass(slots=True)

@@ -43,6 +43,9 @@ def _weights(row: Values) -> tuple[float, ...]:
 ADVANCE, ERROR_3, ERROR_5 = _weights(DOP853.B), _weights(DOP853.E3), _weights(DOP853.E5)
 
 SHRINK, GROW, CAUTION = 0.2, 5.0, 0.9
+# An error below this is not seen of a step over the ring. In the time h after the ring is crossed
+# at a speed v the force puts the velocity off by about v**1.5 h**2.5: the shortest step.
+SEEN, KINK, SHORTEST = 1e-8, 2.5, 0.25
 # Below this a radius or a depth counts as this; its force is nothing.
 _TINY = 1e-30
 _HOPELESS = 1e30
@@ -127,9 +130,14 @@ def step_lanes(
 ) -> None:
     """Try one step in every lane; a step whose error is too large is taken back and made smaller.
 
-    The error is measured against ``tolerance * sqrt(1 + x**2 + y**2 + vx**2 + vy**2)``.
+    The error is measured against ``tolerance * sqrt(1 + x**2 + y**2 + vx**2 + vy**2)``. It is not
+    seen of a step over the ring, where the force begins as ``depth**1.5``: such a step is taken
+    back until it is so short that the force in it is below the tolerance.
     """
     widest_vectors()
+    ring = 0.0 if delta0 is None else delta0 * delta0
+    shortest = SHORTEST if tolerance < SEEN else np.inf
+    over = shortest * tolerance ** (1.0 / KINK)
     for i in range(LANES):
         x, y, u, v = lanes[X + i], lanes[Y + i], lanes[U + i], lanes[V + i]
         h = lanes[STEP + i]
@@ -155,10 +163,15 @@ def step_lanes(
         error = error / ((1.0 + x * x + y * y + u * u + v * v) * (tolerance * tolerance))
         error = error if error < _HOPELESS else _HOPELESS  # also where a long step overflowed
         good = error <= 1.0
+        before, after = x * x + y * y - ring, nx * nx + ny * ny - ring
+        far = (delta0 is not None) & good & (before * after < 0.0) & (h > over)
+        good = good & (not far)
         # the eighth root of the error itself, in single precision: it only chooses the step
         root = np.sqrt(np.sqrt(np.sqrt(np.sqrt(np.float32(error + 1e-30)))))
         factor = np.float64(np.float32(CAUTION) / root)
-        lanes[STEP + i] = h * max(min(factor, GROW), SHRINK)
+        # to just short of the ring, where it is crossed by the shortest step
+        part = h * before / (before - after) - 0.5 * over if far else 0.0
+        lanes[STEP + i] = max(part, 0.9 * over) if far else h * max(min(factor, GROW), SHRINK)
         lanes[TIME + i] += h if good else 0.0
         lanes[X + i] = nx if good else x
         lanes[Y + i] = ny if good else y

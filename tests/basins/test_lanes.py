@@ -24,6 +24,7 @@ from rotor_ida.basins.lanes import (
     secant,
     step_lanes,
 )
+from rotor_ida.cycles.limit_cycle import follow
 from rotor_ida.equations.contact import force_over_radius
 from rotor_ida.equations.model import rotating_field
 from rotor_ida.simulation.options import Options
@@ -62,7 +63,7 @@ def test_coefficients_are_those_of_dop853():
     assert sum(STAGE_5) == pytest.approx(0.2816496580927726, abs=1e-14)
 
 
-def final_states(tolerance, duration, states):
+def final_states(tolerance, duration, states, delta0=None):
     """Return the states at `duration`, by steps that end there."""
     lanes = np.zeros(BUFFER)
     lanes[X : X + LANES], lanes[Y : Y + LANES], lanes[U : U + LANES], lanes[V : V + LANES] = states
@@ -70,7 +71,7 @@ def final_states(tolerance, duration, states):
     while (lanes[TIME : TIME + LANES] < duration).any():
         left = duration - lanes[TIME : TIME + LANES]
         lanes[STEP : STEP + LANES] = np.minimum(lanes[STEP : STEP + LANES], left)
-        step_lanes(lanes, 1.7, 0.07, None, tolerance)
+        step_lanes(lanes, 1.7, 0.07, delta0, tolerance)
     return lanes[: 4 * LANES].reshape(4, LANES)
 
 
@@ -91,6 +92,20 @@ def test_error_falls_with_the_tolerance():
     assert errors[0] < 1e-2
     assert errors[1] < errors[0] / 20.0
     assert errors[2] < errors[1] / 20.0
+
+
+def test_steps_over_the_ring_are_as_exact_as_others():
+    """From far out they leave the ring within the time: the error is that of the tolerance."""
+    states = np.zeros((4, LANES))
+    states[:2] = np.random.default_rng(2).uniform(8.0, 14.0, (2, LANES))
+    rotor, duration = Rotor(omega=1.7, zeta=0.07, delta0=2.0), 4.0
+    exact = np.array([
+        follow(rotor, state, duration / 8, 9, np.zeros(1, np.uint8))[-1] for state in states.T
+    ])  # fmt: skip
+    assert (np.hypot(*states[:2]) > 2.0).all()
+    for tolerance in (1e-10, 1e-12):
+        found = final_states(tolerance, duration, states, 2.0)
+        assert np.abs(found.T - exact).max() < 100.0 * tolerance
 
 
 def test_a_step_that_is_too_long_is_taken_back():
