@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.atlas.resilience import Resilience, Search, Subject, resilience_of
-from rotor_ida.basins.attractors import CONTACT_FREE_FAMILY, Attractor, attractors_of
+from rotor_ida.basins.attractors import CONTACT_FREE_FAMILY, Attractor, attractors_of, family_of
 from rotor_ida.basins.entropy import sample_entropy
 from rotor_ida.basins.following import FollowedStarts, follow_here
 from rotor_ida.basins.kernel import CHAOTIC, NOT_COMPUTED, UNDECIDED
@@ -107,7 +107,7 @@ def fill_cell(job: CellJob, stop: Stop) -> Cell:
     cell, attractors = Cell(job.rotor), attractors_of(found)
     cell.undecided = int((found.labels == UNDECIDED).sum())
     cell.not_computed = int((found.labels == NOT_COMPUTED).sum())
-    cell.entropies = sample_entropy(job.states, found.labels)
+    cell.entropies = sample_entropy(job.states, found.labels, family_of(attractors))
     for number, attractor in enumerate(attractors):
         own = found.labels == number
         times = found.times[own]

@@ -38,12 +38,15 @@ from rotor_ida.parameters import PARAMETERS, Rotor
 
 Values = npt.NDArray[np.float64]
 
-# A parameter is followed to zero and to so many times its value, or 1 if that is larger.
-FARTHEST = 20.0
+# A limit cycle is followed to zero of a parameter and to so many times its value, or 1 if that is
+# larger; a whirl, whose curve is cheap, to where speed or damping is so much larger.
+FARTHEST, FARTHEST_OF_WHIRL = 50.0, 1e6
 # A curve of whirls is followed with this error; its folds are polished. It is at zero when a
 # parameter has come to this part of where it began, and at the ring this near to it.
 RTOL, AT_ZERO = 1e-8, 1e-4
-LONGEST_CURVE, TINY = 1e4, 1e-12
+LONGEST_CURVE, TINY = 1e9, 1e-12
+# Polishing moves a fold by no more than this.
+POLISHED = 1e-2
 # A branch of limit cycles is followed for so many points each way.
 MOST_POINTS = 300
 
@@ -125,7 +128,7 @@ def extent_of_cycle(
         side = Side([ahead])
         while not side.end and not _met(side):
             advance(course, side)
-        ends.append(_end_of_side(side, way))
+        ends.append(_end_of_side(side, way, value))
     return ends[0], ends[1]
 
 
@@ -138,13 +141,13 @@ def _met(side: Side) -> list[End]:
     ]
 
 
-def _end_of_side(side: Side, way: int) -> End:
+def _end_of_side(side: Side, way: int, begin: float) -> End:
     """Return where a branch of limit cycles ends, one way."""
     if met := _met(side):
         return met[0]
     last = float(side.points[-1].unknowns[PLACE])
-    if side.end == LIMITS or last < AT_ZERO:
-        return End(math.inf if way > 0 else 0.0, "none")
+    if way < 0 and (side.end == LIMITS or last < AT_ZERO * (begin or 1.0)):
+        return End(0.0, "none")
     if side.end == HALVED:
         return End(last, DOUBLING)
     return End(last, "touch") if side.end == CONTACT_FREE else UNKNOWN
@@ -155,13 +158,13 @@ def _end_of_whirl(rotor: Rotor, amplitude: float, parameter: str, way: int) -> E
     column = PARAMETERS.index(parameter)
     here = np.log([rotor.omega, rotor.zeta, 1.0])
     here[2] = rotor.delta0
-    begin, most = float(here[column]), FARTHEST * max(1.0, getattr(rotor, parameter))
-    if parameter == "delta0":
-        limits = 0.0, most
+    begin = float(here[column])
+    if parameter == "delta0":  # which is less than A, and that at most omega/(2 zeta)
+        limits = 0.0, math.inf
         if begin == 0.0 and way < 0:
             return End(0.0, "none")
     else:
-        limits = begin + math.log(AT_ZERO), math.log(most)
+        limits = begin + math.log(AT_ZERO), begin + math.log(FARTHEST_OF_WHIRL)
 
     def slopes(place: Values) -> tuple[float, float]:
         values = here.copy()
@@ -183,19 +186,24 @@ def _end_of_whirl(rotor: Rotor, amplitude: float, parameter: str, way: int) -> E
     def leaves(_length: float, place: Values) -> float:
         return float(min(place[1] - limits[0], limits[1] - place[1])) + TINY
 
+    close = min(AT_ZERO, 0.5 * (amplitude / rotor.delta0 - 1.0)) if rotor.delta0 else AT_ZERO
+
     def touches(_length: float, place: Values) -> float:
         clearance = place[1] if parameter == "delta0" else rotor.delta0
-        return float(math.exp(place[0]) - clearance * (1.0 + AT_ZERO))
+        return float(math.exp(place[0]) - clearance * (1.0 + close))
 
     for event in (folds, leaves, touches):
         event.terminal = True  # type: ignore[attr-defined]
+    touches.direction = -1.0  # type: ignore[attr-defined]
     found = solve_ivp(tangent, (0.0, LONGEST_CURVE), first, "DOP853", rtol=RTOL, atol=RTOL,
                       events=(folds, leaves, touches))  # fmt: skip
     folded, left, touched = (times.size > 0 for times in found.t_events)
     if folded:
-        end = float(root(lambda place: [_level(place, here, column), slopes(place)[0]],
-                         found.y[:, -1], tol=1e-13).x[1])  # fmt: skip
-        return End(end if parameter == "delta0" else math.exp(end), "fold")
+        fold = root(lambda place: [_level(place, here, column), slopes(place)[0]],
+                    found.y[:, -1], tol=1e-13)  # fmt: skip
+        if np.abs(fold.x - found.y[:, -1]).max() > POLISHED:
+            return UNKNOWN
+        return End(float(fold.x[1] if parameter == "delta0" else math.exp(fold.x[1])), "fold")
     if touched:
         return End(_first_touch(rotor, parameter), "touch")
     return End(math.inf if way > 0 else 0.0, "none") if left else UNKNOWN

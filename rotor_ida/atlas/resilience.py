@@ -49,10 +49,10 @@ Flags = npt.NDArray[np.int8]
 LARGEST, SMALLEST = 4.0, 1e-4
 # CVODE follows the smallest shock to its end, and where it comes elsewhere, larger ones by these
 # parts of it: a basin's border is known to an error, and may be finely folded.
-LARGER = (0.0, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2)
+LARGER = (0.0, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0)
 # A limit cycle is shocked at any of so many of its states, chaos at so many a time unit apart that
-# come after so many more.
-SAMPLES, CHAOS_BEGINS = 1024, 2000
+# come after so many more, if it is not left before so few of them.
+SAMPLES, CHAOS_BEGINS, FEWEST = 1024, 2000, 128
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,7 +170,7 @@ def resilience_of(search: Search) -> list[Resilience]:
 def _resilience_of(search: Search, subject: Subject) -> Resilience:
     found, known = Resilience.unknown(len(search.subjects)), search.known
     _fill_extents(found, known.rotor, subject, search.stop)
-    source = _source_of(known, subject, search.stop) if known.rotor.omega > 0.0 else None
+    source = _source_of(search, subject) if known.rotor.omega > 0.0 else None
     if source is None:
         return found
     for row, (kind, largest) in enumerate(zip(KINDS, search.largest(), strict=True)):
@@ -198,7 +198,9 @@ def _keep_smallest(
         if search.stop[0]:
             return
         after = tried.after[:, number]
-        if leads_to(search.known.rotor, target.attractor, after, Options(), family=True):
+        if leads_to(
+            search.known.rotor, target.attractor, after, Options(), family=True, stop=search.stop
+        ):
             found.sizes[place] = tried.sizes[number]
             found.before[place], found.after[place] = tried.before[:, number], after
             return
@@ -210,28 +212,33 @@ def _section_of(known: Known, subject: Subject) -> CycleSection | None:
     return known.cycles[place] if 0 <= place < len(known.cycles) else None
 
 
-def _source_of(known: Known, subject: Subject, stop: Stop) -> Source | None:
+def _source_of(search: Search, subject: Subject) -> Source | None:
     """Return what gives states of an attractor, or None if they are not known."""
-    kind, rotor = subject.attractor.kind, known.rotor
-    if kind in CONTACT_FREE_FAMILY:
-        return lambda places: _contact_free_states(known, places)
-    if kind == response.CHAOTIC:
-        try:
-            states = follow(rotor, subject.start, 1.0, CHAOS_BEGINS + SAMPLES, stop)
-        except SimulationError:
-            return None
-        states = states[-SAMPLES:].T
-    elif subject.cycle is not None:
-        cycle = subject.cycle
-        states = follow(rotor, cycle.state, cycle.period / SAMPLES, SAMPLES, stop).T
-    else:
-        states = known.whirls[subject.label].centre[:, None]
+    if subject.attractor.kind in CONTACT_FREE_FAMILY:
+        return lambda places: _contact_free_states(search.known, places)
+    try:
+        states = _states_of(search, subject)
+    except SimulationError:
+        return None
     count = states.shape[1]
+    if not count:
+        return None
+    return lambda places: states[:, np.floor(places[0] * count).astype(np.int64) % count]
 
-    def along(places: Values) -> Values:
-        return states[:, np.floor(places[0] * count).astype(np.int64) % count]
 
-    return along
+def _states_of(search: Search, subject: Subject) -> Values:
+    """Return states of an attractor other than the contact-free ones, shape (4, n)."""
+    known, stop = search.known, search.stop
+    if subject.is_whirl:
+        return known.whirls[subject.label].centre[:, None]
+    if subject.cycle is not None:
+        cycle = subject.cycle
+        return follow(known.rotor, cycle.state, cycle.period / SAMPLES, SAMPLES, stop).T
+    # chaos, as long as it lasts: what ends elsewhere by itself needs no shock
+    states = follow(known.rotor, subject.start, 1.0, CHAOS_BEGINS + SAMPLES, stop)[-SAMPLES:].T
+    left = np.flatnonzero(ends_of(known, states, search.tolerance, stop) != UNDECIDED)
+    lasting = int(left[0]) if left.size else SAMPLES
+    return states[:, : lasting if lasting >= FEWEST else 0]
 
 
 def _contact_free_states(known: Known, places: Values) -> Values:

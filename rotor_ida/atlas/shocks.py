@@ -192,7 +192,7 @@ def _smaller(
         places += [random.random((3, share)), near]
         less = 1.0 - _between(*LESS_BY, random.random(3 * share))
         drawn.append(np.append(np.full(share, each.sizes[0]), each.sizes[chosen]) * less)
-    return np.concatenate(places, axis=1), np.concatenate(drawn)
+    return np.concatenate(places, axis=1) % 1.0, np.concatenate(drawn)
 
 
 def _between(low: float, high: float, part: Values) -> Values:

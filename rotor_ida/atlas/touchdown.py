@@ -80,7 +80,7 @@ def touchdown_report(
     rtol : float
         Error allowed in a step, relative to the size of the state and of the eccentricity [1].
     shocks : int
-        So many shocks of velocity and of displacement are tried to each attractor, and the
+        About so many shocks of velocity and of displacement are tried to each attractor, and the
         smallest that throws it to each other one is told; with 0 none is, nor what follows below.
 
     Returns
@@ -98,7 +98,8 @@ def touchdown_report(
         With `shocks`, on ``(attractor, target)``: ``velocity_shock`` and ``displacement_shock``
         [m/s], [m], NaN where none was found up to ``velocity_shock_largest`` and
         ``displacement_shock_largest``, and the states just before and after each,
-        ``velocity_shock_before_x`` and so on, from which a run can start; on ``attractor`` the
+        ``velocity_shock_before_x`` and so on: divided by the attributes ``length_scale`` and
+        ``velocity_scale``, starts of `rotor_ida.simulate`; on ``attractor`` the
         sizes below which no shock throws it off, ``velocity_shock_bound`` and
         ``displacement_shock_bound``, as sure as ``trapping`` says; and ``omega_low``,
         ``omega_high`` and so on [1], the values of each parameter between which the attractor

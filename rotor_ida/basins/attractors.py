@@ -133,13 +133,14 @@ def witnesses(found: FollowedStarts, count: int, starts: Starts) -> list[Values]
 
 
 def leads_to(
-    rotor: Rotor, attractor: Attractor, start: Values, options: Options, *, family: bool = False
-) -> bool:
+    rotor: Rotor, attractor: Attractor, start: Values, options: Options, *, family: bool = False,
+    stop: Stop | None = None,
+) -> bool:  # fmt: skip
     """Return whether CVODE follows a start to an attractor, or with `family` to one of its family.
 
     Fading touches are of the contact-free family.
     """
-    settled = follow_to_steady_state(rotor, _state(start), options)
+    settled = follow_to_steady_state(rotor, _state(start), options, stop=stop)
     if family and attractor.kind in CONTACT_FREE_FAMILY:
         return settled.response in CONTACT_FREE_FAMILY
     if settled.response != attractor.kind:
@@ -172,6 +173,13 @@ def _fading(found: FollowedStarts) -> Attractor:
         response.TOUCHING, abs(whirl), lag_of(whirl), abs(delta0 - 2.0 * abs(whirl)), delta0,
         trapping=ESTIMATED,
     )  # fmt: skip
+
+
+def family_of(attractors: list[Attractor]) -> tuple[int, ...]:
+    """Return the numbers of the attractors that are of the contact-free family."""
+    return tuple(
+        number for number, each in enumerate(attractors) if each.kind in CONTACT_FREE_FAMILY
+    )
 
 
 def attractor_of_cycle(cycle: Cycle, held: bool, stop: Stop) -> Attractor:

@@ -66,7 +66,7 @@ def basin(
         ``count``, ``fraction`` and ``fraction_error``. Scalars: ``undecided_count``,
         ``undecided_fraction``, ``not_computed_count``; ``basin_entropy``, how uncertain the end of
         a start is within a small box, and ``boundary_entropy``, the same over the boxes in which
-        starts end differently: above log 2 the boundary is fractal.
+        starts end differently: on a fine grid more than log 2 says that the boundary is fractal.
 
     Raises
     ------

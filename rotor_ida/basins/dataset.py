@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.basins.attractors import Attractor
+from rotor_ida.basins.attractors import Attractor, family_of
 from rotor_ida.basins.entropy import grid_entropy, sample_entropy
 from rotor_ida.basins.following import Starts
 from rotor_ida.basins.labelling import Labelled
@@ -60,7 +60,7 @@ def basin_dataset(
         "response": _responses(labels, dims, attractors, found.folder),
         "settling_time": labelled("settling_time", dims, times),
         **_attractor_table(labels, attractors),
-        **_entropies(grid_entropy(labels)),
+        **_entropies(grid_entropy(labels, family_of(attractors))),
     }
     coordinates = parameter_coordinates(rotor)
     coordinates |= {name: (name, values) for name, values in axes.items()}
@@ -99,7 +99,7 @@ def fractions_dataset(
     fraction, error = _fractions(counts, labels.size - missing)
     variables: dict[str, Column | xr.Variable] = {
         **_attractor_table(labels, attractors),
-        **_entropies(sample_entropy(starts(0, first), labels[:first])),
+        **_entropies(sample_entropy(starts(0, first), labels[:first], family_of(attractors))),
         "response_count": ("response", counts),
         "response_fraction": ("response", fraction),
         "response_fraction_error": ("response", error),

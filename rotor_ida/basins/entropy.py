@@ -2,12 +2,14 @@
 
 The starts are split into boxes. In a box whose starts end on attractor j with the frequency p_j the
 entropy is ``-sum p_j log p_j``; its mean over all boxes is the basin entropy, over those that hold
-more than one end the boundary entropy. Above log 2 this says that the boundary is fractal.
+more than one end the boundary entropy. Where the boxes are so small that few of them hold three
+ends or more, a boundary entropy above log 2 says that the boundary is fractal.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -22,13 +24,15 @@ WIDTH = 5
 IN_BOX = WIDTH * WIDTH
 
 
-def grid_entropy(labels: Labels) -> tuple[float, float]:
+def grid_entropy(labels: Labels, alike: Sequence[int] = ()) -> tuple[float, float]:
     """Return basin and boundary entropy of a grid of starts, in boxes of 5 by 5.
 
     Parameters
     ----------
     labels : ndarray of int16, shape (n, m)
         Labels of the starts; rows and columns beyond the last whole box are left out.
+    alike : sequence of int
+        Labels that count as one.
 
     References
     ----------
@@ -50,14 +54,16 @@ def grid_entropy(labels: Labels) -> tuple[float, float]:
     for row in range(rows):
         strip = labels[row * WIDTH : (row + 1) * WIDTH, : columns * WIDTH]
         own = np.asarray(strip).reshape(WIDTH, columns, WIDTH).swapaxes(0, 1)
-        entropies = _entropies(own.reshape(columns, IN_BOX))
+        entropies = _entropies(own.reshape(columns, IN_BOX), alike)
         total += float(np.nansum(entropies))
         mixed += int((entropies > 0.0).sum())
         boxes += int(np.isfinite(entropies).sum())
     return _means(total, mixed, boxes)
 
 
-def sample_entropy(states: Values, labels: Labels) -> tuple[float, float]:
+def sample_entropy(
+    states: Values, labels: Labels, alike: Sequence[int] = ()
+) -> tuple[float, float]:
     """Return basin and boundary entropy of random starts, in boxes of about 25 of them.
 
     The boxes come from halving the sample at the median of one component after the other: each
@@ -69,6 +75,8 @@ def sample_entropy(states: Values, labels: Labels) -> tuple[float, float]:
         The starts [1].
     labels : ndarray of int16, shape (n,)
         Their labels.
+    alike : sequence of int
+        Labels that count as one.
     """
     varied = states[np.ptp(states, axis=1) > 0.0]
     if labels.size < IN_BOX or not varied.size:
@@ -84,13 +92,15 @@ def sample_entropy(states: Values, labels: Labels) -> tuple[float, float]:
     table = np.full((len(boxes), widest), NOT_COMPUTED, dtype=np.int16)
     for row, box in zip(table, boxes, strict=True):
         row[: box.size] = labels[box]
-    entropies = _entropies(table)
+    entropies = _entropies(table, alike)
     own = entropies[np.isfinite(entropies)]
     return _means(float(own.sum()), int((own > 0.0).sum()), own.size)
 
 
-def _entropies(boxes: Labels) -> Values:
+def _entropies(boxes: Labels, alike: Sequence[int]) -> Values:
     """Return the entropy of each row of labels; NaN where one has none that was computed."""
+    if len(alike) > 1:
+        boxes = np.where(np.isin(boxes, alike), alike[0], boxes)
     known = boxes != NOT_COMPUTED
     total = known.sum(axis=1)
     entropies = np.where(total > 0, 0.0, np.nan)
@@ -102,4 +112,6 @@ def _entropies(boxes: Labels) -> Values:
 
 def _means(total: float, mixed: int, boxes: int) -> tuple[float, float]:
     """Return the mean over all boxes, and over those with more than one end."""
-    return total / boxes if boxes else math.nan, total / mixed if mixed else 0.0
+    if not boxes:
+        return math.nan, math.nan
+    return total / boxes, total / mixed if mixed else 0.0

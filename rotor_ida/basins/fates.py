@@ -42,10 +42,10 @@ LONGEST = 4000.0
 # Where no more than this part is left over, it is followed for longer before one is looked at: it
 # may only be slow.
 FEW = 0.05
-# A limit cycle is sought where an orbit comes back within so many revolutions, at so many of its
-# closest returns, and is beside the orbit up to this part of the size of its state.
+# A limit cycle is sought where an orbit comes back within so many revolutions and so long, at so
+# many of its closest returns, and is beside the orbit up to this part of the size of its state.
 REVOLUTIONS, RETURNS, APART, BESIDE = 20.0, 6, 2e-3, 0.1
-SLIGHT = 1e-3
+SLIGHT, LOOKED_FOR = 1e-3, 500.0
 # Beside a cycle that attracts it slowly an orbit is followed for so long.
 SLOWLY = 40_000.0
 # Where so many in turn do not settle, the others that are left are taken not to either.
@@ -127,11 +127,10 @@ def decide(batch: Batch) -> None:
         if beside_cycle(batch, int(waiting[0])):
             if batch.known is not known:
                 waiting = batch.follow(waiting, durations(known.rotor)[0])
-            elif passed < SLOWLY:
+                continue
+            if 0.0 < passed < SLOWLY:
                 waiting = batch.follow(waiting, passed)
-            else:
-                waiting, in_turn = waiting[1:], in_turn + 1
-            continue
+                continue
         first, waiting = int(waiting[0]), waiting[1:]
         batch.labels[first] = fate = fate_of(batch, first)
         in_turn = in_turn + 1 if fate == UNDECIDED else 0
@@ -149,7 +148,7 @@ def decide(batch: Batch) -> None:
 def beside_cycle(batch: Batch, number: int) -> bool:
     """Return whether an orbit is beside a stable limit cycle, which is known then."""
     rotor, state = batch.known.rotor, batch.states[:, number].copy()
-    duration = REVOLUTIONS * 2.0 * math.pi / rotor.omega
+    duration = min(REVOLUTIONS * 2.0 * math.pi / rotor.omega, LOOKED_FOR)
     try:
         times, misses = returns(rotor, state, duration, 2.0 * BESIDE, batch.stop)
     except SimulationError:

@@ -285,7 +285,7 @@ def _touchdown(dataset: xr.Dataset, most: int | None) -> Description:
         ]
         record["smallest_shocks"] = list(shocks.values())
         parts += _rows("Smallest shocks", told, list(told[0]) if told else [], most, digits=5)
-    parts.append(pairs("Machine", {name: scalars[name] for name in OF_MACHINE}))
+    parts.append(pairs("Machine", {name: scalars[name] for name in OF_MACHINE if name in scalars}))
     about = attributes_of(dataset)
     return record | {name: about[name] for name in about if name not in PARAMETERS}, parts
 
@@ -309,7 +309,9 @@ def _scalars(dataset: xr.Dataset) -> Record:
 def _end(row: Record, name: str) -> str:
     """Return an end of the values of a parameter at which an attractor exists, and its kind."""
     kind = str(row[f"{name}_end"]).replace("_", " ")
-    return "-" if kind in {"none", "not found"} else f"{row[name]:.5g} {kind}"
+    if kind == "not found":
+        return "?"
+    return f"{row[name]:.5g}" if kind == "none" else f"{row[name]:.5g} {kind}"
 
 
 def _with_unit(dataset: xr.Dataset, name: str) -> str:

@@ -128,3 +128,27 @@ def test_a_cycle_ends_at_the_special_points_of_its_branch(rotor, start, name):
                 assert np.abs(own / end.value - 1.0).min() < 1e-8
     assert high.kind in {"fold", "period_doubling"}
     assert low.value < here < high.value
+
+
+@pytest.mark.parametrize("beyond", [1e-6, 1e-5, 1e-4, 1e-2])
+def test_a_whirl_that_barely_touches_ends_on_the_side_of_the_ring(beyond):
+    zeta, delta0 = 0.5, 0.9
+    touch = 2.0 * zeta * delta0 / math.sqrt(1.0 - delta0**2)
+    rotor = Rotor(omega=touch * (1.0 + beyond), zeta=zeta, delta0=delta0)
+    (amplitude,) = stable_amplitudes(rotor).tolist()
+    low, high = extent_of_whirl(rotor, amplitude, "omega")
+    assert (low.kind, high.kind) == ("touch", "none")
+    assert low.value == pytest.approx(touch, rel=1e-12)
+    for name in PARAMETERS:
+        low, high = extent_of_whirl(rotor, amplitude, name)
+        assert low.value <= getattr(rotor, name) <= high.value
+
+
+def test_a_fold_far_off_is_found():
+    rotor = Rotor(omega=2.0, zeta=0.005, delta0=1.0)
+    (amplitude,) = stable_amplitudes(rotor).tolist()[-1:]
+    end = extent_of_whirl(rotor, amplitude, "delta0")[1]
+    assert end.kind == "fold"
+    assert end.value > 100.0
+    near = folds(zeta=rotor.zeta, delta0=end.value).fold_omega.values
+    assert np.nanmin(np.abs(near / rotor.omega - 1.0)) < 1e-9
