@@ -171,7 +171,7 @@ def test_an_interrupt_keeps_what_is_done(monkeypatch):
 
 
 def test_an_interrupt_of_the_confirmation_keeps_the_labels(monkeypatch, figure_7):
-    def interrupt(*_):
+    def interrupt(*_, **__):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(attractors, "follow_to_steady_state", interrupt)
