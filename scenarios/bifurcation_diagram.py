@@ -26,7 +26,7 @@ def main(settings: Settings) -> None:
     parameters = {"zeta": ZETA, "delta0": CLEARANCES}
     exact = response_curve(**parameters, limits=(LOWEST, HIGHEST))
     settings.keep(exact, "exact")
-    speeds = np.linspace(LOWEST, HIGHEST, 10 if settings.quick else 60)
+    speeds = np.linspace(LOWEST, HIGHEST, 7 if settings.quick else 60)
     with progress_bar("many starts") as progress:
         found = bifurcation_diagram(
             omega=speeds, **parameters, starts=2 if settings.quick else 5,

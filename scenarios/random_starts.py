@@ -34,7 +34,7 @@ def main(settings: Settings) -> None:
         print(f"omega {omega:g}, delta0 {delta0:g}: {in_words(pair[0])}")
     print(f"two samples are apart by at most {furthest:.1f} standard errors")
 
-    speeds = np.linspace(0.2, 3.0, 5 if settings.quick else 57)
+    speeds = np.linspace(0.2, 3.0, 4 if settings.quick else 57)
     each = 40 if settings.quick else 400
     figure, axes = panels(2, 2, height=6.0)
     most: list[str] = []
