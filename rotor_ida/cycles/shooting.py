@@ -40,6 +40,9 @@ MOST_STEPS = 25
 CONVERGED = 1e-9
 # What an orbit that closes may miss its start by, relative to the state, times the size of M.
 CLOSED = 1e-12
+# On the rotating axes an orbit that moves by less than this part of itself a time unit is a whirl,
+# whose period is nothing but rounding.
+AT_REST = 1e-10
 # No step may change state or period by more than this part of them.
 LONGEST_STEP = 0.25
 # An orbit that stays within this part of its radius is a whirl of constant radius.
@@ -211,7 +214,7 @@ def _newton_step(shot: Shot) -> Values:
     matrix = np.zeros((5, 5))
     rate = shot.start_rate
     speed = float(np.linalg.norm(rate))
-    if speed == 0.0:
+    if speed <= AT_REST * float(np.linalg.norm(shot.start)):
         raise failure(shot, CONSTANT)
     matrix[:4, :4] = shot.monodromy - np.eye(4)
     matrix[:4, 4] = shot.end_rate
