@@ -85,7 +85,7 @@ def rerun(
     Returns
     -------
     Dataset
-        The same result, made anew.
+        The same result, made anew; an atlas without its shocks.
 
     Raises
     ------
