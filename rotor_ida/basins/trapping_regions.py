@@ -130,106 +130,101 @@ def trapping_regions(rotor: Rotor) -> list[TrappingRegion]:
 def _trapping_region(rotor: Rotor, amplitude: float, lag: float) -> TrappingRegion:
     """Return the largest region among those that the linear motion suggests."""
     problem = _Problem(rotor, amplitude)
-    usable = [form for form in problem.candidates() if _is_usable(form)]
-    best = max(usable, key=problem.log_volume, default=np.eye(4))
-    level = problem.largest_level(best)
+    forms = problem.candidates()
+    levels = problem.largest_levels(forms)
+    held = levels > 0.0
     position = amplitude * complex(math.cos(lag), -math.sin(lag))
     velocity = 1j * rotor.omega * position
     centre = np.array([position.real, position.imag, velocity.real, velocity.imag])
-    if level == 0.0:
+    if not held.any():
         return TrappingRegion(amplitude, lag, centre, np.full((4, 4), np.inf))
+    # the region of largest volume
+    regions = forms[held] / levels[held, None, None]
+    best = regions[np.argmin(np.linalg.slogdet(regions)[1])]
     # from offsets in the plane to offsets along and across the whirl
     turn = np.kron(np.eye(2), np.array([[math.cos(lag), -math.sin(lag)],
                                         [math.sin(lag), math.cos(lag)]]))  # fmt: skip
-    return TrappingRegion(amplitude, lag, centre, turn.T @ (best / level) @ turn)
-
-
-def _is_usable(form: Values) -> bool:
-    """Return whether a form is positive definite by a safe margin."""
-    values = np.linalg.eigvalsh(form)
-    return bool(values[0] > 0.0 and values[-1] < MOST_ECCENTRIC * values[0])
+    return TrappingRegion(amplitude, lag, centre, turn.T @ best @ turn)
 
 
 class _Problem:
-    """The motion near one whirl, on axes along and across it."""
+    """The motion near one whirl, on axes along and across it; of many forms P at a time."""
 
     def __init__(self, rotor: Rotor, amplitude: float):
         self.rotor, self.amplitude = rotor, amplitude
         self.linear = rotating_jacobian((0.0, 0.0, 0.0, 0.0), Rotor(
             omega=rotor.omega, zeta=rotor.zeta, delta0=1.0))  # fmt: skip
 
-    def matrix(self, along: float, across: float, mixed: float) -> Values:
-        """Return J for one stiffness matrix K."""
-        matrix = self.linear.copy()
-        matrix[2:, :2] -= [[along, mixed], [mixed, across]]
-        return matrix
+    def matrices(self, along: Values, across: Values, mixed: Values) -> Values:
+        """Return J for stiffness matrices K, shape (..., 4, 4)."""
+        found = np.tile(self.linear, (*along.shape, 1, 1))
+        stiffness = np.stack([along, mixed, mixed, across], axis=-1)
+        found[..., 2:, :2] -= stiffness.reshape(*along.shape, 2, 2)
+        return found
 
-    def corners(self, half_along: float, half_across: float) -> Values:
-        """Return J at the corners of the box that holds DF on a rectangle, shape (8, 4, 4)."""
+    def corners(self, half_along: Values, half_across: Values) -> Values:
+        """Return J at the corners of the boxes that hold DF on rectangles, shape (m, 8, 4, 4)."""
         delta0 = self.rotor.delta0
         nearest = self.amplitude - half_along
-        farthest = math.hypot(self.amplitude + half_along, half_across)
-        angle = math.atan2(half_across, nearest)
+        farthest = np.hypot(self.amplitude + half_along, half_across)
+        angle = np.arctan2(half_across, nearest)
         # f', s and f' - s all grow with the radius
-        tangent = [float(contact_stiffness(r, delta0)) for r in (nearest, farthest)]
-        secant = [float(secant_stiffness(r, delta0)) for r in (nearest, farthest)]
-        excess = [t - s for t, s in zip(tangent, secant, strict=True)]
-        along = (secant[0] + excess[0] * math.cos(angle) ** 2, tangent[1])
-        across = (secant[0], secant[1] + excess[1] * math.sin(angle) ** 2)
-        most = excess[1] * 0.5 * math.sin(2.0 * min(angle, 0.25 * math.pi))
-        return np.array(
-            [self.matrix(a, b, c) for a in along for b in across for c in (-most, most)]
-        )
+        radii = np.stack([nearest, farthest])
+        tangent, secant = contact_stiffness(radii, delta0), secant_stiffness(radii, delta0)
+        excess = tangent - secant
+        along = (secant[0] + excess[0] * np.cos(angle) ** 2, tangent[1])
+        across = (secant[0], secant[1] + excess[1] * np.sin(angle) ** 2)
+        most = excess[1] * 0.5 * np.sin(2.0 * np.minimum(angle, 0.25 * math.pi))
+        boxes = [
+            self.matrices(a, b, c) for a in along for b in across for c in (-most, most)
+        ]
+        return np.stack(boxes, axis=1)
 
-    def falls(self, form: Values, level: float) -> bool:
-        """Return whether V falls everywhere on the ellipsoid ``xi^T P xi <= level``."""
-        widths = np.sqrt(level * np.diag(np.linalg.inv(form)))
-        if self.amplitude - widths[0] <= self.rotor.delta0:
-            return False
-        matrices = self.corners(float(widths[0]), float(widths[1]))
-        rates = np.swapaxes(matrices, 1, 2) @ form + form @ matrices
-        largest = np.linalg.eigvalsh(rates + 2.0 * MARGIN * self.rotor.zeta * form).max()
-        return bool(largest < 0.0)
+    def fall(self, forms: Values, levels: Values) -> npt.NDArray[np.bool_]:
+        """Return for which forms V falls everywhere on the ellipsoid ``xi^T P xi <= level``."""
+        inverse = np.linalg.inv(forms)
+        along, across = (np.sqrt(levels * inverse[:, place, place]) for place in (0, 1))
+        inside = self.amplitude - along > self.rotor.delta0
+        matrices = self.corners(along[inside], across[inside])
+        weights = forms[inside, None]
+        rates = np.swapaxes(matrices, -1, -2) @ weights + weights @ matrices
+        rates += 2.0 * MARGIN * self.rotor.zeta * weights
+        inside[inside] = np.linalg.eigvalsh(rates).max(axis=(1, 2)) < 0.0
+        return inside
 
-    def largest_level(self, form: Values) -> float:
-        """Return the largest level found by bisection, 0 if there is none."""
+    def largest_levels(self, forms: Values) -> Values:
+        """Return the largest level of each form, found by bisection; 0 where there is none."""
         room = self.amplitude - self.rotor.delta0
-        high = room**2 / float(np.linalg.inv(form)[0, 0])
-        low = 0.0
+        high = room**2 / np.linalg.inv(forms)[:, 0, 0]
+        low = np.zeros_like(high)
         for _ in range(BISECTIONS):
-            middle = 0.5 * (low + high) if low > 0.0 else 0.1 * high
-            if self.falls(form, middle):
-                low = middle
-            else:
-                high = middle
-            if low > 0.0 and high - low < 1e-3 * low:
+            open_ = (low == 0.0) | (high - low >= 1e-3 * low)
+            if not open_.any():
                 break
+            middle = np.where(low > 0.0, 0.5 * (low + high), 0.1 * high)[open_]
+            falls = self.fall(forms[open_], middle)
+            low[open_] = np.where(falls, middle, low[open_])
+            high[open_] = np.where(falls, high[open_], middle)
         return low
 
-    def log_volume(self, form: Values) -> float:
-        """Return the logarithm of the volume of the region, up to a constant."""
-        level = self.largest_level(form)
-        if level == 0.0:
-            return -1e3
-        return 2.0 * math.log(level) - 0.5 * float(np.linalg.slogdet(form)[1])
-
-    def candidates(self) -> list[Values]:
+    def candidates(self) -> Values:
         """Return forms that the linear motion makes fall, with different weights of its modes.
 
         All eigenvalues of a stable whirl have nearly the same real part: any weighted sum of the
         squared amplitudes of its modes falls at that rate.
         """
-        r, delta0 = self.amplitude, self.rotor.delta0
-        tangent, secant = float(contact_stiffness(r, delta0)), float(secant_stiffness(r, delta0))
-        matrix = self.matrix(tangent, secant, 0.0)
+        radius, delta0 = np.array(self.amplitude), self.rotor.delta0
+        tangent, secant = contact_stiffness(radius, delta0), secant_stiffness(radius, delta0)
+        matrix = self.matrices(np.asarray(tangent), np.asarray(secant), np.zeros(()))
         values, vectors = np.linalg.eig(matrix)
+        none = np.empty((0, 4, 4))
         if values.real.max() > -SLOWEST * np.abs(values).max():
-            return []
+            return none
         if np.linalg.cond(vectors) > MOST_SKEW:
-            return []
-        forms = []
+            return none
         inverse = np.linalg.inv(vectors[:, np.argsort(np.abs(values.imag))])
-        for ratio in MODE_RATIOS:
-            weights = np.array([1.0, 1.0, ratio, ratio])
-            forms.append(np.ascontiguousarray(((inverse.conj().T * weights) @ inverse).real))
-        return forms
+        weights = np.stack([np.ones_like(MODE_RATIOS), MODE_RATIOS], axis=-1).repeat(2, axis=-1)
+        forms: Values = ((inverse.conj().T * weights[:, None]) @ inverse).real
+        # positive definite by a safe margin
+        widths = np.linalg.eigvalsh(forms)
+        return forms[(widths[:, 0] > 0.0) & (widths[:, -1] < MOST_ECCENTRIC * widths[:, 0])]
