@@ -85,16 +85,32 @@ def spectrum(run: xr.Dataset, *, window: Window = "flattop") -> xr.Dataset:
             "run must hold more than two samples a revolution, got "
             f"{2.0 * math.pi / (rotor.omega * step):.3g}"
         )
-    weights = get_window(window, times.size, fftbins=True)
-    z = run["x"].values + 1j * run["y"].values
-    height = np.abs(np.fft.fftshift(np.fft.fft(weights * z))) / weights.sum()
-    frequency = 2.0 * math.pi * np.fft.fftshift(np.fft.fftfreq(times.size, step))
+    frequency, height = lines_of(run["x"].values + 1j * run["y"].values, step, window)
     coordinates = parameter_coordinates(rotor) | {"frequency": ("frequency", frequency)}
     if rotor.omega > 0.0:
         coordinates["frequency_over_omega"] = ("frequency", frequency / rotor.omega)
     attributes = {**origin_of(run), "window": window, "record_length": times.size * step}
     columns: dict[str, Column] = {"whirl_amplitude": ("frequency", height)}
     return labelled_dataset("Two-sided spectrum of one run", columns, coordinates, attributes)
+
+
+def lines_of(
+    z: npt.NDArray[np.complex128], step: float, window: Window
+) -> tuple[Values, Values]:
+    """Return frequencies [1] and amplitudes [1] of the whirls that displacements hold.
+
+    Parameters
+    ----------
+    z : ndarray, shape (n,)
+        ``x + i y`` at equally spaced times [1].
+    step : float
+        Time from one to the next [1].
+    window : {"flattop", "hann", "boxcar"}
+        Weights, as for `spectrum`.
+    """
+    weights = get_window(window, z.size, fftbins=True)
+    height = np.abs(np.fft.fftshift(np.fft.fft(weights * z))) / weights.sum()
+    return 2.0 * math.pi * np.fft.fftshift(np.fft.fftfreq(z.size, step)), height
 
 
 def _equal_step(times: Values) -> float:

@@ -14,9 +14,10 @@ import numpy.typing as npt
 from rotor_ida.basins.batches import CHAOS, CYCLE, BatchResult
 from rotor_ida.basins.fates import Batch, decide
 from rotor_ida.basins.kernel import CHAOTIC, NOT_COMPUTED
-from rotor_ida.basins.known import Known, same_cycle
+from rotor_ida.basins.known import Known, known_from_closed_forms, same_cycle
 from rotor_ida.cycles.shooting import Cycle, close_orbit
 from rotor_ida.parallel import FailedJob, Progress, Stop, interruptible, run_all
+from rotor_ida.parameters import Rotor
 from rotor_ida.storage.studies.arrays import scratch, stretches
 from rotor_ida.storage.studies.results import Results
 from rotor_ida.sweeps.steady_state import durations
@@ -32,6 +33,7 @@ FEWEST_BATCHES = 64
 SCOUTS = 128
 # The error of a step, unless one of so many starts ends elsewhere with the small one: then that.
 RTOL, SMALL_RTOL, CHECKED = 1e-6, 1e-11, 512
+RTOL_OF_FIRST_LOOK = 1e-4
 
 
 @dataclass(slots=True)
@@ -155,6 +157,18 @@ def follow_here(known: Known, states: Values, tolerance: float, stop: Stop) -> F
     kept: Results[BatchResult] = Results()
     kept.keep(0, _follow(_Job(known, 0, states, tolerance), stop), states.shape[1])
     return _gathered(known, states.shape[1], kept)
+
+
+def first_look(rotor: Rotor, states: Values, duration: float, stop: Stop) -> FollowedStarts:
+    """Follow starts of shape (4, n) for a short time: those that no whirl holds yet are undecided.
+
+    It takes a small part of the time in which all of them are decided, and no limit cycle is
+    sought.
+    """
+    known = known_from_closed_forms(rotor, stop, fading=False)
+    batch = _batch(_Job(known, 0, states, RTOL_OF_FIRST_LOOK), stop)
+    batch.follow(np.arange(states.shape[1]), min(duration, durations(rotor)[0]))
+    return FollowedStarts(known, batch.labels, batch.times, tolerance=RTOL_OF_FIRST_LOOK)
 
 
 def _scouted(

@@ -96,8 +96,11 @@ def same_numbers(period: float, radius_max: float, cycle: Cycle) -> bool:
     return max(apart) <= SAME
 
 
-def known_from_closed_forms(rotor: Rotor, stop: Stop) -> Known:
-    """Return the attractors of a damped rotor that closed forms give."""
+def known_from_closed_forms(rotor: Rotor, stop: Stop, *, fading: bool = True) -> Known:
+    """Return the attractors of a damped rotor that closed forms give.
+
+    Without `fading` it is not sought which touches fade; that takes longest.
+    """
     if rotor.omega == 0.0 and rotor.delta0 == 0.0:
         # All comes to rest, for energy only falls, but as slowly as 1/t**2: close by is enough.
         near = TrappingRegion(0.0, 0.0, np.zeros(4), 1e4 * np.eye(4))
@@ -107,7 +110,7 @@ def known_from_closed_forms(rotor: Rotor, stop: Stop) -> Known:
     room = rotor.delta0 - abs(whirl)
     if not room > 0.0:
         return Known(rotor, whirls, _NO_FREE)
-    excess = fading_excess(rotor, stop)
+    excess = fading_excess(rotor, stop) if fading else 0.0
     edge = (room + excess) ** 2 if excess > 0.0 else -1.0  # NaN where nothing turns
     return Known(rotor, whirls, np.array([whirl.real, whirl.imag, room**2, edge]))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -68,7 +69,8 @@ def folds(*, zeta: object, delta0: object) -> xr.Dataset:
     """
     dampings, clearances = _checked("zeta", zeta), _checked("delta0", delta0)
     check_points(dampings, clearances)
-    columns = [_folds_of(dampings, float(clearance)) for clearance in clearances]
+    given = tuple(dampings.tolist())
+    columns = [_folds_of(given, float(clearance)) for clearance in clearances]
     most = max(1, *(column.shape[1] for column in columns))
     table = np.full((dampings.size, clearances.size, most, 2), np.nan)
     for number, column in enumerate(columns):
@@ -252,8 +254,11 @@ def _checked(name: str, values: object) -> Values:
     return check_axis(name, values, smallest=1e-20, largest=1e6)
 
 
-def _folds_of(zeta: Values, delta0: float) -> Values:
+# The response curve needs the folds, and so does whoever draws it.
+@lru_cache(maxsize=64)
+def _folds_of(dampings: tuple[float, ...], delta0: float) -> Values:
     """Return speed and amplitude of the folds of one clearance, shape (m, most, 2)."""
+    zeta = np.array(dampings)
     found: list[list[tuple[float, float]]] = [[] for _ in zeta]
     damped = np.nonzero(zeta > 0.0)[0]
     if damped.size:
@@ -271,4 +276,5 @@ def _folds_of(zeta: Values, delta0: float) -> Values:
     table = np.full((zeta.size, max(len(each) for each in found), 2), np.nan)
     for number, each in enumerate(found):
         table[number, : len(each)] = np.reshape(sorted(each), (-1, 2))
+    table.flags.writeable = False
     return table

@@ -86,7 +86,7 @@ def branches_through(
         here = {name: float(values[place]) for name, values in spread.items()}
         rotor = Rotor(**{name: here[name] for name in PARAMETERS})
         period, radius = here["exact_period"], here["exact_radius_max"]
-        if not any(_holds(branch, rotor, period, radius) for branch in found):
+        if not any(holds_cycle(branch, rotor, period, radius) for branch in found):
             state = np.array([here[f"end_{name}"] for name in COMPONENTS])
             guess = Guess(rotor, state, period)
             bounds = check_limits("omega", limits, rotor)
@@ -96,7 +96,7 @@ def branches_through(
     return found
 
 
-def _holds(branch: xr.Dataset, rotor: Rotor, period: float, radius: float) -> bool:
+def holds_cycle(branch: xr.Dataset, rotor: Rotor, period: float, radius: float) -> bool:
     """Return whether a limit cycle lies on a branch."""
     if any(float(branch[name]) != getattr(rotor, name) for name in ("zeta", "delta0")):
         return False
