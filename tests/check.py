@@ -16,13 +16,15 @@ CHECKS = {
     "layout": ["-c", LINT_IMPORTS],
     "tests": TESTS,
 }
-# Closed forms, drawing and files: nothing there asks what numba compiles for.
+# Closed forms, drawing, files and the page: nothing there asks what numba compiles for.
 WITHOUT_COMPILED_ARITHMETIC = [
     "tests/closed_forms",
+    "tests/explorer",
     "tests/plot",
     "tests/storage/test_*.py",
     "rotor_ida/cli",
     "rotor_ida/closed_forms",
+    "rotor_ida/explorer",
     "rotor_ida/plot",
 ]
 

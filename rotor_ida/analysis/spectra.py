@@ -94,9 +94,7 @@ def spectrum(run: xr.Dataset, *, window: Window = "flattop") -> xr.Dataset:
     return labelled_dataset("Two-sided spectrum of one run", columns, coordinates, attributes)
 
 
-def lines_of(
-    z: npt.NDArray[np.complex128], step: float, window: Window
-) -> tuple[Values, Values]:
+def lines_of(z: npt.NDArray[np.complex128], step: float, window: Window) -> tuple[Values, Values]:
     """Return frequencies [1] and amplitudes [1] of the whirls that displacements hold.
 
     Parameters

@@ -175,9 +175,7 @@ class _Problem:
         along = (secant[0] + excess[0] * np.cos(angle) ** 2, tangent[1])
         across = (secant[0], secant[1] + excess[1] * np.sin(angle) ** 2)
         most = excess[1] * 0.5 * np.sin(2.0 * np.minimum(angle, 0.25 * math.pi))
-        boxes = [
-            self.matrices(a, b, c) for a in along for b in across for c in (-most, most)
-        ]
+        boxes = [self.matrices(a, b, c) for a in along for b in across for c in (-most, most)]
         return np.stack(boxes, axis=1)
 
     def fall(self, forms: Values, levels: Values) -> npt.NDArray[np.bool_]:

@@ -176,6 +176,17 @@ Witness = Annotated[
 ]
 
 File = Annotated[Path, _path("An archive that this program wrote.", name="FILE")]
+FileToExplore = Annotated[
+    Path | None, _path("Begin with the rotor and the start of this archived run.")
+]
+Port = Annotated[int, _whole_number("Port on this machine; 0 takes any that is free.", 0, 65_535)]
+NoBrowser = Annotated[bool, _flag("Print the address, and open no browser.")]
+Export = Annotated[
+    Path | None, _path("Write a page that needs no server, with the speeds of --speeds, and end.")
+]
+ExportedSpeeds = Annotated[
+    list[float] | None, _numbers("Spin speeds of that page: numbers, or START:STOP:COUNT.")
+]
 Folder = Annotated[Path, _path("The folder of a study.", name="FOLDER")]
 Study = Annotated[
     Path | None,

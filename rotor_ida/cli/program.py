@@ -33,6 +33,7 @@ from rotor_ida.cli.commands.compute import (
 )
 from rotor_ida.cli.commands.cycles import continue_, curve, cycle
 from rotor_ida.cli.commands.doctor import doctor
+from rotor_ida.cli.commands.explore import explore
 from rotor_ida.cli.commands.stored import compare, resume, show, status, verify
 from rotor_ida.cli.report import FAILED, INTERRUPTED, Report, console_on, text_of
 from rotor_ida.cli.streams import results_only
@@ -97,7 +98,7 @@ def application(console: Console) -> App:
         *(cycle, continue_, curve),
     )
     archived = (status, resume, compare, verify, show)
-    for command in (reproduce, *computing, *archived, doctor):
+    for command in (reproduce, *computing, explore, *archived, doctor):
         app.command(command)
     return app
 

@@ -11,7 +11,7 @@ import xarray as xr
 from scipy.optimize import minimize_scalar
 
 from rotor_ida.checks import check_axis, check_points, check_real
-from rotor_ida.closed_forms.fold_locus import fold_locus, folds_on_side, locus_points
+from rotor_ida.closed_forms.fold_locus import LocusSide, fold_locus, folds_on_side, locus_points
 from rotor_ida.closed_forms.synchronous import synchronous_response
 from rotor_ida.schema import STABILITY, labelled, labelled_dataset
 
@@ -69,13 +69,7 @@ def folds(*, zeta: object, delta0: object) -> xr.Dataset:
     """
     dampings, clearances = _checked("zeta", zeta), _checked("delta0", delta0)
     check_points(dampings, clearances)
-    given = tuple(dampings.tolist())
-    columns = [_folds_of(given, float(clearance)) for clearance in clearances]
-    most = max(1, *(column.shape[1] for column in columns))
-    table = np.full((dampings.size, clearances.size, most, 2), np.nan)
-    for number, column in enumerate(columns):
-        table[:, number, : column.shape[1]] = column
-
+    table = fold_table(dampings, clearances)
     dims = ("zeta", "delta0", "fold")
     return labelled_dataset(
         "Folds of the synchronous whirls of a rotor with Hertz contact and clearance",
@@ -83,7 +77,7 @@ def folds(*, zeta: object, delta0: object) -> xr.Dataset:
         {
             "zeta": ("zeta", dampings),
             "delta0": ("delta0", clearances),
-            "fold": ("fold", np.arange(most)),
+            "fold": ("fold", np.arange(table.shape[2])),
         },
         {
             "source": "rotor_ida closed forms: crossings of the damping along the locus of folds",
@@ -254,16 +248,34 @@ def _checked(name: str, values: object) -> Values:
     return check_axis(name, values, smallest=1e-20, largest=1e6)
 
 
-# The response curve needs the folds, and so does whoever draws it.
-@lru_cache(maxsize=64)
+def fold_table(zeta: Values, delta0: Values) -> Values:
+    """Return speed and amplitude of every fold, shape (m, k, most, 2), as `folds` labels them."""
+    zeta, delta0 = _checked("zeta", zeta), _checked("delta0", delta0)
+    dampings = tuple(zeta.tolist())
+    columns = [_folds_of(dampings, clearance) for clearance in delta0.tolist()]
+    most = max(1, *(column.shape[1] for column in columns))
+    table = np.full((zeta.size, delta0.size, most, 2), np.nan)
+    for number, column in enumerate(columns):
+        table[:, number, : column.shape[1]] = column
+    return table
+
+
+@lru_cache(maxsize=16)
+def _locus(delta0: float, power: int) -> tuple[LocusSide, ...]:
+    """Return the locus of folds down to a power of ten of the damping: kept for many dampings."""
+    return tuple(fold_locus(delta0, 10.0**power))
+
+
+# The response curve needs them, and so does whoever marks them on it.
+@lru_cache(maxsize=16)
 def _folds_of(dampings: tuple[float, ...], delta0: float) -> Values:
     """Return speed and amplitude of the folds of one clearance, shape (m, most, 2)."""
     zeta = np.array(dampings)
     found: list[list[tuple[float, float]]] = [[] for _ in zeta]
     damped = np.nonzero(zeta > 0.0)[0]
     if damped.size:
-        smallest = 4.0 * float(zeta[damped].min()) ** 2
-        for side in fold_locus(delta0, smallest):
+        smallest = math.floor(math.log10(4.0 * float(zeta[damped].min()) ** 2))
+        for side in _locus(delta0, smallest):
             rows, omega, amplitude = folds_on_side(side, zeta[damped])
             for number, *fold in zip(damped[rows], omega, amplitude, strict=True):
                 found[number].append((float(fold[0]), float(fold[1])))
@@ -276,5 +288,4 @@ def _folds_of(dampings: tuple[float, ...], delta0: float) -> Values:
     table = np.full((zeta.size, max(len(each) for each in found), 2), np.nan)
     for number, each in enumerate(found):
         table[number, : len(each)] = np.reshape(sorted(each), (-1, 2))
-    table.flags.writeable = False
     return table

@@ -25,7 +25,7 @@ from scipy.optimize import brentq
 from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_count, check_positive, shown
 from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.closed_forms.contacting_whirls import contacting_whirls
-from rotor_ida.closed_forms.folds import folds
+from rotor_ida.closed_forms.folds import fold_table
 from rotor_ida.closed_forms.peaks import SMALLEST_DAMPING, flank_speeds, tip_speed, tips
 from rotor_ida.closed_forms.synchronous import SMALLEST_SPEED
 from rotor_ida.equations.contact import secant_stiffness
@@ -100,8 +100,7 @@ def response_curve(
     dampings, clearances = check_axis("zeta", zeta), check_axis("delta0", delta0)
     span = _checked_limits(limits, smallest=SMALLEST_SPEED)
     count = check_count("points", points, 2, MOST_POINTS)
-    found = folds(zeta=dampings, delta0=clearances)
-    turns = np.stack([found["fold_omega"].values, found["fold_amplitude"].values], axis=-1)
+    turns = fold_table(dampings, clearances)
     curves = [
         _over_speed(float(damping), float(clearance), turns[i, k], span, count)
         for i, damping in enumerate(dampings)

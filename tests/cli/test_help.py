@@ -34,7 +34,7 @@ COMMANDS = [
         "continue",
         "curve",
     ),
-    *("status", "resume", "compare", "verify", "show", "doctor"),
+    *("explore", "status", "resume", "compare", "verify", "show", "doctor"),
 ]
 
 
@@ -65,10 +65,12 @@ def test_every_command_has_an_example(program: Program, command: str):
 
 def test_the_examples_run_one_after_the_other(program: Program, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("rotor_ida.paper.reproduction.reproduce", lambda *_, **__: 0)
+    monkeypatch.setattr("rotor_ida.explorer.explore.explore", lambda *_, **__: None)
     for command in COMMANDS:
         for words in examples(program(command, "--help").out):
             answer = program(*words)
-            assert (answer.status, answer.err) == (0, ""), words
+            told = "wrote page.html\n" if "--export" in words else ""
+            assert (answer.status, answer.err) == (0, told), words
     written = {path.name for path in Path().iterdir()}
     assert {
         "run.nc",
@@ -83,6 +85,7 @@ def test_the_examples_run_one_after_the_other(program: Program, monkeypatch: pyt
         "cycle.nc",
         "branch.nc",
         "curve.nc",
+        "page.html",
     } <= written
 
 

@@ -1,0 +1,130 @@
+"""The command explore: a page in the browser that answers while its sliders move."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Mapping
+from dataclasses import asdict
+from importlib.util import find_spec
+from pathlib import Path
+
+from rotor_ida.checks import COMPONENTS, State
+from rotor_ida.cli import options
+from rotor_ida.cli.output import FORCED, read, working
+from rotor_ida.errors import InputError
+from rotor_ida.parameters import PARAMETERS, DimensionalRotor, Rotor
+from rotor_ida.simulation.options import check_can_be_followed
+
+# What serves the page, and the package itself does not need.
+NEEDED = ("starlette", "uvicorn", "websockets")
+FIRST = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+REVOLUTIONS = 60
+MOST_REVOLUTIONS = 2000
+PAGE = ".html"
+
+
+def explore(
+    *,
+    machine: options.MachineOptions = options.MachineOptions(),
+    start: options.StartOrNone = None,
+    file: options.FileToExplore = None,
+    port: options.Port = 8765,
+    no_browser: options.NoBrowser = False,
+    export: options.Export = None,
+    speeds: options.ExportedSpeeds = None,
+    force: options.Force = False,
+) -> int:
+    r"""Open a page that shows what a rotor does while its sliders move.
+
+    It is served to this machine alone, at the address that is printed, until Ctrl-C:
+
+        rotor-ida explore --omega 2 --zeta 0.07 --delta0 2
+
+    From the start of a run that simulate wrote:
+
+        rotor-ida explore --file run.nc
+
+    As a page for others that needs no server, with a slider over its speeds:
+
+        rotor-ida explore --omega 2 --zeta 0.07 --delta0 2 --export page.html \
+            --speeds 1.9:2.1:3
+    """
+    chosen, first, revolutions = _beginning(machine, start, file)
+    if export is not None:
+        return _export(export, chosen, first, revolutions, speeds, force)
+    if speeds is not None:
+        raise InputError("speeds are those of an exported page: give --export too")
+    missing = [name for name in NEEDED if find_spec(name) is None]
+    if missing:
+        raise InputError(
+            f"explore needs {', '.join(missing)}: install it with pip install 'rotor-ida[explore]'"
+        )
+    from rotor_ida.explorer.explore import explore as serve  # noqa: PLC0415 - not for --help
+
+    serve(_state(chosen, first, revolutions), port=port, browser=not no_browser, told=_say)
+    return 0
+
+
+def _beginning(
+    machine: options.MachineOptions, start: State | None, file: Path | None
+) -> tuple[Rotor | DimensionalRotor, State, int]:
+    """Return the machine, the start and the revolutions that are shown first."""
+    given = any(value is not None for value in asdict(machine).values())
+    if file is None:
+        chosen = machine.machine() if given else FIRST
+        begun = _dimensionless(chosen, start or options.REST)
+        rotor = chosen if isinstance(chosen, Rotor) else chosen.rotor()
+        check_can_be_followed(rotor, begun)
+        return chosen, begun, REVOLUTIONS
+    if given or start is not None:
+        raise InputError("file must be given alone: it has a rotor and a start of its own")
+    run = read(file)
+    if "event_time" not in run or "duration" not in run.attrs or "length_scale" in run.attrs:
+        raise InputError(
+            f"file must be a run that simulate wrote, dimensionless, got {str(file)!r}"
+        )
+    rotor = Rotor(**{name: float(run[name]) for name in PARAMETERS})
+    x, y, vx, vy = map(float, run.attrs["start"])
+    turns = float(run.attrs["duration"]) * (rotor.omega or 1.0) / (2.0 * math.pi)
+    return rotor, (x, y, vx, vy), min(max(round(turns), 1), MOST_REVOLUTIONS)
+
+
+def _dimensionless(machine: Rotor | DimensionalRotor, start: State) -> State:
+    """Return a start without dimensions; of a machine it is given in metres and m/s."""
+    if isinstance(machine, Rotor):
+        return start
+    x, y, vx, vy = start
+    length, velocity = machine.length_scale, machine.velocity_scale
+    return x / length, y / length, vx / velocity, vy / velocity
+
+
+def _state(
+    machine: Rotor | DimensionalRotor, start: State, revolutions: int
+) -> Mapping[str, object]:
+    """Return the state of the page as its address has it."""
+    from_start = dict(zip(COMPONENTS, start, strict=True))
+    return {**asdict(machine), **from_start, "revolutions": revolutions}
+
+
+def _export(
+    place: Path, machine: Rotor | DimensionalRotor, start: State, revolutions: int,
+    speeds: list[float] | None, force: bool,
+) -> int:  # fmt: skip
+    from rotor_ida.explorer.recording import check_speeds, record  # noqa: PLC0415
+    from rotor_ida.files import check_target, written_whole  # noqa: PLC0415
+
+    if place.suffix != PAGE:
+        raise InputError(f"export must end in {PAGE}, got {str(place)!r}")
+    check_target("export", place, overwrite=force, permission=FORCED)
+    chosen = check_speeds(machine, speeds)
+    with working("recording") as told:
+        page = record(machine, start=start, revolutions=revolutions, speeds=chosen, progress=told)
+    with written_whole(place, overwrite=force) as part:
+        part.write_text(page, encoding="utf-8")
+    _say(f"wrote {place}")
+    return 0
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)

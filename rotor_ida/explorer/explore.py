@@ -1,0 +1,142 @@
+"""Open the page: make the processes ready, serve it on this machine, and end when told to."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import secrets
+import signal
+import socket
+import sys
+import threading
+import webbrowser
+from collections.abc import Callable, Mapping
+from contextlib import closing
+from urllib.parse import urlencode
+
+from rotor_ida.checks import check_count
+from rotor_ida.errors import InputError, RotorError
+from rotor_ida.explorer.lanes import NEVER, Lanes
+from rotor_ida.explorer.server import application, server_of
+from rotor_ida.parallel.progress import progress_bar
+
+LOOPBACK = "127.0.0.1"
+PORT = 8765
+LARGEST_PORT = 65_535
+
+
+def explore(
+    state: Mapping[str, object],
+    *,
+    port: int = PORT,
+    browser: bool = True,
+    told: Callable[[str], None],
+) -> None:
+    """Serve the explorer on this machine until it is told to end.
+
+    Parameters
+    ----------
+    state : mapping
+        What the page shows first, as its address has it.
+    port : int
+        Port on the loopback address; 0 takes any that is free.
+    browser : bool
+        Whether to open the page in a browser.
+    told : callable
+        Called with what to tell the user: the address, once the page can be opened.
+
+    Raises
+    ------
+    InputError
+        If the port cannot be used.
+    RotorError
+        If the processes that compute do not start.
+    """
+    with closing(_listen(port)) as listening:
+        asyncio.run(_serve(listening, state, browser, told))
+
+
+def _listen(port: int) -> socket.socket:
+    """Return a socket on the port, or say that it is taken."""
+    number = check_count("port", port, 0, LARGEST_PORT)
+    listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    if os.name == "posix":  # elsewhere it would let two programs share a port
+        listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listening.bind((LOOPBACK, number))
+        listening.listen()
+    except OSError as error:
+        listening.close()
+        raise InputError(
+            f"port {number} cannot be used: {error.strerror}; give another with --port"
+        ) from error
+    return listening
+
+
+async def _serve(
+    listening: socket.socket,
+    state: Mapping[str, object],
+    browser: bool,
+    told: Callable[[str], None],
+) -> None:
+    ready, failed, stop = asyncio.Event(), asyncio.Event(), asyncio.Event()
+    for each in (signal.SIGINT, signal.SIGTERM):
+        asyncio.get_running_loop().add_signal_handler(each, stop.set)
+    with progress_bar("compiling") as bar:
+
+        def progress(done: int, total: int) -> None:
+            if done == NEVER:
+                failed.set()
+            else:
+                bar(done, total)
+            if done == total:
+                ready.set()
+
+        lanes = Lanes(progress)
+        lanes.open()
+        await _first(ready, stop)
+    try:
+        if failed.is_set():
+            raise RotorError("the processes that compute the panels do not start")
+        if not stop.is_set():
+            await _let_in(listening, lanes, state, browser, told, stop)
+    finally:
+        await lanes.close()
+
+
+async def _let_in(
+    listening: socket.socket, lanes: Lanes, state: Mapping[str, object], browser: bool,
+    told: Callable[[str], None], stop: asyncio.Event,
+) -> None:  # fmt: skip
+    """Serve the page until `stop`."""
+    key = secrets.token_hex(16)
+    server = server_of(application(lanes, key))
+    serving = asyncio.create_task(server.serve([listening]))
+    port = listening.getsockname()[1]
+    address = f"http://{LOOPBACK}:{port}/#{urlencode({**state, 'key': key})}"
+    told(f"The explorer is at {address}")
+    if browser and can_show_a_page():
+        # some are waited for until they end
+        threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
+    told("Ctrl-C ends it.")
+    await _first(stop, serving)
+    server.should_exit = True
+    await serving
+
+
+async def _first(*awaited: asyncio.Event | asyncio.Task[None]) -> None:
+    """Wait for the first of some events and tasks."""
+    tasks = [
+        asyncio.create_task(each.wait()) if isinstance(each, asyncio.Event) else each
+        for each in awaited
+    ]
+    await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+    for task, each in zip(tasks, awaited, strict=True):
+        if isinstance(each, asyncio.Event):
+            task.cancel()
+
+
+def can_show_a_page() -> bool:
+    """Return whether a browser can open a window; one in the terminal would take that over."""
+    windows = any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
+    return windows or not sys.platform.startswith("linux")

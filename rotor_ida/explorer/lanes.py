@@ -1,0 +1,320 @@
+"""The processes that compute, and what waits for them: of each page the newest question."""
+
+from __future__ import annotations
+
+import asyncio
+import pickle
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import partial
+from itertools import count
+
+from rotor_ida.explorer.answers import Answer, packed
+from rotor_ida.explorer.questions import FILES, Question
+from rotor_ida.explorer.workers import LENGTH, WARM_UP, Order, example
+
+Deliver = Callable[[bytes], None]
+# Whose question it is: a page, and the panels of one of its rotors.
+Place = tuple[int, str, int]
+
+# Told in place of a number where a process does not get ready.
+NEVER = -1
+# A process that does not give an answer up is ended after so many seconds.
+DEAF = 5.0
+# One that has ended by itself is started anew after so many seconds.
+AGAIN = 0.5
+# Bytes of an answer that are read at a time.
+AT_A_TIME = 2**20
+# Of each lane what it answers, its pause, its patience, and its rest, in seconds.
+PLANS: tuple[tuple[tuple[str, ...], float, float, float], ...] = (
+    (("motion",), 0.0, 0.25, 0.0),
+    (("responses", *FILES), 0.0, 0.25, 0.15),
+    (("starts",), 0.1, 0.0, 0.0),
+)
+DIED = "The process that computes this has ended by itself; it is started anew."
+
+
+class Lanes:
+    """All lanes: one for each kind of question, so that none waits for another.
+
+    Parameters
+    ----------
+    progress : callable
+        Called with the number of steps of getting ready that are done, and that of all; with
+        `NEVER` twice when a process cannot get ready.
+    """
+
+    def __init__(self, progress: Callable[[int, int], None]) -> None:
+        self._progress = progress
+        self._shares: dict[int, tuple[int, int]] = {}
+        self._lanes = [
+            Lane(*plan, partial(self._told, number)) for number, plan in enumerate(PLANS)
+        ]
+        self._running: list[asyncio.Task[None]] = []
+
+    def open(self) -> None:
+        """Start the processes."""
+        self._running = [asyncio.create_task(lane.run()) for lane in self._lanes]
+
+    async def close(self) -> None:
+        """End the processes."""
+        for task in self._running:
+            task.cancel()
+        await asyncio.gather(*self._running, return_exceptions=True)
+
+    def ask(self, page: int, question: Question, deliver: Deliver) -> None:
+        """Put a question to the lane that answers it."""
+        lane = next(lane for lane in self._lanes if question.about in lane.abouts)
+        lane.ask(page, question, deliver)
+
+    def forget(self, page: int) -> None:
+        """Give up all that a page has asked."""
+        for lane in self._lanes:
+            lane.forget(page)
+
+    def _told(self, number: int, done: int, total: int) -> None:
+        self._shares[number] = (done, total)
+        if done == NEVER:
+            self._progress(NEVER, NEVER)
+        elif len(self._shares) == len(self._lanes):
+            told = list(self._shares.values())
+            self._progress(sum(done for done, _ in told), sum(total for _, total in told))
+
+
+@dataclass(slots=True, eq=False)
+class _Asked:
+    """A question, whose it is, and since when; once it is taken up, the number of its answer."""
+
+    place: Place
+    question: Question
+    deliver: Deliver
+    since: float
+    number: int | None = None
+    begun: float = 0.0
+    shown: bool = False  # whether a part of its answer is there
+
+
+class Lane:
+    """One process, and what waits for it.
+
+    Of several answers that are begun it computes one part each in turn; those of two rotors side
+    by side so become finer together.
+
+    Parameters
+    ----------
+    abouts : tuple of str
+        The questions that it answers.
+    pause : float
+        A question is taken up when no newer one has come from its place for so long [s].
+    patience : float
+        An answer is given up for a newer question only when a part of it is there, or when it was
+        begun so long ago [s]; so a slider that moves on and on still shows something.
+    rest : float
+        So long after it was begun an answer goes on behind its first part [s]: while a slider
+        moves there is better to do.
+    told : callable
+        Called with the rotors whose kernels are ready, and their number, as they become so.
+    """
+
+    def __init__(
+        self,
+        abouts: tuple[str, ...],
+        pause: float,
+        patience: float,
+        rest: float,
+        told: Callable[[int, int], None],
+    ) -> None:
+        self.abouts = abouts
+        self.pause = pause
+        self.patience = patience
+        self.rest = rest
+        self._told = told
+        self._ready = False
+        self._numbers = count(1)
+        self._waiting: dict[Place, _Asked] = {}
+        self._begun: dict[Place, _Asked] = {}
+        self._at: _Asked | None = None
+        self._changed = asyncio.Event()
+        self._worker: _Worker | None = None
+
+    def ask(self, page: int, question: Question, deliver: Deliver) -> None:
+        """Put a question, in place of an older one from the same place."""
+        loop = asyncio.get_running_loop()
+        place = (page, question.about, question.side)
+        older, begun = self._waiting.get(place), self._begun.get(place)
+        self._waiting[place] = _Asked(place, question, deliver, loop.time())
+        self._changed.set()
+        if begun is not None and begun.shown:
+            self._give_up(begun)
+        elif begun is not None and older is None:
+            loop.call_at(begun.begun + self.patience, self._give_up, begun)
+
+    def forget(self, page: int) -> None:
+        """Give up all that a page has asked."""
+        for place in [place for place in self._waiting if place[0] == page]:
+            del self._waiting[place]
+        for asked in [asked for place, asked in self._begun.items() if place[0] == page]:
+            self._give_up(asked)
+
+    async def run(self) -> None:
+        """Keep a process, and give it one order after another."""
+        while True:
+            with suppress(EOFError, OSError):
+                await self._work()
+            if not self._ready:
+                self._told(NEVER, NEVER)
+                return
+            self._begin_again()
+            await asyncio.sleep(AGAIN)
+
+    async def _work(self) -> None:
+        """Start a process and keep it busy, until it ends."""
+        worker = self._worker = await _Worker.begin(self._changed.set)
+        try:
+            await self._make_ready(worker)
+            await self._answer_all(worker)
+        finally:
+            self._worker = None
+            await worker.end()
+
+    async def _make_ready(self, worker: _Worker) -> None:
+        """Have the process compile what it needs."""
+        for done, rotor in enumerate(WARM_UP, start=1):
+            for about in set(self.abouts).difference(FILES):
+                number = next(self._numbers)
+                order: Order = (number, example(about, rotor))
+                while await worker.follow(order):
+                    order = (number, "next")
+            if not self._ready:
+                self._told(done, len(WARM_UP))
+        self._ready = True
+
+    async def _answer_all(self, worker: _Worker) -> None:
+        while True:
+            asked = self._at = await self._next(worker)
+            if asked.number is None:
+                asked.number, asked.begun = next(self._numbers), asyncio.get_running_loop().time()
+                part = await worker.follow((asked.number, asked.question))
+            else:
+                part = await worker.follow((asked.number, "next"))
+            self._at = None
+            if self._begun.get(asked.place) is not asked:
+                continue  # it was given up
+            if not part:
+                del self._begun[asked.place]
+                continue
+            asked.deliver(part)
+            asked.shown = True
+            if asked.place in self._waiting:
+                self._give_up(asked)
+
+    async def _next(self, worker: _Worker) -> _Asked:
+        """Wait for something to do: begin what waits, or go on in turn with what is begun."""
+        while True:
+            self._changed.clear()
+            if worker.has_ended:
+                raise EOFError
+            now = asyncio.get_running_loop().time()
+            free = [asked for place, asked in self._waiting.items() if place not in self._begun]
+            due = [asked for asked in free if now >= asked.since + self.pause]
+            open_ = {asked: asked.begun + self.rest * asked.shown for asked in self._begun.values()}
+            ready = due or [asked for asked, when in open_.items() if now >= when]
+            if ready:
+                asked = ready[0]
+                if due:
+                    del self._waiting[asked.place]
+                self._begun.pop(asked.place, None)
+                self._begun[asked.place] = asked  # it is the last in turn now
+                return asked
+            times = [*open_.values(), *(asked.since + self.pause for asked in free)]
+            with suppress(TimeoutError):
+                wait = min(times) - now if times else None
+                await asyncio.wait_for(self._changed.wait(), wait)
+
+    def _give_up(self, asked: _Asked) -> None:
+        """Give an answer up, if it is not there yet."""
+        if self._begun.get(asked.place) is not asked:
+            return
+        if asked.question.about in FILES:
+            asked.deliver = _nowhere  # drawing is not broken off: it reads modules as it goes
+            return
+        del self._begun[asked.place]
+        self._changed.set()
+        if self._worker is not None and asked.number is not None:
+            self._worker.tell((asked.number, "drop"))
+            asyncio.get_running_loop().call_later(DEAF, self._end_if_deaf, asked, self._worker)
+
+    def _end_if_deaf(self, asked: _Asked, worker: _Worker) -> None:
+        if self._at is asked:
+            worker.kill()
+
+    def _begin_again(self) -> None:
+        """Tell whose answer was at hand when the process ended; the others' are begun anew."""
+        begun, self._begun = self._begun, {}
+        at, self._at = self._at, None
+        for place, asked in begun.items():
+            if asked is at:
+                question, told = asked.question, Answer("trouble", {"message": DIED})
+                asked.deliver(packed(told, question.ticket))
+            elif place not in self._waiting:
+                asked.number = None
+                self._waiting[place] = asked
+
+
+def _nowhere(_answer: bytes) -> None:
+    """Take an answer that nobody waits for."""
+
+
+class _Worker:
+    """A process that follows orders, and the pipes to it."""
+
+    def __init__(self, process: asyncio.subprocess.Process, at_end: Callable[[], None]) -> None:
+        assert process.stdin is not None
+        assert process.stdout is not None
+        self._process = process
+        self._orders = process.stdin
+        self._answers = process.stdout
+        self._end = asyncio.create_task(process.wait())
+        self._end.add_done_callback(lambda _: at_end())
+
+    @classmethod
+    async def begin(cls, at_end: Callable[[], None]) -> _Worker:
+        """Start a process that finds the same modules, and that Ctrl-C of a terminal spares."""
+        lines = (
+            f"import sys; sys.path[:] = {sys.path!r}; "
+            "from rotor_ida.explorer.workers import work; work()"
+        )
+        process = await asyncio.create_subprocess_exec(
+            sys.executable, "-c", lines, limit=AT_A_TIME, start_new_session=True,
+            stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE,
+        )  # fmt: skip
+        return cls(process, at_end)
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether the process has ended."""
+        return self._end.done()
+
+    def tell(self, order: Order) -> None:
+        """Give an order; one to a process that has ended is lost, and its answer tells of that."""
+        self._orders.write(pickle.dumps(order))
+
+    async def follow(self, order: Order) -> bytes:
+        """Give an order, and return the part that comes of it; none is left when it is empty."""
+        self.tell(order)
+        length = int.from_bytes(await self._answers.readexactly(LENGTH), "little")
+        return await self._answers.readexactly(length)
+
+    def kill(self) -> None:
+        """End the process."""
+        with suppress(ProcessLookupError):
+            self._process.kill()
+
+    async def end(self) -> None:
+        """End the process, and wait until nothing is left of it."""
+        self.kill()
+        self._orders.close()
+        await self._answers.read()
+        await self._end

@@ -1,0 +1,143 @@
+"""The panels of one run: orbit, radius and force over time, section, spectrum."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.analysis.spectra import lines_of
+from rotor_ida.checks import COMPONENTS
+from rotor_ida.equations.contact import contact_force
+from rotor_ida.equations.model import rotated
+from rotor_ida.explorer.answers import Answer
+from rotor_ida.explorer.questions import Question
+from rotor_ida.explorer.words import words_of_run
+from rotor_ida.parameters import DimensionalRotor, Rotor
+from rotor_ida.schema import EVENT_KIND
+from rotor_ida.simulation.options import Method
+from rotor_ida.simulation.simulate import simulate
+
+Values = dict[str, npt.NDArray[Any]]
+Arrays = dict[str, npt.NDArray[np.generic]]
+
+SAMPLES_PER_REVOLUTION = 48
+# A longer run is drawn from fewer samples a revolution, but no fewer than the spectrum needs.
+MOST_SAMPLES, FEWEST_PER_REVOLUTION = 16_384, 8
+# What the run does at its end is told of its last half.
+LAST = 0.5
+# Lines are drawn up to so many times the spin speed, forward and backward.
+FASTEST_LINE = 5.0
+METHOD: Method = "taylor"
+DRAWN = (
+    *("t", "x", "y", "rotating_x", "rotating_y", "radius", "force"),
+    *("event_time", "event_time_error", "event_x", "event_y"),
+    *("event_rotating_x", "event_rotating_y", "entry_time", "exit_time", "peak_time", "peak_force"),
+)
+
+
+def show_motion(question: Question) -> Iterator[Answer]:
+    """Yield what a page draws of one run."""
+    omega, delta0 = question.rotor.omega, question.rotor.delta0
+    run = values_of(run_of(question))
+    radius = np.hypot(run["x"], run["y"])
+    run |= {"radius": radius, "force": np.asarray(contact_force(radius, delta0))}
+    turned = rotated(_states(run, ""), -omega * run["t"])
+    run |= {"rotating_x": turned[:, 0], "rotating_y": turned[:, 1]}
+    met = rotated(_states(run, "event_"), -omega * run["event_time"])
+    run |= {"event_rotating_x": met[:, 0], "event_rotating_y": met[:, 1]}
+    each = (run["t"].size - 1) // question.revolutions
+    told = ending(run, question.rotor)
+    facts: dict[str, object] = {
+        **facts_of(question),
+        "end": turned[-1].tolist(),
+        "ending": told,
+        "words": words_of_run(question.machine, told),
+        "horizon": float(run["horizon"]),
+        "samples_per_revolution": each,
+    }
+    arrays: Arrays = {name: run[name] for name in DRAWN}
+    arrays["event_kind"] = run["event_kind"].astype(np.int8)
+    arrays |= {f"section_{axis}": run[f"rotating_{axis}"][::each] for axis in ("x", "y")}
+    yield Answer("motion", facts, arrays | _lines(run, omega))
+
+
+def run_of(question: Question) -> xr.Dataset:
+    """Return the run that is drawn, which is also the one that is saved."""
+    return simulate(
+        question.rotor,
+        start=question.start,
+        duration=duration_of(question),
+        samples=samples_of(question),
+        method=METHOD,
+    )
+
+
+def duration_of(question: Question) -> float:
+    """Return the length of the run [1]."""
+    return question.revolutions * 2.0 * math.pi / (question.rotor.omega or 1.0)
+
+
+def samples_of(question: Question) -> int:
+    """Return the number of samples of the run: so many a revolution, and the first."""
+    each = min(SAMPLES_PER_REVOLUTION, MOST_SAMPLES // question.revolutions)
+    return max(each, FEWEST_PER_REVOLUTION) * question.revolutions + 1
+
+
+def facts_of(question: Question) -> dict[str, object]:
+    """Return what an answer says of the rotor that it is about."""
+    machine = question.machine
+    scales = {}
+    if isinstance(machine, DimensionalRotor):
+        scales = {
+            "length": machine.length_scale, "time": machine.time_scale,
+            "velocity": machine.velocity_scale, "force": machine.force_scale,
+            "rate": machine.reference_frequency,
+        }  # fmt: skip
+    return {"rotor": asdict(question.rotor), "scales": scales, "start": question.start}
+
+
+def values_of(run: xr.Dataset) -> Values:
+    """Return the values of a run by name; a page that follows a slider has no time for labels."""
+    return {str(name): variable.values for name, variable in run.variables.items()}
+
+
+def ending(run: Values, rotor: Rotor) -> dict[str, float]:
+    """Return what a run does over its last half: contacts, their peak force, extreme radii."""
+    end = float(run["t"][-1])
+    begin = LAST * end
+    radius = np.hypot(run["x"], run["y"])[run["t"] >= begin]
+    peaks = run["peak_force"][run["peak_time"] >= begin]
+    entries = (run["event_kind"] == EVENT_KIND["entry"]) & (run["event_time"] >= begin)
+    revolutions = (end - begin) * rotor.omega / (2.0 * math.pi)
+    entry = np.maximum(np.nan_to_num(run["entry_time"], nan=0.0), begin)
+    leaving = np.nan_to_num(run["exit_time"], nan=end)
+    steady = float(contact_force(float(radius.max()), rotor.delta0))
+    return {
+        "contacts_per_revolution": float(entries.sum()) / revolutions if revolutions else math.nan,
+        "contact_fraction": float(np.maximum(leaving - entry, 0.0).sum()) / (end - begin),
+        "largest_force": max(steady, float(peaks.max(initial=0.0))),
+        "radius_min": float(radius.min()),
+        "radius_max": float(radius.max()),
+        "contacts_in_all": float(run["peak_time"].size),
+    }
+
+
+def _states(run: Values, prefix: str) -> npt.NDArray[np.float64]:
+    return np.stack([run[prefix + name] for name in COMPONENTS], axis=-1)
+
+
+def _lines(run: Values, omega: float) -> Arrays:
+    """Return the spectrum of the last half, over the spin speed."""
+    half = (run["t"].size - 1) // 2
+    frequency, height = lines_of(
+        run["x"][half:-1] + 1j * run["y"][half:-1], float(run["t"][1] - run["t"][0]), "hann"
+    )
+    over = frequency / (omega or 1.0)
+    shown = np.abs(over) <= FASTEST_LINE
+    return {"line_frequency": over[shown], "line_amplitude": height[shown]}

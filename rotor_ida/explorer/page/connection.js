@@ -1,0 +1,98 @@
+// Questions to the program and its answers; or, in a page that was exported, answers kept in it.
+
+const KINDS = { f8: Float64Array, f4: Float32Array, i1: Int8Array };
+const PROTOCOL = "rotor-ida";
+// Milliseconds after which a newer question is sent although an older one is not answered.
+const PATIENCE = 150;
+const REASONS = {
+  4429: "Too many pages are open: close another one, and reload this one.",
+  4408: "This page was too slow to read its answers; it begins anew.",
+};
+const GONE = "No answer. Is rotor-ida explore still running? If it was started anew, open the address that it printed.";
+
+/** Take apart an answer: 4 bytes with the length of the header, the header as JSON, the arrays. */
+export function unpack(buffer) {
+  const length = new DataView(buffer).getUint32(0, true);
+  const header = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
+  const arrays = {};
+  for (const [name, [kind, offset, count]] of Object.entries(header.arrays)) {
+    arrays[name] = new KINDS[kind](buffer, 4 + length + offset, count);
+  }
+  return { ...header, arrays };
+}
+
+/** The program itself, over a websocket. The newest question waits while an older one is out. */
+export class Live {
+  constructor(key, { answered, opened, said }) {
+    Object.assign(this, { key, answered, opened, said });
+    this.out = new Map(); // by place: number and time of the motion that is not answered
+    this.waiting = new Map();
+    this.delay = 500;
+    this.#open();
+  }
+
+  #open() {
+    const scheme = location.protocol === "https:" ? "wss:" : "ws:";
+    const socket = new WebSocket(`${scheme}//${location.host}/ask`, [`${PROTOCOL}.${this.key}`]);
+    socket.binaryType = "arraybuffer";
+    socket.onopen = () => {
+      this.delay = 500;
+      this.out.clear();
+      this.said("");
+      this.opened();
+    };
+    socket.onmessage = (message) => this.#take(unpack(message.data));
+    socket.onclose = (event) => {
+      this.said(REASONS[event.code] ?? GONE);
+      if (event.code !== 4429) setTimeout(() => this.#open(), this.delay);
+      this.delay = Math.min(2 * this.delay, 5000);
+    };
+    this.socket = socket;
+  }
+
+  /** Ask about a rotor what `abouts` says; a file is asked for alone. */
+  ask(question, abouts) {
+    const place = question.side;
+    const motion = abouts.includes("motion");
+    const out = motion && this.out.get(place);
+    if (out && performance.now() - out.since < PATIENCE) {
+      this.waiting.set(place, [question, abouts]);
+      clearTimeout(this.timer);
+      this.timer = setTimeout(() => this.#go(place), PATIENCE);
+      return;
+    }
+    if (this.socket.readyState !== WebSocket.OPEN) return;
+    if (motion) this.out.set(place, { number: question.number, since: performance.now() });
+    for (const about of abouts) this.socket.send(JSON.stringify({ ...question, about }));
+  }
+
+  #take(answer) {
+    if (answer.about === "motion" && this.out.get(answer.side)?.number === answer.number) {
+      this.out.delete(answer.side);
+    }
+    if (answer.part === "mistake") this.out.clear();
+    this.answered(answer);
+    for (const place of [...this.waiting.keys()]) if (!this.out.has(place)) this.#go(place);
+  }
+
+  #go(place) {
+    const waiting = this.waiting.get(place);
+    this.waiting.delete(place);
+    if (waiting) this.ask(...waiting);
+  }
+}
+
+/** Answers that were recorded in this page, by course (from the start, up, down) and speed. */
+export class Recorded {
+  constructor(recorded, { answered }) {
+    this.answered = answered;
+    this.recorded = recorded;
+  }
+
+  ask(question, course, place) {
+    for (const text of [...this.recorded.common, ...this.recorded.courses[course][place]]) {
+      const bytes = Uint8Array.from(atob(text), (character) => character.charCodeAt(0));
+      this.answered({ ...unpack(bytes.buffer), number: question.number, side: 0 });
+    }
+  }
+}

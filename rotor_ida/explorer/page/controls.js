@@ -1,0 +1,94 @@
+// Sliders and number fields for the parameters that the state has.
+
+import { DIMENSIONLESS, MACHINE, inSI, referenceFrequency, state } from "./state.js";
+
+const STEPS = 1000;
+const linear = (low, high, step) => ({
+  toSlider: (value) => value, fromSlider: (place) => place, min: low, max: high, step,
+});
+const logarithmic = (low, high) => ({
+  toSlider: (value) => (STEPS * Math.log(value / low)) / Math.log(high / low),
+  fromSlider: (place) => Number((low * (high / low) ** (place / STEPS)).toPrecision(3)),
+  min: 0, max: STEPS, step: 1,
+});
+/** A slider up to so many times a scale of the machine, in steps of a four-hundredth. */
+const scaled = (most, scale) => ({
+  toSlider: (value) => value / scale(), fromSlider: (place) => Number((place * scale()).toPrecision(4)),
+  min: 0, max: most, step: most / 400,
+});
+
+const PARAMETERS = {
+  omega: { name: "Speed ω", unit: "", slider: linear(0.05, 4, 0.005) },
+  zeta: { name: "Damping ζ", unit: "", slider: linear(0, 0.5, 0.001) },
+  delta0: { name: "Clearance δ₀", unit: "", slider: linear(0, 6, 0.01) },
+  speed: { name: "Speed", unit: "rad/s", slider: scaled(4, referenceFrequency) },
+  damping: { name: "Damping", unit: "N s/m", slider: scaled(1, () => state.mass * referenceFrequency()) },
+  clearance: { name: "Radial clearance", unit: "m", slider: scaled(6, () => state.eccentricity) },
+  mass: { name: "Mass", unit: "kg", slider: logarithmic(0.01, 1e4) },
+  contact_stiffness: { name: "Contact stiffness", unit: "N/m¹·⁵", slider: logarithmic(1e5, 1e13) },
+  eccentricity: { name: "Eccentricity", unit: "m", slider: logarithmic(1e-8, 1e-2) },
+};
+const ORDER = ["omega", "zeta", "delta0", "speed", "damping", "clearance", "mass", "contact_stiffness", "eccentricity"];
+
+/** Return a number as its field has it: short, with a power of ten where that helps. */
+export function written(value) {
+  const size = Math.abs(value);
+  return value === 0 || (size >= 1e-3 && size < 1e6) ? String(value) : value.toExponential().replace("e+", "e");
+}
+
+/** A slider with a number field; both change `state[key]` and call `changed`. */
+function control(key, parameter, changed) {
+  const box = Object.assign(document.createElement("div"), { className: "control" });
+  const { name, unit, slider } = parameter;
+  const label = document.createElement("label");
+  label.append(name, unit ? Object.assign(document.createElement("span"), { className: "unit", textContent: ` [${unit}]` }) : "");
+  const field = Object.assign(document.createElement("input"), { type: "number", step: "any", id: `field-${key}`, min: 0, required: true });
+  const range = Object.assign(document.createElement("input"), { type: "range", id: `slider-${key}` });
+  label.htmlFor = field.id;
+  range.setAttribute("aria-label", `${name}${unit ? `, ${unit}` : ""}`);
+  Object.assign(range, { min: slider.min, max: slider.max, step: slider.step });
+  box.append(label, field, range);
+  range.addEventListener("input", (event) => {
+    state[key] = slider.fromSlider(Number(range.value));
+    field.value = written(state[key]);
+    changed(key, event);
+  });
+  field.addEventListener("input", (event) => {
+    if (field.value === "" || !Number.isFinite(field.valueAsNumber)) return;
+    state[key] = field.valueAsNumber;
+    range.value = slider.toSlider(state[key]);
+    changed(key, event);
+  });
+  const show = () => {
+    if (document.activeElement !== field) field.value = written(state[key]);
+    range.value = slider.toSlider(state[key]);
+    range.setAttribute("aria-valuetext", `${state[key]} ${unit}`.trim());
+  };
+  return { box, show };
+}
+
+export class Controls {
+  constructor(changed) {
+    this.changed = changed;
+    this.build();
+  }
+
+  /** Build the sliders of the units that the state is in. */
+  build() {
+    const names = ORDER.filter((name) => (inSI() ? MACHINE : DIMENSIONLESS).includes(name));
+    this.controls = names.map((name) => control(name, PARAMETERS[name], this.changed));
+    this.controls[0].box.classList.add("first");
+    document.getElementById("sliders").replaceChildren(...this.controls.map(({ box }) => box));
+    const clearance = PARAMETERS[inSI() ? "clearance" : "delta0"];
+    this.second = control("second", { ...clearance, name: `${clearance.name}, second` }, this.changed);
+    document.getElementById("second").replaceChildren(this.second.box);
+    this.show();
+  }
+
+  /** Show what the state is. */
+  show() {
+    for (const each of this.controls) each.show();
+    this.second.box.hidden = state.second === null;
+    if (state.second !== null) this.second.show();
+  }
+}

@@ -1,0 +1,474 @@
+// The page: what is moved becomes a question, what is answered becomes a picture.
+
+import { Live, Recorded } from "./connection.js";
+import { Controls, written } from "./controls.js";
+import { forgetColours } from "./plot.js";
+import { Response, SPEEDS } from "./response.js";
+import { Side } from "./side.js";
+import { SECOND_START, START, address, inSI, machine, readAddress, referenceFrequency, state, toDimensionless, toSI } from "./state.js";
+import { roundUp, told, withUnit } from "./units.js";
+
+const $ = (id) => document.getElementById(id);
+const PANELS = ["motion", "responses", "starts"];
+const FILES = { nc: "application/x-netcdf", png: "image/png", svg: "image/svg+xml", py: "text/x-python" };
+const NAMES = {
+  zeta: "damping ζ", delta0: "clearance δ₀", mass: "mass [kg]", contact_stiffness: "contact stiffness [N/m¹·⁵]",
+  damping: "damping [N s/m]", eccentricity: "eccentricity [m]", clearance: "clearance [m]",
+};
+const KEY = "rotor-ida-key";
+const recorded = $("recorded") && JSON.parse($("recorded").textContent);
+
+// What is shown: by side, the number of the newest question and what its run begins with.
+const sides = [];
+let number = 0;
+let starts = [[0, 0, 0, 0], [0, 0, 0, 0]];
+let running = null;
+let drawing = false;
+const dirty = new Set();
+// For tests and the curious: what is shown, and how long after a movement it was, in milliseconds.
+const page = (window.rotorIda = { shown: [{}, {}], delays: [], state, asked: 0, drawn: 0 });
+const moved = new Map(); // number of the question, to when it was moved and what is not drawn yet
+
+// Moves the speed to where the response curve is dragged.
+let moveTo = (speed) => {
+  state[inSI() ? "speed" : "omega"] = speed;
+  controls.show();
+  ask();
+};
+const response = new Response(document.querySelector('[data-panel="response"] .plot'), (speed, rate) => {
+  const low = SPEEDS[0] * rate;
+  moveTo(Math.max(Number(speed.toPrecision(4)), low));
+});
+const controls = new Controls((name, event) => ask({ event, name }));
+let connection = null;
+
+// questions
+
+/** Ask for everything again, because something has moved. */
+function ask({ event, again = false } = {}) {
+  if (!connection) return;
+  const names = sides.map((_, side) => side);
+  number += 1;
+  page.asked = number;
+  for (const side of names) {
+    if (!again) starts[side] = startOf(side);
+    const wanted = PANELS.filter((about) => about !== "starts" || sides[side].wantsBasin);
+    sides[side].forget();
+    if (recorded) connection.ask({ number }, recorded.course, recorded.place);
+    else connection.ask(question(side), wanted);
+  }
+  moved.set(number, { since: event?.timeStamp ?? performance.now(), left: new Set(["motion", "curve"]) });
+  if (moved.size > 50) moved.delete(moved.keys().next().value);
+  showStart();
+  keepAddress();
+}
+
+function question(side) {
+  return {
+    number, side, machine: machine(side), start: starts[side],
+    revolutions: state.revolutions, speeds: SPEEDS, reach: reach(side),
+  };
+}
+
+/** Return where the next run of a side begins: at the start, or where the last one ended. */
+function startOf(side) {
+  const last = page.shown[side].motion;
+  return state.from === "here" && last && !released ? last.facts.end : START.map((name) => state[name]);
+}
+let released = true; // whether the start itself was moved, so that all begin there
+
+function reach(side) {
+  const delta0 = inSI() ? machine(side).clearance / machine(side).eccentricity : machine(side).delta0;
+  const start = Math.max(...START.map((name) => Math.abs(state[name])));
+  return roundUp(Math.max(8, 2.5 * delta0, 1.2 * start));
+}
+
+// answers
+
+function answered(answer) {
+  if (answer.part === "mistake" || answer.part === "trouble") {
+    const { message } = answer.facts;
+    if (answer.about === "starts") sides[answer.side]?.noBasin(message);
+    else complain(message);
+    return;
+  }
+  if (answer.part === "file") {
+    keepFile(answer);
+    return;
+  }
+  if (answer.part === "note" || !sides[answer.side]) return;
+  const shown = page.shown[answer.side];
+  if (answer.number < (shown[answer.part]?.number ?? 0)) return;
+  if (answer.part !== "motion" && answer.part !== "curve" && answer.number < number) return;
+  shown[answer.part] = answer;
+  if (answer.part === "motion") {
+    complain("");
+    if (state.from === "here") released = false;
+  }
+  sides[answer.side].take(answer);
+  response.take(answer);
+  drawSoon(`${answer.side} ${answer.part}`);
+}
+
+/** Draw what a slider is moved for: the curve, the orbit, radius and force. The rest comes after. */
+function draw() {
+  drawing = false;
+  const parts = [...dirty];
+  dirty.clear();
+  const has = (...names) => parts.some((part) => names.includes(part.split(" ")[1]));
+  sides.forEach((side, place) => {
+    if (parts.includes(`${place} motion`)) side.drawMotion();
+  });
+  // a curve and the run on it come one after the other, and are drawn together
+  if (has("motion", "curve", "branch") && sides.every((_, place) => isWhole(place))) response.show();
+  afterPaint(() => {
+    measure(parts);
+    requestAnimationFrame(() => drawRest(parts, has));
+  });
+}
+
+/** Return whether curve and run of a side are answers to the same question. */
+function isWhole(place) {
+  const { motion, curve } = page.shown[place];
+  return motion?.number === curve?.number;
+}
+
+function drawRest(parts, has) {
+  sides.forEach((side, place) => {
+    if (["motion", "section"].some((name) => parts.includes(`${place} ${name}`))) side.drawRest();
+    if (["motion", "basin"].some((name) => parts.includes(`${place} ${name}`))) side.drawStarts(starts[place], reach(place));
+  });
+  if (has("motion", "settled")) showWords();
+}
+
+function drawSoon(part) {
+  dirty.add(part);
+  if (drawing) return;
+  drawing = true;
+  requestAnimationFrame(draw);
+}
+
+const channel = new MessageChannel();
+const painted = [];
+channel.port1.onmessage = () => painted.shift()?.();
+function afterPaint(then) {
+  painted.push(then);
+  channel.port2.postMessage(null);
+}
+
+/** Note how long after its cause a run and its curve were on the screen. */
+function measure(parts) {
+  const now = performance.now();
+  page.drawn = page.shown[0].motion?.number ?? 0;
+  for (const [asked, { since, left }] of moved) {
+    for (const part of ["motion", "curve"]) {
+      if (parts.includes(`0 ${part}`) && page.shown[0][part].number >= asked) left.delete(part);
+    }
+    if (left.size === 0) {
+      page.delays.push(now - since);
+      if (page.delays.length > 1000) page.delays.shift();
+      moved.delete(asked);
+    }
+  }
+}
+
+// words
+
+function showWords() {
+  const box = $("words");
+  const parts = [];
+  sides.forEach((_, place) => {
+    const { motion, settled } = page.shown[place];
+    if (!motion) return;
+    const { rotor } = motion.facts;
+    const clearance = `Clearance ${withUnit(motion.facts.scales, "length", rotor.delta0)}`;
+    $("sides").children[place].firstElementChild.textContent = clearance;
+    parts.push(["h2", sides.length > 1 ? clearance : "What it does", ""]);
+    const fresh = settled && settled.number === motion.number;
+    if (fresh) settled.facts.words.forEach((text, line) => parts.push(["p", text, line ? "" : "lead"]));
+    else if (rotor.zeta === 0 || rotor.omega === 0) parts.push(["p", "Without damping or spin nothing settles.", "lead"]);
+    else parts.push(["p", "Following it until it settles …", "waiting"]);
+    parts.push(["h2", "The run that is drawn", ""]);
+    motion.facts.words.forEach((text) => parts.push(["p", text, ""]));
+    const { length } = motion.arrays.event_time;
+    if (!recorded) parts.push(["p", `${length || "No"} entries and exits${errorOf(motion)}.`, ""]);
+  });
+  box.replaceChildren(...parts.map(([kind, textContent, className]) => Object.assign(document.createElement(kind), { textContent, className })));
+}
+
+/** Return how surely the events are timed. */
+function errorOf(motion) {
+  const errors = motion.arrays.event_time_error;
+  if (!errors.length) return "";
+  const sure = errors.filter((each) => Number.isFinite(each));
+  const time = (value, digits) => withUnit(motion.facts.scales, "time", value, digits);
+  const most = sure.length ? `, each timed to ${time(Math.max(...sure), 2)}` : "";
+  return sure.length < errors.length ? `${most}; from t = ${time(motion.facts.horizon, 4)} on the start no longer determines them` : most;
+}
+
+function complain(text) {
+  $("trouble").textContent = text;
+  $("trouble").hidden = !text;
+}
+
+// the address, and files
+
+let keeping = null;
+function keepAddress() {
+  if (recorded || keeping) return;
+  keeping = setTimeout(() => {
+    keeping = null;
+    history.replaceState(null, "", address(starts));
+  }, 250);
+}
+
+function keepFile(answer) {
+  const kind = answer.facts.name.split(".").pop();
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(new Blob([answer.arrays.contents], { type: FILES[kind] }));
+  link.download = answer.facts.name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+}
+
+// running the speed up and down
+
+function run(direction) {
+  clearInterval(running?.timer);
+  const stop = running?.direction === direction;
+  running = null;
+  if (!stop) {
+    choose("from", "here");
+    running = { direction, timer: setInterval(stepSpeed, 1000 / Math.min(Math.max(state.rate, 1), 30)) };
+  }
+  $("up").setAttribute("aria-pressed", String(running?.direction === 1));
+  $("down").setAttribute("aria-pressed", String(running?.direction === -1));
+}
+
+function stepSpeed() {
+  if (page.drawn < number) return; // the rotor has not come there yet
+  const name = inSI() ? "speed" : "omega";
+  const scale = inSI() ? page.shown[0].motion.facts.scales.rate : 1;
+  const next = state[name] / scale + running.direction * state.step;
+  if (next < SPEEDS[0] || next > SPEEDS[1]) {
+    run(running.direction);
+    return;
+  }
+  state[name] = Number((next * scale).toPrecision(12));
+  controls.show();
+  ask();
+}
+
+// controls beside the sliders
+
+function choose(name, value) {
+  state[name] = value;
+  for (const radio of document.querySelectorAll(`input[name="${name}"]`)) radio.checked = radio.value === value;
+}
+
+function showStart() {
+  for (const [place, name] of START.entries()) {
+    const field = $(`start-${name}`);
+    const value = starts[0][place] * unitOf(name);
+    if (document.activeElement !== field) field.value = written(Number(value.toPrecision(6)));
+  }
+  $("start-units").textContent = inSI() ? "Start [m], [m/s]" : "Start";
+}
+
+/** Return what a dimensionless 1 of a component of the start is as its field shows it. */
+function unitOf(name) {
+  if (!inSI()) return 1;
+  return state.eccentricity * (name.startsWith("v") ? referenceFrequency() : 1);
+}
+
+function release() {
+  released = true;
+  ask();
+}
+
+function buildSides() {
+  const two = state.second !== null && !recorded;
+  const count = two ? 2 : 1;
+  while (sides.length > count) {
+    $("sides").lastElementChild.remove();
+    sides.pop();
+    page.shown[sides.length] = {};
+  }
+  while (sides.length < count) {
+    const element = Object.assign(document.createElement("div"), { className: "side" });
+    element.append(document.createElement("h2"));
+    $("sides").append(element);
+    sides.push(new Side(element, sides.length, { moved: moveStart, asked: () => ask({ again: true }) }));
+  }
+  $("sides").classList.toggle("two", two);
+  response.two = two;
+}
+
+function moveStart({ x, y, velocity }) {
+  if (recorded) return;
+  const round = (value) => Number(value.toPrecision(4));
+  if (velocity) Object.assign(state, { vx: round(x - state.x), vy: round(y - state.y) });
+  else Object.assign(state, { x: round(x), y: round(y) });
+  release();
+}
+
+function listen() {
+  for (const name of START) {
+    const label = document.createElement("label");
+    const field = Object.assign(document.createElement("input"), { type: "number", step: "any", id: `start-${name}` });
+    label.append(name, field);
+    $("start").append(label);
+    field.addEventListener("change", () => {
+      if (!Number.isFinite(field.valueAsNumber)) return;
+      state[name] = Number((field.valueAsNumber / unitOf(name)).toPrecision(12));
+      release();
+    });
+  }
+  $("rest").addEventListener("click", () => {
+    Object.assign(state, { x: 0, y: 0, vx: 0, vy: 0 });
+    release();
+  });
+  for (const name of ["revolutions", "step", "rate"]) {
+    $(name).value = state[name];
+    $(name).addEventListener("change", () => {
+      if (!(($(name).valueAsNumber) > 0)) return;
+      state[name] = $(name).valueAsNumber;
+      if (name === "revolutions") ask({ again: true });
+      else keepAddress();
+    });
+  }
+  for (const radio of document.querySelectorAll('input[name="from"]')) {
+    radio.addEventListener("change", () => {
+      state.from = radio.value;
+      released = radio.value === "start";
+      response.forgetTrail();
+      ask();
+    });
+  }
+  for (const radio of document.querySelectorAll('input[name="units"]')) {
+    radio.addEventListener("change", () => {
+      if (radio.value === "si") toSI();
+      else toDimensionless();
+      controls.build();
+      ask({ again: true });
+    });
+  }
+  $("beside").addEventListener("change", () => {
+    state.second = $("beside").checked ? state[inSI() ? "clearance" : "delta0"] / 2 : null;
+    controls.show();
+    buildSides();
+    starts[1] = starts[0];
+    ask();
+  });
+  $("up").addEventListener("click", () => run(1));
+  $("down").addEventListener("click", () => run(-1));
+  for (const button of document.querySelectorAll("[data-file]")) {
+    button.addEventListener("click", () => connection.ask(question(0), [button.dataset.file]));
+  }
+  $("share").addEventListener("click", async () => {
+    await navigator.clipboard.writeText(location.origin + location.pathname + address(starts));
+    $("connection").textContent = "The address is copied.";
+  });
+}
+
+// the theme
+
+const dark = matchMedia("(prefers-color-scheme: dark)");
+function showTheme() {
+  document.documentElement.dataset.theme = state.theme;
+  const isDark = state.theme ? state.theme === "dark" : dark.matches;
+  $("theme").textContent = isDark ? "Light" : "Dark";
+  $("theme").setAttribute("aria-label", `Change to the ${isDark ? "light" : "dark"} theme`);
+  forgetColours();
+  sides.forEach((side, place) => {
+    if (side.basin) side.take(side.basin);
+    side.drawMotion();
+    side.drawRest();
+    side.drawStarts(starts[place], reach(place));
+  });
+  response.show();
+}
+dark.addEventListener("change", showTheme);
+$("theme").addEventListener("click", () => {
+  state.theme = (state.theme ? state.theme === "dark" : dark.matches) ? "light" : "dark";
+  showTheme();
+  keepAddress();
+});
+
+// the beginning
+
+function begin() {
+  document.body.classList.toggle("is-recorded", Boolean(recorded));
+  const key = readAddress(location.hash);
+  if (key) sessionStorage.setItem(KEY, key);
+  choose("from", state.from);
+  for (const radio of document.querySelectorAll('input[name="units"]')) radio.checked = (radio.value === "si") === inSI();
+  $("beside").checked = state.second !== null;
+  controls.build();
+  listen();
+  buildSides();
+  showTheme();
+  if (recorded) beginRecorded();
+  else {
+    starts = [START, SECOND_START].map((names) => names.map((name, place) => state[name] ?? state[START[place]]));
+    history.replaceState(null, "", address(starts));
+    connection = new Live(keyKept(), { answered, opened: () => ask({ again: true }), said: (text) => ($("connection").textContent = text) });
+  }
+}
+
+/** Offer the speeds and the courses that are recorded, and show the one that was asked for. */
+function beginRecorded() {
+  const { speeds, speed, unit, courses } = recorded;
+  Object.assign(recorded, { course: "start", place: nearest(speeds, speed) });
+  Object.assign(state, recorded.state);
+  const box = $("courses");
+  const names = { start: "each speed from the start", up: "running up", down: "running down" };
+  const choice = Object.assign(document.createElement("div"), { className: "choice" });
+  choice.setAttribute("role", "radiogroup");
+  choice.setAttribute("aria-label", "How the speeds were gone through");
+  for (const course of Object.keys(courses)) {
+    const label = document.createElement("label");
+    const radio = Object.assign(document.createElement("input"), { type: "radio", name: "course", value: course, checked: course === "start" });
+    radio.addEventListener("change", () => {
+      recorded.course = course;
+      response.forgetTrail();
+      ask();
+    });
+    label.append(radio, ` ${names[course]}`);
+    choice.append(label);
+  }
+  const label = Object.assign(document.createElement("label"), { htmlFor: "recorded-speed" });
+  const range = Object.assign(document.createElement("input"), { type: "range", id: "recorded-speed", min: 0, max: speeds.length - 1, step: 1, value: recorded.place });
+  const given = Object.entries(recorded.state).filter(([name]) => ![...START, "omega", "speed"].includes(name));
+  const rest = given.map(([name, value]) => `${NAMES[name]} ${told(value)}`).join(", ");
+  const rotor = Object.assign(document.createElement("p"), { className: "quiet", textContent: rest });
+  const show = () => {
+    label.textContent = `Speed ${told(speeds[recorded.place], 5)} ${unit}`;
+    range.setAttribute("aria-valuetext", label.textContent);
+  };
+  range.addEventListener("input", (event) => {
+    recorded.place = range.valueAsNumber;
+    show();
+    ask({ event });
+  });
+  box.replaceChildren(label, range, choice, rotor);
+  show();
+  moveTo = (value) => {
+    recorded.place = range.value = nearest(speeds, value);
+    show();
+    ask();
+  };
+  connection = new Recorded(recorded, { answered });
+  ask();
+}
+
+const nearest = (values, value) => values.reduce((best, each, place) => (Math.abs(each - value) < Math.abs(values[best] - value) ? place : best), 0);
+
+/** Return the key of the program's start: this tab's, or the one that another tab of it had. */
+function keyKept() {
+  const key = sessionStorage.getItem(KEY) ?? localStorage.getItem(KEY) ?? "";
+  localStorage.setItem(KEY, key);
+  return key;
+}
+
+begin();

@@ -1,0 +1,166 @@
+// The response curve: exact whirls with their folds, branches of limit cycles, and where the rotors are.
+
+import { Plot, colour } from "./plot.js";
+import { labelled, roundUp, shownIn } from "./units.js";
+
+export const SPEEDS = [0.05, 4];
+const LONGEST_TRAIL = 600;
+const STABLE = 0, UNSTABLE = 1;
+const SHAPES = { 1: "diamond", 2: "square", 3: "ring", 4: "disc" }; // fold, period doubling, graze, cusp
+
+export class Response {
+  /** Build the panel; `moved` is told the speed to which it is dragged, as the page has it. */
+  constructor(element, moved) {
+    this.sides = [{ branches: [], trail: [] }, { branches: [], trail: [] }];
+    this.two = false;
+    this.plot = new Plot(element, { x: "speed", y: "radius", draw: (pen) => this.#draw(pen) });
+    this.plot.onDrag((x) => moved(x, this.speed?.factor ?? 1));
+  }
+
+  take(answer) {
+    const side = this.sides[answer.side];
+    if (answer.part === "curve") {
+      const key = JSON.stringify([answer.facts.rotor.zeta, answer.facts.rotor.delta0]);
+      if (key !== side.key) Object.assign(side, { key, branches: [], trail: [] });
+      side.curve = answer;
+    } else if (answer.part === "branch") {
+      const same = (each) => each.arrays.omega.length === answer.arrays.omega.length && each.arrays.omega[0] === answer.arrays.omega[0];
+      if (!side.branches.some(same)) side.branches.push(answer);
+    } else if (answer.part === "motion") {
+      const { rotor, ending } = answer.facts;
+      side.place = { omega: rotor.omega, low: ending.radius_min, high: ending.radius_max, scales: answer.facts.scales };
+      side.trail.push(side.place);
+      if (side.trail.length > LONGEST_TRAIL) side.trail.shift();
+    }
+  }
+
+  /** Forget what a side has gone through. */
+  forgetTrail() {
+    for (const side of this.sides) side.trail = [];
+  }
+
+  show() {
+    const shown = this.sides.slice(0, this.two ? 2 : 1).filter((side) => side.curve);
+    if (!shown.length) return;
+    const scales = shown[0].place?.scales;
+    let top = 1, last = SPEEDS[1];
+    for (const { curve, place, branches } of shown) {
+      for (const each of curve.arrays.amplitude) if (each > top) top = each;
+      for (const branch of branches) for (const each of branch.arrays.radius_max) if (each > top) top = each;
+      if (place) [top, last] = [Math.max(top, place.high), Math.max(last, 1.05 * place.omega)];
+    }
+    this.length = shownIn(scales, "length", top);
+    this.speed = shownIn(scales, "rate", 1);
+    this.plot.show({
+      x: [0, last * this.speed.factor], y: [0, roundUp(1.05 * top) * this.length.factor],
+      labels: [labelled(this.speed.unit ? "speed" : "speed ω", this.speed.unit), labelled("radius", this.length.unit)],
+    });
+    this.#say(shown);
+    this.#key(shown);
+  }
+
+  #key(shown) {
+    const parts = [
+      ["line-key", "exact whirl in contact"], ["line-key dashed", "unstable"], ["mark diamond", "fold"],
+    ];
+    if (shown.some(({ curve }) => curve.arrays.in_contact.includes(0))) parts.push(["line-key free", "contact-free whirl"]);
+    if (shown.some(({ branches }) => branches.length)) {
+      parts.push(["line-key cycle", "limit cycle, largest radius"], ["line-key cycle thin", "smallest"]);
+      parts.push(["mark diamond open cycle", "its fold"], ["mark square cycle", "period doubling"]);
+    }
+    parts.push(["line-key place", this.two ? "the rotors" : "the rotor"]);
+    if (this.two) parts.push(["line-key second", "second clearance"]);
+    const items = parts.map(([className, textContent]) => {
+      const item = document.createElement("span");
+      item.append(Object.assign(document.createElement("i"), { className }), textContent);
+      return item;
+    });
+    document.getElementById("response-key").replaceChildren(...items);
+  }
+
+  #draw(pen) {
+    if (!this.length) return;
+    const shown = this.sides.slice(0, this.two ? 2 : 1);
+    pen.kept(this, this.#keyOfCurves(shown, pen), (own) => shown.forEach((side, number) => {
+      const ink = number ? colour("second") : colour("ink");
+      if (side.curve) this.#drawCurve(own, side.curve.arrays, ink);
+      for (const branch of side.branches) this.#drawBranch(own, branch.arrays, number ? ink : colour("full_contact"));
+    }));
+    shown.forEach((side, number) => this.#drawPlace(pen, side, number ? colour("second") : colour("accent")));
+  }
+
+  /** Return what the picture of the curves depends on. */
+  #keyOfCurves(shown, pen) {
+    const { width, height } = pen.box;
+    const curves = shown.map((side) => [side.key, side.branches.length]);
+    return JSON.stringify([curves, width, height, this.plot.range, this.length, this.speed, colour("ink")]);
+  }
+
+  #drawCurve(pen, arrays, ink) {
+    const { omega, amplitude, stability, piece, in_contact: contact, fold_omega: folds, fold_amplitude: heights } = arrays;
+    const xs = omega.map((each) => each * this.speed.factor);
+    const ys = amplitude.map((each) => each * this.length.factor);
+    const broken = (i) => i > 0 && piece[i] !== piece[i - 1];
+    const runs = runsOf(xs.length, (i) => `${piece[i]} ${stability[i] === UNSTABLE} ${contact[i]}`);
+    for (const [from, to] of runs) {
+      if (Number.isNaN(xs[from]) || piece[from] < 0) continue;
+      const begin = from > 0 && !broken(from) ? from - 1 : from;
+      const unstable = stability[from] === UNSTABLE;
+      pen.line(xs, ys, { from: begin, to, stroke: contact[from] ? ink : colour("contact_free"), width: unstable ? 1.2 : 2, dash: unstable ? [5, 4] : [] });
+    }
+    folds.forEach((each, i) => pen.mark(each * this.speed.factor, heights[i] * this.length.factor, 8, { shape: "diamond", fill: ink }));
+  }
+
+  #drawBranch(pen, arrays, ink) {
+    const xs = arrays.omega.map((each) => each * this.speed.factor);
+    for (const [name, width] of [["radius_min", 0.8], ["radius_max", 1.6]]) {
+      const ys = arrays[name].map((each) => each * this.length.factor);
+      for (const [from, to] of runsOf(xs.length, (i) => arrays.stability[i] === STABLE)) {
+        const stable = arrays.stability[from] === STABLE;
+        pen.line(xs, ys, { from: Math.max(from - 1, 0), to, stroke: ink, width, dash: stable ? [] : [4, 4] });
+      }
+      if (name === "radius_max") this.#drawSpecial(pen, arrays, ys, ink);
+    }
+  }
+
+  #drawSpecial(pen, arrays, ys, ink) {
+    arrays.special_kind.forEach((kind, i) => {
+      if (kind !== 1 && kind !== 2) return;
+      const point = Math.min(Math.max(arrays.special_point[i], 0), ys.length - 1);
+      pen.mark(arrays.special_omega[i] * this.speed.factor, ys[point], 7, { shape: SHAPES[kind], fill: colour("card"), stroke: ink });
+    });
+  }
+
+  #drawPlace(pen, { place, trail }, ink) {
+    if (!place) return;
+    const at = (each, height) => [each.omega * this.speed.factor, height * this.length.factor];
+    const speeds = trail.map(({ omega }) => omega * this.speed.factor);
+    for (const [name, size] of [["high", 4], ["low", 2]]) {
+      pen.dots(speeds, trail.map((each) => each[name] * this.length.factor), size, { fill: ink, alpha: 0.45 });
+    }
+    const [x, high] = at(place, place.high);
+    const [, low] = at(place, place.low);
+    pen.line([x, x], [-1e9, 1e9], { stroke: ink, width: 0.8, alpha: 0.5 });
+    pen.line([x, x], [low, high], { stroke: ink, width: 3 });
+    pen.mark(x, high, 10, { fill: ink, stroke: colour("card") });
+  }
+
+  #say(shown) {
+    const { place, curve } = shown[0];
+    const folds = curve.arrays.fold_omega.length;
+    const here = place ? ` The rotor is at speed ${place.omega.toPrecision(4)} with a radius of up to ${place.high.toPrecision(4)}.` : "";
+    this.plot.say(`Radius of every synchronous whirl over the speed, with ${folds} folds.${here}`);
+  }
+}
+
+/** Return the stretches over which `key` of the place stays the same. */
+function runsOf(count, key) {
+  const runs = [];
+  for (let from = 0; from < count; ) {
+    let to = from + 1;
+    while (to < count && key(to) === key(from)) to += 1;
+    runs.push([from, to]);
+    from = to;
+  }
+  return runs;
+}

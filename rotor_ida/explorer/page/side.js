@@ -1,0 +1,390 @@
+// The panels of one rotor: starts and basin, orbits, radius and force over time, section, spectrum.
+
+import { Plot, colour } from "./plot.js";
+import { labelled, roundUp, shownIn, told } from "./units.js";
+
+// Above this number of events in view their marks would hide the motion.
+const MANY_EVENTS = 160;
+const KINDS = {
+  contact_free: "contact-free", synchronous: "synchronous in contact", bouncing: "bouncing",
+  full_contact: "full contact", touching: "touching", chaotic: "chaotic", undecided: "not decided",
+};
+// Of the motion before so many revolutions are drawn faintly.
+const EARLIER = 24;
+// Revolutions a second, when the motion is played.
+const PLAYED = 1;
+
+export class Side {
+  /** Build the panels in `element`; `moved` is told where a drag on the plane puts the start. */
+  constructor(element, number, { moved, asked }) {
+    element.append(document.getElementById("side").content.cloneNode(true));
+    Object.assign(this, { element, number, moved, asked, motion: null, settled: null, basin: null, sectionOf: null });
+    this.time = 1;
+    this.window = 8;
+    for (const radio of element.querySelectorAll('[type="radio"]')) radio.name = `drag${number}`;
+    const at = (panel, plot = ".plot") => element.querySelector(`[data-panel="${panel}"] ${plot}`);
+    this.panels = Object.fromEntries([...element.querySelectorAll("[data-panel]")].map((each) => [each.dataset.panel, each]));
+    const plane = { equal: true, x: "x", y: "y" };
+    this.starts = new Plot(at("starts"), { ...plane, draw: (pen) => this.#drawStarts(pen) });
+    this.orbit = new Plot(at("orbit"), { ...plane, draw: (pen) => this.#drawOrbit(pen, "") });
+    this.turning = new Plot(at("turning"), { ...plane, draw: (pen) => this.#drawOrbit(pen, "rotating_") });
+    const over = { below: (pen) => this.#shadeContacts(pen), draw: (pen) => this.#markTime(pen) };
+    this.radius = new Plot(at("history", '[data-plot="radius"]'), { ...over, x: "", y: "radius", series: [{ stroke: () => colour("ink"), width: 1.2, points: { show: false } }] });
+    this.force = new Plot(at("history", '[data-plot="force"]'), { ...over, x: "time", y: "force", series: [{ stroke: () => colour("contact"), width: 1.2, points: { show: false } }], draw: (pen) => this.#drawForce(pen) });
+    this.section = new Plot(at("section"), { ...plane, draw: (pen) => this.#drawSection(pen) });
+    this.spectrum = new Plot(at("spectrum"), { x: "frequency / speed", y: "amplitude", log: true, series: [{ stroke: () => colour("flight"), width: 1.2, points: { show: false } }] });
+    this.plots = [this.starts, this.orbit, this.turning, this.radius, this.force, this.section, this.spectrum];
+    this.#listen();
+  }
+
+  get wantsBasin() {
+    return this.element.querySelector("[data-basin]").checked;
+  }
+
+  #listen() {
+    const { element } = this;
+    this.slider = element.querySelector("[data-time]");
+    this.slider.addEventListener("input", () => this.#goTo(Number(this.slider.value)));
+    const window_ = element.querySelector("[data-window]");
+    window_.addEventListener("change", () => {
+      this.window = Number(window_.value);
+      this.drawMotion();
+    });
+    this.play = element.querySelector("[data-play]");
+    this.play.addEventListener("click", () => this.#playOrStop());
+    element.querySelector("[data-basin]").addEventListener("change", () => {
+      this.basin = null;
+      this.drawStarts();
+      this.asked(this.number);
+    });
+    this.starts.onDrag((x, y, event) => {
+      const { factor } = this.#scale("length", this.reach);
+      const velocity = event.shiftKey || element.querySelector('[value="velocity"]').checked;
+      this.moved({ x: x / factor, y: y / factor, velocity });
+    });
+  }
+
+  #goTo(part) {
+    this.time = part;
+    this.slider.value = part;
+    this.drawMotion();
+  }
+
+  #playOrStop() {
+    const on = this.play.getAttribute("aria-pressed") === "true";
+    this.play.setAttribute("aria-pressed", String(!on));
+    this.play.textContent = on ? "▶ play" : "❚❚ stop";
+    if (on) return;
+    if (this.time >= 1) this.#goTo(0);
+    let before = performance.now();
+    const step = (now) => {
+      if (this.play.getAttribute("aria-pressed") !== "true") return;
+      const revolutions = this.motion ? (this.motion.arrays.t.length - 1) / this.motion.facts.samples_per_revolution : 60;
+      const part = Math.min(this.time + ((now - before) * PLAYED) / (1000 * revolutions), 1);
+      before = now;
+      this.#goTo(part);
+      if (part >= 1) this.#playOrStop();
+      else requestAnimationFrame(step);
+    };
+    requestAnimationFrame(step);
+  }
+
+  // what has come
+
+  take(answer) {
+    if (answer.part === "motion") this.motion = answer;
+    else if (answer.part === "settled") this.settled = answer;
+    else if (answer.part === "section") this.sectionOf = answer;
+    else if (answer.part === "basin") this.#takeBasin(answer);
+  }
+
+  /** Forget what belongs to a rotor that is no longer shown. */
+  forget() {
+    this.basin = this.sectionOf = this.settled = null;
+    this.reason = "";
+  }
+
+  /** Say why there is no basin. */
+  noBasin(message) {
+    this.reason = message;
+    this.#keyOfBasin();
+  }
+
+  #takeBasin(answer) {
+    const { count, attractors } = answer.facts;
+    const kinds = {};
+    this.colours = attractors.map(({ kind }) => shade(colour(kind) || colour("undecided"), (kinds[kind] = (kinds[kind] ?? -1) + 1)));
+    const palette = this.colours.map(channels);
+    const none = channels(colour("undecided"));
+    const picture = new OffscreenCanvas(count, count);
+    const image = new ImageData(count, count);
+    answer.arrays.label.forEach((label, place) => {
+      const [column, row] = [Math.floor(place / count), place % count]; // x, then y
+      image.data.set([...(palette[label] ?? none), 255], 4 * ((count - 1 - row) * count + column));
+    });
+    picture.getContext("2d").putImageData(image, 0, 0);
+    this.basin = answer;
+    this.picture = picture;
+  }
+
+  // drawing
+
+  #scale(kind, top) {
+    return shownIn(this.motion?.facts.scales, kind, top);
+  }
+
+  /** Draw orbit, radius and force of a run. */
+  drawMotion() {
+    if (!this.motion) return;
+    const { arrays, facts } = this.motion;
+    const each = facts.samples_per_revolution;
+    const last = arrays.t.length - 1;
+    const now = Math.round(this.time * last);
+    this.view = { from: this.window ? Math.max(0, Math.min(now, last) - this.window * each) : 0, to: now, now };
+    if (this.window && now < this.window * each) this.view.to = Math.min(last, this.window * each);
+    const top = facts.ending.radius_max;
+    const drawn = Math.max(top, facts.rotor.delta0, maximum(arrays.radius, this.view.from, this.view.to));
+    this.length = this.#scale("length", drawn);
+    const reach = roundUp(1.08 * drawn) * this.length.factor;
+    const plane = { x: [-reach, reach], y: [-reach, reach] };
+    const { unit } = this.length;
+    this.orbit.show({ ...plane, labels: [labelled("x", unit), labelled("y", unit)] });
+    this.turning.show({ ...plane, labels: [labelled("along the unbalance", unit), labelled("across it", unit)] });
+    this.#drawHistory();
+  }
+
+  /** Draw what may come a moment later. */
+  drawRest() {
+    if (!this.length) return;
+    this.#drawSpectrum();
+    this.#drawSectionPlot();
+    this.#say();
+  }
+
+  #drawHistory() {
+    const { arrays } = this.motion;
+    const { from, to } = this.view;
+    const time = this.#scale("time", arrays.t.at(-1));
+    const force = this.#scale("force", Math.max(this.motion.facts.ending.largest_force, 1e-12));
+    const end = this.window ? to : arrays.t.length - 1;
+    const times = scaled(arrays.t, time.factor, from, end + 1);
+    Object.assign(this, { timeUnit: time, forceUnit: force });
+    const x = [arrays.t[from] * time.factor, arrays.t[end] * time.factor];
+    const radii = scaled(arrays.radius, this.length.factor, from, end + 1);
+    const forces = scaled(arrays.force, force.factor, from, end + 1);
+    const most = Math.max(maximum(radii), this.motion.facts.rotor.delta0 * this.length.factor);
+    const labels = (name, unit) => [labelled("time", time.unit), labelled(name, unit)];
+    this.radius.show({ data: [times, radii], x, y: [0, roundUp(1.05 * most)], labels: ["", labelled("radius", this.length.unit)] });
+    const hardest = Math.max(maximum(forces), ...this.#peaks(from, end).map(([, peak]) => peak), 0);
+    this.force.show({ data: [times, forces], x, y: [0, roundUp(1.05 * hardest || 1)], labels: labels("force", force.unit) });
+  }
+
+  #peaks(from, to) {
+    const { t, peak_time: times, peak_force: forces } = this.motion.arrays;
+    const found = [];
+    for (let i = 0; i < times.length; i++) {
+      if (times[i] >= t[from] && times[i] <= t[to]) found.push([times[i] * this.timeUnit.factor, forces[i] * this.forceUnit.factor]);
+    }
+    return found;
+  }
+
+  #shadeContacts(pen) {
+    if (!this.forceUnit) return;
+    const { entry_time: entries, exit_time: exits, t } = this.motion.arrays;
+    const { factor } = this.timeUnit;
+    for (let i = 0; i < entries.length; i++) {
+      const from = Number.isNaN(entries[i]) ? t[0] : entries[i];
+      const to = Number.isNaN(exits[i]) ? t.at(-1) : exits[i];
+      pen.band(from * factor, to * factor, tint(colour("contact"), 0.09));
+    }
+  }
+
+  #markTime(pen) {
+    if (!this.forceUnit) return;
+    const { t, event_time: times, event_kind: kinds } = this.motion.arrays;
+    const ring = this.motion.facts.rotor.delta0 * this.length.factor;
+    pen.line([t[0] * this.timeUnit.factor, t.at(-1) * this.timeUnit.factor], [ring, ring], { stroke: colour("muted"), dash: [5, 4] });
+    const [low, high] = this.radius.range.x;
+    const seen = [];
+    times.forEach((time, i) => {
+      const at = time * this.timeUnit.factor;
+      if (at >= low && at <= high) seen.push([at, kinds[i]]);
+    });
+    if (seen.length <= MANY_EVENTS) {
+      for (const [at, kind] of seen) pen.mark(at, ring, 7, markOf(kind));
+    }
+    this.#line(pen, t, 1e9);
+  }
+
+  #drawForce(pen) {
+    if (!this.forceUnit) return;
+    const { t } = this.motion.arrays;
+    for (const [time, force] of this.#peaks(this.view.from, this.window ? this.view.to : t.length - 1)) {
+      pen.mark(time, force, 5, { fill: colour("card"), stroke: colour("contact"), width: 1.2 });
+    }
+    this.#line(pen, t, 1e9);
+  }
+
+  #line(pen, t, top) {
+    const now = t[this.view.now] * this.timeUnit.factor;
+    pen.line([now, now], [-top, top], { stroke: colour("accent"), width: 1.2 });
+  }
+
+  #drawOrbit(pen, axes) {
+    if (!this.length) return;
+    const { arrays, facts } = this.motion;
+    const { factor } = this.length;
+    const [xs, ys] = [scaled(arrays[`${axes}x`], factor), scaled(arrays[`${axes}y`], factor)];
+    pen.circle(0, 0, facts.rotor.delta0 * factor, { stroke: colour("muted"), dash: [5, 4], width: 1.2 });
+    const { now, from } = this.view;
+    const inside = (i) => arrays.radius[i] <= facts.rotor.delta0;
+    const before = Math.max(0, from - EARLIER * facts.samples_per_revolution);
+    pen.line(xs, ys, { from: before, to: from + 1, stroke: colour("muted"), width: 0.6, alpha: 0.35 });
+    pen.line(xs, ys, { from, to: now + 1, stroke: colour("flight"), width: 1.5, gap: (i) => !inside(i) && !inside(Math.max(i - 1, 0)) });
+    pen.line(xs, ys, { from, to: now + 1, stroke: colour("contact"), width: 1.5, gap: (i) => inside(i) && inside(Math.max(i - 1, 0)) });
+    this.#drawEvents(pen, axes);
+    const [x, y] = [xs[now], ys[now]];
+    if (!axes) {
+      const angle = facts.rotor.omega * arrays.t[now];
+      pen.arrow(x, y, factor * Math.cos(angle), factor * Math.sin(angle), { stroke: colour("ink") });
+    } else pen.arrow(x, y, factor, 0, { stroke: colour("ink") });
+    pen.mark(x, y, 9, { fill: colour("accent"), stroke: colour("card") });
+  }
+
+  #drawEvents(pen, axes) {
+    const { arrays } = this.motion;
+    const { t, event_time: times, event_kind: kinds } = arrays;
+    const [low, high] = [t[this.view.from], t[this.view.now]];
+    const [xs, ys] = [arrays[`event_${axes}x`], arrays[`event_${axes}y`]];
+    const seen = [];
+    times.forEach((time, i) => time >= low && time <= high && seen.push(i));
+    if (seen.length > MANY_EVENTS) return;
+    for (const i of seen) pen.mark(xs[i] * this.length.factor, ys[i] * this.length.factor, 6, markOf(kinds[i]));
+  }
+
+  #drawSectionPlot() {
+    const { xs, ys } = this.#sectionPoints();
+    let reach = this.motion.facts.rotor.delta0 * 0;
+    for (let i = 0; i < xs.length; i++) reach = Math.max(reach, Math.abs(xs[i]), Math.abs(ys[i]));
+    const { factor, unit } = this.length;
+    const all = roundUp(1.15 * reach) * factor;
+    this.section.show({ x: [-all, all], y: [-all, all], labels: [labelled("along the unbalance", unit), labelled("across it", unit)] });
+    const key = this.panels.section.querySelector("[data-key]");
+    key.textContent = this.sectionOf ? `settled: ${xs.length} points, once a revolution` : "the last half of the run, once a revolution";
+  }
+
+  #sectionPoints() {
+    if (this.sectionOf) return { xs: this.sectionOf.arrays.section_x, ys: this.sectionOf.arrays.section_y };
+    const { section_x: xs, section_y: ys } = this.motion.arrays;
+    const half = Math.floor(xs.length / 2);
+    return { xs: xs.slice(half), ys: ys.slice(half) };
+  }
+
+  #drawSection(pen) {
+    if (!this.length) return;
+    const { xs, ys } = this.#sectionPoints();
+    const { factor } = this.length;
+    pen.circle(0, 0, this.motion.facts.rotor.delta0 * factor, { stroke: colour("muted"), dash: [5, 4] });
+    const many = xs.length > 1000;
+    pen.dots(scaled(xs, factor), scaled(ys, factor), many ? 2 : 5, { fill: colour("ink"), alpha: many ? 0.6 : 0.8 });
+  }
+
+  #drawSpectrum() {
+    const { line_frequency: frequency, line_amplitude: height } = this.motion.arrays;
+    const { factor, unit } = this.length;
+    const top = factor * maximum(height) || 1;
+    const low = top * 1e-5;
+    const heights = height.map((each) => Math.max(factor * each, low));
+    this.spectrum.show({ data: [frequency, heights], x: [-5, 5], y: [10 ** Math.floor(Math.log10(low)), 10 ** Math.ceil(Math.log10(top))], labels: ["frequency / speed", labelled("amplitude", unit)] });
+  }
+
+  /** Draw the plane of starts, with the basin if there is one. */
+  drawStarts(start = this.start, reach = this.reach) {
+    Object.assign(this, { start, reach });
+    if (!start || !this.motion) return;
+    const { factor, unit } = this.#scale("length", reach);
+    this.starts.show({ x: [-reach * factor, reach * factor], y: [-reach * factor, reach * factor], labels: [labelled("x of the start", unit), labelled("y of the start", unit)] });
+    this.#keyOfBasin();
+  }
+
+  #drawStarts(pen) {
+    if (!this.start || !this.motion) return;
+    const { factor } = this.#scale("length", this.reach);
+    if (this.basin) {
+      const edge = this.basin.facts.reach * factor;
+      pen.image(this.picture, -edge, edge, edge, -edge);
+    }
+    pen.circle(0, 0, this.motion.facts.rotor.delta0 * factor, { stroke: colour("ink"), dash: [5, 4], alpha: 0.7 });
+    const [x, y, vx, vy] = this.start.map((each) => each * factor);
+    pen.arrow(x, y, vx, vy, { stroke: colour("card"), width: 4 });
+    pen.arrow(x, y, vx, vy, { stroke: colour("ink"), width: 2 });
+    pen.mark(x, y, 12, { fill: colour("card"), stroke: colour("ink"), width: 2 });
+  }
+
+  #keyOfBasin() {
+    const key = this.panels.starts.querySelector("[data-key]");
+    key.replaceChildren();
+    if (!this.basin) {
+      key.textContent = this.wantsBasin ? this.reason || "computing the basin …" : "";
+      this.starts.say("The plane of starts.");
+      return;
+    }
+    const { attractors, undecided, finest, count } = this.basin.facts;
+    const { factor, unit } = this.#scale("length", this.reach);
+    const parts = attractors.map(({ kind, fraction, radius_max: radius }, place) => {
+      const alone = attractors.filter((each) => each.kind === kind).length === 1;
+      const which = alone || radius === null ? "" : ` to radius ${told(radius * factor, 3)}${unit && ` ${unit}`}`;
+      return [KINDS[kind] + which, fraction, this.colours[place]];
+    });
+    if (undecided > 0) parts.push([KINDS.undecided, undecided, colour("undecided")]);
+    for (const [name, fraction, fill] of parts.filter(([, part]) => part > 0)) {
+      const item = document.createElement("span");
+      const swatch = Object.assign(document.createElement("i"), { className: "swatch" });
+      swatch.style.background = fill;
+      item.append(swatch, `${name} ${told(100 * fraction, 3)} %`);
+      key.append(item);
+    }
+    if (!finest) key.append(Object.assign(document.createElement("span"), { textContent: `${count}² starts, finer soon` }));
+    this.starts.say(`Basins of the starts at this velocity: ${parts.map(([name, part]) => `${name} ${told(100 * part, 3)} %`).join(", ")}.`);
+  }
+
+  #say() {
+    const { ending, rotor } = this.motion.facts;
+    const { factor, unit } = this.length;
+    const number = (value) => `${told(value * factor)}${unit ? ` ${unit}` : ""}`;
+    const radii = `radius from ${number(ending.radius_min)} to ${number(ending.radius_max)}`;
+    this.orbit.say(`Orbit on fixed axes: ${radii}, ring at ${number(rotor.delta0)}.`);
+    this.turning.say(`Orbit on axes that turn with the unbalance: ${radii}.`);
+    this.radius.say(`Radius over time: over the last half from ${number(ending.radius_min)} to ${number(ending.radius_max)}.`);
+    this.force.say(`Contact force over time: up to ${told(ending.largest_force * this.forceUnit.factor)} ${this.forceUnit.unit} over the last half.`);
+    this.section.say("Section: the rotor once a revolution, on axes that turn with the unbalance.");
+    this.spectrum.say("Spectrum of the last half: amplitude over frequency, backward and forward.");
+  }
+}
+
+const markOf = (kind) => (kind > 0 ? { fill: colour("ink"), stroke: colour("card"), width: 0.8 } : { fill: colour("card"), stroke: colour("ink"), width: 1.2 });
+
+/** Return a part of some values, times a factor; a view where the factor is 1. */
+function scaled(values, factor, from = 0, to = values.length) {
+  const part = values.subarray(from, to);
+  return factor === 1 ? part : part.map((each) => each * factor);
+}
+
+function maximum(values, from = 0, to = values.length) {
+  let most = 0;
+  for (let i = from; i < to; i++) if (values[i] > most) most = values[i];
+  return most;
+}
+
+/** Return the red, green and blue of a colour. */
+function channels(text) {
+  brush.fillStyle = text;
+  brush.fillRect(0, 0, 1, 1);
+  return [...brush.getImageData(0, 0, 1, 1).data.slice(0, 3)];
+}
+const brush = new OffscreenCanvas(1, 1).getContext("2d", { willReadFrequently: true });
+
+const tint = (text, alpha) => `rgba(${channels(text).join(",")},${alpha})`;
+
+/** Return a colour for another attractor of the same kind: each one lighter. */
+const shade = (text, step) => `rgb(${channels(text).map((each) => Math.round(each + (255 - each) * Math.min(0.28 * step, 0.8))).join(",")})`;

@@ -1,0 +1,83 @@
+// What the page shows, as its address has it after the #.
+
+export const DIMENSIONLESS = ["omega", "zeta", "delta0"];
+export const MACHINE = ["mass", "contact_stiffness", "damping", "eccentricity", "clearance", "speed"];
+export const START = ["x", "y", "vx", "vy"];
+const WORDS = { from: ["start", "here"], theme: ["", "light", "dark"] };
+// Where the run beside it begins, where that is somewhere else.
+export const SECOND_START = START.map((name) => `${name}2`);
+const NUMBERS = [...SECOND_START, ...DIMENSIONLESS, ...MACHINE, ...START, "revolutions", "second", "step", "rate"];
+
+export const state = {
+  omega: 2, zeta: 0.07, delta0: 2,
+  x: 0, y: 0, vx: 0, vy: 0,
+  second: null, // clearance of the rotor beside it, in the units of the first one
+  revolutions: 60, from: "start", step: 0.01, rate: 10, theme: "",
+};
+
+/** Whether the rotor is given as a machine in SI units. */
+export const inSI = () => state.mass !== undefined;
+
+/** Take over what an address says; return the key in it, if any. What it does not say is default. */
+export function readAddress(hash) {
+  const given = new URLSearchParams(hash.replace(/^#/, ""));
+  const names = MACHINE.every((name) => given.has(name)) ? MACHINE : DIMENSIONLESS;
+  for (const name of NUMBERS) {
+    if ([...DIMENSIONLESS, ...MACHINE].includes(name) && !names.includes(name)) continue;
+    const text = given.get(name);
+    if (text !== null && text !== "" && Number.isFinite(Number(text))) state[name] = Number(text);
+  }
+  for (const [name, words] of Object.entries(WORDS)) {
+    if (words.includes(given.get(name))) state[name] = given.get(name);
+  }
+  return given.get("key");
+}
+
+/** Return what an address says of the state, and of the states with which the runs begin. */
+export function address([first, second]) {
+  const told = new URLSearchParams();
+  for (const name of inSI() ? MACHINE : DIMENSIONLESS) told.set(name, state[name]);
+  START.forEach((name, place) => told.set(name, first[place]));
+  if (state.second !== null && state.from === "here") {
+    SECOND_START.forEach((name, place) => told.set(name, second[place]));
+  }
+  for (const name of ["revolutions", "from"]) told.set(name, state[name]);
+  for (const name of ["second", "theme"]) if (state[name] !== null && state[name] !== "") told.set(name, state[name]);
+  if (state.step !== 0.01) told.set("step", state.step);
+  if (state.rate !== 10) told.set("rate", state.rate);
+  return `#${told}`;
+}
+
+/** Return the machine of one side, as a question has it. */
+export function machine(side) {
+  const names = inSI() ? MACHINE : DIMENSIONLESS;
+  const given = Object.fromEntries(names.map((name) => [name, state[name]]));
+  if (side === 1) given[inSI() ? "clearance" : "delta0"] = state.second;
+  return given;
+}
+
+/** Return the reference frequency in rad/s, the rate of a dimensionless 1. */
+export const referenceFrequency = () =>
+  Math.sqrt((state.contact_stiffness * Math.sqrt(state.eccentricity)) / state.mass);
+
+/** Describe the same rotor as a machine in SI units, of a size of its own if it had none. */
+export function toSI() {
+  const { omega, zeta, delta0, second } = state;
+  Object.assign(state, { mass: 4, contact_stiffness: 1e9, eccentricity: 1e-6 });
+  const rate = referenceFrequency();
+  state.damping = 2 * zeta * state.mass * rate;
+  state.clearance = delta0 * state.eccentricity;
+  state.speed = omega * rate;
+  if (second !== null) state.second = second * state.eccentricity;
+  for (const name of DIMENSIONLESS) delete state[name];
+}
+
+/** Describe the machine without dimensions. */
+export function toDimensionless() {
+  const rate = referenceFrequency();
+  state.omega = state.speed / rate;
+  state.zeta = state.damping / (2 * state.mass * rate);
+  state.delta0 = state.clearance / state.eccentricity;
+  if (state.second !== null) state.second /= state.eccentricity;
+  for (const name of MACHINE) delete state[name];
+}

@@ -1,0 +1,151 @@
+"""What a page may ask: one rotor, one start, and the panels to fill."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, cast, get_args
+
+from rotor_ida.checks import (
+    State,
+    check_between,
+    check_choice,
+    check_count,
+    check_nonnegative,
+    check_real,
+    check_state,
+    shown,
+)
+from rotor_ida.errors import InputError
+from rotor_ida.parameters import DimensionalRotor, Rotor
+from rotor_ida.simulation.options import LARGEST, check_can_be_followed
+
+About = Literal["motion", "responses", "starts", "nc", "png", "svg", "py"]
+
+# Files to keep of a run: the archive, two figures, and the lines that make it again.
+FILES: tuple[About, ...] = ("nc", "png", "svg", "py")
+
+# Characters of a question; what a page asks has some three hundred.
+LONGEST_QUESTION = 4096
+# Whole revolutions of a run that is drawn.
+MOST_REVOLUTIONS = 2000
+# Two machines stand side by side at most.
+SIDES = 2
+LARGEST_NUMBER_OF_QUESTION = 2**53
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Question:
+    """What a page asks, checked.
+
+    Parameters
+    ----------
+    about : {"motion", "responses", "starts", "nc", "png", "svg", "py"}
+        The panels to fill: one run; the response curve and what is settled on; the basin. Or the
+        file to make of the run.
+    number : int
+        Number of the question, which its answers bear.
+    side : int
+        Which of two rotors that stand side by side.
+    machine : Rotor or DimensionalRotor
+        The rotor, as the page has it.
+    start : tuple of float
+        ``(x, y, vx, vy)`` at time 0 [1].
+    revolutions : int
+        Length of the run; without spin, in times of 2 pi.
+    speeds : tuple of float
+        Lowest and highest speed of the response curve [1].
+    reach : float
+        Starts of the basin lie within so much of the axis in x and in y [1].
+    """
+
+    about: About
+    number: int
+    side: int
+    machine: Rotor | DimensionalRotor
+    start: State
+    revolutions: int
+    speeds: tuple[float, float]
+    reach: float
+
+    @property
+    def rotor(self) -> Rotor:
+        """The rotor without dimensions."""
+        return self.machine if isinstance(self.machine, Rotor) else self.machine.rotor()
+
+    @property
+    def ticket(self) -> dict[str, object]:
+        """What its answers bear, so that the page knows which question they are to."""
+        return {"about": self.about, "number": self.number, "side": self.side}
+
+
+def read_question(text: str) -> Question:
+    """Return a question, or raise `InputError` with what is wrong with it.
+
+    Examples
+    --------
+    >>> asked = read_question('{"about": "motion", "number": 1, "side": 0, "start": [0, 0, 0, 0], '
+    ...     '"machine": {"omega": 1.7, "zeta": 0.07, "delta0": 0.5}, "revolutions": 60, '
+    ...     '"speeds": [0.05, 3], "reach": 8}')
+    >>> asked.rotor
+    Rotor(omega=1.7, zeta=0.07, delta0=0.5)
+    >>> read_question('{"about": "weather"}')
+    Traceback (most recent call last):
+    ...
+    rotor_ida.errors.InputError: a question must have about, machine, number, reach, revolutions,
+    side, speeds, start, got not ['machine', 'number', 'reach', ...]
+    """
+    if len(text) > LONGEST_QUESTION:
+        raise InputError(
+            f"a question must have at most {LONGEST_QUESTION} characters, got {len(text)}"
+        )
+    try:
+        given = json.loads(text)
+    except (ValueError, RecursionError):
+        raise InputError(f"a question must be JSON, got {shown(text)}") from None
+    names = sorted(Question.__dataclass_fields__)
+    if not isinstance(given, dict):
+        raise InputError(f"a question must have {', '.join(names)}, got {shown(given)}")
+    missing = [name for name in names if name not in given]
+    other = [name for name in given if name not in names]
+    if missing or other:
+        told = f"not {shown(missing)}" if missing else f"also {shown(other)}"
+        raise InputError(f"a question must have {', '.join(names)}, got {told}")
+    return _checked(given)
+
+
+def machine_of(given: object) -> Rotor | DimensionalRotor:
+    """Return the machine that a mapping of names to numbers is."""
+    if isinstance(given, Mapping):
+        for kind in (Rotor, DimensionalRotor):
+            if sorted(given) == sorted(kind.__dataclass_fields__):
+                return kind(**given)
+    raise InputError(
+        "machine must have omega, zeta and delta0, or mass, contact_stiffness, damping, "
+        f"eccentricity, clearance and speed, got {shown(given)}"
+    )
+
+
+def _checked(given: Mapping[str, Any]) -> Question:
+    machine = machine_of(given["machine"])
+    start = check_state("start", given["start"])
+    rotor = machine if isinstance(machine, Rotor) else machine.rotor()
+    check_can_be_followed(rotor, start)
+    speeds = given["speeds"]
+    if not isinstance(speeds, list) or len(speeds) != 2:
+        raise InputError(f"speeds must be two numbers, got {shown(speeds)}")
+    low, high = (check_nonnegative("speeds", each, LARGEST) for each in speeds)
+    if low >= high:
+        raise InputError(f"speeds must be two increasing numbers, got {(low, high)}")
+    reach = check_real("reach", given["reach"])
+    return Question(
+        about=cast(About, check_choice("about", given["about"], get_args(About))),
+        number=check_count("number", given["number"], 0, LARGEST_NUMBER_OF_QUESTION),
+        side=check_count("side", given["side"], 0, SIDES - 1),
+        machine=machine,
+        start=start,
+        revolutions=check_count("revolutions", given["revolutions"], 1, MOST_REVOLUTIONS),
+        speeds=(low, high),
+        reach=check_between("reach", reach, 1.0 / LARGEST, LARGEST),
+    )

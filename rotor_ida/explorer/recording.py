@@ -1,0 +1,202 @@
+"""A page that needs no server: answers over a set of speeds, computed beforehand, and the page."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, replace
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.checks import State, check_axis, shown
+from rotor_ida.errors import InputError
+from rotor_ida.explorer.answers import Answer, packed
+from rotor_ida.explorer.motion import show_motion
+from rotor_ida.explorer.page import page_files
+from rotor_ida.explorer.questions import Question
+from rotor_ida.explorer.responses import show_responses
+from rotor_ida.parallel import Progress
+from rotor_ida.parameters import DimensionalRotor, Rotor
+
+Arrays = dict[str, npt.NDArray[np.float64]]
+
+# How the speeds are gone through: each from the start, or each from the end of the one before.
+COURSES = ("start", "up", "down")
+MOST_SPEEDS = 500
+# The speeds that are recorded by default, and those over which the response is drawn [1].
+SPEEDS: npt.NDArray[np.float64] = np.linspace(0.3, 3.3, 61)
+SHOWN = (0.05, 4.0)
+# Of each run so many revolutions are kept, the last ones.
+KEPT = 10
+TIMES = ("t", "event_time", "exit_time")
+SCRIPT = '<script type="module" src="main.js"></script>'
+LINKS = re.compile(r'<link rel="(?:icon|stylesheet)"[^>]*>\n')
+# A page on disk cannot ask for its scripts one by one: they are modules in the page.
+IMPORTS = re.compile(r'from "\./([\w./]+)"')
+MODULES = "rotor-ida/"
+POLICY = (
+    '<meta http-equiv="Content-Security-Policy" content="default-src \'none\'; '
+    "script-src 'unsafe-inline' data:; style-src 'unsafe-inline'; img-src data: blob:; "
+    "base-uri 'none'; form-action 'none'\">"
+)
+
+
+def record(
+    machine: Rotor | DimensionalRotor,
+    *,
+    start: State,
+    revolutions: int,
+    speeds: Sequence[float],
+    progress: Progress | None = None,
+) -> str:
+    """Return a page that shows a rotor at a set of speeds.
+
+    Parameters
+    ----------
+    machine : Rotor or DimensionalRotor
+        The rotor; its speed is the one that is shown first.
+    start : tuple of float
+        ``(x, y, vx, vy)`` at time 0 [1].
+    revolutions : int
+        Length of each run.
+    speeds : sequence of float
+        Speeds as the machine has them, as `check_speeds` returns them.
+    progress : callable, optional
+        Called with the number of runs done and their total.
+    """
+    beginning = Question(
+        about="motion", number=0, side=0, machine=machine, start=start,
+        revolutions=revolutions, speeds=SHOWN, reach=1.0,
+    )  # fmt: skip
+    common: dict[str, bytes] = {}
+    courses: dict[str, list[list[str]]] = {}
+    for course in COURSES:
+        frames: list[list[str]] = [[] for _ in speeds]
+        here = start
+        for place in range(len(speeds))[:: -1 if course == "down" else 1]:
+            question = replace(beginning, machine=_at(machine, speeds[place]), start=here)
+            answers = [*_motion(question), *show_responses(question)]
+            own = [each for each in answers if each.part in {"motion", "settled", "section"}]
+            frames[place] = [_text(_single(each)) for each in own]
+            common |= {_name(each): packed(each) for each in answers if each not in own}
+            if course != "start":
+                here = _end(own)
+            if progress is not None:
+                done = sum(map(bool, frames)) + len(courses) * len(speeds)
+                progress(done, len(COURSES) * len(speeds))
+        courses[course] = frames
+    told = {
+        "speeds": list(speeds), "speed": _speed(machine), "courses": courses,
+        "common": [base64.b64encode(each).decode() for each in common.values()],
+        "unit": "rad/s" if isinstance(machine, DimensionalRotor) else "",
+        "state": {**asdict(machine), **dict(zip(("x", "y", "vx", "vy"), start, strict=True))},
+    }  # fmt: skip
+    return _page(json.dumps(told))
+
+
+def check_speeds(machine: Rotor | DimensionalRotor, speeds: Sequence[float] | None) -> list[float]:
+    """Return the speeds to record, as the machine has them: of those given, or of all that matter.
+
+    Examples
+    --------
+    >>> check_speeds(Rotor(omega=2.0, zeta=0.07, delta0=2.0), [1.9, 2.0])
+    [1.9, 2.0]
+    """
+    rate = machine.reference_frequency if isinstance(machine, DimensionalRotor) else 1.0
+    given: list[float] = (SPEEDS * rate).tolist()
+    if speeds is not None:
+        given = check_axis("speeds", speeds).tolist()
+    if len(given) > MOST_SPEEDS:
+        raise InputError(f"speeds must be at most {MOST_SPEEDS}, got {len(given)}")
+    if any(before >= after for before, after in pairwise(given)):
+        raise InputError(f"speeds must increase, got {shown(given)}")
+    low, high = (limit * rate for limit in SHOWN)
+    if given[0] < low or given[-1] > high:
+        raise InputError(f"speeds must lie from {low:g} to {high:g}, got {shown(given)}")
+    return given
+
+
+def _motion(question: Question) -> Iterator[Answer]:
+    """Yield the run with its last revolutions only."""
+    for answer in show_motion(question):
+        each = int(str(answer.facts["samples_per_revolution"]))
+        kept = min(KEPT, question.revolutions) * each + 1
+        samples = answer.arrays["t"].size
+        times: Arrays = {name: answer.arrays[name].astype(np.float64) for name in TIMES}
+        first = times["t"][-kept]
+        arrays = {}
+        for name, values in answer.arrays.items():
+            part = values
+            if values.size == samples:
+                part = values[-kept:]
+            elif name.startswith("event_"):
+                part = values[times["event_time"] >= first]
+            elif name in {"entry_time", "exit_time", "peak_time", "peak_force"}:
+                part = values[~(times["exit_time"] < first)]
+            arrays[name] = part
+        yield replace(answer, arrays=arrays)
+
+
+def _single(answer: Answer) -> Answer:
+    """Return an answer in single precision, which is enough to be drawn."""
+    arrays = {
+        name: values if values.dtype == np.int8 else values.astype(np.float32)
+        for name, values in answer.arrays.items()
+    }
+    return replace(answer, arrays=arrays)
+
+
+def _at(machine: Rotor | DimensionalRotor, speed: float) -> Rotor | DimensionalRotor:
+    if isinstance(machine, DimensionalRotor):
+        return replace(machine, speed=speed)
+    return replace(machine, omega=speed)
+
+
+def _speed(machine: Rotor | DimensionalRotor) -> float:
+    return machine.speed if isinstance(machine, DimensionalRotor) else machine.omega
+
+
+def _end(answers: Sequence[Answer]) -> State:
+    """Return where the next run begins: where the rotor settled, or where this run ended."""
+    ends = {each.part: each.facts["end"] for each in answers if "end" in each.facts}
+    x, y, vx, vy = np.asarray(ends.get("settled", ends["motion"])).tolist()
+    return x, y, vx, vy
+
+
+def _name(answer: Answer) -> str:
+    """Return what tells the curve and the branches apart."""
+    first = answer.arrays["omega"][:1].tolist() if answer.part == "branch" else []
+    return f"{answer.part} {first}"
+
+
+def _text(answer: Answer) -> str:
+    return base64.b64encode(packed(answer)).decode()
+
+
+def _page(recorded: str) -> str:
+    """Return the page with all of its files in it, and what was recorded."""
+    files = {name: contents.decode() for name, contents in page_files().items()}
+    styles = "".join(files[name] for name in ("uplot/uPlot.min.css", "style.css"))
+    modules = {
+        MODULES + name: _data("text/javascript", IMPORTS.sub(rf'from "{MODULES}\1"', script))
+        for name, script in files.items()
+        if name.endswith(".js")
+    }
+    head = "\n".join([
+        POLICY,
+        f'<link rel="icon" href="{_data("image/svg+xml", files["icon.svg"])}">',
+        f"<style>{styles}</style>",
+        f'<script type="importmap">{json.dumps({"imports": modules})}</script>',
+        f'<script type="application/json" id="recorded">{recorded}</script>',
+        f'<script type="module">import "{MODULES}main.js";</script>',
+    ])  # fmt: skip
+    page = LINKS.sub("", files["index.html"])
+    return page.replace(SCRIPT, head)
+
+
+def _data(kind: str, text: str) -> str:
+    return f"data:{kind};base64,{base64.b64encode(text.encode()).decode()}"

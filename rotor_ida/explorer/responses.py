@@ -1,0 +1,199 @@
+"""The response curve, what the rotor settles on, and the branch of limit cycles through that."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from functools import lru_cache
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.analysis.comparison import compare
+from rotor_ida.analysis.sections import poincare_section
+from rotor_ida.closed_forms.folds import fold_table
+from rotor_ida.closed_forms.response_curve import response_curve
+from rotor_ida.cycles.branches import branches_through, holds_cycle
+from rotor_ida.errors import RotorError
+from rotor_ida.explorer.answers import Answer
+from rotor_ida.explorer.motion import METHOD, ending, facts_of, values_of
+from rotor_ida.explorer.questions import Question
+from rotor_ida.explorer.words import words_of_response
+from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.schema import EXACT, RESPONSE, SPECIAL, STABILITY
+from rotor_ida.simulation.simulate import simulate
+from rotor_ida.sweeps.sweep import sweep
+
+Arrays = dict[str, npt.NDArray[np.generic]]
+
+POINTS_OF_CURVE = 40
+# A branch of limit cycles is followed over so much of the speeds that are shown, and so far.
+MOST_POINTS_OF_BRANCH = 2000
+# What is settled on is watched for so long: whole periods, or so many revolutions.
+REVOLUTIONS, SAMPLES = 32, 64
+CROSSINGS, CROSSINGS_OF_CHAOS = 256, 4096
+# Rotors whose branches are kept.
+MOST_KEPT = 64
+
+# A sweep of one point has one of each.
+ONE = (*PARAMETERS, "start", "direction")
+KIND_OF = {number: word for word, number in RESPONSE.items()}
+STABILITY_OF = {number: word for word, number in STABILITY.items()}
+
+_branches: dict[tuple[float, ...], list[xr.Dataset]] = {}
+
+
+def show_responses(question: Question) -> Iterator[Answer]:
+    """Yield the response curve, what is settled on, its section, and its branch."""
+    rotor = question.rotor
+    yield _curve(question)
+    yield from _known_branches(question)
+    if rotor.omega == 0.0 or rotor.zeta == 0.0:
+        return  # nothing settles
+    swept = sweep(
+        **{name: getattr(rotor, name) for name in PARAMETERS},
+        starts=[question.start], method=METHOD, executor="serial",
+    )  # fmt: skip
+    compared = compare(swept).squeeze(ONE)
+    settled = {**_seen(swept.squeeze(ONE)), **_exact(compared)}
+    yield _settled(question, settled, swept)
+    if settled["response"] == "failed":
+        return
+    yield _section(question, settled, swept)
+    if settled["lies_on"] == "cycle":
+        yield from _branch(question, settled, compared)
+
+
+def _curve(question: Question) -> Answer:
+    """Return the synchronous whirls over the speed, with the folds."""
+    rotor = question.rotor
+    arrays = _arrays_of_curve(rotor.zeta, rotor.delta0, question.speeds)
+    return Answer("curve", {**facts_of(question), "stability": STABILITY}, arrays)
+
+
+@lru_cache(maxsize=MOST_KEPT)
+def _arrays_of_curve(zeta: float, delta0: float, speeds: tuple[float, float]) -> Arrays:
+    curve = response_curve(zeta=zeta, delta0=delta0, limits=speeds, points=POINTS_OF_CURVE)
+    found = {name: each.values.ravel() for name, each in curve.items()}
+    arrays: Arrays = {name: found[name] for name in ("omega", "amplitude")}
+    arrays |= {name: found[name].astype(np.int8) for name in ("piece", "stability", "in_contact")}
+    table = fold_table(np.array([zeta]), np.array([delta0]))[0, 0]
+    turns = table[np.isfinite(table[:, 0])]
+    return arrays | {"fold_omega": turns[:, 0], "fold_amplitude": turns[:, 1]}
+
+
+def _seen(swept: xr.Dataset) -> dict[str, object]:
+    """Return what a sweep of one point says of it."""
+    names = ("amplitude", "phase_lag", "radius_min", "radius_max", "period", "lyapunov_exponent")
+    found: dict[str, object] = {name: float(swept[name]) for name in names if name in swept}
+    found["response"] = KIND_OF[int(swept["response"])]
+    found["message"] = str(swept["message"].item())
+    found["settled_after"] = float(swept["window_start"])
+    return found
+
+
+def _exact(compared: xr.Dataset) -> dict[str, object]:
+    """Return the exact response that was settled on, beside the simulated one."""
+    lies_on = int(compared["lies_on"])
+    found: dict[str, object] = {
+        "lies_on": next(word for word, number in EXACT.items() if number == lies_on),
+        "digits": float(compared["digits"]),
+    }
+    if lies_on == EXACT["whirl"]:
+        branch = compared.isel(branch=int(compared["matched_branch"]))
+        names = {"exact_amplitude": "exact_amplitude", "exact_phase_lag": "exact_phase_lag"}
+        found |= {name: float(branch[each]) for name, each in names.items()}
+        found["stability"] = STABILITY_OF[int(branch["stability"])]
+    elif lies_on == EXACT["cycle"]:
+        for name in ("exact_period", "exact_radius_min", "exact_radius_max"):
+            found[name] = float(compared[name])
+        found["stability"] = STABILITY_OF[int(compared["cycle_stability"])]
+    return found
+
+
+def _settled(question: Question, settled: dict[str, object], swept: xr.Dataset) -> Answer:
+    """Return what is settled on, and what it does to the ring, watched from its end on."""
+    rotor = question.rotor
+    facts = {**facts_of(question), **settled}
+    if settled["response"] != "failed":
+        run = simulate(
+            rotor, start=_end(swept), duration=2.0 * _watched(rotor, settled),
+            samples=2 * REVOLUTIONS * SAMPLES + 1, method=METHOD,
+        )  # fmt: skip
+        facts |= ending(values_of(run), rotor)
+        facts |= {name: settled[name] for name in ("radius_min", "radius_max")}
+        facts["end"] = _end(swept)
+    facts["words"] = words_of_response(question.machine, facts)
+    return Answer("settled", facts)
+
+
+def _watched(rotor: Rotor, settled: dict[str, object]) -> float:
+    """Return for how long to watch: whole periods, and revolutions enough."""
+    length, period = REVOLUTIONS * 2.0 * math.pi / rotor.omega, settled["period"]
+    if isinstance(period, float) and period > 0.0:
+        return math.ceil(length / period) * period
+    return length
+
+
+def _section(question: Question, settled: dict[str, object], swept: xr.Dataset) -> Answer:
+    """Return the section by revolutions of what is settled on."""
+    chaotic = settled["response"] in {"chaotic", "unresolved"}
+    found = poincare_section(
+        question.rotor,
+        start=_end(swept),
+        revolutions=CROSSINGS_OF_CHAOS if chaotic else CROSSINGS,
+        method=METHOD,
+    )
+    arrays: Arrays = {
+        "section_x": found["rotating_x"].values, "section_y": found["rotating_y"].values
+    }  # fmt: skip
+    return Answer("section", facts_of(question), arrays)
+
+
+def _end(swept: xr.Dataset) -> list[float]:
+    """Return the state on the rotating axes at which a sweep of one point ended."""
+    return [float(swept[f"end_{name}"].item()) for name in ("x", "y", "vx", "vy")]
+
+
+def _key(question: Question) -> tuple[float, ...]:
+    return (question.rotor.zeta, question.rotor.delta0, *question.speeds)
+
+
+def _known_branches(question: Question) -> Iterator[Answer]:
+    for branch in _branches.get(_key(question), []):
+        yield _branch_answer(question, branch)
+
+
+def _branch(
+    question: Question, settled: dict[str, object], compared: xr.Dataset
+) -> Iterator[Answer]:
+    """Yield the branch of limit cycles through what is settled on, if it is not known yet."""
+    known = _branches.get(_key(question), [])
+    period, radius = (float(str(settled[name])) for name in ("exact_period", "exact_radius_max"))
+    if any(holds_cycle(branch, question.rotor, period, radius) for branch in known):
+        return
+    low, high = min(question.speeds[0], question.rotor.omega), question.speeds[1]
+    limits = (max(low, 1e-3), max(high, question.rotor.omega))
+    wanted = compared.expand_dims(("omega", "zeta", "delta0"))
+    try:
+        found = branches_through(wanted, limits=limits, points=MOST_POINTS_OF_BRANCH)
+    except RotorError as error:
+        yield Answer("note", {"message": f"The branch of limit cycles is not drawn: {error}"})
+        return
+    if len(_branches) >= MOST_KEPT:
+        _branches.clear()
+    _branches[_key(question)] = [*known, *found]
+    for branch in found:
+        yield _branch_answer(question, branch)
+
+
+def _branch_answer(question: Question, branch: xr.Dataset) -> Answer:
+    """Return a branch of limit cycles over the speed."""
+    names = ("omega", "radius_min", "radius_max", "period", "largest_force")
+    arrays: Arrays = {name: branch[name].values for name in names}
+    arrays["stability"] = branch["stability"].values.astype(np.int8)
+    arrays["special_omega"] = branch["special_value"].values
+    arrays["special_kind"] = branch["special_kind"].values.astype(np.int8)
+    arrays["special_point"] = branch["special_point"].values.astype(np.float64)
+    return Answer("branch", {**facts_of(question), "special": SPECIAL}, arrays)

@@ -1,0 +1,91 @@
+"""What one keeps of a run that the page shows: the archive, its figure, and the lines of Python."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import fields
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+import xarray as xr
+
+from rotor_ida.explorer.answers import Answer
+from rotor_ida.explorer.motion import METHOD, duration_of, run_of, samples_of
+from rotor_ida.explorer.questions import Question
+from rotor_ida.parameters import DimensionalRotor
+from rotor_ida.plot import plot_machine, plot_run, save_figure
+from rotor_ida.si_units import dimensional
+from rotor_ida.storage.archive import save
+
+NAME = "run"
+LINES = '''\
+"""The run that the explorer showed: its archive and its figure."""
+
+from rotor_ida import {names}
+from rotor_ida.plot import {plot}, save_figure
+
+machine = {machine}
+run = simulate(
+    {rotor},
+    start={start},
+    duration={duration!r},
+    samples={samples},
+    method={method!r},
+)
+save(run, "{name}.nc", overwrite=True)
+save_figure({plot}({shown}), "{name}", overwrite=True)
+'''
+
+
+def show_file(question: Question) -> Iterator[Answer]:
+    """Yield a file, whole, with its name."""
+    name = f"{NAME}.{question.about}"
+    contents = np.frombuffer(_contents(question), dtype=np.int8)
+    yield Answer("file", {"name": name}, {"contents": contents})
+
+
+def lines_of(question: Question) -> str:
+    """Return the lines of Python that make archive and figure again.
+
+    Examples
+    --------
+    >>> from rotor_ida.explorer.workers import example
+    >>> print(lines_of(example("py", (1.7, 0.07, 0.5))).splitlines()[5])
+    machine = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
+    """
+    machine = question.machine
+    in_si = isinstance(machine, DimensionalRotor)
+    given = ", ".join(f"{each.name}={getattr(machine, each.name)!r}" for each in fields(machine))
+    return LINES.format(
+        names="DimensionalRotor, dimensional, save, simulate" if in_si else "Rotor, save, simulate",
+        plot="plot_machine" if in_si else "plot_run",
+        machine=f"{type(machine).__name__}({given})",
+        rotor="machine.rotor()" if in_si else "machine",
+        start=question.start,
+        duration=duration_of(question),
+        samples=samples_of(question),
+        method=METHOD,
+        name=NAME,
+        shown="dimensional(run, machine)" if in_si else "run",
+    )
+
+
+def _contents(question: Question) -> bytes:
+    if question.about == "py":
+        return lines_of(question).encode()
+    run = run_of(question)
+    with TemporaryDirectory() as folder:
+        place = Path(folder) / NAME
+        if question.about == "nc":
+            save(run, place.with_suffix(".nc"))
+        else:
+            save_figure(_figure(question, run), place)
+        return place.with_suffix(f".{question.about}").read_bytes()
+
+
+def _figure(question: Question, run: xr.Dataset):  # type: ignore[no-untyped-def]
+    machine = question.machine
+    if isinstance(machine, DimensionalRotor):
+        return plot_machine(dimensional(run, machine))
+    return plot_run(run)

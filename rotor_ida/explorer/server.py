@@ -1,0 +1,251 @@
+"""The server of the page: only this machine, only the page that knows its key, only small messages.
+
+What is refused, and why: a host that is not this machine's own name (a foreign page may let its
+name lead here), an origin that is not the page's own (a foreign page may ask on its own), a page
+without the key of this start, and whatever is larger or more than a page would send.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from itertools import count
+
+import uvicorn
+from h11 import LocalProtocolError
+from h11 import Request as Asked
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import PlainTextResponse, Response
+from starlette.routing import Route, WebSocketRoute
+from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.websockets import WebSocket, WebSocketDisconnect
+from uvicorn.protocols.http.h11_impl import H11Protocol
+from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
+from websockets.frames import Frame
+
+from rotor_ida.errors import InputError
+from rotor_ida.explorer.answers import Answer, packed
+from rotor_ida.explorer.lanes import Lanes
+from rotor_ida.explorer.page import TYPES, page_files
+from rotor_ida.explorer.questions import read_question
+
+HOSTS = ("127.0.0.1", "localhost", "[::1]")
+# A page speaks this, and what follows the dot is its key.
+PROTOCOL = "rotor-ida"
+MOST_PAGES = 16
+# Bytes of a message; larger ones are not even read.
+LARGEST_MESSAGE = 65_536
+MOST_FRAGMENTS = 1024
+# Bytes of answers that wait for a page to read them.
+MOST_UNREAD = 2**25
+# Connections over which files are fetched, and how long each may take, in seconds.
+MOST_VISITS = 64
+LONGEST_VISIT = 20.0
+# Seconds that a page has to end when it is sent away.
+GRACE = 1.0
+HEADERS = {
+    "Content-Security-Policy": (
+        "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
+        "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    ),
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Cache-Control": "no-store",
+}
+# Codes with which a page is sent away; the page says what they mean.
+TOO_MANY_PAGES, TOO_SLOW = 4429, 4408
+
+
+def application(lanes: Lanes, key: str) -> ASGIApp:
+    """Return the page and its answers, for those who know the key."""
+    contents, numbers, pages = page_files(), count(1), set[int]()
+
+    async def page(request: Request) -> Response:
+        name = request.path_params.get("name") or "index.html"
+        if name not in contents:
+            return PlainTextResponse("not found", 404, headers=HEADERS)
+        media_type = TYPES[name.rpartition(".")[2]]
+        return Response(contents[name], media_type=media_type, headers=HEADERS)
+
+    async def ask(socket: WebSocket) -> None:
+        offered = f"{PROTOCOL}.{key}"
+        words = [word.encode("utf-8", "replace") for word in socket.scope["subprotocols"]]
+        if not any(secrets.compare_digest(word, offered.encode()) for word in words):
+            await socket.close()  # refused before it is opened
+            return
+        number = next(numbers)
+        with suppress(WebSocketDisconnect):
+            await socket.accept(subprotocol=offered)
+            if len(pages) >= MOST_PAGES:
+                await socket.close(TOO_MANY_PAGES)
+                return
+            pages.add(number)
+            try:
+                await _converse(socket, lanes, number)
+            finally:
+                pages.discard(number)
+                lanes.forget(number)
+
+    routes = [
+        Route("/", page), Route("/{name:path}", page), WebSocketRoute("/ask", ask),
+    ]  # fmt: skip
+    return _only_from_here(Starlette(routes=routes))
+
+
+async def _converse(socket: WebSocket, lanes: Lanes, page: int) -> None:
+    """Take the questions of a page, and send it what comes of them, until it goes away."""
+    unread, held = asyncio.Queue[bytes](), 0
+
+    def deliver(answer: bytes) -> None:
+        nonlocal held
+        held += len(answer)
+        unread.put_nowait(answer)
+        if held > MOST_UNREAD:
+            sending.cancel()
+
+    async def send() -> None:
+        nonlocal held
+        while True:
+            answer = await unread.get()
+            await socket.send_bytes(answer)
+            held -= len(answer)
+
+    async def take() -> None:
+        while (message := await socket.receive())["type"] != "websocket.disconnect":
+            try:
+                lanes.ask(page, read_question(message.get("text") or ""), deliver)
+            except InputError as error:
+                deliver(packed(Answer("mistake", {"message": str(error)})))
+
+    sending, taking = asyncio.create_task(send()), asyncio.create_task(take())
+    try:
+        await asyncio.wait({sending, taking}, return_when=asyncio.FIRST_COMPLETED)
+        slow = sending.cancelled()
+    finally:
+        sending.cancel()
+        taking.cancel()
+        await asyncio.gather(sending, taking, return_exceptions=True)
+    if slow:
+        with suppress(TimeoutError):
+            await asyncio.wait_for(socket.close(TOO_SLOW), GRACE)
+
+
+def _only_from_here(app: ASGIApp) -> ASGIApp:
+    """Refuse what was asked of another host, or by a page of another origin."""
+
+    async def guarded(scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] not in {"http", "websocket"}:
+            await app(scope, receive, send)
+            return
+        headers = [(name, value.decode("latin-1")) for name, value in scope["headers"]]
+        hosts = [value for name, value in headers if name == b"host"]
+        origins = [value for name, value in headers if name == b"origin"]
+        if is_own(hosts, origins, needs_origin=scope["type"] == "websocket"):
+            await app(scope, receive, send)
+        elif scope["type"] == "websocket":
+            await WebSocket(scope, receive, send).close()
+        else:
+            refusal = PlainTextResponse("only the page of this machine is served here", 403)
+            await refusal(scope, receive, send)
+
+    return guarded
+
+
+def is_own(hosts: list[str], origins: list[str], *, needs_origin: bool) -> bool:
+    """Return whether host and origin are those of a page of this machine.
+
+    Examples
+    --------
+    >>> is_own(["localhost:9000"], ["http://localhost:9000"], needs_origin=True)
+    True
+    >>> is_own(["localhost:9000"], ["http://example.org"], needs_origin=True)
+    False
+    >>> is_own(["example.org:9000"], [], needs_origin=False)
+    False
+    """
+    if len(hosts) != 1:
+        return False
+    name, colon, port = hosts[0].rpartition(":")
+    if not colon or hosts[0].endswith("]"):
+        name, port = hosts[0], ""
+    if name not in HOSTS or not (port == "" or (port.isascii() and port.isdigit())):
+        return False
+    if not origins:
+        return not needs_origin
+    return origins in ([f"http://{hosts[0]}"], [f"https://{hosts[0]}"])
+
+
+class _Visit(H11Protocol):
+    """A connection that fetches files: there are few of them, for a short time."""
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        super().connection_made(transport)
+        visits = [each for each in self.connections if isinstance(each, _Visit)]
+        self._since = self.loop.time()
+        self._end = self.loop.call_later(LONGEST_VISIT, transport.abort)
+        if len(visits) > MOST_VISITS:
+            # those who have asked for nothing yet go first, and of them the oldest
+            first = min(visits, key=lambda each: (each.headers is not None, each._since))
+            self.connections.discard(first)
+            first.transport.abort()
+
+    def data_received(self, data: bytes) -> None:
+        try:
+            super().data_received(data)
+        except LocalProtocolError:  # what follows a request is no other one
+            self.transport.abort()
+
+    def handle_websocket_upgrade(self, event: Asked) -> None:
+        self._end.cancel()
+        super().handle_websocket_upgrade(event)
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._end.cancel()
+        super().connection_lost(exc)
+
+
+class _Talk(WebSocketsSansIOProtocol):
+    """A connection over which a page asks; it ends even if the page reads nothing any more."""
+
+    async def run_asgi(self) -> None:
+        await super().run_asgi()
+        self.loop.call_later(GRACE, self.transport.abort)
+
+    def keepalive_timeout(self) -> None:
+        super().keepalive_timeout()
+        self.transport.abort()
+
+    def handle_cont(self, event: Frame) -> None:
+        super().handle_cont(event)
+        if len(self.frames) > MOST_FRAGMENTS:
+            self.transport.abort()
+
+    def handle_ping(self) -> None:
+        super().handle_ping()
+        if self.transport.get_write_buffer_size() > MOST_UNREAD:
+            self.transport.abort()
+
+
+class Server(uvicorn.Server):
+    """A server whose owner decides about signals."""
+
+    @contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        """Leave them alone."""
+        yield
+
+
+def server_of(app: ASGIApp) -> Server:
+    """Return a server with limits on what it takes in."""
+    config = uvicorn.Config(
+        app, http=_Visit, ws=_Talk, lifespan="off", log_config=None, log_level="critical",
+        access_log=False, server_header=False, date_header=False, ws_max_size=LARGEST_MESSAGE,
+        ws_per_message_deflate=False, h11_max_incomplete_event_size=16384,
+        backlog=MOST_VISITS, timeout_keep_alive=5, timeout_graceful_shutdown=1,
+    )  # fmt: skip
+    return Server(config)

@@ -1,0 +1,88 @@
+"""The basin over a plane of starts: a first look, then all decided, coarse and fine."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.basins.attractors import attractors_of
+from rotor_ida.basins.basin import basin
+from rotor_ida.basins.following import first_look
+from rotor_ida.basins.labelling import check_rotor
+from rotor_ida.explorer.answers import Answer
+from rotor_ida.explorer.motion import facts_of
+from rotor_ida.explorer.questions import Question
+from rotor_ida.parallel import interruptible
+from rotor_ida.schema import RESPONSE
+
+# Starts along each side of the plane: those of the first look, which decides only what whirls hold
+# after so short a time; of a coarse picture with the larger error of a step; and of the last one.
+FIRST, COARSE, FINE = 32, 48, 144
+LOOKED = 150.0
+RTOL = 1e-6
+KIND_OF = {number: word for word, number in RESPONSE.items()}
+TOLD = ("amplitude", "radius_min", "radius_max")
+
+
+def show_starts(question: Question) -> Iterator[Answer]:
+    """Yield the basin over starts in x and y that have the velocity of the start."""
+    check_rotor(question.rotor)
+    yield _first_look(question)
+    for count, rtol in ((COARSE, RTOL), (FINE, None)):
+        axis = _middles(question.reach, count)
+        found = basin(
+            question.rotor, x=axis, y=axis, vx=question.start[2], vy=question.start[3],
+            rtol=rtol, workers=1, executor="serial",
+        )  # fmt: skip
+        yield _picture(question, found["label"].values, _attractors(found), finest=count == FINE)
+
+
+def _first_look(question: Question) -> Answer:
+    """Return what whirls hold soon; all other starts are not decided yet."""
+    axis = _middles(question.reach, FIRST)
+    states = np.empty((4, FIRST, FIRST))
+    states[0], states[1] = axis[:, None], axis
+    states[2], states[3] = question.start[2], question.start[3]
+    found = interruptible(
+        lambda stop: first_look(question.rotor, states.reshape(4, -1), LOOKED, stop)
+    )
+    attractors: list[dict[str, object]] = [
+        {"kind": each.kind, **{name: getattr(each, name) for name in TOLD}}
+        for each in attractors_of(found)
+    ]
+    return _picture(question, found.labels, attractors, finest=False)
+
+
+def _picture(
+    question: Question, labels: npt.NDArray[np.integer], attractors: list[dict[str, object]],
+    *, finest: bool,
+) -> Answer:  # fmt: skip
+    """Return the label of each start, and what the labels mean; negative ones are undecided."""
+    for number, each in enumerate(attractors):
+        each["fraction"] = float((labels == number).mean())
+    facts: dict[str, object] = {
+        **facts_of(question),
+        "reach": question.reach,
+        "count": round(labels.size**0.5),
+        "finest": finest,
+        "attractors": attractors,
+        "undecided": float((labels < 0).mean()),
+    }
+    return Answer("basin", facts, {"label": labels.astype(np.int8).ravel()})
+
+
+def _middles(reach: float, count: int) -> npt.NDArray[np.float64]:
+    """Return the middles of equal parts of the plane's side."""
+    return reach * ((2.0 * np.arange(count) + 1.0) / count - 1.0)
+
+
+def _attractors(found: xr.Dataset) -> list[dict[str, object]]:
+    kinds = found["kind"].values.tolist()
+    columns = {name: found[name].values.tolist() for name in TOLD}
+    return [
+        {"kind": KIND_OF[kind], **{name: columns[name][number] for name in TOLD}}
+        for number, kind in enumerate(kinds)
+    ]

@@ -1,0 +1,110 @@
+"""Plain words for what a run does and what it settles on."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from rotor_ida.parameters import DimensionalRotor, Rotor
+
+# How a kind of response is told, and what it means on the machine.
+KINDS = {
+    "contact_free": "a contact-free whirl: it stays inside the clearance",
+    "synchronous": "a synchronous whirl in contact: it turns with the unbalance at constant radius",
+    "bouncing": "a bouncing limit cycle (intermittent rub): it enters and leaves contact for ever",
+    "full_contact": "a limit cycle in full contact (full annular rub): its radius pulsates",
+    "touching": "a contact-free whirl, through ever slighter touches",
+    "chaotic": "chaos: it never repeats itself, and neighbouring motions part",
+    "unresolved": "nothing that could be told: it was followed for as long as is allowed",
+}
+PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
+
+
+def words_of_run(machine: Rotor | DimensionalRotor, told: Mapping[str, float]) -> list[str]:
+    """Return what a run does over its last half, in sentences."""
+    if not told["contacts_in_all"]:
+        return ["It never touches the ring."]
+    if told["contact_fraction"] == 0.0:
+        return ["It has touched the ring, and no longer does."]
+    peak = _force(machine, told["largest_force"])
+    if told["contact_fraction"] >= 1.0:
+        return [f"Over the last half it is always in contact, with a force of up to {peak}."]
+    each = told["contacts_per_revolution"]
+    often = "" if math.isnan(each) else f"{each:.3g} contacts a revolution, "
+    share = 100.0 * told["contact_fraction"]
+    return [f"Over the last half: {often}in contact {share:.3g} % of the time, peak force {peak}."]
+
+
+def words_of_response(machine: Rotor | DimensionalRotor, told: Mapping[str, Any]) -> list[str]:
+    """Return what a rotor settles on, in sentences.
+
+    Examples
+    --------
+    >>> rotor = Rotor(omega=1.2, zeta=0.07, delta0=0.0)
+    >>> told = {"response": "synchronous", "lies_on": "whirl", "digits": 11.38,
+    ...         "exact_amplitude": 3.36, "radius_min": 3.36, "radius_max": 3.36,
+    ...         "largest_force": 6.17, "contact_fraction": 1.0}
+    >>> words_of_response(rotor, told)[2]
+    'The simulated whirl and the exact one agree to 11 digits.'
+    """
+    kind = told["response"]
+    if kind == "failed":
+        return [f"It could not be followed: {told['message']}."]
+    sentences = [f"It settles on {KINDS[kind]}."]
+    if kind == "chaotic":
+        apart = _time(machine, 1.0 / told["lyapunov_exponent"])
+        sentences.append(f"Neighbours part by a factor e in {apart}.")
+    sentences.append(_radii(machine, told))
+    if told["lies_on"] != "nothing":
+        what = "whirl" if told["lies_on"] == "whirl" else "cycle"
+        digits = math.floor(told["digits"])
+        sentences.append(f"The simulated {what} and the exact one agree to {digits} digits.")
+    if told.get("contact_fraction", 0.0) > 0.0:
+        sentences.append(_contact(machine, told))
+    return sentences
+
+
+def _radii(machine: Rotor | DimensionalRotor, told: Mapping[str, Any]) -> str:
+    low, high = (_length(machine, told[name]) for name in ("radius_min", "radius_max"))
+    if told["response"] in {"synchronous", "contact_free"}:
+        radius = _length(machine, told["exact_amplitude"]) if "exact_amplitude" in told else high
+        return f"Its radius is {radius}."
+    period = told.get("period", math.nan)
+    again = ""
+    if not math.isnan(period):
+        again = f", and repeats every {_time(machine, period)} as the unbalance sees it"
+    return f"Its radius goes from {low} to {high}{again}."
+
+
+def _contact(machine: Rotor | DimensionalRotor, told: Mapping[str, Any]) -> str:
+    peak = _force(machine, told["largest_force"])
+    if told["contact_fraction"] >= 1.0:
+        steady = told["response"] == "synchronous"
+        return f"It presses on the ring with {peak}." if steady else f"Peak force {peak}."
+    each, share = told["contacts_per_revolution"], 100.0 * told["contact_fraction"]
+    return (
+        f"It touches the ring {each:.4g} times a revolution, {share:.3g} % of the time, with a "
+        f"peak force of {peak}."
+    )
+
+
+def _length(machine: Rotor | DimensionalRotor, value: float) -> str:
+    return _told(machine, value, "length_scale", "m")
+
+
+def _time(machine: Rotor | DimensionalRotor, value: float) -> str:
+    return _told(machine, value, "time_scale", "s")
+
+
+def _force(machine: Rotor | DimensionalRotor, value: float) -> str:
+    return _told(machine, value, "force_scale", "N")
+
+
+def _told(machine: Rotor | DimensionalRotor, value: float, scale: str, unit: str) -> str:
+    """Return a number as it is, or of a machine with its unit."""
+    if isinstance(machine, Rotor):
+        return f"{value:.6g}"
+    in_si = value * float(getattr(machine, scale))
+    parts, prefix = next((pair for pair in PREFIXES if abs(in_si) >= pair[0]), PREFIXES[-1])
+    return f"{in_si / parts:.4g} {prefix}{unit}"

@@ -1,0 +1,158 @@
+"""A process that answers questions, part by part, and gives an answer up when it is told to.
+
+It reads its orders in a thread of its own, so that it hears of an answer that is given up while it
+computes. The part at hand is then broken off as by Ctrl-C, which stops everything in this package.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import pickle
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from queue import SimpleQueue
+from types import FrameType
+from typing import BinaryIO, Literal
+
+from rotor_ida.errors import RotorError
+from rotor_ida.explorer.answers import Answer, packed
+from rotor_ida.explorer.questions import Question, read_question
+
+# What to do about the answer of a number: begin it with its first part, or go on, or give it up.
+Order = tuple[int, Question | Literal["next", "drop"]]
+
+# The kinds of motion whose kernels are compiled before a page is let in: without clearance, in
+# full contact, bouncing.
+WARM_UP = ((1.7, 0.07, 0.0), (1.7, 0.07, 0.5), (2.0, 0.07, 2.0))
+# Seconds after which a part is broken off again.
+SOON = 0.01
+# Bytes that tell the length of an answer, little-endian.
+LENGTH = 4
+
+
+def work() -> None:
+    """Follow the orders on standard input; to each but `drop` write one packed answer.
+
+    It is empty when there are no more parts. The process ends with its standard input.
+    """
+    answers = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # whatever else is printed is an aside
+    desk = Desk()
+    signal.signal(signal.SIGINT, desk.break_off)
+    signal.signal(signal.SIGALRM, desk.break_off)
+    sys.unraisablehook = desk.break_off_again
+    threading.Thread(target=_listen, args=(desk, sys.stdin.buffer), daemon=True).start()
+    while True:
+        part = desk.next_part()
+        answers.write(len(part).to_bytes(LENGTH, "little") + part)
+        answers.flush()
+
+
+class Desk:
+    """The answers that are begun, and the one whose next part is at hand."""
+
+    def __init__(self) -> None:
+        self._due: SimpleQueue[int] = SimpleQueue()
+        self._begun: dict[int, Iterator[bytes]] = {}
+        self._number = 0
+        self._at: int | None = None  # the number of the part that may be broken off
+
+    def take(self, order: Order) -> None:
+        """Take an order; another thread computes."""
+        number, what = order
+        if what == "drop":
+            if self._begun.pop(number, None) is not None:
+                signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
+            return
+        if isinstance(what, Question):
+            self._begun[number] = _parts(what)
+        self._due.put(number)
+
+    def next_part(self) -> bytes:
+        """Wait for an order, and return the next part of the answer; nothing when it is whole."""
+        number = self._number = self._due.get()
+        part = b""
+        try:
+            self._at = number
+            parts = self._begun.get(number)
+            if parts is not None:
+                part = next(parts, b"")
+            self._at = None
+        except KeyboardInterrupt:
+            pass
+        if not part:
+            self._begun.pop(number, None)
+        return part
+
+    def break_off(self, _signal: int, _frame: FrameType | None) -> None:
+        """Break off the part at hand if its answer is given up."""
+        if self._at is not None and self._at not in self._begun:
+            self._at = None
+            raise KeyboardInterrupt
+
+    def break_off_again(self, lost: sys.UnraisableHookArgs) -> None:
+        """Break the part off a little later where nobody could, as when an object is deleted."""
+        if lost.exc_type is KeyboardInterrupt:
+            self._at = self._number
+            signal.setitimer(signal.ITIMER_REAL, SOON)
+        else:
+            sys.__unraisablehook__(lost)
+
+
+def _listen(desk: Desk, orders: BinaryIO) -> None:
+    """Take orders until nobody is there to give them."""
+    with suppress(EOFError, OSError, pickle.UnpicklingError):
+        while True:
+            desk.take(pickle.load(orders))
+    os._exit(0)
+
+
+def _parts(question: Question) -> Iterator[bytes]:
+    """Yield the parts of an answer; the last may be why there are no more."""
+    try:
+        for answer in _show(question.about)(question):
+            yield packed(answer, question.ticket)
+    except Exception as error:  # the process lives on, whatever it is
+        yield packed(Answer("trouble", {"message": _why(error)}), question.ticket)
+
+
+def _why(error: Exception) -> str:
+    """Return in one line why an answer is not there."""
+    if isinstance(error, MemoryError):
+        return "not enough memory"
+    said = " ".join(str(error).split())
+    return said if isinstance(error, RotorError) else f"{type(error).__name__}: {said}"
+
+
+def _show(about: str) -> Callable[[Question], Iterator[Answer]]:
+    """Return what answers a question; each process imports only what it needs."""
+    if about == "motion":
+        from rotor_ida.explorer.motion import show_motion  # noqa: PLC0415
+
+        return show_motion
+    if about == "responses":
+        from rotor_ida.explorer.responses import show_responses  # noqa: PLC0415
+
+        return show_responses
+    if about == "starts":
+        from rotor_ida.explorer.starts import show_starts  # noqa: PLC0415
+
+        return show_starts
+    from rotor_ida.explorer.saving import show_file  # noqa: PLC0415
+
+    return show_file
+
+
+def example(about: str, rotor: tuple[float, float, float]) -> Question:
+    """Return a question that calls every kernel."""
+    omega, zeta, delta0 = rotor
+    asked = {
+        "about": about, "number": 0, "side": 0, "start": [0, 0, 0, 0], "revolutions": 60,
+        "machine": {"omega": omega, "zeta": zeta, "delta0": delta0}, "speeds": [1.6, 2.1],
+        "reach": 8.0,
+    }  # fmt: skip
+    return read_question(json.dumps(asked))

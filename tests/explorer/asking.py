@@ -1,0 +1,76 @@
+"""What a page does: it asks, and unpacks what comes back."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.explorer.questions import Question, read_question
+from rotor_ida.explorer.workers import Desk
+
+# What the page shows first.
+ROTOR = {"omega": 2.0, "zeta": 0.07, "delta0": 2.0}
+# The same rotor in SI units.
+MACHINE = {
+    "mass": 4.0, "contact_stiffness": 1e9, "damping": 280.0, "eccentricity": 1e-6,
+    "clearance": 2e-6, "speed": 1000.0,
+}  # fmt: skip
+# Its basin takes minutes.
+SLOW = {"omega": 1.38, "zeta": 0.07, "delta0": 1.0}
+KINDS = {"f8": "<f8", "f4": "<f4", "i1": "i1"}
+HEADER = 4
+
+
+def asked(about: str = "motion", **changes: object) -> dict[str, Any]:
+    """Return a question as the page has it, right but for the changes."""
+    return {
+        "about": about, "number": 1, "side": 0, "machine": ROTOR, "start": [0, 0, 0, 0],
+        "revolutions": 60, "speeds": [0.05, 3.0], "reach": 8.0,
+    } | changes  # fmt: skip
+
+
+def question(about: str = "motion", **changes: object) -> Question:
+    return read_question(json.dumps(asked(about, **changes)))
+
+
+@dataclass(frozen=True)
+class Message:
+    """An answer as the page has it."""
+
+    header: Mapping[str, Any]
+    arrays: Mapping[str, npt.NDArray[Any]]
+
+    @property
+    def part(self) -> str:
+        return str(self.header["part"])
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        return dict(self.header["facts"])
+
+
+def unpacked(message: bytes) -> Message:
+    """Return what is in a message; a browser would refuse arrays at odd places."""
+    behind = HEADER + int.from_bytes(message[:HEADER], "little")
+    header = json.loads(message[HEADER:behind])
+    arrays = {}
+    for name, (kind, offset, size) in header.pop("arrays").items():
+        place, dtype = behind + offset, np.dtype(KINDS[kind])
+        assert place % dtype.itemsize == 0
+        arrays[name] = np.frombuffer(message, dtype, count=size, offset=place)
+    return Message(header, arrays)
+
+
+def answer_to(asking: Question) -> list[Message]:
+    """Return the parts of an answer, computed in this process."""
+    desk, parts = Desk(), []
+    desk.take((1, asking))
+    while part := desk.next_part():
+        parts.append(unpacked(part))
+        desk.take((1, "next"))
+    return parts

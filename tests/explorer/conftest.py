@@ -1,0 +1,216 @@
+"""Processes that answer, and the program that serves them, each started once."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from urllib.parse import parse_qs, urlsplit
+
+import pytest
+from websockets.sync.client import ClientConnection, connect
+
+from rotor_ida.explorer.lanes import Lanes
+from rotor_ida.explorer.questions import Question
+from tests.explorer.asking import Message, unpacked
+
+# How long to wait for what must come: minutes, on a machine that does much else.
+PATIENCE = 200.0
+MAIN = "import sys; from rotor_ida.cli import main; sys.exit(main())"
+PROGRAM = [sys.executable, "-W", "error", "-c", MAIN, "explore", "--port", "0"]
+
+
+def wait_until(true: Callable[[], bool], what: str) -> None:
+    end = time.monotonic() + PATIENCE
+    while not true():
+        assert time.monotonic() < end, f"waited in vain for {what}"
+        time.sleep(0.01)
+
+
+class Answering:
+    """Lanes in a loop of their own, asked from the tests, and what has come of each question."""
+
+    def __init__(self) -> None:
+        self.loop = asyncio.new_event_loop()
+        self.progress: list[tuple[int, int]] = []
+        self.got: dict[int, list[Message]] = {}
+        self._thread = threading.Thread(target=self.loop.run_forever)
+        self._thread.start()
+        self.lanes = self.call(lambda: Lanes(lambda done, all_: self.progress.append((done, all_))))
+
+    def call(self, function: Callable[[], object]) -> object:
+        async def called() -> object:
+            return function()
+
+        return asyncio.run_coroutine_threadsafe(called(), self.loop).result(PATIENCE)
+
+    def open(self) -> None:
+        self.call(self.lanes.open)
+        wait_until(self.is_ready, "processes that are ready")
+
+    def is_ready(self) -> bool:
+        return bool(self.progress) and self.progress[-1][0] == self.progress[-1][1]
+
+    def close(self) -> None:
+        try:
+            asyncio.run_coroutine_threadsafe(self.lanes.close(), self.loop).result(PATIENCE)
+        finally:
+            self.loop.call_soon_threadsafe(self.loop.stop)
+            self._thread.join()
+            self.loop.close()
+
+    def ask(self, page: int, *questions: Question) -> None:
+        took = self.got.setdefault(page, [])
+
+        def ask_all() -> None:
+            for each in questions:
+                self.lanes.ask(page, each, lambda answer: took.append(unpacked(answer)))
+
+        self.call(ask_all)
+
+    def parts(self, page: int, number: int) -> list[str]:
+        """Return which parts have come of one question."""
+        return [each.part for each in self.got.get(page, []) if each.header["number"] == number]
+
+    def wait_for(self, page: int, number: int, part: str) -> Message:
+        """Return the first such part of the answer to a question, once it is there."""
+        wait_until(lambda: part in self.parts(page, number), f"{part} of {number} for page {page}")
+        return next(
+            each for each in self.got[page] if (each.part, each.header["number"]) == (part, number)
+        )
+
+
+@pytest.fixture(scope="module")
+def once_ready() -> Iterator[Answering]:
+    found = Answering()
+    try:
+        found.open()
+        yield found
+    finally:
+        found.close()
+
+
+@pytest.fixture
+def answering(once_ready: Answering) -> Answering:
+    """Return lanes that nobody has asked anything."""
+    for page in list(once_ready.got):
+        once_ready.call(lambda page=page: once_ready.lanes.forget(page))
+    once_ready.got.clear()
+    return once_ready
+
+
+@dataclass
+class Program:
+    """The program, and what it has said."""
+
+    process: subprocess.Popen[bytes]
+    said: list[str] = field(default_factory=list)
+
+    def listen(self) -> None:
+        def read() -> None:
+            assert self.process.stderr is not None
+            with self.process.stderr:
+                self.said.extend(line.decode() for line in self.process.stderr)
+
+        self._reader = threading.Thread(target=read)
+        self._reader.start()
+
+    @property
+    def address(self) -> str:
+        return next((line.split()[-1] for line in self.said if "http://" in line), "")
+
+    @property
+    def port(self) -> int:
+        return urlsplit(self.address).port or 0
+
+    @property
+    def key(self) -> str:
+        return parse_qs(urlsplit(self.address).fragment)["key"][0]
+
+    @property
+    def text(self) -> str:
+        return "".join(self.said)
+
+    def wait_until_ready(self) -> None:
+        wait_until(
+            lambda: bool(self.address) or self.process.poll() is not None, "a page that is served"
+        )
+        assert self.address, self.text
+
+    def ended(self) -> int:
+        """Wait for the end, and return its status."""
+        status = self.process.wait(PATIENCE)
+        self._reader.join(PATIENCE)
+        return status
+
+    def children(self) -> list[int]:
+        """Return the processes that it has started."""
+        found = []
+        for place in Path("/proc").glob("[0-9]*/stat"):
+            try:
+                parent = int(place.read_text().rpartition(")")[2].split()[1])
+            except OSError:
+                continue
+            if parent == self.process.pid:
+                found.append(int(place.parent.name))
+        return found
+
+    def talk(self, **changes: object) -> ClientConnection:
+        """Open a connection as the page does."""
+        given: dict[str, object] = {
+            "origin": f"http://127.0.0.1:{self.port}",
+            "subprotocols": [f"rotor-ida.{self.key}"],
+            "max_size": None,
+            "compression": None,
+            "proxy": None,
+            "open_timeout": PATIENCE,
+        } | changes
+        return connect(f"ws://127.0.0.1:{self.port}/ask", **given)  # type: ignore[arg-type]
+
+
+def started(*words: str, browser: bool = False, start_new_session: bool = False) -> Program:
+    """Start the program, as its user does."""
+    process = subprocess.Popen(
+        [*PROGRAM, *([] if browser else ["--no-browser"]), *words],
+        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=start_new_session,
+    )  # fmt: skip
+    program = Program(process)
+    program.listen()
+    return program
+
+
+@pytest.fixture
+def start() -> Iterator[Callable[..., Program]]:
+    """Return what starts programs; those that have not ended by then are killed."""
+    programs: list[Program] = []
+
+    def begin(*words: str, **options: bool) -> Program:
+        programs.append(started(*words, **options))
+        return programs[-1]
+
+    yield begin
+    for each in programs:
+        each.process.kill()
+        each.ended()
+
+
+@pytest.fixture(scope="module")
+def served() -> Iterator[Program]:
+    """Return a program whose page is served; in the end it must have said nothing else."""
+    program = started()
+    try:
+        program.wait_until_ready()
+        yield program
+        os.kill(program.process.pid, signal.SIGTERM)
+        assert program.ended() == 0
+        assert "Traceback" not in program.text
+    finally:
+        program.process.kill()
+        program.ended()

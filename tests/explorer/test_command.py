@@ -1,0 +1,238 @@
+"""The command: one line and status 2 for a mistake, and a clean end when it is told to."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from urllib.parse import parse_qs, urlsplit
+
+import pytest
+
+import rotor_ida
+from rotor_ida.cli import main
+from rotor_ida.cli.commands.explore import NEEDED
+from rotor_ida.explorer.explore import can_show_a_page
+from tests.explorer.asking import MACHINE, ROTOR, SLOW, asked
+from tests.explorer.conftest import MAIN, PATIENCE, Program, wait_until
+
+Start = Callable[..., Program]
+
+
+def said_of(words: list[str], capfd: pytest.CaptureFixture[str]) -> str:
+    """Return the one line that a mistake gets."""
+    capfd.readouterr()
+    assert main(["explore", "--no-browser", *words]) == 2
+    shown = capfd.readouterr()
+    assert shown.out == ""
+    (line,) = shown.err.splitlines()
+    assert line.startswith("rotor-ida: ")
+    return line
+
+
+MISTAKES = [
+    ("--port 70000", "port must be at most 65535, got 70000"),
+    ("--port -1", "port must be at least 0, got -1"),
+    ("--port http", "port must be a whole number, got 'http'"),
+    ("--port 80.5", "port must be a whole number"),
+    ("--omega 2", "a rotor must be given by omega, zeta, delta0, or by mass"),
+    ("--omega 2 --zeta 0.07 --delta0 2 --mass 1", "a rotor must be given by"),
+    ("--mass 4 --speed 100", "a rotor must be given by"),
+    ("--omega nan --zeta 0.07 --delta0 2", "omega must be a finite real number, got nan"),
+    ("--omega -1 --zeta 0.07 --delta0 2", "omega must be zero or positive, got -1.0"),
+    ("--omega 2e6 --zeta 0.07 --delta0 2", "omega must be at most 1e+06 to be simulated"),
+    ("--omega 2 --zeta 0.07 --delta0 2 --start 1 2 3", "start must be four numbers X Y VX VY"),
+    ("--omega 2 --zeta 0.07 --delta0 2 --start 1 2 3 x", "start vy must be a finite real number"),
+    ("--omega 2 --zeta 0.07 --delta0 2 --start 2e6 0 0 0", "start x must lie within 1e+06 of zero"),
+    ("--speeds 1 2 3", "speeds are those of an exported page: give --export too"),
+    ("--export page.pdf", "export must end in .html, got 'page.pdf'"),
+    ("--file missing.nc", "must be a file that exists, got 'missing.nc'"),
+    ("--browser", "unknown option '--browser'"),
+    ("now", "unexpected argument 'now'"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("words", "told"), MISTAKES, ids=lambda value: value)
+def test_a_mistake_gets_one_line(words: str, told: str, capfd: pytest.CaptureFixture[str]):
+    assert told in said_of(words.split(), capfd)
+
+
+@pytest.fixture(scope="module")
+def archives(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("archives")
+    rotor = rotor_ida.Rotor(**ROTOR)
+    run = rotor_ida.simulate(rotor, start=(0.5, 0, 0, 1), duration=40.0)
+    rotor_ida.save(run, folder / "run.nc")
+    in_si = rotor_ida.dimensional(run, rotor_ida.DimensionalRotor(**MACHINE))
+    rotor_ida.save(in_si, folder / "in_si.nc")
+    rotor_ida.save(rotor_ida.folds(zeta=0.07, delta0=0.5), folder / "folds.nc")
+    (folder / "text.nc").write_text("no archive")
+    (folder / "empty.nc").write_bytes(b"")
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("in_si", "file must be a run that simulate wrote, dimensionless, got"),
+        ("folds", "file must be a run that simulate wrote, dimensionless, got"),
+        ("text", "text.nc"),
+        ("empty", "empty.nc"),
+    ],
+)
+def test_a_file_that_is_no_run_of_ours_gets_one_line(
+    name: str, told: str, archives: Path, capfd: pytest.CaptureFixture[str]
+):
+    assert told in said_of(["--file", str(archives / f"{name}.nc")], capfd)
+
+
+@pytest.mark.parametrize("words", ["--start 0 0 0 0", "--omega 2 --zeta 0.07 --delta0 2"])
+def test_a_file_is_given_alone(words: str, archives: Path, capfd: pytest.CaptureFixture[str]):
+    told = said_of(["--file", str(archives / "run.nc"), *words.split()], capfd)
+    assert "file must be given alone" in told
+
+
+def test_a_port_that_is_taken_gets_one_line_at_once(capfd: pytest.CaptureFixture[str]):
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        number = taken.getsockname()[1]
+        told = said_of(["--port", str(number)], capfd)
+    assert f"port {number} cannot be used" in told
+    assert "give another with --port" in told
+
+
+@pytest.mark.parametrize("hidden", NEEDED)
+def test_without_the_extra_one_line_says_how_to_install_it(hidden: str):
+    code = f"import sys; sys.modules[{hidden!r}] = None; {MAIN}"
+    ended = subprocess.run(
+        [sys.executable, "-c", code, "explore", "--no-browser"],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert ended.returncode == 2
+    assert ended.stdout == ""
+    assert ended.stderr == (
+        f"rotor-ida: explore needs {hidden}: install it with pip install 'rotor-ida[explore]'\n"
+    )
+
+
+posix = pytest.mark.skipif(sys.platform != "linux", reason="sends signals, looks into /proc")
+
+
+def is_alive(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+def state_of(program: Program) -> dict[str, str]:
+    return {name: each for name, (each,) in parse_qs(urlsplit(program.address).fragment).items()}
+
+
+def end(program: Program, send: Callable[[int], None]) -> None:
+    """Let a program be told to end, and check that it does, and leaves nothing behind."""
+    children = program.children()
+    send(program.process.pid)
+    assert program.ended() == 0
+    assert "Traceback" not in program.text
+    assert "rotor-ida:" not in program.text
+    wait_until(lambda: not any(map(is_alive, children)), "the end of all processes")
+
+
+SIGNALS = {
+    "Ctrl-C": lambda pid: os.killpg(pid, signal.SIGINT),
+    "SIGINT": lambda pid: os.kill(pid, signal.SIGINT),
+    "SIGTERM": lambda pid: os.kill(pid, signal.SIGTERM),
+}
+
+
+@posix
+@pytest.mark.parametrize("name", SIGNALS)
+def test_it_ends_while_it_still_compiles(name: str, start: Start):
+    program = start(start_new_session=True)
+    wait_until(lambda: bool(program.children()), "a process that compiles")
+    assert not program.address
+    end(program, SIGNALS[name])
+
+
+@posix
+def test_it_ends_while_a_page_is_open_and_an_answer_is_computed(start: Start):
+    program = start(*[f"--{key}={value}" for key, value in MACHINE.items()], start_new_session=True)
+    program.wait_until_ready()
+    given = {key: float(value) for key, value in state_of(program).items() if key in MACHINE}
+    assert given == MACHINE
+    with program.talk() as talk:
+        talk.send(json.dumps(asked("starts", machine=SLOW)))
+        assert talk.recv(PATIENCE)
+        end(program, SIGNALS["Ctrl-C"])
+
+
+@posix
+def test_a_file_gives_rotor_start_and_revolutions_and_a_killed_program_takes_all_along(
+    start: Start, archives: Path
+):
+    program = start("--file", str(archives / "run.nc"))
+    program.wait_until_ready()
+    state = state_of(program)
+    assert {name: float(state[name]) for name in ROTOR} == ROTOR
+    assert [float(state[name]) for name in ("x", "y", "vx", "vy")] == [0.5, 0.0, 0.0, 1.0]
+    assert state["revolutions"] == "13"
+    assert len(state["key"]) == 32
+    children = program.children()
+    assert len(children) == 3
+    program.process.kill()
+    program.ended()
+    wait_until(lambda: not any(map(is_alive, children)), "the end of all processes")
+
+
+@posix
+def test_it_ends_though_the_browser_does_not(
+    start: Start, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    browser = tmp_path / "browser"
+    browser.write_text(
+        f'#!/bin/sh\necho "$1" > {tmp_path}/opened\nexec sleep 300 >/dev/null 2>&1\n'
+    )
+    browser.chmod(0o755)
+    monkeypatch.setenv("BROWSER", f"{browser} %s")
+    monkeypatch.setenv("DISPLAY", ":77")
+    program = start(browser=True)
+    program.wait_until_ready()
+    opened = tmp_path / "opened"
+    wait_until(lambda: opened.exists() and bool(opened.read_text()), "a browser")
+    assert opened.read_text().strip() == program.address
+    (slept,) = set(program.children()) - set(workers_of(program))
+    try:
+        os.kill(program.process.pid, signal.SIGTERM)
+        assert program.ended() == 0
+    finally:
+        os.kill(slept, signal.SIGKILL)
+
+
+def workers_of(program: Program) -> list[int]:
+    """Return those of its processes that compute."""
+    return [
+        pid for pid in program.children()
+        if b"explorer.workers" in Path(f"/proc/{pid}/cmdline").read_bytes()
+    ]  # fmt: skip
+
+
+def test_no_browser_is_opened_where_there_are_no_windows(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    assert not can_show_a_page()
+    monkeypatch.setenv("WAYLAND_DISPLAY", "wayland-0")
+    assert can_show_a_page()
+
+
+def test_no_thread_of_these_tests_is_left():
+    assert all(each.daemon or each is threading.main_thread() for each in threading.enumerate())

@@ -1,0 +1,273 @@
+"""Real processes: the newest question counts, nobody waits for what is given up."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import signal
+import sys
+import threading
+import time
+from collections.abc import Iterator
+
+import pytest
+
+from rotor_ida.explorer import lanes
+from rotor_ida.explorer.workers import Desk
+from tests.explorer.asking import ROTOR, SLOW, question, unpacked
+from tests.explorer.conftest import PATIENCE, Answering, wait_until
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
+
+
+def speeds(count: int, about: str = "motion"):
+    return [
+        question(about, number=number, machine=ROTOR | {"omega": 1.0 + number / count})
+        for number in range(1, count + 1)
+    ]
+
+
+def pid_of(answering: Answering, lane: int) -> int:
+    wait_until(lambda: answering.lanes._lanes[lane]._worker is not None, "a process")
+    return answering.lanes._lanes[lane]._worker._process.pid
+
+
+def computes(pid: int) -> bool:
+    """Return whether a process uses its processor."""
+    before = cpu_ticks(pid)
+    time.sleep(0.5)
+    return cpu_ticks(pid) - before > 10
+
+
+def cpu_ticks(pid: int) -> int:
+    with open(f"/proc/{pid}/stat") as stat:
+        return sum(map(int, stat.read().rpartition(")")[2].split()[11:13]))
+
+
+def test_an_answer_bears_the_ticket_of_its_question(answering: Answering):
+    answering.ask(1, question(number=77, side=1))
+    message = answering.wait_for(1, 77, "motion")
+    assert (message.header["about"], message.header["side"]) == ("motion", 1)
+    assert message.facts["rotor"] == ROTOR
+
+
+def test_of_questions_asked_at_once_only_the_newest_is_answered(answering: Answering):
+    answering.ask(1, *speeds(200))
+    message = answering.wait_for(1, 200, "motion")
+    assert message.facts["rotor"]["omega"] == 2.0
+    assert len(answering.got[1]) <= 2
+
+
+def test_200_moves_of_a_slider_leave_no_backlog(answering: Answering):
+    for each in speeds(200):
+        answering.ask(1, each)
+        time.sleep(0.002)
+    answering.wait_for(1, 200, "motion")
+    numbers = [each.header["number"] for each in answering.got[1]]
+    assert numbers == sorted(set(numbers))
+    assert len(numbers) < 200
+    # one that moves on and on still shows something
+    assert len(numbers) > 1
+
+
+def test_a_slow_answer_is_given_up_for_a_newer_question(answering: Answering):
+    answering.ask(1, question("starts", number=1, machine=SLOW))
+    answering.wait_for(1, 1, "basin")
+    answering.ask(1, question("starts", number=2))
+    wait_until(lambda: len(answering.parts(1, 2)) == 3, "three pictures of the basin")
+    assert answering.got[1][-1].facts["rotor"]["omega"] != SLOW["omega"]
+    assert len(answering.parts(1, 1)) < 3
+
+
+def test_two_rotors_side_by_side_become_finer_together(answering: Answering):
+    answering.ask(1, question("starts", number=1, side=0), question("starts", number=2, side=1))
+    wait_until(lambda: len(answering.got[1]) == 6, "two basins")
+    assert [each.header["side"] for each in answering.got[1]] == [0, 1, 0, 1, 0, 1]
+
+
+def test_two_pages_get_their_own_answers(answering: Answering):
+    answering.ask(1, question(number=1, machine=ROTOR | {"omega": 1.1}))
+    answering.ask(2, question(number=1, machine=ROTOR | {"omega": 1.2}))
+    for page, omega in ((1, 1.1), (2, 1.2)):
+        assert answering.wait_for(page, 1, "motion").facts["rotor"]["omega"] == omega
+        assert len(answering.got[page]) == 1
+
+
+def test_a_page_that_is_gone_stops_its_work(answering: Answering):
+    answering.ask(1, question("starts", number=1, machine=SLOW))
+    answering.wait_for(1, 1, "basin")
+    pid = pid_of(answering, 2)
+    assert computes(pid)
+    answering.call(lambda: answering.lanes.forget(1))
+    wait_until(lambda: not computes(pid), "a process at rest")
+    told = len(answering.got[1])
+    answering.ask(2, question("starts", number=1))
+    answering.wait_for(2, 1, "basin")
+    assert len(answering.got[1]) == told
+    assert pid_of(answering, 2) == pid
+
+
+def test_a_page_that_is_gone_takes_its_waiting_questions_along(answering: Answering):
+    answering.ask(1, *speeds(2), question("starts", number=3))
+    answering.call(lambda: answering.lanes.forget(1))
+    answering.ask(2, question(number=1), question("starts", number=2))
+    answering.wait_for(2, 1, "motion")
+    answering.wait_for(2, 2, "basin")
+    assert [each for each in answering.got[1] if each.part == "basin"] == []
+
+
+def test_a_process_survives_being_told_again_and_again(answering: Answering):
+    """Orders to give up arrive before, during and after the answers that they are about."""
+    pids = [pid_of(answering, lane) for lane in range(3)]
+    for number in range(1, 101):
+        for about in ("motion", "responses", "starts"):
+            answering.ask(
+                1, question(about, number=number, machine=ROTOR | {"delta0": number / 50})
+            )
+        time.sleep(0.0007 * (number % 50))
+        answering.call(lambda: answering.lanes.forget(1))
+    for about, part in (("motion", "motion"), ("responses", "settled"), ("starts", "basin")):
+        answering.ask(2, question(about, number=1))
+        answering.wait_for(2, 1, part)
+    assert [pid_of(answering, lane) for lane in range(3)] == pids
+    assert not [each for each in answering.got[1] if each.part == "trouble"]
+
+
+def test_ctrl_c_in_the_terminal_is_no_business_of_the_processes(answering: Answering):
+    for lane in range(3):
+        assert os.getpgid(pid_of(answering, lane)) != os.getpgid(0)
+    pid = pid_of(answering, 0)
+    os.kill(pid, signal.SIGINT)
+    answering.ask(1, question(number=1))
+    os.kill(pid, signal.SIGINT)
+    answering.wait_for(1, 1, "motion")
+    assert pid_of(answering, 0) == pid
+
+
+def test_trouble_is_told_and_the_process_lives_on(answering: Answering):
+    pid = pid_of(answering, 0)
+    answering.ask(1, question(number=1, machine=ROTOR | {"omega": 1e-6}, revolutions=2000))
+    trouble = answering.wait_for(1, 1, "trouble")
+    assert "duration must be below" in trouble.facts["message"]
+    answering.ask(1, question(number=2))
+    answering.wait_for(1, 2, "motion")
+    assert pid_of(answering, 0) == pid
+
+
+def test_a_process_that_is_killed_is_replaced_and_the_page_told(answering: Answering):
+    answering.ask(1, question("starts", number=1, machine=SLOW))
+    answering.wait_for(1, 1, "basin")
+    answering.ask(2, question("starts", number=2))
+    pid = pid_of(answering, 2)
+    os.kill(pid, signal.SIGKILL)
+    # whichever of the two was at hand is told; the other is answered, as if nothing had happened
+    wait_until(lambda: "trouble" in answering.parts(1, 1) + answering.parts(2, 2), "trouble")
+    if "trouble" not in answering.parts(2, 2):
+        answering.wait_for(2, 2, "basin")
+    answering.ask(1, question("starts", number=3))
+    answering.wait_for(1, 3, "basin")
+    assert pid_of(answering, 2) != pid
+    troubles = [each for page in (1, 2) for each in answering.got[page] if each.part == "trouble"]
+    assert [each.facts["message"] for each in troubles] == [lanes.DIED]
+
+
+def test_a_process_at_rest_that_is_killed_is_replaced(answering: Answering):
+    answering.ask(1, question(number=1))
+    answering.wait_for(1, 1, "motion")
+    pid = pid_of(answering, 0)
+    os.kill(pid, signal.SIGKILL)
+    answering.ask(1, question(number=2))
+    wait_until(lambda: bool(answering.parts(1, 2)), "an answer")
+    answering.ask(1, question(number=3))
+    answering.wait_for(1, 3, "motion")
+    assert pid_of(answering, 0) != pid
+
+
+def test_a_process_that_is_deaf_is_ended(answering: Answering, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(lanes, "DEAF", 0.2)
+    pid = pid_of(answering, 2)
+    answering.ask(1, question("starts", number=1, machine=SLOW))
+    answering.wait_for(1, 1, "basin")
+    os.kill(pid, signal.SIGSTOP)
+    answering.ask(1, question("starts", number=2))
+    answering.wait_for(1, 2, "basin")
+    assert pid_of(answering, 2) != pid
+    assert "trouble" not in answering.parts(1, 1)
+
+
+def test_closing_leaves_no_process_and_no_thread():
+    threads = set(threading.enumerate())
+    answering = Answering()
+    answering.open()
+    answering.ask(1, question("starts", machine=SLOW), question())
+    answering.wait_for(1, 1, "basin")
+    pids = [pid_of(answering, lane) for lane in range(3)]
+    answering.close()
+    assert set(threading.enumerate()) == threads
+    for pid in pids:
+        with pytest.raises(ProcessLookupError):
+            os.kill(pid, 0)
+
+
+def test_processes_that_cannot_start_are_told_of(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(sys, "path", ["/nowhere"])
+    told: list[tuple[int, int]] = []
+
+    async def open_and_wait() -> None:
+        found = lanes.Lanes(lambda done, total: told.append((done, total)))
+        found.open()
+        while len(told) < 3:
+            await asyncio.sleep(0.01)
+        await found.close()
+
+    asyncio.run(open_and_wait())
+    assert set(told) == {(lanes.NEVER, lanes.NEVER)}
+
+
+def test_an_answer_given_up_before_it_is_begun_is_empty():
+    desk = Desk()
+    desk.take((1, question()))
+    desk.take((2, question(machine=ROTOR | {"zeta": 0.5})))
+    desk._begun.pop(1)
+    assert desk.next_part() == b""
+    assert desk.next_part()
+
+
+@pytest.fixture
+def desk(monkeypatch: pytest.MonkeyPatch) -> Iterator[Desk]:
+    """Return a desk in this process, which hears its signals."""
+    found = Desk()
+    monkeypatch.setattr(sys, "unraisablehook", found.break_off_again)
+    numbers = (signal.SIGINT, signal.SIGALRM)
+    before = [signal.signal(number, found.break_off) for number in numbers]
+    yield found
+    for number, handler in zip(numbers, before, strict=True):
+        signal.signal(number, handler)
+
+
+def test_a_part_is_broken_off_even_where_the_first_time_is_lost(desk: Desk):
+    class Deaf:
+        def __del__(self) -> None:  # what is raised here goes nowhere
+            desk.take((1, "drop"))
+            time.sleep(1.0)
+
+    def parts() -> Iterator[bytes]:
+        Deaf()
+        time.sleep(PATIENCE)
+        yield b"too late"
+
+    desk._begun[1] = parts()
+    desk._due.put(1)
+    began = time.monotonic()
+    assert desk.next_part() == b""
+    assert time.monotonic() - began < PATIENCE
+
+
+def test_a_signal_between_two_parts_breaks_nothing_off(desk: Desk):
+    os.kill(os.getpid(), signal.SIGINT)
+    desk.take((1, question()))
+    os.kill(os.getpid(), signal.SIGINT)
+    assert unpacked(desk.next_part()).part == "motion"
+    desk.take((1, "drop"))
+    desk.take((1, "next"))
+    assert desk.next_part() == b""

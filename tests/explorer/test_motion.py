@@ -1,0 +1,164 @@
+"""What a page draws of a run is the run that the library simulates."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import rotor_ida
+from rotor_ida.explorer.motion import SAMPLES_PER_REVOLUTION
+from rotor_ida.explorer.questions import Question
+from rotor_ida.schema import EVENT_KIND
+from tests.explorer.asking import MACHINE, ROTOR, Message, answer_to, question
+
+QUESTIONS = {
+    "bouncing": question(start=[2.6, 0.75, 0.66, -1.65]),
+    "full contact": question(machine={"omega": 1.7, "zeta": 0.07, "delta0": 0.5}),
+    "no clearance": question(
+        machine={"omega": 1.2, "zeta": 0.07, "delta0": 0.0}, start=[1, 2, 3, 4]
+    ),
+    "contact-free": question(machine={"omega": 0.3, "zeta": 0.07, "delta0": 3.0}),
+    "free vibration": question(machine={"omega": 0, "zeta": 0.01, "delta0": 1}, start=[3, 0, 0, 1]),
+    "no damping": question(machine={"omega": 1.3, "zeta": 0, "delta0": 1}, revolutions=20),
+    "one revolution": question(revolutions=1),
+    "long": question(revolutions=2000, machine={"omega": 1.38, "zeta": 0.07, "delta0": 1.0}),
+    "in SI units": question(machine=MACHINE),
+}  # fmt: skip
+
+
+def simulated(asking: Question) -> xr.Dataset:
+    omega = asking.rotor.omega or 1.0
+    each = {1: 64, 20: 64, 60: 64, 2000: 8}[asking.revolutions]
+    return rotor_ida.simulate(
+        asking.rotor,
+        start=asking.start,
+        duration=asking.revolutions * 2.0 * math.pi / omega,
+        samples=each * asking.revolutions + 1,
+        method="taylor",
+    )
+
+
+def motion(asking: Question) -> Message:
+    (message,) = answer_to(asking)
+    assert message.part == "motion"
+    return message
+
+
+@pytest.mark.parametrize("name", QUESTIONS)
+def test_run_and_events_are_those_of_simulate_bit_for_bit(name: str):
+    message, run = motion(QUESTIONS[name]), simulated(QUESTIONS[name])
+    of_run = ("t", "x", "y", "event_time", "event_x", "event_y", "event_time_error", "event_kind",
+              "entry_time", "exit_time", "peak_time", "peak_force")  # fmt: skip
+    for each in of_run:
+        np.testing.assert_array_equal(message.arrays[each], run[each].values, err_msg=each)
+    assert message.facts["horizon"] == float(run["horizon"])
+
+
+@pytest.mark.parametrize("name", QUESTIONS)
+def test_rotating_axes_and_forces_are_those_of_the_library_bit_for_bit(name: str):
+    message, run = motion(QUESTIONS[name]), simulated(QUESTIONS[name])
+    turning, forces = rotor_ida.rotating(run), rotor_ida.contact_forces(run)
+    for each in ("rotating_x", "rotating_y", "event_rotating_x", "event_rotating_y"):
+        np.testing.assert_array_equal(message.arrays[each], turning[each].values, err_msg=each)
+    np.testing.assert_array_equal(message.arrays["force"], forces["force"].values)
+    np.testing.assert_array_equal(message.arrays["radius"], np.hypot(run["x"], run["y"]).values)
+
+
+@pytest.mark.parametrize("name", QUESTIONS)
+def test_the_section_has_one_point_a_revolution(name: str):
+    message = motion(QUESTIONS[name])
+    each = message.facts["samples_per_revolution"]
+    for axis in ("x", "y"):
+        section = message.arrays[f"section_{axis}"]
+        assert section.size == QUESTIONS[name].revolutions + 1
+        np.testing.assert_array_equal(section, message.arrays[f"rotating_{axis}"][::each])
+
+
+@pytest.mark.parametrize("name", ["bouncing", "full contact", "no damping"])
+def test_the_spectrum_is_that_of_the_last_half(name: str):
+    asking = QUESTIONS[name]
+    message, run = motion(asking), simulated(asking)
+    lines = rotor_ida.spectrum(run.isel(t=slice(run.sizes["t"] // 2, -1)), window="hann")
+    over = lines["frequency"].values / asking.rotor.omega
+    shown = np.abs(message.arrays["line_frequency"]).max()
+    # the step is found from the times once and given once, which may differ in the last bits
+    np.testing.assert_allclose(
+        message.arrays["line_frequency"],
+        over[np.abs(over) <= shown * (1 + 1e-9)],
+        rtol=1e-9,
+        atol=1e-12,
+    )
+    heights = lines["whirl_amplitude"].values[np.abs(over) <= shown * (1 + 1e-9)]
+    np.testing.assert_allclose(message.arrays["line_amplitude"], heights, rtol=1e-9, atol=1e-12)
+
+
+def test_the_run_goes_on_from_the_end_as_if_it_had_not_stopped():
+    first = motion(question(revolutions=20))
+    second = motion(question(revolutions=20, start=first.facts["end"]))
+    whole = rotor_ida.rotating(simulated(question(revolutions=60)))
+    # the phase of the end is that of a whole revolution up to the rounding of its time
+    np.testing.assert_allclose(
+        second.arrays["rotating_x"],
+        whole["rotating_x"].values[20 * SAMPLES_PER_REVOLUTION : 40 * SAMPLES_PER_REVOLUTION + 1],
+        atol=1e-8,
+    )
+
+
+def test_what_is_told_of_the_end_is_counted_again():
+    asking = QUESTIONS["bouncing"]
+    message, run = motion(asking), simulated(asking)
+    told, half = message.facts["ending"], float(run.attrs["duration"]) / 2.0
+    entries = run["event_time"].values[run["event_kind"].values == EVENT_KIND["entry"]]
+    late = run["t"].values >= half
+    assert told["contacts_per_revolution"] == pytest.approx((entries >= half).sum() / 30.0)
+    assert told["contacts_in_all"] == rotor_ida.contact_summary(run)["contact_count"]
+    peaks = run["peak_force"].values[run["peak_time"].values >= half]
+    assert told["largest_force"] == max(peaks.max(), message.arrays["force"][late].max())
+    assert told["radius_max"] == message.arrays["radius"][late].max()
+    inside = np.minimum(run["exit_time"].fillna(2 * half), 2 * half) - np.maximum(
+        run["entry_time"].fillna(0.0), half
+    )
+    assert told["contact_fraction"] == pytest.approx(float(inside.clip(min=0.0).sum()) / half)
+
+
+def test_a_machine_has_the_answer_of_its_rotor_and_its_scales():
+    in_si, plain = motion(QUESTIONS["in SI units"]), motion(question())
+    machine = rotor_ida.DimensionalRotor(**MACHINE)
+    assert in_si.facts["rotor"] == plain.facts["rotor"] == ROTOR
+    for name, values in plain.arrays.items():
+        np.testing.assert_array_equal(in_si.arrays[name], values, err_msg=name)
+    assert plain.facts["scales"] == {}
+    assert in_si.facts["scales"] == {
+        "length": machine.length_scale,
+        "time": machine.time_scale,
+        "velocity": machine.velocity_scale,
+        "force": machine.force_scale,
+        "rate": machine.reference_frequency,
+    }
+    run = rotor_ida.dimensional(simulated(question()), machine)
+    scales = in_si.facts["scales"]
+    np.testing.assert_array_equal(in_si.arrays["x"] * scales["length"], run["x"].values)
+    np.testing.assert_array_equal(in_si.arrays["t"] * scales["time"], run["t"].values)
+    assert any(" N" in sentence for sentence in in_si.facts["words"])
+
+
+EDGES = [
+    *({name: edge} for name in ROTOR for edge in (0.0, 1e-6, 1e6) if (name, edge) != ("zeta", 1e6)),
+    {"zeta": 1e3},  # with more it takes minutes
+    {"omega": 0.0, "zeta": 0.0, "delta0": 0.0},
+    {"omega": 1e6, "zeta": 1e6, "delta0": 1e6},
+]
+
+
+@pytest.mark.parametrize("changes", EDGES, ids=str)
+def test_every_edge_gets_an_answer_or_one_reason(changes: dict[str, float]):
+    (message,) = answer_to(question(machine=ROTOR | changes, revolutions=1))
+    if message.part == "trouble":
+        (line,) = message.facts["message"].splitlines()
+        assert line
+    else:
+        assert message.part == "motion"
+        assert message.facts["words"]

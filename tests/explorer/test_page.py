@@ -1,0 +1,520 @@
+"""The page in a browser: every control moves it, and what it shows is what the library computes."""
+
+from __future__ import annotations
+
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+import rotor_ida
+from rotor_ida import DimensionalRotor, Rotor, basin, compare, folds, simulate, sweep
+from rotor_ida.cli import main
+from rotor_ida.closed_forms import response_curve
+from rotor_ida.equations.contact import contact_force
+
+selenium = pytest.importorskip("selenium", reason="there is no selenium")
+DRIVER = shutil.which("chromedriver")
+BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")
+if not (DRIVER and BROWSER):
+    pytest.skip("there is no Chromium with its driver", allow_module_level=True)
+
+from selenium import webdriver  # noqa: E402
+from selenium.webdriver import ActionChains, Keys  # noqa: E402
+from selenium.webdriver.chrome.options import Options  # noqa: E402
+from selenium.webdriver.chrome.service import Service  # noqa: E402
+from selenium.webdriver.common.by import By  # noqa: E402
+
+# The first one to come here may have to compile all kernels.
+pytestmark = pytest.mark.timeout(1500)
+PATIENCE = 60.0  # seconds, on a machine that does other things too
+FIRST = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+SPEEDS = (0.05, 4.0)
+PLOTS = 8
+PIXELS = """
+const seen = Array.from(document.querySelectorAll("canvas")).filter((each) => each.offsetParent);
+return seen.map((canvas) => {
+  const context = canvas.getContext("2d");
+  const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
+  let sum = 0, painted = 0;
+  for (let i = 0; i < data.length; i += 4) if (data[i + 3]) {
+    painted += 1;
+    sum = (31 * sum + data[i] + 7 * data[i + 1] + i) % 1000003;
+  }
+  return painted > 500 ? sum : 0;
+})"""
+RUNNING = ["--omega=2", "--zeta=0.07", "--delta0=2"]
+
+
+def served(*words):
+    """Start the explorer; return its process and its address."""
+    command = [sys.executable, "-c", "import sys; from rotor_ida.cli import main; sys.exit(main())"]
+    process = subprocess.Popen(
+        [*command, "explore", "--no-browser", "--port", "0", *words],
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    for line in process.stderr:
+        if "http://" in line:
+            return process, line.split()[-1]
+    raise AssertionError(f"the explorer ended with {process.wait()}")
+
+
+def ended(process):
+    process.send_signal(signal.SIGTERM)
+    process.communicate(timeout=PATIENCE)
+
+
+@pytest.fixture(scope="module")
+def address():
+    process, found = served(*RUNNING)
+    yield found
+    ended(process)
+    assert process.returncode == 0
+
+
+@pytest.fixture(scope="module")
+def chromium(tmp_path_factory):
+    options = Options()
+    options.binary_location = BROWSER
+    for word in ("headless=new", "no-sandbox", "disable-gpu", "disable-dev-shm-usage"):
+        options.add_argument(f"--{word}")
+    folder = tmp_path_factory.mktemp("downloads")
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    driver = webdriver.Chrome(options=options, service=Service(DRIVER))
+    driver.execute_cdp_cmd(
+        "Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(folder)}
+    )
+    driver.folder = folder
+    driver.set_script_timeout(PATIENCE)
+    yield driver
+    driver.quit()
+
+
+@pytest.fixture
+def page(chromium, address):
+    """The page, at its beginning; whatever is done to it, its console stays without an error."""
+    chromium.set_window_size(1400, 1000)
+    yield Page(chromium, address)
+    assert errors_of(chromium) == []
+
+
+def errors_of(driver):
+    log = driver.get_log("browser")
+    return [entry["message"] for entry in log if entry["level"] == "SEVERE"]
+
+
+class Page:
+    """The page as a person sees it, and as its own record tells it."""
+
+    def __init__(self, driver, address, more=""):
+        self.driver = driver
+        driver.get("about:blank")
+        driver.get(address + more)
+        self.settle()
+
+    def run(self, script, *given):
+        return self.driver.execute_script(script, *given)
+
+    def until(self, script, *given):
+        """Wait until a script returns something true, and return that."""
+        end = time.monotonic() + PATIENCE
+        while time.monotonic() < end:
+            found = self.run(f"return {script}", *given)
+            if found:
+                return found
+            time.sleep(0.02)
+        raise AssertionError(f"never: {script}")
+
+    def settle(self, *parts, side=0):
+        """Wait until the newest question has been answered in full."""
+        for part in ("motion", "curve", *parts):
+            self.until(
+                "window.rotorIda && rotorIda.asked > 0 && rotorIda.shown[arguments[0]]"
+                "[arguments[1]]?.number === rotorIda.asked && rotorIda.drawn === rotorIda.asked",
+                side, part,
+            )  # fmt: skip
+
+    def array(self, part, name, side=0):
+        found = self.run(
+            "return Array.from(rotorIda.shown[arguments[0]][arguments[1]].arrays[arguments[2]], "
+            "(each) => Number.isNaN(each) ? null : each)", side, part, name
+        )  # fmt: skip
+        return np.array([np.nan if each is None else each for each in found], dtype=float)
+
+    def facts(self, part, side=0):
+        return self.run("return rotorIda.shown[arguments[0]][arguments[1]].facts", side, part)
+
+    def state(self):
+        return self.run("return {...rotorIda.state}")
+
+    def find(self, selector):
+        return self.driver.find_element(By.CSS_SELECTOR, selector)
+
+    def type(self, selector, value):
+        field = self.find(selector)
+        field.send_keys(Keys.CONTROL, "a")
+        field.send_keys(str(value), Keys.TAB)
+
+    def words(self):
+        return self.find("#words").text
+
+    def pictures(self):
+        """Return for each canvas that is seen a number that its pixels give."""
+        return self.run(PIXELS)
+
+
+def shown_run(page, rotor, start=(0, 0, 0, 0), revolutions=60):
+    duration = revolutions * 2 * np.pi / rotor.omega
+    samples = page.array("motion", "t").size
+    return simulate(rotor, start=start, duration=duration, samples=samples, method="taylor")
+
+
+def test_the_run_is_that_of_simulate(page):
+    run = shown_run(page, FIRST)
+    for name in ("t", "x", "y", "event_time", "event_x", "event_time_error", "peak_force"):
+        np.testing.assert_array_equal(page.array("motion", name), run[name].values)
+    seen = rotor_ida.rotating(run)
+    np.testing.assert_array_equal(page.array("motion", "rotating_x"), seen.rotating_x.values)
+    force = contact_force(np.hypot(run.x.values, run.y.values), FIRST.delta0)
+    np.testing.assert_array_equal(page.array("motion", "force"), force)
+    assert f"{run.sizes['event']} entries and exits" in page.words()
+
+
+def test_the_settled_response_is_that_of_sweep_and_compare(page):
+    page.settle("settled")
+    swept = sweep(omega=2.0, zeta=0.07, delta0=2.0, method="taylor")
+    compared, told = compare(swept), page.facts("settled")
+    for name in ("radius_min", "radius_max", "period"):
+        assert told[name] == float(swept[name].item())
+    assert told["digits"] == float(compared["digits"].item())
+    assert told["exact_period"] == pytest.approx(4.563916675380, abs=1e-11)
+    assert "bouncing limit cycle" in page.words()
+    assert f"agree to {int(told['digits'])} digits" in page.words()
+
+
+def test_the_curve_and_its_folds_are_the_closed_forms(page):
+    curve = response_curve(zeta=0.07, delta0=2.0, limits=SPEEDS, points=40)
+    np.testing.assert_array_equal(page.array("curve", "amplitude"), curve.amplitude.values.ravel())
+    exact = folds(zeta=0.07, delta0=2.0)
+    np.testing.assert_array_equal(
+        page.array("curve", "fold_omega"), exact.fold_omega.values.ravel()
+    )
+    page.settle("branch")
+    branch = page.array("branch", "radius_max")
+    assert np.abs(branch - 4.104416607).min() < 0.05
+
+
+def test_the_basin_is_that_of_basin(page):
+    page.until("rotorIda.shown[0].basin?.facts.finest")
+    reach, count = page.facts("basin")["reach"], page.facts("basin")["count"]
+    axis = reach * ((2.0 * np.arange(count) + 1.0) / count - 1.0)
+    found = basin(FIRST, x=axis, y=axis, workers=1, executor="serial")
+    np.testing.assert_array_equal(page.array("basin", "label"), found.label.values.ravel())
+    shares = [each["fraction"] for each in page.facts("basin")["attractors"]]
+    np.testing.assert_allclose(shares, found.fraction.values)
+
+
+def test_every_panel_is_drawn_and_follows_the_speed(page):
+    page.settle("settled", "section")
+    page.until("rotorIda.shown[0].basin?.facts.finest")
+    before = page.pictures()
+    assert len(before) == PLOTS
+    assert all(before)
+    page.type("#field-omega", 1.2)
+    page.settle("settled", "section")
+    page.until("rotorIda.shown[0].basin?.facts.finest")
+    time.sleep(0.3)
+    assert all(one != other for one, other in zip(before, page.pictures(), strict=True))
+
+
+@pytest.mark.parametrize("name", ["omega", "zeta", "delta0"])
+def test_a_slider_moves_by_key(page, name):
+    before = page.state()[name]
+    page.find(f"#slider-{name}").send_keys(Keys.ARROW_RIGHT, Keys.ARROW_RIGHT)
+    page.settle()
+    after = page.state()[name]
+    assert after > before
+    assert page.facts("motion")["rotor"][name] == after
+    assert float(page.find(f"#field-{name}").get_attribute("value")) == after
+
+
+def test_a_machine_in_si_units(page):
+    page.find('[name="units"][value="si"]').click()
+    page.settle("settled")
+    names = ("mass", "contact_stiffness", "damping", "eccentricity", "clearance", "speed")
+    for name in names:
+        page.find(f"#slider-{name}").send_keys(Keys.ARROW_LEFT)
+        page.settle()
+    state = page.state()
+    machine = DimensionalRotor(**{name: state[name] for name in names})
+    told = page.facts("motion")
+    assert Rotor(**told["rotor"]) == machine.rotor()
+    assert told["scales"]["force"] == machine.force_scale
+    run = shown_run(page, machine.rotor())
+    np.testing.assert_array_equal(page.array("motion", "event_time"), run.event_time.values)
+    page.settle("settled")
+    assert "µm" in page.words()
+    assert " N" in page.words()
+    page.find('[name="units"][value="none"]').click()
+    page.settle()
+    assert page.facts("motion")["rotor"]["omega"] == pytest.approx(machine.rotor().omega)
+
+
+def test_a_bad_value_is_told_and_the_page_lives_on(page):
+    page.type("#field-zeta", -1)
+    said = page.until("document.getElementById('trouble').textContent")
+    assert said == "zeta must be zero or positive, got -1.0"
+    page.type("#field-zeta", 0.1)
+    page.settle()
+    assert page.facts("motion")["rotor"]["zeta"] == 0.1
+    assert not page.find("#trouble").is_displayed()
+
+
+def test_without_damping_there_is_a_motion_and_no_basin(page):
+    page.type("#field-zeta", 0)
+    page.settle()
+    assert "nothing settles" in page.words()
+    page.until("document.querySelector('[data-key]').textContent.includes('zeta must be above 0')")
+
+
+def test_from_where_the_rotor_is(page):
+    page.find('[name="from"][value="here"]').click()
+    page.settle()
+    end = page.facts("motion")["end"]
+    page.find("#slider-omega").send_keys(Keys.ARROW_RIGHT)
+    page.settle()
+    assert page.facts("motion")["start"] == end
+    run = shown_run(page, Rotor(**page.facts("motion")["rotor"]), start=end)
+    np.testing.assert_array_equal(page.array("motion", "event_time"), run.event_time.values)
+
+
+@pytest.mark.parametrize(("button", "sign"), [("up", 1), ("down", -1)])
+def test_the_speed_runs_by_itself(page, button, sign):
+    page.type("#rate", 30)
+    page.find(f"#{button}").click()
+    page.until("Math.abs(rotorIda.state.omega - 2) > 0.045")
+    page.find(f"#{button}").click()
+    page.settle()
+    moved = page.state()["omega"] - 2.0
+    assert sign * moved > 0.0
+    assert moved == pytest.approx(0.01 * round(moved / 0.01))
+    assert page.facts("motion")["start"] != [0, 0, 0, 0]
+
+
+def test_two_clearances_side_by_side(page):
+    page.find("#beside").click()
+    page.settle()
+    page.settle(side=1)
+    page.type("#field-second", 0.5)
+    page.settle(side=1)
+    assert [page.facts("motion", side)["rotor"]["delta0"] for side in (0, 1)] == [2.0, 0.5]
+    other = simulate(
+        Rotor(omega=2.0, zeta=0.07, delta0=0.5), start=(0, 0, 0, 0), duration=60 * np.pi,
+        samples=page.array("motion", "t").size, method="taylor",
+    )  # fmt: skip
+    np.testing.assert_array_equal(page.array("motion", "x", side=1), other.x.values)
+    time.sleep(0.3)
+    assert len(page.pictures()) == 2 * PLOTS - 1
+    assert all(page.pictures())
+    page.find("#beside").click()
+    page.settle()
+    assert len(page.pictures()) == PLOTS
+
+
+def test_dragging_on_the_plane_moves_the_start(page):
+    plane = page.find('[data-panel="starts"] .u-over')
+    ActionChains(page.driver).move_to_element_with_offset(plane, 40, -30).click().perform()
+    page.settle()
+    x, y, vx, vy = page.facts("motion")["start"]
+    assert x > 0.5
+    assert y > 0.5
+    assert (vx, vy) == (0, 0)
+    page.find('[data-panel="starts"] [value="velocity"]').click()
+    chain = ActionChains(page.driver).move_to_element_with_offset(plane, 40, -30)
+    chain.click_and_hold().move_by_offset(-25, 0).release().perform()
+    page.settle()
+    after = page.facts("motion")["start"]
+    assert after[:2] == [x, y]
+    assert after[2] < -0.5
+    assert abs(after[3]) < 0.3
+    page.find("#rest").click()
+    page.settle()
+    assert page.facts("motion")["start"] == [0, 0, 0, 0]
+
+
+def test_dragging_on_the_response_moves_the_speed(page):
+    curve = page.find('[data-panel="response"] .u-over')
+    width = curve.size["width"]
+    ActionChains(page.driver).move_to_element_with_offset(curve, -width // 4, 0).click().perform()
+    page.settle()
+    assert page.state()["omega"] == pytest.approx(1.0, abs=0.02)
+
+
+def test_a_start_and_a_length_are_typed(page):
+    page.type("#start-x", 3)
+    page.type("#start-vy", -1.5)
+    page.type("#revolutions", 20)
+    page.settle()
+    assert page.facts("motion")["start"] == [3, 0, 0, -1.5]
+    run = shown_run(page, FIRST, start=(3, 0, 0, -1.5), revolutions=20)
+    np.testing.assert_array_equal(page.array("motion", "event_time"), run.event_time.values)
+
+
+def test_time_is_scrubbed_and_played(page):
+    page.settle("settled", "section")
+    time.sleep(0.3)
+    before = page.pictures()
+    slider = page.find("[data-time]")
+    slider.send_keys(Keys.HOME)
+    time.sleep(0.3)
+    assert float(slider.get_attribute("value")) == 0.0
+    moved = [one != other for one, other in zip(before, page.pictures(), strict=True)]
+    assert sum(moved) == 4  # both orbits, radius and force
+    play = page.find("[data-play]")
+    play.click()
+    page.until("Number(document.querySelector('[data-time]').value) > 0.005")
+    play.click()
+    page.find("[data-window]").send_keys("t")
+    time.sleep(0.3)
+    assert all(page.pictures())
+
+
+def test_the_address_is_the_state(page):
+    page.type("#start-x", 2.5)
+    page.type("#field-omega", 1.8)
+    page.find('[name="from"][value="here"]').click()
+    page.find("#slider-omega").send_keys(Keys.ARROW_RIGHT)
+    page.settle()
+    told = [page.facts("motion")[name] for name in ("rotor", "start")]
+    page.until("location.hash.includes(`omega=${rotorIda.state.omega}`)")
+    address = page.driver.current_url
+    assert "key=" not in address
+    time.sleep(0.4)
+    page.driver.refresh()
+    page.settle()
+    assert [page.facts("motion")[name] for name in ("rotor", "start")] == told
+    assert page.find('[name="from"][value="here"]').is_selected()
+
+
+def test_files_are_saved(page):
+    folder = page.driver.folder
+    for ending in ("nc", "png", "svg", "py"):
+        page.find(f'[data-file="{ending}"]').click()
+        deadline = time.monotonic() + PATIENCE
+        while not (folder / f"run.{ending}").exists():
+            assert time.monotonic() < deadline
+            time.sleep(0.1)
+    run = rotor_ida.load(folder / "run.nc")
+    np.testing.assert_array_equal(page.array("motion", "event_time"), run.event_time.values)
+    assert main(["verify", str(folder / "run.nc")]) == 0
+    made = folder / "again"
+    made.mkdir()
+    subprocess.run([sys.executable, str(folder / "run.py")], cwd=made, check=True)
+    again = rotor_ida.load(made / "run.nc")
+    np.testing.assert_array_equal(again.event_time.values, run.event_time.values)
+    assert (made / "run.svg").exists()
+
+
+def test_dark_and_light(page):
+    paper = "getComputedStyle(document.body).backgroundColor"
+    before = page.run(f"return {paper}")
+    page.find("#theme").click()
+    assert page.run(f"return {paper}") != before
+    time.sleep(0.3)
+    assert all(page.pictures())
+    page.find("#theme").click()
+    assert page.run(f"return {paper}") == before
+
+
+def test_two_hundred_fast_moves_leave_no_backlog(page):
+    page.run(
+        "const slider = document.getElementById('slider-omega');"
+        "for (let i = 1; i <= 200; i++) setTimeout(() => {"
+        "  slider.value = 1 + i / 200; slider.dispatchEvent(new Event('input')); }, 5 * i);"
+    )
+    page.until("rotorIda.state.omega === 2 && rotorIda.asked > 200")
+    page.settle("settled")
+    assert page.facts("motion")["rotor"]["omega"] == 2.0
+    assert page.run("return rotorIda.delays.length") <= 202
+
+
+def test_two_pages_keep_apart(page, address):
+    first = page.driver.current_window_handle
+    page.type("#field-omega", 1.5)
+    page.settle()
+    page.driver.switch_to.new_window("tab")
+    try:
+        other = Page(page.driver, address)
+        other.type("#field-omega", 2.5)
+        other.settle()
+        assert other.facts("motion")["rotor"]["omega"] == 2.5
+    finally:
+        page.driver.close()
+        page.driver.switch_to.window(first)
+    assert page.facts("motion")["rotor"]["omega"] == 1.5
+    page.type("#field-omega", 1.6)
+    page.settle("settled")
+    assert page.facts("settled")["rotor"]["omega"] == 1.6
+
+
+@pytest.mark.parametrize("width", [390, 800, 1400])
+def test_nothing_is_cut_off(page, width):
+    page.driver.execute_cdp_cmd(
+        "Emulation.setDeviceMetricsOverride",
+        {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500},
+    )
+    try:
+        time.sleep(0.5)
+        assert page.run("return document.documentElement.scrollWidth") <= width
+        wide = "Array.from(document.querySelectorAll('canvas'), (each) => each.clientWidth)"
+        assert min(page.run(f"return {wide}")) >= 180
+    finally:
+        page.driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+def test_a_screen_reader_finds_a_name_for_all(page):
+    page.settle("settled")
+    page.driver.execute_cdp_cmd("Accessibility.enable", {})
+    nodes = page.driver.execute_cdp_cmd("Accessibility.getFullAXTree", {})["nodes"]
+    roles = {"slider", "spinbutton", "button", "checkbox", "radio", "image", "combobox"}
+    named = [
+        (node["role"]["value"], node.get("name", {}).get("value", ""))
+        for node in nodes
+        if not node["ignored"] and node["role"]["value"] in roles
+    ]
+    assert {role for role, _ in named} == roles
+    assert [role for role, name in named if not name.strip()] == []
+
+
+def test_a_lost_connection_is_told(chromium):
+    process, address = served(*RUNNING)
+    page = Page(chromium, address)
+    ended(process)
+    page.until("document.getElementById('connection').textContent.startsWith('No answer')")
+    chromium.get_log("browser")  # the browser notes that it could not connect
+
+
+def test_a_page_that_needs_no_server(chromium, tmp_path):
+    file = tmp_path / "page.html"
+    words = ["explore", *RUNNING, "--export", str(file), "--speeds", "1.9", "2", "2.1"]
+    assert main(words) == 0
+    page = Page(chromium, file.as_uri())
+    run = simulate(FIRST, start=(0, 0, 0, 0), duration=60 * np.pi, samples=2881, method="taylor")
+    events = page.array("motion", "event_time")
+    np.testing.assert_allclose(events, run.event_time.values[-events.size :], rtol=1e-7)
+    page.find("#recorded-speed").send_keys(Keys.ARROW_RIGHT)
+    page.settle("settled", "section")
+    assert page.facts("motion")["rotor"]["omega"] == 2.1
+    page.find('[name="course"][value="up"]').click()
+    page.settle()
+    assert page.facts("motion")["start"] != [0, 0, 0, 0]
+    time.sleep(0.3)
+    assert sum(map(bool, page.pictures())) == PLOTS - 1
+    resources = page.run("return performance.getEntriesByType('resource').map((each) => each.name)")
+    assert [name for name in resources if not name.startswith("data:")] == []
+    assert errors_of(chromium) == []

@@ -1,0 +1,201 @@
+"""Whatever a page sends is a question or gets one clear line."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rotor_ida.errors import InputError
+from rotor_ida.explorer.questions import Question, read_question
+from rotor_ida.parameters import DimensionalRotor, Rotor
+from tests.explorer.asking import MACHINE, ROTOR, asked
+
+NAN, INFINITY = float("nan"), float("inf")
+HUGE = 10**3000
+FINITE = "must be a finite real number, got"
+WHOLE = "must be a whole number, got"
+LONGEST_MESSAGE = 500
+
+MISTAKES = [
+    ({"about": "weather"}, "about must be one of 'motion', 'responses', 'starts', 'nc', 'png'"),
+    ({"about": None}, "about must be one of"),
+    ({"about": ["motion"]}, "about must be one of"),
+    ({"about": "motion\n"}, "about must be one of"),
+    ({"number": -1}, "number must be at least 0, got -1"),
+    ({"number": 2**53 + 1}, "number must be at most 9007199254740992, got 9007199254740993"),
+    ({"number": HUGE}, "number must be at most 9007199254740992"),
+    ({"number": 1.0}, f"number {WHOLE} 1.0"),
+    ({"number": True}, f"number {WHOLE} True"),
+    ({"number": "1"}, f"number {WHOLE} '1'"),
+    ({"side": 2}, "side must be at most 1, got 2"),
+    ({"side": False}, f"side {WHOLE} False"),
+    ({"revolutions": 0}, "revolutions must be at least 1, got 0"),
+    ({"revolutions": 2001}, "revolutions must be at most 2000, got 2001"),
+    ({"revolutions": 60.0}, f"revolutions {WHOLE} 60.0"),
+    ({"revolutions": None}, f"revolutions {WHOLE} None"),
+    ({"start": [0, 0, 0]}, "start must be four numbers (x, y, vx, vy), got [0, 0, 0]"),
+    ({"start": [0, 0, 0, 0, 0]}, "start must be four numbers"),
+    ({"start": {"x": 0}}, "start must be four numbers"),
+    ({"start": "0000"}, "start must be four numbers"),
+    ({"start": 0}, "start must be four numbers"),
+    ({"start": [0, NAN, 0, 0]}, f"start y {FINITE} nan"),
+    ({"start": [0, 0, 0, -INFINITY]}, f"start vy {FINITE} -inf"),
+    ({"start": [True, 0, 0, 0]}, f"start x {FINITE} True"),
+    ({"start": ["0", 0, 0, 0]}, f"start x {FINITE} '0'"),
+    ({"start": [None, 0, 0, 0]}, f"start x {FINITE} None"),
+    ({"start": [[0], 0, 0, 0]}, f"start x {FINITE} [0]"),
+    ({"start": [[0], [0], [0], [0]]}, "start must be four numbers"),
+    ({"start": [0, 0, 1.1e6, 0]}, "start vx must lie within 1e+06 of zero, got 1100000.0"),
+    ({"speeds": [3, 0.05]}, "speeds must be two increasing numbers, got (3.0, 0.05)"),
+    ({"speeds": [1, 1]}, "speeds must be two increasing numbers, got (1.0, 1.0)"),
+    ({"speeds": [0, 0]}, "speeds must be two increasing numbers, got (0.0, 0.0)"),
+    ({"speeds": [-1, 3]}, "speeds must be zero or positive, got -1.0"),
+    ({"speeds": [0, 1.1e6]}, "speeds must be at most 1e+06, got 1100000.0"),
+    ({"speeds": [0, HUGE]}, f"speeds {FINITE}"),
+    ({"speeds": [0.05]}, "speeds must be two numbers, got [0.05]"),
+    ({"speeds": {"0": 1, "1": 2}}, "speeds must be two numbers"),
+    ({"speeds": "12"}, "speeds must be two numbers"),
+    ({"reach": 0}, "reach must be positive, got 0.0"),
+    ({"reach": 1e-7}, "reach must lie from 1e-06 to 1000000.0, got 1e-07"),
+    ({"reach": 2e6}, "reach must lie from 1e-06 to 1000000.0, got 2000000.0"),
+    ({"reach": NAN}, f"reach {FINITE} nan"),
+    ({"reach": [8]}, f"reach {FINITE} [8]"),
+    ({"machine": {}}, "machine must have omega, zeta and delta0, or mass, contact_stiffness"),
+    ({"machine": None}, "machine must have"),
+    ({"machine": [2.0, 0.07, 2.0]}, "machine must have"),
+    ({"machine": "rotor"}, "machine must have"),
+    ({"machine": ROTOR | {"mass": 1}}, "machine must have"),
+    ({"machine": {"omega": 2, "zeta": 0.07}}, "machine must have"),
+    ({"machine": ROTOR | {"omega": -1}}, "omega must be zero or positive, got -1.0"),
+    ({"machine": ROTOR | {"omega": 1.1e6}}, "omega must be at most 1e+06 to be simulated"),
+    ({"machine": ROTOR | {"zeta": True}}, f"zeta {FINITE} True"),
+    ({"machine": ROTOR | {"delta0": "2"}}, f"delta0 {FINITE} '2'"),
+    ({"machine": ROTOR | {"delta0": {"a": 1}}}, f"delta0 {FINITE} {{'a': 1}}"),
+    ({"machine": ROTOR | {"omega": HUGE}}, f"omega {FINITE}"),
+    ({"machine": MACHINE | {"mass": 0}}, "mass must be positive, got 0.0"),
+    ({"machine": MACHINE | {"damping": -1}}, "damping must be zero or positive, got -1.0"),
+    ({"machine": MACHINE | {"mass": 1e300}}, "must give scales of frequency, velocity and force"),
+    ({"machine": MACHINE | {"eccentricity": 1e-300}}, "must give scales"),
+    ({"machine": MACHINE | {"contact_stiffness": 1e308, "mass": 5e-324}}, "must give scales"),
+    ({"machine": MACHINE | {"speed": 1e300}}, "omega must be at most 1e+06 to be simulated"),
+    ({"machine": MACHINE | {"speed": 1e308, "mass": 1e90}}, "must be"),
+    ({"machine": MACHINE | {"clearance": 1e9}}, "delta0 must be at most 1e+06 to be simulated"),
+]  # fmt: skip
+
+NAMES = "about, machine, number, reach, revolutions, side, speeds, start"
+TEXTS = [
+    ("", "a question must be JSON, got ''"),
+    ("motion", "a question must be JSON, got 'motion'"),
+    ("{", "a question must be JSON"),
+    ("[" * 4096, "a question must be JSON"),
+    ('{"a":' * 800, "a question must be JSON"),
+    ('"\\ud800', "a question must be JSON"),
+    ("1" * 4096, "a question must"),
+    ("null", f"a question must have {NAMES}, got None"),
+    ("NaN", f"a question must have {NAMES}, got nan"),
+    ("[]", f"a question must have {NAMES}, got []"),
+    ("{}", f"a question must have {NAMES}, got not ['about', 'machine', 'number', 'reach'"),
+    ('"motion"', f"a question must have {NAMES}, got 'motion'"),
+    ('{"about": "motion"}', f"a question must have {NAMES}, got not ['machine', 'number'"),
+    ('{"a\\nb\\u2028c": 1}', f"a question must have {NAMES}, got not"),
+    (" " * 4097, "a question must have at most 4096 characters, got 4097"),
+]
+
+
+def message_of(text: str) -> str:
+    with pytest.raises(InputError) as caught:
+        read_question(text)
+    message = str(caught.value)
+    assert len(message.splitlines()) == 1
+    assert len(message) <= LONGEST_MESSAGE
+    return message
+
+
+@pytest.mark.parametrize(("changes", "told"), MISTAKES, ids=lambda value: str(value)[:60])
+def test_a_mistake_gets_one_line_that_names_it(changes: dict[str, object], told: str):
+    assert told in message_of(json.dumps(asked(**changes)))
+
+
+@pytest.mark.parametrize(("text", "told"), TEXTS, ids=lambda value: str(value)[:30])
+def test_a_text_that_is_no_question_gets_one_line(text: str, told: str):
+    assert told in message_of(text)
+
+
+@pytest.mark.parametrize("name", sorted(asked()))
+def test_every_name_must_be_there(name: str):
+    given = asked()
+    del given[name]
+    assert "a question must have" in message_of(json.dumps(given))
+
+
+def test_no_other_name_may_be_there():
+    assert "got also ['executor']" in message_of(json.dumps(asked(executor="threads")))
+    assert "got also ['a\\nb\\u2028c']" in message_of(json.dumps(asked(**{"a\nb\u2028c": 1})))
+
+
+def test_the_longest_question_is_read():
+    text = json.dumps(asked())
+    assert isinstance(read_question(text.ljust(4096)), Question)
+    assert "at most 4096 characters" in message_of(text.ljust(4097))
+
+
+def test_the_limits_themselves_are_allowed():
+    largest = {"omega": 1e6, "zeta": 1e6, "delta0": 1e6}
+    read = read_question(
+        json.dumps(
+            asked(
+                machine=largest, start=[1e6, -1e6, 1e6, -1e6], revolutions=2000, speeds=[0, 1e6],
+                reach=1e6, number=2**53, side=1,
+            )
+        )
+    )  # fmt: skip
+    assert read.rotor == Rotor(**largest)
+    assert read.speeds == (0.0, 1e6)
+    assert read_question(json.dumps(asked(reach=1e-6))).reach == 1e-6
+
+
+def test_a_machine_in_si_units_is_its_rotor():
+    read = read_question(json.dumps(asked(machine=MACHINE)))
+    assert read.machine == DimensionalRotor(**MACHINE)
+    assert read.rotor == Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20),
+    lambda inner: st.lists(inner, max_size=5) | st.dictionaries(st.text(), inner, max_size=5),
+    max_leaves=20,
+)
+FIELDS = st.sampled_from(sorted(asked()))
+
+
+def read_or_refused(text: str) -> None:
+    try:
+        assert isinstance(read_question(text), Question)
+    except InputError:
+        message_of(text)
+
+
+@given(st.text(max_size=5000))
+def test_any_text_is_a_question_or_refused(text: str):
+    read_or_refused(text)
+
+
+@given(JSON)
+def test_any_json_is_a_question_or_refused(value: Any):
+    read_or_refused(json.dumps(value))
+
+
+@given(FIELDS, JSON)
+def test_any_value_of_any_name_is_taken_or_refused(name: str, value: Any):
+    read_or_refused(json.dumps(asked(**{name: value})))
+
+
+@given(st.sampled_from([ROTOR, MACHINE]), st.data())
+def test_any_machine_is_taken_or_refused(machine: dict[str, float], data: st.DataObject):
+    number = st.floats() | st.integers() | st.floats(0.0, 1e6) | JSON
+    given = {name: data.draw(number) for name in machine}
+    read_or_refused(json.dumps(asked(machine=given)))

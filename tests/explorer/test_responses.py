@@ -1,0 +1,182 @@
+"""The response curve, what is settled on and its branch are those of the library."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import rotor_ida
+from rotor_ida.closed_forms.response_curve import response_curve
+from rotor_ida.cycles.branches import branches_through
+from rotor_ida.explorer import responses
+from rotor_ida.explorer.questions import Question
+from rotor_ida.schema import EXACT, RESPONSE
+from tests.explorer.asking import MACHINE, ROTOR, SLOW, Message, answer_to, question
+
+BOUNCING = question("responses", start=[2.6, 0.75, 0.66, -1.65])
+WHIRL = question("responses", machine={"omega": 1.7, "zeta": 0.07, "delta0": 0.5})
+CHAOS = question("responses", machine=SLOW, start=[1.5, -0.25, 0.0, 0.0])
+FREE = question("responses", machine={"omega": 0.5, "zeta": 0.07, "delta0": 3.0})
+ALL = {"bouncing": BOUNCING, "whirl": WHIRL, "chaos": CHAOS, "contact-free": FREE}
+
+
+@pytest.fixture(autouse=True)
+def no_branches_yet(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(responses, "_branches", {})
+
+
+@pytest.fixture(scope="module", params=ALL)
+def asking(request: pytest.FixtureRequest) -> Question:
+    return ALL[request.param]
+
+
+@pytest.fixture(scope="module")
+def parts(asking: Question) -> dict[str, Message]:
+    return {message.part: message for message in answer_to(asking)}
+
+
+def swept(asking: Question) -> xr.Dataset:
+    rotor = asking.rotor
+    return rotor_ida.sweep(
+        omega=rotor.omega, zeta=rotor.zeta, delta0=rotor.delta0, starts=[asking.start],
+        method="taylor", executor="serial",
+    )  # fmt: skip
+
+
+def test_the_curve_is_that_of_the_closed_forms_bit_for_bit(
+    asking: Question, parts: dict[str, Message]
+):
+    rotor, arrays = asking.rotor, parts["curve"].arrays
+    curve = response_curve(
+        zeta=rotor.zeta, delta0=rotor.delta0, limits=(0.05, 3.0), points=80
+    ).squeeze()
+    for name in ("omega", "amplitude", "piece", "stability", "in_contact"):
+        np.testing.assert_array_equal(arrays[name], curve[name].values, err_msg=name)
+    folds = rotor_ida.folds(zeta=rotor.zeta, delta0=rotor.delta0).squeeze(("zeta", "delta0"))
+    for name in ("fold_omega", "fold_amplitude"):
+        given = folds[name].values
+        np.testing.assert_array_equal(arrays[name], given[np.isfinite(given)], err_msg=name)
+
+
+def test_what_is_settled_on_is_what_sweep_and_compare_say(
+    asking: Question, parts: dict[str, Message]
+):
+    facts, sweep = parts["settled"].facts, swept(asking)
+    compared = rotor_ida.compare(sweep)
+    sweep, compared = (each.squeeze(("omega", "zeta", "delta0", "start", "direction"))
+                       for each in (sweep, compared))  # fmt: skip
+    assert RESPONSE[facts["response"]] == int(sweep["response"])
+    assert EXACT[facts["lies_on"]] == int(compared["lies_on"])
+    names = ("amplitude", "phase_lag", "radius_min", "radius_max", "period", "lyapunov_exponent")
+    for name in names:
+        value = float(sweep[name])
+        assert facts[name] == (None if np.isnan(value) else value)
+    digits = float(compared["digits"])
+    assert facts["digits"] == (None if np.isnan(digits) else digits)
+    assert facts["end"] == [float(sweep[f"end_{name}"]) for name in ("x", "y", "vx", "vy")]
+
+
+def test_the_section_is_that_of_the_library_bit_for_bit(
+    asking: Question, parts: dict[str, Message]
+):
+    facts, arrays = parts["settled"].facts, parts["section"].arrays
+    found = rotor_ida.poincare_section(
+        asking.rotor, start=facts["end"], method="taylor",
+        revolutions=4096 if facts["response"] == "chaotic" else 256,
+    )  # fmt: skip
+    np.testing.assert_array_equal(arrays["section_x"], found["rotating_x"].values)
+    np.testing.assert_array_equal(arrays["section_y"], found["rotating_y"].values)
+
+
+def test_each_kind_of_response_is_met():
+    found = {name: answer_to(each)[-1] for name, each in ALL.items()}
+    assert found["bouncing"].part == "branch"
+    assert {found[name].part for name in ("whirl", "chaos", "contact-free")} == {"section"}
+
+
+def test_a_whirl_has_its_exact_amplitude():
+    facts = next(each for each in answer_to(WHIRL) if each.part == "settled").facts
+    exact = rotor_ida.synchronous_response(omega=1.7, zeta=0.07, delta0=0.5)["amplitude"].values
+    assert facts["lies_on"] == "whirl"
+    assert facts["exact_amplitude"] in exact.ravel().tolist()
+    assert facts["amplitude"] == pytest.approx(facts["exact_amplitude"], abs=10 ** -facts["digits"])
+
+
+def test_the_branch_is_the_library_s_bit_for_bit():
+    arrays = answer_to(BOUNCING)[-1].arrays
+    compared = rotor_ida.compare(swept(BOUNCING))
+    (branch,) = branches_through(compared, limits=(0.05, 3.0), points=2000)
+    for name in ("omega", "radius_min", "radius_max", "period", "largest_force", "stability"):
+        np.testing.assert_array_equal(arrays[name], branch[name].values, err_msg=name)
+    for name, each in {"special_omega": "special_value", "special_kind": "special_kind",
+                       "special_point": "special_point"}.items():  # fmt: skip
+        np.testing.assert_array_equal(arrays[name], branch[each].values, err_msg=name)
+    assert arrays["omega"].min() < 2.0 < arrays["omega"].max()
+
+
+def test_the_branch_bifurcates_where_that_of_continue_cycle_does():
+    arrays = answer_to(BOUNCING)[-1].arrays
+    followed = rotor_ida.continue_cycle(BOUNCING.rotor, start=BOUNCING.start, limits=(0.05, 3.0))
+    np.testing.assert_array_equal(arrays["special_kind"], followed["special_kind"].values)
+    # Newton's method finds them to a residual of some 1e-13 from whatever points it comes
+    np.testing.assert_allclose(arrays["special_omega"], followed["special_value"].values, rtol=1e-9)
+
+
+def test_a_branch_that_is_known_comes_before_the_simulation_and_once():
+    first = [each.part for each in answer_to(BOUNCING)]
+    again = [each.part for each in answer_to(BOUNCING)]
+    assert first == ["curve", "settled", "section", "branch"]
+    assert again == ["curve", "branch", "settled", "section"]
+
+
+def test_a_machine_has_the_answer_of_its_rotor():
+    plain, in_si = (
+        answer_to(question("responses", machine=machine)) for machine in (ROTOR, MACHINE)
+    )
+    plain, in_si = ({each.part: each for each in some} for some in (plain, in_si))
+    assert plain.keys() == in_si.keys()
+    for part, message in plain.items():
+        for name, values in message.arrays.items():
+            np.testing.assert_array_equal(in_si[part].arrays[name], values, err_msg=name)
+    told = plain["settled"].facts
+    for name in told.keys() - {"scales", "words"}:
+        assert in_si["settled"].facts[name] == told[name]
+    assert any("µm" in sentence for sentence in in_si["settled"].facts["words"])
+
+
+@pytest.mark.parametrize("changes", [{"omega": 0.0}, {"zeta": 0.0}, {"omega": 0.0, "zeta": 0.0}])
+def test_where_nothing_settles_there_is_the_curve_alone(changes: dict[str, float]):
+    (curve,) = answer_to(question("responses", machine=ROTOR | changes))
+    assert curve.part == "curve"
+
+
+def test_a_run_that_fails_is_told_of_and_not_looked_at_further(monkeypatch: pytest.MonkeyPatch):
+    def fail(**given: object) -> object:
+        found = rotor_ida.sweep(**given)
+        lost = {name: found[name] * np.nan for name in found if str(name).startswith("end_")}
+        said = found["message"].copy(data=np.full(found["message"].shape, "too much work"))
+        return found.assign(
+            **lost, response=found["response"] * 0 + RESPONSE["failed"], message=said
+        )
+
+    monkeypatch.setattr(responses, "sweep", fail)
+    parts = answer_to(question("responses"))
+    assert [each.part for each in parts if each.part != "branch"] == ["curve", "settled"]
+    assert "too much work" in " ".join(parts[-1].facts["words"])
+
+
+@pytest.mark.parametrize("omega", [1e-6, 1e6])
+def test_a_speed_at_which_nothing_can_settle_is_said_in_one_line(omega: float):
+    curve, trouble = answer_to(question("responses", machine=ROTOR | {"omega": omega}))
+    assert (curve.part, trouble.part) == ("curve", "trouble")
+    assert "omega must be 0 or from 0.001 to 1000 to settle" in trouble.facts["message"]
+
+
+@pytest.mark.parametrize("delta0", [0.0, 1e-6, 1e6])
+@pytest.mark.parametrize("speeds", [[0.0, 1e6], [0.0, 1e-6], [1e-6, 1e-3], [1.0, 1.0000001]])
+def test_every_range_of_speeds_has_a_curve(delta0: float, speeds: list[float]):
+    machine = {"omega": 0.0, "zeta": 0.07, "delta0": delta0}
+    (curve,) = answer_to(question("responses", machine=machine, speeds=speeds))
+    assert curve.part == "curve"
+    assert np.isfinite(curve.arrays["omega"]).any()

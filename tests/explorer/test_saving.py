@@ -1,0 +1,81 @@
+"""What one keeps of a run: each file whole, and of the very run that was shown."""
+
+from __future__ import annotations
+
+import runpy
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+import rotor_ida
+from rotor_ida.cli import main
+from tests.explorer.asking import MACHINE, ROTOR, answer_to, question
+
+START = [2.6, 0.75, 0.66, -1.65]
+SHOWN = ("t", "x", "y", "event_time", "event_x", "event_y")
+
+
+def contents_of(about: str, **changes: object) -> bytes:
+    (message,) = answer_to(question(about, start=START, **changes))
+    assert message.facts["name"] == f"run.{about}"
+    return message.arrays["contents"].tobytes()
+
+
+def shown_run(**changes: object) -> dict[str, np.ndarray]:
+    (message,) = answer_to(question(start=START, **changes))
+    return dict(message.arrays)
+
+
+@pytest.mark.parametrize("machine", [ROTOR, MACHINE, ROTOR | {"omega": 0.0}, ROTOR | {"zeta": 0.0}])
+def test_the_archive_is_of_the_run_that_was_shown_and_verified(
+    machine: dict[str, float], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    place = tmp_path / "run.nc"
+    place.write_bytes(contents_of("nc", machine=machine, revolutions=20))
+    run = rotor_ida.load(place)
+    for name, values in shown_run(machine=machine, revolutions=20).items():
+        if name in SHOWN:
+            np.testing.assert_array_equal(run[name].values, values, err_msg=name)
+    assert main(["verify", str(place)]) == 0
+    capsys.readouterr()
+
+
+@pytest.mark.parametrize("machine", [ROTOR, MACHINE])
+def test_the_lines_make_the_run_and_its_figure_again(
+    machine: dict[str, float], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    lines = tmp_path / "run.py"
+    lines.write_bytes(contents_of("py", machine=machine))
+    monkeypatch.chdir(tmp_path)
+    runpy.run_path(str(lines))
+    run = rotor_ida.load("run.nc")
+    shown = shown_run(machine=machine)
+    for name in SHOWN:
+        np.testing.assert_array_equal(run[name].values, shown[name], err_msg=name)
+    assert sorted(each.name for each in tmp_path.iterdir()) == [
+        "run.nc", "run.png", "run.py", "run.svg",
+    ]  # fmt: skip
+    runpy.run_path(str(lines))  # once more, over what is there
+
+
+@pytest.mark.parametrize("machine", [ROTOR, MACHINE])
+def test_the_figures_are_pictures(machine: dict[str, float]):
+    assert contents_of("png", machine=machine).startswith(b"\x89PNG\r\n\x1a\n")
+    root = ElementTree.fromstring(contents_of("svg", machine=machine))
+    assert root.tag == "{http://www.w3.org/2000/svg}svg"
+
+
+def test_a_run_that_cannot_be_followed_gets_one_reason_and_no_file():
+    machine = ROTOR | {"omega": 1e-6}
+    (message,) = answer_to(question("nc", machine=machine, revolutions=2000))
+    assert message.part == "trouble"
+    assert "duration must be below" in message.facts["message"]
+
+
+def test_saving_leaves_nothing_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    for about in ("nc", "png", "py"):
+        contents_of(about, revolutions=1)
+    assert not list(tmp_path.iterdir())

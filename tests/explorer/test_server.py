@@ -1,0 +1,428 @@
+"""The page is served to this machine alone; whatever else comes, it is still answered."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import socket
+import struct
+import sys
+import time
+from collections.abc import Callable, Iterator
+
+import pytest
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import ClientConnection
+
+from rotor_ida.explorer import server
+from tests.explorer.asking import ROTOR, Message, asked, unpacked
+from tests.explorer.conftest import PATIENCE, Program, wait_until
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
+
+# A server that keeps what it is sent, or a task for each connection, grows by far more.
+MOST_GROWTH = 50e6
+
+
+def memory(program: Program) -> float:
+    """Return the memory that the server holds [B]."""
+    with open(f"/proc/{program.process.pid}/status") as status:
+        line = next(line for line in status if line.startswith("VmRSS"))
+    return float(line.split()[1]) * 1024.0
+
+
+def opened(program: Program, sent: bytes = b"") -> socket.socket:
+    connection = socket.create_connection(("127.0.0.1", program.port), timeout=PATIENCE)
+    connection.sendall(sent)
+    return connection
+
+
+def fetched(
+    program: Program, path: str = "/", host: str = "", extra: str = ""
+) -> tuple[int, bytes]:
+    """Return status and body of what is served under a path."""
+    head = f"GET {path} HTTP/1.1\r\nHost: {host or f'127.0.0.1:{program.port}'}\r\n{extra}"
+    return reply(program, f"{head}Connection: close\r\n\r\n".encode())
+
+
+def reply(program: Program, sent: bytes) -> tuple[int, bytes]:
+    with opened(program, sent) as connection:
+        got = b""
+        while more := connection.recv(65536):
+            got += more
+    head, _, body = got.partition(b"\r\n\r\n")
+    return int(head.split()[1]) if head else 0, body
+
+
+def answered(talk: ClientConnection, **changes: object) -> Message:
+    talk.send(json.dumps(asked(**changes)))
+    return heard(talk)
+
+
+def heard(talk: ClientConnection) -> Message:
+    message = talk.recv(PATIENCE)
+    assert isinstance(message, bytes)
+    return unpacked(message)
+
+
+def handshake(program: Program) -> bytes:
+    """Return the words with which the page's connection begins."""
+    host = f"127.0.0.1:{program.port}"
+    return (
+        f"GET /ask HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\n"
+        "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
+        "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n"
+        f"Sec-WebSocket-Protocol: rotor-ida.{program.key}\r\n\r\n"
+    ).encode()
+
+
+def frame(payload: bytes, *, kind: int = 1, last: bool = True, length: int | None = None) -> bytes:
+    """Return a frame as a client sends it, masked with zeros."""
+    size = len(payload) if length is None else length
+    head = bytes([kind | (0x80 if last else 0)])
+    if size < 126:
+        head += bytes([0x80 | size])
+    elif size < 65536:
+        head += bytes([0x80 | 126]) + struct.pack("!H", size)
+    else:
+        head += bytes([0x80 | 127]) + struct.pack("!Q", size)
+    return head + bytes(4) + payload
+
+
+def begun(program: Program) -> socket.socket:
+    """Return a connection as a page's, on which frames can be sent that no browser would send."""
+    connection = opened(program, handshake(program))
+    got = b""
+    while b"\r\n\r\n" not in got:
+        got += connection.recv(65536)
+    assert got.startswith(b"HTTP/1.1 101")
+    return connection
+
+
+def sent_until_refused(connection: socket.socket, piece: bytes, total: int) -> int:
+    """Send up to so many bytes, and return how many were taken."""
+    taken = 0
+    with contextlib.suppress(OSError):
+        while taken < total:
+            connection.sendall(piece)
+            taken += len(piece)
+    return taken
+
+
+@pytest.fixture
+def unharmed(served: Program) -> Iterator[Callable[[], None]]:
+    """Check after an attack: the page is served, a good client answered, and memory is flat."""
+    fetched(served)
+    before = memory(served)
+
+    def check() -> None:
+        status, body = fetched(served)
+        assert (status, b"<html" in body) == (200, True)
+        with served.talk() as talk:
+            assert answered(talk).facts["rotor"] == ROTOR
+        assert memory(served) - before < MOST_GROWTH
+        assert "Traceback" not in served.text
+
+    yield check
+    check()
+
+
+@pytest.mark.parametrize("name", ["127.0.0.1", "localhost", "[::1]"])
+@pytest.mark.parametrize("port", ["", ":80", ":9000", ":65535"])
+def test_the_names_of_this_machine_are_served_at_any_port(served: Program, name: str, port: str):
+    assert fetched(served, host=f"{name}{port}")[0] == 200
+
+
+@pytest.mark.parametrize(
+    "host",
+    ["example.org", "127.0.0.1.example.org", "localhost.example.org:8765", "127.0.0.2", "0.0.0.0",
+     "127.0.0.1@example.org", "localhost:80:90", "localhost:x", "[::2]", "::1", "[::1", " ",
+     "a" * 999],
+)  # fmt: skip
+@pytest.mark.usefixtures("unharmed")
+def test_other_hosts_are_refused(served: Program, host: str):
+    status, body = fetched(served, host=host)
+    assert status in {400, 403}
+    assert b"<html" not in body
+
+
+@pytest.mark.parametrize(
+    "extra", ["Host: example.org\r\n", "Host: 127.0.0.1\r\n", "X-Forwarded-Host: 127.0.0.1\r\n"]
+)
+def test_a_second_host_does_not_help(served: Program, extra: str):
+    assert fetched(served, host="example.org", extra=extra)[0] in {400, 403}
+
+
+def test_without_a_host_nothing_is_served(served: Program):
+    assert reply(served, b"GET / HTTP/1.1\r\nConnection: close\r\n\r\n")[0] in {400, 403}
+    assert reply(served, b"GET / HTTP/1.0\r\n\r\n")[0] in {400, 403}
+
+
+@pytest.mark.parametrize("origin", ["http://example.org", "null", "file://", "http://127.0.0.1:1"])
+def test_a_page_of_another_origin_gets_nothing(served: Program, origin: str):
+    assert fetched(served, extra=f"Origin: {origin}\r\n")[0] == 403
+
+
+@pytest.mark.parametrize(
+    "origin",
+    [None, "http://example.org", "null", "http://127.0.0.1", "http://localhost:{port}",
+     "http://127.0.0.1:{port}.example.org", "ws://127.0.0.1:{port}", "http://127.0.0.1:{port}/"],
+)  # fmt: skip
+@pytest.mark.usefixtures("unharmed")
+def test_a_talk_from_another_origin_is_refused(served: Program, origin: str | None):
+    given = None if origin is None else origin.format(port=served.port)
+    with pytest.raises(InvalidStatus, match="403"), served.talk(origin=given):
+        pass
+
+
+@pytest.mark.parametrize(
+    "words", [None, ["rotor-ida"], ["rotor-ida."], ["rotor-ida.0123456789abcdef0123456789abcdef"]]
+)
+@pytest.mark.usefixtures("unharmed")
+def test_a_talk_without_the_key_is_refused(served: Program, words: list[str] | None):
+    with pytest.raises(InvalidStatus, match="403"), served.talk(subprotocols=words):
+        pass
+
+
+@pytest.mark.usefixtures("unharmed")
+def test_a_key_of_odd_letters_is_refused(served: Program):
+    for word in (b"\xff\xfe", "rotor-ida.é".encode(), b"rotor-ida.\x80" * 50, b""):
+        sent = handshake(served).replace(f"rotor-ida.{served.key}".encode(), word)
+        assert reply(served, sent)[0] in {400, 403}
+
+
+def test_a_page_at_a_forwarded_port_may_talk(served: Program):
+    here = f"127.0.0.1:{served.port}".encode()
+    sent = handshake(served).replace(here, b"localhost:9000")
+    with opened(served, sent) as connection:
+        assert connection.recv(65536).startswith(b"HTTP/1.1 101")
+
+
+@pytest.mark.parametrize(
+    "path",
+    ["/server.py", "/../server.py", "/%2e%2e/server.py", "/uplot/../../server.py", "//etc/passwd",
+     "/..%2f..%2fserver.py", "/%00", "/uplot", "/uplot/", "/index.html/", "/.", "/a\\..\\server.py",
+     "/" + "a" * 5000, "/?" + "a" * 5000],
+)  # fmt: skip
+@pytest.mark.usefixtures("unharmed")
+def test_nothing_but_the_page_is_served(served: Program, path: str):
+    status, body = fetched(served, path)
+    assert status == (200 if path.startswith("/?") else 404)
+    assert b"import " not in body or status == 200
+
+
+def test_every_file_of_the_page_is_served_and_may_not_be_used_elsewhere(served: Program):
+    for name in ("index.html", "uplot/uPlot.esm.js", "uplot/uPlot.min.css"):
+        assert fetched(served, f"/{name}")[0] == 200
+    with opened(served, f"GET / HTTP/1.0\r\nHost: 127.0.0.1:{served.port}\r\n\r\n".encode()) as one:
+        head = one.recv(65536).partition(b"\r\n\r\n")[0].decode().lower()
+    assert "content-security-policy: default-src 'none';" in head
+    assert "cross-origin-resource-policy: same-origin" in head
+    assert "frame-ancestors 'none'" in head
+
+
+@pytest.mark.parametrize("method", ["POST", "PUT", "DELETE", "OPTIONS", "TRACE", "CONNECT", "X"])
+@pytest.mark.usefixtures("unharmed")
+def test_other_methods_are_refused(served: Program, method: str):
+    host = f"Host: 127.0.0.1:{served.port}\r\n"
+    assert reply(served, f"{method} / HTTP/1.1\r\n{host}Connection: close\r\n\r\n".encode())[0] in {
+        400, 405,
+    }  # fmt: skip
+
+
+@pytest.mark.usefixtures("unharmed")
+def test_what_is_no_http_is_refused(served: Program):
+    host = f"Host: 127.0.0.1:{served.port}\r\n".encode()
+    refused = [
+        b"\x00" * 1000, b"\x16\x03\x01\x02\x00", b"GET\r\n\r\n",
+        b"GET / HTTP/one\r\n" + host + b"\r\n",
+        b"GET / HTTP/1.1\r\n" + host + b"X: " + b"a" * 1_000_000 + b"\r\n\r\n",
+        b"GET /" + b"a" * 1_000_000 + b" HTTP/1.1\r\n" + host + b"\r\n",
+        b"POST / HTTP/1.1\r\n" + host + b"Transfer-Encoding: chunked\r\n\r\nzz\r\n" + b"x" * 999,
+        b"POST / HTTP/1.1\r\n" + host + b"Content-Length: 1\r\nContent-Length: 2\r\n\r\n",
+        handshake(served).replace(b"Version: 13", b"Version: 7"),
+        handshake(served).replace(b"AAAAAAAAAAAAAAAAAAAAAA==", b"AA"),
+    ]  # fmt: skip
+    for sent in refused:
+        with contextlib.suppress(ConnectionError):
+            assert reply(served, sent)[0] in {0, 400, 405, 426, 431}
+
+
+@pytest.mark.usefixtures("unharmed")
+def test_a_body_of_100_mb_is_not_kept(served: Program):
+    head = f"POST / HTTP/1.1\r\nHost: 127.0.0.1:{served.port}\r\nContent-Length: 100000000\r\n\r\n"
+    with opened(served, head.encode()) as connection:
+        sent_until_refused(connection, bytes(1_000_000), 100_000_000)
+
+
+def test_a_mistake_gets_one_line_and_the_page_lives_on(served: Program):
+    with served.talk() as talk:
+        for sent in ("{", "null", json.dumps(asked(revolutions=0)), " " * 4097, " " * 60_000):
+            talk.send(sent)
+            mistake = heard(talk)
+            assert mistake.part == "mistake"
+            assert len(mistake.facts["message"].splitlines()) == 1
+        assert answered(talk).part == "motion"
+
+
+def test_a_binary_message_is_a_mistake_like_others(served: Program):
+    with served.talk() as talk:
+        talk.send(json.dumps(asked()).encode())
+        assert heard(talk).part == "mistake"
+        assert answered(talk).part == "motion"
+
+
+@pytest.mark.usefixtures("unharmed")
+def test_text_that_is_no_text_ends_the_talk(served: Program):
+    with begun(served) as connection:
+        connection.sendall(frame(b"\xff\xfe\xfd"))
+        assert connection.recv(1000)[:1] in {b"\x88", b""}
+
+
+@pytest.mark.usefixtures("unharmed")
+def test_a_message_of_100_mb_is_refused(served: Program):
+    with served.talk() as talk:
+        with contextlib.suppress(ConnectionClosed, OSError):
+            talk.send("x" * 100_000_000)
+        with pytest.raises(ConnectionClosed):
+            talk.recv(PATIENCE)
+
+
+FLOODS = {
+    "claimed": (frame(b"", length=10**8), bytes(10**6)),
+    "claimed to be endless": (frame(b"", length=2**63 - 1), bytes(10**6)),
+    "fragments": (frame(b"x", last=False), frame(b"x" * 1000, kind=0, last=False) * 1000),
+    "empty fragments": (frame(b"x", last=False), frame(b"", kind=0, last=False) * 100_000),
+    "pings": (b"", frame(b"x" * 125, kind=9) * 10_000),
+    "noise": (b"", b"\xff" * 1_000_000),
+}
+
+
+@pytest.mark.parametrize("name", FLOODS)
+@pytest.mark.usefixtures("unharmed")
+def test_100_mb_in_any_frames_are_not_kept(served: Program, name: str):
+    first, piece = FLOODS[name]
+    with begun(served) as connection:
+        connection.settimeout(10.0)  # a server that takes no more is right as well
+        connection.sendall(first)
+        sent_until_refused(connection, piece, 100_000_000)
+
+
+@pytest.mark.usefixtures("unharmed")
+def test_questions_without_end_do_not_pile_up(served: Program):
+    text = json.dumps(asked(revolutions=1)).encode()
+    with begun(served) as connection:
+        connection.settimeout(10.0)
+        sent_until_refused(connection, frame(text) * 1000, 20_000_000)
+
+
+def test_1000_connections_that_say_nothing_make_room(served: Program, unharmed: Callable[[], None]):
+    with contextlib.ExitStack() as open_ones:
+        for _ in range(1000):
+            open_ones.enter_context(opened(served))
+        unharmed()
+        held = len(os.listdir(f"/proc/{served.process.pid}/fd"))
+        assert held < 2 * server.MOST_VISITS
+
+
+def test_1000_talks_that_do_not_begin_make_room(served: Program, unharmed: Callable[[], None]):
+    wrong = handshake(served).replace(served.key.encode(), b"0" * 32)
+    with contextlib.ExitStack() as open_ones:
+        for number in range(1000):
+            open_ones.enter_context(opened(served, wrong if number % 2 else wrong[:-2]))
+        unharmed()
+
+
+@pytest.mark.usefixtures("unharmed")
+def test_connections_that_break_off_anywhere_do_no_harm(served: Program):
+    now = struct.pack("ii", 1, 0)
+    whole = handshake(served) + frame(json.dumps(asked()).encode())
+    for length in range(0, len(whole) + 1, 5):
+        with opened(served, whole[:length]) as connection:
+            connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, now)
+
+
+def test_a_header_that_drips_is_not_waited_for_for_ever(served: Program):
+    with opened(served, b"GET / HTTP/1.1\r\n") as connection:
+        end = time.monotonic() + server.LONGEST_VISIT + PATIENCE
+        with pytest.raises(OSError):  # noqa: PT011, PT012 - whichever breaks
+            while time.monotonic() < end:
+                connection.sendall(b"X: y\r\n")
+                time.sleep(0.5)
+
+
+@pytest.mark.usefixtures("unharmed")
+def test_a_client_that_hangs_up_its_half_still_gets_its_page(served: Program):
+    head = f"GET / HTTP/1.1\r\nHost: 127.0.0.1:{served.port}\r\n\r\n"
+    with opened(served, head.encode()) as connection:
+        connection.shutdown(socket.SHUT_WR)
+        assert connection.recv(65536).startswith(b"HTTP/1.1 200")
+
+
+@pytest.mark.usefixtures("unharmed")
+def test_talks_of_which_one_half_is_closed_do_no_harm(served: Program):
+    with contextlib.ExitStack() as open_ones:
+        for _ in range(2 * server.MOST_PAGES):
+            connection = open_ones.enter_context(opened(served, handshake(served)))
+            connection.shutdown(socket.SHUT_WR)
+
+
+def test_more_pages_than_there_may_be_are_sent_away_with_a_reason(served: Program):
+    with contextlib.ExitStack() as pages:
+        talks = [pages.enter_context(served.talk()) for _ in range(server.MOST_PAGES)]
+        with served.talk() as one_more:
+            with pytest.raises(ConnectionClosed) as caught:
+                one_more.recv(PATIENCE)
+            assert caught.value.rcvd is not None
+            assert caught.value.rcvd.code == server.TOO_MANY_PAGES
+        assert answered(talks[0]).part == "motion"
+        assert answered(talks[-1]).part == "motion"
+    with served.talk() as talk:
+        assert answered(talk).part == "motion"
+
+
+@pytest.mark.usefixtures("unharmed")
+def test_a_page_that_never_reads_is_sent_away(served: Program):
+    text = json.dumps(asked(revolutions=2000)).encode()
+    with begun(served) as connection:
+        connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        before = memory(served)
+        end = time.monotonic() + PATIENCE
+        with pytest.raises(OSError):  # noqa: PT011, PT012 - whichever breaks
+            while time.monotonic() < end:
+                connection.sendall(frame(text))
+                time.sleep(0.05)
+                assert memory(served) - before < 3 * server.MOST_UNREAD
+
+
+def test_pages_do_not_see_each_other_s_answers(served: Program):
+    with served.talk() as one, served.talk() as other:
+        one.send(json.dumps(asked(number=1, machine=ROTOR | {"omega": 1.1})))
+        other.send(json.dumps(asked(number=2, machine=ROTOR | {"omega": 1.2})))
+        assert heard(one).facts["rotor"]["omega"] == 1.1
+        assert heard(other).facts["rotor"]["omega"] == 1.2
+
+
+def test_200_moves_of_a_slider_are_answered_with_the_last(served: Program):
+    with served.talk() as talk:
+        for number in range(200):
+            machine = ROTOR | {"omega": 1.5 + number / 1000}
+            talk.send(json.dumps(asked(number=number, machine=machine)))
+        numbers = [heard(talk).header["number"]]
+        while numbers[-1] != 199:
+            numbers.append(heard(talk).header["number"])
+    assert numbers == sorted(set(numbers))
+    assert len(numbers) < 200
+
+
+def test_a_process_that_dies_is_replaced_under_the_page(served: Program):
+    with served.talk() as talk:
+        assert answered(talk).part == "motion"
+        children = served.children()
+        for pid in children:
+            os.kill(pid, 9)
+        said = answered(talk, number=2)
+        assert said.part in {"trouble", "motion"}
+        assert answered(talk, number=3).part == "motion"
+    wait_until(lambda: len(served.children()) == len(children), "processes anew")

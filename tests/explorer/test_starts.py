@@ -1,0 +1,116 @@
+"""The basin that a page draws is the library's, the first look at it included."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import rotor_ida
+from rotor_ida.explorer import starts
+from rotor_ida.explorer.questions import Question
+from rotor_ida.schema import RESPONSE
+from tests.explorer.asking import MACHINE, ROTOR, Message, answer_to, question
+
+ASKING = question(
+    "starts", machine={"omega": 1.7, "zeta": 0.07, "delta0": 0.5}, start=[0, 0, 1, -1]
+)
+
+
+@pytest.fixture(scope="module")
+def pictures() -> list[Message]:
+    return answer_to(ASKING)
+
+
+def library_basin(asking: Question, count: int, rtol: float | None) -> xr.Dataset:
+    axis = asking.reach * ((2.0 * np.arange(count) + 1.0) / count - 1.0)
+    _, _, vx, vy = asking.start
+    return rotor_ida.basin(
+        asking.rotor, x=axis, y=axis, vx=vx, vy=vy, rtol=rtol, workers=1, executor="serial"
+    )
+
+
+def labels_of(picture: Message) -> np.ndarray:
+    count = picture.facts["count"]
+    return picture.arrays["label"].reshape(count, count)
+
+
+def test_pictures_become_finer(pictures: list[Message]):
+    assert [each.part for each in pictures] == ["basin"] * len(pictures)
+    counts = [each.facts["count"] for each in pictures]
+    assert counts == sorted(counts)
+    assert [each.facts["finest"] for each in pictures] == [*[False] * (len(pictures) - 1), True]
+
+
+def test_the_finest_picture_is_the_library_s_basin_bit_for_bit(pictures: list[Message]):
+    finest = pictures[-1]
+    found = library_basin(ASKING, finest.facts["count"], None)
+    np.testing.assert_array_equal(labels_of(finest), found["label"].values)
+    assert len(finest.facts["attractors"]) == found.sizes["attractor"]
+    for told, number in zip(finest.facts["attractors"], found["attractor"].values, strict=True):
+        assert RESPONSE[told["kind"]] == int(found["kind"][number])
+        for name in ("amplitude", "radius_min", "radius_max", "fraction"):
+            assert told[name] == float(found[name][number])
+
+
+def test_a_coarse_picture_is_the_library_s_with_the_larger_error(pictures: list[Message]):
+    coarse = pictures[-2]
+    found = library_basin(ASKING, coarse.facts["count"], starts.RTOL)
+    np.testing.assert_array_equal(labels_of(coarse), found["label"].values)
+
+
+def test_what_the_first_look_decides_stays_so(pictures: list[Message]):
+    first = pictures[0]
+    found = library_basin(ASKING, first.facts["count"], None)
+    decided = labels_of(first) >= 0
+    assert decided.mean() == pytest.approx(1.0 - first.facts["undecided"])
+    assert decided.any()
+    for number, told in enumerate(first.facts["attractors"]):
+        same = np.flatnonzero(np.isclose(found["amplitude"].values, told["amplitude"], rtol=1e-3))
+        assert np.isin(found["label"].values[labels_of(first) == number], same).all()
+
+
+def test_fractions_are_those_of_the_labels(pictures: list[Message]):
+    for picture in pictures:
+        labels = picture.arrays["label"]
+        for number, told in enumerate(picture.facts["attractors"]):
+            assert told["fraction"] == np.mean(labels == number)
+        assert picture.facts["undecided"] == np.mean(labels < 0)
+
+
+def test_a_machine_has_the_basin_of_its_rotor():
+    small = {"start": [0, 0, 0, 0], "reach": 4.0}
+    plain, in_si = (
+        answer_to(question("starts", machine=each, **small)) for each in (ROTOR, MACHINE)
+    )
+    for one, other in zip(plain, in_si, strict=True):
+        np.testing.assert_array_equal(one.arrays["label"], other.arrays["label"])
+        assert one.facts["attractors"] == other.facts["attractors"]
+
+
+@pytest.mark.parametrize("changes", [{"zeta": 0.0}, {"zeta": 1e6}, {"omega": 1e6}, {"omega": 1e-6}])
+def test_a_rotor_without_a_basin_is_refused_in_one_line(changes: dict[str, float]):
+    *_, trouble = answer_to(question("starts", machine=ROTOR | changes))
+    assert trouble.part == "trouble"
+    (line,) = trouble.facts["message"].splitlines()
+    assert line.startswith(tuple(changes))
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"machine": ROTOR | {"delta0": 0.0}},
+        {"machine": ROTOR | {"delta0": 1e6}},
+        {"machine": {"omega": 0.0, "zeta": 0.3, "delta0": 1.0}},
+        {"machine": {"omega": 0.5, "zeta": 0.5, "delta0": 3.0}, "reach": 1e-6},
+        {"machine": {"omega": 1.2, "zeta": 0.5, "delta0": 1.0}, "start": [0, 0, 1e3, 1e3]},
+    ],
+    ids=str,
+)
+def test_odd_planes_have_a_basin_or_one_reason(changes: dict[str, object]):
+    *_, last = answer_to(question("starts", **changes))
+    if last.part == "trouble":
+        (line,) = last.facts["message"].splitlines()
+        assert line
+    else:
+        assert last.facts["finest"]

@@ -1,0 +1,65 @@
+"""The sentences say what the numbers say."""
+
+from __future__ import annotations
+
+import pytest
+
+from rotor_ida.explorer.words import words_of_response, words_of_run
+from rotor_ida.parameters import DimensionalRotor, Rotor
+from tests.explorer.asking import MACHINE, ROTOR
+
+PLAIN, IN_SI = Rotor(**ROTOR), DimensionalRotor(**MACHINE)
+RUN = {
+    "contacts_in_all": 12.0, "contact_fraction": 0.25, "contacts_per_revolution": 0.4,
+    "largest_force": 0.5,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({}, "0.4 contacts a revolution, in contact 25 % of the time, peak force 0.5."),
+        ({"contacts_in_all": 0.0}, "It never touches the ring."),
+        ({"contact_fraction": 0.0}, "It has touched the ring, and no longer does."),
+        ({"contact_fraction": 1.0}, "always in contact, with a force of up to 0.5."),
+        ({"contacts_per_revolution": float("nan")}, "half: in contact 25 % of the time"),
+    ],
+)
+def test_words_of_a_run(changes: dict[str, float], told: str):
+    (sentence,) = words_of_run(PLAIN, RUN | changes)
+    assert told in sentence
+
+
+def test_a_machine_is_told_of_in_si_units():
+    (sentence,) = words_of_run(IN_SI, RUN)
+    assert sentence.endswith("peak force 500 mN.")
+
+
+CYCLE = RUN | {
+    "response": "bouncing", "lies_on": "cycle", "digits": 11.98, "radius_min": 1.5,
+    "radius_max": 2.5, "period": 4.5, "message": "",
+}  # fmt: skip
+
+
+def test_words_of_a_limit_cycle_hold_its_numbers():
+    text = " ".join(words_of_response(PLAIN, CYCLE))
+    for each in ("bouncing", "1.5", "2.5", "4.5", "11 digits", "0.4 times", "25 %", "force of 0.5"):
+        assert each in text
+    in_si = " ".join(words_of_response(IN_SI, CYCLE))
+    for each in ("1.5 µm", "2.5 µm", "9 ms", "500 mN"):
+        assert each in in_si
+
+
+def test_words_of_chaos_tell_how_fast_neighbours_part():
+    told = CYCLE | {
+        "response": "chaotic", "lies_on": "nothing", "lyapunov_exponent": 0.05,
+        "period": float("nan"),
+    }  # fmt: skip
+    assert any("factor e in 20" in each for each in words_of_response(PLAIN, told))
+    assert any("factor e in 40 ms" in each for each in words_of_response(IN_SI, told))
+
+
+def test_words_of_a_failure_are_its_reason():
+    told = {"response": "failed", "message": "too much work"}
+    (sentence,) = words_of_response(PLAIN, told)
+    assert "too much work" in sentence
