@@ -27,11 +27,12 @@ DEAF = 5.0
 AGAIN = 0.5
 # Bytes of an answer that are read at a time.
 AT_A_TIME = 2**20
-# Of each lane what it answers, its pause, its patience, and its rest, in seconds.
-PLANS: tuple[tuple[tuple[str, ...], float, float, float], ...] = (
-    (("motion",), 0.0, 0.25, 0.0),
-    (("responses", *FILES), 0.0, 0.25, 0.15),
-    (("starts",), 0.1, 0.0, 0.0),
+# Of each lane what it answers, its pause, its patience, and its rest, in seconds, and how much it
+# gives way to other processes.
+PLANS: tuple[tuple[tuple[str, ...], float, float, float, int], ...] = (
+    (("motion",), 0.0, 0.25, 0.0, 0),
+    (("responses", *FILES), 0.0, 0.25, 0.15, 0),
+    (("starts",), 0.1, 0.0, 0.0, 10),
 )
 DIED = "The process that computes this has ended by itself; it is started anew."
 
@@ -114,6 +115,8 @@ class Lane:
     rest : float
         So long after it was begun an answer goes on behind its first part [s]: while a slider
         moves there is better to do.
+    niceness : int
+        How much the process gives way to others, as `os.nice` takes it.
     told : callable
         Called with the rotors whose kernels are ready, and their number, as they become so.
     """
@@ -124,12 +127,14 @@ class Lane:
         pause: float,
         patience: float,
         rest: float,
+        niceness: int,
         told: Callable[[int, int], None],
     ) -> None:
         self.abouts = abouts
         self.pause = pause
         self.patience = patience
         self.rest = rest
+        self.niceness = niceness
         self._told = told
         self._ready = False
         self._numbers = count(1)
@@ -171,7 +176,7 @@ class Lane:
 
     async def _work(self) -> None:
         """Start a process and keep it busy, until it ends."""
-        worker = self._worker = await _Worker.begin(self._changed.set)
+        worker = self._worker = await _Worker.begin(self.niceness, self._changed.set)
         try:
             await self._make_ready(worker)
             await self._answer_all(worker)
@@ -280,11 +285,11 @@ class _Worker:
         self._end.add_done_callback(lambda _: at_end())
 
     @classmethod
-    async def begin(cls, at_end: Callable[[], None]) -> _Worker:
+    async def begin(cls, niceness: int, at_end: Callable[[], None]) -> _Worker:
         """Start a process that finds the same modules, and that Ctrl-C of a terminal spares."""
         lines = (
             f"import sys; sys.path[:] = {sys.path!r}; "
-            "from rotor_ida.explorer.workers import work; work()"
+            f"from rotor_ida.explorer.workers import work; work({niceness})"
         )
         process = await asyncio.create_subprocess_exec(
             sys.executable, "-c", lines, limit=AT_A_TIME, start_new_session=True,

@@ -13,9 +13,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from itertools import count
 
+import h11
 import uvicorn
-from h11 import LocalProtocolError
-from h11 import Request as Asked
 from starlette.applications import Starlette
 from starlette.requests import Request
 from starlette.responses import PlainTextResponse, Response
@@ -197,10 +196,10 @@ class _Visit(H11Protocol):
     def data_received(self, data: bytes) -> None:
         try:
             super().data_received(data)
-        except LocalProtocolError:  # what follows a request is no other one
+        except h11.LocalProtocolError:  # what follows a request is no other one
             self.transport.abort()
 
-    def handle_websocket_upgrade(self, event: Asked) -> None:
+    def handle_websocket_upgrade(self, event: h11.Request) -> None:
         self._end.cancel()
         super().handle_websocket_upgrade(event)
 
@@ -212,6 +211,8 @@ class _Visit(H11Protocol):
 class _Talk(WebSocketsSansIOProtocol):
     """A connection over which a page asks; it ends even if the page reads nothing any more."""
 
+    _fragments = 0
+
     async def run_asgi(self) -> None:
         await super().run_asgi()
         self.loop.call_later(GRACE, self.transport.abort)
@@ -222,7 +223,8 @@ class _Talk(WebSocketsSansIOProtocol):
 
     def handle_cont(self, event: Frame) -> None:
         super().handle_cont(event)
-        if len(self.frames) > MOST_FRAGMENTS:
+        self._fragments = 0 if event.fin else self._fragments + 1
+        if self._fragments > MOST_FRAGMENTS:
             self.transport.abort()
 
     def handle_ping(self) -> None:

@@ -34,11 +34,14 @@ SOON = 0.01
 LENGTH = 4
 
 
-def work() -> None:
+def work(niceness: int) -> None:
     """Follow the orders on standard input; to each but `drop` write one packed answer.
 
-    It is empty when there are no more parts. The process ends with its standard input.
+    It is empty when there are no more parts. The process gives way to others as `os.nice` has it,
+    and ends with its standard input.
     """
+    if hasattr(os, "nice"):
+        os.nice(niceness)
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # whatever else is printed is an aside
     desk = Desk()

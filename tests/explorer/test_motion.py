@@ -31,7 +31,7 @@ QUESTIONS = {
 
 def simulated(asking: Question) -> xr.Dataset:
     omega = asking.rotor.omega or 1.0
-    each = {1: 64, 20: 64, 60: 64, 2000: 8}[asking.revolutions]
+    each = 8 if asking.revolutions == 2000 else SAMPLES_PER_REVOLUTION
     return rotor_ida.simulate(
         asking.rotor,
         start=asking.start,
