@@ -48,7 +48,7 @@ export class Side {
     const window_ = element.querySelector("[data-window]");
     window_.addEventListener("change", () => {
       this.window = Number(window_.value);
-      this.drawMotion();
+      this.#show();
     });
     this.play = element.querySelector("[data-play]");
     this.play.addEventListener("click", () => this.#playOrStop());
@@ -67,7 +67,12 @@ export class Side {
   #goTo(part) {
     this.time = part;
     this.slider.value = part;
+    this.#show();
+  }
+
+  #show() {
     this.drawMotion();
+    if (this.motion) this.#drawTurning();
   }
 
   #playOrStop() {
@@ -146,16 +151,21 @@ export class Side {
     const drawn = Math.max(top, facts.rotor.delta0, maximum(arrays.radius, this.view.from, this.view.to));
     this.length = this.#scale("length", drawn);
     const reach = roundUp(1.08 * drawn) * this.length.factor;
-    const plane = { x: [-reach, reach], y: [-reach, reach] };
+    this.plane = { x: [-reach, reach], y: [-reach, reach] };
     const { unit } = this.length;
-    this.orbit.show({ ...plane, labels: [labelled("x", unit), labelled("y", unit)] });
-    this.turning.show({ ...plane, labels: [labelled("along the unbalance", unit), labelled("across it", unit)] });
+    this.orbit.show({ ...this.plane, labels: [labelled("x", unit), labelled("y", unit)] });
     this.#drawHistory();
+  }
+
+  #drawTurning() {
+    const { unit } = this.length;
+    this.turning.show({ ...this.plane, labels: [labelled("along the unbalance", unit), labelled("across it", unit)] });
   }
 
   /** Draw what may come a moment later. */
   drawRest() {
     if (!this.length) return;
+    this.#drawTurning();
     this.#drawSpectrum();
     this.#drawSectionPlot();
     this.#say();
