@@ -264,7 +264,7 @@ class Lane:
                 question, told = asked.question, Answer("trouble", {"message": DIED})
                 asked.deliver(packed(told, question.ticket))
             elif place not in self._waiting:
-                asked.number = None
+                asked.number, asked.shown = None, False
                 self._waiting[place] = asked
 
 

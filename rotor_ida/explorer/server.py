@@ -200,6 +200,9 @@ class _Visit(H11Protocol):
             self.transport.abort()
 
     def handle_websocket_upgrade(self, event: h11.Request) -> None:
+        if not all(value.isascii() for _, value in event.headers):
+            self.send_400_response("no page sends such headers")
+            return
         self._end.cancel()
         super().handle_websocket_upgrade(event)
 

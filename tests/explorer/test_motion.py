@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 import rotor_ida
-from rotor_ida.explorer.motion import SAMPLES_PER_REVOLUTION
+from rotor_ida.explorer.motion import samples_of
 from rotor_ida.explorer.questions import Question
 from rotor_ida.schema import EVENT_KIND
 from tests.explorer.asking import MACHINE, ROTOR, Message, answer_to, question
@@ -31,12 +31,11 @@ QUESTIONS = {
 
 def simulated(asking: Question) -> xr.Dataset:
     omega = asking.rotor.omega or 1.0
-    each = 8 if asking.revolutions == 2000 else SAMPLES_PER_REVOLUTION
     return rotor_ida.simulate(
         asking.rotor,
         start=asking.start,
         duration=asking.revolutions * 2.0 * math.pi / omega,
-        samples=each * asking.revolutions + 1,
+        samples=samples_of(asking),
         method="taylor",
     )
 
@@ -98,12 +97,11 @@ def test_the_spectrum_is_that_of_the_last_half(name: str):
 def test_the_run_goes_on_from_the_end_as_if_it_had_not_stopped():
     first = motion(question(revolutions=20))
     second = motion(question(revolutions=20, start=first.facts["end"]))
-    whole = rotor_ida.rotating(simulated(question(revolutions=60)))
+    whole = rotor_ida.rotating(simulated(question(revolutions=60)))["rotating_x"].values
+    each = first.facts["samples_per_revolution"]
     # the phase of the end is that of a whole revolution up to the rounding of its time
     np.testing.assert_allclose(
-        second.arrays["rotating_x"],
-        whole["rotating_x"].values[20 * SAMPLES_PER_REVOLUTION : 40 * SAMPLES_PER_REVOLUTION + 1],
-        atol=1e-8,
+        second.arrays["rotating_x"], whole[20 * each : 40 * each + 1], atol=1e-8
     )
 
 

@@ -496,6 +496,7 @@ def test_a_lost_connection_is_told(chromium):
     page = Page(chromium, address)
     ended(process)
     page.until("document.getElementById('connection').textContent.startsWith('No answer')")
+    chromium.get("about:blank")
     chromium.get_log("browser")  # the browser notes that it could not connect
 
 

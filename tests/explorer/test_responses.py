@@ -49,7 +49,7 @@ def test_the_curve_is_that_of_the_closed_forms_bit_for_bit(
 ):
     rotor, arrays = asking.rotor, parts["curve"].arrays
     curve = response_curve(
-        zeta=rotor.zeta, delta0=rotor.delta0, limits=(0.05, 3.0), points=80
+        zeta=rotor.zeta, delta0=rotor.delta0, limits=(0.05, 3.0), points=responses.POINTS_OF_CURVE
     ).squeeze()
     for name in ("omega", "amplitude", "piece", "stability", "in_contact"):
         np.testing.assert_array_equal(arrays[name], curve[name].values, err_msg=name)

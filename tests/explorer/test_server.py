@@ -66,6 +66,17 @@ def heard(talk: ClientConnection) -> Message:
     return unpacked(message)
 
 
+def is_answered(program: Program) -> bool:
+    """Return whether a page gets an answer; it may be that others have still to go."""
+    with program.talk() as talk:
+        try:
+            return answered(talk).facts["rotor"] == ROTOR
+        except ConnectionClosed as closed:
+            if closed.rcvd is None or closed.rcvd.code != server.TOO_MANY_PAGES:
+                raise
+            return False
+
+
 def handshake(program: Program) -> bytes:
     """Return the words with which the page's connection begins."""
     host = f"127.0.0.1:{program.port}"
@@ -114,15 +125,14 @@ def sent_until_refused(connection: socket.socket, piece: bytes, total: int) -> i
 def unharmed(served: Program) -> Iterator[Callable[[], None]]:
     """Check after an attack: the page is served, a good client answered, and memory is flat."""
     fetched(served)
-    before = memory(served)
+    before, said = memory(served), len(served.said)
 
     def check() -> None:
         status, body = fetched(served)
         assert (status, b"<html" in body) == (200, True)
-        with served.talk() as talk:
-            assert answered(talk).facts["rotor"] == ROTOR
+        wait_until(lambda: is_answered(served), "a good client that is answered")
         assert memory(served) - before < MOST_GROWTH
-        assert "Traceback" not in served.text
+        assert served.said[said:] == []
 
     yield check
     check()
@@ -393,7 +403,7 @@ def test_a_page_that_never_reads_is_sent_away(served: Program):
             while time.monotonic() < end:
                 connection.sendall(frame(text))
                 time.sleep(0.05)
-                assert memory(served) - before < 3 * server.MOST_UNREAD
+                assert memory(served) - before < 5 * server.MOST_UNREAD
 
 
 def test_pages_do_not_see_each_other_s_answers(served: Program):

@@ -103,7 +103,7 @@ def test_a_rotor_without_a_basin_is_refused_in_one_line(changes: dict[str, float
         {"machine": ROTOR | {"delta0": 1e6}},
         {"machine": {"omega": 0.0, "zeta": 0.3, "delta0": 1.0}},
         {"machine": {"omega": 0.5, "zeta": 0.5, "delta0": 3.0}, "reach": 1e-6},
-        {"machine": {"omega": 1.2, "zeta": 0.5, "delta0": 1.0}, "start": [0, 0, 1e3, 1e3]},
+        {"machine": {"omega": 1.7, "zeta": 0.5, "delta0": 0.0}, "start": [0, 0, 20, 20]},
     ],
     ids=str,
 )
