@@ -30,7 +30,7 @@ const basins = [];
 let moved = 0, asked = 0, i = 0;
 rotorIda.delays.length = 0;
 const watch = setInterval(() => {
-  if (asked && rotorIda.shown[0].basin?.number === asked) {
+  if (asked && rotorIda.drawnBasin === asked) {
     basins.push(performance.now() - moved);
     asked = 0;
   }

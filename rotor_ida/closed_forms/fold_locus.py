@@ -30,7 +30,9 @@ Values = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
 
 _NODES_PER_DECADE = 24
-_MOST_BISECTIONS = 120
+# A bracket is cut into so many parts at a time.
+_PARTS = 32
+_MOST_ROUNDS = 30
 _ROUNDING = 1e-14
 
 
@@ -125,7 +127,7 @@ def _meeting_points(delta0: float) -> list[float]:
 
 
 def _side(nodes: Values, delta0: float, side: int) -> LocusSide:
-    """Return one side, its turning points found by bisection and put among the nodes."""
+    """Return one side, its turning points found and put among the nodes."""
     slope = locus_points(nodes, delta0, side).slope
     before = np.nonzero(slope[:-1] * slope[1:] < 0.0)[0]
     rising = slope[before] > 0.0
@@ -166,14 +168,19 @@ def folds_on_side(locus: LocusSide, zeta: Values) -> tuple[npt.NDArray[np.int_],
 
 
 def _last_before(low: Values, high: Values, before: Callable[[Values], Flags]) -> Values:
-    """Return, by bisection down to neighbouring doubles, where `before` holds for the last time."""
-    for _ in range(_MOST_BISECTIONS):
-        middle = 0.5 * (low + high)
-        neighbours = (middle == low) | (middle == high)
-        still = before(middle)
-        low, high = np.where(still, middle, low), np.where(still, high, middle)
-        if neighbours.all():
+    """Return, cut down to neighbouring doubles, where `before` holds for the last time.
+
+    Each round asks for many places between `low` and `high` at once, on a new first axis.
+    """
+    parts = np.linspace(0.0, 1.0, _PARTS + 1)[1:-1, None]
+    column = np.arange(low.size)
+    for _ in range(_MOST_ROUNDS):
+        if (np.nextafter(low, high) == high).all():
             break
+        inner = np.clip(low + parts * (high - low), low, high)
+        places = np.concatenate([low[None], inner, high[None]])
+        passed = np.logical_and.accumulate(before(inner)).sum(axis=0)
+        low, high = places[passed, column], places[passed + 1, column]
     return low
 
 

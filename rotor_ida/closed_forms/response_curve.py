@@ -102,7 +102,7 @@ def response_curve(
     count = check_count("points", points, 2, MOST_POINTS)
     turns = fold_table(dampings, clearances)
     curves = [
-        _over_speed(float(damping), float(clearance), turns[i, k], span, count)
+        pieces_over_speed(float(damping), float(clearance), turns[i, k], span, count)
         for i, damping in enumerate(dampings)
         for k, clearance in enumerate(clearances)
     ]
@@ -199,10 +199,20 @@ class _Law:
     damped: bool  # a whirl that is not unstable is stable then, and neutral otherwise
 
 
-def _over_speed(
+def pieces_over_speed(
     zeta: float, delta0: float, turns: Values, limits: _Place, points: int
 ) -> list[Values]:
-    """Return the pieces of the curve over the speed; `turns` has speed and amplitude of folds."""
+    """Return the pieces of the curve over the speed, as `response_curve` labels them.
+
+    Each has speed, amplitude, stability and whether it is in contact, shape (4, n); `turns` has
+    speed and amplitude of the folds, as `fold_table` returns them.
+
+    Examples
+    --------
+    >>> free, touching = pieces_over_speed(0.07, 0.5, np.empty((0, 2)), (0.05, 0.1), 3)
+    >>> free[1, -1].item(), touching[1, 0].item()
+    (0.5, 0.5)
+    """
 
     def speed(flank: int, A: Values) -> Values:
         return flank_speeds(A, 4.0 * zeta * zeta, delta0)[0 if flank == 1 else 1]

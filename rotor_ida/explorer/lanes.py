@@ -32,7 +32,7 @@ AT_A_TIME = 2**20
 PLANS: tuple[tuple[tuple[str, ...], float, float, float, int], ...] = (
     (("motion",), 0.0, 0.25, 0.0, 0),
     (("responses", *FILES), 0.0, 0.25, 0.15, 0),
-    (("starts",), 0.1, 0.0, 0.0, 10),
+    (("starts",), 0.08, 0.0, 0.0, 10),
 )
 DIED = "The process that computes this has ended by itself; it is started anew."
 

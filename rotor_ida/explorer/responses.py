@@ -13,7 +13,7 @@ import xarray as xr
 from rotor_ida.analysis.comparison import compare
 from rotor_ida.analysis.sections import poincare_section
 from rotor_ida.closed_forms.folds import fold_table
-from rotor_ida.closed_forms.response_curve import response_curve
+from rotor_ida.closed_forms.response_curve import pieces_over_speed
 from rotor_ida.cycles.branches import branches_through, holds_cycle
 from rotor_ida.errors import RotorError
 from rotor_ida.explorer.answers import Answer
@@ -21,7 +21,7 @@ from rotor_ida.explorer.motion import METHOD, ending, facts_of, values_of
 from rotor_ida.explorer.questions import Question
 from rotor_ida.explorer.words import words_of_response
 from rotor_ida.parameters import PARAMETERS, Rotor
-from rotor_ida.schema import EXACT, RESPONSE, SPECIAL, STABILITY
+from rotor_ida.schema import EXACT, RESPONSE, STABILITY
 from rotor_ida.simulation.simulate import simulate
 from rotor_ida.sweeps.sweep import sweep
 
@@ -69,18 +69,26 @@ def _curve(question: Question) -> Answer:
     """Return the synchronous whirls over the speed, with the folds."""
     rotor = question.rotor
     arrays = _arrays_of_curve(rotor.zeta, rotor.delta0, question.speeds)
-    return Answer("curve", {**facts_of(question), "stability": STABILITY}, arrays)
+    return Answer("curve", facts_of(question), arrays)
 
 
 @lru_cache(maxsize=MOST_KEPT)
 def _arrays_of_curve(zeta: float, delta0: float, speeds: tuple[float, float]) -> Arrays:
-    curve = response_curve(zeta=zeta, delta0=delta0, limits=speeds, points=POINTS_OF_CURVE)
-    found = {name: each.values.ravel() for name, each in curve.items()}
-    arrays: Arrays = {name: found[name] for name in ("omega", "amplitude")}
-    arrays |= {name: found[name].astype(np.int8) for name in ("piece", "stability", "in_contact")}
     table = fold_table(np.array([zeta]), np.array([delta0]))[0, 0]
     turns = table[np.isfinite(table[:, 0])]
-    return arrays | {"fold_omega": turns[:, 0], "fold_amplitude": turns[:, 1]}
+    pieces = pieces_over_speed(zeta, delta0, turns, speeds, POINTS_OF_CURVE)
+    omega, amplitude, stability, in_contact = np.concatenate([np.empty((4, 0)), *pieces], axis=1)
+    return {
+        "omega": omega,
+        "amplitude": amplitude,
+        "stability": stability.astype(np.int8),
+        "in_contact": in_contact.astype(np.int8),
+        "piece": np.repeat(np.arange(len(pieces)), [piece.shape[1] for piece in pieces]).astype(
+            np.int8
+        ),
+        "fold_omega": turns[:, 0],
+        "fold_amplitude": turns[:, 1],
+    }
 
 
 def _seen(swept: xr.Dataset) -> dict[str, object]:
@@ -89,7 +97,6 @@ def _seen(swept: xr.Dataset) -> dict[str, object]:
     found: dict[str, object] = {name: float(swept[name]) for name in names if name in swept}
     found["response"] = KIND_OF[int(swept["response"])]
     found["message"] = str(swept["message"].item())
-    found["settled_after"] = float(swept["window_start"])
     return found
 
 
@@ -102,8 +109,7 @@ def _exact(compared: xr.Dataset) -> dict[str, object]:
     }
     if lies_on == EXACT["whirl"]:
         branch = compared.isel(branch=int(compared["matched_branch"]))
-        names = {"exact_amplitude": "exact_amplitude", "exact_phase_lag": "exact_phase_lag"}
-        found |= {name: float(branch[each]) for name, each in names.items()}
+        found["exact_amplitude"] = float(branch["exact_amplitude"])
         found["stability"] = STABILITY_OF[int(branch["stability"])]
     elif lies_on == EXACT["cycle"]:
         for name in ("exact_period", "exact_radius_min", "exact_radius_max"):
@@ -190,10 +196,10 @@ def _branch(
 
 def _branch_answer(question: Question, branch: xr.Dataset) -> Answer:
     """Return a branch of limit cycles over the speed."""
-    names = ("omega", "radius_min", "radius_max", "period", "largest_force")
+    names = ("omega", "radius_min", "radius_max")
     arrays: Arrays = {name: branch[name].values for name in names}
     arrays["stability"] = branch["stability"].values.astype(np.int8)
     arrays["special_omega"] = branch["special_value"].values
     arrays["special_kind"] = branch["special_kind"].values.astype(np.int8)
     arrays["special_point"] = branch["special_point"].values.astype(np.float64)
-    return Answer("branch", {**facts_of(question), "special": SPECIAL}, arrays)
+    return Answer("branch", facts_of(question), arrays)

@@ -54,7 +54,7 @@ def words_of_response(machine: Rotor | DimensionalRotor, told: Mapping[str, Any]
     sentences = [f"It settles on {KINDS[kind]}."]
     if kind == "chaotic":
         apart = _time(machine, 1.0 / told["lyapunov_exponent"])
-        sentences.append(f"Neighbours part by a factor e in {apart}.")
+        sentences.append(f"The distance between neighbours grows e-fold every {apart}.")
     sentences.append(_radii(machine, told))
     if told["lies_on"] != "nothing":
         what = "whirl" if told["lies_on"] == "whirl" else "cycle"

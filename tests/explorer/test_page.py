@@ -131,13 +131,14 @@ class Page:
         raise AssertionError(f"never: {script}")
 
     def settle(self, *parts, side=0):
-        """Wait until the newest question has been answered in full."""
+        """Wait until the newest question has been answered in full, and all of it is drawn."""
         for part in ("motion", "curve", *parts):
             self.until(
                 "window.rotorIda && rotorIda.asked > 0 && rotorIda.shown[arguments[0]]"
                 "[arguments[1]]?.number === rotorIda.asked && rotorIda.drawn === rotorIda.asked",
                 side, part,
             )  # fmt: skip
+        self.until("rotorIda.hasAllDrawn()")
 
     def array(self, part, name, side=0):
         found = self.run(

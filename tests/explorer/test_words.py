@@ -55,8 +55,8 @@ def test_words_of_chaos_tell_how_fast_neighbours_part():
         "response": "chaotic", "lies_on": "nothing", "lyapunov_exponent": 0.05,
         "period": float("nan"),
     }  # fmt: skip
-    assert any("factor e in 20" in each for each in words_of_response(PLAIN, told))
-    assert any("factor e in 40 ms" in each for each in words_of_response(IN_SI, told))
+    assert any("e-fold every 20" in each for each in words_of_response(PLAIN, told))
+    assert any("e-fold every 40 ms" in each for each in words_of_response(IN_SI, told))
 
 
 def test_words_of_a_failure_are_its_reason():

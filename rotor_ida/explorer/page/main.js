@@ -23,10 +23,16 @@ const sides = [];
 let number = 0;
 let starts = [[0, 0, 0, 0], [0, 0, 0, 0]];
 let running = null;
-let drawing = false;
-const dirty = new Set();
+// Parts of answers that have come since the last frame, and those of them that are not drawn.
+const seen = new Set(), dirty = new Set();
+// Parts that have something which is drawn so many milliseconds later.
+const later = new Set();
+const LATER = 100;
 // For tests and the curious: what is shown, and how long after a movement it was, in milliseconds.
-const page = (window.rotorIda = { shown: [{}, {}], delays: [], state, asked: 0, drawn: 0 });
+const page = (window.rotorIda = {
+  shown: [{}, {}], delays: [], state, asked: 0, drawn: 0, drawnBasin: 0,
+  hasAllDrawn: () => seen.size + later.size === 0,
+});
 const moved = new Map(); // number of the question, to when it was moved and what is not drawn yet
 
 // Moves the speed to where the response curve is dragged.
@@ -96,7 +102,7 @@ function answered(answer) {
     keepFile(answer);
     return;
   }
-  if (answer.part === "note" || !sides[answer.side]) return;
+  if (!sides[answer.side]) return;
   const shown = page.shown[answer.side];
   if (answer.number < (shown[answer.part]?.number ?? 0)) return;
   if (answer.part !== "motion" && answer.part !== "curve" && answer.number < number) return;
@@ -110,21 +116,16 @@ function answered(answer) {
   drawSoon(`${answer.side} ${answer.part}`);
 }
 
-/** Draw what a slider is moved for: the curve, the orbit, radius and force. The rest comes after. */
-function draw() {
-  drawing = false;
-  const parts = [...dirty];
-  dirty.clear();
-  const has = (...names) => parts.some((part) => names.includes(part.split(" ")[1]));
+/** Draw what a slider is moved for, and what is new on the plane of starts. The rest comes later. */
+function draw(parts) {
+  const has = (place, ...names) => names.some((name) => parts.includes(`${place} ${name}`));
   sides.forEach((side, place) => {
-    if (parts.includes(`${place} motion`)) side.drawMotion();
+    if (has(place, "motion")) side.drawMotion();
+    if (has(place, "basin")) side.drawStarts(starts[place], reach(place));
   });
   // a curve and the run on it come one after the other, and are drawn together
-  if (has("motion", "curve", "branch") && sides.every((_, place) => isWhole(place))) response.show();
-  afterPaint(() => {
-    measure(parts);
-    requestAnimationFrame(() => drawRest(parts, has));
-  });
+  const places = sides.map((_, place) => place);
+  if (places.some((place) => has(place, "motion", "curve", "branch")) && places.every(isWhole)) response.show();
 }
 
 /** Return whether curve and run of a side are answers to the same question. */
@@ -133,19 +134,35 @@ function isWhole(place) {
   return motion?.number === curve?.number;
 }
 
-function drawRest(parts, has) {
+/** Draw what may come later than the hand moves; it would keep both cores from what may not. */
+function drawRest() {
+  const has = (place, ...names) => names.some((name) => later.has(`${place} ${name}`));
   sides.forEach((side, place) => {
-    if (["motion", "section"].some((name) => parts.includes(`${place} ${name}`))) side.drawRest();
-    if (["motion", "basin"].some((name) => parts.includes(`${place} ${name}`))) side.drawStarts(starts[place], reach(place));
+    if (has(place, "motion", "section")) side.drawRest();
+    if (has(place, "motion")) side.drawStarts(starts[place], reach(place));
   });
-  if (has("motion", "settled")) showWords();
+  if (sides.some((_, place) => has(place, "motion", "settled", "note"))) showWords();
+  later.clear();
 }
 
+/** Draw a part that has come: at once if it is the first since the last frame, else with the next. */
 function drawSoon(part) {
-  dirty.add(part);
-  if (drawing) return;
-  drawing = true;
-  requestAnimationFrame(draw);
+  if (seen.size) dirty.add(part);
+  else {
+    requestAnimationFrame(drawFrame);
+    draw([part]);
+  }
+  seen.add(part);
+}
+
+function drawFrame() {
+  draw([...dirty]);
+  const parts = [...seen];
+  dirty.clear();
+  seen.clear();
+  if (!later.size) setTimeout(() => requestAnimationFrame(drawRest), LATER);
+  for (const part of parts) later.add(part);
+  afterPaint(() => measure(parts));
 }
 
 const channel = new MessageChannel();
@@ -160,6 +177,7 @@ function afterPaint(then) {
 function measure(parts) {
   const now = performance.now();
   page.drawn = page.shown[0].motion?.number ?? 0;
+  page.drawnBasin = page.shown[0].basin?.number ?? 0;
   for (const [asked, { since, left }] of moved) {
     for (const part of ["motion", "curve"]) {
       if (parts.includes(`0 ${part}`) && page.shown[0][part].number >= asked) left.delete(part);
@@ -178,7 +196,7 @@ function showWords() {
   const box = $("words");
   const parts = [];
   sides.forEach((_, place) => {
-    const { motion, settled } = page.shown[place];
+    const { motion, settled, note } = page.shown[place];
     if (!motion) return;
     const { rotor } = motion.facts;
     const clearance = `Clearance ${withUnit(motion.facts.scales, "length", rotor.delta0)}`;
@@ -188,6 +206,7 @@ function showWords() {
     if (fresh) settled.facts.words.forEach((text, line) => parts.push(["p", text, line ? "" : "lead"]));
     else if (rotor.zeta === 0 || rotor.omega === 0) parts.push(["p", "Without damping or spin nothing settles.", "lead"]);
     else parts.push(["p", "Following it until it settles …", "waiting"]);
+    if (note?.number === motion.number) parts.push(["p", note.facts.message, ""]);
     parts.push(["h2", "The run that is drawn", ""]);
     motion.facts.words.forEach((text) => parts.push(["p", text, ""]));
     const { length } = motion.arrays.event_time;
