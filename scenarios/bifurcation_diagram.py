@@ -1,4 +1,4 @@
-"""The extrema of |z| that remain at each speed, from many starts, over the exact curve.
+"""The extrema of the radius that remain at each speed, from many starts, over the exact curve.
 
 A synchronous whirl is one point on the curve; bouncing and contact at an oscillating radius are
 ranges beside it, which one harmonic cannot show. Drawn at zeta = 0.07 for the clearances 0, 0.5, 1

@@ -12,6 +12,7 @@ TESTS = ["-m", "pytest", "-n", "auto", "--dist", "worksteal"]
 CHECKS = {
     "style": ["-m", "ruff", "check", "."],
     "format": ["-m", "ruff", "format", "--check", "."],
+    "spelling": ["-m", "codespell_lib"],
     "types": ["-m", "mypy"],
     "layout": ["-c", LINT_IMPORTS],
     "tests": TESTS,

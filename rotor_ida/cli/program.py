@@ -100,6 +100,9 @@ def application(console: Console) -> App:
     archived = (status, resume, compare, verify, show)
     for command in (reproduce, *computing, explore, *archived, doctor):
         app.command(command)
+    app.register_install_completion_command(
+        help="Complete commands and options with the tab key, in bash, zsh or fish."
+    )
     return app
 
 

@@ -158,7 +158,7 @@ def _figures(folder: Path) -> list[_Figure]:
         _Figure(
             entry=entry,
             anchor=f"{folder.name}-{entry.figure}",
-            caption=_caption(folder.name, entry.figure),
+            caption=caption_of(folder.name, entry.figure),
             words=entry.shows or entry.figure,
             files=(f"{entry.figure}.png", f"{entry.figure}.svg", *entry.archives),
             size=_size(picture),
@@ -168,14 +168,14 @@ def _figures(folder: Path) -> list[_Figure]:
     ]
 
 
-def _caption(name: str, figure: str) -> str:
+def caption_of(name: str, figure: str) -> str:
     """Return what a figure is called: by its number in the paper, or by its scenario.
 
     Examples
     --------
-    >>> _caption("fig02_03_force_potential", "eq13_energy"), _caption("fig07_basins", "fig07")
+    >>> caption_of("fig02_03_force_potential", "eq13_energy"), caption_of("fig07_basins", "fig07")
     ('Eq. (13), energy', 'Fig. 7')
-    >>> _caption("fig08_09_whirls", "bouncing"), _caption("random_starts", "basin_fractions")
+    >>> caption_of("fig08_09_whirls", "bouncing"), caption_of("random_starts", "basin_fractions")
     ('Figs 8 and 9, bouncing', 'Random starts, basin fractions')
     """
     numbered = re.fullmatch(r"(fig|eq)(\d+)_?(.*)", figure)

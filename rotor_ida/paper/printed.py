@@ -166,7 +166,7 @@ def amplitudes_18(*, omega: float, zeta: float) -> Values:
 
     Notes
     -----
-    Wrong: the force ``z |z|**1.5`` has a factor |z| too much. Right is ``z |z|**0.5``, which
+    Wrong: the force ``z |z|**1.5`` has a factor ``|z|`` too much. Right is ``z |z|**0.5``, which
     eqs (14) and (21)-(23) have; `rotor_ida.synchronous_response` gives its three whirls.
 
     References

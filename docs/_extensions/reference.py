@@ -1,0 +1,58 @@
+"""Pages of the reference that come from the code: the public names, and the command line."""
+
+import io
+import re
+from pathlib import Path
+
+from notation import public_names
+from rich.console import Console
+
+from rotor_ida.cli.program import application
+
+HERE = Path(__file__).parents[1]
+PARTS = {
+    "rotor_ida": "What most need",
+    "rotor_ida.closed_forms": "Closed forms",
+    "rotor_ida.plot": "Figures",
+    "rotor_ida.testing": "For tests of one's own",
+    "rotor_ida.paper.printed": "The paper's formulas, as printed",
+}
+HEAD = """Functions and classes
+=====================
+
+Every public name, from its docstring. Quantities are dimensionless where a docstring says ``[1]``;
+:doc:`/model` says by what they are divided.
+
+"""
+
+
+def write_names():
+    """Write the page of names; autosummary makes a page of each."""
+    text = HEAD
+    for module, title in PARTS.items():
+        names = [f"   {name}" for name in public_names(module) if not name.isupper()]
+        text += f"{title}\n{'-' * len(title)}\n\n.. currentmodule:: {module}\n\n"
+        text += ".. autosummary::\n   :toctree: api\n   :template: name.rst\n\n"
+        text += "\n".join(names) + "\n\n"
+    write(HERE / "functions.rst", text)
+
+
+def write_commands():
+    """Write the page of commands from their own help."""
+    console = Console(file=io.StringIO())
+    found = application(console).generate_docs(output_format="markdown")
+    found = re.sub(r"## Table of Contents.*?\*\*Commands\*\*:\n", "", found, flags=re.DOTALL)
+    write(HERE / "command_line.md", found.replace("# rotor-ida\n", "# The command line\n", 1))
+
+
+def write(path, text):
+    """Write a file if it is to change, so that what is up to date stays so."""
+    if not path.is_file() or path.read_text(encoding="utf-8") != text:
+        path.write_text(text, encoding="utf-8")
+
+
+def setup(_app):
+    """Write the pages before Sphinx looks for its sources."""
+    write_names()
+    write_commands()
+    return {"parallel_read_safe": True}

@@ -1,0 +1,65 @@
+"""Build the site into `site/`: nothing is fetched, and a warning is an error.
+
+    python docs/build.py            # with the figures as `rotor-ida reproduce` makes them
+    python docs/build.py --quick    # with coarse ones
+
+What has been computed and has not changed is not computed again.
+"""
+
+import argparse
+import re
+import sys
+from pathlib import Path
+
+from sphinx.cmd.build import main as sphinx_build
+
+HERE = Path(__file__).parent
+
+
+# What a browser fetches by itself, from another host.
+FETCHED = re.compile(
+    r"<(?:script|img|iframe|source)[^>]*\bsrc=[\"'](?:https?:)?//[^\"']*"
+    r"|<link[^>]*\bhref=[\"'](?:https?:)?//[^\"']*|@import[^;]*//[^;]*|url\([\"']?(?:https?:)?//[^)]*"
+)
+LINKED = re.compile(r"<a [^>]*\bhref=\"(https?://[^\"#]*)")
+
+
+def fetched_from_elsewhere(site):
+    """Return what pages and style sheets would load from another host."""
+    pages = [path for kind in ("*.html", "*.css") for path in site.rglob(kind)]
+    return [
+        f"{path.relative_to(site)}: {found}"
+        for path in sorted(pages)
+        for found in FETCHED.findall(path.read_text(encoding="utf-8"))
+    ]
+
+
+def linked_elsewhere(site):
+    """Return the addresses of other hosts to which pages link."""
+    texts = (path.read_text(encoding="utf-8") for path in site.rglob("*.html"))
+    return sorted({found for text in texts for found in LINKED.findall(text)})
+
+
+def main():
+    """Build the site, see that it loads nothing from elsewhere, and say how large it is."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="coarse figures")
+    parser.add_argument("--out", type=Path, default=Path("site"), help="where to, by default site")
+    parser.add_argument("--links", action="store_true", help="list all links to other hosts")
+    given = parser.parse_args()
+    tags = ["-t", "quick"] if given.quick else []
+    status = sphinx_build(["-q", "-W", "--keep-going", "-n", *tags, str(HERE), str(given.out)])
+    if status == 0:
+        loaded = fetched_from_elsewhere(given.out)
+        if loaded:
+            print("\n".join(["loaded from another host:", *loaded]), file=sys.stderr)
+            return 1
+        if given.links:
+            print("\n".join(linked_elsewhere(given.out)))
+        size = sum(path.stat().st_size for path in given.out.rglob("*") if path.is_file())
+        print(f"{given.out / 'index.html'}: {size / 1e6:.0f} MB")
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())
