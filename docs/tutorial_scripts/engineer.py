@@ -8,10 +8,13 @@ will get, how hard the disc hits the ring, and which clearance to choose.
 You need Python 3.11 or newer and two lines in a shell::
 
     python3 -m venv .venv
-    .venv/bin/pip install rotor-ida
+    .venv/bin/pip install rotor-ida jupyterlab
 
-Then start ``.venv/bin/python`` and follow. The first call of a kind takes up to a minute or two,
-because the equations are compiled for your processor then; the next ones do not.
+(in a clone of the repository ``.venv/bin/pip install . jupyterlab``). Then open the notebook at the end of
+this page with ``.venv/bin/jupyter lab``; or start ``.venv/bin/python`` and copy the blocks one by one. Where a
+block ends with a figure, a notebook shows it; at the prompt of Python, save it: ``figure.savefig("name.png")``.
+The first call of a kind takes up to a minute or two, because the equations are compiled for your processor
+then; the next ones do not.
 
 The machine
 -----------
@@ -47,7 +50,8 @@ from rotor_ida.plot import plot_machine
 
 run = simulate(machine.rotor(), start=(0, 0, 0, 0), duration=80.0, samples=4001)
 in_si = dimensional(run, machine, units={"length": "µm", "time": "ms"})
-plot_machine(in_si)
+figure = plot_machine(in_si)
+figure
 
 # %%
 # Each entry into contact and each exit was found as a root of \|z\| = δ₀, not read off samples. So the
@@ -67,14 +71,20 @@ print(f"events are timed to {float(in_si.event_time_error.max()):.1g} ms or bett
 # ---------------------------------
 #
 # A run from rest is one start of many. ``touchdown_report`` takes 200 starts, here anywhere within
-# 50 µm, follows each to what it settles on, and says what that does to the machine: how likely it is, the
-# largest force, and much more.
+# 50 µm, follows each to what it settles on, and says what that does to the machine: how likely it is, how far
+# out it comes [m], the largest force [N], and much more. (Contact-free whirls come as a family, with centres
+# anywhere they have room, so that they have no one radius.)
 
 from rotor_ida import touchdown_report
 
 report = touchdown_report(machine, x=(-50e-6, 50e-6), y=(-50e-6, 50e-6), starts=200)
+from rotor_ida.schema import RESPONSE
+
+kinds = {number: word for word, number in RESPONSE.items()}
 columns = ["fraction", "radius_max", "largest_force"]
-report[columns].to_dataframe()[columns]
+table = report[columns].to_dataframe()[columns]
+table.insert(0, "kind", [kinds[int(kind)] for kind in report.kind])
+table
 
 # %%
 # At which speeds it jumps
@@ -109,11 +119,9 @@ print("folds at", ", ".join(f"{speed:.1f} rpm" for speed in speeds))
 import numpy as np
 
 from rotor_ida import sweep
-from rotor_ida.schema import RESPONSE
 
 clearances = np.array([0.0, 5.0, 10.0, 15.0, 20.0, 30.0])  # µm
 found = sweep(omega=rotor.omega, zeta=rotor.zeta, delta0=clearances * 1e-6 / machine.eccentricity)
-kinds = {number: word for word, number in RESPONSE.items()}
 for number, clearance in enumerate(clearances):
     settled = found.isel(delta0=number).squeeze()
     radius = 1e6 * float(settled.radius_max) * machine.length_scale

@@ -4,12 +4,16 @@ Five minutes for a researcher
 
 One orbit, from its events to its basin: each step with a number that says how far it can be trusted.
 
-Two lines in a shell, then Python::
+You need Python 3.11 or newer and two lines in a shell::
 
     python3 -m venv .venv
-    .venv/bin/pip install rotor-ida
+    .venv/bin/pip install rotor-ida jupyterlab
 
-The first call of a kind compiles the equations for your processor, for a minute or two.
+(in a clone of the repository ``.venv/bin/pip install . jupyterlab``). Then open the notebook at the end of
+this page with ``.venv/bin/jupyter lab``; or start ``.venv/bin/python`` and copy the blocks one by one. Where a
+block ends with a figure, a notebook shows it; at the prompt of Python, save it: ``figure.savefig("name.png")``.
+The first call of a kind takes up to a minute or two, because the equations are compiled for your processor
+then; the next ones do not.
 
 An orbit and its events
 -----------------------
@@ -38,7 +42,8 @@ float((apart / (run.event_time_error + witness.event_time_error)).max())
 # :doc:`/events` says how events are found, and which grazes can be told from misses.
 from rotor_ida.plot import plot_run
 
-plot_run(run)
+figure = plot_run(run)
+figure
 
 # %%
 # Against the closed form
@@ -67,7 +72,8 @@ print("multipliers", (cycle.multiplier_real + 1j * cycle.multiplier_imag).values
 # %%
 from rotor_ida.plot import cycle_figure
 
-cycle_figure(cycle)
+figure = cycle_figure(cycle)
+figure
 
 # %%
 # Its branch
@@ -121,10 +127,9 @@ from pathlib import Path
 
 from rotor_ida import load, save
 
-with tempfile.TemporaryDirectory() as folder:
-    save(run, Path(folder) / "run.nc")
-    kept = load(Path(folder) / "run.nc")
-kept.identical(run)
+path = Path(tempfile.mkdtemp()) / "run.nc"
+save(run, path)
+load(path).identical(run)
 
 # %%
 # Where to go on: :doc:`/cycles` has the theory of the cycles, :doc:`/archive` the format, and
