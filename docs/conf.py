@@ -31,6 +31,7 @@ exclude_patterns = [
     *("_extensions", "_templates", "inventories"),
     *("results", "scenario_scripts", "tutorial_scripts"),
     "api/used_by",
+    "**/sg_execution_times.rst",
 ]
 templates_path = ["_templates"]
 source_suffix = {".rst": "restructuredtext", ".md": "markdown"}

@@ -1,6 +1,7 @@
 """Formulas as MathML, which browsers show by themselves, and names in prose as links."""
 
 import importlib
+from functools import lru_cache
 
 from docutils import nodes
 from latex2mathml.converter import convert
@@ -25,19 +26,30 @@ def displayed(translator, node):
 
 def name_role(_role, rawtext, text, _line, inliner, _options=None, _content=None):
     """Return a link to what is public, and plain code for any other name."""
-    code = nodes.literal(rawtext, text)
-    word = text.removesuffix("()").removeprefix("~")
+    return [linked(nodes.literal(rawtext, text), inliner.document.settings.env.docname)], []
+
+
+def link_names(app, doctree):
+    """Make links of the public names that stand as code in prose."""
+    for code in list(doctree.findall(nodes.literal)):
+        if not isinstance(code.parent, nodes.reference | addnodes.pending_xref):
+            code.replace_self(linked(code.deepcopy(), app.env.docname))
+
+
+def linked(code, page):
+    """Return code as a link to what it names, or as it is if that is not public."""
+    word = code.astext().removesuffix("()")
     for home in HOMES:
         short = word.removeprefix(f"{home}.")
         if short in public_names(home):
-            target = addnodes.pending_xref(
+            return addnodes.pending_xref(
                 "", code, refdomain="py", reftype="obj", reftarget=f"{home}.{short}",
-                refexplicit=False, refwarn=True, refdoc=inliner.document.settings.env.docname,
+                refexplicit=False, refwarn=True, refdoc=page,
             )  # fmt: skip
-            return [target], []
-    return [code], []
+    return code
 
 
+@lru_cache
 def public_names(module):
     """Return the public names of a module: those it lists, or what it defines itself."""
     found = importlib.import_module(module)
@@ -55,4 +67,5 @@ def setup(app):
     """Register both."""
     app.add_html_math_renderer("mathml", (inline, None), (displayed, None))
     app.add_role("name", name_role)
+    app.connect("doctree-read", link_names)
     return {"parallel_read_safe": True}
