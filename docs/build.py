@@ -44,11 +44,23 @@ def main():
     """Build the site, see that it loads nothing from elsewhere, and say how large it is."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="coarse figures")
-    parser.add_argument("--out", type=Path, default=Path("site"), help="where to, by default site")
+    parser.add_argument("--out", type=Path, default=HERE.parent / "site", help="where to")
     parser.add_argument("--links", action="store_true", help="list all links to other hosts")
     given = parser.parse_args()
     tags = ["-t", "quick"] if given.quick else []
-    status = sphinx_build(["-q", "-W", "--keep-going", "-n", *tags, str(HERE), str(given.out)])
+    status = sphinx_build(
+        [
+            "-q",
+            "-W",
+            "--keep-going",
+            "-n",
+            *tags,
+            "-d",
+            str(HERE / ".doctrees"),
+            str(HERE),
+            str(given.out),
+        ]
+    )
     if status == 0:
         loaded = fetched_from_elsewhere(given.out)
         if loaded:

@@ -31,6 +31,7 @@ exclude_patterns = [
     *("_extensions", "_templates", "inventories"),
     *("results", "scenario_scripts", "tutorial_scripts"),
     "api/used_by",
+    "site",
     "**/sg_execution_times.rst",
 ]
 templates_path = ["_templates"]
@@ -82,6 +83,7 @@ sphinx_gallery_conf = {
     "capture_repr": ("_repr_html_", "__repr__"),
     "ignore_repr_types": r"matplotlib\.",
     "abort_on_example_error": True,
+    "run_stale_examples": True,
     "remove_config_comments": True,
     "show_memory": False,
     "show_signature": False,

@@ -49,7 +49,7 @@ def test_real_numbers_of_every_type_become_floats(value):
         [1.0],
         np.array([1.0]),
         10**400,
-        np.timedelta64(1),
+        np.timedelta64(1, "s"),
         np.datetime64("2019-06-01", "ns"),
         xr.DataArray([1.0]),
         xr.DataArray(True),

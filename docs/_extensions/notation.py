@@ -7,6 +7,8 @@ from docutils import nodes
 from latex2mathml.converter import convert
 from sphinx import addnodes
 
+# Words of the field that are names of functions too; as links they need their brackets.
+WORDS = {"basin", "cusp", "flight", "folds", "jumps", "peaks", "rotating", "spectrum", "status"}
 # Where a name in single backticks is looked for.
 HOMES = ("rotor_ida", "rotor_ida.closed_forms", "rotor_ida.plot", "rotor_ida.testing")
 
@@ -32,7 +34,8 @@ def name_role(_role, rawtext, text, _line, inliner, _options=None, _content=None
 def link_names(app, doctree):
     """Make links of the public names that stand as code in prose."""
     for code in list(doctree.findall(nodes.literal)):
-        if not isinstance(code.parent, nodes.reference | addnodes.pending_xref):
+        is_link = isinstance(code.parent, nodes.reference | addnodes.pending_xref)
+        if not is_link and code.astext() not in WORDS and app.env.docname != "names":
             code.replace_self(linked(code.deepcopy(), app.env.docname))
 
 

@@ -2,16 +2,18 @@
 
 import io
 import re
+import shutil
 from pathlib import Path
 
 from notation import public_names
 from rich.console import Console
 
+from rotor_ida import schema
 from rotor_ida.cli.program import application
 
 HERE = Path(__file__).parents[1]
 PARTS = {
-    "rotor_ida": "What most need",
+    "rotor_ida": "The main functions",
     "rotor_ida.closed_forms": "Closed forms",
     "rotor_ida.plot": "Figures",
     "rotor_ida.testing": "For tests of one's own",
@@ -51,8 +53,26 @@ def write(path, text):
         path.write_text(text, encoding="utf-8")
 
 
+def write_categories():
+    """Write the page of the words of categories, and the numbers that stand for them."""
+    lines = [
+        "# Categories",
+        "",
+        "Categories are small integers; `flag_values` and `flag_meanings` of a variable",
+    ]
+    lines += ["say so in every dataset, and `rotor_ida.schema` has them as dictionaries.", ""]
+    for name, flags in vars(schema).items():
+        if name.isupper() and isinstance(flags, dict) and set(map(type, flags.values())) == {int}:
+            words = ", ".join(f"{word} {number}" for word, number in flags.items())
+            lines.append(f"- `{name}`: {words}")
+    write(HERE / "categories.md", "\n".join(lines) + "\n")
+
+
 def setup(_app):
-    """Write the pages before Sphinx looks for its sources."""
+    """Write the pages before Sphinx looks for its sources; what an older build wrote goes."""
+    for folder in ("api", "gallery", "tutorials"):
+        shutil.rmtree(HERE / folder, ignore_errors=True)
     write_names()
+    write_categories()
     write_commands()
     return {"parallel_read_safe": True}

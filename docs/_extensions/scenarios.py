@@ -28,9 +28,11 @@ TITLES = {
 GUARD = 'if __name__ == "__main__":'
 RUN = """
 # %%
-# To run it here, in the coarse version; without ``--quick`` in the one that this page shows.
+# To run it here, coarse but quick, into a folder of its own; without ``--quick`` in full.
 
-run_script(main, description="", script="{name}.py", arguments=["--quick", "--force"])
+run_script(
+    main, description="", script="{name}.py", arguments=["--quick", "--force", "--out", "tried"]
+)
 """
 
 

@@ -8,9 +8,9 @@ will get, how hard the disc hits the ring, and which clearance to choose.
 You need Python 3.11 or newer and two lines in a shell::
 
     python3 -m venv .venv
-    .venv/bin/pip install rotor-ida jupyterlab
+    .venv/bin/pip install . jupyterlab
 
-(in a clone of the repository ``.venv/bin/pip install . jupyterlab``). Then open the notebook at the end of
+in a clone of the repository; from the first release on, ``rotor-ida`` in place of the dot will do. Then open the notebook at the end of
 this page with ``.venv/bin/jupyter lab``; or start ``.venv/bin/python`` and copy the blocks one by one. Where a
 block ends with a figure, a notebook shows it; at the prompt of Python, save it: ``figure.savefig("name.png")``.
 The first call of a kind takes up to a minute or two, because the equations are compiled for your processor
@@ -114,18 +114,28 @@ print("folds at", ", ".join(f"{speed:.1f} rpm" for speed in speeds))
 # ---------------
 #
 # The same machine with other clearances, from rest: what it settles on, how far out it comes, and how
-# hard the contact is.
+# hard it presses there on the ring.
 
 import numpy as np
 
 from rotor_ida import sweep
+from rotor_ida.equations.contact import contact_force
 
 clearances = np.array([0.0, 5.0, 10.0, 15.0, 20.0, 30.0])  # µm
 found = sweep(omega=rotor.omega, zeta=rotor.zeta, delta0=clearances * 1e-6 / machine.eccentricity)
 for number, clearance in enumerate(clearances):
     settled = found.isel(delta0=number).squeeze()
-    radius = 1e6 * float(settled.radius_max) * machine.length_scale
-    print(f"{clearance:4.0f} µm: {kinds[int(settled.response)]:13s} out to {radius:5.1f} µm")
+    farthest = float(settled.radius_max)
+    radius = 1e6 * farthest * machine.length_scale
+    force = float(contact_force(farthest, float(settled.delta0))) * machine.force_scale
+    kind = kinds[int(settled.response)]
+    print(f"{clearance:4.0f} µm: {kind:13s} out to {radius:5.1f} µm, up to {force:.2f} N")
+
+# %%
+# More clearance is not less force, as the lines show: at this speed a little of it makes a rotor bounce that
+# would whirl quietly without. Choose with both columns in view, over all the speeds that the machine goes
+# through, and look at the candidates with ``touchdown_report``: a start from rest is only one.
+
 
 # %%
 # Where to go on

@@ -7,9 +7,9 @@ One orbit, from its events to its basin: each step with a number that says how f
 You need Python 3.11 or newer and two lines in a shell::
 
     python3 -m venv .venv
-    .venv/bin/pip install rotor-ida jupyterlab
+    .venv/bin/pip install . jupyterlab
 
-(in a clone of the repository ``.venv/bin/pip install . jupyterlab``). Then open the notebook at the end of
+in a clone of the repository; from the first release on, ``rotor-ida`` in place of the dot will do. Then open the notebook at the end of
 this page with ``.venv/bin/jupyter lab``; or start ``.venv/bin/python`` and copy the blocks one by one. Where a
 block ends with a figure, a notebook shows it; at the prompt of Python, save it: ``figure.savefig("name.png")``.
 The first call of a kind takes up to a minute or two, because the equations are compiled for your processor
@@ -100,17 +100,22 @@ figure
 # Its basin
 # ---------
 #
-# From which starts, at rest, does the rotor end on this cycle? Regions that no orbit leaves decide most
-# starts; the rest are followed (:doc:`/basins`).
+# From which starts, at rest, does the rotor end on this cycle? Regions that hold an orbit for good, proven
+# or estimated, decide most starts; the rest are followed (:doc:`/basins`).
 
 import numpy as np
 
 from rotor_ida import basin
 from rotor_ida.plot import plot_basin
+from rotor_ida.schema import RESPONSE
 
 axis = np.linspace(-15.0, 15.0, 121)
 found = basin(rotor, x=axis, y=axis)
-print(found.fraction.values)
+kinds = {number: word for word, number in RESPONSE.items()}
+for kind, fraction in zip(found.kind.values, found.fraction.values, strict=True):
+    print(f"{kinds[int(kind)]:13s} {fraction:.3f} of the starts")
+
+# %%
 figure, (ax,) = panels(1, 1, width=5.2, height=4.6)
 plot_basin(found, ax=ax)
 figure
@@ -129,7 +134,7 @@ from rotor_ida import load, save
 
 path = Path(tempfile.mkdtemp()) / "run.nc"
 save(run, path)
-load(path).identical(run)
+load(path).equals(run)
 
 # %%
 # Where to go on: :doc:`/cycles` has the theory of the cycles, :doc:`/archive` the format, and

@@ -113,7 +113,10 @@ if __name__ == "__main__":
             print("started", flush=True)
     except KeyboardInterrupt:
         left = multiprocessing.active_children()
-        left += [each.name for each in threading.enumerate() if "Offload" not in each.name][1:]
+        others = [each for each in threading.enumerate()[1:] if "Offload" not in each.name]
+        for each in others:  # dask's profiler ends by itself, a moment later
+            each.join(5.0)
+        left += [each.name for each in others if each.is_alive()]
         print("left", left, flush=True)
 """
 

@@ -219,7 +219,7 @@ def atlas(
 ) -> Report:
     r"""Say which attractors exist over speed, damping or clearance, and how likely each is.
 
-    Over 29 speeds, drawn as shares of the starts:
+    Over 29 speeds, drawn as fractions of the starts:
 
         rotor-ida atlas --omega 0.2:3:29 --zeta 0.07 --delta0 2 \
             --x=-15:15 --y=-15:15 --starts 200 --out atlas.nc --figure atlas

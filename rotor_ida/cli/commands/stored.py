@@ -55,7 +55,7 @@ def compare(
     as_json: options.AsJson = False,
     force: options.Force = False,
 ) -> Report:
-    """Hold an archived sweep against the exact synchronous whirls.
+    """Hold an archived sweep against the exact whirls and limit cycles.
 
     Of the sweep that the example of sweep wrote:
 
