@@ -61,6 +61,7 @@ numpydoc_xref_aliases = {
     "Rotor": "rotor_ida.Rotor",
     "DimensionalRotor": "rotor_ida.DimensionalRotor",
 }
+# Cut down to what the pages may link to.
 intersphinx_mapping = {
     name: (address, str(HERE / "inventories" / f"{name}.inv"))
     for name, address in {

@@ -21,12 +21,14 @@ CHECKS = {
     "layout": ["-c", LINT_IMPORTS],
     "tests": TESTS,
 }
-# Closed forms, drawing, files and the page: nothing there asks what numba compiles for.
+# Closed forms, drawing, files, types and pages: nothing there asks what numba compiles for.
 WITHOUT_COMPILED_ARITHMETIC = [
     "tests/closed_forms",
+    "tests/docs",
     "tests/explorer",
     "tests/plot",
     "tests/storage/test_*.py",
+    "tests/test_typing.py",
     "rotor_ida/cli",
     "rotor_ida/closed_forms",
     "rotor_ida/explorer",
