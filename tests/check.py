@@ -21,13 +21,18 @@ CHECKS = {
     "layout": ["-c", LINT_IMPORTS],
     "tests": TESTS,
 }
-# Closed forms, drawing, files, types and pages: nothing there asks what numba compiles for.
+# Closed forms, drawing, files, types, pages, and what only hands on what others compute: nothing
+# there asks what numba compiles for.
 WITHOUT_COMPILED_ARITHMETIC = [
+    "docs",
+    "tests/cli",
     "tests/closed_forms",
     "tests/docs",
     "tests/explorer",
+    "tests/paper/test_*.py",
+    "tests/parallel",
     "tests/plot",
-    "tests/storage/test_*.py",
+    "tests/storage",
     "tests/test_typing.py",
     "rotor_ida/cli",
     "rotor_ida/closed_forms",
