@@ -14,8 +14,6 @@ from pathlib import Path
 from sphinx.cmd.build import main as sphinx_build
 
 HERE = Path(__file__).parent
-
-
 # What a browser fetches by itself, from another host.
 FETCHED = re.compile(
     r"<(?:script|img|iframe|source)[^>]*\bsrc=[\"'](?:https?:)?//[^\"']*"
@@ -48,19 +46,8 @@ def main():
     parser.add_argument("--links", action="store_true", help="list all links to other hosts")
     given = parser.parse_args()
     tags = ["-t", "quick"] if given.quick else []
-    status = sphinx_build(
-        [
-            "-q",
-            "-W",
-            "--keep-going",
-            "-n",
-            *tags,
-            "-d",
-            str(HERE / ".doctrees"),
-            str(HERE),
-            str(given.out),
-        ]
-    )
+    strictly = ["-q", "-W", "--keep-going", "-n", *tags, "-d", str(HERE / ".doctrees")]
+    status = sphinx_build([*strictly, str(HERE), str(given.out)])
     if status == 0:
         loaded = fetched_from_elsewhere(given.out)
         if loaded:

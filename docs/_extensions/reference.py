@@ -58,9 +58,10 @@ def write_categories():
     lines = [
         "# Categories",
         "",
-        "Categories are small integers; `flag_values` and `flag_meanings` of a variable",
+        "Categories are small integers; `flag_values` and `flag_meanings` of a variable say so in",
+        "every dataset, and `rotor_ida.schema` has them as dictionaries.",
+        "",
     ]
-    lines += ["say so in every dataset, and `rotor_ida.schema` has them as dictionaries.", ""]
     for name, flags in vars(schema).items():
         if name.isupper() and isinstance(flags, dict) and set(map(type, flags.values())) == {int}:
             words = ", ".join(f"{word} {number}" for word, number in flags.items())

@@ -24,7 +24,7 @@ TITLES = {
     ),
     "paper": ("The paper's figures", "What the paper shows, beside what is right."),
     "studies": ("Beyond the paper", "Studies of our own."),
-}  # fmt: skip
+}
 GUARD = 'if __name__ == "__main__":'
 RUN = """
 # %%

@@ -141,7 +141,7 @@ for number, clearance in enumerate(clearances):
 # Where to go on
 # --------------
 #
-# - Move the sliders yourself: ``pip install 'rotor-ida[explore]'``, then ``rotor-ida explore``
+# - Move the sliders yourself: ``pip install '.[explore]'``, then ``rotor-ida explore``
 #   (:doc:`/explorer`).
 # - The same from the shell: ``rotor-ida touchdown --help`` (:doc:`/command_line`).
 # - All that attracts over speed and clearance: :doc:`/basins`.
