@@ -16,9 +16,8 @@ import heyoka as hy
 import numpy as np
 
 from rotor_ida import Rotor
-from rotor_ida.basins.crossings import SECTION
 from rotor_ida.basins.following import RTOL, follow_starts
-from rotor_ida.basins.kernel import NOT_COMPUTED, follow
+from rotor_ida.basins.kernel import NOT_COMPUTED, SECTION, follow
 from rotor_ida.basins.known import known_from_closed_forms
 from rotor_ida.storage.studies.results import Results
 
@@ -73,13 +72,12 @@ def time_of_heyoka(rotor, states, batch, **options):
 def time_of_kernel(rotor, states, tolerance):
     """Return core time a start [s] of the kernel over the same span, with nothing to capture."""
     nothing = np.empty((0, 14)), NOWHERE, np.empty((0, SECTION))
-    arguments = (rotor.omega, rotor.zeta, rotor.delta0 or None), *nothing
-    for _ in range(2):  # the first compiles
+    for _ in range(2):  # the first finds the library
         copy = states.copy()
         labels = np.full(states.shape[1], NOT_COMPUTED, dtype=np.int16)
         times = np.zeros(states.shape[1], dtype=np.float32)
         began = time.process_time()
-        follow(copy, labels, times, *arguments, SPAN, tolerance, np.zeros(1, dtype=np.uint8))
+        follow(copy, labels, times, rotor, *nothing, SPAN, tolerance, GO_ON)
         took = time.process_time() - began
     return took / states.shape[1]
 

@@ -53,6 +53,10 @@ class ArchiveError(RotorError, OSError):
     """A file that cannot be read or written as an archive of this package."""
 
 
+class InstallationError(RotorError, ImportError):
+    """An installation that cannot work: the message says what is wrong and what mends it."""
+
+
 def _rebuild_simulation_error(
     kind: type[SimulationError],
     message: str,

@@ -13,12 +13,16 @@ from functools import cache
 from importlib.metadata import version
 from pathlib import Path, PurePath
 
+from rotor_ida.core.library import build_info
+
 SOURCE = "rotor_ida: rotor with Hertz contact and clearance, simulated event by event"
 
 # The folder part of an absolute path, also behind --option=; it means nothing on another machine.
 _FOLDERS = re.compile(r"^(--?[\w-]+=)?(?:[/~]|[A-Za-z]:[\\/]).*[\\/](?=[^\\/])")
 # Versions that do not change the bits of a result.
 _INDIFFERENT = ("python_version", "xarray_version")
+# What sources are called.
+KINDS_OF_SOURCE = ("*.py", "*.c", "*.h")
 # Folders and modules that draw, describe or store a result but do not compute it.
 NOT_COMPUTING = (
     *("analysis", "cli", "paper", "plot"),
@@ -32,16 +36,24 @@ def provenance(how: Mapping[str, object]) -> dict[str, object]:
     Examples
     --------
     >>> sorted(provenance({"rtol": 1e-10}))[:4]
-    ['command', 'llvmlite_version', 'numba_version', 'numpy_version']
+    ['command', 'core_compiler', 'core_flags', 'core_level']
     """
-    return {"source": SOURCE, "command": command(), **how, **versions()}
+    return {"source": SOURCE, "command": command(), **how, **core(), **versions()}
+
+
+def core() -> dict[str, str]:
+    """Return who compiled the core, how, and for which level of the processor, as attributes.
+
+    None of them changes the bits of a result.
+    """
+    return {f"core_{name}": build_info()[name] for name in ("compiler", "flags", "level")}
 
 
 @cache
 def versions() -> dict[str, object]:
     """Return the versions of all that computes, as attributes."""
     names = {"rotor_ida": "rotor-ida", "scikit_sundae": "scikit-sundae"}
-    names |= {name: name for name in ("numpy", "scipy", "numba", "llvmlite", "xarray")}
+    names |= {name: name for name in ("numpy", "scipy", "xarray")}
     found: dict[str, object] = {f"{name}_version": version(names[name]) for name in names}
     # imported here so that an archive can be written where no solver is installed
     found["sundials_version"] = str(importlib.import_module("sksundae").SUNDIALS_VERSION)
@@ -56,7 +68,7 @@ def computing() -> dict[str, str]:
     Examples
     --------
     >>> sorted(computing())[:3]
-    ['llvmlite_version', 'numba_version', 'numpy_version']
+    ['numpy_version', 'rotor_ida_version', 'scikit_sundae_version']
     """
     found = {name: str(each) for name, each in versions().items() if name not in _INDIFFERENT}
     return found | {"sources": sources_digest()}
@@ -64,7 +76,7 @@ def computing() -> dict[str, str]:
 
 @cache
 def sources_digest() -> str:
-    """Return the SHA-256 of all sources of this package that compute.
+    """Return the SHA-256 of all sources of this package that compute, in Python and in C.
 
     Examples
     --------
@@ -73,7 +85,7 @@ def sources_digest() -> str:
     """
     digest = hashlib.sha256()
     package = Path(__file__).parent
-    for path in sorted(package.rglob("*.py")):
+    for path in sorted(path for kind in KINDS_OF_SOURCE for path in package.rglob(kind)):
         name = path.relative_to(package)
         if not any(name.with_suffix("").is_relative_to(part) for part in NOT_COMPUTING):
             digest.update(f"{name.as_posix()}\0".encode() + path.read_bytes() + b"\0")

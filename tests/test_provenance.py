@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from rotor_ida import provenance
 from rotor_ida.provenance import described
 
 
@@ -43,3 +44,24 @@ def test_run_says_which_script_made_it(tmp_path: Path) -> None:
         shown = subprocess.run([sys.executable, *program], capture_output=True, check=True)
         expected = "python -c" if program[0] == "-c" else "study.py --out run.nc"
         assert shown.stdout.decode().strip() == expected
+
+
+@pytest.mark.parametrize("name", ["model.py", "core/model.c", "core/model.h"])
+def test_sources_in_python_and_in_c_count(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    monkeypatch.setattr(provenance, "__file__", str(tmp_path / "provenance.py"))
+    (tmp_path / "core").mkdir()
+    before = provenance.sources_digest.__wrapped__()
+    (tmp_path / name).touch()
+    assert provenance.sources_digest.__wrapped__() != before
+
+
+def test_a_result_says_who_compiled_the_core() -> None:
+    said = provenance.provenance({})
+    assert {"core_compiler", "core_flags", "core_level"} <= {*said}
+    assert all(isinstance(value, str) for value in provenance.core().values())
+
+
+def test_no_compiler_and_no_level_decides_on_the_bits() -> None:
+    assert not [name for name in provenance.computing() if name.startswith("core")]

@@ -184,7 +184,7 @@ def _resilience_of(search: Search, subject: Subject) -> Resilience:
         if section is not None:
             thrown = tried.sizes[tried.labels != subject.label]
             most = float(thrown.min(initial=largest))
-            bound = bound_of_cycle(section, source, kind, known.clearance, most, search.stop)
+            bound = bound_of_cycle(section, source, kind, most, search.stop)
         found.bounds[row] = bound
     return found
 

@@ -20,9 +20,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.stats import qmc
 
-from rotor_ida.basins.crossings import measure_returns
 from rotor_ida.basins.cycle_sections import CycleSection
-from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED, follow
+from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED, follow, measure_returns
 from rotor_ida.basins.known import Known
 from rotor_ida.basins.trapping_regions import TrappingRegion
 from rotor_ida.parallel import Stop
@@ -99,11 +98,10 @@ def ends_of(known: Known, states: Values, tolerance: float, stop: Stop) -> Label
     """
     states = np.array(states, order="C")
     labels = np.full(states.shape[1], NOT_COMPUTED, dtype=np.int16)
-    rotor = known.rotor
+    times = np.zeros(labels.size, dtype=np.float32)
     follow(
-        states, labels, np.zeros(labels.size, dtype=np.float32),
-        (rotor.omega, rotor.zeta, known.clearance), *known.tables(), durations(rotor)[0],
-        tolerance, stop,
+        states, labels, times, known.rotor, *known.tables(), durations(known.rotor)[0], tolerance,
+        stop,
     )  # fmt: skip
     labels[labels == known.fading_label] = known.free_label
     return labels
@@ -222,8 +220,7 @@ def bound_of_whirl(region: TrappingRegion, kind: str) -> float:
 
 
 def bound_of_cycle(
-    section: CycleSection, source: Source, kind: str, clearance: float | None, most: float,
-    stop: Stop,
+    section: CycleSection, source: Source, kind: str, most: float, stop: Stop
 ) -> float:  # fmt: skip
     """Return the size up to which shocks of a limit cycle come back to its section: estimated.
 
@@ -235,8 +232,6 @@ def bound_of_cycle(
         Gives states of the cycle.
     kind : {"velocity", "displacement"}
         What the shock changes.
-    clearance : float or None
-        As the kernel wants it [1].
     most : float
         The bound is not sought above this [1].
     stop : ndarray, shape (1,)
@@ -246,13 +241,12 @@ def bound_of_cycle(
         return 0.0
     phase, angle = np.meshgrid((np.arange(PHASES) + 0.5) / PHASES, np.arange(DIRECTIONS))
     places = np.stack([phase, np.zeros_like(phase), angle / DIRECTIONS]).reshape(3, -1)
-    rotor, period = section.cycle.rotor, section.cycle.period
 
     def returns(states: Values) -> Labels:
         values = np.empty(states.shape[1])
         measure_returns(
-            np.ascontiguousarray(states), (rotor.omega, rotor.zeta, clearance), section.numbers,
-            (0.0, 1.6 * period), TIGHT, values, stop,
+            np.ascontiguousarray(states), section.cycle.rotor, section.numbers,
+            (0.0, 1.6 * section.cycle.period), TIGHT, values, stop,
         )  # fmt: skip
         return (values <= 1.0).astype(np.int16)
 

@@ -25,6 +25,7 @@ from rotor_ida.checks import (
     check_seed,
     shown,
 )
+from rotor_ida.core.interface import ENTRY_TIME, EXIT_TIME
 from rotor_ida.cycles.limit_cycle import follow, whirl_beside
 from rotor_ida.cycles.shooting import close_orbit
 from rotor_ida.equations.contact import contact_force
@@ -36,7 +37,7 @@ from rotor_ida.schema import WHIRL_DIRECTION, Column, labelled_dataset
 from rotor_ida.si_units import dimensional
 from rotor_ida.simulation.dataset import parameter_coordinates
 from rotor_ida.simulation.options import LARGEST, Options
-from rotor_ida.stability.orbit import ENTRY, EXIT, Shot
+from rotor_ida.stability.orbit import Shot
 from rotor_ida.sweeps import response
 
 Values = npt.NDArray[np.float64]
@@ -252,8 +253,8 @@ def _of_cycle(rotor: Rotor, member: Member) -> dict[str, float]:
 
 def _time_in_contact(shot: Shot) -> float:
     """Return for how long a closed orbit is in contact; one contact may go on over its end."""
-    entry = np.nan_to_num(shot.contacts[:, ENTRY], nan=0.0)
-    leaving = np.nan_to_num(shot.contacts[:, EXIT], nan=shot.duration)
+    entry = np.nan_to_num(shot.contacts[:, ENTRY_TIME], nan=0.0)
+    leaving = np.nan_to_num(shot.contacts[:, EXIT_TIME], nan=shot.duration)
     return float((leaving - entry).sum())
 
 

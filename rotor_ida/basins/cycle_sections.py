@@ -21,12 +21,13 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.basins.crossings import SECTION, measure_returns
+from rotor_ida.basins.kernel import SECTION, measure_returns
+from rotor_ida.core.interface import RADIUS, TIME
 from rotor_ida.cycles.multipliers import multipliers_of
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
-from rotor_ida.stability.orbit import MAXIMUM, RADIUS, TIME, shoot
+from rotor_ida.stability.orbit import MAXIMUM, shoot
 
 Values = npt.NDArray[np.float64]
 
@@ -141,7 +142,6 @@ def _width(section: CycleSection, form: Values, slowest: float, stop: Stop) -> f
     cycle, rotor = section.cycle, section.cycle.rotor
     directions = np.linalg.pinv(form) @ _sphere(STATES)
     allowed = 1.0 - FALLS * (1.0 - slowest**2)
-    clearance = rotor.delta0 if rotor.delta0 > 0.0 else None
 
     def all_nearer(width: float) -> bool:
         here = CycleSection(cycle, section.centre, section.normal, form / width)
@@ -149,8 +149,8 @@ def _width(section: CycleSection, form: Values, slowest: float, stop: Stop) -> f
             states = section.centre[:, None] + shell * width * directions
             values = np.empty(STATES)
             measure_returns(
-                states, (rotor.omega, rotor.zeta, clearance), here.numbers,
-                (0.5 * cycle.period, 1.6 * cycle.period), TOLERANCE, values, stop,
+                states, rotor, here.numbers, (0.5 * cycle.period, 1.6 * cycle.period), TOLERANCE,
+                values, stop,
             )  # fmt: skip
             if stop[0] or not (values <= allowed * shell**2).all():
                 return False

@@ -21,15 +21,15 @@ from rotor_ida.closed_forms import touch_fading
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
 from rotor_ida.parameters import Rotor
-from rotor_ida.simulation.flight import unbalance_whirl
 from rotor_ida.simulation.options import Options
+from rotor_ida.simulation.reference.flight import unbalance_whirl
 from rotor_ida.simulation.run import run
 
 Values = npt.NDArray[np.float64]
 
 HOW = Options(method="taylor", rtol=1e-12)
 STATES, MOST_TRIES = 24, 240
-# The drift is at most this part of how much too far out it ends.
+# The drift is at most this part of how much too far out it ends: as in core/lanes.c.
 MOST_DRIFT = 0.3
 # So many 1/zeta, in which a drift comes to its end, and revolutions after that.
 DRIFT_ENDS, REVOLUTIONS = 8.0, 24

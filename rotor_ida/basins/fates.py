@@ -97,11 +97,9 @@ class Batch:
         states = np.ascontiguousarray(self.states[:, numbers])
         labels = np.full(numbers.size, NOT_COMPUTED, dtype=np.int16)
         times = np.zeros(numbers.size, dtype=np.float32)
-        rotor = self.known.rotor
-        parameters = (rotor.omega, rotor.zeta, self.known.clearance)
         follow(
-            states, labels, times, parameters, *self.known.tables(), duration, self.tolerance,
-            self.stop,
+            states, labels, times, self.known.rotor, *self.known.tables(), duration,
+            self.tolerance, self.stop,
         )  # fmt: skip
         self.states[:, numbers] = states
         self.labels[numbers] = labels

@@ -1,9 +1,6 @@
 """Many starts followed side by side, each until its attractor is certain or its time is up.
 
-All orbits of one rotor are integrated on the rotating axes in lockstep: every quantity is a row of
-`LANES` numbers in one flat array, one orbit in each lane. A step advances all lanes with one loop
-that the compiler turns into vector instructions; each lane keeps its own time and step. A lane
-whose orbit is decided takes the next start.
+The core does it, on the rotating axes: ``core/lanes.c``. What it is called with is checked here.
 
 Labels: first come the whirls in contact, by number; then the whirls that never touch the ring again
 (`free_label`), those that touch it ever more slightly (`fading_label`), and the limit cycles.
@@ -11,143 +8,43 @@ Labels: first come the whirls in contact, by number; then the whirls that never 
 
 from __future__ import annotations
 
-import math
+from ctypes import byref
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.basins.crossings import FIRST_STEP, crosses, section_value
-from rotor_ida.basins.fading import MOST_DRIFT
-from rotor_ida.basins.lanes import (
-    BUFFER,
-    INSIDE,
-    LANES,
-    STEP,
-    TIME,
-    U,
-    V,
-    X,
-    Y,
-    remember_step,
-    step_lanes,
-)
-from rotor_ida.equations.compiling import compiled_for_lanes, inlined_for_lanes
+from rotor_ida.core.interface import RotorStruct, library, pointer
+from rotor_ida.parallel import Stop
+from rotor_ida.parameters import Rotor
 
 Values = npt.NDArray[np.float64]
 Labels = npt.NDArray[np.int16]
 Times = npt.NDArray[np.float32]
 
 CHAOTIC, NOT_COMPUTED, UNDECIDED = -3, -2, -1
-NO_START = -1
-MOST_STEPS = 200_000
+# So many orbits are followed at a time.
+LANES = 64
+# Numbers of a trapping region: its centre, and the upper triangular factor of its form.
+REGION = 14
+# Numbers of a section: its state c, the unit normal, the three rows of L, and the squared distance
+# from c within which the set ``|L (s - c)| <= 1`` lies.
+SECTION = 21
 
 
-@inlined_for_lanes
-def find_trapped(lanes: Values, regions: Values) -> None:
-    """Write into the row INSIDE 1 + the number of the trapping region that holds the lane, or 0."""
-    for i in range(LANES):
-        lanes[INSIDE + i] = 0.0
-    for number in range(regions.shape[0]):
-        cx, cy, cu, cv, a, b, c, d, e, f, g, k, m, n = regions[number]
-        code = number + 1.0
-        for i in range(LANES):
-            x, y = lanes[X + i] - cx, lanes[Y + i] - cy
-            u, v = lanes[U + i] - cu, lanes[V + i] - cv
-            first, second = a * x + b * y + c * u + d * v, e * y + f * u + g * v
-            third, fourth = k * u + m * v, n * v
-            square = first * first + second * second + third * third + fourth * fourth
-            lanes[INSIDE + i] = code if square <= 1.0 else lanes[INSIDE + i]
-
-
-@inlined_for_lanes
-def find_contact_free(
-    lanes: Values, code: float, omega: float, zeta: float, delta0: float | None, free: Values
-) -> None:
-    """Write `code` into the row INSIDE where an orbit will never touch the ring again.
-
-    Out of contact the centre of the whirl moves straight from c to c + drift; the orbit stays
-    inside the clearance exactly when both ends do with the whirl's own radius to spare. Where it
-    comes to rest but a little too far out, its touches fade: `code` + 1.
-    """
-    wx, wy, room, edge = free[0], free[1], free[2], free[3]
-    per = 0.5 / zeta
-    ring = 0.0 if delta0 is None else delta0 * delta0
-    most_drift = 0.5 * MOST_DRIFT / math.sqrt(room)
-    for i in range(LANES):
-        # on the rotating axes the whirl stands still at w and its velocity is i omega w
-        x, y = lanes[X + i] - wx, lanes[Y + i] - wy
-        u = x + per * (lanes[U + i] + omega * wy)
-        v = y + per * (lanes[V + i] - omega * wx)
-        end = u * u + v * v
-        farthest = max(x * x + y * y, end)
-        drift = (u - x) * (u - x) + (v - y) * (v - y)
-        square = lanes[X + i] * lanes[X + i] + lanes[Y + i] * lanes[Y + i]
-        outside = most_drift * max(end - room, 0.0)
-        fades = (end <= edge) & (drift < outside * outside) & (square < ring)
-        lanes[INSIDE + i] = code + 1.0 if fades else lanes[INSIDE + i]
-        lanes[INSIDE + i] = code if farthest <= room else lanes[INSIDE + i]
-
-
-@inlined_for_lanes
-def find_on_cycles(
-    lanes: Values, sections: Values, first: float, rotor: tuple[float, float, float | None]
-) -> None:
-    """Write `first` + the number of a limit cycle into the row INSIDE where it holds the lane."""
-    omega, zeta, delta0 = rotor
-    for number in range(sections.shape[0]):
-        section = sections[number]
-        for i in range(LANES):
-            if crosses(lanes, i, section):
-                value = section_value(lanes, i, section, omega, zeta, delta0)
-                lanes[INSIDE + i] = first + number if value <= 1.0 else lanes[INSIDE + i]
-
-
-@inlined_for_lanes
-def next_waiting(labels: Labels, number: int) -> int:
-    """Return the first start from `number` on that has no label yet, or their total."""
-    while number < labels.shape[0] and labels[number] >= 0:
-        number += 1
-    return number
-
-
-@inlined_for_lanes
-def load_start(lanes: Values, i: int, states: Values, number: int) -> int:
-    """Put a start into a lane and return its number; without one, leave the lane at rest."""
-    if number >= states.shape[1]:
-        lanes[X + i] = lanes[Y + i] = lanes[U + i] = lanes[V + i] = 0.0
-        lanes[TIME + i], lanes[STEP + i] = 0.0, 0.0
-        return NO_START
-    lanes[X + i], lanes[Y + i] = states[0, number], states[1, number]
-    lanes[U + i], lanes[V + i] = states[2, number], states[3, number]
-    lanes[TIME + i], lanes[STEP + i] = 0.0, FIRST_STEP
-    return number
-
-
-@inlined_for_lanes
-def record_result(
-    lanes: Values, i: int, states: Values, labels: Labels, times: Times, number: int
-) -> None:
-    """Copy the result of a start from its lane."""
-    labels[number] = np.int16(lanes[INSIDE + i]) - 1 if lanes[INSIDE + i] > 0.0 else UNDECIDED
-    times[number] += np.float32(lanes[TIME + i])
-    states[0, number], states[1, number] = lanes[X + i], lanes[Y + i]
-    states[2, number], states[3, number] = lanes[U + i], lanes[V + i]
-
-
-@compiled_for_lanes
 def follow(
     states: Values,
     labels: Labels,
     times: Times,
-    rotor: tuple[float, float, float | None],
+    rotor: Rotor,
     regions: Values,
     free: Values,
     sections: Values,
     duration: float,
     tolerance: float,
-    stop: npt.NDArray[np.uint8],
+    stop: Stop,
 ) -> None:
-    """Follow each start until a trapping region holds it or `duration` has passed.
+    """Follow each start, in the core, until an attractor holds it or `duration` has passed.
 
     Parameters
     ----------
@@ -160,8 +57,8 @@ def follow(
         already are left alone.
     times : ndarray of float32, shape (n,)
         The time that each took is added [1].
-    rotor : tuple of float
-        omega, zeta and delta0, None for no clearance [1].
+    rotor : Rotor
+        The rotor; without damping there must be no contact-free whirl.
     regions : ndarray, shape (m, 14)
         Centre and upper triangular factor of each trapping region.
     free : ndarray, shape (4,)
@@ -173,33 +70,76 @@ def follow(
         Longest time to follow, and tolerance of a step [1].
     stop : ndarray of uint8, shape (1,)
         Set to 1 by another thread to end early.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an array has another type or shape, or its numbers do not lie one after the other.
     """
-    omega, zeta, delta0 = rotor
-    lanes, owner = np.zeros(BUFFER), np.full(LANES, NO_START)
-    steps = np.zeros(LANES, dtype=np.int64)
-    waiting, active = 0, 0
-    for i in range(LANES):
-        waiting = next_waiting(labels, waiting)
-        owner[i] = load_start(lanes, i, states, waiting)
-        waiting += 1
-        active += owner[i] != NO_START
-    remember_step(lanes)
-    while active > 0 and stop[0] == 0:
-        find_trapped(lanes, regions)
-        if free[2] >= 0.0:
-            find_contact_free(lanes, regions.shape[0] + 1.0, omega, zeta, delta0, free)
-        find_on_cycles(lanes, sections, regions.shape[0] + 3.0, rotor)
-        for i in range(LANES):
-            steps[i] += 1
-            under_way = lanes[TIME + i] < duration and steps[i] < MOST_STEPS
-            if owner[i] == NO_START or (under_way and lanes[INSIDE + i] == 0.0):
-                continue
-            record_result(lanes, i, states, labels, times, owner[i])
-            waiting = next_waiting(labels, waiting)
-            owner[i] = load_start(lanes, i, states, waiting)
-            waiting += 1
-            active -= owner[i] == NO_START
-            steps[i] = 0
-        if sections.shape[0] > 0:
-            remember_step(lanes)
-        step_lanes(lanes, omega, zeta, delta0, tolerance)
+    count, region_count, section_count = labels.size, len(regions), len(sections)
+    _check_shape("states", states, (4, count))
+    _check_shape("labels", labels, (count,))
+    _check_shape("times", times, (count,))
+    _check_shape("regions", regions, (region_count, REGION))
+    _check_shape("free", free, (4,))
+    _check_shape("sections", sections, (section_count, SECTION))
+    _check_shape("stop", stop, (1,))
+    # whether it was stopped is told by the labels
+    library().core_follow_lanes(
+        byref(RotorStruct.of(rotor)), pointer(states, np.float64, writeable=True),
+        pointer(labels, np.int16, writeable=True), pointer(times, np.float32, writeable=True),
+        count, pointer(regions, np.float64), region_count, pointer(free, np.float64),
+        pointer(sections, np.float64), section_count, duration, tolerance,
+        pointer(stop, np.uint8),
+    )  # fmt: skip
+
+
+def measure_returns(
+    states: Values,
+    rotor: Rotor,
+    section: Values,
+    times: tuple[float, float],
+    tolerance: float,
+    values: Values,
+    stop: Stop,
+) -> None:
+    """Write the least ``|L (s - c)|**2`` with which states pass a section, found by the core.
+
+    Parameters
+    ----------
+    states : ndarray, shape (4, n)
+        States on the rotating axes [1].
+    rotor : Rotor
+        The rotor.
+    section : ndarray, shape (SECTION,)
+        The section.
+    times : tuple of float
+        Earliest and latest time [1].
+    tolerance : float
+        Of a step [1].
+    values : ndarray, shape (n,)
+        Becomes the values; infinite where a state does not pass it [1].
+    stop : ndarray of uint8, shape (1,)
+        Set to 1 by another thread to end early.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an array has another type or shape, or its numbers do not lie one after the other.
+    """
+    _check_shape("states", states, (4, values.size))
+    _check_shape("section", section, (SECTION,))
+    _check_shape("values", values, (values.size,))
+    _check_shape("stop", stop, (1,))
+    # who stops it looks at no values
+    library().core_measure_returns(
+        byref(RotorStruct.of(rotor)), pointer(states, np.float64), values.size,
+        pointer(section, np.float64), *times, tolerance,
+        pointer(values, np.float64, writeable=True), pointer(stop, np.uint8),
+    )  # fmt: skip
+
+
+def _check_shape(name: str, array: npt.NDArray[Any], shape: tuple[int, ...]) -> None:
+    """Raise unless an array has a shape: the core would read past its end."""
+    if array.shape != shape:
+        raise ValueError(f"{name} must have the shape {shape}, got {array.shape}")

@@ -8,14 +8,14 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.basins.crossings import SECTION
 from rotor_ida.basins.cycle_sections import CycleSection, cycle_section
 from rotor_ida.basins.fading import fading_excess
+from rotor_ida.basins.kernel import REGION, SECTION
 from rotor_ida.basins.trapping_regions import TrappingRegion, trapping_regions
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.parallel import Stop
 from rotor_ida.parameters import Rotor
-from rotor_ida.simulation.flight import unbalance_whirl
+from rotor_ida.simulation.reference.flight import unbalance_whirl
 
 Values = npt.NDArray[np.float64]
 
@@ -52,11 +52,6 @@ class Known:
         return bool(self.free[2] >= 0.0)
 
     @property
-    def clearance(self) -> float | None:
-        """Clearance as the kernel wants it: None for 0, where it needs less arithmetic."""
-        return self.rotor.delta0 if self.rotor.delta0 > 0.0 else None
-
-    @property
     def free_label(self) -> int:
         """Label of the starts that never touch the ring again."""
         return len(self.whirls)
@@ -80,7 +75,7 @@ class Known:
 
     def tables(self) -> tuple[Values, Values, Values]:
         """Return whirls, contact-free whirl and cycles as the kernel wants them."""
-        whirls = np.array([each.numbers for each in self.whirls]).reshape(-1, 14)
+        whirls = np.array([each.numbers for each in self.whirls]).reshape(-1, REGION)
         sections = np.array([each.numbers for each in self.cycles]).reshape(-1, SECTION)
         return whirls, self.free, sections
 

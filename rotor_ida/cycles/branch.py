@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from rotor_ida.core.interface import RADIUS
 from rotor_ida.cycles.continuation import (
     EARLIER,
     FIRST_STEP,
@@ -31,7 +32,7 @@ from rotor_ida.cycles.shooting import Cycle, checked_cycle, contacts_of
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import PARAMETERS, Rotor
-from rotor_ida.stability.orbit import RADIUS, Shot, shoot
+from rotor_ida.stability.orbit import Shot, shoot
 
 Values = npt.NDArray[np.float64]
 

@@ -9,6 +9,9 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.checks import check_instance
+from rotor_ida.core.interface import DONE, message_of
+from rotor_ida.core.runs import Asked
+from rotor_ida.core.runs import follow as follow_run
 from rotor_ida.cycles.dataset import cycle_columns, of_cycle, state_columns
 from rotor_ida.cycles.guess import Guess, guess_of
 from rotor_ida.cycles.multipliers import multipliers_of
@@ -27,9 +30,7 @@ from rotor_ida.schema import (
     labelled_dataset,
 )
 from rotor_ida.simulation.options import Options, check_can_be_followed
-from rotor_ida.simulation.start import starts_in_contact
-from rotor_ida.stability.orbit import RTOL
-from rotor_ida.stability.tangent_flow import DONE, follow_on
+from rotor_ida.stability.orbit import ATOL, RTOL
 from rotor_ida.sweeps.steady_state import FAILED, follow_to_steady_state
 
 Values = npt.NDArray[np.float64]
@@ -231,13 +232,19 @@ def follow(rotor: Rotor, state: Values, span: float, count: int, stop: Stop) -> 
     SimulationError
         If it could not be followed.
     """
-    states, in_contact = np.full((count, 4), np.nan), np.empty(count, dtype=np.bool_)
-    states[0], (x, y, vx, vy) = state, state.tolist()
-    parameters = (rotor.omega, rotor.zeta, rotor.delta0)
-    in_contact[0] = starts_in_contact(complex(x, y), complex(vx, vy), *parameters)
-    if follow_on(states, in_contact, span, parameters, RTOL, stop) != DONE:
-        raise SimulationError("an orbit could not be followed", time=0.0, state=(x, y, vx, vy))
-    return states
+    times = span * np.arange(count, dtype=np.float64)
+    seen = follow_run(
+        Asked(
+            rotor=rotor, start=state, duration=float(times[-1]), rtol=RTOL, atol=ATOL * RTOL,
+            sample_times=times, stop=stop,
+        )
+    )  # fmt: skip
+    if seen.status != DONE:
+        raise SimulationError(
+            f"an orbit could not be followed: {message_of(seen.status)}",
+            time=0.0, state=_state_of(state),
+        )  # fmt: skip
+    return seen.samples
 
 
 def _state_of(state: Values) -> tuple[float, float, float, float]:

@@ -17,21 +17,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from rotor_ida.core.interface import ENTRY_TIME, EXIT_TIME, IMPULSE, KIND, RADIUS
 from rotor_ida.equations.contact import contact_force
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import Rotor
-from rotor_ida.stability.orbit import (
-    ENTRY,
-    EXIT,
-    IMPULSE,
-    KIND,
-    MAXIMUM,
-    RADIUS,
-    RTOL,
-    Shot,
-    shoot,
-)
+from rotor_ida.stability.orbit import MAXIMUM, RTOL, Shot, shoot
 
 Values = npt.NDArray[np.float64]
 
@@ -125,7 +116,8 @@ def contacts_of(shot: Shot) -> int:
     Where it begins and ends at an entry or an exit, rounding may leave one of these out.
     """
     return max(
-        sum(map(math.isfinite, shot.contacts[:, column].tolist())) for column in (ENTRY, EXIT)
+        sum(map(math.isfinite, shot.contacts[:, column].tolist()))
+        for column in (ENTRY_TIME, EXIT_TIME)
     )
 
 

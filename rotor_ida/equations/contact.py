@@ -14,10 +14,10 @@ References
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
-
-from rotor_ida.equations.compiling import compiled
 
 HERTZ_EXPONENT = 1.5
 Values = npt.NDArray[np.float64]
@@ -110,28 +110,30 @@ def contact_potential(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
     return indentation(radius, delta0) ** exponent / exponent
 
 
-@compiled
 def force_over_radius(radius: float, delta0: float) -> float:
-    """Scalar ``f(r)/r`` for the integrators' inner loop; zero at r = 0."""
+    """Scalar ``f(r)/r``; zero at r = 0."""
     depth = radius - delta0
-    if depth <= 0.0:
-        return 0.0
-    return float(depth**HERTZ_EXPONENT / radius)
+    return depth**HERTZ_EXPONENT / radius if depth > 0.0 else 0.0
 
 
-@compiled
 def stiffness(radius: float, delta0: float) -> float:
-    """Scalar ``f'(r)`` for the integrators' inner loop."""
-    depth = radius - delta0
-    if depth <= 0.0:
-        return 0.0
-    return float(HERTZ_EXPONENT * depth ** (HERTZ_EXPONENT - 1.0))
+    """Scalar ``f'(r)``."""
+    return float(HERTZ_EXPONENT * max(radius - delta0, 0.0) ** (HERTZ_EXPONENT - 1.0))
 
 
-@compiled
-def force_of_root(q: float) -> float:
-    """Scalar force in terms of the contact root ``q = sqrt(r - delta0)``: ``q**3``.
+def force_of_root(q: Any) -> Any:
+    """Force in terms of the contact root ``q = sqrt(r - delta0)``: ``q**3``.
 
     It is analytic through q = 0, which is what makes the regularised contact phase smooth.
     """
-    return float(q * q * q)
+    return q * q * q
+
+
+def stiffness_of_root(q: Any) -> Any:
+    """Slope ``f'(r)`` in terms of the contact root q: ``1.5 q``."""
+    return HERTZ_EXPONENT * q
+
+
+def secant_of_square(square: Any) -> Any:
+    """``f(r)/r`` without clearance in terms of ``r**2``: ``(r**2)**0.25``."""
+    return square ** (0.5 * (HERTZ_EXPONENT - 1.0))

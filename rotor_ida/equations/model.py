@@ -14,12 +14,15 @@ References
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.equations.compiling import compiled
 from rotor_ida.equations.contact import contact_potential, force_over_radius, stiffness
+from rotor_ida.equations.modes import Along, acceleration, turned_rates
+from rotor_ida.equations.symbols import Dual, variables
 from rotor_ida.parameters import Rotor
 
 Values = npt.NDArray[np.float64]
@@ -56,17 +59,11 @@ def field(time: float, state: npt.ArrayLike, rotor: Rotor) -> Values:
     >>> field(0.0, (1.5, 0.0, 0.0, 0.0), Rotor(omega=2.0, zeta=0.1, delta0=0.5))
     array([0., 0., 3., 0.])
     """
-    x, y, vx, vy = np.asarray(state, dtype=np.float64)
-    restoring = force_over_radius(math.hypot(x, y), rotor.delta0)
-    unbalance, angle = rotor.omega**2, rotor.omega * time
-    return np.array(
-        [
-            vx,
-            vy,
-            unbalance * math.cos(angle) - 2.0 * rotor.zeta * vx - restoring * x,
-            unbalance * math.sin(angle) - 2.0 * rotor.zeta * vy - restoring * y,
-        ]
-    )
+    x, y, vx, vy = np.asarray(state, dtype=np.float64).tolist()
+    secant, angle = force_over_radius(math.hypot(x, y), rotor.delta0), rotor.omega * time
+    ax = acceleration(Along(x, vx, x, math.cos(angle)), secant, rotor)
+    ay = acceleration(Along(y, vy, y, math.sin(angle)), secant, rotor)
+    return np.array([vx, vy, ax, ay])
 
 
 def jacobian(state: npt.ArrayLike, rotor: Rotor) -> Values:
@@ -75,14 +72,10 @@ def jacobian(state: npt.ArrayLike, rotor: Rotor) -> Values:
     Examples
     --------
     >>> jacobian((1.5, 0.0, 0.0, 0.0), Rotor(omega=2.0, zeta=0.0, delta0=0.5))[2:, :2]
-    array([[-1.5       , -0.        ],
-           [-0.        , -0.66666667]])
+    array([[-1.5       ,  0.        ],
+           [ 0.        , -0.66666667]])
     """
-    matrix = np.zeros((4, 4))
-    rotating_jacobian_into(
-        np.asarray(state, dtype=np.float64), matrix, 0.0, rotor.zeta, rotor.delta0
-    )
-    return matrix
+    return _jacobian(state, rotor, 0.0)
 
 
 def rotating_field(state: npt.ArrayLike, rotor: Rotor) -> Values:
@@ -100,11 +93,9 @@ def rotating_field(state: npt.ArrayLike, rotor: Rotor) -> Values:
     >>> rotating_field((-1.0, 0.0, 0.0, -2.0), Rotor(omega=2.0, zeta=0.0, delta0=1.5)) + 0.0
     array([0., 0., 0., 0.])
     """
-    rate = np.empty(4)
-    rotating_field_into(
-        np.asarray(state, dtype=np.float64), rate, rotor.omega, rotor.zeta, rotor.delta0
-    )
-    return rate
+    x, y, vx, vy = np.asarray(state, dtype=np.float64).tolist()
+    secant = force_over_radius(math.hypot(x, y), rotor.delta0)
+    return np.array(_rates((x, y, vx, vy), secant, rotor, rotor.omega))
 
 
 def rotating_jacobian(state: npt.ArrayLike, rotor: Rotor) -> Values:
@@ -117,11 +108,26 @@ def rotating_jacobian(state: npt.ArrayLike, rotor: Rotor) -> Values:
     >>> rotating_jacobian((0.0, 0.0, 0.0, 0.0), Rotor(omega=2.0, zeta=0.5, delta0=1.0))[2] + 0.0
     array([ 0.,  0., -1.,  2.])
     """
-    matrix = np.zeros((4, 4))
-    rotating_jacobian_into(
-        np.asarray(state, dtype=np.float64), matrix, rotor.omega, rotor.zeta, rotor.delta0
-    )
-    return matrix
+    return _jacobian(state, rotor, rotor.omega)
+
+
+def _rates(state: Sequence[Any], secant: Any, rotor: Rotor, turning: float) -> list[Any]:
+    """Return the rates of a state read on axes that turn; `secant` is f/|z|."""
+    x, y, vx, vy = state
+    ax = acceleration(Along(x, vx, x, 1.0), secant, rotor)
+    ay = acceleration(Along(y, vy, y, 0.0), secant, rotor)
+    return turned_rates((x, y), (vx, vy), (ax, ay), turning)
+
+
+def _jacobian(state: npt.ArrayLike, rotor: Rotor, turning: float) -> Values:
+    """Return the derivative of the rates of a state read on axes that turn."""
+    values = np.asarray(state, dtype=np.float64).tolist()
+    radius = math.hypot(values[0], values[1])
+    secant, slope = force_over_radius(radius, rotor.delta0), 0.0
+    if radius > 0.0:
+        slope = (stiffness(radius, rotor.delta0) - secant) / radius**2
+    restoring = Dual(secant, (slope * values[0], slope * values[1], 0.0, 0.0))
+    return np.array([rate.parts for rate in _rates(variables(values), restoring, rotor, turning)])
 
 
 def rotated(states: npt.ArrayLike, angle: npt.ArrayLike) -> Values:
@@ -147,22 +153,15 @@ def rotated(states: npt.ArrayLike, angle: npt.ArrayLike) -> Values:
     >>> rotated((1.0, 0.0, 0.0, 2.0), 0.0)
     array([1., 0., 0., 2.])
     """
-    given, angles = np.asarray(states, dtype=np.float64), np.asarray(angle, dtype=np.float64)
-    shape = np.broadcast_shapes(given.shape[:-1], angles.shape)
-    rows = np.array(np.broadcast_to(given, (*shape, 4)))
-    rotate(rows.reshape(-1, 4), np.array(np.broadcast_to(angles, shape)).ravel())
+    given = np.asarray(states, dtype=np.float64)
+    cosine, sine = np.cos(angle), np.sin(angle)
+    x, y, vx, vy = np.moveaxis(given, -1, 0)
+    rows: Values = np.stack(
+        [cosine * x - sine * y, sine * x + cosine * y, cosine * vx - sine * vy,
+         sine * vx + cosine * vy],
+        axis=-1,
+    )  # fmt: skip
     return rows
-
-
-@compiled
-def rotate(rows: Values, angles: Values) -> None:
-    """Do as `rotated` does, to each row in its place."""
-    for row in range(angles.size):
-        cosine, sine = math.cos(angles[row]), math.sin(angles[row])
-        for first in (0, 2):
-            x, y = rows[row, first], rows[row, first + 1]
-            rows[row, first] = cosine * x - sine * y
-            rows[row, first + 1] = sine * x + cosine * y
 
 
 def energy(states: npt.ArrayLike, delta0: float) -> Values:
@@ -232,41 +231,3 @@ def power(time: npt.ArrayLike, states: npt.ArrayLike, rotor: Rotor) -> Values:
     angle = rotor.omega * np.asarray(time, dtype=np.float64)
     given = rotor.omega**2 * (np.cos(angle) * vx + np.sin(angle) * vy)
     return np.asarray(given - 2.0 * rotor.zeta * (vx**2 + vy**2))
-
-
-@compiled
-def rotating_field_into(
-    state: Values, rate: Values, omega: float, zeta: float, delta0: float
-) -> None:
-    """Write the rotating-frame rate into `rate`, for the integrators' inner loop."""
-    x, y, vx, vy = state[0], state[1], state[2], state[3]
-    restoring = force_over_radius(math.hypot(x, y), delta0)
-    rate[0] = vx + omega * y
-    rate[1] = vy - omega * x
-    rate[2] = omega * omega - 2.0 * zeta * vx + omega * vy - restoring * x
-    rate[3] = -2.0 * zeta * vy - omega * vx - restoring * y
-
-
-@compiled
-def rotating_jacobian_into(
-    state: Values, matrix: Values, omega: float, zeta: float, delta0: float
-) -> None:
-    """Write the rotating-frame Jacobian into `matrix`, for the integrators' inner loop."""
-    x, y = state[0], state[1]
-    radius = math.hypot(x, y)
-    tangential = force_over_radius(radius, delta0)
-    radial = stiffness(radius, delta0)
-    cosine, sine = (x / radius, y / radius) if radius > 0.0 else (1.0, 0.0)
-    matrix[:, :] = 0.0
-    matrix[0, 1] = omega
-    matrix[0, 2] = 1.0
-    matrix[1, 0] = -omega
-    matrix[1, 3] = 1.0
-    matrix[2, 0] = -(tangential * sine * sine + radial * cosine * cosine)
-    matrix[2, 1] = -(radial - tangential) * cosine * sine
-    matrix[3, 0] = matrix[2, 1]
-    matrix[3, 1] = -(tangential * cosine * cosine + radial * sine * sine)
-    matrix[2, 2] = -2.0 * zeta
-    matrix[2, 3] = omega
-    matrix[3, 2] = -omega
-    matrix[3, 3] = -2.0 * zeta

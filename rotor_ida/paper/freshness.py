@@ -8,6 +8,8 @@ from collections.abc import Sequence
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+from rotor_ida.provenance import KINDS_OF_SOURCE
+
 RECORD = "digest.json"
 # What decides the numbers and the pictures beside this package's own sources.
 _PARTS = (
@@ -15,7 +17,6 @@ _PARTS = (
     "scikit-sundae",
     "numpy",
     "scipy",
-    "numba",
     "xarray",
     "netCDF4",
     "matplotlib",
@@ -39,7 +40,8 @@ def origin_of(script: Path, options: Sequence[str]) -> str:
     """
     digest = hashlib.sha256()
     package = Path(__file__).parents[1]
-    sources = [path for path in package.rglob("*.py") if package / "scenarios" not in path.parents]
+    found = (path for kind in KINDS_OF_SOURCE for path in package.rglob(kind))
+    sources = [path for path in found if package / "scenarios" not in path.parents]
     for path in [script, *sorted(sources)]:
         name = path.name if path == script else path.relative_to(package).as_posix()
         digest.update(f"{name}\0".encode() + path.read_bytes() + b"\0")

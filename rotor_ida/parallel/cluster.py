@@ -38,7 +38,7 @@ GRACE = 0.25
 TIME_TO_CLOSE = 20.0
 
 # What must be the same on every worker for the results to be the same, bit for bit.
-PACKAGES = ("rotor-ida", "numpy", "scipy", "numba", "llvmlite", "scikit-sundae")
+PACKAGES = ("rotor-ida", "numpy", "scipy", "scikit-sundae")
 
 
 def run_on_cluster(

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from rotor_ida.checks import COMPONENTS, State, check_between, check_choice
+from rotor_ida.core import sundials
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import PARAMETERS, Rotor
 
@@ -70,6 +71,8 @@ class Options:
         if self.method == "taylor" and self.flight != "exact":
             raise InputError(f"flight must be 'exact' with taylor, got {self.flight!r}")
         check_choice("backend", self.backend, BACKENDS)
+        if self.method == "taylor" and self.backend == "python":
+            raise InputError("backend must be 'auto' or 'compiled' with taylor, got 'python'")
         reason = "" if self.backend == "python" else self._why_not_compiled()
         if self.backend == "compiled" and reason:
             raise InputError(f"backend 'compiled' cannot be used: {reason}")
@@ -81,9 +84,7 @@ class Options:
             return ""
         if self.method == "ida":
             return "it knows the methods adams and bdf, got 'ida'"
-        from rotor_ida.simulation.cvode import libraries  # noqa: PLC0415 - choices need no solver
-
-        return libraries.why_not()
+        return sundials.why_not()
 
     def attributes(self) -> dict[str, object]:
         """Return method and tolerances as attributes of a result."""

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.equations.compiling import compiled
 from rotor_ida.errors import InvariantError
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.options import Options
@@ -98,26 +96,22 @@ def check_orbit(orbit: Orbit) -> None:
         raise InvariantError(FAULTS[fault], time=float(times[row]), state=state)
 
 
-@compiled
 def _fault_of_events(
     times: Values, kinds: npt.NDArray[np.int8], states: Values, inside: bool, delta0: float
 ) -> tuple[int, int]:
     """Return the first fault of an event, and its number."""
-    expected = -ENTRY if inside else ENTRY
-    for row in range(times.size):
-        if not np.isfinite(states[row]).all():
-            return NOT_FINITE, row
-        if row and times[row] <= times[row - 1]:
-            return BACKWARDS, row
-        if kinds[row] != expected:
-            return NOT_IN_TURN, row
-        if abs(math.hypot(states[row, 0], states[row, 1]) - delta0) > ON_THE_RING * delta0:
-            return OFF_THE_RING, row
-        expected = -expected
-    return SOUND, 0
+    expected = np.where(np.arange(times.size) % 2, ENTRY, -ENTRY) * (1 if inside else -1)
+    radii = np.sqrt(states[:, 0] ** 2 + states[:, 1] ** 2)
+    return _first_fault(
+        {
+            NOT_FINITE: ~np.isfinite(states.sum(axis=1)),
+            BACKWARDS: np.diff(times, prepend=-np.inf) <= 0.0,
+            NOT_IN_TURN: kinds != expected,
+            OFF_THE_RING: np.abs(radii - delta0) > ON_THE_RING * delta0,
+        }
+    )
 
 
-@compiled
 def _fault_of_samples(
     times: Values, states: Values, event_times: Values, inside: bool, delta0: float, allowed: float
 ) -> tuple[int, int]:
@@ -125,23 +119,25 @@ def _fault_of_samples(
 
     Between an entry and its exit |z| is at least delta0, elsewhere at most.
     """
-    passed = 0
-    for row in range(times.size):
-        x, y, vx, vy = states[row]
-        if not math.isfinite(x + y + vx + vy):
-            return NOT_FINITE, row
-        while passed < event_times.size and event_times[passed] <= times[row]:
-            passed, inside = passed + 1, not inside
-        depth = math.sqrt(x * x + y * y) - delta0
-        if delta0 > 0.0 and (depth < -allowed if inside else depth > allowed):
-            return WRONG_SIDE_OF_THE_RING, row
-    return SOUND, 0
+    faults = {NOT_FINITE: ~np.isfinite(states.sum(axis=1))}
+    if delta0 > 0.0:
+        passed = np.searchsorted(event_times, times, side="right")
+        outwards = np.where((passed + inside) % 2, -1.0, 1.0)  # into the ring, or out of contact
+        depth = np.sqrt(states[:, 0] ** 2 + states[:, 1] ** 2) - delta0
+        faults[WRONG_SIDE_OF_THE_RING] = depth * outwards > allowed
+    return _first_fault(faults)
 
 
-@compiled
 def _fault_of_contacts(contacts: Values) -> tuple[int, int]:
     """Return the first fault of a contact, and its number."""
-    for row in range(contacts.shape[0]):
-        if contacts[row, 2] < contacts[row, 0] or contacts[row, 2] > contacts[row, 1]:
-            return PEAKS_OUTSIDE, row
-    return SOUND, 0
+    entry, leaving, peak = contacts[:, :3].T
+    return _first_fault({PEAKS_OUTSIDE: (peak < entry) | (peak > leaving)})
+
+
+def _first_fault(faults: dict[int, npt.NDArray[np.bool_]]) -> tuple[int, int]:
+    """Return the kind and the place of the first fault."""
+    places = {kind: int(np.argmax(there)) for kind, there in faults.items() if there.any()}
+    if not places:
+        return SOUND, 0
+    kind = min(places, key=places.__getitem__)
+    return kind, places[kind]

@@ -6,28 +6,15 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.checks import State
-from rotor_ida.equations.compiling import compiled, release, shared
-from rotor_ida.equations.model import rotating_field_into, rotating_jacobian_into
+from rotor_ida.core.interface import DONE, ENTRY_TIME, EXIT_TIME, IMPULSE, PEAK_ROOT, message_of
+from rotor_ida.core.runs import Asked, follow, rotate, starts_in_contact
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import Rotor
-from rotor_ida.simulation import cartesian_phase, contact_phase
-from rotor_ida.simulation.contact_phase import contact_field
-from rotor_ida.simulation.cvode.compiled import METHODS, close_direct, open_direct
-from rotor_ida.simulation.cvode.interface import callbacks
-from rotor_ida.simulation.cvode.python import Integration
-from rotor_ida.simulation.loop import run_events
-from rotor_ida.simulation.motion import GOES_ON, message_of
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import Orbit, check_orbit
-from rotor_ida.simulation.record import RunResult, new_record, result
-from rotor_ida.simulation.start import starts_in_contact
-from rotor_ida.simulation.taylor.motion import open_taylor
 
 Values = npt.NDArray[np.float64]
-
-# The arguments of `new_record`.
-Given = tuple[float, float, float, float, float, bool, Values, float, float, Values, Stop]
 
 
 def run(
@@ -70,93 +57,60 @@ def run(
     InvariantError
         If the result contradicts the mechanics.
     """
-    asked = np.zeros(1, np.uint8) if stop is None else stop
-    parameters = (rotor.omega, rotor.zeta, rotor.delta0)
-    how = (scale * options.step_rtol, scale * options.step_atol, options.flight == "exact")
-    given = (*parameters, *how, np.array(start), duration, slack, sample_times, asked)
-    if options.method == "taylor":
-        follow = _by_taylor_series_compiled if options.backend == "compiled" else _by_taylor_series
-        status, seen = follow(given)
-        message = message_of(status)
-    elif options.backend == "compiled":
-        fields = np.array([field.address for field in callbacks()])
-        status, seen = _in_compiled_code(
-            given, np.array(parameters), METHODS[options.method], fields
-        )
-        message = message_of(status)
-    else:
-        status, message, seen = _in_python(given, options)
-    if status != GOES_ON:
-        x, y, vx, vy = seen[1].tolist()
-        raise SimulationError(message, time=seen[0], state=(x, y, vx, vy))
-    _time, end, states, event_times, event_kinds, event_states, contacts, evaluations = seen
-    here, moving = complex(start[0], start[1]), complex(start[2], start[3])
+    tolerances = scale * options.step_rtol, scale * options.step_atol
+    if options.backend == "python":
+        from rotor_ida.simulation.reference.run import run_reference  # noqa: PLC0415 - its solver
+
+        orbit = run_reference(
+            rotor, start, duration, sample_times, options,
+            tolerances=tolerances, slack=slack, stop=stop,
+        )  # fmt: skip
+        check_orbit(orbit)
+        return orbit
+    asked = Asked(
+        rotor=rotor,
+        start=start,
+        duration=duration,
+        rtol=tolerances[0],
+        atol=tolerances[1],
+        method=options.method,
+        exact_flight=options.flight == "exact",
+        slack=slack,
+        sample_times=sample_times,
+        events=True,
+        stop=stop,
+    )
+    seen = follow(asked)
+    end = np.array([seen.state])
+    rotate(end, np.array([seen.time]), rotor.omega)
+    if seen.status != DONE:
+        x, y, vx, vy = end[0].tolist()
+        raise SimulationError(message_of(seen.status), time=seen.time, state=(x, y, vx, vy))
+    rotate(seen.samples, sample_times, rotor.omega)
+    rotate(seen.event_states, seen.event_times, rotor.omega)
     orbit = Orbit(
         rotor=rotor,
         options=options,
         duration=duration,
         times=sample_times,
-        states=states,
-        starts_in_contact=starts_in_contact(here, moving, rotor.omega, rotor.zeta, rotor.delta0),
-        event_times=event_times,
-        event_kinds=event_kinds,
-        event_states=event_states,
-        contacts=contacts,
-        end=end,
-        evaluations=evaluations,
+        states=seen.samples,
+        starts_in_contact=starts_in_contact(rotor, start),
+        event_times=seen.event_times,
+        event_kinds=seen.event_kinds,
+        event_states=seen.event_states,
+        contacts=_contacts_of(seen.contacts, rotor),
+        end=end[0],
+        evaluations=seen.evaluations,
     )
     check_orbit(orbit)
     return orbit
 
 
-def _in_python(given: Given, options: Options) -> tuple[int, str, RunResult]:
-    """Run the event loop in Python, over scikit-sundae's public interface."""
-    omega, zeta, delta0 = given[:3]
-
-    def in_contact(state: Values, rate: Values) -> None:
-        contact_field(state, rate, omega, zeta, delta0)
-
-    def anywhere(state: Values, rate: Values) -> None:
-        rotating_field_into(state, rate, omega, zeta, delta0)
-
-    def derivative(state: Values, matrix: Values) -> None:
-        rotating_jacobian_into(state, matrix, omega, zeta, delta0)
-
-    record = new_record(*given)
-    contact = Integration(options.method, given[3], in_contact)
-    free = Integration(options.method, given[3], anywhere, derivative)
-    status = run_events(record, contact, free)
-    return status, contact.message or free.message or message_of(status), result(record)
-
-
-@compiled
-def _in_compiled_code(
-    given: Given, parameters: Values, method: int, fields: npt.NDArray[np.int64]
-) -> tuple[int, RunResult]:
-    """Run the event loop in compiled code, over the SUNDIALS libraries themselves."""
-    record, rtol = new_record(*given), given[3]
-    contact = open_direct(contact_phase.SIZE, method, rtol, parameters, fields[0], 0)
-    free = open_direct(cartesian_phase.SIZE, method, rtol, parameters, fields[1], fields[2])
-    status = run_events(record, contact, free)
-    found = result(record)
-    close_direct(contact)
-    close_direct(free)
-    release(record)
-    return status, found
-
-
-@shared
-def _by_taylor_series(given: Given) -> tuple[int, RunResult]:
-    """Run the event loop over Taylor series."""
-    record, (omega, zeta, delta0, rtol) = new_record(*given), given[:4]
-    contact = open_taylor(omega, zeta, delta0, True, rtol, False)
-    free = open_taylor(omega, zeta, delta0, False, rtol, False)
-    status = run_events(record, contact, free)
-    found = result(record)
-    release(contact)
-    release(free)
-    release(record)
-    return status, found
-
-
-_by_taylor_series_compiled = compiled(_by_taylor_series)
+def _contacts_of(rows: Values, rotor: Rotor) -> Values:
+    """Return contacts by their largest indentation; the impulse of whole ones alone is known."""
+    contacts = rows.copy()
+    contacts[:, PEAK_ROOT] = rows[:, PEAK_ROOT] ** 2
+    if rotor.delta0 > 0.0:
+        whole = np.isfinite(rows[:, ENTRY_TIME] + rows[:, EXIT_TIME])
+        contacts[~whole, IMPULSE] = np.nan
+    return contacts

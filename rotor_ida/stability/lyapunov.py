@@ -19,26 +19,20 @@ from rotor_ida.checks import (
     check_positive,
     check_state,
 )
-from rotor_ida.equations.compiling import compiled, release
+from rotor_ida.core import sundials
+from rotor_ida.core.interface import DONE, NOT_FINITE, message_of
+from rotor_ida.core.runs import Asked, stretch
 from rotor_ida.equations.model import rotated
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.parallel import Stop, interruptible
 from rotor_ida.parameters import Rotor
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import Column, labelled_dataset
-from rotor_ida.simulation import cartesian_phase, contact_phase
-from rotor_ida.simulation.cvode.compiled import METHODS, close_direct, open_direct
-from rotor_ida.simulation.cvode.interface import callbacks_with_tangents
 from rotor_ida.simulation.dataset import parameter_coordinates
-from rotor_ida.simulation.motion import Motion
 from rotor_ida.simulation.options import check_can_be_followed, check_rtol
-from rotor_ida.simulation.start import starts_in_contact
-from rotor_ida.simulation.tangents import TANGENTS
-from rotor_ida.simulation.taylor.motion import open_taylor
-from rotor_ida.stability.tangent_flow import DONE, STUCK, follow
+from rotor_ida.stability.orbit import ATOL
 
 Values = npt.NDArray[np.float64]
-Parameters = tuple[float, float, float]
 MethodOfTangents = Literal["taylor", "adams", "bdf"]
 METHODS_OF_TANGENTS: tuple[MethodOfTangents, ...] = ("taylor", "adams", "bdf")
 
@@ -153,6 +147,8 @@ def lyapunov_exponent(
             f"got {length!r}"
         )
     check_choice("method", method, METHODS_OF_TANGENTS)
+    if method != "taylor" and (reason := sundials.why_not()):
+        raise InputError(f"CVODE with tangents cannot be used: {reason}")
     tolerance = check_rtol(method, rtol)
     span = length / (count * each)
     spans = (math.ceil(lead / span), count * each)
@@ -214,19 +210,20 @@ def _stretches(
     method: MethodOfTangents,
 ) -> Values:  # fmt: skip
     """Return the logarithms of the stretching over each span after the transient."""
-    x, y, vx, vy = start
-    bundle = np.vstack([start, np.eye(4)])
     # Not along the axes: these are special directions of a rotor that starts at rest.
-    bundle[1:] = np.linalg.qr(np.vander([1.0, 0.7, -0.4, -0.9]))[0]
-    parameters = (rotor.omega, rotor.zeta, rotor.delta0)
-    in_contact = starts_in_contact(complex(x, y), complex(vx, vy), *parameters)
-    stretches = np.full((lead + count, 4), np.nan)
-    done = follow_stretches(bundle, in_contact, span, stretches, parameters, rtol, stop, method)
-    if done != DONE or not np.isfinite(stretches).all():
-        time = span * int(np.isfinite(stretches).all(axis=1).sum())
-        x, y, vx, vy = rotated(bundle[0], rotor.omega * time).tolist()
+    bundle = np.ascontiguousarray(np.linalg.qr(np.vander([1.0, 0.7, -0.4, -0.9]))[0])
+    asked = Asked(
+        rotor=rotor, start=start, duration=span, rtol=rtol, atol=ATOL * rtol, method=method,
+        bundle=bundle, stop=stop,
+    )  # fmt: skip
+    stretches, seen = stretch(asked, lead + count)
+    whole = np.isfinite(stretches).all(axis=1)
+    if seen.status != DONE or not whole.all():
+        time = span * int(whole.sum())
+        x, y, vx, vy = rotated(seen.state, rotor.omega * time).tolist()
+        reason = message_of(seen.status) if seen.status != DONE else message_of(NOT_FINITE)
         raise SimulationError(
-            "the tangent vectors could not be followed", time=time, state=(x, y, vx, vy)
+            f"the tangent vectors could not be followed: {reason}", time=time, state=(x, y, vx, vy)
         )
     return stretches[lead:]
 
@@ -252,106 +249,3 @@ def _weighted(rates: Values) -> Values:
     weights = np.exp(-1.0 / (place * (1.0 - place)))
     mean: Values = np.einsum("n,...ne->...e", weights / weights.sum(), rates)
     return mean
-
-
-def follow_stretches(
-    bundle: Values,
-    in_contact: bool,
-    span: float,
-    stretches: Values,
-    rotor: Parameters,
-    rtol: float,
-    stop: Stop,
-    method: MethodOfTangents,
-) -> int:
-    """Follow a state and its four tangent vectors, and say how much these were stretched.
-
-    Parameters
-    ----------
-    bundle : ndarray, shape (5, 4)
-        The state on the rotating axes, then four orthonormal tangent vectors; overwritten
-        with those at the end [1].
-    in_contact : bool
-        Whether the motion begins in contact.
-    span : float
-        Time after which the tangent vectors are made orthonormal again [1].
-    stretches : ndarray, shape (n, 4)
-        Filled with the logarithms of the factors by which each of n spans stretches the
-        vectors [1].
-    rotor : tuple of float
-        omega, zeta and delta0 [1].
-    rtol : float
-        Tolerance of one step relative to the size of state and vectors [1].
-    stop : ndarray, shape (1,)
-        Anything but 0 asks the integration to stop.
-    method : {"taylor", "adams", "bdf"}
-        What follows them in contact.
-
-    Returns
-    -------
-    int
-        0 if all was done; 1 if the integration was stuck, or asked to stop.
-    """
-    how = (bundle, in_contact, span, stretches, rotor, rtol, stop)
-    if method == "taylor":
-        return _follow_by_taylor_series(*how)
-    contact, free = callbacks_with_tangents()
-    field = (contact if rotor[2] > 0.0 else free).address
-    return _follow_by_cvode(*how, np.array(rotor), METHODS[method], field)
-
-
-@compiled
-def _follow_by_taylor_series(
-    bundle: Values, in_contact: bool, span: float, stretches: Values, rotor: Parameters,
-    rtol: float, stop: Stop,
-) -> int:  # fmt: skip
-    motion = open_taylor(rotor[0], rotor[1], rotor[2], rotor[2] > 0.0, rtol, True)
-    done = _follow_spans(bundle, in_contact, span, stretches, rotor, rtol, stop, motion)
-    release(motion)
-    return done
-
-
-@compiled
-def _follow_by_cvode(
-    bundle: Values, in_contact: bool, span: float, stretches: Values, rotor: Parameters,
-    rtol: float, stop: Stop, parameters: Values, method: int, field: int,
-) -> int:  # fmt: skip
-    size = contact_phase.SIZE if rotor[2] > 0.0 else cartesian_phase.SIZE
-    motion = open_direct(size + TANGENTS, method, rtol, parameters, field, 0)
-    done = _follow_spans(bundle, in_contact, span, stretches, rotor, rtol, stop, motion)
-    close_direct(motion)
-    return done
-
-
-@compiled
-def _follow_spans(
-    bundle: Values, in_contact: bool, span: float, stretches: Values, rotor: Parameters,
-    rtol: float, stop: Stop, motion: Motion,
-) -> int:  # fmt: skip
-    """Do as `follow_stretches` does, with a motion that has not begun."""
-    mode = np.array([1.0 if in_contact else 0.0])
-    for row in range(stretches.shape[0]):
-        if follow(bundle, mode, span, rotor, rtol, motion, stop) != DONE:
-            return STUCK
-        orthonormalise(bundle, stretches[row])
-    return DONE
-
-
-@compiled
-def orthonormalise(bundle: Values, stretch: Values) -> None:
-    """Make the tangent vectors orthonormal, and write the logarithms of their lengths."""
-    for i in range(1, 5):
-        for _ in range(2):
-            for j in range(1, i):
-                along = 0.0
-                for k in range(4):
-                    along += bundle[i, k] * bundle[j, k]
-                for k in range(4):
-                    bundle[i, k] -= along * bundle[j, k]
-        length = 0.0
-        for k in range(4):
-            length += bundle[i, k] ** 2
-        length = math.sqrt(length)
-        stretch[i - 1] = math.log(length)
-        for k in range(4):
-            bundle[i, k] /= length

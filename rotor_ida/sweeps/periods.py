@@ -18,11 +18,11 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.checks import State
+from rotor_ida.core.interface import DONE, message_of
+from rotor_ida.core.runs import Asked, follow
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
 from rotor_ida.parameters import Rotor
-from rotor_ida.simulation.start import starts_in_contact
-from rotor_ida.stability.tangent_flow import DONE, carry
 from rotor_ida.sweeps.turning_points import CLOSE, TurningPoints
 
 Values = npt.NDArray[np.float64]
@@ -113,13 +113,18 @@ def slowest_multiplier(rotor: Rotor, state: State, period: float, stop: Stop) ->
     U. Dressler, "Symmetry property of the Lyapunov spectra of a class of dissipative dynamical
     systems with viscous damping", Physical Review A 38, 1988.
     """
-    parameters = (rotor.omega, rotor.zeta, rotor.delta0)
-    x, y, vx, vy = state
-    in_contact = starts_in_contact(complex(x, y), complex(vx, vy), *parameters)
-    bundle = np.vstack([state, np.eye(4)])
-    if carry(bundle, in_contact, period, parameters, RTOL, stop) != DONE:
-        raise SimulationError("a cycle could not be followed round", time=0.0, state=state)
+    bundle = np.eye(4)
+    seen = follow(
+        Asked(
+            rotor=rotor, start=state, duration=period, rtol=RTOL, atol=1e-2 * RTOL, bundle=bundle,
+            stop=stop,
+        )
+    )  # fmt: skip
+    if seen.status != DONE:
+        raise SimulationError(
+            f"a cycle could not be followed round: {message_of(seen.status)}", time=0.0, state=state
+        )
     product = math.exp(-2.0 * rotor.zeta * period)
-    both = float(np.trace(bundle[1:])) - 1.0 - product
+    both = float(np.trace(bundle)) - 1.0 - product
     apart = cmath.sqrt(both * both - 4.0 * product)
     return 0.5 * max(both + apart, both - apart, key=abs)

@@ -25,7 +25,7 @@ import numpy.typing as npt
 from rotor_ida.closed_forms.contact_free import touch_fading
 from rotor_ida.equations.contact import secant_stiffness
 from rotor_ida.parameters import Rotor
-from rotor_ida.simulation.flight import unbalance_whirl
+from rotor_ida.simulation.reference.flight import unbalance_whirl
 
 Values = npt.NDArray[np.float64]
 

@@ -17,6 +17,7 @@ import numpy.typing as npt
 from scipy.interpolate import CubicHermiteSpline
 
 from rotor_ida.equations.contact import secant_stiffness
+from rotor_ida.equations.modes import Along, acceleration, turned_rates
 from rotor_ida.parameters import Rotor
 
 Values = npt.NDArray[np.float64]
@@ -113,13 +114,12 @@ def _rates(rotor: Rotor, states: Values) -> Values:
     """Return the rates of change of states, read on the rotating axes."""
     x, y, vx, vy = states.T
     ax, ay = _accelerations(rotor, states)
-    omega = rotor.omega
-    return np.stack([vx + omega * y, vy - omega * x, ax + omega * vy, ay - omega * vx], axis=-1)
+    return np.stack(turned_rates((x, y), (vx, vy), (ax, ay), rotor.omega), axis=-1)
 
 
 def _accelerations(rotor: Rotor, states: Values) -> tuple[Values, Values]:
     """Return the accelerations on fixed axes, read along the rotating ones."""
     x, y, vx, vy = states.T
-    stiffness = secant_stiffness(np.hypot(x, y), rotor.delta0)
-    ax = rotor.omega**2 - 2.0 * rotor.zeta * vx - stiffness * x
-    return ax, -2.0 * rotor.zeta * vy - stiffness * y
+    secant = secant_stiffness(np.hypot(x, y), rotor.delta0)
+    ax = acceleration(Along(x, vx, x, 1.0), secant, rotor)
+    return ax, acceleration(Along(y, vy, y, 0.0), secant, rotor)

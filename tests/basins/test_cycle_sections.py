@@ -5,8 +5,8 @@ import pytest
 
 from rotor_ida import Rotor
 from rotor_ida.basins import cycle_sections
-from rotor_ida.basins.crossings import SECTION, measure_returns
 from rotor_ida.basins.cycle_sections import cycle_section
+from rotor_ida.basins.kernel import SECTION, measure_returns
 from rotor_ida.cycles.limit_cycle import cycle_from
 from rotor_ida.simulation.options import Options
 from rotor_ida.stability.orbit import shoot
@@ -62,14 +62,13 @@ def test_states_lie_on_the_section_and_the_cycle_passes_it(section):
 
 def test_other_states_come_back_nearer(section):
     """Not those on which the set was chosen."""
-    rotor = section.cycle.rotor
     period = section.cycle.period
     for size in (1.0, 0.5, 0.1):
         states = np.ascontiguousarray(states_on(section, size, 300, seed=7).T)
         values = np.empty(300)
         measure_returns(
-            states, (rotor.omega, rotor.zeta, rotor.delta0), section.numbers,
-            (0.5 * period, 1.6 * period), 1e-9, values, GO_ON,
+            states, section.cycle.rotor, section.numbers, (0.5 * period, 1.6 * period), 1e-9,
+            values, GO_ON,
         )  # fmt: skip
         assert (values < size**2).all()
 
@@ -80,8 +79,8 @@ def test_the_kernel_reads_the_section_as_the_taylor_series_do(section):
     states = states_on(section, 0.5, 8, seed=3)
     values = np.empty(8)
     measure_returns(
-        np.ascontiguousarray(states.T), (rotor.omega, rotor.zeta, rotor.delta0), section.numbers,
-        (0.5 * period, 1.6 * period), 1e-10, values, GO_ON,
+        np.ascontiguousarray(states.T), rotor, section.numbers, (0.5 * period, 1.6 * period),
+        1e-10, values, GO_ON,
     )  # fmt: skip
     for state, value in zip(states, values, strict=True):
         time = period

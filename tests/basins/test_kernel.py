@@ -4,10 +4,16 @@ import numpy as np
 import pytest
 
 from rotor_ida import Rotor
-from rotor_ida.basins.crossings import SECTION
-from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED, follow
+from rotor_ida.basins.kernel import (
+    LANES,
+    NOT_COMPUTED,
+    REGION,
+    SECTION,
+    UNDECIDED,
+    follow,
+    measure_returns,
+)
 from rotor_ida.basins.known import known_from_closed_forms
-from rotor_ida.basins.lanes import LANES
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
 
@@ -19,10 +25,9 @@ def followed(rotor, states, *, regions=None, free=NOTHING, duration, tolerance=1
     states = states.copy()
     labels = np.full(states.shape[1], NOT_COMPUTED, dtype=np.int16)
     times = np.zeros(states.shape[1], dtype=np.float32)
-    regions = np.empty((0, 14)) if regions is None else regions
-    parameters = (rotor.omega, rotor.zeta, rotor.delta0 or None)
+    regions = np.empty((0, REGION)) if regions is None else regions
     none = np.empty((0, SECTION))
-    follow(states, labels, times, parameters, regions, free, none, duration, tolerance, stop)
+    follow(states, labels, times, rotor, regions, free, none, duration, tolerance, stop)
     return states, labels, times
 
 
@@ -85,3 +90,81 @@ def test_it_stops_when_told():
     stop = np.ones(1, dtype=np.uint8)
     _, labels, _ = followed(rotor, random_states(200), duration=1e6, stop=stop)
     assert (labels == NOT_COMPUTED).all()
+
+
+def test_nothing_is_followed_without_starts():
+    rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
+    _, labels, times = followed(rotor, np.empty((4, 0)), duration=10.0)
+    assert labels.size == times.size == 0
+    values = np.empty(0)
+    measure_returns(np.empty((4, 0)), rotor, np.ones(SECTION), (0.0, 1.0), 1e-6, values, GO_ON)
+
+
+def test_starts_that_have_a_label_are_left_alone():
+    rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
+    states = random_states(100)
+    ends, labels, times = states.copy(), np.full(100, NOT_COMPUTED, np.int16), np.zeros(100, "f4")
+    labels[::3] = 7
+    none = np.empty((0, REGION)), NOTHING, np.empty((0, SECTION))
+    follow(ends, labels, times, rotor, *none, 1.0, 1e-6, GO_ON)
+    assert (labels[::3] == 7).all()
+    assert (times[::3] == 0.0).all()
+    np.testing.assert_array_equal(ends[:, ::3], states[:, ::3])
+    assert (labels[1::3] == UNDECIDED).all()
+    assert (times[1::3] >= 1.0).all()
+
+
+WRONG = {
+    "states": np.zeros((4, 9)),
+    "labels": np.zeros((10, 1), np.int16),
+    "times": np.zeros(9, np.float32),
+    "regions": np.zeros((2, REGION - 1)),
+    "free": np.zeros(3),
+    "sections": np.zeros((1, SECTION + 1)),
+    "stop": np.zeros(0, np.uint8),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_arrays_of_another_shape_are_refused(name):
+    right = {
+        "states": np.zeros((4, 10)),
+        "labels": np.zeros(10, np.int16),
+        "times": np.zeros(10, np.float32),
+        "rotor": Rotor(omega=1.7, zeta=0.07, delta0=0.5),
+        "regions": np.zeros((0, REGION)),
+        "free": NOTHING,
+        "sections": np.zeros((0, SECTION)),
+        "duration": 1.0,
+        "tolerance": 1e-6,
+        "stop": GO_ON,
+    }
+    with pytest.raises(ValueError, match="must have the shape"):
+        follow(**{**right, name: WRONG[name]})
+
+
+@pytest.mark.parametrize(
+    ("states", "section", "values"),
+    [
+        (np.zeros((4, 3)), np.zeros(SECTION), np.zeros(4)),
+        (np.zeros((3, 4)), np.zeros(SECTION), np.zeros(4)),
+        (np.zeros((4, 4)), np.zeros(SECTION - 1), np.zeros(4)),
+        (np.zeros((4, 4)), np.zeros(SECTION), np.zeros((2, 2))),
+    ],
+)
+def test_returns_of_arrays_of_another_shape_are_refused(states, section, values):
+    rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
+    with pytest.raises(ValueError, match="must have the shape"):
+        measure_returns(states, rotor, section, (0.0, 1.0), 1e-6, values, GO_ON)
+
+
+def test_a_region_that_is_none_holds_nothing():
+    """Nor does a section that is none measure anything."""
+    rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
+    regions = np.full((1, REGION), np.nan)
+    _, labels, _ = followed(rotor, random_states(3), regions=regions, duration=1.0)
+    assert (labels == UNDECIDED).all()
+    values = np.empty(3)
+    never = np.full(SECTION, np.nan)
+    measure_returns(random_states(3), rotor, never, (0.0, 1.0), 1e-6, values, GO_ON)
+    assert np.isinf(values).all()

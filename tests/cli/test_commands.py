@@ -12,6 +12,7 @@ import pytest
 import xarray as xr
 
 import rotor_ida
+from rotor_ida.errors import InstallationError
 
 Program = Callable[..., Any]
 
@@ -231,10 +232,21 @@ def test_doctor_finds_this_installation_well(program: Program):
     assert {check["result"] for check in record["checks"]} == {"ok"}
 
 
-def test_doctor_says_whether_kernels_are_cached(program: Program, monkeypatch: pytest.MonkeyPatch):
-    assert json.loads(program("doctor", "--json").out)["kernels_cached"] is True
-    monkeypatch.setattr("rotor_ida.equations.compiling.cache_folder", lambda: None)
-    assert "kernels are not cached" in program("doctor").out
+def test_doctor_says_who_compiled_the_core_and_for_what(program: Program):
+    core = json.loads(program("doctor", "--json").out)["core"]
+    assert core["level"] in {"baseline", "v3", "v4"}
+    assert "-ffp-contract=off" in core["flags"]
+    assert core["compiler"] in program("doctor").out
+
+
+def test_doctor_says_what_mends_the_core(program: Program, monkeypatch: pytest.MonkeyPatch):
+    def broken() -> None:
+        raise InstallationError("the compiled core is missing; run: pip install -e .")
+
+    monkeypatch.setattr("rotor_ida.core.library.build_info", broken)
+    answer = program("doctor")
+    assert answer.status == 1
+    assert "run: pip install -e ." in answer.out
 
 
 def test_doctor_finds_a_solver_that_is_wrong(program: Program, monkeypatch: pytest.MonkeyPatch):
@@ -243,7 +255,7 @@ def test_doctor_finds_a_solver_that_is_wrong(program: Program, monkeypatch: pyte
     assert answer.status == 1
     assert "event times are wrong by" in answer.out
     assert "Backends that can be used: none" in answer.out
-    assert answer.err == "rotor-ida: 6 of 7 checks failed\n"
+    assert answer.err == "rotor-ida: 6 of 8 checks failed\n"
 
 
 def test_doctor_says_why_a_backend_is_absent(program: Program, monkeypatch: pytest.MonkeyPatch):

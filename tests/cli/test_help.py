@@ -161,7 +161,7 @@ def test_help_loads_nothing_heavy():
 import sys
 from rotor_ida.cli import main
 main(["simulate", "--help"])
-heavy = {"xarray", "numba", "sksundae", "matplotlib", "scipy", "pandas"} & set(sys.modules)
+heavy = {"xarray", "sksundae", "matplotlib", "scipy", "pandas"} & set(sys.modules)
 sys.exit(f"loaded {heavy}" if heavy else 0)
 """
     ended = subprocess.run([sys.executable, "-c", code], capture_output=True, check=False)

@@ -36,6 +36,17 @@ def test_sources_and_versions_are_part_of_the_origin(made, monkeypatch):
     assert freshness.origin_of(script, []) != before
 
 
+@pytest.mark.parametrize("name", ["model.py", "core/model.c", "core/model.h"])
+def test_sources_in_python_and_in_c_are_part_of_the_origin(tmp_path, monkeypatch, name):
+    package, script = tmp_path / "package", tmp_path / "fig.py"
+    (package / "core").mkdir(parents=True)
+    script.touch()
+    monkeypatch.setattr(freshness, "__file__", str(package / "paper" / "freshness.py"))
+    before = freshness.origin_of(script, [])
+    (package / name).touch()
+    assert freshness.origin_of(script, []) != before
+
+
 @pytest.mark.parametrize("change", ["edit", "remove", "add"])
 def test_files_that_were_touched_are_not_fresh_and_not_ours(made, change):
     script, folder = made

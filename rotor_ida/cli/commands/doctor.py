@@ -13,10 +13,11 @@ from typing import get_args
 import rotor_ida
 from rotor_ida.cli import options
 from rotor_ida.cli.report import Report, pairs, table
+from rotor_ida.core import sundials
 from rotor_ida.simulation.options import Backend, Flight, Method
 
 PACKAGES = (
-    *("rotor-ida", "scikit-sundae", "numpy", "scipy", "numba"),
+    *("rotor-ida", "scikit-sundae", "numpy", "scipy"),
     *("xarray", "netCDF4", "matplotlib", "distributed"),
 )
 # Released at rest at this distance from the axis, outside a ring of this clearance.
@@ -33,12 +34,12 @@ def doctor(*, as_json: options.AsJson = False) -> Report:
 
         rotor-ida doctor --json
     """
-    from rotor_ida.equations.compiling import cache_folder  # noqa: PLC0415 - not for --help
     from rotor_ida.parallel.executors import EXECUTORS, why_not  # noqa: PLC0415 - not for --help
 
     backends = [name for name in get_args(Backend) if name != "auto"]
     by_backend = {name: _check_backend(name) for name in backends}
-    checks = [*(check for found in by_backend.values() for check in found)]
+    core, check_of_core = _core()
+    checks = [check_of_core, *(check for found in by_backend.values() for check in found)]
     checks.append(_attempt("archive: written and read back", _archive))
     usable = [
         name
@@ -46,23 +47,21 @@ def doctor(*, as_json: options.AsJson = False) -> Report:
         if all(check["result"] == "ok" for check in found)
     ]
     executors = [name for name in EXECUTORS if name != "auto" and not why_not(name)]
-    versions, cached = _versions(), cache_folder() is not None
+    versions = _versions()
     failed = sum(check["result"] == "failed" for check in checks)
     return Report(
         record={
             "versions": versions,
             "backends": usable,
             "executors": executors,
-            "kernels_cached": cached,
+            "core": core,
             "checks": checks,
         },
         parts=[
             pairs("Versions", versions),
+            *([pairs("Core", core)] if core else []),
             f"Backends that can be used: {', '.join(usable) or 'none'}",
             f"Executors that can be used: {', '.join(executors)}",
-            "Compiled kernels are cached on disk"
-            if cached
-            else "Compiled kernels are not cached: no folder for them can be written",
             table("Checks", checks, list(checks[0])),
         ],
         as_json=as_json,
@@ -87,6 +86,20 @@ def _versions() -> dict[str, object]:
     return found
 
 
+def _core() -> tuple[dict[str, object], Check]:
+    """Return who compiled the core, how and for which level, and whether it can be used."""
+    from rotor_ida.core.library import build_info  # noqa: PLC0415 - what is broken is said
+
+    core: dict[str, object] = {}
+
+    def load() -> str:
+        core.update((name, build_info()[name]) for name in ("compiler", "flags", "level"))
+        return f"level {core['level']}"
+
+    check = _attempt("core: loaded", load)
+    return core, check
+
+
 def _check_backend(backend: Backend) -> list[Check]:
     """Compare a free vibration across the clearance with its exact event times.
 
@@ -96,25 +109,19 @@ def _check_backend(backend: Backend) -> list[Check]:
     series need no solver.
     """
     free = f"{backend}: free vibration"
-    series = _attempt(f"{free}, Taylor series", partial(_vibration, backend, "exact", "taylor"))
-    reason = _why_not(backend)
+    compiled = backend == "compiled"
+    series = [
+        _attempt(f"{free}, Taylor series", partial(_vibration, backend, "exact", "taylor"))
+        for _ in range(compiled)
+    ]
+    reason = sundials.why_not() if compiled else ""
     if reason:
-        return [{"check": free, "result": "absent", "seen": reason}, series]
+        return [{"check": free, "result": "absent", "seen": reason}, *series]
     by_cvode = [
         _attempt(f"{free}, flight {flight}", partial(_vibration, backend, flight, "adams"))
         for flight in get_args(Flight)
     ]
-    return [*by_cvode, series]
-
-
-def _why_not(backend: Backend) -> str:
-    if backend != "compiled":
-        return ""
-    try:
-        from rotor_ida.simulation.cvode import libraries  # noqa: PLC0415 - it needs the solver
-    except ImportError as error:
-        return f"ImportError: {error}"
-    return libraries.why_not()
+    return [*by_cvode, *series]
 
 
 def _vibration(backend: Backend, flight: Flight, method: Method) -> str:

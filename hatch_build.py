@@ -1,0 +1,251 @@
+"""Compile the core: all C sources of rotor_ida/core, one shared library for each level.
+
+hatchling calls it when a wheel or an editable installation is built. By hand:
+
+    python hatch_build.py [--compiler CC] [--sanitize] [--warnings] [--out FOLDER]
+
+The compiler is $CC or the first of cc, gcc and clang. Where there is none, the build asks for the
+package ziglang, which holds one. CFLAGS are not read: the flags belong to the arithmetic.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ctypes
+import importlib.util
+import json
+import os
+import platform
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import sysconfig
+import tempfile
+import tomllib
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from pathlib import Path
+from runpy import run_path
+from typing import Any
+
+try:
+    from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+except ImportError:  # called by hand, where nothing is packed
+    BuildHookInterface = object
+
+ROOT = Path(__file__).resolve().parent
+CORE = ROOT / "rotor_ida" / "core"
+identity = run_path(str(CORE / "identity.py"))
+
+# No compiler may regroup or contract: the sources say what is fused.
+FLAGS = (
+    *("-std=c17", "-O3", "-g0", "-fPIC", "-fvisibility=hidden"),
+    *("-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off"),
+)
+# Vectors are passed between functions of one file only, so their place in the ABI is no matter.
+WARNINGS = ("-Wall", "-Wextra", "-Wconversion", "-Werror", "-Wno-psabi")
+SANITIZE = ("-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+# By level: what gcc and clang are told, and zig, which compiles for this very machine unless told.
+FOR_LEVEL = {
+    "baseline": (("-march=x86-64",), ("-mcpu=x86_64",)),
+    "v3": (("-march=x86-64-v3",), ("-mcpu=x86_64_v3",)),
+    "v4": (
+        ("-march=x86-64-v4", "-mprefer-vector-width=512"),
+        ("-mcpu=x86_64_v4", "-mprefer-vector-width=512"),
+    ),
+}
+# The extra is made up: an installer that cannot get the package says by it why it was asked for.
+ZIG = "ziglang[no-c-compiler-on-path]>=0.13"
+# The second numbers of the versions of glibc for which auditwheel knows a policy.
+POLICIES = (17, 24, 26, 27, 28, 31, *range(34, 42))
+SHOWN = 6  # lines of a compiler's complaint
+
+
+class BuildError(Exception):
+    """The core cannot be compiled; the message says why in a sentence."""
+
+
+def find_compiler() -> list[str] | None:
+    """Return the words that call a C compiler: $CC, one on PATH, ziglang; None where none is."""
+    if os.environ.get("CC", "").strip():
+        words = shlex.split(os.environ["CC"])
+        if shutil.which(words[0]) is None:
+            raise BuildError(f"CC must name a C compiler, and {words[0]!r} cannot be found")
+        return words
+    for name in ("cc", "gcc", "clang"):
+        if found := shutil.which(name):
+            return [found]
+    if importlib.util.find_spec("ziglang"):
+        return [sys.executable, "-m", "ziglang", "cc"]
+    return None
+
+
+def is_zig(compiler: Sequence[str]) -> bool:
+    """Return whether a compiler is zig's."""
+    return any("zig" in Path(word).name for word in compiler)
+
+
+def described(compiler: Sequence[str]) -> str:
+    """Return the name and the version of a compiler in one line."""
+    said = (_run(compiler, ["--version"]).splitlines() or ["unknown"])[0]
+    return f"zig cc, {said}" if is_zig(compiler) else said
+
+
+def levels() -> tuple[str, ...]:
+    """Return the levels that are compiled for this machine."""
+    known: tuple[str, ...] = identity["LEVELS"]
+    return known if platform.machine() == "x86_64" else known[:1]
+
+
+def flags(
+    compiler: Sequence[str], level: str, *, warnings: bool = False, sanitize: bool = False
+) -> list[str]:
+    """Return the flags with which the sources are compiled for a level."""
+    zig, machine = is_zig(compiler), platform.machine()
+    found = [*FLAGS]
+    if zig and platform.libc_ver()[0] == "glibc":
+        found += ["-target", f"{machine}-linux-gnu.2.17"]
+    if machine == "x86_64":
+        found += FOR_LEVEL[level][zig]
+    elif zig:
+        found += ["-mcpu=baseline"]
+    return [*found, *(WARNINGS if warnings else ()), *(SANITIZE if sanitize else ())]
+
+
+def build(
+    compiler: Sequence[str], *, out: Path = CORE, warnings: bool = False, sanitize: bool = False
+) -> list[Path]:
+    """Compile the libraries that `out` lacks or holds in another state; return those made."""
+    version = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["version"]
+    digest, told = identity["sources_digest"](CORE), described(compiler)
+    wanted = {}
+    for level in levels():
+        given = flags(compiler, level, warnings=warnings, sanitize=sanitize)
+        shown = {"compiler": told, "flags": " ".join(given), "level": level}
+        shown |= {"sources": digest, "version": version}
+        path = identity["library_path"](out, level)
+        if sanitize or _stated(path) != shown:
+            wanted[path] = (given, shown)
+    if not wanted:
+        return []
+    out.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=out, prefix=".build-") as name:
+        folder = Path(name)
+        commands, links = [], []
+        for path, (given, shown) in wanted.items():
+            macros = [f"-DCORE_{key.upper()}={json.dumps(text)}" for key, text in shown.items()]
+            objects = []
+            for source in sorted(CORE.glob("*.c")):
+                objects.append(str(folder / f"{source.stem}_{shown['level']}.o"))
+                # build.c alone says what is built
+                more = macros if source.stem == "build" else []
+                commands.append([*given, *more, "-c", source.name, "-o", objects[-1]])
+            links.append([*given, "-shared", *objects, "-lm", "-o", str(folder / path.name)])
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            for step in (commands, links):
+                list(pool.map(partial(_run, compiler), step))
+        for path in wanted:
+            # in one step, so that a program that has the old one loaded keeps it
+            (folder / path.name).replace(path)
+    return list(wanted)
+
+
+def platform_tag(libraries: Sequence[Path]) -> str:
+    """Return the platform of a wheel with these libraries: by the newest glibc that they ask for.
+
+    Where that is not glibc, it is this very platform.
+    """
+    if platform.libc_ver()[0] != "glibc":
+        return re.sub(r"\W", "_", sysconfig.get_platform())
+    asked = {
+        int(n) for path in libraries for n in re.findall(rb"GLIBC_2\.(\d+)", path.read_bytes())
+    }
+    newest = max(asked, default=0)
+    least = next((policy for policy in POLICIES if policy >= newest), newest)
+    return f"manylinux_2_{least}_{platform.machine()}"
+
+
+def _stated(path: Path) -> dict[str, str] | None:
+    """Return what a library says of itself; None where it is not there or cannot be loaded."""
+    try:
+        said: dict[str, str] = identity["stated"](ctypes.CDLL(str(path)))
+    except (OSError, AttributeError):
+        return None
+    return said
+
+
+def _run(compiler: Sequence[str], arguments: Sequence[str]) -> str:
+    """Return what a compiler says, called where the sources are; complain where it fails."""
+    named = shlex.join(compiler)
+    try:
+        ended = subprocess.run(
+            [*compiler, *arguments], cwd=CORE, capture_output=True, text=True, check=False
+        )
+    except OSError as error:
+        raise BuildError(f"the compiler {named} cannot be run: {error.strerror}") from error
+    if ended.returncode:
+        said = (ended.stderr or ended.stdout).strip().splitlines()[:SHOWN]
+        raise BuildError("\n".join([f"the core cannot be compiled by {named}:", *said]))
+    return ended.stdout
+
+
+class CustomBuildHook(BuildHookInterface):
+    """What hatchling calls: it asks for a compiler, and puts the libraries into the wheel."""
+
+    def dependencies(self) -> list[str]:
+        """Return the package of a C compiler where the machine has none."""
+        try:
+            if find_compiler() is not None:
+                return []
+        except BuildError:
+            return []  # said when the core is compiled
+        self.app.display_info("rotor-ida: no C compiler on PATH, so the build asks for ziglang")
+        return [ZIG]
+
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:  # noqa: ARG002
+        """Compile the core and say which files and which platform the wheel has."""
+        try:
+            compiler = find_compiler()
+            if compiler is None:
+                raise BuildError(
+                    "no C compiler was found ($CC, or cc, gcc or clang on PATH): install one, or "
+                    "the package ziglang (pip install ziglang)"
+                )
+            build(compiler)
+        except BuildError as error:
+            self.app.abort(f"rotor-ida: {error}")
+        made = [identity["library_path"](CORE, level) for level in levels()]
+        build_data["pure_python"] = False
+        build_data["tag"] = f"py3-none-{platform_tag(made)}"
+        build_data["artifacts"] += [f"/{path.relative_to(ROOT).as_posix()}" for path in made]
+
+
+def main() -> int:
+    """Compile the core as asked on the command line; return 1 where that fails."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--compiler", metavar="CC", help="by default $CC, cc, gcc, clang, ziglang")
+    parser.add_argument("--sanitize", action="store_true", help="check addresses, undefined things")
+    parser.add_argument("--warnings", action="store_true", help="take warnings for errors")
+    parser.add_argument("--out", type=Path, default=CORE, metavar="FOLDER")
+    given = parser.parse_args()
+    if given.compiler:
+        os.environ["CC"] = given.compiler
+    try:
+        compiler = find_compiler()
+        if compiler is None:
+            raise BuildError("no C compiler was found: name one with --compiler")
+        made = build(
+            compiler, out=given.out.resolve(), warnings=given.warnings, sanitize=given.sanitize
+        )
+    except BuildError as error:
+        print(f"hatch_build.py: {error}", file=sys.stderr)
+        return 1
+    print(*(made or ["nothing to compile: all libraries are up to date"]), sep="\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

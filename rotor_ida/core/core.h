@@ -1,0 +1,141 @@
+/* What the core offers to Python.
+ *
+ * Every function fills memory that its caller owns, keeps nothing between calls, and returns a
+ * `status`. It looks at the byte `stop` often enough to end within a second after that is set. */
+#ifndef ROTOR_IDA_CORE_H
+#define ROTOR_IDA_CORE_H
+
+#include <stdint.h>
+
+/* What the library shows to others; all else is hidden. */
+#define CORE_API __attribute__((visibility("default")))
+
+/* How a call ended; the flags of SUNDIALS are negative. */
+enum status { DONE = 0, NOT_FINITE = 1001, NO_ROOT = 1002, STUCK = 1003, STOPPED = 1004, FULL = 1005,
+              NO_SOLVER = 1006 };
+
+struct rotor {
+    double omega, zeta, delta0;
+};
+
+/* Who compiled this library, with which flags, for which processors, from which sources, for
+ * which version of the package. */
+CORE_API const char *core_compiler(void);
+CORE_API const char *core_flags(void);
+CORE_API const char *core_level(void);
+CORE_API const char *core_sources(void);
+CORE_API const char *core_version(void);
+/* The widest level whose instructions this processor and its system offer: see LEVELS in Python. */
+CORE_API int core_widest_level(void);
+
+/* The functions of SUNDIALS that the core calls, found by Python in the libraries of scikit-sundae;
+ * their objects are addresses. An index is passed in 64 bits, which the calling conventions of
+ * x86-64 and AArch64 let stand for one of 32. */
+struct sundials {
+    int (*context_new)(int communicator, void **context);
+    int (*context_free)(void **context);
+    int (*handlers_clear)(void *context);
+    void *(*vector_over)(int64_t size, double *data, void *context);
+    int (*vector_fuse)(void *vector, int on);
+    void (*vector_free)(void *vector);
+    double *(*vector_data)(void *vector);
+    void *(*matrix_new)(int64_t rows, int64_t columns, void *context);
+    void (*matrix_free)(void *matrix);
+    double *(*matrix_data)(void *matrix);
+    void *(*linear_new)(void *vector, void *matrix, void *context);
+    int (*linear_free)(void *linear);
+    void *(*create)(int method, void *context);
+    void (*free)(void **memory);
+    int (*init)(void *memory, int (*field)(double, void *, void *, void *), double, void *state);
+    int (*reinit)(void *memory, double point, void *state);
+    int (*tolerances)(void *memory, double rtol, void *atol);
+    int (*user_data)(void *memory, void *user);
+    int (*linear_use)(void *memory, void *linear, void *matrix);
+    int (*jacobian)(void *memory, int (*jacobian)(double, void *, void *, void *, void *, void *,
+                                                  void *, void *));
+    int (*solve)(void *memory, double goal, void *state, double *reached, int task);
+    int (*derivative)(void *memory, double point, int order, void *vector);
+    int (*last_order)(void *memory, int *order);
+    int (*evaluations)(void *memory, long *count);
+};
+
+enum method { TAYLOR = 0, ADAMS = 1, BDF = 2 };
+enum where { UNDECIDED = -1, IN_FLIGHT = 0, IN_CONTACT = 1 };
+enum event { ENTRY = 1, EXIT = -1 };
+
+/* One run: what is asked, where it stands, and what is recorded of it.
+ *
+ * Every state is (x, y, vx, vy), read on the rotating axes of its time. A table that is not wanted
+ * has no room. */
+struct run {
+    struct rotor rotor;
+    double rtol, atol;      /* of one step */
+    double duration, slack; /* time to simulate, and how far behind it an event may lie */
+    int32_t method;         /* of contacts, and of flight where it is not exact */
+    int32_t exact_flight;
+    const uint8_t *stop;             /* anything but 0 asks the run to stop */
+    const struct sundials *sundials; /* NULL where Taylor series alone are wanted */
+
+    double time, state[4];
+    int32_t where;
+    int32_t differences; /* rows of `bundle`: 0, 4, or 7 with those by omega, zeta and delta0 */
+    double *bundle;      /* differences from the motion, carried along; read like a state */
+
+    const double *sample_times;
+    double *samples; /* rows of 4 */
+    int64_t sample_count, sampled;
+    double *event_times, *event_states; /* rows of 4 */
+    int8_t *event_kinds;
+    int64_t event_room, events;
+    double *contacts; /* rows of entry, exit, time of the peak, its root q, impulse, momentum */
+    int64_t contact_room, contact_count;
+    double *extrema; /* of the radius: rows of time, radius, -1 or 1, state */
+    int64_t extremum_room, extremum_count;
+    int64_t evaluations;
+};
+
+/* Follow a run from where it stands to its end.
+ *
+ * FULL: a table has no room for what may come. With more room in the tables of events and contacts
+ * the run goes on from where it stands; where that of extrema is full it must begin anew. */
+CORE_API int core_run(struct run *run);
+
+/* Follow a run over many spans of its duration, each from where the one before ended, and write
+ * into each row of `stretches` the logarithms of the factors by which a span has stretched the four
+ * differences of its bundle, which are made orthonormal after each. */
+CORE_API int core_stretch(struct run *run, int64_t spans, double *stretches, int64_t *done);
+
+/* Whether a rotor at a state begins in contact. */
+CORE_API int core_starts_in_contact(const struct rotor *rotor, const double state[4]);
+
+/* The states that follow on some states after as many flights without contact. */
+CORE_API void core_fly(const struct rotor *rotor, const double *states, const double *spans,
+                       double *reached, int64_t count);
+
+/* The time to the first touch of the ring from a state in flight; infinite if none comes by
+ * `limit`. */
+CORE_API double core_first_touch(const struct rotor *rotor, const double state[4], double limit,
+                                 const uint8_t *stop);
+
+/* Turn rows of (x, y, vx, vy) by the angles omega t. */
+CORE_API void core_rotate(double *states, const double *times, double omega, int64_t count);
+
+/* Follow many starts on the rotating axes until an attractor holds them or `duration` has passed.
+ * The states, 4 rows of `count`, become those at the end; the time that each took is added. A label
+ * becomes the number of the trapping region, `region_count` for a whirl that never touches the ring
+ * again, one more for fading touches, from two more on that of the limit cycle, or -1; starts with
+ * a label of 0 or more are left alone. A region is 4 + 10 numbers, `free_whirl` and a section are
+ * as in `rotor_ida.basins.kernel`. */
+CORE_API int core_follow_lanes(const struct rotor *rotor, double *states, int16_t *labels,
+                               float *times, int64_t count, const double *regions,
+                               int64_t region_count, const double free_whirl[4],
+                               const double *sections, int64_t section_count, double duration,
+                               double tolerance, const uint8_t *stop);
+
+/* The least |L (s - c)|**2 with which each of many states passes a section of a limit cycle between
+ * two times; infinite where one does not. */
+CORE_API int core_measure_returns(const struct rotor *rotor, const double *states, int64_t count,
+                                  const double section[21], double earliest, double latest,
+                                  double tolerance, double *values, const uint8_t *stop);
+
+#endif

@@ -1,0 +1,15 @@
+/* Derived from rotor_ida/equations/modes.py by `python -m rotor_ida.equations.writing`. */
+/* clang-format off */
+#ifndef ROTOR_IDA_DERIVED_H
+#define ROTOR_IDA_DERIVED_H
+
+struct parameters {
+    double omega, zeta, delta0, felt;
+};
+
+enum { CONTACT_Q, CONTACT_P, CONTACT_H, CONTACT_C, CONTACT_S, CONTACT_T, CONTACT_J, CONTACT_SIZE };
+enum { CONTACT_EXIT_GUARD = CONTACT_Q };
+enum { CONTACT_EXTREMUM_GUARD = CONTACT_P };
+enum { CARTESIAN_X, CARTESIAN_Y, CARTESIAN_VX, CARTESIAN_VY, CARTESIAN_SIZE };
+
+#endif

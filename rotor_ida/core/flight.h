@@ -1,0 +1,66 @@
+/* Flight inside the clearance, in closed form; see flight.c. */
+#ifndef ROTOR_IDA_FLIGHT_H
+#define ROTOR_IDA_FLIGHT_H
+
+#include <math.h>
+#include <stdint.h>
+
+#include "core.h"
+
+#define ROUNDING 0x1p-52
+
+/* A vector in the plane: with i for a quarter turn, a complex number. */
+struct vector {
+    double x, y;
+};
+
+static inline struct vector plus(struct vector a, struct vector b)
+{
+    return (struct vector){a.x + b.x, a.y + b.y};
+}
+
+static inline struct vector scaled(double factor, struct vector a)
+{
+    return (struct vector){factor * a.x, factor * a.y};
+}
+
+static inline struct vector product(struct vector a, struct vector b)
+{
+    return (struct vector){a.x * b.x - a.y * b.y, a.x * b.y + a.y * b.x};
+}
+
+static inline struct vector mirrored(struct vector a) { return (struct vector){a.x, -a.y}; }
+
+static inline struct vector quarter_turned(struct vector a) { return (struct vector){-a.y, a.x}; }
+
+static inline double dot(struct vector a, struct vector b) { return a.x * b.x + a.y * b.y; }
+
+static inline double cross(struct vector a, struct vector b) { return a.x * b.y - a.y * b.x; }
+
+static inline double length(struct vector a) { return sqrt(a.x * a.x + a.y * a.y); }
+
+/* Displacement and velocity, read on the rotating axes of the moment. */
+struct motion_of_centre {
+    struct vector z, w;
+};
+
+/* The stop flag, read anew each time. */
+static inline int asked_to_stop(const uint8_t *stop)
+{
+    return *(const volatile uint8_t *)stop != 0;
+}
+
+struct motion_of_centre fly(struct motion_of_centre start, double tau, const struct rotor *rotor);
+
+/* What omega (first), and what zeta adds to the motion after `tau`: derivatives of `fly`. */
+void fly_by_parameters(struct motion_of_centre start, double tau, const struct rotor *rotor,
+                       struct motion_of_centre added[2]);
+
+/* Move differences, rows of four numbers, by a flight. */
+void fly_differences(double *rows, int count, double tau, const struct rotor *rotor);
+
+/* The time to the first touch of the ring; infinite if none comes by `limit`, or asked to stop. */
+double first_touch(struct motion_of_centre start, const struct rotor *rotor, double limit,
+                   const uint8_t *stop);
+
+#endif

@@ -1,0 +1,142 @@
+"""The core as Python sees it: the structures of ``core.h``, its functions, and what went wrong.
+
+Arrays are checked here and belong to NumPy; the core only fills them. ctypes releases the global
+interpreter lock for as long as a call lasts.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from ctypes import POINTER, Structure, c_double, c_int, c_int32, c_int64, c_void_p
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.core import library as found
+
+if TYPE_CHECKING:
+    from rotor_ida.parameters import Rotor
+
+Values = npt.NDArray[np.float64]
+
+# How a call ended; the flags of SUNDIALS are negative.
+DONE = 0
+NOT_FINITE, NO_ROOT, STUCK, STOPPED, FULL, NO_SOLVER = range(1001, 1007)
+MESSAGES = {
+    NOT_FINITE: "the state is no longer finite",
+    NO_ROOT: "a step holds no root",
+    STUCK: "time no longer advances",
+    STOPPED: "interrupted",
+    NO_SOLVER: "SUNDIALS could not make a solver",
+    -1: "Could not reach endpoint after 'max_num_steps'.",
+    -2: "Could not satisfy demanded accuracy for an internal step.",
+    -3: "Error tests failed too many times, or reached min step size.",
+    -4: "Convergence tests failed too many times, or reached min step size.",
+}
+
+METHODS = {"taylor": 0, "adams": 1, "bdf": 2}
+UNDECIDED, IN_FLIGHT, IN_CONTACT = -1, 0, 1
+# Columns of the table of contacts, and of that of the extrema of the radius.
+ENTRY_TIME, EXIT_TIME, PEAK_TIME, PEAK_ROOT, IMPULSE, MOMENTUM = range(6)
+TIME, RADIUS, KIND, STATE = range(4)
+CONTACT_COLUMNS, EXTREMUM_COLUMNS = 6, 7
+
+
+class RotorStruct(Structure):
+    """``struct rotor``."""
+
+    _fields_ = [("omega", c_double), ("zeta", c_double), ("delta0", c_double)]
+
+    @classmethod
+    def of(cls, rotor: Rotor) -> RotorStruct:
+        """Return a rotor as the core takes it."""
+        return cls(rotor.omega, rotor.zeta, rotor.delta0)
+
+
+class RunStruct(Structure):
+    """``struct run``."""
+
+    _fields_ = [
+        ("rotor", RotorStruct),
+        *((name, c_double) for name in ("rtol", "atol", "duration", "slack")),
+        ("method", c_int32),
+        ("exact_flight", c_int32),
+        ("stop", c_void_p),
+        ("sundials", c_void_p),
+        ("time", c_double),
+        ("state", 4 * c_double),
+        ("where", c_int32),
+        ("differences", c_int32),
+        *((name, c_void_p) for name in ("bundle", "sample_times", "samples")),
+        ("sample_count", c_int64),
+        ("sampled", c_int64),
+        *((name, c_void_p) for name in ("event_times", "event_states", "event_kinds")),
+        ("event_room", c_int64),
+        ("events", c_int64),
+        ("contacts", c_void_p),
+        ("contact_room", c_int64),
+        ("contact_count", c_int64),
+        ("extrema", c_void_p),
+        ("extremum_room", c_int64),
+        ("extremum_count", c_int64),
+        ("evaluations", c_int64),
+    ]
+
+
+_ROTOR, _RUN = POINTER(RotorStruct), POINTER(RunStruct)
+_SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
+    "core_run": (c_int, [_RUN]),
+    "core_stretch": (c_int, [_RUN, c_int64, c_void_p, POINTER(c_int64)]),
+    "core_starts_in_contact": (c_int, [_ROTOR, c_void_p]),
+    "core_fly": (None, [_ROTOR, c_void_p, c_void_p, c_void_p, c_int64]),
+    "core_first_touch": (c_double, [_ROTOR, c_void_p, c_double, c_void_p]),
+    "core_rotate": (None, [c_void_p, c_void_p, c_double, c_int64]),
+    "core_follow_lanes": (
+        c_int,
+        [
+            *(_ROTOR, c_void_p, c_void_p, c_void_p, c_int64, c_void_p, c_int64, c_void_p),
+            *(c_void_p, c_int64, c_double, c_double, c_void_p),
+        ],
+    ),
+    "core_measure_returns": (
+        c_int,
+        [
+            *(_ROTOR, c_void_p, c_int64, c_void_p, c_double, c_double, c_double),
+            *(c_void_p, c_void_p),
+        ],
+    ),
+}
+
+
+@cache
+def library() -> ctypes.CDLL:
+    """Return the core, every function of which knows the types of its arguments."""
+    core = found.library()
+    for name, (result, arguments) in _SIGNATURES.items():
+        function = getattr(core, name)
+        function.restype, function.argtypes = result, arguments
+    return core
+
+
+def pointer(array: npt.NDArray[Any], dtype: npt.DTypeLike, *, writeable: bool = False) -> c_void_p:
+    """Return where the numbers of an array lie, if the core can take them as they are.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If they are of another type, not one after the other, or must not be written.
+    """
+    if array.dtype != dtype:
+        raise TypeError(f"the core takes an array of {np.dtype(dtype)}, got {array.dtype}")
+    if not array.flags.c_contiguous:
+        raise ValueError("the core takes an array whose numbers lie one after the other")
+    if writeable and not array.flags.writeable:
+        raise ValueError("the core must be able to write into this array")
+    return c_void_p(array.ctypes.data)
+
+
+def message_of(status: int) -> str:
+    """Return in words why a call ended early."""
+    return MESSAGES.get(status, f"the solver gave up with flag {status}")

@@ -1,0 +1,71 @@
+/* A motion: an autonomous system on its way from a start, led one internal step at a time.
+ *
+ * It can be read anywhere inside the last step. Taylor series lead it (taylor.c), or CVODE
+ * (cvode.c); the phases of the event loop are written once for both. */
+#ifndef ROTOR_IDA_MOTION_H
+#define ROTOR_IDA_MOTION_H
+
+#include "core.h"
+#include "derived.h"
+#include "flight.h"
+#include "series.h"
+
+enum { MOST_STATE = 8, MOST_VALUES = MOST_STATE + APART };
+
+/* What is derived from one mode of the model. */
+struct mode {
+    int size;
+    void (*field)(const struct parameters *, const double *state, double *rate);
+    void (*jacobian)(const struct parameters *, const double *state, double *matrix);
+    void (*growth)(const struct parameters *, const double *state, double growth[4][4]);
+    void (*by_parameters)(const struct parameters *, const double *state, double added[3][4]);
+    void (*expand)(const struct parameters *, struct series *, int order);
+    void (*expand_with_factors)(const struct parameters *, struct series *, int order);
+    void (*expand_differences)(const struct parameters *, struct series *, int order);
+};
+
+extern const struct mode contact_mode, cartesian_mode;
+
+struct motion {
+    const struct mode *mode;
+    struct parameters model;
+    double rtol;
+    int tangents;   /* whether four differences come behind the state */
+    int begins_anew; /* whether the differences are the unit matrix at the beginning of each step */
+    double low, point; /* ends of the last step */
+    double before[MOST_VALUES], values[MOST_VALUES]; /* there */
+    int (*restart)(struct motion *, const double *start, const double *atol);
+    int (*advance)(struct motion *);
+    const double *(*at)(struct motion *, double point);
+    const double *(*glance_at)(struct motion *, double point); /* faster, and to rounding */
+    int64_t (*evaluations)(struct motion *);
+};
+
+static inline int values_of(const struct motion *motion)
+{
+    return motion->mode->size + (motion->tangents ? APART : 0);
+}
+
+struct taylor {
+    struct motion motion;
+    int order;
+    int64_t orders; /* expanded since the start */
+    double atol[MOST_STATE], inverse[MOST_STATE], sizes[WIDTH];
+    double reading[MOST_VALUES];
+    /* what each power of a polynomial on (0, 1] adds to its Bernstein coefficients */
+    _Alignas(32) double basis[ORDERS][32];
+    struct series series;
+};
+
+void open_taylor(struct taylor *taylor, const struct mode *mode, struct parameters model,
+                 double rtol, int tangents);
+
+struct cvode;
+
+/* A point between two points of the last step where `function` reaches `level`; NaN where the
+ * difference does not change sign. Brent, "Algorithms for Minimization without Derivatives", 1973,
+ * chapter 4. */
+double root_in_step(struct motion *motion, double (*function)(const double *values), double level,
+                    double low, double high);
+
+#endif

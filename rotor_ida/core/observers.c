@@ -1,0 +1,388 @@
+/* What watches a run: samples, events, extrema of the radius, and differences carried along.
+ *
+ * Each looks at flights and at steps as the event loop (events.c) comes past them, and does nothing
+ * where it was not asked for. */
+#include "observers.h"
+
+/* Columns of the table of extrema. */
+enum { TIME, RADIUS, KIND, STATE };
+/* How closely flights and steps without clearance are looked at for extrema. */
+enum { LOOKS_A_REVOLUTION = 32, FEWEST_LOOKS = 8, LOOKS_A_STEP = 4, MOST_HALVINGS = 80 };
+static const double PI = 3.14159265358979323846;
+
+double time_left(const struct run *run) { return run->duration - run->time; }
+
+double contact_root_of(const double *values) { return values[CONTACT_Q]; }
+double radial_velocity_of(const double *values) { return values[CONTACT_P]; }
+double time_of(const double *values) { return values[CONTACT_T]; }
+
+double radial_rate_of(const double *values)
+{
+    return values[CARTESIAN_X] * values[CARTESIAN_VX] + values[CARTESIAN_Y] * values[CARTESIAN_VY];
+}
+
+double squared_radius_of(const double *values)
+{
+    return values[CARTESIAN_X] * values[CARTESIAN_X] + values[CARTESIAN_Y] * values[CARTESIAN_Y];
+}
+
+static int is_contact(const struct motion *motion) { return motion->mode == &contact_mode; }
+
+struct motion_of_centre centre_of(const struct motion *motion, const double *values)
+{
+    if (!is_contact(motion))
+        return (struct motion_of_centre){{values[0], values[1]}, {values[2], values[3]}};
+    const struct vector direction = {values[CONTACT_C], values[CONTACT_S]};
+    const struct vector outwards = scaled(1.0 / length(direction), direction);
+    const double radius = motion->model.delta0 + values[CONTACT_Q] * values[CONTACT_Q];
+    const struct vector velocity = {values[CONTACT_P], values[CONTACT_H] / radius};
+    return (struct motion_of_centre){scaled(radius, outwards), product(velocity, outwards)};
+}
+
+static void write_state(double *row, struct motion_of_centre centre)
+{
+    row[0] = centre.z.x;
+    row[1] = centre.z.y;
+    row[2] = centre.w.x;
+    row[3] = centre.w.y;
+}
+
+void record_event(struct run *run, enum event kind)
+{
+    run->event_times[run->events] = run->time;
+    run->event_kinds[run->events] = (int8_t)kind;
+    memcpy(&run->event_states[4 * run->events], run->state, sizeof run->state);
+    run->events++;
+}
+
+/* ---- Samples ---- */
+
+/* The next sample time, counted from now and clipped to the next `span`; infinite where none is
+ * left, or none lies within it. */
+static double next_sample(const struct run *run, double span)
+{
+    if (run->sampled >= run->sample_count)
+        return INFINITY;
+    /* time + left may fall short of the duration by rounding; its sample must not be lost */
+    const double until = span >= time_left(run) ? run->duration : run->time + span;
+    const double next = run->sample_times[run->sampled];
+    return next > until ? INFINITY : fmin(fmax(next - run->time, 0.0), span);
+}
+
+static void record_sample(struct run *run, struct motion_of_centre centre)
+{
+    write_state(&run->samples[4 * run->sampled], centre);
+    run->sampled++;
+}
+
+void observe_start(struct run *run)
+{
+    if (next_sample(run, 0.0) == 0.0) {
+        memcpy(&run->samples[4 * run->sampled], run->state, sizeof run->state);
+        run->sampled++;
+    }
+}
+
+static void sample_flight(struct run *run, const struct flight *flight)
+{
+    for (double due = next_sample(run, flight->span); due <= flight->span;
+         due = next_sample(run, flight->span))
+        record_sample(run, fly(flight->start, due, &run->rotor));
+}
+
+/* About in which part of the last step a time lies: u as a cubic of t, du = dt/q. */
+static double guess_of_part(const struct motion *motion, double time)
+{
+    const double *before = motion->before, *after = motion->values;
+    const double span = after[CONTACT_T] - before[CONTACT_T], reach = motion->point - motion->low;
+    if (span <= 0.0)
+        return 0.5;
+    double part = (time - before[CONTACT_T]) / span;
+    if (before[CONTACT_Q] > 0.0 && after[CONTACT_Q] > 0.0) {
+        const double start = span / (before[CONTACT_Q] * reach) - 1.0;
+        const double end = 1.0 - span / (after[CONTACT_Q] * reach);
+        part += part * (1.0 - part) * (start * (1.0 - part) + end * part);
+    }
+    return fmin(fmax(part, 0.0), 1.0);
+}
+
+/* The values at a time inside the last step: Halley's method, kept in a bracket. */
+static const double *values_at(const struct step *step, double time)
+{
+    struct motion *motion = step->motion;
+    double low = motion->low, high = step->end;
+    double point = fmin(low + (motion->point - low) * guess_of_part(motion, time), high);
+    const double *values = motion->glance_at(motion, point), finest = 4e-16 * fmax(1.0, time);
+    for (int i = 0; i < 60; i++) {
+        const double late = values[CONTACT_T] - time;
+        if (fabs(late) <= finest || high - low <= 4e-16 * high)
+            break;
+        if (late > 0.0)
+            high = point;
+        else
+            low = point;
+        double new = low;
+        if (values[CONTACT_Q] > 0.0) { /* t' = q, t'' = p/2 */
+            const double by = late / values[CONTACT_Q];
+            new = point - by / (1.0 - 0.25 * by * values[CONTACT_P] / values[CONTACT_Q]);
+        }
+        point = low < new && new < high ? new : 0.5 * (low + high);
+        values = motion->glance_at(motion, point);
+    }
+    return values;
+}
+
+static void sample_step(struct run *run, const struct step *step)
+{
+    struct motion *motion = step->motion;
+    const double left = time_left(run);
+    if (!is_contact(motion)) {
+        for (double due = next_sample(run, left); due <= step->end; due = next_sample(run, left))
+            record_sample(run, centre_of(motion, motion->glance_at(motion, due)));
+        return;
+    }
+    while (run->sampled < run->sample_count) {
+        const double next = run->sample_times[run->sampled];
+        const double due = fmin(fmax(next - run->time, 0.0), left);
+        if (next > run->duration || due > step->until)
+            break;
+        record_sample(run, centre_of(motion, values_at(step, due)));
+    }
+}
+
+/* ---- Extrema of the radius ---- */
+
+static void record_extremum(struct run *run, double time, int kind, struct motion_of_centre centre)
+{
+    double *row = &run->extrema[EXTREMUM_COLUMNS * run->extremum_count];
+    row[TIME] = time;
+    row[RADIUS] = length(centre.z);
+    row[KIND] = kind;
+    write_state(&row[STATE], centre);
+    run->extremum_count++;
+}
+
+static int has_room_for_extrema(const struct run *run)
+{
+    return run->extremum_count < run->extremum_room;
+}
+
+/* Where the radius turns between two moments of a flight: Newton's method in a bracket. */
+static double turn_between(const struct run *run, const struct flight *flight, double low,
+                           double high, double rising)
+{
+    const struct rotor *rotor = &run->rotor;
+    double point = 0.5 * (low + high);
+    for (int i = 0; i < MOST_HALVINGS; i++) {
+        const struct motion_of_centre there = fly(flight->start, point, rotor);
+        const double slope = dot(there.z, there.w);
+        const struct vector drawn = {rotor->omega * rotor->omega - 2.0 * rotor->zeta * there.w.x,
+                                     -2.0 * rotor->zeta * there.w.y};
+        const double bend = dot(there.w, there.w) + dot(there.z, drawn);
+        if (slope * rising > 0.0)
+            low = point;
+        else
+            high = point;
+        double new = bend != 0.0 ? point - slope / bend : low;
+        if (!(low < new && new < high))
+            new = 0.5 * (low + high);
+        if (fabs(new - point) <= ROUNDING * high || high - low <= ROUNDING * high)
+            return new;
+        point = new;
+    }
+    return point;
+}
+
+static void find_extrema_of_flight(struct run *run, const struct flight *flight)
+{
+    const double turns = flight->span * run->rotor.omega / (2.0 * PI);
+    const double looks = fmax(FEWEST_LOOKS, ceil(turns * LOOKS_A_REVOLUTION));
+    double low = 0.0, rising = dot(flight->start.z, flight->start.w);
+    for (double look = 1.0; look <= looks && has_room_for_extrema(run); look += 1.0) {
+        if (asked_to_stop(run->stop))
+            return;
+        const double high = flight->span * look / looks;
+        const struct motion_of_centre there = fly(flight->start, high, &run->rotor);
+        const double after = dot(there.z, there.w);
+        if (rising * after < 0.0) {
+            const double point = turn_between(run, flight, low, high, rising);
+            record_extremum(run, run->time + point, rising > 0.0 ? 1 : -1,
+                            fly(flight->start, point, &run->rotor));
+        }
+        low = high;
+        rising = after;
+    }
+}
+
+/* Of a contact: a step has one at most. */
+static void find_extremum_of_contact(struct run *run, const struct step *step)
+{
+    struct motion *motion = step->motion;
+    const double rising = motion->before[CONTACT_P];
+    if (rising * step->reached[CONTACT_P] >= 0.0)
+        return;
+    const double point = root_in_step(motion, radial_velocity_of, 0.0, motion->low, step->end);
+    if (isnan(point))
+        return;
+    const double *values = motion->at(motion, point);
+    record_extremum(run, run->time + values[CONTACT_T], rising > 0.0 ? 1 : -1,
+                    centre_of(motion, values));
+}
+
+static void find_extrema_of_step(struct run *run, const struct step *step)
+{
+    struct motion *motion = step->motion;
+    double low = motion->low, rising = radial_rate_of(motion->at(motion, low));
+    for (int look = 1; look <= LOOKS_A_STEP && has_room_for_extrema(run); look++) {
+        const double high = motion->low + (step->end - motion->low) * look / LOOKS_A_STEP;
+        const double after = radial_rate_of(motion->at(motion, high));
+        if (rising * after < 0.0) {
+            const double point = root_in_step(motion, radial_rate_of, 0.0, low, high);
+            record_extremum(run, run->time + point, rising > 0.0 ? 1 : -1,
+                            centre_of(motion, motion->at(motion, point)));
+        }
+        low = high;
+        rising = after;
+    }
+}
+
+/* ---- Differences carried along ---- */
+
+/* The direction of the first axis of the basis in which a motion's differences are read. */
+static struct vector basis_of(const struct motion *motion, const double *values)
+{
+    if (!is_contact(motion))
+        return (struct vector){1.0, 0.0};
+    const struct vector direction = {values[CONTACT_C], values[CONTACT_S]};
+    return scaled(1.0 / length(direction), direction);
+}
+
+static void turn_row(double *row, struct vector by)
+{
+    for (int i = 0; i < 4; i += 2) {
+        const struct vector turned = product((struct vector){row[i], row[i + 1]}, by);
+        row[i] = turned.x;
+        row[i + 1] = turned.y;
+    }
+}
+
+/* Move the rows of a bundle over a stretch, of which `apart` is the matrix between bases. */
+static void carry(struct run *run, const double *apart, struct vector from, struct vector to)
+{
+    for (double *row = run->bundle; row < run->bundle + 4 * run->differences; row += 4) {
+        turn_row(row, mirrored(from));
+        double moved[4];
+        for (int j = 0; j < 4; j++) {
+            const double *line = &apart[DIFFERENCES * j];
+            moved[j] = line[0] * row[0] + line[1] * row[1] + line[2] * row[2] + line[3] * row[3];
+        }
+        memcpy(row, moved, sizeof moved);
+        turn_row(row, to);
+    }
+}
+
+/* Places and weights of Gauss's quadrature of six points on [0, 1]. */
+static const double PLACES[] = {0.033765242898423975, 0.16939530676686776, 0.3806904069584015,
+                                0.6193095930415985,   0.8306046932331322,  0.966234757101576};
+static const double WEIGHTS[] = {0.08566224618958525, 0.18038078652406947, 0.23395696728634546,
+                                 0.23395696728634546, 0.18038078652406947, 0.08566224618958525};
+
+/* Add to the last three rows of a bundle what omega, zeta and delta0 add over a step.
+ *
+ * With P(t) the derivative of the state at a time t of the step by that at its beginning, and b
+ * what a parameter adds to the rate of change, it adds P integral of P**-1 b dt. The flow is
+ * conformally symplectic, P^T S P = exp(-2 zeta t) S, so that P**-1 = exp(2 zeta t) S**-1 P^T S. The
+ * integrand is known wherever the step is read, and its series converge so far that few points are
+ * exact to rounding. */
+static void add_by_parameters(struct run *run, const struct step *step)
+{
+    struct motion *motion = step->motion;
+    const int size = motion->mode->size;
+    const double reach = step->end - motion->low;
+    double drawn[3][4] = {{0.0}};
+    for (int place = 0; place < 6; place++) {
+        const double *read = motion->glance_at(motion, motion->low + PLACES[place] * reach);
+        double passed = PLACES[place] * reach, pace = 1.0, added[3][4];
+        if (is_contact(motion)) {
+            passed = read[CONTACT_T] - motion->before[CONTACT_T];
+            pace = read[CONTACT_Q];
+        }
+        const double weight = WEIGHTS[place] * reach * pace
+                              * exp(2.0 * motion->model.zeta * passed);
+        motion->mode->by_parameters(&motion->model, read, added);
+        for (int row = 0; row < 3; row++) {
+            const double *b = added[row];
+            const double turned[4] = {b[2], b[3], -b[0], -b[1]}; /* S b */
+            for (int i = 0; i < 4; i++) {
+                double along = 0.0;
+                for (int j = 0; j < 4; j++)
+                    along += read[size + DIFFERENCES * j + i] * turned[j];
+                drawn[row][i] += weight * along;
+            }
+        }
+    }
+    const struct vector to = basis_of(motion, step->reached);
+    for (int row = 0; row < 3; row++) {
+        const double *d = drawn[row];
+        const double back[4] = {-d[2], -d[3], d[0], d[1]}; /* S**-1 d */
+        double moved[4];
+        for (int j = 0; j < 4; j++) {
+            const double *line = &step->reached[size + DIFFERENCES * j];
+            moved[j] = line[0] * back[0] + line[1] * back[1] + line[2] * back[2]
+                       + line[3] * back[3];
+        }
+        turn_row(moved, to);
+        for (int j = 0; j < 4; j++)
+            run->bundle[4 * (DIFFERENCES + row) + j] += moved[j];
+    }
+}
+
+void observe_phase(struct run *run, struct motion *motion, const double *start,
+                   const double *reached)
+{
+    if (run->differences > 0 && !motion->begins_anew)
+        carry(run, &reached[motion->mode->size], basis_of(motion, start),
+              basis_of(motion, reached));
+}
+
+/* ---- All of them ---- */
+
+void observe_flight(struct run *run, const struct flight *flight)
+{
+    sample_flight(run, flight);
+    if (has_room_for_extrema(run))
+        find_extrema_of_flight(run, flight);
+    if (run->differences == 0)
+        return;
+    fly_differences(run->bundle, run->differences, flight->span, &run->rotor);
+    if (run->differences > DIFFERENCES) {
+        struct motion_of_centre added[2];
+        fly_by_parameters(flight->start, flight->span, &run->rotor, added);
+        for (int i = 0; i < 2; i++) {
+            double *row = &run->bundle[4 * (DIFFERENCES + i)];
+            row[0] += added[i].z.x;
+            row[1] += added[i].z.y;
+            row[2] += added[i].w.x;
+            row[3] += added[i].w.y;
+        }
+    }
+}
+
+int observe_step(struct run *run, const struct step *step)
+{
+    sample_step(run, step);
+    if (has_room_for_extrema(run)) {
+        if (is_contact(step->motion))
+            find_extremum_of_contact(run, step);
+        else
+            find_extrema_of_step(run, step);
+    }
+    if (run->differences > 0 && step->motion->begins_anew) {
+        struct motion *motion = step->motion;
+        carry(run, &step->reached[motion->mode->size], basis_of(motion, motion->before),
+              basis_of(motion, step->reached));
+        if (run->differences > DIFFERENCES)
+            add_by_parameters(run, step);
+    }
+    return run->extremum_room > 0 && !has_room_for_extrema(run) ? FULL : DONE;
+}

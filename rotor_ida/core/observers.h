@@ -1,0 +1,51 @@
+/* What watches a run and writes down what it was asked for; see observers.c. */
+#ifndef ROTOR_IDA_OBSERVERS_H
+#define ROTOR_IDA_OBSERVERS_H
+
+#include "motion.h"
+
+enum { EVENTS_A_CONTACT = 2, CONTACT_COLUMNS = 6, EXTREMUM_COLUMNS = 7 };
+
+/* A stretch of flight: from where, and for how long. */
+struct flight {
+    struct motion_of_centre start;
+    double span;
+};
+
+/* The part of the last step of a motion that belongs to the run: up to `end`, where its values are
+ * `reached`, and the time since the beginning of the phase is `until`. */
+struct step {
+    struct motion *motion;
+    double end, until;
+    const double *reached;
+};
+
+/* The largest indentation of a contact so far. */
+struct peak {
+    double values[MOST_VALUES];
+    double time;
+};
+
+double time_left(const struct run *run);
+
+/* Begin a run: report a sample at its start. */
+void observe_start(struct run *run);
+/* Watch a flight, and a step in contact or of a flight that is integrated. */
+void observe_flight(struct run *run, const struct flight *flight);
+int observe_step(struct run *run, const struct step *step);
+/* Carry differences over a contact that has been followed as one. */
+void observe_phase(struct run *run, struct motion *motion, const double *start,
+                   const double *reached);
+
+void record_event(struct run *run, enum event kind);
+
+/* Displacement and velocity on the rotating axes of the state of a motion. */
+struct motion_of_centre centre_of(const struct motion *motion, const double *values);
+
+double contact_root_of(const double *values);
+double radial_velocity_of(const double *values);
+double time_of(const double *values);
+double radial_rate_of(const double *values);
+double squared_radius_of(const double *values);
+
+#endif

@@ -1,0 +1,298 @@
+"""One run of the core: what is asked of it, and what came of it, in arrays that NumPy owns."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from ctypes import byref, c_int64, c_void_p
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.core import sundials
+from rotor_ida.core.interface import (
+    CONTACT_COLUMNS,
+    EXTREMUM_COLUMNS,
+    FULL,
+    METHODS,
+    UNDECIDED,
+    RotorStruct,
+    RunStruct,
+    library,
+    pointer,
+)
+
+if TYPE_CHECKING:
+    from rotor_ida.parameters import Rotor
+
+Values = npt.NDArray[np.float64]
+Stop = npt.NDArray[np.uint8]
+
+FIRST_ROOM = 64
+# Rows of a bundle of differences: of the state, and with those that the parameters add.
+DIFFERENCES, WITH_PARAMETERS = 4, 7
+NO_STOP: Stop = np.zeros(1, np.uint8)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Asked:
+    """What is asked of a run.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        The rotor.
+    start : sequence of float
+        ``(x, y, vx, vy)`` at time 0 [1].
+    duration : float
+        Time to follow it for [1].
+    rtol, atol : float
+        Tolerances of one step [1].
+    method : {"taylor", "adams", "bdf"}
+        What leads it in contact, and in flight where that is not exact.
+    exact_flight : bool
+        Whether flight is in closed form.
+    slack : float
+        How far behind the end an event may lie and still be found [1].
+    where : int
+        Whether it begins in contact or in flight; by default its start decides.
+    sample_times : ndarray, shape (n,), optional
+        Times to report, increasing [1].
+    events, extrema : bool
+        Whether events and contacts, and the extrema of the radius, are recorded.
+    bundle : ndarray, shape (4, 4) or (7, 4), optional
+        Differences from the motion, carried along in place; the last three rows become what omega,
+        zeta and delta0 add [1].
+    stop : ndarray of uint8, shape (1,)
+        Anything but 0 asks the run to stop.
+    """
+
+    rotor: Rotor
+    start: npt.ArrayLike
+    duration: float
+    rtol: float
+    atol: float
+    method: str = "taylor"
+    exact_flight: bool = True
+    slack: float = 0.0
+    where: int = UNDECIDED
+    sample_times: Values | None = None
+    events: bool = False
+    extrema: bool = False
+    bundle: Values | None = None
+    stop: Stop | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """What came of a run. Every state is read on the rotating axes of its time [1].
+
+    Parameters
+    ----------
+    status : int
+        0, or why it ended early.
+    time : float
+        When it ended [1].
+    state : tuple of float
+        The state there.
+    where : int
+        Whether it ended in contact or in flight.
+    samples : ndarray, shape (n, 4)
+        States at the sample times, as far as it came.
+    event_times, event_kinds, event_states : ndarray
+        The events.
+    contacts : ndarray, shape (k, 6)
+        Entry, exit and time of the peak, root of the largest indentation, impulse, and angular
+        momentum at the peak, of each contact; NaN where it has none within the run [1].
+    extrema : ndarray, shape (m, 7)
+        Time, radius, kind (-1 or 1) and state of each extremum of the radius.
+    evaluations : int
+        Evaluations of the right-hand side, or orders expanded.
+    """
+
+    status: int
+    time: float
+    state: tuple[float, float, float, float]
+    where: int
+    samples: Values
+    event_times: Values
+    event_kinds: npt.NDArray[np.int8]
+    event_states: Values
+    contacts: Values
+    extrema: Values
+    evaluations: int
+
+
+_NO_TIMES: Values = np.empty(0)
+
+
+class _Tables:
+    """The tables of a run, and the structure that points at them."""
+
+    def __init__(self, asked: Asked, room: int) -> None:
+        self.run = run = _struct_of(asked)
+        times = _NO_TIMES if asked.sample_times is None else asked.sample_times
+        self.sample_times = np.ascontiguousarray(times)  # kept as long as the run
+        self.samples = np.empty((times.size, 4))
+        run.sample_count = times.size
+        run.sample_times = pointer(self.sample_times, np.float64)
+        run.samples = pointer(self.samples, np.float64)
+        self.event_times, self.event_kinds = np.empty(0), np.empty(0, np.int8)
+        self.event_states, self.contacts = np.empty((0, 4)), np.empty((0, CONTACT_COLUMNS))
+        self.extrema = np.empty((2 * room if asked.extrema else 0, EXTREMUM_COLUMNS))
+        run.extremum_room = len(self.extrema)
+        run.extrema = pointer(self.extrema, np.float64)
+        if asked.events:
+            self.widen(room)
+
+    def widen(self, room: int) -> None:
+        """Make room for so many events and half as many contacts."""
+        run = self.run
+        self.event_times = _longer(self.event_times, room)
+        self.event_kinds = _longer(self.event_kinds, room)
+        self.event_states = _longer(self.event_states, room)
+        self.contacts = _longer(self.contacts, room // 2 + 1)
+        run.event_room, run.contact_room = room, len(self.contacts)
+        run.event_times = pointer(self.event_times, np.float64)
+        run.event_kinds = pointer(self.event_kinds, np.int8)
+        run.event_states = pointer(self.event_states, np.float64)
+        run.contacts = pointer(self.contacts, np.float64)
+
+    def seen(self, status: int) -> Seen:
+        """Return what came of the run."""
+        run = self.run
+        x, y, vx, vy = run.state
+        return Seen(
+            status,
+            run.time,
+            (x, y, vx, vy),
+            run.where,
+            self.samples,
+            self.event_times[: run.events],
+            self.event_kinds[: run.events],
+            self.event_states[: run.events],
+            self.contacts[: run.contact_count],
+            self.extrema[: run.extremum_count],
+            run.evaluations,
+        )
+
+
+def follow(asked: Asked) -> Seen:
+    """Follow a run from its start to its end; the status says if it could be followed."""
+    core, room = library(), FIRST_ROOM
+    tables, before = _Tables(asked, room), None if asked.bundle is None else asked.bundle.copy()
+    status = core.core_run(byref(tables.run))
+    while status == FULL:
+        room *= 4
+        if tables.run.extremum_count == tables.run.extremum_room > 0:
+            if asked.bundle is not None and before is not None:
+                asked.bundle[:] = before
+            tables = _Tables(asked, room)
+        else:
+            tables.widen(room)
+        status = core.core_run(byref(tables.run))
+    return tables.seen(status)
+
+
+def stretch(asked: Asked, spans: int) -> tuple[Values, Seen]:
+    """Follow a run over many spans of its duration, its bundle made orthonormal after each.
+
+    Returns
+    -------
+    stretches : ndarray, shape (n, 4)
+        Logarithms of the factors by which each span stretched the four differences, as far as it
+        came.
+    seen : Seen
+        What came of the last span.
+    """
+    run, stretches, done = _struct_of(asked), np.empty((spans, 4)), c_int64(0)
+    written = pointer(stretches, np.float64, writeable=True)
+    status = library().core_stretch(byref(run), spans, written, byref(done))
+    x, y, vx, vy = run.state
+    none = np.empty((0, 4))
+    seen = Seen(
+        status, run.time, (x, y, vx, vy), run.where, none, _NO_TIMES, np.empty(0, np.int8), none,
+        none, none, run.evaluations,
+    )  # fmt: skip
+    return stretches[: done.value], seen
+
+
+def _struct_of(asked: Asked) -> RunStruct:
+    """Return what is asked as the core takes it, with no tables."""
+    x, y, vx, vy = (float(number) for number in np.asarray(asked.start))
+    if not all(map(math.isfinite, (x, y, vx, vy, asked.duration, asked.rtol, asked.atol))):
+        raise ValueError(f"a run must begin with finite numbers, got {asked!r}")
+    run = RunStruct(
+        rotor=RotorStruct.of(asked.rotor),
+        rtol=asked.rtol,
+        atol=asked.atol,
+        duration=asked.duration,
+        slack=asked.slack,
+        method=METHODS[asked.method],
+        exact_flight=asked.exact_flight,
+        stop=pointer(NO_STOP if asked.stop is None else asked.stop, np.uint8),
+        state=(x, y, vx, vy),
+        where=asked.where,
+    )
+    if asked.method != "taylor":
+        run.sundials = ctypes.cast(ctypes.pointer(sundials.functions()), c_void_p)
+    if asked.bundle is not None:
+        if asked.bundle.shape not in {(DIFFERENCES, 4), (WITH_PARAMETERS, 4)}:
+            raise ValueError(f"a bundle must have 4 or 7 rows of 4, got {asked.bundle.shape}")
+        run.differences = len(asked.bundle)
+        run.bundle = pointer(asked.bundle, np.float64, writeable=True)
+    return run
+
+
+def _longer(table: npt.NDArray[np.generic], room: int) -> npt.NDArray:  # type: ignore[type-arg]
+    """Return a table with more room, and what it held."""
+    wide = np.empty((room, *table.shape[1:]), table.dtype)
+    wide[: len(table)] = table
+    return wide
+
+
+def starts_in_contact(rotor: Rotor, state: npt.ArrayLike) -> bool:
+    """Return whether a rotor at a state on the rotating axes begins in contact.
+
+    On the ring the first of radial velocity, acceleration and jerk that is not zero decides.
+    """
+    given = np.ascontiguousarray(state, dtype=np.float64)
+    held = RotorStruct.of(rotor)
+    return bool(library().core_starts_in_contact(byref(held), pointer(given, np.float64)))
+
+
+def fly(rotor: Rotor, states: npt.ArrayLike, spans: npt.ArrayLike) -> Values:
+    """Return the states that follow on some after flights without contact, shape (n, 4) [1].
+
+    They are read on the rotating axes of their times.
+    """
+    times = np.atleast_1d(np.asarray(spans, dtype=np.float64))
+    begun = np.array(np.broadcast_to(np.asarray(states, dtype=np.float64), (times.size, 4)))
+    times, reached = np.ascontiguousarray(times), np.empty((times.size, 4))
+    held = RotorStruct.of(rotor)
+    library().core_fly(
+        byref(held),
+        pointer(begun, np.float64),
+        pointer(times, np.float64),
+        pointer(reached, np.float64, writeable=True),
+        times.size,
+    )
+    return reached
+
+
+def first_touch(rotor: Rotor, state: npt.ArrayLike, limit: float) -> float:
+    """Return the time to the first touch of the ring from a state in flight, or infinity [1]."""
+    given, held = np.ascontiguousarray(state, dtype=np.float64), RotorStruct.of(rotor)
+    stop = pointer(NO_STOP, np.uint8)
+    return float(library().core_first_touch(byref(held), pointer(given, np.float64), limit, stop))
+
+
+def rotate(states: Values, times: Values, omega: float) -> None:
+    """Turn each row of ``(x, y, vx, vy)`` by the angle omega t, in its place."""
+    if states.shape != (times.size, 4):
+        raise ValueError(f"a time must come with each state, got {states.shape} and {times.shape}")
+    given = np.ascontiguousarray(times)
+    into = pointer(states, np.float64, writeable=True)
+    library().core_rotate(into, pointer(given, np.float64), omega, given.size)

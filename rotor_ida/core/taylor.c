@@ -1,0 +1,370 @@
+/* A motion led by Taylor series: one polynomial a step, read anywhere inside it.
+ *
+ * Order and step follow from the tolerance. A step is cut where a guard of the mode would vanish
+ * inside it more than once, so no exit and no extremum is hidden. */
+#include "motion.h"
+
+/* The part of rounding below which a variable that should vanish is noise. */
+static const double NOISE = 1e-13;
+/* A step turns the fastest of the motions that the terms cannot show by no more than this part of
+ * the order: beyond, a series that has died away to rounding would grow again. */
+static const double FARTHEST = 0.25;
+/* The logarithm of a step that nothing limits. */
+static const double UNLIMITED = 100.0;
+/* Terms fall by a factor exp(2) where the order is best; so many are looked at, as some may vanish:
+ * the series of a radial entry has but every fifth. */
+static const double FALL = 2.0, RATIO = 7.38905609893065;
+enum { LOOKED_AT = 6, MOST_CUTS = 60 };
+
+static struct taylor *taylor_of(struct motion *motion) { return (struct taylor *)motion; }
+
+/* The largest of the coefficients n, each in parts of its tolerance. */
+static double worst_of(const struct taylor *taylor, int n, int components)
+{
+    double worst = 0.0;
+    for (int i = 0; i < components; i++) {
+        const double part = fabs(taylor->series.terms[n][i]) * taylor->inverse[i];
+        worst = part > worst || isnan(part) ? part : worst;
+    }
+    return worst;
+}
+
+/* The step at which the last terms of the first components reach their tolerances; NaN where a
+ * term is not finite. Jorba and Zou 2005, section 3.2. */
+static double longest_step(struct taylor *taylor, int components, double rate)
+{
+    const int order = taylor->order;
+    const double last = worst_of(taylor, order, components);
+    const double before = worst_of(taylor, order - 1, components);
+    if (!isfinite(last + before))
+        return NAN;
+    double longest = UNLIMITED;
+    if (last > 0.0)
+        longest = -log(last) / order;
+    if (before > 0.0)
+        longest = fmin(longest, (FALL - log(before)) / (order - 1));
+    double step = exp(longest);
+    if (rate > 0.0)
+        step = fmin(step, FARTHEST * order / rate);
+    /* others in case these vanish */
+    const int first = order - LOOKED_AT + 1;
+    const double growth = RATIO * step;
+    evaluate(taylor->series.terms[first], WIDTH, LOOKED_AT - 3, growth, 1, taylor->sizes);
+    const double scale = pow(growth, first) / pow(RATIO, order + 1);
+    double excess = 0.0;
+    for (int i = 0; i < components; i++)
+        excess = fmax(excess, scale * taylor->sizes[i] * taylor->inverse[i]);
+    if (excess > 1.0) {
+        for (int n = first; n < order - 1; n++) {
+            const double worst = worst_of(taylor, n, components);
+            if (worst > 0.0)
+                step = fmin(step, exp((FALL * (order + 1 - n) - log(worst)) / n));
+        }
+    }
+    return step;
+}
+
+/* Whether a polynomial's own size of terms shows that it is monotonic on (0, step]: where the first
+ * term of its slope outweighs all others. */
+static int is_monotonic(const struct taylor *taylor, int component, double step)
+{
+    double others = 0.0, scale = step;
+    for (int n = 2; n <= taylor->order; n++) {
+        scale *= step;
+        others += n * scale * fabs(taylor->series.terms[n][component]);
+    }
+    return others < step * fabs(taylor->series.terms[1][component]);
+}
+
+/* How often the Bernstein coefficients of a polynomial on (0, step] change sign.
+ *
+ * By Descartes' rule it vanishes at most as often, or fewer times by an even number. None means no
+ * root, one means one. Collins and Akritas, SYMSAC 1976. */
+static int sign_changes(const struct taylor *taylor, int component, double step)
+{
+    const int orders = taylor->order + 1;
+    _Alignas(32) double total[32];
+    for (int v = 0; v < orders; v += 4) {
+        vec4 sum = spread(0.0);
+        double scale = 1.0;
+        for (int n = 0; n < orders; n++) {
+            const vec4 power = spread(taylor->series.terms[n][component] * scale);
+            sum = fma4(power, load(&taylor->basis[n][v]), sum);
+            scale *= step;
+        }
+        store(&total[v], sum);
+    }
+    int changes = 0;
+    double last = 0.0;
+    for (int j = 0; j < orders; j++) {
+        if (total[j] != 0.0) {
+            changes += total[j] * last < 0.0;
+            last = total[j];
+        }
+    }
+    return changes;
+}
+
+/* A step, cut so that a component, of which `size` is the sum of the terms at its end without their
+ * signs, vanishes inside it at most once. */
+static double with_one_root(const struct taylor *taylor, int component, double size, double step)
+{
+    if (size < 2.0 * fabs(taylor->series.terms[0][component])
+        || is_monotonic(taylor, component, step))
+        return step;
+    for (int cut = 0; cut < MOST_CUTS && sign_changes(taylor, component, step) > 1; cut++)
+        step *= 0.5;
+    return step;
+}
+
+/* How far the series of a contact may be followed. */
+static double contact_step(struct taylor *taylor)
+{
+    const struct parameters *model = &taylor->motion.model;
+    const double q = fabs(taylor->series.terms[0][CONTACT_Q]);
+    const double rate = q * (model->omega + 2.0 * model->zeta + sqrt(1.5 * q));
+    double step = longest_step(taylor, CONTACT_S + 1, rate);
+    evaluate(taylor->series.terms[0], WIDTH, taylor->order, step, 1, taylor->sizes);
+    /* on a whirl of constant radius p is rounding, and what a step leaves open */
+    const double noise = fmax(NOISE, taylor->motion.rtol) * q / step;
+    step = with_one_root(taylor, CONTACT_EXIT_GUARD, taylor->sizes[CONTACT_EXIT_GUARD], step);
+    if (taylor->sizes[CONTACT_EXTREMUM_GUARD] > noise)
+        step = with_one_root(taylor, CONTACT_EXTREMUM_GUARD, taylor->sizes[CONTACT_EXTREMUM_GUARD],
+                             step);
+    return step;
+}
+
+/* A radius inside which the force changes the velocity by less than the tolerance.
+ *
+ * The time inside is at most r/speed or sqrt(2 r/push), and the force below r**1.5. */
+static double unfelt(const struct taylor *taylor)
+{
+    const double *state = taylor->motion.values, part = 1e-2 * taylor->motion.rtol;
+    const double square = state[CARTESIAN_VX] * state[CARTESIAN_VX]
+                          + state[CARTESIAN_VY] * state[CARTESIAN_VY];
+    const double omega = taylor->motion.model.omega;
+    return fmax(pow(part * square, 0.4), pow(part * omega * omega, 2.0 / 3.0));
+}
+
+/* How far the series of a rotor without clearance may be followed. */
+static double cartesian_step(struct taylor *taylor, double inner)
+{
+    const double *state = taylor->motion.before;
+    const struct parameters *model = &taylor->motion.model;
+    const double radius = length((struct vector){state[CARTESIAN_X], state[CARTESIAN_Y]});
+    const double speed = length((struct vector){state[CARTESIAN_VX], state[CARTESIAN_VY]});
+    const double rate = model->omega + 2.0 * model->zeta + sqrt(1.5 * sqrt(radius));
+    double step = longest_step(taylor, CARTESIAN_SIZE, rate);
+    if (radius <= inner && inner > 0.0) {
+        const double push = model->omega * model->omega + 2.0 * model->zeta * speed;
+        step = fmin(step, 2.0 * inner / (speed + sqrt(speed * speed + 2.0 * push * inner)));
+    }
+    return step;
+}
+
+/* Write the series of the differences; return the step at which the last two terms of each reach
+ * its tolerance. */
+static double step_of_differences(struct taylor *taylor)
+{
+    struct series *series = &taylor->series;
+    const int order = taylor->order;
+    const struct motion *motion = &taylor->motion;
+    memcpy(series->apart[0], &motion->values[motion->mode->size], sizeof series->apart[0]);
+    motion->mode->expand_differences(&motion->model, series, order);
+    double last = 0.0, before = 0.0;
+    for (int i = 0; i < DIFFERENCES; i++) {
+        double size = 0.0, terms = 0.0, lower = 0.0;
+        for (int j = i; j < APART; j += DIFFERENCES) {
+            size = fmax(size, fmax(fabs(series->apart[0][j]), fabs(series->apart[1][j])));
+            terms = fmax(terms, fabs(series->apart[order][j]));
+            lower = fmax(lower, fabs(series->apart[order - 1][j]));
+        }
+        if (size > 0.0) {
+            last = fmax(last, terms / (motion->rtol * size));
+            before = fmax(before, lower / (motion->rtol * size));
+        }
+    }
+    double step = INFINITY;
+    if (last > 0.0)
+        step = pow(last, -1.0 / order);
+    if (before > 0.0)
+        step = fmin(step, pow(before, -1.0 / (order - 1)));
+    return step;
+}
+
+/* Write the values at a part of the step. */
+static void read(const struct taylor *taylor, double part, double *values)
+{
+    const struct motion *motion = &taylor->motion;
+    double state[WIDTH];
+    evaluate(taylor->series.terms[0], WIDTH, taylor->order, part, 0, state);
+    memcpy(values, state, sizeof(double) * (size_t)motion->mode->size);
+    if (motion->tangents)
+        evaluate(taylor->series.apart[0], APART, taylor->order, part, 0,
+                 &values[motion->mode->size]);
+}
+
+static int restart(struct motion *motion, const double *start, const double *atol)
+{
+    struct taylor *taylor = taylor_of(motion);
+    motion->low = motion->point = 0.0;
+    memcpy(motion->values, start, sizeof(double) * (size_t)values_of(motion));
+    memcpy(motion->before, motion->values, sizeof motion->before);
+    memcpy(taylor->atol, atol, sizeof(double) * (size_t)motion->mode->size);
+    taylor->orders = 0;
+    return DONE;
+}
+
+static void begin_step(struct taylor *taylor)
+{
+    struct motion *motion = &taylor->motion;
+    const int size = motion->mode->size;
+    motion->low = motion->point;
+    taylor->orders += taylor->order;
+    if (motion->tangents) {
+        for (int j = 0; j < APART; j++)
+            motion->values[size + j] = j % (DIFFERENCES + 1) == 0 ? 1.0 : 0.0;
+    }
+    memcpy(motion->before, motion->values, sizeof motion->before);
+    for (int i = 0; i < size; i++) {
+        taylor->series.terms[0][i] = motion->values[i];
+        taylor->inverse[i] = 1.0 / (motion->rtol * fabs(motion->values[i]) + taylor->atol[i]);
+    }
+}
+
+static int advance(struct motion *motion)
+{
+    struct taylor *taylor = taylor_of(motion);
+    const struct mode *mode = motion->mode;
+    begin_step(taylor);
+    double inner = 0.0;
+    if (mode == &cartesian_mode) {
+        inner = unfelt(taylor);
+        const struct vector here = {motion->values[CARTESIAN_X], motion->values[CARTESIAN_Y]};
+        motion->model.felt = length(here) > inner ? 1.0 : 0.0;
+    }
+    if (motion->tangents)
+        mode->expand_with_factors(&motion->model, &taylor->series, taylor->order);
+    else
+        mode->expand(&motion->model, &taylor->series, taylor->order);
+    double step = mode == &contact_mode ? contact_step(taylor) : cartesian_step(taylor, inner);
+    if (motion->tangents)
+        step = fmin(step, step_of_differences(taylor));
+    if (isnan(step))
+        return NOT_FINITE;
+    motion->point = motion->low + step;
+    if (motion->point <= motion->low)
+        return STUCK;
+    read(taylor, motion->point - motion->low, motion->values);
+    return DONE;
+}
+
+static const double *glance_at(struct motion *motion, double point)
+{
+    struct taylor *taylor = taylor_of(motion);
+    read(taylor, point - motion->low, taylor->reading);
+    return taylor->reading;
+}
+
+static const double *at(struct motion *motion, double point)
+{
+    if (point >= motion->point)
+        return motion->values;
+    return point <= motion->low ? motion->before : glance_at(motion, point);
+}
+
+static int64_t evaluations(struct motion *motion) { return taylor_of(motion)->orders; }
+
+/* The order at which a given accuracy takes the least work: 1 - ln(eps)/2 [Jorba and Zou 2005]. */
+static int order_for(double rtol)
+{
+    const int order = (int)ceil(1.0 - 0.5 * log(rtol));
+    return order < LOWEST_ORDER ? LOWEST_ORDER : order > HIGHEST_ORDER ? HIGHEST_ORDER : order;
+}
+
+void open_taylor(struct taylor *taylor, const struct mode *mode, struct parameters model,
+                 double rtol, int tangents)
+{
+    memset(taylor, 0, sizeof *taylor);
+    const int order = taylor->order = order_for(rtol);
+    taylor->motion = (struct motion){.mode = mode,
+                                     .model = model,
+                                     .rtol = rtol,
+                                     .tangents = tangents,
+                                     .begins_anew = 1,
+                                     .restart = restart,
+                                     .advance = advance,
+                                     .at = at,
+                                     .glance_at = glance_at,
+                                     .evaluations = evaluations};
+    /* power k adds binomial(j, k)/binomial(order, k) to coefficient j */
+    for (int j = 0; j <= order; j++) {
+        double share = 1.0;
+        for (int k = 0; k <= j; k++) {
+            taylor->basis[k][j] = share;
+            share *= (double)(j - k) / (order > k ? order - k : 1);
+        }
+    }
+}
+
+/* The step of the secant or of inverse quadratic interpolation, as p/q with p > 0. */
+static void interpolated(const double x[3], const double f[3], double *p, double *q)
+{
+    const double a = x[0], b = x[1], c = x[2], s = f[1] / f[0];
+    if (a == c) {
+        *p = (c - b) * s;
+        *q = 1.0 - s;
+    } else {
+        const double t = f[0] / f[2], r = f[1] / f[2];
+        *p = s * ((c - b) * t * (t - r) - (b - a) * (r - 1.0));
+        *q = (t - 1.0) * (r - 1.0) * (s - 1.0);
+    }
+    if (*p > 0.0)
+        *q = -*q;
+    else
+        *p = -*p;
+}
+
+double root_in_step(struct motion *motion, double (*function)(const double *values), double level,
+                    double low, double high)
+{
+    double a = low, b = high;
+    double fa = function(motion->at(motion, a)) - level;
+    double fb = function(motion->at(motion, b)) - level;
+    if (fa == 0.0)
+        return a;
+    if (fa * fb > 0.0 || isnan(fa) || isnan(fb))
+        return NAN;
+    double c = a, fc = fa, step = b - a, last = step;
+    for (int i = 0; i < 200; i++) {
+        if (fb * fc > 0.0) {
+            c = a;
+            fc = fa;
+            step = last = b - a;
+        }
+        if (fabs(fc) < fabs(fb)) {
+            a = b;
+            b = c;
+            c = a;
+            fa = fb;
+            fb = fc;
+            fc = fa;
+        }
+        const double tolerance = 2.0 * ROUNDING * fabs(b), half = 0.5 * (c - b);
+        if (fabs(half) <= tolerance || fb == 0.0)
+            break;
+        double p = 0.0, q = 0.0;
+        int taken = 0;
+        if (fabs(last) >= tolerance && fabs(fa) > fabs(fb)) {
+            interpolated((double[]){a, b, c}, (double[]){fa, fb, fc}, &p, &q);
+            taken = 2.0 * p < fmin(3.0 * half * q - fabs(tolerance * q), fabs(last * q));
+        }
+        last = taken ? step : half;
+        step = taken ? p / q : half;
+        a = b;
+        fa = fb;
+        b += fabs(step) > tolerance ? step : copysign(tolerance, half);
+        fb = function(motion->at(motion, b)) - level;
+    }
+    return b;
+}

@@ -1,0 +1,163 @@
+"""What follows from a mode of the model, as symbols: from these the compiled core is written.
+
+A mode is run over symbols once as it stands, and over dual numbers for the derivatives: by each
+component of its state, by the distance of a neighbour, and by the parameters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+from rotor_ida.equations.modes import Mode, turned_rates
+from rotor_ida.equations.symbols import Dual, Graph, Symbol, named_as_in, split, variables
+
+# As `rotor_ida.parameters.Rotor` has them; and whether the force without clearance is felt.
+PARAMETERS = ("omega", "zeta", "delta0", "felt")
+
+Matrix = list[list[Symbol]]
+
+
+@dataclass(frozen=True, slots=True)
+class Derived:
+    """What follows from one mode.
+
+    Parameters
+    ----------
+    mode : Mode
+        The mode.
+    rates : list of Symbol
+        The rate of change of each component of the state.
+    jacobian : list of list of Symbol
+        Their derivatives by each component.
+    growth : list of list of Symbol
+        The matrix by which a small difference grows, by the variable of integration.
+    by_parameters : list of list of Symbol
+        What omega, zeta and delta0 add to the rates by time of position and velocity.
+    pace : Symbol
+        Time by the variable of integration.
+    """
+
+    mode: Mode
+    rates: list[Symbol]
+    jacobian: Matrix
+    growth: Matrix
+    by_parameters: Matrix
+    pace: Symbol
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where a factor stands in the growth of a difference: row, column, number and sign."""
+
+    row: int
+    column: int
+    factor: int
+    negative: bool
+
+
+def derive(mode: Mode) -> Derived:
+    """Run a mode over symbols."""
+    graph = Graph()
+    rotor = SimpleNamespace(**{name: graph.parameter(name) for name in PARAMETERS})
+    state = [graph.state(name) for name in mode.state]
+    pace = graph.of(mode.pace(state))
+    with named_as_in(str(Path(__file__).with_name("modes"))):
+        rates = [graph.of(rate) for rate in mode.rates(state, rotor)]
+        growth = _growth(graph, mode, state, rotor)
+    slopes = mode.rates(variables(state), rotor)
+    return Derived(
+        mode,
+        rates,
+        [_parts(graph, rate, len(state)) for rate in slopes],
+        [[pace * entry for entry in row] for row in growth],
+        _by_parameters(graph, mode, state, rotor),
+        pace,
+    )
+
+
+def _growth(graph: Graph, mode: Mode, state: list[Symbol], rotor: Any) -> Matrix:
+    """Return the derivatives of the rates by time of a neighbour by its distance."""
+    apart = variables([graph.of(0.0)] * 4)
+    near = mode.neighbour(state, apart, apart[0], rotor)
+    rates = turned_rates(near.position, near.velocity, near.acceleration, near.turning)
+    return [_parts(graph, rate, 4) for rate in rates]
+
+
+def _by_parameters(graph: Graph, mode: Mode, state: list[Symbol], rotor: Any) -> Matrix:
+    """Return the derivatives of the rates on the rotating axes: a row for each parameter."""
+    omega, zeta = variables([rotor.omega, rotor.zeta], others=1)
+    # where the rotor is, more clearance is as much less indentation
+    deeper = Dual(graph.of(0.0), (0.0, 0.0, -1.0))
+    changed = SimpleNamespace(omega=omega, zeta=zeta, delta0=rotor.delta0, felt=rotor.felt)
+    here = mode.neighbour(state, [graph.of(0.0)] * 4, deeper, changed)
+    rates = turned_rates(here.position, here.velocity, here.acceleration, omega)
+    columns = [_parts(graph, rate, 3) for rate in rates]
+    return [[column[row] for column in columns] for row in range(3)]
+
+
+def _parts(graph: Graph, value: Any, count: int) -> list[Symbol]:
+    """Return the derivatives that a value carries; those of what carries none are 0."""
+    parts = value.parts if isinstance(value, Dual) else (0.0,) * count
+    return [graph.of(part) for part in parts]
+
+
+def needed(outputs: Iterable[Symbol]) -> list[Symbol]:
+    """Return all that outputs are made of, each after its operands."""
+    found: dict[int, Symbol] = {}
+
+    def visit(node: Symbol) -> None:
+        if node.number not in found:
+            for operand in operands(node):
+                visit(operand)
+            found[node.number] = node
+
+    for output in outputs:
+        visit(output)
+    return list(found.values())
+
+
+def operands(node: Symbol) -> list[Symbol]:
+    """Return the symbols that an operation takes."""
+    return [each for each in node.arguments if isinstance(each, Symbol)]
+
+
+def needs_convolution(node: Symbol) -> bool:
+    """Return whether it takes a sum over the coefficients of its operands to have its own."""
+    if not node.changes or node.kind not in {"*", "/", "**"}:
+        return False
+    return node.kind != "*" or bool(node.arguments[0].changes)
+
+
+def lanes_of(node: Symbol) -> int:
+    """Return how many convolutions it takes."""
+    return 2 if node.kind == "**" else 1
+
+
+def factors_of(derived: Derived) -> tuple[list[Symbol], list[Place]]:
+    """Return the series that multiply differences, and where each stands.
+
+    The pace comes first, unless it is constant; it multiplies all that `is_steady`.
+    """
+    factors = [derived.pace] if derived.pace.changes else []
+    places: list[Place] = []
+    for row, entries in enumerate(derived.growth):
+        for column, entry in enumerate(entries):
+            if is_steady(entry, derived.pace):
+                continue
+            negative = -entry in factors
+            if not negative and entry not in factors:
+                factors.append(entry)
+            factor = factors.index(-entry if negative else entry)
+            places.append(Place(row, column, factor, negative))
+    return factors, places
+
+
+def is_steady(entry: Symbol, pace: Symbol) -> bool:
+    """Return whether an entry of the growth is a constant times the pace."""
+    if not pace.changes:
+        return not entry.changes
+    return entry.is_number(0.0) or split(entry)[1] is pace

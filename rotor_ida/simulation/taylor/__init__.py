@@ -1,1 +1,0 @@
-"""Taylor series: the third method, and what needs the motion as a polynomial."""

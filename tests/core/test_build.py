@@ -1,0 +1,97 @@
+"""The core is compiled without a warning, and what goes wrong there is said in a sentence."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from runpy import run_path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+ANY = next(filter(shutil.which, ("cc", "gcc", "clang")), "")
+needs_compiler = pytest.mark.skipif(not ANY, reason="no C compiler is installed")
+
+
+@pytest.fixture(scope="module")
+def hatch_build() -> dict[str, Any]:
+    return run_path(str(ROOT / "hatch_build.py"))
+
+
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+def test_no_source_gives_rise_to_a_warning(
+    hatch_build: dict[str, Any], tmp_path: Path, compiler: str
+) -> None:
+    if shutil.which(compiler) is None:
+        pytest.skip(f"{compiler} is not installed")
+    made = hatch_build["build"]([compiler], out=tmp_path, warnings=True)
+    assert sorted(tmp_path.iterdir()) == sorted(made)
+    assert len(made) == len(hatch_build["levels"]())
+
+
+@needs_compiler
+def test_what_is_up_to_date_is_kept(tmp_path: Path) -> None:
+    def made(*words: str) -> list[str]:
+        # a process of its own each time, as the system keeps what is loaded
+        command = [sys.executable, ROOT / "hatch_build.py", "--out", tmp_path, *words]
+        return subprocess.run(command, capture_output=True, check=True, text=True).stdout.split()
+
+    first, *rest = made("--compiler", ANY)
+    assert made("--compiler", ANY)[:3] == ["nothing", "to", "compile:"]
+    Path(first).write_bytes(b"of another platform")
+    assert made("--compiler", ANY) == [first]
+    assert made("--compiler", ANY, "--warnings") == [first, *rest]
+
+
+@pytest.mark.parametrize(
+    ("compiler", "message"),
+    [
+        ("no-such-compiler --fast", "CC must name a C compiler, and 'no-such-compiler' cannot be"),
+        ("false", "cannot be compiled by false"),
+    ],
+)
+def test_a_compiler_that_is_none_is_refused(
+    hatch_build: dict[str, Any],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    compiler: str,
+    message: str,
+) -> None:
+    monkeypatch.setenv("CC", compiler)
+    with pytest.raises(hatch_build["BuildError"], match=message):
+        hatch_build["build"](hatch_build["find_compiler"](), out=tmp_path)
+
+
+@needs_compiler
+def test_what_the_compiler_complains_of_is_shown(
+    hatch_build: dict[str, Any], tmp_path: Path
+) -> None:
+    with pytest.raises(
+        hatch_build["BuildError"], match=r"(?s)compiled by .* -no-such-flag:.*error"
+    ):
+        hatch_build["build"]([ANY, "-no-such-flag"], out=tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("asked", "least"), [(b"", 17), (b"GLIBC_2.2.5 GLIBC_2.14", 17), (b"GLIBC_2.29", 31)]
+)
+def test_the_wheel_is_for_all_systems_whose_libc_is_new_enough(
+    hatch_build: dict[str, Any], tmp_path: Path, asked: bytes, least: int
+) -> None:
+    if hatch_build["platform"].libc_ver()[0] != "glibc":
+        pytest.skip("there is no glibc")
+    (tmp_path / "library").write_bytes(asked + b" GLIBC_2.4")
+    tag = hatch_build["platform_tag"]([tmp_path / "library"])
+    assert tag.startswith(f"manylinux_2_{least}_")
+
+
+def test_no_compiler_may_regroup_or_contract(hatch_build: dict[str, Any]) -> None:
+    for compiler in (["gcc"], ["python", "-m", "ziglang", "cc"]):
+        for level in hatch_build["levels"]():
+            flags = hatch_build["flags"](compiler, level)
+            assert "-ffp-contract=off" in flags
+            assert not {"-ffast-math", "-fassociative-math", "-march=native"} & {*flags}
