@@ -43,6 +43,7 @@ BASE, WHOLE = "compiled, bare run", "compiled, `simulate`"
 PYTHON, PYTHON_WHOLE = "python, bare run", "python, `simulate`"
 TAYLOR, TAYLOR_WHOLE = "Taylor, bare run", "Taylor, `simulate`"
 IN_C, DOP853 = "C, same libraries", "SciPy DOP853"
+SHORT = Case("bouncing, shorter", 2.0, 0.07, 2.0, revolutions=32.0, samples=1001)
 # Event times of the C program may differ by this, or by the error that they have anyway.
 SAME_EVENT = 1e-9
 
@@ -145,15 +146,28 @@ def against_c(case, program):
 
 
 def labels(rounds):
-    """Print what it takes to label an orbit."""
-    print("\n| to label | samples | events | ms |\n|---|---|---|---|")
-    for case in (ways.FULL_CONTACT, ways.BOUNCING):
-        options = Options(rtol=RTOL, atol=ATOL * RTOL)
+    """Print what `simulate` takes beyond its bare run by Taylor series: errors and labels."""
+    print(
+        "\n| by Taylor series | samples | events | bare run, ms | `simulate`, ms | to label, ms "
+        "| times bare |\n|---|---|---|---|---|---|---|"
+    )
+    for case in (ways.FULL_CONTACT, ways.BOUNCING, SHORT):
+        options = Options(rtol=RTOL, atol=ATOL * RTOL, method="taylor")
         orbit = run(case.rotor, case.start, case.duration, case.times, options)
         known = estimate_event_errors(orbit, case.start)
-        clock = clocked(partial(run_dataset, orbit, case.start, known))
-        spent = in_turn({"labels": clock}, rounds)["labels"].median
-        print(f"| {case.name} | {case.samples:,} | {orbit.event_times.size} | {1e3 * spent:.2f} |")
+        clocks = {
+            "bare": clocked(ways.taylor(case, RTOL)),
+            "whole": clocked(whole(case, method="taylor")),
+            "labels": clocked(partial(run_dataset, orbit, case.start, known)),
+        }
+        clocks["whole"](1)  # the first call imports
+        times = in_turn(clocks, rounds)
+        bare, together, labelling = (f"{1e3 * times[name].median:.2f}" for name in clocks)
+        print(
+            f"| {case.name} | {case.samples:,} | {orbit.event_times.size} | {bare} | {together} "
+            f"| {labelling} | {ratio(times['whole'], times['bare'])[1]:.2f} |",
+            flush=True,
+        )
 
 
 FIRST = (

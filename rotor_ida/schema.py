@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
+from xarray.indexes import Index, PandasIndex
 
 CONVENTIONS = "CF-1.11"
 
@@ -342,7 +343,8 @@ def labelled(name: str, dims: Hashable | Sequence[Hashable], values: npt.ArrayLi
     >>> labelled("omega", "omega", [1.7]).attrs["units"]
     '1'
     """
-    return xr.Variable(dims, np.asarray(values), QUANTITIES[name].attributes())
+    # an array needs no second look: hence the fast path
+    return xr.Variable(dims, np.asarray(values), QUANTITIES[name].attributes(), fastpath=True)
 
 
 def labelled_dataset(
@@ -358,18 +360,34 @@ def labelled_dataset(
 
     Examples
     --------
-    >>> labelled_dataset("a whirl", {"amplitude": ((), 2.0)}, {"omega": ((), 1.7)}).attrs
-    {'Conventions': 'CF-1.11', 'title': 'a whirl'}
+    >>> whirls = labelled_dataset(
+    ...     "whirls", {"amplitude": ("omega", [2.0, 3.0])}, {"omega": ("omega", [1.7, 1.8])}
+    ... )
+    >>> whirls.attrs
+    {'Conventions': 'CF-1.11', 'title': 'whirls'}
+    >>> whirls.sel(omega=1.8).amplitude.item()
+    3.0
+    >>> whirls.identical(xr.Dataset(whirls.data_vars, whirls.coords, whirls.attrs))
+    True
     """
-    data, coords = (
-        {
-            name: column if isinstance(column, xr.Variable) else labelled(name, *column)
-            for name, column in columns.items()
-        }
-        for columns in (variables, coordinates)
-    )
-    return xr.Dataset(
-        data, coords, {"Conventions": CONVENTIONS, "title": title, **(attributes or {})}
+    held: dict[Hashable, xr.Variable] = {
+        name: column.to_base_variable()
+        if isinstance(column, xr.Variable)
+        else labelled(name, *column)
+        for name, column in (*variables.items(), *coordinates.items())
+    }
+    indexes: dict[Hashable, Index] = {}
+    for name, variable in tuple(held.items()):
+        if variable.dims == (name,):
+            indexes[name] = index = PandasIndex(variable.values, name, variable.dtype)
+            held.update(index.create_variables({name: variable}))
+    # The public constructor compares, aligns and copies what is known to fit: 0.3 ms, as long as
+    # simulating a hundred contacts takes. This one, which xarray uses itself, does without.
+    return xr.Dataset._construct_direct(
+        held,
+        {*coordinates, *indexes},
+        attrs={"Conventions": CONVENTIONS, "title": title, **(attributes or {})},
+        indexes=indexes,
     )
 
 

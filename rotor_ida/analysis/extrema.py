@@ -1,4 +1,4 @@
-"""Local maxima and minima of the distance from the bearing axis, found by the core as roots of r'."""
+"""Local maxima and minima of the distance from the bearing axis, found by the core."""
 
 from __future__ import annotations
 

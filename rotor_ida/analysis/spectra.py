@@ -8,7 +8,6 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
-from scipy.signal import get_window
 
 from rotor_ida.checks import check_choice
 from rotor_ida.errors import InputError
@@ -106,6 +105,8 @@ def lines_of(z: npt.NDArray[np.complex128], step: float, window: Window) -> tupl
     window : {"flattop", "hann", "boxcar"}
         Weights, as for `spectrum`.
     """
+    from scipy.signal import get_window  # noqa: PLC0415 - takes 0.3 s, and few who import this ask
+
     weights = get_window(window, z.size, fftbins=True)
     height = np.abs(np.fft.fftshift(np.fft.fft(weights * z))) / weights.sum()
     return 2.0 * math.pi * np.fft.fftshift(np.fft.fftfreq(z.size, step)), height

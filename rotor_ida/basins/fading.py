@@ -18,11 +18,11 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.closed_forms import touch_fading
+from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.options import Options
-from rotor_ida.simulation.reference.flight import unbalance_whirl
 from rotor_ida.simulation.run import run
 
 Values = npt.NDArray[np.float64]
@@ -64,7 +64,7 @@ def fading_excess(rotor: Rotor, stop: Stop) -> float:
         return math.nan
     if DRIFT_ENDS / rotor.zeta > LONGEST:
         return 0.0
-    room = rotor.delta0 - abs(unbalance_whirl(rotor.omega, rotor.zeta))
+    room = rotor.delta0 - abs(complex(complex_amplitude(rotor.omega, rotor.zeta)))
     excess = min(LARGEST / growth, OF_THE_ROOM * room)
     for _ in range(HALVINGS):
         states = _states(rotor, room, excess)
@@ -76,7 +76,7 @@ def fading_excess(rotor: Rotor, stop: Stop) -> float:
 
 def _states(rotor: Rotor, room: float, excess: float) -> list[Values]:
     """Return states out of contact whose whirl comes to rest too far out, by up to `excess`."""
-    whirl = unbalance_whirl(rotor.omega, rotor.zeta)
+    whirl = complex(complex_amplitude(rotor.omega, rotor.zeta))
     random = np.random.default_rng(0)
     states: list[Values] = []
     for _ in range(MOST_TRIES):

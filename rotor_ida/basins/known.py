@@ -12,10 +12,10 @@ from rotor_ida.basins.cycle_sections import CycleSection, cycle_section
 from rotor_ida.basins.fading import fading_excess
 from rotor_ida.basins.kernel import REGION, SECTION
 from rotor_ida.basins.trapping_regions import TrappingRegion, trapping_regions
+from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.parallel import Stop
 from rotor_ida.parameters import Rotor
-from rotor_ida.simulation.reference.flight import unbalance_whirl
 
 Values = npt.NDArray[np.float64]
 
@@ -101,7 +101,7 @@ def known_from_closed_forms(rotor: Rotor, stop: Stop, *, fading: bool = True) ->
         near = TrappingRegion(0.0, 0.0, np.zeros(4), 1e4 * np.eye(4))
         return Known(rotor, [near], _NO_FREE)
     whirls = trapping_regions(rotor) if rotor.omega > 0.0 else []
-    whirl = unbalance_whirl(rotor.omega, rotor.zeta)
+    whirl = complex(complex_amplitude(rotor.omega, rotor.zeta))
     room = rotor.delta0 - abs(whirl)
     if not room > 0.0:
         return Known(rotor, whirls, _NO_FREE)

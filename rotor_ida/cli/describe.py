@@ -12,7 +12,6 @@ import xarray as xr
 from rich.console import RenderableType
 
 from rotor_ida.analysis.branch_course import parameters_of, stable_ranges
-from rotor_ida.analysis.comparison import summarise
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.cli.report import pairs, table
 from rotor_ida.parameters import PARAMETERS
@@ -321,6 +320,8 @@ def _with_unit(dataset: xr.Dataset, name: str) -> str:
 
 
 def _comparison(dataset: xr.Dataset, most: int | None) -> Description:
+    from rotor_ida.analysis.comparison import summarise  # noqa: PLC0415 - only this kind needs it
+
     names = [name for name in MATCH if name in dataset.variables]
     summary, points = summarise(dataset), rows_of(dataset, names)
     record: Record = {

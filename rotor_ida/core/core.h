@@ -71,7 +71,7 @@ struct run {
     struct rotor rotor;
     double rtol, atol;      /* of one step */
     double duration, slack; /* time to simulate, and how far behind it an event may lie */
-    int32_t method;         /* of contacts, and of flight where it is not exact */
+    int32_t method;         /* of contacts; and of flight, where that is not exact, if CVODE's */
     int32_t exact_flight;
     const uint8_t *stop;             /* anything but 0 asks the run to stop */
     const struct sundials *sundials; /* NULL where Taylor series alone are wanted */

@@ -101,14 +101,14 @@ static void regularise(struct motion_of_centre start, double root, double *value
 static void push_off(struct motion_of_centre start, double left, const struct rotor *rotor,
                      double *values)
 {
-    const double acceleration = fmax(radial_acceleration(start, rotor), 0.0);
-    const double jerk = acceleration == 0.0 ? fmax(radial_jerk(start, rotor), 0.0) : 0.0;
+    const double acceleration = larger(radial_acceleration(start, rotor), 0.0);
+    const double jerk = acceleration == 0.0 ? larger(radial_jerk(start, rotor), 0.0) : 0.0;
     const double depth = FIRST_DEPTH * rotor->delta0;
     double moment = 0.0;
     if (acceleration > 0.0)
-        moment = fmin(sqrt(2.0 * depth / acceleration), 1e-3 * left);
+        moment = smaller(sqrt(2.0 * depth / acceleration), 1e-3 * left);
     else if (jerk > 0.0)
-        moment = fmin(cbrt(6.0 * depth / jerk), 1e-3 * left);
+        moment = smaller(cbrt(6.0 * depth / jerk), 1e-3 * left);
     const double indentation = (acceleration / 2.0 + jerk * moment / 6.0) * moment * moment;
     regularise(fly(start, moment, rotor), sqrt(indentation), values);
     values[CONTACT_P] = (acceleration + jerk * moment / 2.0) * moment;
@@ -132,13 +132,13 @@ static void contact_start(struct motion_of_centre start, double left, const stru
  * exit, where q is 0, that are lost in its course. */
 static void contact_tolerances(const double *start, double rtol, double absolute, double *atol)
 {
-    const double q = start[CONTACT_Q], p = start[CONTACT_P], fastest = fmax(q, fabs(p));
+    const double q = start[CONTACT_Q], p = start[CONTACT_P], fastest = larger(q, fabs(p));
     /* a contact cannot end sooner than by a straight way out */
     const double least = p < 0.0 && 0.0 < q ? q * q / -p : fastest;
     for (int i = 0; i < CONTACT_SIZE; i++)
         atol[i] = absolute;
-    atol[CONTACT_Q] = atol[CONTACT_P] = fmax(rtol * fastest, BELOW_ROUNDING);
-    atol[CONTACT_T] = atol[CONTACT_J] = fmax(rtol * least, TIGHTEST_ATOL);
+    atol[CONTACT_Q] = atol[CONTACT_P] = larger(rtol * fastest, BELOW_ROUNDING);
+    atol[CONTACT_T] = atol[CONTACT_J] = larger(rtol * least, TIGHTEST_ATOL);
 }
 
 /* Add the unit matrix as differences behind the state of a motion, with their tolerances. */
@@ -163,24 +163,19 @@ static double inside(struct motion *motion)
     return point;
 }
 
-static void copy(const struct motion *motion, const double *values, double *into)
-{
-    memcpy(into, values, sizeof(double) * (size_t)values_of(motion));
-}
-
 /* Write where the motion stands after a step into `reached`; return the point, NaN where it cannot
  * be found. That is at the end of the step, at an exit, or at the end of the run. */
 static double end_of_step(const struct run *run, struct motion *motion, double *reached, int *left)
 {
     double end = motion->point;
     *left = 0;
-    copy(motion, motion->values, reached);
+    copy_values(motion, motion->values, reached);
     if (reached[CONTACT_Q] <= 0.0) {
         end = root_in_step(motion, contact_root_of, 0.0, inside(motion), end);
         if (isnan(end))
             return NAN;
         *left = 1;
-        copy(motion, motion->at(motion, end), reached);
+        copy_values(motion, motion->at(motion, end), reached);
         reached[CONTACT_Q] = 0.0;
     }
     const double duration = time_left(run);
@@ -189,10 +184,10 @@ static double end_of_step(const struct run *run, struct motion *motion, double *
         if (isnan(end))
             return NAN;
         *left = 0;
-        copy(motion, motion->at(motion, end), reached);
+        copy_values(motion, motion->at(motion, end), reached);
         reached[CONTACT_T] = duration;
     } else if (*left) {
-        reached[CONTACT_T] = fmax(reached[CONTACT_T], motion->before[CONTACT_T]);
+        reached[CONTACT_T] = larger(reached[CONTACT_T], motion->before[CONTACT_T]);
     }
     return end;
 }
@@ -224,7 +219,7 @@ static int integrate_contact(struct run *run, struct motion *motion, const doubl
             return status;
         const double end = end_of_step(run, motion, reached, left);
         if (isnan(end)) {
-            copy(motion, motion->before, reached);
+            copy_values(motion, motion->before, reached);
             return NO_ROOT;
         }
         raise_peak_of_contact(peak, motion, end, reached);
@@ -268,13 +263,13 @@ static int follow_contact(struct run *run, struct motion *motion, double entry)
         add_contact(run, entry, NAN, began, 0.0, NAN, cross(here.z, here.w));
         return DONE;
     }
-    double start[MOST_VALUES], atol[MOST_VALUES], reached[MOST_VALUES];
+    double start[MOST_VALUES] = {0.0}, atol[MOST_VALUES] = {0.0}, reached[MOST_VALUES];
     contact_start(here, left, &run->rotor, start);
     contact_tolerances(start, run->rtol, run->atol, atol);
     begin_differences(motion, start, atol);
     if (run->differences > 0 && start[CONTACT_T] > 0.0)
         fly_differences(run->bundle, run->differences, start[CONTACT_T], &run->rotor);
-    copy(motion, start, reached);
+    copy_values(motion, start, reached);
     struct peak peak;
     memcpy(peak.values, start, sizeof peak.values);
     int leaves = 0, status = motion->restart(motion, start, atol);
@@ -290,7 +285,7 @@ static int follow_contact(struct run *run, struct motion *motion, double entry)
             record_event(run, EXIT);
     }
     add_contact(run, entry, leaves ? run->time : NAN,
-                fmin(began + peak.values[CONTACT_T], run->time), peak.values[CONTACT_Q],
+                smaller(began + peak.values[CONTACT_T], run->time), peak.values[CONTACT_Q],
                 reached[CONTACT_J], peak.values[CONTACT_H]);
     return DONE;
 }
@@ -319,7 +314,7 @@ static double touch_in_step(struct motion *motion, double delta0)
         return INFINITY;
     if (radius_of(motion->at(motion, low)) >= delta0) {
         const int leaves = radial_rate_of(motion->at(motion, high)) > 0.0;
-        return leaves ? fmax(turn, 0.5 * (low + high)) : INFINITY;
+        return leaves ? larger(turn, 0.5 * (low + high)) : INFINITY;
     }
     return root_in_step(motion, radius_of, delta0, low, high);
 }
@@ -368,9 +363,9 @@ static int follow_freely(struct run *run, struct motion *motion, struct peak *pe
             break;
         }
         *touched = touch <= duration + run->slack;
-        end = *touched ? touch : fmin(motion->point, duration);
+        end = *touched ? touch : smaller(motion->point, duration);
         raise_peak(peak, motion, end);
-        copy(motion, motion->at(motion, end), reached);
+        copy_values(motion, motion->at(motion, end), reached);
         const struct step step = {motion, end, end, reached};
         status = observe_step(run, &step);
         over = *touched || end >= duration;
@@ -456,8 +451,9 @@ static int follow_events(struct run *run, const struct motions *motions)
         if (run->where == IN_FLIGHT) {
             int touched = 0;
             struct peak farthest;
-            status = run->exact_flight ? fly_exactly(run, &touched)
-                                       : follow_freely(run, motions->free, &farthest, &touched);
+            const int exact = run->exact_flight || run->method == TAYLOR;
+            status = exact ? fly_exactly(run, &touched)
+                           : follow_freely(run, motions->free, &farthest, &touched);
             if (status != DONE || !touched)
                 continue;
             enter(run);
@@ -474,11 +470,11 @@ static int with_motions(struct run *run, int (*act)(struct run *, const struct m
 {
     const int tangents = run->differences > 0;
     struct parameters model = {run->rotor.omega, run->rotor.zeta, run->rotor.delta0, 0.0};
-    if (run->method == TAYLOR) {
-        struct taylor contact, free;
-        open_taylor(&contact, &contact_mode, model, run->rtol, tangents);
-        open_taylor(&free, &cartesian_mode, model, run->rtol, tangents);
-        const struct motions motions = {&contact.motion, &free.motion};
+    if (run->method == TAYLOR) { /* flight is exact, so one of the two is enough */
+        struct taylor taylor;
+        const struct mode *mode = model.delta0 > 0.0 ? &contact_mode : &cartesian_mode;
+        open_taylor(&taylor, mode, model, run->rtol, tangents);
+        const struct motions motions = {&taylor.motion, &taylor.motion};
         return act(run, &motions, more);
     }
     struct cvode contact, free;

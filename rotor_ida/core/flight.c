@@ -179,7 +179,7 @@ static double safe_step(struct gap g, double jerk, double reach)
             low = middle;
         } else {
             high = middle;
-            low = fmax(low, allowed);
+            low = larger(low, allowed);
         }
     }
     return low;
@@ -246,16 +246,16 @@ double first_touch(struct motion_of_centre start, const struct rotor *rotor, dou
             if (g.slope > 0.0 && g.bend > 0.0)
                 return tau;
             /* a touch that rounding cannot tell from a miss: pass over its summit */
-            step = 2.0 * sqrt(2.0 * floor / fmax(fabs(g.bend), floor)) + ROUNDING * tau;
+            step = 2.0 * sqrt(2.0 * floor / larger(fabs(g.bend), floor)) + ROUNDING * tau;
         } else {
             /* the centre drifts along a straight line, so it is farthest out at an end */
-            const double centre = fmax(centre_at(&flight, tau), last_centre);
+            const double centre = larger(centre_at(&flight, tau), last_centre);
             if ((centre + radius - delta0) * 2.0 * delta0 <= 0.5 * floor)
                 return NEVER;
             g.value -= floor;
-            step = safe_step(g, jerk_bound(&flight, tau), fmin(4.0 * step, limit - tau));
+            step = safe_step(g, jerk_bound(&flight, tau), smaller(4.0 * step, limit - tau));
         }
-        tau += fmax(step, ROUNDING * tau);
+        tau += larger(step, ROUNDING * tau);
     }
     return NEVER;
 }

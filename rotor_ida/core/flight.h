@@ -44,6 +44,10 @@ struct motion_of_centre {
     struct vector z, w;
 };
 
+/* The larger and the smaller of two numbers, the second where one is NaN. */
+static inline double larger(double a, double b) { return a > b ? a : b; }
+static inline double smaller(double a, double b) { return a < b ? a : b; }
+
 /* The stop flag, read anew each time. */
 static inline int asked_to_stop(const uint8_t *stop)
 {

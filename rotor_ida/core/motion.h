@@ -10,7 +10,8 @@
 #include "flight.h"
 #include "series.h"
 
-enum { MOST_STATE = 8, MOST_VALUES = MOST_STATE + APART };
+/* Values are state and differences, without a gap; every array of them has room for the most. */
+enum { MOST_STATE = WIDTH, MOST_VALUES = MOST_STATE + APART };
 
 /* What is derived from one mode of the model. */
 struct mode {
@@ -46,14 +47,24 @@ static inline int values_of(const struct motion *motion)
     return motion->mode->size + (motion->tangents ? APART : 0);
 }
 
+/* Copy values of a motion: of the few without tangents, faster than by memcpy. */
+static inline void copy_values(const struct motion *motion, const double *from, double *to)
+{
+    for (int i = 0; i < MOST_STATE; i += 4)
+        store(&to[i], load(&from[i]));
+    if (motion->tangents)
+        memcpy(&to[MOST_STATE], &from[MOST_STATE], sizeof(double) * APART);
+}
+
 struct taylor {
     struct motion motion;
     int order;
+    double fallen; /* what is left of a first term that falls as it is best, at order + 1 */
     int64_t orders; /* expanded since the start */
     double atol[MOST_STATE], inverse[MOST_STATE], sizes[WIDTH];
     double reading[MOST_VALUES];
-    /* what each power of a polynomial on (0, 1] adds to its Bernstein coefficients */
-    _Alignas(32) double basis[ORDERS][32];
+    int has_basis;
+    _Alignas(32) double basis[ORDERS][32]; /* of Bernstein, once it is needed */
     struct series series;
 };
 

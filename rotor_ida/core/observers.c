@@ -66,7 +66,7 @@ static double next_sample(const struct run *run, double span)
     /* time + left may fall short of the duration by rounding; its sample must not be lost */
     const double until = span >= time_left(run) ? run->duration : run->time + span;
     const double next = run->sample_times[run->sampled];
-    return next > until ? INFINITY : fmin(fmax(next - run->time, 0.0), span);
+    return next > until ? INFINITY : smaller(larger(next - run->time, 0.0), span);
 }
 
 static void record_sample(struct run *run, struct motion_of_centre centre)
@@ -103,7 +103,7 @@ static double guess_of_part(const struct motion *motion, double time)
         const double end = 1.0 - span / (after[CONTACT_Q] * reach);
         part += part * (1.0 - part) * (start * (1.0 - part) + end * part);
     }
-    return fmin(fmax(part, 0.0), 1.0);
+    return smaller(larger(part, 0.0), 1.0);
 }
 
 /* The values at a time inside the last step: Halley's method, kept in a bracket. */
@@ -111,8 +111,8 @@ static const double *values_at(const struct step *step, double time)
 {
     struct motion *motion = step->motion;
     double low = motion->low, high = step->end;
-    double point = fmin(low + (motion->point - low) * guess_of_part(motion, time), high);
-    const double *values = motion->glance_at(motion, point), finest = 4e-16 * fmax(1.0, time);
+    double point = smaller(low + (motion->point - low) * guess_of_part(motion, time), high);
+    const double *values = motion->glance_at(motion, point), finest = 4e-16 * larger(1.0, time);
     for (int i = 0; i < 60; i++) {
         const double late = values[CONTACT_T] - time;
         if (fabs(late) <= finest || high - low <= 4e-16 * high)
@@ -143,7 +143,7 @@ static void sample_step(struct run *run, const struct step *step)
     }
     while (run->sampled < run->sample_count) {
         const double next = run->sample_times[run->sampled];
-        const double due = fmin(fmax(next - run->time, 0.0), left);
+        const double due = smaller(larger(next - run->time, 0.0), left);
         if (next > run->duration || due > step->until)
             break;
         record_sample(run, centre_of(motion, values_at(step, due)));
@@ -196,7 +196,7 @@ static double turn_between(const struct run *run, const struct flight *flight, d
 static void find_extrema_of_flight(struct run *run, const struct flight *flight)
 {
     const double turns = flight->span * run->rotor.omega / (2.0 * PI);
-    const double looks = fmax(FEWEST_LOOKS, ceil(turns * LOOKS_A_REVOLUTION));
+    const double looks = larger(FEWEST_LOOKS, ceil(turns * LOOKS_A_REVOLUTION));
     double low = 0.0, rising = dot(flight->start.z, flight->start.w);
     for (double look = 1.0; look <= looks && has_room_for_extrema(run); look += 1.0) {
         if (asked_to_stop(run->stop))

@@ -125,7 +125,9 @@ class Seen:
     evaluations: int
 
 
-_NO_TIMES: Values = np.empty(0)
+_NO_TIMES, _NO_STATES = np.empty(0), np.empty((0, 4))
+_NO_CONTACTS, _NO_EXTREMA = np.empty((0, CONTACT_COLUMNS)), np.empty((0, EXTREMUM_COLUMNS))
+_NO_KINDS = np.empty(0, np.int8)
 
 
 class _Tables:
@@ -133,17 +135,18 @@ class _Tables:
 
     def __init__(self, asked: Asked, room: int) -> None:
         self.run = run = _struct_of(asked)
-        times = _NO_TIMES if asked.sample_times is None else asked.sample_times
-        self.sample_times = np.ascontiguousarray(times)  # kept as long as the run
-        self.samples = np.empty((times.size, 4))
-        run.sample_count = times.size
-        run.sample_times = pointer(self.sample_times, np.float64)
-        run.samples = pointer(self.samples, np.float64)
-        self.event_times, self.event_kinds = np.empty(0), np.empty(0, np.int8)
-        self.event_states, self.contacts = np.empty((0, 4)), np.empty((0, CONTACT_COLUMNS))
-        self.extrema = np.empty((2 * room if asked.extrema else 0, EXTREMUM_COLUMNS))
-        run.extremum_room = len(self.extrema)
-        run.extrema = pointer(self.extrema, np.float64)
+        self.samples = self.event_states = _NO_STATES
+        self.event_times, self.event_kinds = _NO_TIMES, _NO_KINDS
+        self.contacts, self.extrema = _NO_CONTACTS, _NO_EXTREMA
+        if asked.sample_times is not None:
+            # kept as long as the run
+            self.sample_times = times = np.ascontiguousarray(asked.sample_times, np.float64)
+            self.samples = np.empty((times.size, 4))
+            run.sample_count = times.size
+            run.sample_times, run.samples = times.ctypes.data, self.samples.ctypes.data
+        if asked.extrema:
+            self.extrema = np.empty((2 * room, EXTREMUM_COLUMNS))
+            run.extremum_room, run.extrema = 2 * room, self.extrema.ctypes.data
         if asked.events:
             self.widen(room)
 
@@ -155,10 +158,11 @@ class _Tables:
         self.event_states = _longer(self.event_states, room)
         self.contacts = _longer(self.contacts, room // 2 + 1)
         run.event_room, run.contact_room = room, len(self.contacts)
-        run.event_times = pointer(self.event_times, np.float64)
-        run.event_kinds = pointer(self.event_kinds, np.int8)
-        run.event_states = pointer(self.event_states, np.float64)
-        run.contacts = pointer(self.contacts, np.float64)
+        run.event_times, run.event_kinds = (
+            self.event_times.ctypes.data,
+            self.event_kinds.ctypes.data,
+        )
+        run.event_states, run.contacts = self.event_states.ctypes.data, self.contacts.ctypes.data
 
     def seen(self, status: int) -> Seen:
         """Return what came of the run."""
@@ -211,18 +215,18 @@ def stretch(asked: Asked, spans: int) -> tuple[Values, Seen]:
     written = pointer(stretches, np.float64, writeable=True)
     status = library().core_stretch(byref(run), spans, written, byref(done))
     x, y, vx, vy = run.state
-    none = np.empty((0, 4))
     seen = Seen(
-        status, run.time, (x, y, vx, vy), run.where, none, _NO_TIMES, np.empty(0, np.int8), none,
-        none, none, run.evaluations,
+        status, run.time, (x, y, vx, vy), run.where, _NO_STATES, _NO_TIMES, _NO_KINDS, _NO_STATES,
+        _NO_CONTACTS, _NO_EXTREMA, run.evaluations,
     )  # fmt: skip
     return stretches[: done.value], seen
 
 
 def _struct_of(asked: Asked) -> RunStruct:
     """Return what is asked as the core takes it, with no tables."""
-    x, y, vx, vy = (float(number) for number in np.asarray(asked.start))
-    if not all(map(math.isfinite, (x, y, vx, vy, asked.duration, asked.rtol, asked.atol))):
+    start = asked.start if isinstance(asked.start, tuple) else np.asarray(asked.start).tolist()
+    x, y, vx, vy = start
+    if not math.isfinite(x + y + vx + vy + asked.duration + asked.rtol + asked.atol):
         raise ValueError(f"a run must begin with finite numbers, got {asked!r}")
     run = RunStruct(
         rotor=RotorStruct.of(asked.rotor),
@@ -249,7 +253,8 @@ def _struct_of(asked: Asked) -> RunStruct:
 def _longer(table: npt.NDArray[np.generic], room: int) -> npt.NDArray:  # type: ignore[type-arg]
     """Return a table with more room, and what it held."""
     wide = np.empty((room, *table.shape[1:]), table.dtype)
-    wide[: len(table)] = table
+    if len(table):
+        wide[: len(table)] = table
     return wide
 
 

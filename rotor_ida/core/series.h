@@ -72,17 +72,23 @@ static inline void begin_lanes(struct series *series)
  * Outwards from the middle: the rows written last, at the ends, are waited for last. */
 static inline void sum_known(struct series *series, int n, const int vectors)
 {
-    for (int v = 0; v < 4 * vectors; v += 4) {
-        vec4 lower = spread(0.0), upper = spread(0.0);
-        if (n > 1 && n % 2 == 0)
-            lower = load(&series->left[n / 2][v]) * load(&series->right[n / 2][v]);
-        for (int k = (n - 1) / 2; k > 0; k--) {
-            const vec4 first = load(&series->left[k][v]), last = load(&series->left[n - k][v]);
-            lower = fma4(first, load(&series->right[n - k][v]), lower);
-            upper = fma4(last, load(&series->right[k][v]), upper);
-        }
-        store(&series->known[v], lower + upper);
+    vec4 lower[LANES / 4], upper[LANES / 4];
+    const int has_middle = n > 1 && n % 2 == 0;
+    for (int v = 0; v < vectors; v++) {
+        const vec4 middle = load(&series->left[n / 2][4 * v]) * load(&series->right[n / 2][4 * v]);
+        lower[v] = has_middle ? middle : spread(0.0);
+        upper[v] = spread(0.0);
     }
+    for (int k = (n - 1) / 2; k > 0; k--) {
+        for (int v = 0; v < vectors; v++) {
+            const vec4 first = load(&series->left[k][4 * v]);
+            const vec4 last = load(&series->left[n - k][4 * v]);
+            lower[v] = fma4(first, load(&series->right[n - k][4 * v]), lower[v]);
+            upper[v] = fma4(last, load(&series->right[k][4 * v]), upper[v]);
+        }
+    }
+    for (int v = 0; v < vectors; v++)
+        store(&series->known[4 * v], lower[v] + upper[v]);
 }
 
 /* Coefficient n of a product, given those of its factors, the one known last first.

@@ -21,12 +21,23 @@ static struct taylor *taylor_of(struct motion *motion) { return (struct taylor *
 /* The largest of the coefficients n, each in parts of its tolerance. */
 static double worst_of(const struct taylor *taylor, int n, int components)
 {
-    double worst = 0.0;
+    double worst = 0.0, total = 0.0;
     for (int i = 0; i < components; i++) {
         const double part = fabs(taylor->series.terms[n][i]) * taylor->inverse[i];
-        worst = part > worst || isnan(part) ? part : worst;
+        worst = larger(part, worst);
+        total += part; /* NaN where one of them is */
     }
-    return worst;
+    return isnan(total) ? NAN : worst;
+}
+
+static double whole_power(double base, int exponent)
+{
+    double power = 1.0;
+    for (; exponent > 0; exponent /= 2) {
+        power *= exponent % 2 ? base : 1.0;
+        base *= base;
+    }
+    return power;
 }
 
 /* The step at which the last terms of the first components reach their tolerances; NaN where a
@@ -42,23 +53,23 @@ static double longest_step(struct taylor *taylor, int components, double rate)
     if (last > 0.0)
         longest = -log(last) / order;
     if (before > 0.0)
-        longest = fmin(longest, (FALL - log(before)) / (order - 1));
+        longest = smaller(longest, (FALL - log(before)) / (order - 1));
     double step = exp(longest);
     if (rate > 0.0)
-        step = fmin(step, FARTHEST * order / rate);
+        step = smaller(step, FARTHEST * order / rate);
     /* others in case these vanish */
     const int first = order - LOOKED_AT + 1;
     const double growth = RATIO * step;
     evaluate(taylor->series.terms[first], WIDTH, LOOKED_AT - 3, growth, 1, taylor->sizes);
-    const double scale = pow(growth, first) / pow(RATIO, order + 1);
+    const double scale = whole_power(growth, first) * taylor->fallen;
     double excess = 0.0;
     for (int i = 0; i < components; i++)
-        excess = fmax(excess, scale * taylor->sizes[i] * taylor->inverse[i]);
+        excess = larger(excess, scale * taylor->sizes[i] * taylor->inverse[i]);
     if (excess > 1.0) {
         for (int n = first; n < order - 1; n++) {
             const double worst = worst_of(taylor, n, components);
             if (worst > 0.0)
-                step = fmin(step, exp((FALL * (order + 1 - n) - log(worst)) / n));
+                step = smaller(step, exp((FALL * (order + 1 - n) - log(worst)) / n));
         }
     }
     return step;
@@ -74,6 +85,21 @@ static int is_monotonic(const struct taylor *taylor, int component, double step)
         others += n * scale * fabs(taylor->series.terms[n][component]);
     }
     return others < step * fabs(taylor->series.terms[1][component]);
+}
+
+/* Write what each power of a polynomial on (0, 1] adds to its Bernstein coefficients: power k adds
+ * binomial(j, k)/binomial(order, k) to coefficient j. */
+static void write_basis(struct taylor *taylor)
+{
+    const int order = taylor->order;
+    for (int j = 0; j <= order; j++) {
+        double share = 1.0;
+        for (int k = 0; k <= j; k++) {
+            taylor->basis[k][j] = share;
+            share *= (double)(j - k) / (order > k ? order - k : 1);
+        }
+    }
+    taylor->has_basis = 1;
 }
 
 /* How often the Bernstein coefficients of a polynomial on (0, step] change sign.
@@ -107,11 +133,13 @@ static int sign_changes(const struct taylor *taylor, int component, double step)
 
 /* A step, cut so that a component, of which `size` is the sum of the terms at its end without their
  * signs, vanishes inside it at most once. */
-static double with_one_root(const struct taylor *taylor, int component, double size, double step)
+static double with_one_root(struct taylor *taylor, int component, double size, double step)
 {
     if (size < 2.0 * fabs(taylor->series.terms[0][component])
         || is_monotonic(taylor, component, step))
         return step;
+    if (!taylor->has_basis)
+        write_basis(taylor);
     for (int cut = 0; cut < MOST_CUTS && sign_changes(taylor, component, step) > 1; cut++)
         step *= 0.5;
     return step;
@@ -126,7 +154,7 @@ static double contact_step(struct taylor *taylor)
     double step = longest_step(taylor, CONTACT_S + 1, rate);
     evaluate(taylor->series.terms[0], WIDTH, taylor->order, step, 1, taylor->sizes);
     /* on a whirl of constant radius p is rounding, and what a step leaves open */
-    const double noise = fmax(NOISE, taylor->motion.rtol) * q / step;
+    const double noise = larger(NOISE, taylor->motion.rtol) * q / step;
     step = with_one_root(taylor, CONTACT_EXIT_GUARD, taylor->sizes[CONTACT_EXIT_GUARD], step);
     if (taylor->sizes[CONTACT_EXTREMUM_GUARD] > noise)
         step = with_one_root(taylor, CONTACT_EXTREMUM_GUARD, taylor->sizes[CONTACT_EXTREMUM_GUARD],
@@ -143,7 +171,7 @@ static double unfelt(const struct taylor *taylor)
     const double square = state[CARTESIAN_VX] * state[CARTESIAN_VX]
                           + state[CARTESIAN_VY] * state[CARTESIAN_VY];
     const double omega = taylor->motion.model.omega;
-    return fmax(pow(part * square, 0.4), pow(part * omega * omega, 2.0 / 3.0));
+    return larger(pow(part * square, 0.4), pow(part * omega * omega, 2.0 / 3.0));
 }
 
 /* How far the series of a rotor without clearance may be followed. */
@@ -157,7 +185,7 @@ static double cartesian_step(struct taylor *taylor, double inner)
     double step = longest_step(taylor, CARTESIAN_SIZE, rate);
     if (radius <= inner && inner > 0.0) {
         const double push = model->omega * model->omega + 2.0 * model->zeta * speed;
-        step = fmin(step, 2.0 * inner / (speed + sqrt(speed * speed + 2.0 * push * inner)));
+        step = smaller(step, 2.0 * inner / (speed + sqrt(speed * speed + 2.0 * push * inner)));
     }
     return step;
 }
@@ -175,30 +203,28 @@ static double step_of_differences(struct taylor *taylor)
     for (int i = 0; i < DIFFERENCES; i++) {
         double size = 0.0, terms = 0.0, lower = 0.0;
         for (int j = i; j < APART; j += DIFFERENCES) {
-            size = fmax(size, fmax(fabs(series->apart[0][j]), fabs(series->apart[1][j])));
-            terms = fmax(terms, fabs(series->apart[order][j]));
-            lower = fmax(lower, fabs(series->apart[order - 1][j]));
+            size = larger(size, larger(fabs(series->apart[0][j]), fabs(series->apart[1][j])));
+            terms = larger(terms, fabs(series->apart[order][j]));
+            lower = larger(lower, fabs(series->apart[order - 1][j]));
         }
         if (size > 0.0) {
-            last = fmax(last, terms / (motion->rtol * size));
-            before = fmax(before, lower / (motion->rtol * size));
+            last = larger(last, terms / (motion->rtol * size));
+            before = larger(before, lower / (motion->rtol * size));
         }
     }
     double step = INFINITY;
     if (last > 0.0)
         step = pow(last, -1.0 / order);
     if (before > 0.0)
-        step = fmin(step, pow(before, -1.0 / (order - 1)));
+        step = smaller(step, pow(before, -1.0 / (order - 1)));
     return step;
 }
 
-/* Write the values at a part of the step. */
+/* Write the values at a part of the step; there is room for more than the state. */
 static void read(const struct taylor *taylor, double part, double *values)
 {
     const struct motion *motion = &taylor->motion;
-    double state[WIDTH];
-    evaluate(taylor->series.terms[0], WIDTH, taylor->order, part, 0, state);
-    memcpy(values, state, sizeof(double) * (size_t)motion->mode->size);
+    evaluate(taylor->series.terms[0], WIDTH, taylor->order, part, 0, values);
     if (motion->tangents)
         evaluate(taylor->series.apart[0], APART, taylor->order, part, 0,
                  &values[motion->mode->size]);
@@ -208,8 +234,8 @@ static int restart(struct motion *motion, const double *start, const double *ato
 {
     struct taylor *taylor = taylor_of(motion);
     motion->low = motion->point = 0.0;
-    memcpy(motion->values, start, sizeof(double) * (size_t)values_of(motion));
-    memcpy(motion->before, motion->values, sizeof motion->before);
+    copy_values(motion, start, motion->values);
+    copy_values(motion, start, motion->before);
     memcpy(taylor->atol, atol, sizeof(double) * (size_t)motion->mode->size);
     taylor->orders = 0;
     return DONE;
@@ -225,7 +251,7 @@ static void begin_step(struct taylor *taylor)
         for (int j = 0; j < APART; j++)
             motion->values[size + j] = j % (DIFFERENCES + 1) == 0 ? 1.0 : 0.0;
     }
-    memcpy(motion->before, motion->values, sizeof motion->before);
+    copy_values(motion, motion->values, motion->before);
     for (int i = 0; i < size; i++) {
         taylor->series.terms[0][i] = motion->values[i];
         taylor->inverse[i] = 1.0 / (motion->rtol * fabs(motion->values[i]) + taylor->atol[i]);
@@ -249,7 +275,7 @@ static int advance(struct motion *motion)
         mode->expand(&motion->model, &taylor->series, taylor->order);
     double step = mode == &contact_mode ? contact_step(taylor) : cartesian_step(taylor, inner);
     if (motion->tangents)
-        step = fmin(step, step_of_differences(taylor));
+        step = smaller(step, step_of_differences(taylor));
     if (isnan(step))
         return NOT_FINITE;
     motion->point = motion->low + step;
@@ -287,6 +313,7 @@ void open_taylor(struct taylor *taylor, const struct mode *mode, struct paramete
 {
     memset(taylor, 0, sizeof *taylor);
     const int order = taylor->order = order_for(rtol);
+    taylor->fallen = 1.0 / whole_power(RATIO, order + 1);
     taylor->motion = (struct motion){.mode = mode,
                                      .model = model,
                                      .rtol = rtol,
@@ -297,14 +324,6 @@ void open_taylor(struct taylor *taylor, const struct mode *mode, struct paramete
                                      .at = at,
                                      .glance_at = glance_at,
                                      .evaluations = evaluations};
-    /* power k adds binomial(j, k)/binomial(order, k) to coefficient j */
-    for (int j = 0; j <= order; j++) {
-        double share = 1.0;
-        for (int k = 0; k <= j; k++) {
-            taylor->basis[k][j] = share;
-            share *= (double)(j - k) / (order > k ? order - k : 1);
-        }
-    }
 }
 
 /* The step of the secant or of inverse quadratic interpolation, as p/q with p > 0. */
@@ -357,7 +376,7 @@ double root_in_step(struct motion *motion, double (*function)(const double *valu
         int taken = 0;
         if (fabs(last) >= tolerance && fabs(fa) > fabs(fb)) {
             interpolated((double[]){a, b, c}, (double[]){fa, fb, fc}, &p, &q);
-            taken = 2.0 * p < fmin(3.0 * half * q - fabs(tolerance * q), fabs(last * q));
+            taken = 2.0 * p < smaller(3.0 * half * q - fabs(tolerance * q), fabs(last * q));
         }
         last = taken ? step : half;
         step = taken ? p / q : half;

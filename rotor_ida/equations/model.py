@@ -123,10 +123,12 @@ def _jacobian(state: npt.ArrayLike, rotor: Rotor, turning: float) -> Values:
     """Return the derivative of the rates of a state read on axes that turn."""
     values = np.asarray(state, dtype=np.float64).tolist()
     radius = math.hypot(values[0], values[1])
-    secant, slope = force_over_radius(radius, rotor.delta0), 0.0
+    secant, slope = force_over_radius(radius, rotor.delta0), (0.0, 0.0)
     if radius > 0.0:
-        slope = (stiffness(radius, rotor.delta0) - secant) / radius**2
-    restoring = Dual(secant, (slope * values[0], slope * values[1], 0.0, 0.0))
+        # not over radius**2, which may be 0
+        more = (stiffness(radius, rotor.delta0) - secant) / radius
+        slope = more * (values[0] / radius), more * (values[1] / radius)
+    restoring = Dual(secant, (*slope, 0.0, 0.0))
     return np.array([rate.parts for rate in _rates(variables(values), restoring, rotor, turning)])
 
 

@@ -82,7 +82,7 @@ async def _serve(
     ready, failed, stop = asyncio.Event(), asyncio.Event(), asyncio.Event()
     for each in (signal.SIGINT, signal.SIGTERM):
         asyncio.get_running_loop().add_signal_handler(each, stop.set)
-    with progress_bar("compiling") as bar:
+    with progress_bar("starting") as bar:
 
         def progress(done: int, total: int) -> None:
             if done == NEVER:

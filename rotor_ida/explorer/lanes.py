@@ -13,7 +13,7 @@ from itertools import count
 
 from rotor_ida.explorer.answers import Answer, packed
 from rotor_ida.explorer.questions import FILES, Question
-from rotor_ida.explorer.workers import LENGTH, WARM_UP, Order, example
+from rotor_ida.explorer.workers import ASKED_FIRST, LENGTH, Order, example
 
 Deliver = Callable[[bytes], None]
 # Whose question it is: a page, and the panels of one of its rotors.
@@ -118,7 +118,7 @@ class Lane:
     niceness : int
         How much the process gives way to others, as `os.nice` takes it.
     told : callable
-        Called with the rotors whose kernels are ready, and their number, as they become so.
+        Called with the steps of getting ready that are done, and their number.
     """
 
     def __init__(
@@ -185,15 +185,13 @@ class Lane:
             await worker.end()
 
     async def _make_ready(self, worker: _Worker) -> None:
-        """Have the process compile what it needs."""
-        for done, rotor in enumerate(WARM_UP, start=1):
-            for about in set(self.abouts).difference(FILES):
-                number = next(self._numbers)
-                order: Order = (number, example(about, rotor))
-                while await worker.follow(order):
-                    order = (number, "next")
-            if not self._ready:
-                self._told(done, len(WARM_UP))
+        """Have the process answer once, so that it has imported what it needs."""
+        for about in set(self.abouts).difference(FILES):
+            number = next(self._numbers)
+            await worker.follow((number, example(about, ASKED_FIRST)))
+            worker.tell((number, "drop"))
+        if not self._ready:
+            self._told(1, 1)
         self._ready = True
 
     async def _answer_all(self, worker: _Worker) -> None:

@@ -25,9 +25,8 @@ from rotor_ida.explorer.questions import Question, read_question
 # What to do about the answer of a number: begin it with its first part, or go on, or give it up.
 Order = tuple[int, Question | Literal["next", "drop"]]
 
-# The kinds of motion whose kernels are compiled before a page is let in: without clearance, in
-# full contact, bouncing.
-WARM_UP = ((1.7, 0.07, 0.0), (1.7, 0.07, 0.5), (2.0, 0.07, 2.0))
+# The rotor that a process is asked about before a page is let in.
+ASKED_FIRST = (2.0, 0.07, 2.0)
 # Seconds after which a part is broken off again.
 SOON = 0.01
 # Bytes that tell the length of an answer, little-endian.
@@ -151,7 +150,7 @@ def _show(about: str) -> Callable[[Question], Iterator[Answer]]:
 
 
 def example(about: str, rotor: tuple[float, float, float]) -> Question:
-    """Return a question that calls every kernel."""
+    """Return a question about a rotor that starts from rest."""
     omega, zeta, delta0 = rotor
     asked = {
         "about": about, "number": 0, "side": 0, "start": [0, 0, 0, 0], "revolutions": 60,

@@ -23,7 +23,8 @@ NO_WHIRL = 1e-12
 
 def contact_columns(orbit: Orbit) -> dict[str, Column]:
     """Return the contacts of an orbit as columns on the dimension ``contact``."""
-    entry, leaving, peak_time, indentation, impulse, moment = orbit.contacts.T
+    contacts = np.ascontiguousarray(orbit.contacts.T)
+    entry, leaving, peak_time, indentation, impulse, moment = contacts
     at_entry = _states_at(orbit, entry, ENTRY)
     at_exit = _states_at(orbit, leaving, EXIT)
     speed = np.hypot(at_entry[:, 2], at_entry[:, 3])
@@ -41,7 +42,7 @@ def contact_columns(orbit: Orbit) -> dict[str, Column]:
         "energy_lost": 0.5 * (speed**2 - left_with**2),
         "whirl_direction": _whirl_direction(orbit, moment, indentation),
     }
-    return {name: ("contact", np.ascontiguousarray(column)) for name, column in columns.items()}
+    return {name: ("contact", column) for name, column in columns.items()}
 
 
 def contact_summary(run: xr.Dataset) -> xr.Dataset:

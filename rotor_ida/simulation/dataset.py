@@ -76,7 +76,7 @@ def parameter_coordinates(rotor: Rotor) -> dict[str, Column]:
 
 
 def _columns(prefix: str, dim: str, table: npt.NDArray[np.float64]) -> dict[str, Column]:
+    columns = np.ascontiguousarray(table.T)
     return {
-        f"{prefix}{name}": (dim, np.ascontiguousarray(column))
-        for name, column in zip(COMPONENTS, table.T, strict=True)
+        f"{prefix}{name}": (dim, column) for name, column in zip(COMPONENTS, columns, strict=True)
     }

@@ -119,12 +119,14 @@ def _fault_of_samples(
 
     Between an entry and its exit |z| is at least delta0, elsewhere at most.
     """
-    faults = {NOT_FINITE: ~np.isfinite(states.sum(axis=1))}
+    faults = {} if np.isfinite(states).all() else {NOT_FINITE: ~np.isfinite(states.sum(axis=1))}
     if delta0 > 0.0:
-        passed = np.searchsorted(event_times, times, side="right")
-        outwards = np.where((passed + inside) % 2, -1.0, 1.0)  # into the ring, or out of contact
-        depth = np.sqrt(states[:, 0] ** 2 + states[:, 1] ** 2) - delta0
-        faults[WRONG_SIDE_OF_THE_RING] = depth * outwards > allowed
+        begun = np.searchsorted(times, event_times)
+        in_turn = (np.arange(event_times.size + 1) + inside) % 2 == 1
+        touching = np.repeat(in_turn, np.diff(begun, prepend=0, append=times.size))
+        x, y = states[:, 0], states[:, 1]
+        depth = np.sqrt(x * x + y * y) - delta0
+        faults[WRONG_SIDE_OF_THE_RING] = np.where(touching, -depth, depth) > allowed
     return _first_fault(faults)
 
 

@@ -1,8 +1,8 @@
 """A stretch of an orbit with all that Newton's method asks of it, and all that happens on it.
 
 State and four differences from it are followed together by the core, by one Taylor series in
-contact and in closed form in flight; what small changes of omega, zeta and delta0 make of it follows.
-Field and Jacobian are continuous where contact begins and ends, so nothing is added there.
+contact and in closed form in flight; what small changes of omega, zeta and delta0 make of it
+follows. Field and Jacobian are continuous where contact begins and ends, so nothing is added there.
 """
 
 from __future__ import annotations

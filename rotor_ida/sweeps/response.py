@@ -22,10 +22,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.closed_forms.contact_free import touch_fading
+from rotor_ida.closed_forms.contact_free import complex_amplitude, touch_fading
 from rotor_ida.equations.contact import secant_stiffness
 from rotor_ida.parameters import Rotor
-from rotor_ida.simulation.reference.flight import unbalance_whirl
 
 Values = npt.NDArray[np.float64]
 
@@ -148,7 +147,7 @@ def stays_free(window: Window) -> bool:
 def _future_if_free(rotor: Rotor, position: complex, velocity: complex) -> tuple[float, float]:
     """Return how far a free whirl's centre would still drift, and how far out it would go."""
     omega, zeta = rotor.omega, rotor.zeta
-    whirl = unbalance_whirl(omega, zeta)
+    whirl = complex(complex_amplitude(omega, zeta))
     surplus = velocity - 1j * omega * whirl
     if surplus != 0.0 and zeta == 0.0:
         return math.inf, math.inf

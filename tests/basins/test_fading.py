@@ -9,7 +9,7 @@ import pytest
 from rotor_ida import Rotor
 from rotor_ida.basins.fading import MOST_DRIFT, fading_excess
 from rotor_ida.basins.known import known_from_closed_forms
-from rotor_ida.simulation.flight import unbalance_whirl
+from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.simulation.options import Options
 from rotor_ida.sweeps.steady_state import follow_to_steady_state
 
@@ -26,7 +26,7 @@ def test_motions_from_the_rim_touch_for_ever(rotor):
     """By CVODE, from other states than those by which the excess was found."""
     excess = fading_excess(rotor, GO_ON)
     assert excess > 0.0
-    whirl = unbalance_whirl(rotor.omega, rotor.zeta)
+    whirl = complex(complex_amplitude(rotor.omega, rotor.zeta))
     room = rotor.delta0 - abs(whirl)
     for angle in (0.3, 2.0, 4.4):
         end = cmath.rect(room + excess, angle)

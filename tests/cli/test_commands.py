@@ -255,11 +255,11 @@ def test_doctor_finds_a_solver_that_is_wrong(program: Program, monkeypatch: pyte
     assert answer.status == 1
     assert "event times are wrong by" in answer.out
     assert "Backends that can be used: none" in answer.out
-    assert answer.err == "rotor-ida: 6 of 8 checks failed\n"
+    assert answer.err == "rotor-ida: 5 of 7 checks failed\n"
 
 
 def test_doctor_says_why_a_backend_is_absent(program: Program, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("rotor_ida.simulation.cvode.libraries.why_not", lambda: "no such library")
+    monkeypatch.setattr("rotor_ida.core.sundials.why_not", lambda: "no such library")
     answer = program("doctor", "--json")
     assert (answer.status, answer.err) == (0, "")
     record = json.loads(answer.out)

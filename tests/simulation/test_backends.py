@@ -1,7 +1,5 @@
-"""Compiled code takes the same steps as Python: the same events, samples and errors."""
+"""The compiled core and the plain-Python reference: the same events, samples and errors."""
 
-import os
-import subprocess
 import sys
 import threading
 from types import SimpleNamespace
@@ -10,14 +8,15 @@ import numpy as np
 import pytest
 
 from rotor_ida import InputError, Rotor, SimulationError, simulate
-from rotor_ida.simulation.cvode import libraries
-from rotor_ida.simulation.cvode.python import Integration
-from rotor_ida.simulation.motion import STUCK
+from rotor_ida.core import sundials
+from rotor_ida.core.interface import STUCK
 from rotor_ida.simulation.options import Options
+from rotor_ida.simulation.reference.integration import Integration
 from rotor_ida.simulation.run import run
-from tests.test_reference_events import CASES
+from tests.test_reference_events import BOUNDS, CASES
+from tests.test_reference_events import RTOL as RTOL_OF_BOUNDS
 
-ROUNDING = 2.0**-52
+RTOL, ATOL = 1e-9, 1e-11
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 REST = (0.0, 0.0, 0.0, 0.0)
 
@@ -28,7 +27,7 @@ def both(case, method, flight):
     return [
         run(rotor, tuple(case["start"]), case["duration"], times, options)
         for options in (
-            Options(rtol=1e-9, atol=1e-11, method=method, flight=flight, backend=backend)
+            Options(rtol=RTOL, atol=ATOL, method=method, flight=flight, backend=backend)
             for backend in ("python", "compiled")
         )
     ]
@@ -37,25 +36,34 @@ def both(case, method, flight):
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case["name"])
 @pytest.mark.parametrize(("method", "flight"), [("adams", "exact"), ("bdf", "cvode")])
 def test_events_and_samples_are_those_of_the_python_backend(case, method, flight):
-    """Only the reading inside a step differs, by rounding, which the orbit may amplify."""
+    """Both round differently, which now and then tips the choice of a step.
+
+    Each may be off by what the reference events allow it, in proportion to the tolerance.
+    """
     python, compiled = both(case, method, flight)
+    assert compiled.starts_in_contact == python.starts_in_contact
     assert compiled.event_kinds.tolist() == python.event_kinds.tolist()
-    amplified = 1e3 * ROUNDING * max(case["duration"], 1.0)
-    assert compiled.event_times == pytest.approx(python.event_times, rel=0, abs=amplified)
+    assert compiled.evaluations == pytest.approx(python.evaluations, rel=0.1)
+    sensitivity = np.array([number for _, _, number in case["events"]])
+    allowed = 2.0 * BOUNDS[method, flight][0] * RTOL / RTOL_OF_BOUNDS
+    apart = np.abs(compiled.event_times - python.event_times)
+    if apart.size == sensitivity.size:  # else a graze lies below what this tolerance tells
+        assert (apart <= allowed * (python.event_times + sensitivity)).all()
+    allowed *= case["duration"] + sensitivity.max(initial=1.0)
     size = max(1.0, np.abs(python.states).max())
-    assert np.abs(compiled.states - python.states).max() < amplified * size
-    assert compiled.contacts == pytest.approx(python.contacts, rel=1e-6, abs=1e-9, nan_ok=True)
+    assert np.abs(compiled.states - python.states).max() <= allowed * size
+    assert compiled.contacts[:, :3] == pytest.approx(python.contacts[:, :3], abs=allowed, nan_ok=True)
 
 
 def test_the_whole_dataset_agrees_with_errors_and_horizon():
     python, compiled = (
-        simulate(BOUNCING, start=REST, duration=100.0, backend=backend)
+        simulate(BOUNCING, start=REST, duration=100.0, rtol=1e-12, backend=backend)
         for backend in ("python", "compiled")
     )
     assert compiled.attrs["backend"] == "compiled"
     for name in python.variables:
         assert compiled[name].values == pytest.approx(
-            python[name].values, rel=1e-9, abs=1e-12, nan_ok=True
+            python[name].values, rel=1e-9, abs=1e-9, nan_ok=True
         ), name
 
 
@@ -64,11 +72,17 @@ def test_auto_is_compiled_where_it_can_be_had(monkeypatch):
     assert Options(method="ida").backend == "python"
     with pytest.raises(InputError, match=r"'compiled' cannot be used: it knows .* got 'ida'"):
         Options(method="ida", backend="compiled")
-    monkeypatch.setattr(libraries, "why_not", lambda: "the libraries were not found")
+    monkeypatch.setattr(sundials, "why_not", lambda: "the libraries were not found")
     assert Options().backend == "python"
     with pytest.raises(InputError, match="'compiled' cannot be used: the libraries were not"):
         Options(backend="compiled")
     assert Options(method="taylor").backend == "compiled"
+
+
+def test_the_reference_knows_no_taylor_series():
+    message = "^backend must be 'auto' or 'compiled' with taylor, got 'python'$"
+    with pytest.raises(InputError, match=message):
+        simulate(BOUNCING, start=REST, duration=1.0, method="taylor", backend="python")
 
 
 @pytest.mark.parametrize(
@@ -76,30 +90,58 @@ def test_auto_is_compiled_where_it_can_be_had(monkeypatch):
     [
         ((7, 1.25), (7, 9, 0), "index"),
         ((3, 1.25), (7, 9, 0), "double precision"),
-        ((3, libraries.PROBE), (6, 7, 0), "must be version 7, found 6.7.0"),
-        ((3, libraries.PROBE), (7, 0, 0), "was built with SUNDIALS .*, found 7.0.0"),
+        ((3, sundials.PROBE), (6, 7, 0), "must be version 7, found 6.7.0"),
+        ((3, sundials.PROBE), (7, 0, 0), "was built with SUNDIALS .*, found 7.0.0"),
     ],
 )
 def test_libraries_that_do_not_fit_are_not_called(monkeypatch, probe, version, reason):
-    monkeypatch.setattr(libraries, "_probe", lambda *_: probe)
-    monkeypatch.setattr(libraries, "_version", lambda _: version)
-    with pytest.raises(libraries.Unfit, match=reason):
-        libraries._check(None, None)
+    monkeypatch.setattr(sundials, "_probe", lambda *_: probe)
+    monkeypatch.setattr(sundials, "_version", lambda _: version)
+    with pytest.raises(sundials.Unfit, match=reason):
+        sundials._check({"core": None, "nvecserial": None}, "7.9.0")
 
 
 def test_missing_libraries_are_named(monkeypatch, tmp_path):
-    with pytest.raises(libraries.Unfit, match="sundials_cvode is missing"):
-        libraries._library(tmp_path, "cvode")
-    monkeypatch.setattr(libraries.sksundae, "__file__", str(tmp_path / "sksundae" / "__init__.py"))
-    monkeypatch.setattr(libraries.sys, "prefix", str(tmp_path))
-    with pytest.raises(libraries.Unfit, match="were not found beside"):
-        libraries._folder()
+    with pytest.raises(sundials.Unfit, match="sundials_cvode is missing"):
+        sundials._library(tmp_path, "cvode")
+    monkeypatch.setattr(sundials.sys, "prefix", str(tmp_path))
+    with pytest.raises(sundials.Unfit, match="were not found beside"):
+        sundials._folder(tmp_path / "sksundae")
+
+
+@pytest.fixture
+def asked_anew():
+    """The libraries are looked for again, now and afterwards."""
+
+    def forget():
+        sundials.functions.cache_clear()
+        sundials.why_not.cache_clear()
+
+    forget()
+    yield
+    forget()
+
+
+def test_a_library_that_lacks_a_function_is_named(monkeypatch, asked_anew):
+    lacking = {**sundials.FUNCTIONS, "solve": ("cvode", "CVodeOfTomorrow")}
+    monkeypatch.setattr(sundials, "FUNCTIONS", lacking)
+    assert "CVodeOfTomorrow" in sundials.why_not()
+    assert Options().backend == "python"
+    with pytest.raises(InputError, match=r"'compiled' cannot be used: .*CVodeOfTomorrow"):
+        Options(backend="compiled")
+
+
+def test_without_scikit_sundae_taylor_series_work(monkeypatch, asked_anew):
+    monkeypatch.setitem(sys.modules, "sksundae", None)
+    assert "sksundae" in sundials.why_not()
+    orbit = run(BOUNCING, REST, 20.0, np.empty(0), Options(method="taylor"))
+    assert orbit.event_times.size > 2
 
 
 @pytest.mark.parametrize("name", ["libsundials_core.7.9.0.dylib", "sundials_core-db7c109a.dll"])
 def test_the_layouts_of_other_systems_are_known(tmp_path, name):
     (tmp_path / name).touch()
-    assert libraries._library(tmp_path, "core").name == name
+    assert sundials._library(tmp_path, "core").name == name
 
 
 def test_threads_give_what_one_gives():
@@ -151,49 +193,3 @@ def test_runs_one_after_the_other_leave_nothing_behind():
 
     settled = largest_after(300)
     assert largest_after(3000) - settled < 2048  # KiB; one solver left behind each time is 20 MiB
-
-
-ALLOCATED = """
-import gc
-import numpy as np
-from numba.core.runtime import rtsys
-from rotor_ida import Rotor
-from rotor_ida.simulation.options import Options
-from rotor_ida.simulation.run import run
-from rotor_ida.stability.lyapunov import follow_stretches
-from rotor_ida.stability.tangent_flow import follow_from, follow_on
-
-rotor, go_on = Rotor(omega=2.0, zeta=0.07, delta0=2.0), np.zeros(1, np.uint8)
-where = ((2.0, 0.07, 2.0), 1e-9, go_on)
-
-
-def work():
-    for method in ("adams", "taylor"):
-        run(rotor, (0.0, 0.0, 0.0, 0.0), 10.0, np.linspace(0.0, 10.0, 5), Options(method=method))
-        bundle = np.vstack([np.zeros(4), np.eye(4)])
-        follow_stretches(bundle, False, 2.0, np.empty((5, 4)), *where, method)
-    follow_on(np.zeros((5, 4)), np.zeros(5, np.bool_), 2.0, *where)
-    follow_from(np.zeros((2, 4)), np.zeros(2, np.bool_), np.full(2, 9.0), np.zeros((2, 4)), *where)
-
-
-def held():
-    gc.collect()
-    found = rtsys.get_allocation_stats()
-    return found.alloc - found.free
-
-
-work()
-before = held()
-for _ in range(3):
-    work()
-print(rtsys.get_allocation_stats().alloc > 0, held() - before)
-"""
-
-
-def test_what_compiled_code_allocates_is_freed():
-    """Its structures are not counted: whoever makes one releases it."""
-    answer = subprocess.run(
-        [sys.executable, "-c", ALLOCATED], env=os.environ | {"NUMBA_NRT_STATS": "1"},
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert (answer.stdout, answer.stderr) == ("True 0\n", "")

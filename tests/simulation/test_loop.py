@@ -7,10 +7,10 @@ import pytest
 from scipy.special import beta
 
 from rotor_ida import InputError, Rotor, SimulationError, simulate
+from rotor_ida.core.runs import Asked, follow, starts_in_contact
 from rotor_ida.equations.model import angular_momentum, energy
-from rotor_ida.simulation.cvode.python import Integration
-from rotor_ida.simulation.record import advance, new_record, next_sample, time_left
-from rotor_ida.simulation.start import starts_in_contact
+from rotor_ida.simulation.reference.integration import Integration
+from rotor_ida.simulation.reference.record import advance, new_record, next_sample, time_left
 
 LEAVING = beta(0.4, 0.5) / math.sqrt(5.0)  # time from rest at A to the ring, times (A-delta0)^1/4
 REST = (0.0, 0.0, 0.0, 0.0)
@@ -220,23 +220,47 @@ def test_bad_input_gets_one_clear_line(changes, message):
 
 
 def test_the_mode_at_the_start_is_a_function_of_its_own():
-    rotor = (HARD.omega, HARD.zeta, HARD.delta0)
-    assert starts_in_contact(2.1 + 0j, 0j, *rotor)
-    assert not starts_in_contact(1.9 + 0j, 5 + 0j, *rotor)
+    assert starts_in_contact(HARD, (2.1, 0.0, 0.0, 0.0))
+    assert not starts_in_contact(HARD, (1.9, 0.0, 5.0, 0.0))
 
 
-def test_no_sample_is_lost_to_rounding_at_the_end():
-    """time + (duration - time) may fall short of the duration by an ulp."""
-    rng = np.random.default_rng(0)
-    times, durations = rng.uniform(0.0, 60.0, (2, 100_000))
+def short_by_rounding(times, durations):
+    """Return where time + (duration - time) falls short of the duration by an ulp."""
     short = np.flatnonzero((times < durations) & (times + (durations - times) < durations))
     assert short.size > 10
-    for number in short[:10]:
+    return short
+
+
+def test_the_reference_loses_no_sample_to_rounding_at_the_end():
+    times, durations = np.random.default_rng(0).uniform(0.0, 60.0, (2, 100_000))
+    for number in short_by_rounding(times, durations)[:10]:
         time, duration = float(times[number]), float(durations[number])
         samples, start, stop = np.array([duration]), np.zeros(4), np.zeros(1, np.uint8)
         record = new_record(1, 0, 1, 1e-10, 1e-12, True, start, duration, 0.0, samples, stop)
         advance(record, time, 0j, 0j)
         assert next_sample(record, time_left(record)) == time_left(record)
+
+
+@pytest.mark.parametrize("exact_flight", [True, False])
+def test_the_core_loses_no_sample_to_rounding_at_the_end(exact_flight):
+    """On a flight that begins at an exit and lasts to the end of the run."""
+    rotor = Rotor(omega=0.0, zeta=0.2, delta0=3.0)
+
+    def followed(duration):
+        asked = Asked(
+            rotor=rotor, start=(4.0, 0.0, 0.0, 0.0), duration=duration, rtol=1e-9, atol=1e-11,
+            sample_times=np.array([duration]), events=True, method="adams",
+            exact_flight=exact_flight,
+        )  # fmt: skip
+        return follow(asked)
+
+    exits = followed(60.0).event_times
+    durations = np.random.default_rng(0).uniform(2.0 * exits[-1], 60.0, 100_000)
+    short = short_by_rounding(np.full_like(durations, exits[-1]), durations)
+    for duration in durations[short[:10]].tolist():
+        seen = followed(duration)
+        assert seen.event_times[-1] == pytest.approx(exits[-1], rel=1e-12)
+        np.testing.assert_allclose(seen.samples[0], seen.state, rtol=0.0, atol=1e-12)
 
 
 @pytest.mark.parametrize("inside", [1e-3, 1e-7, 1e-9, 1e-11])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,7 +12,9 @@ import numpy.typing as npt
 from rotor_ida.checks import State
 from rotor_ida.core.interface import DONE, message_of
 from rotor_ida.core.runs import NO_STOP, Stop
+from rotor_ida.equations.model import rotating_jacobian
 from rotor_ida.equations.modes import cartesian_rates, contact_rates
+from rotor_ida.equations.symbols import variables
 from rotor_ida.errors import SimulationError
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.options import Options
@@ -37,20 +41,27 @@ def run_reference(
     """Do as `rotor_ida.simulation.run.run` does, tolerances of a step given."""
     rtol, atol = tolerances
     felt = 1.0 if rotor.delta0 == 0.0 else 0.0
+    flying = replace(rotor, delta0=sys.float_info.max)  # the ring is out of reach
     seen = SimpleNamespace(omega=rotor.omega, zeta=rotor.zeta, delta0=rotor.delta0, felt=felt)
 
     def in_contact(state: Values, rate: Values) -> None:
         rate[:] = contact_rates(state.tolist(), seen)
 
+    def slopes_in_contact(state: Values, matrix: Values) -> None:
+        matrix[:] = [rate.parts for rate in contact_rates(variables(state.tolist()), seen)]
+
     def anywhere(state: Values, rate: Values) -> None:
         rate[:] = cartesian_rates(state.tolist(), seen)
+
+    def slopes_anywhere(state: Values, matrix: Values) -> None:
+        matrix[:] = rotating_jacobian(state, rotor if felt else flying)
 
     record = new_record(
         rotor.omega, rotor.zeta, rotor.delta0, rtol, atol, options.flight == "exact",
         np.array(start), duration, slack, sample_times, NO_STOP if stop is None else stop,
     )  # fmt: skip
-    contact = Integration(options.method, rtol, in_contact)
-    free = Integration(options.method, rtol, anywhere)
+    contact = Integration(options.method, rtol, in_contact, slopes_in_contact)
+    free = Integration(options.method, rtol, anywhere, slopes_anywhere)
     status = run_events(record, contact, free)
     time, end, states, event_times, event_kinds, event_states, contacts, count = result(record)
     if status != DONE:
