@@ -65,14 +65,17 @@ enum event { ENTRY = 1, EXIT = -1 };
 
 /* One run: what is asked, where it stands, and what is recorded of it.
  *
- * Every state is (x, y, vx, vy), read on the rotating axes of its time. A table that is not wanted
- * has no room. */
+ * Every state is (x, y, vx, vy), read on the rotating axes of its time. Once the run is over, those
+ * of samples and events and the last one are turned to axes that stand still, if so asked. A table
+ * that is not wanted has no room. */
 struct run {
     struct rotor rotor;
     double rtol, atol;      /* of one step */
     double duration, slack; /* time to simulate, and how far behind it an event may lie */
+    int32_t fixed_axes;     /* whether all that is reported is to be read on axes that stand still */
     int32_t method;         /* of contacts; and of flight, where that is not exact, if CVODE's */
     int32_t exact_flight;
+    int32_t began; /* where it began: written */
     const uint8_t *stop;             /* anything but 0 asks the run to stop */
     const struct sundials *sundials; /* NULL where Taylor series alone are wanted */
 
@@ -119,6 +122,23 @@ CORE_API double core_first_touch(const struct rotor *rotor, const double state[4
 
 /* Turn rows of (x, y, vx, vy) by the angles omega t. */
 CORE_API void core_rotate(double *states, const double *times, double omega, int64_t count);
+
+/* How a run can contradict the mechanics. */
+enum fault {
+    SOUND,
+    EVENT_NOT_FINITE,
+    BACKWARDS,
+    NOT_IN_TURN,
+    OFF_THE_RING,
+    SAMPLE_NOT_FINITE,
+    WRONG_SIDE_OF_THE_RING,
+    PEAKS_OUTSIDE
+};
+
+/* The first fault of the events, samples and contacts of a run, and its row in that table: times
+ * increase; entry and exit alternate; they lie on the ring but for rounding; samples lie on their
+ * side of it but for `allowed`; and contacts peak in their own span. */
+CORE_API int core_fault(const struct run *run, double allowed, int64_t *row);
 
 /* Follow many starts on the rotating axes until an attractor holds them or `duration` has passed.
  * The states, 4 rows of `count`, become those at the end; the time that each took is added. A label

@@ -436,7 +436,7 @@ static int has_room(const struct run *run)
 static int follow_events(struct run *run, const struct motions *motions)
 {
     if (run->where == UNDECIDED) {
-        run->where = begins(where_it_is(run), &run->rotor);
+        run->where = run->began = begins(where_it_is(run), &run->rotor);
         observe_start(run);
     }
     int status = DONE;
@@ -500,7 +500,16 @@ static int once(struct run *run, const struct motions *motions, void *more)
     return follow_events(run, motions);
 }
 
-int core_run(struct run *run) { return with_motions(run, once, NULL); }
+int core_run(struct run *run)
+{
+    const int status = with_motions(run, once, NULL);
+    if (run->fixed_axes && status != FULL) {
+        core_rotate(run->samples, run->sample_times, run->rotor.omega, run->sampled);
+        core_rotate(run->event_states, run->event_times, run->rotor.omega, run->events);
+        core_rotate(run->state, &run->time, run->rotor.omega, 1);
+    }
+    return status;
+}
 
 /* ---- Stretching ---- */
 
@@ -593,4 +602,65 @@ void core_rotate(double *states, const double *times, double omega, int64_t coun
             pair[1] = turned.y;
         }
     }
+}
+
+/* ---- Invariants ---- */
+
+/* Radius at an event against delta0: the state is put there, so only rounding may remain. */
+static const double ON_THE_RING = 8.0 * ROUNDING;
+
+static int is_finite(const double *state)
+{
+    return isfinite(state[0] + state[1] + state[2] + state[3]);
+}
+
+static double radius_at(const double *state) { return length((struct vector){state[0], state[1]}); }
+
+static enum fault fault_of_events(const struct run *run, int64_t *row)
+{
+    const double delta0 = run->rotor.delta0;
+    int expected = run->began == IN_CONTACT ? EXIT : ENTRY;
+    for (*row = 0; *row < run->events; ++*row, expected = -expected) {
+        const double *time = &run->event_times[*row], *state = &run->event_states[4 * *row];
+        if (!is_finite(state))
+            return EVENT_NOT_FINITE;
+        if (*row > 0 && !(time[0] > time[-1]))
+            return BACKWARDS;
+        if (run->event_kinds[*row] != expected)
+            return NOT_IN_TURN;
+        if (!(fabs(radius_at(state) - delta0) <= ON_THE_RING * delta0))
+            return OFF_THE_RING;
+    }
+    return SOUND;
+}
+
+static enum fault fault_of_samples(const struct run *run, double allowed, int64_t *row)
+{
+    int64_t passed = 0;
+    double outwards = run->began == IN_CONTACT ? 1.0 : -1.0;
+    for (*row = 0; *row < run->sampled; ++*row) {
+        const double *state = &run->samples[4 * *row];
+        if (!is_finite(state))
+            return SAMPLE_NOT_FINITE;
+        for (; passed < run->events && run->event_times[passed] <= run->sample_times[*row]; passed++)
+            outwards = -outwards;
+        if (outwards * (radius_at(state) - run->rotor.delta0) < -allowed && run->rotor.delta0 > 0.0)
+            return WRONG_SIDE_OF_THE_RING;
+    }
+    return SOUND;
+}
+
+int core_fault(const struct run *run, double allowed, int64_t *row)
+{
+    enum fault fault = fault_of_events(run, row);
+    if (fault == SOUND)
+        fault = fault_of_samples(run, allowed, row);
+    for (int64_t i = 0; fault == SOUND && i < run->contact_count; i++) {
+        const double *contact = &run->contacts[CONTACT_COLUMNS * i]; /* NaN where it has no end */
+        if (run->rotor.delta0 > 0.0 && (contact[2] < contact[0] || contact[2] > contact[1])) {
+            *row = i;
+            fault = PEAKS_OUTSIDE;
+        }
+    }
+    return (int)fault;
 }

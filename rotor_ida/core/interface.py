@@ -36,6 +36,20 @@ MESSAGES = {
     -4: "Convergence tests failed too many times, or reached min step size.",
 }
 
+# How a run can contradict the mechanics, as `enum fault` has it: by its events, from
+# `FIRST_OF_SAMPLES` on by its samples, and by its contacts.
+FAULTS = (
+    "",
+    "the state is not finite",
+    "event times do not increase",
+    "entry and exit do not alternate",
+    "an event does not lie at |z| = delta0",
+    "the state is not finite",
+    "a sample lies on the wrong side of the ring",
+    "a contact peaks outside its own span",
+)
+FIRST_OF_SAMPLES, OF_CONTACTS = 5, 7
+
 METHODS = {"taylor": 0, "adams": 1, "bdf": 2}
 UNDECIDED, IN_FLIGHT, IN_CONTACT = -1, 0, 1
 # Columns of the table of contacts, and of that of the extrema of the radius.
@@ -61,8 +75,7 @@ class RunStruct(Structure):
     _fields_ = [
         ("rotor", RotorStruct),
         *((name, c_double) for name in ("rtol", "atol", "duration", "slack")),
-        ("method", c_int32),
-        ("exact_flight", c_int32),
+        *((name, c_int32) for name in ("fixed_axes", "method", "exact_flight", "began")),
         ("stop", c_void_p),
         ("sundials", c_void_p),
         ("time", c_double),
@@ -93,6 +106,7 @@ _SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
     "core_fly": (None, [_ROTOR, c_void_p, c_void_p, c_void_p, c_int64]),
     "core_first_touch": (c_double, [_ROTOR, c_void_p, c_double, c_void_p]),
     "core_rotate": (None, [c_void_p, c_void_p, c_double, c_int64]),
+    "core_fault": (c_int, [_RUN, c_double, POINTER(c_int64)]),
     "core_follow_lanes": (
         c_int,
         [

@@ -60,6 +60,8 @@ class Asked:
         Whether it begins in contact or in flight; by default its start decides.
     sample_times : ndarray, shape (n,), optional
         Times to report, increasing [1].
+    fixed_axes : bool
+        Whether samples, events and the last state are to be read on axes that stand still.
     events, extrema : bool
         Whether events and contacts, and the extrema of the radius, are recorded.
     bundle : ndarray, shape (4, 4) or (7, 4), optional
@@ -79,6 +81,7 @@ class Asked:
     slack: float = 0.0
     where: int = UNDECIDED
     sample_times: Values | None = None
+    fixed_axes: bool = False
     events: bool = False
     extrema: bool = False
     bundle: Values | None = None
@@ -87,7 +90,7 @@ class Asked:
 
 @dataclass(frozen=True, slots=True)
 class Seen:
-    """What came of a run. Every state is read on the rotating axes of its time [1].
+    """What came of a run. States are read on rotating axes, but for what was asked otherwise [1].
 
     Parameters
     ----------
@@ -97,8 +100,8 @@ class Seen:
         When it ended [1].
     state : tuple of float
         The state there.
-    where : int
-        Whether it ended in contact or in flight.
+    began, where : int
+        Whether it began, and ended, in contact or in flight.
     samples : ndarray, shape (n, 4)
         States at the sample times, as far as it came.
     event_times, event_kinds, event_states : ndarray
@@ -115,6 +118,7 @@ class Seen:
     status: int
     time: float
     state: tuple[float, float, float, float]
+    began: int
     where: int
     samples: Values
     event_times: Values
@@ -172,6 +176,7 @@ class _Tables:
             status,
             run.time,
             (x, y, vx, vy),
+            run.began,
             run.where,
             self.samples,
             self.event_times[: run.events],
@@ -216,8 +221,8 @@ def stretch(asked: Asked, spans: int) -> tuple[Values, Seen]:
     status = library().core_stretch(byref(run), spans, written, byref(done))
     x, y, vx, vy = run.state
     seen = Seen(
-        status, run.time, (x, y, vx, vy), run.where, _NO_STATES, _NO_TIMES, _NO_KINDS, _NO_STATES,
-        _NO_CONTACTS, _NO_EXTREMA, run.evaluations,
+        status, run.time, (x, y, vx, vy), run.began, run.where, _NO_STATES, _NO_TIMES, _NO_KINDS,
+        _NO_STATES, _NO_CONTACTS, _NO_EXTREMA, run.evaluations,
     )  # fmt: skip
     return stretches[: done.value], seen
 
@@ -235,6 +240,7 @@ def _struct_of(asked: Asked) -> RunStruct:
         duration=asked.duration,
         slack=asked.slack,
         method=METHODS[asked.method],
+        fixed_axes=asked.fixed_axes,
         exact_flight=asked.exact_flight,
         stop=pointer(NO_STOP if asked.stop is None else asked.stop, np.uint8),
         state=(x, y, vx, vy),
@@ -256,6 +262,45 @@ def _longer(table: npt.NDArray[np.generic], room: int) -> npt.NDArray:  # type: 
     if len(table):
         wide[: len(table)] = table
     return wide
+
+
+def fault_of(
+    rotor: Rotor,
+    began: int,
+    samples: tuple[Values, Values],
+    events: tuple[Values, npt.NDArray[np.int8], Values],
+    contacts: Values,
+    allowed: float,
+) -> tuple[int, int]:
+    """Return the first fault of a run against the mechanics, by `FAULTS`, and its row.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        The rotor.
+    began : int
+        Whether it began in contact.
+    samples : tuple of ndarray
+        Times and states of the samples, in either frame [1].
+    events : tuple of ndarray
+        Times, kinds and states of the events [1].
+    contacts : ndarray, shape (k, 6)
+        Entry, exit and time of the peak of each contact, and what follows these [1].
+    allowed : float
+        How far a sample may lie on the wrong side of the ring [1].
+    """
+    run, row = RunStruct(rotor=RotorStruct.of(rotor), began=began), c_int64(0)
+    tables = [np.ascontiguousarray(table) for table in (*samples, *events, contacts)]
+    (
+        run.sample_times,
+        run.samples,
+        run.event_times,
+        run.event_kinds,
+        run.event_states,
+        run.contacts,
+    ) = (table.ctypes.data for table in tables)
+    run.sampled, run.events, run.contact_count = len(samples[0]), len(events[0]), len(contacts)
+    return int(library().core_fault(byref(run), allowed, byref(row))), row.value
 
 
 def starts_in_contact(rotor: Rotor, state: npt.ArrayLike) -> bool:

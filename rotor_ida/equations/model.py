@@ -157,12 +157,11 @@ def rotated(states: npt.ArrayLike, angle: npt.ArrayLike) -> Values:
     """
     given = np.asarray(states, dtype=np.float64)
     cosine, sine = np.cos(angle), np.sin(angle)
-    x, y, vx, vy = np.moveaxis(given, -1, 0)
-    rows: Values = np.stack(
-        [cosine * x - sine * y, sine * x + cosine * y, cosine * vx - sine * vy,
-         sine * vx + cosine * vy],
-        axis=-1,
-    )  # fmt: skip
+    x, y, vx, vy = given[..., 0], given[..., 1], given[..., 2], given[..., 3]
+    shape = np.broadcast_shapes(given.shape[:-1], np.shape(angle))
+    rows = np.empty((*shape, 4))
+    rows[..., 0], rows[..., 1] = cosine * x - sine * y, sine * x + cosine * y
+    rows[..., 2], rows[..., 3] = cosine * vx - sine * vy, sine * vx + cosine * vy
     return rows
 
 

@@ -6,8 +6,16 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.checks import State
-from rotor_ida.core.interface import DONE, ENTRY_TIME, EXIT_TIME, IMPULSE, PEAK_ROOT, message_of
-from rotor_ida.core.runs import Asked, follow, rotate, starts_in_contact
+from rotor_ida.core.interface import (
+    DONE,
+    ENTRY_TIME,
+    EXIT_TIME,
+    IMPULSE,
+    IN_CONTACT,
+    PEAK_ROOT,
+    message_of,
+)
+from rotor_ida.core.runs import Asked, follow
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import Rotor
@@ -26,6 +34,7 @@ def run(
     *,
     slack: float = 0.0,
     scale: float = 1.0,
+    extrema: bool = False,
     stop: Stop | None = None,
 ) -> Orbit:
     """Simulate a rotor from `start` at time 0 over `duration`.
@@ -47,6 +56,8 @@ def run(
         its own time.
     scale : float
         Factor on both tolerances.
+    extrema : bool
+        Whether the extrema of the radius are recorded; the reference records none.
     stop : ndarray, shape (1,), optional
         Asks a run in compiled code to stop as soon as it holds anything but 0.
 
@@ -77,30 +88,28 @@ def run(
         exact_flight=options.flight == "exact",
         slack=slack,
         sample_times=sample_times,
+        fixed_axes=True,
         events=True,
+        extrema=extrema,
         stop=stop,
     )
     seen = follow(asked)
-    end = np.array([seen.state])
-    rotate(end, np.array([seen.time]), rotor.omega)
     if seen.status != DONE:
-        x, y, vx, vy = end[0].tolist()
-        raise SimulationError(message_of(seen.status), time=seen.time, state=(x, y, vx, vy))
-    rotate(seen.samples, sample_times, rotor.omega)
-    rotate(seen.event_states, seen.event_times, rotor.omega)
+        raise SimulationError(message_of(seen.status), time=seen.time, state=seen.state)
     orbit = Orbit(
         rotor=rotor,
         options=options,
         duration=duration,
         times=sample_times,
         states=seen.samples,
-        starts_in_contact=starts_in_contact(rotor, start),
+        starts_in_contact=seen.began == IN_CONTACT,
         event_times=seen.event_times,
         event_kinds=seen.event_kinds,
         event_states=seen.event_states,
         contacts=_contacts_of(seen.contacts, rotor),
-        end=end[0],
+        end=np.array(seen.state),
         evaluations=seen.evaluations,
+        extrema=seen.extrema if extrema else None,
     )
     check_orbit(orbit)
     return orbit

@@ -18,12 +18,11 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.checks import State
-from rotor_ida.core.interface import DONE, message_of
+from rotor_ida.core.interface import DONE, KIND, STATE, TIME, message_of
 from rotor_ida.core.runs import Asked, follow
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
 from rotor_ida.parameters import Rotor
-from rotor_ida.sweeps.turning_points import CLOSE, TurningPoints
 
 Values = npt.NDArray[np.float64]
 
@@ -32,6 +31,50 @@ FEWEST_PERIODS = 3
 # A radius that swings no more than this many times what a state misses by may be a spiral inwards.
 CLEAR_SWING = 1e6
 RTOL = 1e-12
+# A radius that varies by less than this part of it does not turn, to what tolerances can tell.
+CONSTANT = 1e-9
+# Two turning points are apart by more than this.
+CLOSE = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class TurningPoints:
+    """The turning points of the radius in a window, in order of time.
+
+    Parameters
+    ----------
+    times : ndarray, shape (n,)
+        Times from the start of the window [1].
+    states : ndarray, shape (n, 4)
+        ``(x, y, vx, vy)`` there, on the rotating axes [1].
+    are_maxima : ndarray of bool, shape (n,)
+        Whether the radius is largest there, or smallest.
+    """
+
+    times: Values
+    states: Values
+    are_maxima: npt.NDArray[np.bool_]
+
+    @property
+    def radii(self) -> Values:
+        """Distances from the bearing axis [1]."""
+        return np.hypot(self.states[:, 0], self.states[:, 1])
+
+
+def turning_points(states: Values, extrema: Values) -> TurningPoints:
+    """Return the turning points of the radius in a window.
+
+    Parameters
+    ----------
+    states : ndarray, shape (n, 4)
+        Samples of the window [1].
+    extrema : ndarray, shape (m, 7)
+        The extrema of the radius in it, as of `rotor_ida.simulation.orbit.Orbit`; of a radius that
+        is constant to what tolerances can tell these are noise, and left out.
+    """
+    radii = np.hypot(states[:, 0], states[:, 1])
+    found = extrema if np.ptp(radii) > CONSTANT * radii.max() else extrema[:0]
+    return TurningPoints(found[:, TIME], found[:, STATE:], found[:, KIND] > 0.0)
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.checks import State
+from rotor_ida.core.interface import EXTREMUM_COLUMNS
 from rotor_ida.equations.model import rotated
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
@@ -17,7 +18,13 @@ from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run
 from rotor_ida.stability.lyapunov import largest_exponent
-from rotor_ida.sweeps.periods import extreme_radii, recurrence, slowest_multiplier
+from rotor_ida.sweeps.periods import (
+    TurningPoints,
+    extreme_radii,
+    recurrence,
+    slowest_multiplier,
+    turning_points,
+)
 from rotor_ida.sweeps.response import (
     BOUNCING,
     CHAOTIC,
@@ -33,7 +40,6 @@ from rotor_ida.sweeps.response import (
     touches_fade,
     whirls_steadily,
 )
-from rotor_ida.sweeps.turning_points import TurningPoints, turning_points
 
 Values = npt.NDArray[np.float64]
 
@@ -70,6 +76,9 @@ EXPONENT_TIME, EXPONENT_TIMES = 20_000.0, 2.0
 CLEAR_ERRORS = 5.0
 CLEAR_STRETCH = 20.0
 ROUNDING = 2.0**-52
+
+
+_NO_TIMES, _NO_EXTREMA = np.empty(0), np.empty((0, EXTREMUM_COLUMNS))
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +123,7 @@ class _Trajectory:
     state: State
     stop: Stop
     before: State = (0.0, 0.0, 0.0, 0.0)  # where the last run began
+    extrema: Values | None = None  # of the radius in the last window
     time: float = 0.0
     event_times: list[Values] = field(default_factory=lambda: [np.empty(0)])
     event_kinds: list[npt.NDArray[np.int8]] = field(
@@ -125,12 +135,13 @@ class _Trajectory:
         """Simulate on from the end of the run before."""
         count = math.ceil(duration / LONGEST_RUN)
         for _ in range(count):
-            self._extend(duration / count, np.empty(0))
+            self._extend(duration / count, _NO_TIMES)
 
     def observe(self, length: float, samples: int) -> Window:
         """Simulate on, and return what the motion does meanwhile."""
         times = np.linspace(0.0, length, samples)
-        orbit = self._extend(length, times)
+        orbit = self._extend(length, times, extrema=True)
+        self.extrema = orbit.extrema
         return Window(
             rotor=self.rotor,
             times=times,
@@ -143,18 +154,24 @@ class _Trajectory:
 
     def turns(self, window: Window) -> TurningPoints:
         """Return where the radius turns in the last window."""
-        length = float(window.times[-1])
+        found = self.extrema
+        if found is None:  # of the reference, which records none
+            series = Options(rtol=self.options.rtol, atol=self.options.atol, method="taylor")
+            length = float(window.times[-1])
+            again = run(
+                self.rotor, self.before, length, _NO_TIMES, series, extrema=True, stop=self.stop
+            )
+            found = again.extrema
+        return turning_points(window.states, _NO_EXTREMA if found is None else found)
 
-        def again(times: Values) -> Values:
-            orbit = self._run(self.before, length, times)
-            return rotated(orbit.states, -self.rotor.omega * times)
-
-        return turning_points(self.rotor, window.times, window.states, again)
-
-    def _extend(self, duration: float, times: Values) -> Orbit:
+    def _extend(self, duration: float, times: Values, *, extrema: bool = False) -> Orbit:
         """Simulate from the end of the run before, where time and phase count as 0 again."""
         self.before = self.state
-        orbit = self._run(self.before, duration, times)
+        scale = TIGHTER if self.options.rtol >= ROOMY else 1.0
+        orbit = run(
+            self.rotor, self.before, duration, times, self.options,
+            scale=scale, extrema=extrema, stop=self.stop,
+        )  # fmt: skip
         omega = self.rotor.omega
         self.event_times.append(self.time + orbit.event_times)
         self.event_kinds.append(orbit.event_kinds)
@@ -163,10 +180,6 @@ class _Trajectory:
         self.state = (x, y, vx, vy)
         self.time += duration
         return orbit
-
-    def _run(self, start: State, duration: float, times: Values) -> Orbit:
-        scale = TIGHTER if self.options.rtol >= ROOMY else 1.0
-        return run(self.rotor, start, duration, times, self.options, scale=scale, stop=self.stop)
 
     def settled(
         self, response: str, features: Features, window_start: float, message: str = ""

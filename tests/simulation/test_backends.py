@@ -52,7 +52,9 @@ def test_events_and_samples_are_those_of_the_python_backend(case, method, flight
     allowed *= case["duration"] + sensitivity.max(initial=1.0)
     size = max(1.0, np.abs(python.states).max())
     assert np.abs(compiled.states - python.states).max() <= allowed * size
-    assert compiled.contacts[:, :3] == pytest.approx(python.contacts[:, :3], abs=allowed, nan_ok=True)
+    assert compiled.contacts[:, :3] == pytest.approx(
+        python.contacts[:, :3], abs=allowed, nan_ok=True
+    )
 
 
 def test_the_whole_dataset_agrees_with_errors_and_horizon():
@@ -77,12 +79,6 @@ def test_auto_is_compiled_where_it_can_be_had(monkeypatch):
     with pytest.raises(InputError, match="'compiled' cannot be used: the libraries were not"):
         Options(backend="compiled")
     assert Options(method="taylor").backend == "compiled"
-
-
-def test_the_reference_knows_no_taylor_series():
-    message = "^backend must be 'auto' or 'compiled' with taylor, got 'python'$"
-    with pytest.raises(InputError, match=message):
-        simulate(BOUNCING, start=REST, duration=1.0, method="taylor", backend="python")
 
 
 @pytest.mark.parametrize(

@@ -1,14 +1,16 @@
 """Lyapunov exponents against closed forms, conserved sums and each other."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from rotor_ida import InputError, Rotor, SimulationError, lyapunov_exponent, synchronous_response
 from rotor_ida.closed_forms import eigenvalues
-from rotor_ida.simulation.cvode import libraries
-from rotor_ida.simulation.cvode.interface import callbacks_with_tangents
+from rotor_ida.core import sundials
+from rotor_ida.core.interface import STUCK
+from rotor_ida.core.runs import stretch
 from rotor_ida.stability import lyapunov
-from rotor_ida.stability.tangent_flow import STUCK
 
 REST = (0.0, 0.0, 0.0, 0.0)
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
@@ -134,8 +136,7 @@ def test_bad_input_is_refused(wrong, message):
 
 
 def test_where_cvode_cannot_be_called_taylor_series_can(monkeypatch):
-    monkeypatch.setattr(libraries, "why_not", lambda: "the libraries were not found")
-    callbacks_with_tangents.cache_clear()
+    monkeypatch.setattr(sundials, "why_not", lambda: "the libraries were not found")
     with pytest.raises(InputError, match="CVODE with tangents cannot be used: the libraries were"):
         lyapunov_exponent(BOUNCING, start=REST, duration=200.0, method="adams")
     by_taylor = lyapunov_exponent(BOUNCING, start=REST, duration=200.0)
@@ -145,10 +146,22 @@ def test_where_cvode_cannot_be_called_taylor_series_can(monkeypatch):
 def test_failure_says_where(monkeypatch):
     """A motion that cannot be followed raises; no number is made of what there is."""
 
-    def stuck(bundle, in_contact, span, stretches, *rotor):
-        stretches[:3] = 0.0
-        return STUCK
+    def stuck(asked, spans):
+        stretches, seen = stretch(asked, 3)
+        return stretches, replace(seen, status=STUCK)
 
-    monkeypatch.setattr(lyapunov, "follow_stretches", stuck)
-    with pytest.raises(SimulationError, match=r"could not be followed \(at t = 1.5, state"):
+    monkeypatch.setattr(lyapunov, "stretch", stuck)
+    message = r"could not be followed: time no longer advances \(at t = 1.5, state"
+    with pytest.raises(SimulationError, match=message):
         lyapunov_exponent(BOUNCING, start=REST)
+
+
+def test_stretching_that_is_no_number_is_no_result(monkeypatch):
+    def spoilt(asked, spans):
+        stretches, seen = stretch(asked, spans)
+        stretches[7, 2] = np.nan
+        return stretches, seen
+
+    monkeypatch.setattr(lyapunov, "stretch", spoilt)
+    with pytest.raises(SimulationError, match="the state is no longer finite"):
+        lyapunov_exponent(BOUNCING, start=REST, transient=10.0, duration=200.0)

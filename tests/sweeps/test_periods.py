@@ -7,9 +7,8 @@ import pytest
 
 from rotor_ida import Rotor
 from rotor_ida.simulation.options import Options
-from rotor_ida.sweeps.periods import extreme_radii, recurrence, slowest_multiplier
+from rotor_ida.sweeps.periods import TurningPoints, extreme_radii, recurrence, slowest_multiplier
 from rotor_ida.sweeps.steady_state import follow_to_steady_state
-from rotor_ida.sweeps.turning_points import TurningPoints
 
 GO_ON = np.zeros(1, np.uint8)
 

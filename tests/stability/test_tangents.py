@@ -5,28 +5,27 @@ import pytest
 from scipy.linalg import expm
 
 from rotor_ida import Rotor
+from rotor_ida.core.interface import DONE, STOPPED
+from rotor_ida.core.runs import Asked, follow, stretch
 from rotor_ida.equations.model import rotated, rotating_jacobian
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
-from rotor_ida.simulation.start import starts_in_contact
-from rotor_ida.stability.lyapunov import follow_stretches
-from rotor_ida.stability.tangent_flow import DONE
 
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 START = np.array([0.3, 0.2, 0.1, -0.4])
-GO_ON = np.zeros(1, np.uint8)
 TIGHT = Options(rtol=1e-13, atol=1e-15)
 
 
 def followed(rotor, start, duration, rtol, method="taylor"):
     """State and product of orthonormal vectors and stretching after one span."""
-    bundle = np.vstack([start, np.eye(4)])
-    parameters = (rotor.omega, rotor.zeta, rotor.delta0)
-    in_contact = starts_in_contact(complex(*start[:2]), complex(*start[2:]), *parameters)
-    stretch = np.empty((1, 4))
-    how = (parameters, rtol, GO_ON, method)
-    assert follow_stretches(bundle, in_contact, duration, stretch, *how) == DONE
-    return bundle, stretch[0]
+    bundle = np.eye(4)
+    asked = Asked(
+        rotor=rotor, start=start, duration=duration, rtol=rtol, atol=1e-2 * rtol, method=method,
+        bundle=bundle,
+    )  # fmt: skip
+    stretches, seen = stretch(asked, 1)
+    assert seen.status == DONE
+    return np.vstack([seen.state, bundle]), stretches[0]
 
 
 def simulated(rotor, start, duration):
@@ -100,3 +99,40 @@ def test_cvode_leads_tangent_vectors_to_where_taylor_series_do(rotor, method):
                        for rtol, method in ((1e-13, "taylor"), (1e-12, method)))  # fmt: skip
     np.testing.assert_allclose(found[0], expected[0], rtol=0.0, atol=1e-8)
     np.testing.assert_allclose(found[1], expected[1], rtol=0.0, atol=1e-8)
+
+
+@pytest.mark.parametrize("method", ["taylor", "adams"])
+def test_many_spans_are_one_flow(method):
+    """Stretching over spans, rows made orthonormal between them, adds up to that of one run."""
+    rows = np.linalg.qr(np.random.default_rng(0).normal(size=(4, 4)))[0]
+    asked = {"rotor": BOUNCING, "start": START, "rtol": 1e-12, "atol": 1e-14, "method": method}
+    bundle = rows.copy()
+    stretches, seen = stretch(Asked(**asked, duration=0.5, bundle=bundle), 40)
+    assert stretches.shape == (40, 4)
+    np.testing.assert_allclose(bundle @ bundle.T, np.eye(4), rtol=0.0, atol=1e-14)
+    whole = rows.copy()
+    once = follow(Asked(**asked, duration=20.0, bundle=whole))
+    np.testing.assert_allclose(seen.state, once.state, rtol=0.0, atol=1e-8)
+    triangle = np.linalg.qr(whole.T)[1]
+    expected = np.log(np.abs(np.diag(triangle)))
+    np.testing.assert_allclose(stretches.sum(axis=0), expected, rtol=0.0, atol=1e-7)
+
+
+def test_a_bundle_is_moved_linearly():
+    """Rows need not be the unit matrix: its image by the matrix that carries the unit matrix."""
+    rows = np.random.default_rng(1).normal(size=(4, 4))
+    moved, matrix = rows.copy(), np.eye(4)
+    for bundle in (moved, matrix):
+        follow(Asked(rotor=BOUNCING, start=START, duration=12.0, rtol=1e-12, atol=1e-14,
+                     bundle=bundle))  # fmt: skip
+    size = np.abs(matrix).max()
+    np.testing.assert_allclose(moved, rows @ matrix, rtol=0.0, atol=1e-12 * size)
+
+
+def test_a_stretching_that_is_stopped_says_how_far_it_came():
+    stop = np.ones(1, np.uint8)
+    asked = Asked(rotor=BOUNCING, start=START, duration=0.5, rtol=1e-9, atol=1e-11,
+                  bundle=np.eye(4), stop=stop)  # fmt: skip
+    stretches, seen = stretch(asked, 10)
+    assert seen.status == STOPPED
+    assert stretches.shape == (0, 4)
