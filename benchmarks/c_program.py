@@ -3,19 +3,22 @@
 It is built into a temporary folder and linked with the libraries that scikit-sundae carries.
 """
 
+import ctypes
 import os
 import shutil
 import subprocess
 from pathlib import Path
 
 import numpy as np
+import sksundae
 from ways import ATOL
 
-from rotor_ida.simulation.cvode import libraries as sundials
+from rotor_ida.core import sundials
 from rotor_ida.simulation.options import STEP_SAFETY
 
 SOURCE = Path(__file__).resolve().parent / "c" / "rotor.c"
 FLAGS = ("-O3", "-march=native", "-fcx-limited-range", "-std=c11", "-D_GNU_SOURCE")
+LIBRARIES_OF = Path(sksundae.__file__).parent
 NEEDED = ("cvode", "nvecserial", "sunmatrixdense", "sunlinsoldense", "core")
 
 
@@ -25,23 +28,23 @@ class NoProgramError(Exception):
 
 def build(folder):
     """Compile and link the program; return its path."""
+    reason = sundials.why_not()
+    if reason:
+        raise NoProgramError(reason)
+    place = sundials._folder(LIBRARIES_OF)
+    libraries = [str(sundials._library(place, name)) for name in NEEDED]
+    given = [*FLAGS, f"-DINDEX=int{index_bits()}_t", str(SOURCE), *libraries]
+    return compiled([*given, f"-Wl,-rpath,{place}"], Path(folder) / "rotor")
+
+
+def compiled(arguments, program):
+    """Compile a program; return its path."""
     wanted = os.environ.get("CC", "cc")
     compiler = shutil.which(wanted)
     if compiler is None:
         raise NoProgramError(f"no C compiler {wanted!r}: set CC, or install one")
-    reason = sundials.why_not()
-    if reason:
-        raise NoProgramError(reason)
-    place = sundials._folder()
-    libraries = [str(sundials._library(place, name)) for name in NEEDED]
-    program = Path(folder) / "rotor"
-    command = [compiler, *FLAGS, f"-DINDEX=int{index_bits()}_t", str(SOURCE), "-o", str(program)]
-    made = subprocess.run(
-        [*command, *libraries, f"-Wl,-rpath,{place}", "-lm"],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    command = [compiler, *arguments, "-lm", "-o", str(program)]
+    made = subprocess.run(command, capture_output=True, text=True, check=False)
     if made.returncode:
         raise NoProgramError(f"{compiler} failed: {made.stderr.strip().splitlines()[-1]}")
     return program
@@ -49,9 +52,7 @@ def build(folder):
 
 def index_bits():
     """Return 32 or 64: a vector's length and the flag behind it, or the length alone."""
-    import ctypes  # noqa: PLC0415 - only here
-
-    place = sundials._folder()
+    place = sundials._folder(LIBRARIES_OF)
     core, vectors = (ctypes.CDLL(str(sundials._library(place, n))) for n in ("core", "nvecserial"))
     length, _ = sundials._probe(core, vectors)
     return 64 if length == sundials.PROBE_SIZE else 32

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from rotor_ida import Rotor, simulate
-from rotor_ida.simulation.flight import fly, fly_over
+from rotor_ida.core.runs import fly
 
 SIZES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11)
 MULTIPLES = (10.0, 1e2, 1e3, 1e4)
@@ -25,25 +25,25 @@ def random_orbit(rng):
     while True:
         omega = math.exp(rng.uniform(math.log(0.1), math.log(6.0)))
         zeta = float(rng.choice([0.0, 1e-8, 0.07, math.exp(rng.uniform(math.log(1e-3), 0.0))]))
-        z0 = complex(*rng.normal(scale=0.5, size=2))
-        w0 = complex(*rng.normal(size=2))
+        start = np.concatenate([rng.normal(scale=0.5, size=2), rng.normal(size=2)])
+        rotor = Rotor(omega=omega, zeta=zeta, delta0=0.0)
         times = np.linspace(0.0, 12.0, 3001)
-        rows = fly_over(z0, w0, times, omega, zeta)
+        rows = fly(rotor, start, times)
         radius = np.hypot(rows[:, 0], rows[:, 1])
         rate = rows[:, 0] * rows[:, 2] + rows[:, 1] * rows[:, 3]
         turns = np.flatnonzero((rate[:-1] > 0) & (rate[1:] <= 0))
         if not turns.size:
             continue
 
-        def rising(time, z0=z0, w0=w0, omega=omega, zeta=zeta):
-            position, velocity = fly(z0, w0, time, omega, zeta)
-            return (position.conjugate() * velocity).real
+        def rising(time, rotor=rotor, start=start):
+            x, y, vx, vy = fly(rotor, start, time)[0]
+            return x * vx + y * vy
 
         first = turns[0]
         peak = brentq(rising, times[first], times[first + 1], xtol=1e-15)
-        height = abs(fly(z0, w0, peak, omega, zeta)[0])
-        if abs(z0) < height - 1e-2 and radius[: first + 1].max() <= height and height > 0.2:
-            return omega, zeta, (z0.real, z0.imag, w0.real, w0.imag), peak, height
+        height = np.hypot(*fly(rotor, start, peak)[0, :2])
+        if radius[0] < height - 1e-2 and radius[: first + 1].max() <= height and height > 0.2:
+            return omega, zeta, tuple(start.tolist()), peak, height
 
 
 def touches(orbit, offset, flight, method, rtol):

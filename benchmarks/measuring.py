@@ -16,7 +16,9 @@ from pathlib import Path
 
 import sksundae
 
-PACKAGES = ("numpy", "numba", "scipy", "xarray", "scikit-sundae", "heyoka")
+from rotor_ida.core.library import build_info
+
+PACKAGES = ("numpy", "scipy", "xarray", "scikit-sundae", "heyoka")
 LEAST = 0.05
 ROUNDS = 7
 
@@ -70,7 +72,7 @@ def ratio(slower, faster):
 
 
 def machine():
-    """Return what this runs on: processor, cores, versions."""
+    """Return what this runs on: processor, cores, versions, and who compiled the core."""
     model = platform.processor() or platform.machine()
     information = Path("/proc/cpuinfo")
     if information.exists():
@@ -84,4 +86,6 @@ def machine():
             found.append(f"{name} {version(name)}")
         except PackageNotFoundError:
             found.append(f"no {name}")
+    core = build_info()
+    found.append(f"core {core['level']} by {core['compiler']}")
     return f"{model}, {os.cpu_count()} cores; {', '.join(found)}"

@@ -174,15 +174,22 @@ FIRST = (
     "from rotor_ida import Rotor, simulate; simulate(Rotor(omega=1.2, zeta=0.07, delta0=0.5), "
     "start=(0, 0, 0, 0), duration=100.0)"
 )
+PROGRAM = "import sys; from rotor_ida.cli import main"
+ONE_RUN = ["--omega", "1.2", "--zeta", "0.07", "--delta0", "0.5", "--duration", "100"]
+COMMANDS = (
+    ["--help"],
+    ["simulate", *ONE_RUN],
+    ["simulate", *ONE_RUN, "--method", "taylor"],
+)
 PROCESSES = {
     "python -c pass": ["-c", "pass"],
-    "import numpy, xarray, numba": ["-c", "import numpy, xarray, numba"],
+    "import numpy, xarray": ["-c", "import numpy, xarray"],
     "import rotor_ida": ["-c", "import rotor_ida"],
-    "rotor-ida --help": [
-        "-c",
-        "import sys; from rotor_ida.cli import main; sys.argv = ['rotor-ida', '--help']; main()",
-    ],
-    "first simulate, warm cache": ["-c", FIRST],
+    "import, and a first simulate": ["-c", FIRST],
+    **{
+        " ".join(["rotor-ida", *words]): ["-c", f"{PROGRAM}; sys.exit(main())", *words]
+        for words in COMMANDS
+    },
 }
 
 

@@ -9,30 +9,37 @@ Each table by its own name, or all of them:
   programs at their tightest tolerances;
 - runs: time at equal achieved error, of the runs of `speed.py`, with heyoka where no contact begins
   or ends (needs the extra ``bench``);
-- arithmetic: the coefficients of one step, beside as many multiply-adds of a dot product;
+- arithmetic: the coefficients of one step, beside as many multiply-adds of a dot product
+  (``c/series.c`` with the core's own source and flags; needs a C compiler);
 - tangents: a motion with its four tangent vectors, by each method.
 """
 
 import argparse
 import importlib.util
+import shlex
+import subprocess
+import tempfile
 import time
+from pathlib import Path
 
+import c_program
 import numpy as np
 import ways
 from measuring import ROUNDS, clocked, in_turn, machine, ratio
 
-from rotor_ida.equations.compiling import compiled
-from rotor_ida.simulation.start import starts_in_contact
-from rotor_ida.simulation.taylor.contact_series import expand_contact
-from rotor_ida.simulation.taylor.motion import open_taylor
-from rotor_ida.stability.lyapunov import METHODS_OF_TANGENTS, follow_stretches
+import rotor_ida
+from rotor_ida import Rotor
+from rotor_ida.core.library import build_info
+from rotor_ida.core.runs import Asked, stretch
+from rotor_ida.stability.lyapunov import METHODS_OF_TANGENTS
+from rotor_ida.stability.orbit import ATOL
 
 WANTED = (1e-7, 1e-9, 1e-11)
 TOLERANCES = [10.0 ** (-power / 4.0) for power in range(16, 61)]
 ORDERS = (10, 15, 20)
 REPEATS = 20_000
-# Numbers in each vector of the dot product: both lie in the nearest cache.
-VECTOR = 1024
+CORE = Path(rotor_ida.__file__).parent / "core"
+SERIES = (str(Path(__file__).resolve().parent / "c" / "series.c"), str(CORE / "derived.c"))
 MOTIONS = {
     "whirl": (1.2, 0.07, 0.5, (0.0, 0.0, 0.0, 0.0)),
     "bouncing": (2.0, 0.07, 2.0, (0.0, 0.0, 0.0, 0.0)),
@@ -82,44 +89,33 @@ def runs(rounds):
                 )
 
 
-@compiled
-def expand(rtol, order, repeats):
-    """Write the coefficients of a contact up to an order, over and over."""
-    motion = open_taylor(1.2, 0.07, 0.5, True, rtol, False)
-    motion.series.terms[0, :5] = np.array([0.8, 0.1, 1.5, 0.6, 0.8])
-    for _ in range(repeats):
-        expand_contact(motion.series, motion.factors, order, 1.2, 0.07, 0.5)
-    return motion.series.terms[order, 0]
-
-
-@compiled
-def dot(left, right, repeats):
-    """Take a dot product over and over."""
-    total = 0.0
-    for _ in range(repeats):
-        total += np.dot(left, right)
-    return total
-
-
 def arithmetic(rounds):
     """Print the time of one step's coefficients, and of as many multiply-adds alone.
 
-    Order n of each of the 13 products takes n + 1 of them.
+    Order n of each of the 12 products takes n + 1 of them. The median is over rounds in which the
+    orders take turns.
     """
-    left = right = np.ones(VECTOR)
-    clocks = {0: clocked(lambda: dot(left, right, REPEATS))}
-    for order in ORDERS:
-        rtol = np.exp(2.0 - 2.0 * (order - 1))
-        clocks[order] = clocked(lambda rtol=rtol, order=order: expand(rtol, order, REPEATS))
-    times = in_turn(clocks, rounds)
-    each = times[0].median / REPEATS / VECTOR
+    found = {order: [] for order in ORDERS}
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            program = c_program.compiled(
+                [*shlex.split(build_info()["flags"]), f"-I{CORE}", *SERIES], Path(folder) / "series"
+            )
+        except c_program.NoProgramError as reason:
+            print(f"\nNo table of the arithmetic: {reason}")
+            return
+        for _ in range(rounds):
+            for order in ORDERS:
+                command = [program, str(order), str(REPEATS)]
+                ran = subprocess.run(command, capture_output=True, text=True, check=True)
+                found[order].append([float(line.split()[1]) for line in ran.stdout.splitlines()])
     print(
         "\n| order | multiply-adds | ns | of as many in a dot product | ratio |"
         "\n|---|---|---|---|---|"
     )
     for order in ORDERS:
-        count = 13 * order * (order + 1) // 2
-        spent = times[order].median / REPEATS
+        count = 12 * order * (order + 1) // 2
+        spent, each = np.median(found[order], axis=0)
         print(
             f"| {order} | {count:,} | {1e9 * spent:.0f} | {1e9 * count * each:.0f} "
             f"| {spent / (count * each):.1f} |"
@@ -129,7 +125,9 @@ def arithmetic(rounds):
 def tangents(_rounds):
     """Print what a motion with its tangent vectors takes, and how exact its exponents are."""
     print("\n| motion | method | rtol | worst error of a mean rate | s |\n|---|---|---|---|---|")
-    for name, (*rotor, start) in MOTIONS.items():
+    stretched(Rotor(omega=1.2, zeta=0.07, delta0=0.5), (0.0, 0.0, 0.0, 0.0), 1e-8, "adams")
+    for name, (omega, zeta, delta0, start) in MOTIONS.items():
+        rotor = Rotor(omega=omega, zeta=zeta, delta0=delta0)
         right, _ = stretched(rotor, start, 1e-14, "taylor")
         for method in METHODS_OF_TANGENTS:
             for rtol in (1e-8, 1e-10, 1e-12):
@@ -140,13 +138,13 @@ def tangents(_rounds):
 
 def stretched(rotor, start, rtol, method):
     """Return the mean rates of stretching of one motion, and the seconds that it took."""
-    bundle = np.vstack([start, np.linalg.qr(np.vander([1.0, 0.7, -0.4, -0.9]))[0]])
-    inside = starts_in_contact(complex(*start[:2]), complex(*start[2:]), *rotor)
-    stretches, stop = np.empty((SPANS, 4)), np.zeros(1, np.uint8)
-    how = (tuple(rotor), rtol, stop, method)
-    follow_stretches(bundle.copy(), inside, SPAN, stretches[:1], *how)
+    differences = np.ascontiguousarray(np.linalg.qr(np.vander([1.0, 0.7, -0.4, -0.9]))[0])
+    asked = Asked(
+        rotor=rotor, start=start, duration=SPAN, rtol=rtol, atol=ATOL * rtol, method=method,
+        bundle=differences,
+    )  # fmt: skip
     began = time.process_time()
-    follow_stretches(bundle, inside, SPAN, stretches, *how)
+    stretches, _ = stretch(asked, SPANS)
     spent = time.process_time() - began
     return stretches.mean(axis=0) / SPAN, spent
 

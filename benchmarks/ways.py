@@ -82,12 +82,12 @@ def ours(case, rtol, backend="auto", method="adams"):
 
 
 def compiled(case, rtol):
-    """CVODE from compiled code."""
+    """CVODE, called by the core."""
     return ours(case, rtol, "compiled")
 
 
 def taylor(case, rtol):
-    """Taylor series, compiled."""
+    """Taylor series, in the core."""
     return ours(case, rtol, method="taylor")
 
 

@@ -58,6 +58,7 @@ numpydoc_xref_aliases = {
     "SimulationError": "rotor_ida.SimulationError",
     "ArchiveError": "rotor_ida.ArchiveError",
     "InvariantError": "rotor_ida.InvariantError",
+    "InstallationError": "rotor_ida.InstallationError",
     "Rotor": "rotor_ida.Rotor",
     "DimensionalRotor": "rotor_ida.DimensionalRotor",
 }

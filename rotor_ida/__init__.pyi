@@ -16,6 +16,7 @@ from .cycles.continue_cycle import continue_cycle as continue_cycle
 from .cycles.limit_cycle import limit_cycle as limit_cycle
 from .errors import ArchiveError as ArchiveError
 from .errors import InputError as InputError
+from .errors import InstallationError as InstallationError
 from .errors import InvariantError as InvariantError
 from .errors import RotorError as RotorError
 from .errors import SimulationError as SimulationError

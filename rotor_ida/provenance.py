@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import importlib
 import platform
 import re
 import shlex
@@ -13,6 +12,7 @@ from functools import cache
 from importlib.metadata import version
 from pathlib import Path, PurePath
 
+from rotor_ida.core import sundials
 from rotor_ida.core.library import build_info
 
 SOURCE = "rotor_ida: rotor with Hertz contact and clearance, simulated event by event"
@@ -41,6 +41,7 @@ def provenance(how: Mapping[str, object]) -> dict[str, object]:
     return {"source": SOURCE, "command": command(), **how, **core(), **versions()}
 
 
+@cache
 def core() -> dict[str, str]:
     """Return who compiled the core, how, and for which level of the processor, as attributes.
 
@@ -55,8 +56,7 @@ def versions() -> dict[str, object]:
     names = {"rotor_ida": "rotor-ida", "scikit_sundae": "scikit-sundae"}
     names |= {name: name for name in ("numpy", "scipy", "xarray")}
     found: dict[str, object] = {f"{name}_version": version(names[name]) for name in names}
-    # imported here so that an archive can be written where no solver is installed
-    found["sundials_version"] = str(importlib.import_module("sksundae").SUNDIALS_VERSION)
+    found["sundials_version"] = sundials.version()
     found["python_version"] = platform.python_version()
     return found
 

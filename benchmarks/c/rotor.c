@@ -1,6 +1,6 @@
 /* A rotor in a clearance, simulated event by event, as one would write it in C over SUNDIALS.
  *
- * The same algorithm as rotor_ida/simulator: flight in closed form, with a search for the first
+ * The same algorithm as rotor_ida/core: flight in closed form, with a search for the first
  * touch that no touch can escape; contact in variables that are smooth through entry and exit,
  * integrated by CVODE (Adams, Newton, dense), its exit polished on the solver's own interpolant,
  * and CVodeReInit for the next one. It does not know starts at rest on the ring.

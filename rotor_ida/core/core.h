@@ -116,7 +116,7 @@ CORE_API void core_fly(const struct rotor *rotor, const double *states, const do
                        double *reached, int64_t count);
 
 /* The time to the first touch of the ring from a state in flight; infinite if none comes by
- * `limit`. */
+ * `limit`, NaN where the search gets nowhere. */
 CORE_API double core_first_touch(const struct rotor *rotor, const double state[4], double limit,
                                  const uint8_t *stop);
 

@@ -54,6 +54,14 @@ static int derivative_of_it(double point, void *state, void *rate, void *matrix,
     return 0;
 }
 
+/* Remember that a reading failed: it ends the run, though its values look like others. */
+static int noted(struct cvode *cvode, int flag)
+{
+    if (cvode->failure == 0)
+        cvode->failure = flag;
+    return flag;
+}
+
 /* CVODE keeps the address of the values, so a motion must not move. */
 static int restart(struct motion *motion, const double *start, const double *atol)
 {
@@ -105,7 +113,7 @@ static const double *at(struct motion *motion, double point)
         return motion->values;
     if (point <= motion->low)
         return motion->before;
-    if (cvode->sundials->derivative(cvode->memory, point, 0, cvode->derivative) != 0) {
+    if (noted(cvode, cvode->sundials->derivative(cvode->memory, point, 0, cvode->derivative))) {
         for (int i = 0; i < values_of(motion); i++)
             cvode->derivatives[i] = NAN;
     }
@@ -116,14 +124,15 @@ static const double *at(struct motion *motion, double point)
 static int fetch(struct cvode *cvode)
 {
     int degree = 0;
-    if (cvode->sundials->last_order(cvode->memory, &degree) != 0 || degree < 0
+    if (noted(cvode, cvode->sundials->last_order(cvode->memory, &degree)) || degree < 0
         || degree > HIGHEST_DEGREE)
         return 0;
     const struct motion *motion = &cvode->motion;
     const double step = motion->point - motion->low;
     double scale = 1.0;
     for (int power = 0; power <= degree; power++) {
-        if (cvode->sundials->derivative(cvode->memory, motion->point, power, cvode->derivative))
+        if (noted(cvode, cvode->sundials->derivative(cvode->memory, motion->point, power,
+                                                     cvode->derivative)))
             return 0;
         for (int i = 0; i < values_of(motion); i++)
             cvode->series[power][i] = scale * cvode->derivatives[i];
@@ -157,7 +166,7 @@ static int64_t evaluations(struct motion *motion)
 {
     struct cvode *cvode = cvode_of(motion);
     long count = 0;
-    return cvode->sundials->evaluations(cvode->memory, &count) == 0 ? count : 0;
+    return noted(cvode, cvode->sundials->evaluations(cvode->memory, &count)) ? 0 : count;
 }
 
 /* Make what SUNDIALS needs, in the order in which each needs the ones before. */

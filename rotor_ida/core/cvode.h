@@ -13,6 +13,7 @@ struct cvode {
     double atol[MOST_VALUES], derivatives[MOST_VALUES], reading[MOST_VALUES];
     double series[HIGHEST_DEGREE + 1][MOST_VALUES]; /* of the last step about its end, scaled */
     int degree, readings;
+    int failure; /* the first flag of a reading that failed, or 0 */
 };
 
 /* Make an integration; whoever opens one must close it, also where it could not be opened. */

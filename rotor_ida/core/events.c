@@ -20,6 +20,11 @@ static struct motion_of_centre where_it_is(const struct run *run)
     return (struct motion_of_centre){{run->state[0], run->state[1]}, {run->state[2], run->state[3]}};
 }
 
+static int is_finite(const double *state)
+{
+    return isfinite(state[0] + state[1] + state[2] + state[3]);
+}
+
 /* Advance the time by `span`, to a new displacement and velocity. */
 static void advance_run(struct run *run, double span, struct motion_of_centre centre)
 {
@@ -400,12 +405,16 @@ static int fly_exactly(struct run *run, int *touched)
     const double touch = first_touch(flight.start, &run->rotor, limit, run->stop);
     if (asked_to_stop(run->stop))
         return STOPPED;
+    if (isnan(touch))
+        return is_finite(run->state) ? STUCK : NOT_FINITE;
     *touched = touch <= limit;
     if (*touched)
         flight.span = touch;
     observe_flight(run, &flight);
+    if (asked_to_stop(run->stop))
+        return STOPPED; /* in the midst of it, perhaps */
     advance_run(run, flight.span, fly(flight.start, flight.span, &run->rotor));
-    return DONE;
+    return is_finite(run->state) ? DONE : NOT_FINITE;
 }
 
 /* Put the rotor on the ring, off which rounding has moved it, and record its entry. */
@@ -488,6 +497,8 @@ static int with_motions(struct run *run, int (*act)(struct run *, const struct m
     if (status == DONE) {
         const struct motions motions = {&contact.motion, &free.motion};
         status = act(run, &motions, more);
+        const int failure = contact.failure ? contact.failure : free.failure;
+        status = failure ? failure : status;
     }
     close_cvode(&contact);
     close_cvode(&free);
@@ -608,11 +619,6 @@ void core_rotate(double *states, const double *times, double omega, int64_t coun
 
 /* Radius at an event against delta0: the state is put there, so only rounding may remain. */
 static const double ON_THE_RING = 8.0 * ROUNDING;
-
-static int is_finite(const double *state)
-{
-    return isfinite(state[0] + state[1] + state[2] + state[3]);
-}
 
 static double radius_at(const double *state) { return length((struct vector){state[0], state[1]}); }
 

@@ -255,7 +255,10 @@ double first_touch(struct motion_of_centre start, const struct rotor *rotor, dou
             g.value -= floor;
             step = safe_step(g, jerk_bound(&flight, tau), smaller(4.0 * step, limit - tau));
         }
-        tau += larger(step, ROUNDING * tau);
+        const double next = tau + larger(step, ROUNDING * tau);
+        if (!(next > tau))
+            return NAN;
+        tau = next;
     }
     return NEVER;
 }

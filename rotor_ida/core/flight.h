@@ -24,9 +24,10 @@ static inline struct vector scaled(double factor, struct vector a)
     return (struct vector){factor * a.x, factor * a.y};
 }
 
+/* Fused in the source: gcc 12 fuses one half of such a product, whatever it is told. */
 static inline struct vector product(struct vector a, struct vector b)
 {
-    return (struct vector){a.x * b.x - a.y * b.y, a.x * b.y + a.y * b.x};
+    return (struct vector){fma(a.x, b.x, -(a.y * b.y)), fma(a.x, b.y, a.y * b.x)};
 }
 
 static inline struct vector mirrored(struct vector a) { return (struct vector){a.x, -a.y}; }
@@ -63,7 +64,8 @@ void fly_by_parameters(struct motion_of_centre start, double tau, const struct r
 /* Move differences, rows of four numbers, by a flight. */
 void fly_differences(double *rows, int count, double tau, const struct rotor *rotor);
 
-/* The time to the first touch of the ring; infinite if none comes by `limit`, or asked to stop. */
+/* The time to the first touch of the ring; infinite if none comes by `limit`, or asked to stop; NaN
+ * where the search gets nowhere. */
 double first_touch(struct motion_of_centre start, const struct rotor *rotor, double limit,
                    const uint8_t *stop);
 

@@ -31,16 +31,21 @@ def library() -> ctypes.CDLL:
     InstallationError
         If the library is missing, is of another platform, version or state of its sources.
     """
-    plainest = _load(identity.LEVELS[0])
-    # baseline asks, as it alone runs on every processor
-    offered = identity.LEVELS[: 1 + plainest.core_widest_level()]
-    level = os.environ.get(CHOICE) or offered[-1]
+    widest = offered()[-1]
+    level = os.environ.get(CHOICE) or widest
     if level not in identity.LEVELS:
         allowed = ", ".join(identity.LEVELS)
         raise InputError(f"{CHOICE} must be one of {allowed}, got {level!r}")
-    if level not in offered:
-        raise InputError(f"{CHOICE} must be at most {offered[-1]} on this processor, got {level!r}")
-    return plainest if level == identity.LEVELS[0] else _load(level)
+    if level not in offered():
+        raise InputError(f"{CHOICE} must be at most {widest} on this processor, got {level!r}")
+    return _load(level)
+
+
+@cache
+def offered() -> tuple[str, ...]:
+    """Return the levels that this processor has, the plainest first."""
+    # which is asked, as it alone runs on every processor
+    return identity.LEVELS[: 1 + _load(identity.LEVELS[0]).core_widest_level()]
 
 
 @cache
@@ -56,6 +61,7 @@ def build_info() -> dict[str, str]:
     return {name: said[name] for name in ("compiler", "flags", "level", "sources")}
 
 
+@cache
 def _load(level: str) -> ctypes.CDLL:
     """Return the library of a level, if it is what it should be."""
     path = identity.library_path(FOLDER, level)

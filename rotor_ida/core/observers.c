@@ -83,10 +83,16 @@ void observe_start(struct run *run)
     }
 }
 
+/* Whether a sample is left that lies within the next `span`, and is due until some time of it. */
+static int is_due(const struct run *run, double span, double until, double *due)
+{
+    *due = next_sample(run, span);
+    return isfinite(*due) && *due <= until;
+}
+
 static void sample_flight(struct run *run, const struct flight *flight)
 {
-    for (double due = next_sample(run, flight->span); due <= flight->span;
-         due = next_sample(run, flight->span))
+    for (double due; is_due(run, flight->span, flight->span, &due);)
         record_sample(run, fly(flight->start, due, &run->rotor));
 }
 
@@ -137,7 +143,7 @@ static void sample_step(struct run *run, const struct step *step)
     struct motion *motion = step->motion;
     const double left = time_left(run);
     if (!is_contact(motion)) {
-        for (double due = next_sample(run, left); due <= step->end; due = next_sample(run, left))
+        for (double due; is_due(run, left, step->end, &due);)
             record_sample(run, centre_of(motion, motion->glance_at(motion, due)));
         return;
     }

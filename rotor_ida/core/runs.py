@@ -16,6 +16,8 @@ from rotor_ida.core.interface import (
     CONTACT_COLUMNS,
     EXTREMUM_COLUMNS,
     FULL,
+    IN_CONTACT,
+    IN_FLIGHT,
     METHODS,
     UNDECIDED,
     RotorStruct,
@@ -216,6 +218,8 @@ def stretch(asked: Asked, spans: int) -> tuple[Values, Seen]:
     seen : Seen
         What came of the last span.
     """
+    if asked.bundle is None:
+        raise ValueError("a stretching must have a bundle, got none")
     run, stretches, done = _struct_of(asked), np.empty((spans, 4)), c_int64(0)
     written = pointer(stretches, np.float64, writeable=True)
     status = library().core_stretch(byref(run), spans, written, byref(done))
@@ -229,10 +233,7 @@ def stretch(asked: Asked, spans: int) -> tuple[Values, Seen]:
 
 def _struct_of(asked: Asked) -> RunStruct:
     """Return what is asked as the core takes it, with no tables."""
-    start = asked.start if isinstance(asked.start, tuple) else np.asarray(asked.start).tolist()
-    x, y, vx, vy = start
-    if not math.isfinite(x + y + vx + vy + asked.duration + asked.rtol + asked.atol):
-        raise ValueError(f"a run must begin with finite numbers, got {asked!r}")
+    x, y, vx, vy = _check(asked)
     run = RunStruct(
         rotor=RotorStruct.of(asked.rotor),
         rtol=asked.rtol,
@@ -254,6 +255,27 @@ def _struct_of(asked: Asked) -> RunStruct:
         run.differences = len(asked.bundle)
         run.bundle = pointer(asked.bundle, np.float64, writeable=True)
     return run
+
+
+def _check(asked: Asked) -> tuple[float, float, float, float]:
+    """Return the start, or raise `ValueError` where the core would not know what to do."""
+    start = asked.start if isinstance(asked.start, tuple) else np.asarray(asked.start).tolist()
+    if not isinstance(start, tuple | list) or len(start) != 4:
+        raise ValueError(f"start must be four numbers, got {asked.start!r}")
+    x, y, vx, vy = start
+    if not math.isfinite(x + y + vx + vy + asked.duration + asked.rtol + asked.atol + asked.slack):
+        raise ValueError(f"a run must begin with finite numbers, got {asked!r}")
+    if not (asked.rtol > 0.0 and asked.atol > 0.0):
+        raise ValueError(f"rtol and atol must be positive, got {asked.rtol} and {asked.atol}")
+    if asked.method not in METHODS:
+        raise ValueError(f"method must be one of {', '.join(METHODS)}, got {asked.method!r}")
+    if asked.where not in {UNDECIDED, IN_FLIGHT, IN_CONTACT}:
+        raise ValueError(f"where must be -1, 0 or 1, got {asked.where}")
+    if asked.stop is not None and asked.stop.shape != (1,):
+        raise ValueError(f"stop must be one number, got {asked.stop!r}")
+    if asked.sample_times is not None and asked.sample_times.ndim != 1:
+        raise ValueError(f"sample times must be one row of numbers, got {asked.sample_times!r}")
+    return x, y, vx, vy
 
 
 def _longer(table: npt.NDArray[np.generic], room: int) -> npt.NDArray:  # type: ignore[type-arg]
@@ -308,9 +330,15 @@ def starts_in_contact(rotor: Rotor, state: npt.ArrayLike) -> bool:
 
     On the ring the first of radial velocity, acceleration and jerk that is not zero decides.
     """
-    given = np.ascontiguousarray(state, dtype=np.float64)
-    held = RotorStruct.of(rotor)
+    given, held = _four_numbers(state), RotorStruct.of(rotor)
     return bool(library().core_starts_in_contact(byref(held), pointer(given, np.float64)))
+
+
+def _four_numbers(state: npt.ArrayLike) -> Values:
+    given = np.ascontiguousarray(state, dtype=np.float64)
+    if given.shape != (4,):
+        raise ValueError(f"a state must be four numbers, got {state!r}")
+    return given
 
 
 def fly(rotor: Rotor, states: npt.ArrayLike, spans: npt.ArrayLike) -> Values:
@@ -333,8 +361,11 @@ def fly(rotor: Rotor, states: npt.ArrayLike, spans: npt.ArrayLike) -> Values:
 
 
 def first_touch(rotor: Rotor, state: npt.ArrayLike, limit: float) -> float:
-    """Return the time to the first touch of the ring from a state in flight, or infinity [1]."""
-    given, held = np.ascontiguousarray(state, dtype=np.float64), RotorStruct.of(rotor)
+    """Return the time to the first touch of the ring from a state in flight, or infinity [1].
+
+    It is NaN where the search gets nowhere.
+    """
+    given, held = _four_numbers(state), RotorStruct.of(rotor)
     stop = pointer(NO_STOP, np.uint8)
     return float(library().core_first_touch(byref(held), pointer(given, np.float64), limit, stop))
 

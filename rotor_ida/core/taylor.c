@@ -304,8 +304,8 @@ static int64_t evaluations(struct motion *motion) { return taylor_of(motion)->or
 /* The order at which a given accuracy takes the least work: 1 - ln(eps)/2 [Jorba and Zou 2005]. */
 static int order_for(double rtol)
 {
-    const int order = (int)ceil(1.0 - 0.5 * log(rtol));
-    return order < LOWEST_ORDER ? LOWEST_ORDER : order > HIGHEST_ORDER ? HIGHEST_ORDER : order;
+    const double order = ceil(1.0 - 0.5 * log(rtol));
+    return (int)fmin(fmax(order, LOWEST_ORDER), HIGHEST_ORDER);
 }
 
 void open_taylor(struct taylor *taylor, const struct mode *mode, struct parameters model,

@@ -1,0 +1,613 @@
+/* Every entry point of the core, called in every way that may go wrong: for the sanitizers.
+ *
+ * Tables are allocated to the last byte, so that a write beyond one is seen. Results are looked at
+ * only so far as no row may be left as it was; their numbers are tested from Python. In the place
+ * of SUNDIALS stands the classic Runge-Kutta method, each function of which can be made to fail. */
+#define _XOPEN_SOURCE 700 /* of POSIX: timers */
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/time.h>
+
+#include "core.h"
+#include "motion.h"
+
+enum { CONTACT_COLUMNS = 6, EXTREMUM_COLUMNS = 7, LANES_OF_KERNEL = 64, REGION = 14, SECTION = 21 };
+
+static volatile uint8_t stop;
+
+static void ask_to_stop(int signal)
+{
+    (void)signal;
+    stop = 1;
+}
+
+/* Ask to stop after so many microseconds. */
+static void stop_after(int microseconds)
+{
+    stop = 0;
+    const struct itimerval timer = {{0, 0}, {0, microseconds}};
+    setitimer(ITIMER_REAL, &timer, NULL);
+}
+
+static void require(int held, const char *what)
+{
+    if (!held) {
+        fprintf(stderr, "%s\n", what);
+        exit(1);
+    }
+}
+
+static void *room_for(int64_t count, size_t size)
+{
+    void *room = malloc(count > 0 ? (size_t)count * size : 1);
+    require(room != NULL, "no memory is left");
+    return room;
+}
+
+/* ---- In the place of SUNDIALS ---- */
+
+struct made_up_vector {
+    int64_t size;
+    double *data;
+};
+
+struct made_up_solver {
+    int (*field)(double, void *, void *, void *);
+    int (*jacobian)(double, void *, void *, void *, void *, void *, void *, void *);
+    void *user;
+    struct made_up_vector *state;
+    double point, before[MOST_VALUES], low;
+    long count;
+};
+
+static int calls_until_failure; /* how many calls of SUNDIALS are left; negative: without end */
+static int objects;             /* not freed so far */
+
+static int fails(void) { return calls_until_failure >= 0 && calls_until_failure-- == 0; }
+
+static void *object(size_t size)
+{
+    objects++;
+    return calloc(1, size);
+}
+
+static void discard(void *object)
+{
+    objects--;
+    free(object);
+}
+
+static int context_new(int communicator, void **context)
+{
+    (void)communicator;
+    if (fails())
+        return -1;
+    *context = object(8);
+    return 0;
+}
+
+static int forget(void **context)
+{
+    discard(*context);
+    *context = NULL;
+    return 0;
+}
+
+static int handlers_clear(void *context)
+{
+    (void)context;
+    return fails() ? -1 : 0;
+}
+
+static void *vector_over(int64_t size, double *data, void *context)
+{
+    (void)context;
+    if (fails())
+        return NULL;
+    struct made_up_vector *vector = object(sizeof *vector);
+    *vector = (struct made_up_vector){size, data};
+    return vector;
+}
+
+static int vector_fuse(void *vector, int on)
+{
+    (void)vector, (void)on;
+    return fails() ? -1 : 0;
+}
+
+static double *vector_data(void *vector)
+{
+    return fails() ? NULL : ((struct made_up_vector *)vector)->data;
+}
+
+static void *matrix_new(int64_t rows, int64_t columns, void *context)
+{
+    (void)context;
+    if (fails())
+        return NULL;
+    struct made_up_vector *matrix = object(sizeof *matrix);
+    *matrix = (struct made_up_vector){rows, room_for(rows * columns, sizeof(double))};
+    return matrix;
+}
+
+static void matrix_free(void *matrix)
+{
+    free(((struct made_up_vector *)matrix)->data);
+    discard(matrix);
+}
+
+static void *linear_new(void *vector, void *matrix, void *context)
+{
+    (void)vector, (void)matrix, (void)context;
+    return fails() ? NULL : object(8);
+}
+
+static int linear_free(void *linear)
+{
+    discard(linear);
+    return 0;
+}
+
+static void *create(int method, void *context)
+{
+    (void)method, (void)context;
+    return fails() ? NULL : object(sizeof(struct made_up_solver));
+}
+
+static void solver_free(void **memory) { forget(memory); }
+
+static int init(void *memory, int (*field)(double, void *, void *, void *), double point,
+                void *state)
+{
+    struct made_up_solver *solver = memory;
+    solver->field = field;
+    solver->state = state;
+    solver->point = point;
+    return fails() ? -1 : 0;
+}
+
+static int reinit(void *memory, double point, void *state)
+{
+    struct made_up_solver *solver = memory;
+    solver->point = solver->low = point;
+    solver->state = state;
+    return fails() ? -1 : 0;
+}
+
+static int tolerances(void *memory, double rtol, void *atol)
+{
+    (void)memory, (void)rtol, (void)atol;
+    return fails() ? -1 : 0;
+}
+
+static int user_data(void *memory, void *user)
+{
+    ((struct made_up_solver *)memory)->user = user;
+    return fails() ? -1 : 0;
+}
+
+static int linear_use(void *memory, void *linear, void *matrix)
+{
+    (void)memory, (void)linear, (void)matrix;
+    return fails() ? -1 : 0;
+}
+
+static int jacobian_use(void *memory, int (*jacobian)(double, void *, void *, void *, void *,
+                                                      void *, void *, void *))
+{
+    ((struct made_up_solver *)memory)->jacobian = jacobian;
+    return fails() ? -1 : 0;
+}
+
+/* One step of a fixed length; the Jacobian is asked for once, as a real solver would. */
+static int solve(void *memory, double goal, void *state, double *reached, int task)
+{
+    static const double PARTS[] = {0.0, 0.5, 0.5, 1.0}, WEIGHTS[] = {1.0, 2.0, 2.0, 1.0};
+    (void)goal, (void)task;
+    struct made_up_solver *solver = memory;
+    struct made_up_vector *values = state;
+    const double step = 0.03;
+    double now[MOST_VALUES], rate[MOST_VALUES] = {0.0}, sum[MOST_VALUES] = {0.0};
+    const size_t count = (size_t)values->size;
+    if (fails())
+        return -4;
+    memcpy(now, values->data, count * sizeof(double));
+    memcpy(solver->before, now, count * sizeof(double));
+    if (solver->jacobian) {
+        struct made_up_vector matrix = {values->size, room_for(values->size * values->size, 8)};
+        const int status = solver->jacobian(0.0, state, state, &matrix, solver->user, NULL, NULL,
+                                            NULL);
+        free(matrix.data);
+        if (status != 0)
+            return -8;
+    }
+    for (int stage = 0; stage < 4; stage++) {
+        double there[MOST_VALUES];
+        for (size_t i = 0; i < count; i++)
+            there[i] = now[i] + PARTS[stage] * step * rate[i];
+        struct made_up_vector place = {values->size, there}, into = {values->size, rate};
+        if (solver->field(0.0, &place, &into, solver->user) != 0)
+            return -8;
+        for (size_t i = 0; i < count; i++)
+            sum[i] += WEIGHTS[stage] * rate[i] / 6.0;
+    }
+    for (size_t i = 0; i < count; i++)
+        values->data[i] = now[i] + step * sum[i];
+    solver->low = solver->point;
+    solver->point += step;
+    solver->count += 4;
+    *reached = solver->point;
+    return 0;
+}
+
+static int derivative(void *memory, double point, int order, void *vector)
+{
+    const struct made_up_solver *solver = memory;
+    const struct made_up_vector *into = vector;
+    if (fails())
+        return -1;
+    const double span = solver->point - solver->low, part = (point - solver->low) / span;
+    for (int64_t i = 0; i < into->size; i++) {
+        const double first = solver->before[i], last = solver->state->data[i];
+        const double slope = order == 1 ? (last - first) / span : 0.0;
+        into->data[i] = order == 0 ? first + part * (last - first) : slope;
+    }
+    return 0;
+}
+
+static int last_order(void *memory, int *order)
+{
+    (void)memory;
+    *order = 1;
+    return fails() ? -1 : 0;
+}
+
+static int evaluations(void *memory, long *count)
+{
+    *count = ((struct made_up_solver *)memory)->count;
+    return fails() ? -1 : 0;
+}
+
+static const struct sundials made_up = {
+    context_new, forget,      handlers_clear, vector_over, vector_fuse, discard,
+    vector_data, matrix_new,  matrix_free,    vector_data, linear_new,  linear_free,
+    create,      solver_free, init,           reinit,      tolerances,  user_data,
+    linear_use,  jacobian_use, solve,         derivative,  last_order,  evaluations,
+};
+
+/* ---- Runs ---- */
+
+static struct run run_of(struct rotor rotor, const double start[4], double duration)
+{
+    struct run run = {.rotor = rotor,
+                      .rtol = 1e-9,
+                      .atol = 1e-11,
+                      .duration = duration,
+                      .exact_flight = 1,
+                      .stop = (const uint8_t *)&stop,
+                      .where = UNDECIDED};
+    memcpy(run.state, start, sizeof run.state);
+    return run;
+}
+
+/* How much room the tables of a run have. */
+struct room {
+    int64_t samples, events, contacts, extrema;
+    int32_t differences;
+};
+
+static void furnish(struct run *run, struct room room)
+{
+    double *times = room_for(room.samples, sizeof(double));
+    for (int64_t i = 0; i < room.samples; i++)
+        times[i] = run->duration * (double)i / (double)(room.samples > 1 ? room.samples - 1 : 1);
+    run->sample_times = times;
+    run->samples = room_for(room.samples, 4 * sizeof(double));
+    run->sample_count = room.samples;
+    run->event_times = room_for(room.events, sizeof(double));
+    run->event_states = room_for(room.events, 4 * sizeof(double));
+    run->event_kinds = room_for(room.events, 1);
+    run->event_room = room.events;
+    run->contacts = room_for(room.contacts, CONTACT_COLUMNS * sizeof(double));
+    run->contact_room = room.contacts;
+    run->extrema = room_for(room.extrema, EXTREMUM_COLUMNS * sizeof(double));
+    run->extremum_room = room.extrema;
+    run->differences = room.differences;
+    run->bundle = room_for(room.differences, 4 * sizeof(double));
+    for (int i = 0; i < 4 * room.differences; i++)
+        run->bundle[i] = i % 5 == 0 && i < 16 ? 1.0 : 0.0;
+}
+
+static void clear(struct run *run)
+{
+    void *tables[] = {(void *)(uintptr_t)run->sample_times, run->samples,  run->event_times,
+                      run->event_states,                    run->event_kinds, run->contacts,
+                      run->extrema,                         run->bundle};
+    for (size_t i = 0; i < sizeof tables / sizeof *tables; i++)
+        free(tables[i]);
+}
+
+/* Follow a run in tables of this room; return how it ended. */
+static int followed(struct run run, struct room room)
+{
+    furnish(&run, room);
+    const int status = core_run(&run);
+    int64_t row = 0;
+    require(run.sampled <= room.samples && run.events <= room.events
+                && run.contact_count <= room.contacts && run.extremum_count <= room.extrema,
+            "a table holds more than its room");
+    if (status == DONE) {
+        require(run.sampled == room.samples, "a sample is missing");
+        core_fault(&run, 1e-6, &row);
+    }
+    clear(&run);
+    return status;
+}
+
+static const struct rotor ROTORS[] = {{2.0, 0.07, 2.0}, {3.0, 0.07, 0.5}, {1.7, 0.07, 0.0},
+                                      {0.0, 0.0, 1.0},  {0.6, 0.0, 1e-9}, {1.3, 2.0, 50.0},
+                                      {1e3, 1e2, 1e3},  {0.0, 0.0, 0.0}};
+enum { ROTOR_COUNT = sizeof ROTORS / sizeof *ROTORS };
+
+/* Starts: at rest, in contact, on the ring in all ways, far off, and what is no number. */
+static void start_of(int number, double delta0, double start[4])
+{
+    const double starts[][4] = {{0.0, 0.0, 0.0, 0.0},
+                                {delta0 + 1.0, 0.3, -1.0, 0.4},
+                                {delta0, 0.0, 0.0, 0.0},
+                                {0.0, delta0, 0.0, 0.0},
+                                {delta0, 0.0, 1.0, 0.0},
+                                {-delta0, 0.0, 1.0, 0.0},
+                                {delta0, 0.0, 0.0, 1.0},
+                                {delta0, 0.0, -1e-12, 1.0},
+                                {0.3, 0.0, 1e-300, 0.0},
+                                {1e6, -1e6, 1e6, 1e6},
+                                {1e-300, 0.0, 0.0, 1e-300},
+                                {1e200, 0.0, 0.0, 1e200},
+                                {1e308, 1e308, 1e308, 1e308},
+                                {NAN, 0.0, 0.0, 0.0},
+                                {0.3, 0.0, INFINITY, 0.0}};
+    memcpy(start, starts[number], sizeof *starts);
+}
+enum { STARTS = 15, SOUND_STARTS = 9 };
+
+static void runs_with_all_observers(void)
+{
+    const struct room everything = {31, 400, 200, 2000, 7}, nothing = {0, 0, 0, 0, 0};
+    for (int i = 0; i < ROTOR_COUNT; i++) {
+        for (int number = 0; number < STARTS; number++) {
+            double start[4];
+            start_of(number, ROTORS[i].delta0, start);
+            for (int kind = 0; kind < 6; kind++) {
+                struct run run = run_of(ROTORS[i], start, kind % 3 == 0 ? 6.0 : 1.0);
+                run.fixed_axes = kind % 2;
+                run.slack = kind == 3 ? 1e-8 : 0.0;
+                run.rtol = kind == 4 ? 1e-15 : 1e-9;
+                run.exact_flight = kind < 5;
+                stop_after(100000);
+                const int status = followed(run, kind == 2 ? nothing : everything);
+                const int fair = number < SOUND_STARTS && ROTORS[i].omega < 100.0 && !stop;
+                require(!fair || status == DONE, "a run of everyday did not end");
+            }
+        }
+    }
+}
+
+static void runs_in_rooms_that_are_too_small(void)
+{
+    const double start[4] = {0.0};
+    for (int i = 0; i < ROTOR_COUNT; i++) {
+        for (int64_t size = 0; size < 7; size++) {
+            stop_after(400000);
+            const struct run run = run_of(ROTORS[i], start, 20.0);
+            followed(run, (struct room){size, size, size, size, 0});
+            followed(run, (struct room){size, 0, 0, size, 4});
+            followed(run, (struct room){0, size, 400, 0, 7});
+            followed(run, (struct room){0, 400, size, 0, 0});
+        }
+    }
+    /* with more room a run goes on from where it stands */
+    stop_after(900000);
+    struct run run = run_of(ROTORS[0], start, 60.0);
+    furnish(&run, (struct room){9, 64, 64, 0, 4});
+    run.event_room = run.contact_room = 2;
+    int again = 0;
+    for (; core_run(&run) == FULL; again++)
+        run.event_room = run.contact_room = run.event_room + 2;
+    require(again > 2 && run.sampled == 9 && run.events > 4, "a run did not go on");
+    clear(&run);
+}
+
+static void runs_of_odd_lengths(void)
+{
+    const double lengths[] = {0.0, -1.0, 5e-324, 1e-300, 1e-17, 1e9, INFINITY, NAN};
+    const double tolerances_asked[] = {1e-9, 0.0, -1.0, 1e-300, 1.0, 1e300, NAN};
+    for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++) {
+        for (size_t j = 0; j < sizeof tolerances_asked / sizeof *tolerances_asked; j++) {
+            for (int number = 0; number < 5; number++) {
+                double start[4];
+                start_of(number, 2.0, start);
+                struct run run = run_of(ROTORS[number == 4 ? 2 : 0], start, lengths[i]);
+                run.rtol = tolerances_asked[j];
+                run.atol = tolerances_asked[j];
+                furnish(&run, (struct room){0, 64, 64, 64, 4});
+                stop_after(20000);
+                core_run(&run);
+                clear(&run);
+            }
+        }
+    }
+    stop = 1;
+    double start[4] = {0.0};
+    require(core_run(&(struct run){.rotor = ROTORS[0], .rtol = 1e-9, .atol = 1e-9, .duration = 9.0,
+                                   .exact_flight = 1, .where = UNDECIDED,
+                                   .stop = (const uint8_t *)&stop}) == STOPPED,
+            "a run that was asked to stop went on");
+    stop_after(100000);
+    struct run run = run_of(ROTORS[0], start, 1e12);
+    require(core_run(&run) == STOPPED, "a long run did not stop");
+    run = run_of(ROTORS[0], start, 9.0);
+    run.method = ADAMS;
+    require(core_run(&run) == NO_SOLVER, "there was a solver");
+}
+
+/* Each call of SUNDIALS fails in turn; all objects are freed, whatever happened. */
+static void runs_by_a_solver_that_fails(void)
+{
+    double start[4];
+    for (int kind = 0; kind < 6; kind++) {
+        int ended = -1;
+        for (calls_until_failure = 0; ended != DONE; ) {
+            const int call = calls_until_failure;
+            start_of(1, 2.0, start);
+            struct run run = run_of(ROTORS[kind % 3], start, 0.4);
+            run.method = kind % 2 ? ADAMS : BDF;
+            run.exact_flight = kind < 3;
+            run.sundials = &made_up;
+            stop = 0;
+            ended = followed(run, (struct room){3, 64, 64, 64, kind > 3 ? 4 : 0});
+            require(objects == 0, "an object of SUNDIALS was not freed");
+            if (calls_until_failure >= 0)
+                break; /* all calls were made, and none failed */
+            require(ended != DONE, "a failure of SUNDIALS was passed over");
+            calls_until_failure = call + 1;
+            ended = -1;
+            require(call < 100000, "the calls have no end");
+        }
+    }
+    calls_until_failure = -1;
+    for (int i = 0; i < ROTOR_COUNT; i++) {
+        for (int number = 0; number < STARTS; number++) {
+            start_of(number, ROTORS[i].delta0, start);
+            struct run run = run_of(ROTORS[i], start, 3.0);
+            run.method = ADAMS;
+            run.exact_flight = number % 2;
+            run.sundials = &made_up;
+            stop_after(50000);
+            followed(run, (struct room){40, 400, 200, 400, 0});
+            require(objects == 0, "an object of SUNDIALS was not freed");
+        }
+    }
+}
+
+static void stretches(void)
+{
+    double start[4];
+    for (int i = 0; i < ROTOR_COUNT; i++) {
+        for (int number = 0; number < STARTS; number++) {
+            start_of(number, ROTORS[i].delta0, start);
+            struct run run = run_of(ROTORS[i], start, 0.5);
+            furnish(&run, (struct room){0, 0, 0, 0, 4});
+            double *rows = room_for(20, 4 * sizeof(double));
+            int64_t done = 0;
+            stop_after(50000);
+            core_stretch(&run, 20, rows, &done);
+            require(0 <= done && done <= 20, "there are more spans than were asked for");
+            core_stretch(&run, 0, rows, &done);
+            require(done == 0, "a span was followed that was not asked for");
+            free(rows);
+            clear(&run);
+        }
+    }
+}
+
+static void single_states(void)
+{
+    const double spans[] = {0.0, 1e-300, 1.0, 1e6, 1e300, -1.0, INFINITY, NAN};
+    enum { SPANS = sizeof spans / sizeof *spans };
+    for (int i = 0; i < ROTOR_COUNT; i++) {
+        for (int number = 0; number < STARTS; number++) {
+            double start[4], *states = room_for(SPANS, 4 * sizeof(double));
+            double *reached = room_for(SPANS, 4 * sizeof(double));
+            start_of(number, ROTORS[i].delta0, start);
+            core_starts_in_contact(&ROTORS[i], start);
+            for (int j = 0; j < SPANS; j++)
+                memcpy(&states[4 * j], start, sizeof start);
+            core_fly(&ROTORS[i], states, spans, reached, SPANS);
+            core_fly(&ROTORS[i], states, spans, reached, 0);
+            core_rotate(states, spans, ROTORS[i].omega, SPANS);
+            core_rotate(states, spans, ROTORS[i].omega, 0);
+            for (int j = 0; j < SPANS; j++) {
+                stop_after(20000);
+                core_first_touch(&ROTORS[i], start, spans[j], (const uint8_t *)&stop);
+            }
+            free(states);
+            free(reached);
+        }
+    }
+}
+
+/* ---- Lanes ---- */
+
+static double uniform(void) { return 8.0 * (double)rand() / RAND_MAX - 4.0; }
+
+/* Numbers that lie in a table of their own. */
+static double *table_of(int64_t count, double first, double others)
+{
+    double *table = room_for(count, sizeof(double));
+    for (int64_t i = 0; i < count; i++)
+        table[i] = i % SECTION == 0 ? first : others;
+    return table;
+}
+
+static void lanes(void)
+{
+    const int64_t counts[] = {0, 1, LANES_OF_KERNEL - 1, LANES_OF_KERNEL, LANES_OF_KERNEL + 1, 200};
+    for (size_t c = 0; c < sizeof counts / sizeof *counts; c++) {
+        for (int kind = 0; kind < 8; kind++) {
+            const int64_t count = counts[c], regions = kind % 3, sections = kind % 2;
+            const struct rotor rotor = ROTORS[kind];
+            double *states = room_for(4 * count, sizeof(double));
+            int16_t *labels = room_for(count, sizeof(int16_t));
+            float *times = room_for(count, sizeof(float));
+            double *region = table_of(REGION * regions, 0.1, kind == 2 ? NAN : 0.5);
+            double *section = table_of(SECTION * sections, 0.2, kind == 5 ? 0.0 : 0.7);
+            const double whirl[4] = {-0.9, -0.1, kind % 2 ? 0.3 : -1.0, 2.0};
+            for (int64_t i = 0; i < 4 * count; i++)
+                states[i] = kind == 4 && i % 7 == 0 ? NAN : kind == 6 ? 1e200 : uniform();
+            for (int64_t i = 0; i < count; i++) {
+                labels[i] = i % 5 == 0 ? 3 : -2;
+                times[i] = 0.0F;
+            }
+            stop_after(50000);
+            core_follow_lanes(&rotor, states, labels, times, count, region, regions, whirl, section,
+                              sections, kind == 7 ? INFINITY : 3.0, kind == 3 ? 0.0 : 1e-6,
+                              (const uint8_t *)&stop);
+            double *values = room_for(count, sizeof(double)), *one = table_of(SECTION, 0.2, 0.7);
+            stop_after(50000);
+            core_measure_returns(&rotor, states, count, one, 0.5, kind == 7 ? INFINITY : 3.0, 1e-6,
+                                 values, (const uint8_t *)&stop);
+            stop = 1;
+            core_measure_returns(&rotor, states, count, one, 0.5, 3.0, 1e-6, values,
+                                 (const uint8_t *)&stop);
+            free(one);
+            free(values);
+            free(section);
+            free(region);
+            free(times);
+            free(labels);
+            free(states);
+        }
+    }
+}
+
+int main(void)
+{
+    const struct sigaction action = {.sa_handler = ask_to_stop};
+    sigaction(SIGALRM, &action, NULL);
+    calls_until_failure = -1;
+    require(core_version()[0] && core_compiler() && core_flags() && core_level() && core_sources(),
+            "the core does not say what it is");
+    require(core_widest_level() >= 0, "the processor has no level");
+    runs_with_all_observers();
+    runs_in_rooms_that_are_too_small();
+    runs_of_odd_lengths();
+    runs_by_a_solver_that_fails();
+    stretches();
+    single_states();
+    lanes();
+    puts("done");
+    return 0;
+}

@@ -1,0 +1,434 @@
+"""Whatever is handed to the core returns, or is refused in words: nothing crashes or hangs.
+
+Tests of the core's own arithmetic lie elsewhere; here its arguments are odd.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import re
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+from runpy import run_path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rotor_ida import InputError, Rotor, SimulationError
+from rotor_ida.basins import kernel
+from rotor_ida.core import interface, runs, sundials
+from rotor_ida.core.interface import DONE, MESSAGES, NO_SOLVER, STOPPED, RotorStruct, RunStruct
+from rotor_ida.core.runs import Asked
+from rotor_ida.simulation.options import Options
+from rotor_ida.simulation.run import run
+
+ROOT = Path(__file__).parents[2]
+BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+REST = (0.0, 0.0, 0.0, 0.0)
+# InputError is a ValueError; NumPy warns where it would drop imaginary parts
+REFUSALS = (TypeError, ValueError, np.exceptions.ComplexWarning)
+
+odd_numbers = st.one_of(
+    st.floats(),
+    st.floats(-3.0, 3.0),
+    st.sampled_from([0.0, -0.0, 5e-324, -5e-324, 1e-300, 1e300, 1.7e308, -1.7e308, 1e-17, 1e6]),
+)
+sizes = st.one_of(st.floats(0.0, 4.0), st.sampled_from([0.0, 5e-324, 1e-300, 1e300, 1e6]))
+rotors = st.builds(Rotor, omega=sizes, zeta=sizes, delta0=sizes)
+stops = st.sampled_from([None, np.zeros(1, np.uint8), np.ones(1, np.uint8)])
+dtypes = st.sampled_from(
+    [np.float64, np.float64, np.float32, np.int64, np.complex128, bool, object]
+)
+
+
+@st.composite
+def odd_arrays(draw, shapes):
+    """Return an array of odd numbers: of another type, with gaps, backwards, or read-only."""
+    shape = draw(shapes)
+    count = int(np.prod(shape))
+    numbers = draw(st.lists(odd_numbers, min_size=min(count, 9), max_size=min(count, 9)))
+    array = np.resize(np.array(numbers or [0.0]), shape)
+    with np.errstate(all="ignore"):
+        array = array.astype(draw(dtypes))
+    change = draw(st.sampled_from(["none", "none", "none", "read-only", "gaps", "back", "fortran"]))
+    if change == "gaps":
+        array = np.repeat(array, 2, axis=-1)[..., ::2] if array.ndim else array
+    elif change == "back" and array.ndim:
+        array = array[::-1]
+    elif change == "fortran":
+        array = np.asfortranarray(array)
+    elif change == "read-only":
+        array.flags.writeable = False
+    return array
+
+
+def rows_of(columns):
+    """Return shapes of a few rows, now and then of another size."""
+    right = st.tuples(st.integers(0, 5), st.just(columns))
+    odd = st.lists(st.integers(0, 8), min_size=0, max_size=3).map(tuple)
+    return st.one_of(right, right, odd)
+
+
+vectors = st.one_of(
+    st.just((4,)), st.just((4,)), st.lists(st.integers(0, 7), max_size=2).map(tuple)
+)
+
+
+@contextlib.contextmanager
+def stopping_after(seconds, stop):
+    """Set a stop flag after a while; and fail where what runs meanwhile does not heed it."""
+    timer = threading.Timer(seconds, stop.fill, (1,))
+    began = time.perf_counter()
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+    assert time.perf_counter() - began < seconds + 1.0
+
+
+def returns_or_refuses(call):
+    """Call something; return None where it was refused, in words."""
+    refusal = None
+    try:
+        with np.errstate(all="ignore"):
+            return call()
+    except REFUSALS as error:
+        refusal = str(error).strip()
+    assert refusal
+    return None
+
+
+asked = st.fixed_dictionaries(
+    {
+        "rotor": rotors,
+        "start": st.one_of(odd_arrays(vectors), st.tuples(*[st.floats(-3.0, 3.0)] * 4)),
+        "duration": st.one_of(st.floats(0.0, 3.0), odd_numbers),
+        "rtol": st.one_of(st.sampled_from([1e-4, 1e-9, 1e-15]), odd_numbers),
+        "atol": st.one_of(st.just(1e-11), odd_numbers),
+    },
+    optional={
+        "method": st.sampled_from(["taylor", "taylor", "adams", "bdf", "ida", "", None]),
+        "exact_flight": st.booleans(),
+        "slack": odd_numbers,
+        "where": st.integers(-2, 2),
+        "sample_times": odd_arrays(st.lists(st.integers(0, 9), max_size=2).map(tuple)),
+        "fixed_axes": st.booleans(),
+        "events": st.booleans(),
+        "extrema": st.booleans(),
+        "bundle": odd_arrays(st.one_of(rows_of(4), st.sampled_from([(4, 4), (7, 4)]))),
+    },
+)
+
+
+@settings(max_examples=300)
+@given(asked)
+def test_a_run_of_odd_things_ends_or_is_refused(given_things):
+    stop = np.zeros(1, np.uint8)
+    with stopping_after(0.2, stop):
+        seen = returns_or_refuses(lambda: runs.follow(Asked(**given_things, stop=stop)))
+    if seen is not None:
+        assert seen.status == DONE or interface.message_of(seen.status)
+        assert len(seen.event_times) == len(seen.event_states) == len(seen.event_kinds)
+
+
+@settings(max_examples=100)
+@given(asked, st.integers(-2, 30))
+def test_stretching_of_odd_things_ends_or_is_refused(given_things, spans):
+    stop = np.zeros(1, np.uint8)
+    with stopping_after(0.2, stop):
+        returns_or_refuses(lambda: runs.stretch(Asked(**given_things, stop=stop), spans))
+
+
+@settings(max_examples=200)
+@given(rotors, odd_arrays(st.one_of(vectors, rows_of(4))), odd_arrays(rows_of(4)))
+def test_flights_of_odd_things_end_or_are_refused(rotor, states, spans):
+    returns_or_refuses(lambda: runs.fly(rotor, states, spans))
+    returns_or_refuses(lambda: runs.starts_in_contact(rotor, states))
+
+
+@settings(max_examples=200)
+@given(odd_arrays(rows_of(4)), odd_arrays(st.tuples(st.integers(0, 5))), odd_numbers)
+def test_rotations_of_odd_things_end_or_are_refused(states, times, omega):
+    returns_or_refuses(lambda: runs.rotate(states, times, omega))
+
+
+@settings(max_examples=200)
+@given(rotors, odd_arrays(vectors), odd_numbers)
+def test_a_search_for_a_touch_ends_or_is_refused(rotor, state, limit):
+    """In a thread, as nobody stops it: of a flight of some length it takes no time."""
+    short = min(limit, 3.0)
+    found = []
+    search = threading.Thread(
+        target=lambda: found.append(
+            returns_or_refuses(lambda: runs.first_touch(rotor, state, short))
+        ),
+        daemon=True,
+    )
+    search.start()
+    search.join(5.0)
+    assert not search.is_alive()
+
+
+starts = st.integers(0, 70)
+
+
+@settings(max_examples=100)
+@given(st.data(), rotors, odd_numbers, odd_numbers)
+def test_lanes_of_odd_things_end_or_are_refused(data, rotor, duration, tolerance):
+    count = data.draw(starts)
+
+    def draw(name, *shape, dtype=np.float64):
+        odd = data.draw(st.integers(0, 9), label=name) == 0
+        if odd:
+            return data.draw(odd_arrays(rows_of(4)), label=name)
+        return np.resize(data.draw(st.lists(odd_numbers, min_size=1, max_size=7)), shape).astype(
+            dtype
+        )
+
+    stop = np.zeros(1, np.uint8)
+    with np.errstate(all="ignore"):
+        tables = (
+            draw("states", 4, count), draw("labels", count, dtype=np.int16),
+            draw("times", count, dtype=np.float32),
+        )  # fmt: skip
+        known = draw("regions", 2, 14), draw("free", 4), draw("sections", 1, 21)
+        section, values = draw("section", 21), draw("values", count)
+    with stopping_after(0.2, stop):
+        returns_or_refuses(lambda: kernel.follow(*tables, rotor, *known, duration, tolerance, stop))
+    times = (min(duration, 1.0), duration)
+    stop[0] = 0
+    with stopping_after(0.2, stop):
+        returns_or_refuses(
+            lambda: kernel.measure_returns(
+                tables[0], rotor, section, times, tolerance, values, stop
+            )
+        )
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"start": (0.0, 0.0, 0.0, np.nan)}, "a run must begin with finite numbers"),
+        ({"duration": np.inf}, "a run must begin with finite numbers"),
+        ({"rtol": np.nan}, "a run must begin with finite numbers"),
+        ({"start": (0.0, 0.0, 0.0)}, "start must be four numbers"),
+        ({"rtol": 0.0}, "rtol and atol must be positive, got 0.0 and 1e-11"),
+        ({"atol": -1.0}, "rtol and atol must be positive, got 1e-09 and -1.0"),
+        ({"method": "ida"}, "method must be one of taylor, adams, bdf, got 'ida'"),
+        ({"bundle": np.zeros((5, 4))}, "a bundle must have 4 or 7 rows of 4, got"),
+        ({"bundle": np.zeros((4, 4), np.float32)}, "takes an array of float64, got float32"),
+        ({"bundle": np.zeros((8, 4))[::2]}, "whose numbers lie one after the other"),
+        ({"sample_times": np.zeros((2, 2))}, "sample times must be one row of numbers"),
+        ({"sample_times": np.zeros(2, int)}, "takes an array of float64, got int64"),
+        ({"stop": np.zeros(0, np.uint8)}, "stop must be one number, got"),
+        ({"stop": np.zeros(1)}, "takes an array of uint8, got float64"),
+    ],
+)
+def test_what_is_wrong_is_said(wrong, message):
+    right = {"rotor": BOUNCING, "start": REST, "duration": 1.0, "rtol": 1e-9, "atol": 1e-11}
+    with pytest.raises(REFUSALS, match=message):
+        runs.follow(Asked(**{**right, **wrong}))
+
+
+def test_a_bundle_that_must_not_be_written_is_refused():
+    bundle = np.eye(4)
+    bundle.flags.writeable = False
+    asked = Asked(rotor=BOUNCING, start=REST, duration=1.0, rtol=1e-9, atol=1e-11, bundle=bundle)
+    for call in (lambda: runs.follow(asked), lambda: runs.stretch(asked, 2)):
+        with pytest.raises(ValueError, match="must be able to write into this array"):
+            call()
+
+
+def test_stretching_needs_a_bundle():
+    asked = Asked(rotor=BOUNCING, start=REST, duration=1.0, rtol=1e-9, atol=1e-11)
+    with pytest.raises(ValueError, match="a stretching must have a bundle"):
+        runs.stretch(asked, 2)
+
+
+# ---- A stop flag ends all that may last ----
+
+LONG = {
+    "a run by Taylor series": {"duration": 1e9, "rtol": 1e-12, "atol": 1e-14},
+    "a run by CVODE": {"duration": 1e9, "rtol": 1e-9, "atol": 1e-11, "method": "adams"},
+    "with differences": {"duration": 1e9, "rtol": 1e-12, "atol": 1e-14, "bundle": np.zeros((7, 4))},
+    "with extrema": {"duration": 1e9, "rtol": 1e-12, "atol": 1e-14, "extrema": True},
+}
+
+
+@pytest.mark.parametrize("name", LONG)
+def test_a_long_run_stops_within_a_second(name):
+    stop = np.zeros(1, np.uint8)
+    with stopping_after(0.3, stop):
+        seen = runs.follow(Asked(rotor=BOUNCING, start=REST, stop=stop, **LONG[name]))
+    assert seen.status == STOPPED
+
+
+def test_a_flight_without_end_stops_within_a_second():
+    """A whirl that all but touches the ring is looked at closely for ever."""
+    omega, zeta = 1.7, 0.0
+    rotor = Rotor(omega=omega, zeta=zeta, delta0=1.2 + 1e-7)
+    stop = np.zeros(1, np.uint8)
+    with stopping_after(0.3, stop):
+        seen = runs.follow(
+            Asked(rotor=rotor, start=(-0.8, 0.0, 0.0, -omega), duration=1e12, rtol=1e-9, atol=1e-11,
+                  extrema=True, stop=stop)
+        )  # fmt: skip
+    assert seen.status == STOPPED
+
+
+def test_lanes_stop_within_a_second():
+    stop, count = np.zeros(1, np.uint8), 5000
+    states = np.random.default_rng(0).normal(size=(4, count))
+    labels, times = np.full(count, kernel.NOT_COMPUTED, np.int16), np.zeros(count, np.float32)
+    none = np.empty((0, kernel.REGION)), np.full(4, -1.0), np.empty((0, kernel.SECTION))
+    with stopping_after(0.3, stop):
+        kernel.follow(states, labels, times, BOUNCING, *none, 1e9, 1e-9, stop)
+    assert (labels == kernel.NOT_COMPUTED).all()
+    stop[0] = 0
+    section, values = np.ones(kernel.SECTION), np.empty(count)
+    with stopping_after(0.3, stop):
+        kernel.measure_returns(states, BOUNCING, section, (0.0, 1e9), 1e-9, values, stop)
+
+
+def test_the_interpreter_is_free_while_the_core_works():
+    """Else no other thread could set the flag, and no key could interrupt."""
+    stop, ticks = np.zeros(1, np.uint8), []
+    asked = Asked(rotor=BOUNCING, start=REST, duration=1e9, rtol=1e-12, atol=1e-14, stop=stop)
+    work = threading.Thread(target=runs.follow, args=(asked,))
+    work.start()
+    for _ in range(20):
+        time.sleep(0.01)
+        ticks.append(work.is_alive())
+    stop[0] = 1
+    work.join(1.0)
+    assert all(ticks)
+    assert not work.is_alive()
+
+
+# ---- Structures and tables are those of the header ----
+
+SIZES = """
+#include <stddef.h>
+#include <stdio.h>
+#include "core.h"
+int main(void)
+{
+    printf("%zu %zu %zu", sizeof(struct rotor), sizeof(struct run), sizeof(struct sundials));
+    OFFSETS
+}
+"""
+
+
+def test_structures_are_those_of_the_header(tmp_path):
+    """Their sizes, and the place of each field."""
+    if not (ROOT / "hatch_build.py").is_file():
+        pytest.skip("an installed package has no sources to compile")
+    compiler = run_path(str(ROOT / "hatch_build.py"))["find_compiler"]()
+    if compiler is None:
+        pytest.skip("no C compiler is installed")
+    structures = {"rotor": RotorStruct, "run": RunStruct, "sundials": sundials.SundialsStruct}
+    fields = [(name, field[0]) for name, each in structures.items() for field in each._fields_]
+    offsets = "".join(
+        f'printf(" %zu", offsetof(struct {name}, {field}));' for name, field in fields
+    )
+    source, program = tmp_path / "sizes.c", tmp_path / "sizes"
+    source.write_text(SIZES.replace("OFFSETS", offsets))
+    core = Path(interface.__file__).parent
+    subprocess.run([*compiler, f"-I{core}", str(source), "-o", str(program)], check=True)
+    said = subprocess.run([program], capture_output=True, check=True, text=True).stdout.split()
+    expected = [ctypes.sizeof(each) for each in structures.values()]
+    expected += [getattr(structures[name], field).offset for name, field in fields]
+    assert [*map(int, said)] == expected
+
+
+def test_statuses_are_those_of_the_header():
+    header = Path(interface.__file__).parent / "core.h"
+    if not header.is_file():
+        pytest.skip("an installed package has no sources")
+    stated = re.search(r"enum status \{([^}]*)\}", header.read_text("utf-8"))[1]
+    for name, number in re.findall(r"(\w+) = (\d+)", stated):
+        assert getattr(interface, name) == int(number), name
+        assert int(number) in {DONE, interface.FULL} or MESSAGES[int(number)]
+    assert interface.message_of(-28) == "the solver gave up with flag -28"
+
+
+# ---- Each function of SUNDIALS may fail ----
+
+FAILING = {
+    # those whose result is a pointer: it is null
+    **dict.fromkeys(("vector_over", "vector_data", "matrix_new", "linear_new", "create"), 0),
+    # those whose result is a flag
+    **dict.fromkeys(
+        ("context_new", "handlers_clear", "vector_fuse", "init", "reinit", "tolerances",
+         "user_data", "linear_use", "jacobian", "solve", "derivative", "evaluations"), -28,
+    ),
+}  # fmt: skip
+NOT_LOOKED_AT = {"context_free", "vector_free", "matrix_free", "linear_free", "free"}
+NOT_CALLED = {"last_order", "matrix_data"}  # only where a run asks for it, see below
+
+
+def failing(name, result):
+    """Return the table of functions with one that fails, and what keeps it alive."""
+    table = sundials.SundialsStruct.from_buffer_copy(sundials.functions())
+    fail = ctypes.CFUNCTYPE(ctypes.c_void_p if result == 0 else ctypes.c_int)(lambda: result)
+    setattr(table, name, ctypes.cast(fail, ctypes.c_void_p))
+    return table, fail
+
+
+def test_all_functions_are_made_to_fail():
+    assert {*FAILING} | NOT_LOOKED_AT | NOT_CALLED == {*sundials.FUNCTIONS}
+
+
+@pytest.mark.skipif(bool(sundials.why_not()), reason="SUNDIALS cannot be called")
+@pytest.mark.parametrize("name", [*FAILING, *NOT_CALLED])
+def test_a_function_of_sundials_that_fails_ends_the_run_in_words(monkeypatch, name):
+    result = FAILING.get(name, 0 if name == "matrix_data" else -28)
+    table, kept = failing(name, result)
+    monkeypatch.setattr(sundials, "functions", lambda: table)
+    options = Options(method="bdf", flight="cvode")
+    with pytest.raises(SimulationError) as refused:
+        run(BOUNCING, (3.0, 0.5, 0.0, 0.0), 20.0, np.linspace(0.0, 20.0, 4001), options)
+    assert kept is not None
+    message = refused.value.reason
+    assert message in MESSAGES.values() or "the solver gave up with flag -" in message
+    assert refused.value.time >= 0.0
+    assert np.isfinite(refused.value.state).all()
+
+
+def test_without_a_solver_there_is_none(monkeypatch):
+    asked = Asked(rotor=BOUNCING, start=REST, duration=1.0, rtol=1e-9, atol=1e-11, method="adams")
+    monkeypatch.setattr(runs.sundials, "functions", sundials.SundialsStruct)
+    lost = runs._struct_of(asked)
+    lost.sundials = None
+    assert interface.library().core_run(ctypes.byref(lost)) == NO_SOLVER
+
+
+def test_a_process_that_cannot_go_on_is_not_what_a_caller_meets():
+    """In a process of its own: odd starts of every kind, none of which may end it."""
+    program = """
+import numpy as np
+from rotor_ida import Rotor
+from rotor_ida.core import runs
+rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+for start in ((1e308,) * 4, (5e-324,) * 4, (2.0, 0.0, 0.0, 0.0), (1e-200, 0.0, 1e200, 0.0)):
+    stop = np.zeros(1, np.uint8)
+    asked = runs.Asked(rotor=rotor, start=start, duration=0.1, rtol=1e-9, atol=1e-11, stop=stop,
+                       events=True, extrema=True, bundle=np.eye(4))
+    runs.follow(asked)
+print("alive")
+"""
+    ended = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False, timeout=60
+    )
+    assert (ended.returncode, ended.stdout) == (0, "alive\n"), ended.stderr
+
+
+def test_input_errors_are_value_errors():
+    assert issubclass(InputError, ValueError)

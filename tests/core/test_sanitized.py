@@ -1,0 +1,64 @@
+"""The core alone, under the sanitizers of addresses and of undefined behaviour."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from runpy import run_path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+CORE = ROOT / "rotor_ida" / "core"
+# What a build says of itself.
+SAID = ("compiler", "flags", "level", "sources", "version")
+OPTIONS = {
+    "ASAN_OPTIONS": "detect_leaks=1:detect_stack_use_after_return=1",
+    "UBSAN_OPTIONS": "print_stacktrace=1",
+}
+
+
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+def test_no_entry_point_does_what_is_undefined(tmp_path, compiler):
+    """By `exercise.c`, in twenty seconds or so."""
+    if not (ROOT / "hatch_build.py").is_file():
+        pytest.skip("an installed package has no sources to compile")
+    if shutil.which(compiler) is None:
+        pytest.skip(f"{compiler} is not installed")
+    hatch_build = run_path(str(ROOT / "hatch_build.py"))
+    flags = hatch_build["flags"]([compiler], "baseline", sanitize=True)
+    words = [compiler, *flags, "-fsanitize=float-cast-overflow", "-Wno-psabi", f"-I{CORE}"]
+    words += [f"-DCORE_{name.upper()}={json.dumps(name)}" for name in SAID]
+
+    def compiled(source: Path) -> str:
+        made = tmp_path / f"{source.stem}.o"
+        said = subprocess.run(
+            [*words, "-c", str(source), "-o", str(made)],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        if "asan" in said.stderr and said.returncode:
+            pytest.skip(f"{compiler} has no sanitizers here: {said.stderr.strip()}")
+        assert said.returncode == 0, said.stderr
+        return str(made)
+
+    sources = [*sorted(CORE.glob("*.c")), Path(__file__).parent / "exercise.c"]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        objects = [*pool.map(compiled, sources)]
+    program = tmp_path / "exercise"
+    linked = subprocess.run(
+        [*words, *objects, "-lm", "-o", str(program)], capture_output=True, text=True, check=False
+    )
+    if linked.returncode and "cannot find" in linked.stderr:
+        pytest.skip(f"{compiler} has no sanitizers here: {linked.stderr.strip()}")
+    assert linked.returncode == 0, linked.stderr
+    ended = subprocess.run(
+        [program], env=os.environ | OPTIONS, capture_output=True, text=True, check=False,
+        timeout=110,
+    )  # fmt: skip
+    assert (ended.returncode, ended.stdout) == (0, "done\n"), ended.stderr

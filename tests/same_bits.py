@@ -1,0 +1,168 @@
+"""Whether results are the same to the last bit, whoever compiled the core and for which processor.
+
+    python tests/same_bits.py
+
+The same results, of runs by every compiled method, cycles, exponents, sweeps and basins, are
+computed in one process for each level of the processor, and for the libraries that each other C
+compiler here makes. Any difference is a failure. Then what lies outside the core is changed: the
+mathematical library (GLIBC_TUNABLES), the vectors of NumPy (NPY_DISABLE_CPU_FEATURES), and the
+kernels of OpenBLAS (OPENBLAS_CORETYPE); what moves with these, and by how much, is listed.
+"""
+
+import argparse
+import importlib.util
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+OUTSIDE = {
+    "libm without FMA and AVX2": {
+        "GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2_Usable,-FMA_Usable,-AVX2,-FMA,-FMA4"
+    },
+    "NumPy without AVX-512": {"NPY_DISABLE_CPU_FEATURES": "AVX512F AVX512CD AVX512_SKX"},
+    "NumPy without AVX2 and FMA": {
+        "NPY_DISABLE_CPU_FEATURES": "AVX2 FMA3 AVX512F AVX512CD AVX512_SKX"
+    },
+    "OpenBLAS for Haswell": {"OPENBLAS_CORETYPE": "Haswell"},
+    "OpenBLAS for Nehalem": {"OPENBLAS_CORETYPE": "Nehalem"},
+}
+
+
+def results():
+    """Return results of every kind by name, as arrays of numbers."""
+    from rotor_ida import Rotor, basin, limit_cycle, lyapunov_exponent, simulate, sweep
+
+    found = {}
+
+    def keep(name, dataset):
+        for variable in dataset.variables:
+            if dataset[variable].dtype.kind in "fiu":
+                found[f"{name}: {variable}"] = dataset[variable].values
+
+    rest = (0.0, 0.0, 0.0, 0.0)
+    rotors = {
+        "bouncing": (Rotor(omega=2.0, zeta=0.07, delta0=2.0), rest),
+        "full contact": (Rotor(omega=3.0, zeta=0.07, delta0=0.5), (3.0, 1.0, 0.0, 0.0)),
+        "no clearance": (Rotor(omega=1.7, zeta=0.07, delta0=0.0), rest),
+        "slow": (Rotor(omega=0.6, zeta=0.07, delta0=2.0), rest),
+    }
+    for word, (rotor, start) in rotors.items():
+        for how in ("taylor", "adams", "bdf", "cvode"):
+            options = {"flight": how} if how == "cvode" else {"method": how}
+            keep(f"run, {word}, {how}", simulate(rotor, start=start, duration=100.0, **options))
+    for word in ("bouncing", "full contact"):
+        rotor, start = rotors[word]
+        keep(f"cycle, {word}", limit_cycle(rotor, start=start))
+    chaotic = Rotor(omega=1.38, zeta=0.07, delta0=1.0)
+    for method in ("taylor", "adams"):
+        told = lyapunov_exponent(
+            chaotic, start=(1.5, -0.25, 0.0, 0.0), transient=50.0, duration=200.0, method=method
+        )
+        keep(f"exponents, {method}", told)
+    keep("sweep", sweep(omega=[1.2, 2.0], zeta=0.07, delta0=[0.0, 0.5, 2.0], starts=[rest]))
+    places = np.linspace(-15.0, 15.0, 48)
+    for delta0 in (0.0, 1.0, 2.0):
+        keep(f"basin, {delta0:g}", basin(Rotor(omega=1.7, zeta=0.07, delta0=delta0), x=places,
+                                         y=places))  # fmt: skip
+    return found
+
+
+def write(path, libraries):
+    """Write all results into a file, with the libraries of a folder if one is given."""
+    if libraries:
+        from rotor_ida.core import library
+
+        library.FOLDER = Path(libraries)
+    np.savez(path, **results())
+
+
+def computed(folder, name, settings, libraries=""):
+    """Return the results of a process with some settings of its environment."""
+    path = Path(folder) / f"{len(list(Path(folder).iterdir()))}.npz"
+    words = [sys.executable, __file__, "--write", str(path), "--libraries", libraries]
+    subprocess.run(words, check=True, env=os.environ | settings)
+    with np.load(path) as held:
+        return {"name": name, **{each: held[each] for each in held.files}}
+
+
+def differing(expected, found):
+    """Return the names of results that differ in a bit, each with its largest difference."""
+    told = {}
+    for name, values in expected.items():
+        if name == "name":
+            continue
+        if name not in found or values.shape != found[name].shape:
+            told[name] = float("nan")
+        elif values.tobytes() != found[name].tobytes():
+            told[name] = float(np.nanmax(np.abs(values.astype(float) - found[name].astype(float))))
+    return told
+
+
+def compilers():
+    """Return the words that call each C compiler here, by name."""
+    found = {name: shutil.which(name) for name in ("gcc", "clang")}
+    words = {name: [path] for name, path in found.items() if path}
+    if importlib.util.find_spec("ziglang"):
+        words["zig cc, which is clang"] = [sys.executable, "-m", "ziglang", "cc"]
+    return words
+
+
+def compare(folder):
+    """Compare levels and compilers; return how many of them give other bits."""
+    from rotor_ida.core.library import offered
+
+    first = computed(folder, "the installed core", {"ROTOR_IDA_CPU": "baseline"})
+    others, wrong = [], 0
+    levels = offered()
+    for level in levels[1:]:
+        others.append(computed(folder, f"level {level}", {"ROTOR_IDA_CPU": level}))
+    for name, words in compilers().items():
+        made = tempfile.mkdtemp(dir=folder)
+        command = [sys.executable, str(ROOT / "hatch_build.py"), "--out", made]
+        subprocess.run(
+            [*command, "--compiler", " ".join(words)], check=True, stdout=subprocess.DEVNULL
+        )
+        for level in sorted({levels[0], levels[-1]}):
+            others.append(computed(folder, f"{name}, {level}", {"ROTOR_IDA_CPU": level}, made))
+    print(f"{len(first) - 1} arrays of the installed core, level baseline, beside:")
+    for other in others:
+        told = differing(first, other)
+        wrong += bool(told)
+        print(f"  {other['name']}: {'the same bits' if not told else f'{len(told)} differ'}")
+        for each, size in list(told.items())[:5]:
+            print(f"    {each}: by up to {size:.3g}")
+    print("What else moves (chaos makes the last bit another orbit; nothing here is a failure):")
+    for name, settings in OUTSIDE.items():
+        told = differing(first, computed(folder, name, settings))
+        by_kind = {}
+        for each, size in told.items():
+            kind = each.split(":")[0]
+            by_kind[kind] = max(by_kind.get(kind, 0.0), 0.0 if np.isnan(size) else size)
+        said = ", ".join(f"{kind} by up to {size:.1g}" for kind, size in by_kind.items())
+        print(f"  {name}: {said or 'nothing'}")
+    return len(others) - wrong, wrong
+
+
+def main():
+    """Write results, or compare those of all ways to have them."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--write", metavar="FILE", help=argparse.SUPPRESS)
+    parser.add_argument("--libraries", default="", help=argparse.SUPPRESS)
+    given = parser.parse_args()
+    if given.write:
+        write(given.write, given.libraries)
+        return 0
+    with tempfile.TemporaryDirectory() as folder:
+        same, wrong = compare(folder)
+    print(f"{same} passed, {wrong} failed")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
