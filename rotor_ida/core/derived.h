@@ -3,9 +3,16 @@
 #ifndef ROTOR_IDA_DERIVED_H
 #define ROTOR_IDA_DERIVED_H
 
+#include "core.h"
+
 struct parameters {
     double omega, zeta, delta0, felt;
 };
+
+static inline struct parameters parameters_of(const struct rotor *rotor, double felt)
+{
+    return (struct parameters){rotor->omega, rotor->zeta, rotor->delta0, felt};
+}
 
 enum { CONTACT_Q, CONTACT_P, CONTACT_H, CONTACT_C, CONTACT_S, CONTACT_T, CONTACT_J, CONTACT_SIZE };
 enum { CONTACT_EXIT_GUARD = CONTACT_Q };

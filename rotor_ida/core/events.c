@@ -478,7 +478,7 @@ static int with_motions(struct run *run, int (*act)(struct run *, const struct m
                         void *more)
 {
     const int tangents = run->differences > 0;
-    struct parameters model = {run->rotor.omega, run->rotor.zeta, run->rotor.delta0, 0.0};
+    const struct parameters model = parameters_of(&run->rotor, 0.0);
     if (run->method == TAYLOR) { /* flight is exact, so one of the two is enough */
         struct taylor taylor;
         const struct mode *mode = model.delta0 > 0.0 ? &contact_mode : &cartesian_mode;
@@ -487,8 +487,7 @@ static int with_motions(struct run *run, int (*act)(struct run *, const struct m
         return act(run, &motions, more);
     }
     struct cvode contact, free;
-    const struct parameters felt = {model.omega, model.zeta, model.delta0,
-                                    model.delta0 == 0.0 ? 1.0 : 0.0};
+    const struct parameters felt = parameters_of(&run->rotor, model.delta0 == 0.0 ? 1.0 : 0.0);
     int status = open_cvode(&contact, run->sundials, run->method, &contact_mode, model, run->rtol,
                             tangents);
     const int second = open_cvode(&free, run->sundials, run->method, &cartesian_mode, felt,

@@ -9,15 +9,13 @@ from __future__ import annotations
 import ctypes
 from ctypes import POINTER, Structure, c_double, c_int, c_int32, c_int64, c_void_p
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.core import library as found
-
-if TYPE_CHECKING:
-    from rotor_ida.parameters import Rotor
+from rotor_ida.parameters import PARAMETERS, Rotor
 
 Values = npt.NDArray[np.float64]
 
@@ -61,12 +59,12 @@ CONTACT_COLUMNS, EXTREMUM_COLUMNS = 6, 7
 class RotorStruct(Structure):
     """``struct rotor``."""
 
-    _fields_ = [("omega", c_double), ("zeta", c_double), ("delta0", c_double)]
+    _fields_ = [(name, c_double) for name in PARAMETERS]
 
     @classmethod
     def of(cls, rotor: Rotor) -> RotorStruct:
         """Return a rotor as the core takes it."""
-        return cls(rotor.omega, rotor.zeta, rotor.delta0)
+        return cls(*(getattr(rotor, name) for name in PARAMETERS))
 
 
 class RunStruct(Structure):

@@ -6,7 +6,6 @@ import ctypes
 import math
 from ctypes import byref, c_int64, c_void_p
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -25,9 +24,7 @@ from rotor_ida.core.interface import (
     library,
     pointer,
 )
-
-if TYPE_CHECKING:
-    from rotor_ida.parameters import Rotor
+from rotor_ida.parameters import Rotor
 
 Values = npt.NDArray[np.float64]
 Stop = npt.NDArray[np.uint8]

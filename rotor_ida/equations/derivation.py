@@ -12,11 +12,12 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+from rotor_ida import parameters
 from rotor_ida.equations.modes import Mode, turned_rates
 from rotor_ida.equations.symbols import Dual, Graph, Symbol, named_as_in, split, variables
 
-# As `rotor_ida.parameters.Rotor` has them; and whether the force without clearance is felt.
-PARAMETERS = ("omega", "zeta", "delta0", "felt")
+# Those of a rotor; and whether the force without clearance is felt.
+PARAMETERS = (*parameters.PARAMETERS, "felt")
 
 Matrix = list[list[Symbol]]
 
@@ -92,7 +93,7 @@ def _by_parameters(graph: Graph, mode: Mode, state: list[Symbol], rotor: Any) ->
     omega, zeta = variables([rotor.omega, rotor.zeta], others=1)
     # where the rotor is, more clearance is as much less indentation
     deeper = Dual(graph.of(0.0), (0.0, 0.0, -1.0))
-    changed = SimpleNamespace(omega=omega, zeta=zeta, delta0=rotor.delta0, felt=rotor.felt)
+    changed = SimpleNamespace(**vars(rotor) | {"omega": omega, "zeta": zeta})
     here = mode.neighbour(state, [graph.of(0.0)] * 4, deeper, changed)
     rates = turned_rates(here.position, here.velocity, here.acceleration, omega)
     columns = [_parts(graph, rate, 3) for rate in rates]

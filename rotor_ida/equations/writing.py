@@ -357,6 +357,22 @@ def write_table(derived: Derived) -> list[str]:
     ]
 
 
+def _parameters() -> list[str]:
+    """Return the structure of all parameters of a mode, and how it is made of a rotor."""
+    head = "static inline struct parameters parameters_of(const struct rotor *rotor, double felt)"
+    of_rotor = ", ".join(f"rotor->{name}" for name in PARAMETERS[:-1])
+    return [
+        "struct parameters {",
+        f"    double {', '.join(PARAMETERS)};",
+        "};",
+        "",
+        head,
+        "{",
+        f"    return (struct parameters){{{of_rotor}, felt}};",
+        "}",
+    ]
+
+
 def sources() -> dict[str, str]:
     """Return the names and contents of all derived files."""
     head = [
@@ -365,7 +381,7 @@ def sources() -> dict[str, str]:
     ]
     body = [*head, '#include "motion.h"', ""]
     declared = [*head, "#ifndef ROTOR_IDA_DERIVED_H", "#define ROTOR_IDA_DERIVED_H", ""]
-    declared += ["struct parameters {", f"    double {', '.join(PARAMETERS)};", "};", ""]
+    declared += ['#include "core.h"', "", *_parameters(), ""]
     for mode in MODES:
         derived = derive(mode)
         factors, _ = factors_of(derived)

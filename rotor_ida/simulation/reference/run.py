@@ -16,7 +16,7 @@ from rotor_ida.equations.model import rotating_jacobian
 from rotor_ida.equations.modes import cartesian_rates, contact_rates
 from rotor_ida.equations.symbols import variables
 from rotor_ida.errors import SimulationError
-from rotor_ida.parameters import Rotor
+from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.reference.integration import Integration
@@ -42,7 +42,7 @@ def run_reference(
     rtol, atol = tolerances
     felt = 1.0 if rotor.delta0 == 0.0 else 0.0
     flying = replace(rotor, delta0=sys.float_info.max)  # the ring is out of reach
-    seen = SimpleNamespace(omega=rotor.omega, zeta=rotor.zeta, delta0=rotor.delta0, felt=felt)
+    seen = SimpleNamespace(**{name: getattr(rotor, name) for name in PARAMETERS}, felt=felt)
 
     def in_contact(state: Values, rate: Values) -> None:
         rate[:] = contact_rates(state.tolist(), seen)
