@@ -43,11 +43,13 @@ def provenance(how: Mapping[str, object]) -> dict[str, object]:
 
 @cache
 def core() -> dict[str, str]:
-    """Return who compiled the core, how, and for which level of the processor, as attributes.
+    """Return who compiled the core, how, for which level of the processor, and from which sources.
 
-    None of them changes the bits of a result.
+    But for the last, a digest, none of these attributes changes the bits of a result.
     """
-    return {f"core_{name}": build_info()[name] for name in ("compiler", "flags", "level")}
+    said = build_info()
+    told = {f"core_{name}": said[name] for name in ("compiler", "flags", "level")}
+    return told | {"core_sources": said["sources"][:16]}
 
 
 @cache

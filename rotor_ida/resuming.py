@@ -16,7 +16,8 @@ from rotor_ida.cycles.guess import Guess
 from rotor_ida.errors import ArchiveError
 from rotor_ida.parallel import Progress
 from rotor_ida.parameters import PARAMETERS, Rotor
-from rotor_ida.storage.studies import design_of
+from rotor_ida.provenance import computing
+from rotor_ida.storage.studies import design_of, program_of
 from rotor_ida.sweeps.sweep import sweep
 
 
@@ -42,12 +43,13 @@ def resume(
     -------
     Dataset
         What that function returns, to the same bits as if nothing had interrupted it. Where all
-        is done already, nothing is computed again.
+        is done already, nothing is computed again; then the program may be another than the one
+        that did it, of which the attribute ``computed_with`` tells the versions.
 
     Raises
     ------
     InputError
-        If there is no study, or it was begun with other versions of what computes.
+        If there is no study, or it is not done and was begun with other versions of what computes.
     ArchiveError
         If another process is at work on it, or its file is damaged or cannot be written.
 
@@ -67,7 +69,12 @@ def resume(
         raise ArchiveError(f"study {str(folder)!r} has a damaged design: {error!r}") from error
     if design["kind"] != "branch":
         given |= {"workers": workers, "executor": executor}
-    return function(**given, study=folder, progress=progress)
+    found = function(**given, study=folder, progress=progress)
+    before = program_of(design)
+    if before == program_of(computing()):
+        return found
+    said = ", ".join(f"{name} {value}" for name, value in sorted(before.items()))
+    return found.assign_attrs(computed_with=said)
 
 
 def _call(design: dict[str, Any]) -> tuple[Callable[..., xr.Dataset], dict[str, Any]]:

@@ -7,12 +7,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 LINT_IMPORTS = "from importlinter.cli import lint_imports_command; lint_imports_command()"
 CLANG_FORMAT = "from clang_format import clang_format; clang_format()"
-# What is derived from the model is laid out by the program that writes it.
-WRITTEN_BY_HAND = sorted(
-    str(path.relative_to(ROOT))
-    for path in (ROOT / "rotor_ida" / "core").glob("*.[ch]")
-    if path.stem != "derived"
-)
+# Those that are derived from the model say themselves that they are to be left as they are.
+C_SOURCES = sorted(str(path) for path in (ROOT / "rotor_ida" / "core").glob("*.[ch]"))
 SPELLED = [
     *("rotor_ida", "tests", "docs", "scenarios", "benchmarks"),
     *("README.md", "CHANGELOG.md", "CONTRIBUTING.md"),
@@ -21,7 +17,7 @@ CHECKS = {
     "style": ["-m", "ruff", "check", "."],
     "format": ["-m", "ruff", "format", "--check", "."],
     "spelling": ["-m", "codespell_lib", *SPELLED],
-    "C": ["-c", CLANG_FORMAT, "--dry-run", "--Werror", *WRITTEN_BY_HAND],
+    "C": ["-c", CLANG_FORMAT, "--dry-run", "--Werror", *C_SOURCES],
     "types": ["-m", "mypy"],
     "layout": ["-c", LINT_IMPORTS],
     "tests": ["-m", "pytest", "-n", "auto", "--dist", "worksteal"],

@@ -12,8 +12,6 @@ You need Python 3.11 or newer and two lines in a shell::
 in a clone of the repository; from the first release on, ``rotor-ida`` in place of the dot will do. Then open the notebook at the end of
 this page with ``.venv/bin/jupyter lab``; or start ``.venv/bin/python`` and copy the blocks one by one. Where a
 block ends with a figure, a notebook shows it; at the prompt of Python, save it: ``figure.savefig("name.png")``.
-The first call of a kind takes up to a minute or two, because the equations are compiled for your processor
-then; the next ones do not.
 
 An orbit and its events
 -----------------------

@@ -133,7 +133,8 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
         the largest difference of two event times and the largest error stated for one [1]; of the
         others the number of points, starts or numbers of limit cycles that were compared, of those
         that differ, and the largest difference of two amplitudes, radii, periods or such numbers,
-        relative to the larger one.
+        relative to the larger one. And ``core``: whether the compiled core is the same; another
+        gives other last bits.
 
     Examples
     --------
@@ -144,8 +145,18 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
     """
     kind = _kind_of(archived)
     if kind in NEEDED_OF_CYCLES:
-        return differences_of_cycles(again, archived, kind)
-    return _of_events(again, archived) if kind == "run" else _of_responses(again, archived, kind)
+        found = differences_of_cycles(again, archived, kind)
+    elif kind == "run":
+        found = _of_events(again, archived)
+    else:
+        found = _of_responses(again, archived, kind)
+    return found | {"core": _core_of(again, archived)}
+
+
+def _core_of(again: xr.Dataset, archived: xr.Dataset) -> str:
+    """Return in words whether the core that computed both is the same, of which bits depend."""
+    same = again.attrs.get("core_sources") == archived.attrs.get("core_sources")
+    return "the same" if same else "another than that of the archive"
 
 
 def _kind_of(dataset: xr.Dataset) -> str:

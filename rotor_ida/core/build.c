@@ -5,30 +5,15 @@
 #include <cpuid.h>
 #endif
 
-const char *core_compiler(void)
-{
-    return CORE_COMPILER;
-}
+const char *core_compiler(void) { return CORE_COMPILER; }
 
-const char *core_flags(void)
-{
-    return CORE_FLAGS;
-}
+const char *core_flags(void) { return CORE_FLAGS; }
 
-const char *core_level(void)
-{
-    return CORE_LEVEL;
-}
+const char *core_level(void) { return CORE_LEVEL; }
 
-const char *core_sources(void)
-{
-    return CORE_SOURCES;
-}
+const char *core_sources(void) { return CORE_SOURCES; }
 
-const char *core_version(void)
-{
-    return CORE_VERSION;
-}
+const char *core_version(void) { return CORE_VERSION; }
 
 #if defined(__x86_64__)
 
@@ -44,8 +29,8 @@ static unsigned saved_state(void)
  * registers, too: bits 1 and 2 of XCR0 for 256 bits, 5 to 7 for 512. */
 int core_widest_level(void)
 {
-    const unsigned basic = bit_SSE3 | bit_SSSE3 | bit_FMA | bit_CMPXCHG16B | bit_SSE4_1 |
-                           bit_SSE4_2 | bit_MOVBE | bit_POPCNT | bit_OSXSAVE | bit_AVX | bit_F16C;
+    const unsigned basic = bit_SSE3 | bit_SSSE3 | bit_FMA | bit_CMPXCHG16B | bit_SSE4_1 | bit_SSE4_2
+                           | bit_MOVBE | bit_POPCNT | bit_OSXSAVE | bit_AVX | bit_F16C;
     const unsigned extended = bit_LAHF_LM | bit_ABM;
     const unsigned v3 = bit_BMI | bit_AVX2 | bit_BMI2;
     const unsigned v4 = bit_AVX512F | bit_AVX512DQ | bit_AVX512CD | bit_AVX512BW | bit_AVX512VL;
@@ -61,9 +46,6 @@ int core_widest_level(void)
 
 #else
 
-int core_widest_level(void)
-{
-    return 0;
-}
+int core_widest_level(void) { return 0; }
 
 #endif

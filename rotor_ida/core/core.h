@@ -11,8 +11,15 @@
 #define CORE_API __attribute__((visibility("default")))
 
 /* How a call ended; the flags of SUNDIALS are negative. */
-enum status { DONE = 0, NOT_FINITE = 1001, NO_ROOT = 1002, STUCK = 1003, STOPPED = 1004, FULL = 1005,
-              NO_SOLVER = 1006 };
+enum status {
+    DONE = 0,
+    NOT_FINITE = 1001,
+    NO_ROOT = 1002,
+    STUCK = 1003,
+    STOPPED = 1004,
+    FULL = 1005,
+    NO_SOLVER = 1006
+};
 
 struct rotor {
     double omega, zeta, delta0;
@@ -72,10 +79,10 @@ struct run {
     struct rotor rotor;
     double rtol, atol;      /* of one step */
     double duration, slack; /* time to simulate, and how far behind it an event may lie */
-    int32_t fixed_axes;     /* whether all that is reported is to be read on axes that stand still */
-    int32_t method;         /* of contacts; and of flight, where that is not exact, if CVODE's */
+    int32_t fixed_axes; /* whether all that is reported is to be read on axes that stand still */
+    int32_t method;     /* of contacts; and of flight, where that is not exact, if CVODE's */
     int32_t exact_flight;
-    int32_t began; /* where it began: written */
+    int32_t began;                   /* where it began: written */
     const uint8_t *stop;             /* anything but 0 asks the run to stop */
     const struct sundials *sundials; /* NULL where Taylor series alone are wanted */
 

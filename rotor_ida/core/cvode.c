@@ -87,6 +87,8 @@ static int advance(struct motion *motion)
     cvode->degree = -1;
     cvode->readings = 0;
     memcpy(motion->before, motion->values, sizeof motion->before);
+    if (cvode->failure)
+        return cvode->failure;
     for (int i = 0; i < MOST_IDLE_STEPS; i++) {
         double reached = motion->point;
         const int status = cvode->sundials->solve(cvode->memory, FAR_GOAL, cvode->state, &reached,
@@ -105,7 +107,7 @@ static int advance(struct motion *motion)
     return STUCK;
 }
 
-/* Read the motion, NaN where CVODE cannot. */
+/* Read the motion; where CVODE cannot, it is as before the step, and the next step says so. */
 static const double *at(struct motion *motion, double point)
 {
     struct cvode *cvode = cvode_of(motion);
@@ -113,10 +115,8 @@ static const double *at(struct motion *motion, double point)
         return motion->values;
     if (point <= motion->low)
         return motion->before;
-    if (noted(cvode, cvode->sundials->derivative(cvode->memory, point, 0, cvode->derivative))) {
-        for (int i = 0; i < values_of(motion); i++)
-            cvode->derivatives[i] = NAN;
-    }
+    if (noted(cvode, cvode->sundials->derivative(cvode->memory, point, 0, cvode->derivative)))
+        return motion->before;
     return cvode->derivatives;
 }
 

@@ -17,7 +17,8 @@ enum { PATIENCE = 10000 };
 
 static struct motion_of_centre where_it_is(const struct run *run)
 {
-    return (struct motion_of_centre){{run->state[0], run->state[1]}, {run->state[2], run->state[3]}};
+    return (struct motion_of_centre){{run->state[0], run->state[1]},
+                                     {run->state[2], run->state[3]}};
 }
 
 static int is_finite(const double *state)
@@ -413,6 +414,8 @@ static int fly_exactly(struct run *run, int *touched)
     observe_flight(run, &flight);
     if (asked_to_stop(run->stop))
         return STOPPED; /* in the midst of it, perhaps */
+    if (run->extremum_room > 0 && run->extremum_count >= run->extremum_room)
+        return FULL;
     advance_run(run, flight.span, fly(flight.start, flight.span, &run->rotor));
     return is_finite(run->state) ? DONE : NOT_FINITE;
 }
@@ -583,8 +586,8 @@ int core_starts_in_contact(const struct rotor *rotor, const double state[4])
            == IN_CONTACT;
 }
 
-void core_fly(const struct rotor *rotor, const double *states, const double *spans,
-              double *reached, int64_t count)
+void core_fly(const struct rotor *rotor, const double *states, const double *spans, double *reached,
+              int64_t count)
 {
     for (int64_t i = 0; i < count; i++) {
         const double *s = &states[4 * i];
@@ -647,7 +650,8 @@ static enum fault fault_of_samples(const struct run *run, double allowed, int64_
         const double *state = &run->samples[4 * *row];
         if (!is_finite(state))
             return SAMPLE_NOT_FINITE;
-        for (; passed < run->events && run->event_times[passed] <= run->sample_times[*row]; passed++)
+        for (; passed < run->events && run->event_times[passed] <= run->sample_times[*row];
+             passed++)
             outwards = -outwards;
         if (outwards * (radius_at(state) - run->rotor.delta0) < -allowed && run->rotor.delta0 > 0.0)
             return WRONG_SIDE_OF_THE_RING;

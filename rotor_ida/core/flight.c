@@ -102,9 +102,10 @@ void fly_by_parameters(struct motion_of_centre start, double tau, const struct r
                                        scaled(tau, turned));
     const struct vector v_omega = plus(product(w_omega, slowed), scaled(tau, spun));
     const struct vector z_zeta = plus(
-        plus(scaled(reach, w_zeta), scaled(drift_by_zeta(tau, zeta), w)), product(a_zeta, less_one));
-    const struct vector v_zeta = plus(
-        plus(scaled(decay, w_zeta), scaled(-2.0 * tau * decay, w)), product(a_zeta, spin));
+        plus(scaled(reach, w_zeta), scaled(drift_by_zeta(tau, zeta), w)),
+        product(a_zeta, less_one));
+    const struct vector v_zeta = plus(plus(scaled(decay, w_zeta), scaled(-2.0 * tau * decay, w)),
+                                      product(a_zeta, spin));
     added[0] = (struct motion_of_centre){product(z_omega, back), product(v_omega, back)};
     added[1] = (struct motion_of_centre){product(z_zeta, back), product(v_zeta, back)};
 }
@@ -227,8 +228,9 @@ double first_touch(struct motion_of_centre start, const struct rotor *rotor, dou
                    const uint8_t *stop)
 {
     const struct vector a = unbalance_whirl(rotor);
-    const struct search flight = {start.z, a, drift_velocity(start.w, a, rotor->omega),
-                                  rotor->omega, rotor->zeta, rotor->delta0};
+    const struct search flight = {
+        start.z,      a,           drift_velocity(start.w, a, rotor->omega),
+        rotor->omega, rotor->zeta, rotor->delta0};
     const double delta0 = rotor->delta0, radius = length(a);
     /* the smallest |z|**2 - delta0**2 that stands clear of rounding */
     const double floor = 64.0 * ROUNDING * delta0 * (delta0 + radius);

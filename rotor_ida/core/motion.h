@@ -31,9 +31,9 @@ struct motion {
     const struct mode *mode;
     struct parameters model;
     double rtol;
-    int tangents;   /* whether four differences come behind the state */
+    int tangents;    /* whether four differences come behind the state */
     int begins_anew; /* whether the differences are the unit matrix at the beginning of each step */
-    double low, point; /* ends of the last step */
+    double low, point;                               /* ends of the last step */
     double before[MOST_VALUES], values[MOST_VALUES]; /* there */
     int (*restart)(struct motion *, const double *start, const double *atol);
     int (*advance)(struct motion *);
@@ -59,7 +59,7 @@ static inline void copy_values(const struct motion *motion, const double *from, 
 struct taylor {
     struct motion motion;
     int order;
-    double fallen; /* what is left of a first term that falls as it is best, at order + 1 */
+    double fallen;  /* what is left of a first term that falls as it is best, at order + 1 */
     int64_t orders; /* expanded since the start */
     double atol[MOST_STATE], inverse[MOST_STATE], sizes[WIDTH];
     double reading[MOST_VALUES];

@@ -297,9 +297,9 @@ static const double WEIGHTS[] = {0.08566224618958525, 0.18038078652406947, 0.233
  *
  * With P(t) the derivative of the state at a time t of the step by that at its beginning, and b
  * what a parameter adds to the rate of change, it adds P integral of P**-1 b dt. The flow is
- * conformally symplectic, P^T S P = exp(-2 zeta t) S, so that P**-1 = exp(2 zeta t) S**-1 P^T S. The
- * integrand is known wherever the step is read, and its series converge so far that few points are
- * exact to rounding. */
+ * conformally symplectic, P^T S P = exp(-2 zeta t) S, so that P**-1 = exp(2 zeta t) S**-1 P^T S.
+ * The integrand is known wherever the step is read, and its series converge so far that few points
+ * are exact to rounding. */
 static void add_by_parameters(struct run *run, const struct step *step)
 {
     struct motion *motion = step->motion;

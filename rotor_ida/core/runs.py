@@ -357,14 +357,16 @@ def fly(rotor: Rotor, states: npt.ArrayLike, spans: npt.ArrayLike) -> Values:
     return reached
 
 
-def first_touch(rotor: Rotor, state: npt.ArrayLike, limit: float) -> float:
+def first_touch(
+    rotor: Rotor, state: npt.ArrayLike, limit: float, stop: Stop | None = None
+) -> float:
     """Return the time to the first touch of the ring from a state in flight, or infinity [1].
 
     It is NaN where the search gets nowhere.
     """
     given, held = _four_numbers(state), RotorStruct.of(rotor)
-    stop = pointer(NO_STOP, np.uint8)
-    return float(library().core_first_touch(byref(held), pointer(given, np.float64), limit, stop))
+    asked = pointer(NO_STOP if stop is None else stop, np.uint8)
+    return float(library().core_first_touch(byref(held), pointer(given, np.float64), limit, asked))
 
 
 def rotate(states: Values, times: Values, omega: float) -> None:

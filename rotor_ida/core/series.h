@@ -17,9 +17,9 @@ enum {
     LOWEST_ORDER = 6,
     HIGHEST_ORDER = 24,
     ORDERS = HIGHEST_ORDER + 1,
-    WIDTH = 8,      /* columns of a state, with room to spare */
-    LANES = 16,     /* products at most */
-    FACTORS = 8,    /* series at most that differences are multiplied by */
+    WIDTH = 8,       /* columns of a state, with room to spare */
+    LANES = 16,      /* products at most */
+    FACTORS = 8,     /* series at most that differences are multiplied by */
     DIFFERENCES = 4, /* followed beside a motion, four components each */
     APART = 16
 };

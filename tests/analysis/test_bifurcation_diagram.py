@@ -1,6 +1,7 @@
 """Extrema of the radius: exact where motions are known, and the table of a diagram."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -17,8 +18,9 @@ from rotor_ida.analysis import bifurcation_diagram as bifurcation_module
 from rotor_ida.analysis import extrema
 from rotor_ida.analysis.extrema import CONSTANT, MAXIMUM, MINIMUM, radius_extrema
 from rotor_ida.closed_forms import planar_period
+from rotor_ida.core.interface import STUCK
+from rotor_ida.core.runs import follow
 from rotor_ida.schema import RESPONSE, STATUS
-from rotor_ida.stability.tangent_flow import STUCK
 
 GO_ON = np.zeros(1, np.uint8)
 REST = (0.0, 0.0, 0.0, 0.0)
@@ -163,10 +165,10 @@ def test_a_point_whose_motion_cannot_be_followed_on_has_failed(monkeypatch):
 
 
 def test_failure_says_where(monkeypatch):
-    def stuck(states, in_contact, step, *rotor):
-        states[1] = states[0]
-        return STUCK
+    def stuck(asked):
+        return replace(follow(replace(asked, duration=0.04)), status=STUCK)
 
-    monkeypatch.setattr(extrema, "follow_on", stuck)
-    with pytest.raises(SimulationError, match=r"followed to its extrema \(at t = 0\.04"):
+    monkeypatch.setattr(extrema, "follow", stuck)
+    message = r"followed to its extrema: time no longer advances \(at t = 0\.04"
+    with pytest.raises(SimulationError, match=message):
         radius_extrema(BOUNCING, REST, 10.0, 1e-10, GO_ON)

@@ -4,7 +4,7 @@ A study knows nothing of rotors. It has a *design*, which says what is computed,
 numbered from 0, each the bytes that one job has returned.
 """
 
-from rotor_ida.storage.studies.database import design_of
+from rotor_ida.storage.studies.database import design_of, program_of
 from rotor_ida.storage.studies.store import Piece, Study, opened, status
 
-__all__ = ["Piece", "Study", "design_of", "opened", "status"]
+__all__ = ["Piece", "Study", "design_of", "opened", "program_of", "status"]

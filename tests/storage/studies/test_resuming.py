@@ -1,8 +1,11 @@
 """A study that was broken off goes on to the same bits as one that was not."""
 
+import json
 import os
+import sqlite3
 import subprocess
 import sys
+from contextlib import closing
 from itertools import count
 
 import numpy as np
@@ -11,8 +14,9 @@ import xarray as xr
 
 from rotor_ida import Rotor, basin, basin_fractions, load, save, sweep
 from rotor_ida.errors import InputError
+from rotor_ida.resuming import resume
 from rotor_ida.storage.studies import status
-from rotor_ida.storage.studies.database import FILE
+from rotor_ida.storage.studies.database import FILE, _as_text, _digest
 from rotor_ida.sweeps import steady_state
 
 BOUNCER = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
@@ -179,3 +183,25 @@ def test_columns_on_the_disk_hold_the_same_bits(kind, tmp_path, monkeypatch):
         == load(save(whole, tmp_path / "whole.nc")).attrs["content_sha256"]
     )
     assert os.listdir(tmp_path / "study") == [FILE]
+
+
+def test_what_another_program_has_done_is_loaded_and_says_so(tmp_path):
+    """A study that is done needs no computing; one that is not is refused by another program."""
+    begun = sweep(omega=[1.2, 1.7], zeta=0.5, delta0=0.5, study=tmp_path / "study")
+    database = tmp_path / "study" / FILE
+    with closing(sqlite3.connect(database)) as connection, connection:
+        ((text, points, _),) = connection.execute("SELECT * FROM design").fetchall()
+        design = json.loads(text) | {"numba_version": "0.64"}
+        old = _as_text(design)
+        connection.execute("DELETE FROM design")
+        connection.execute(
+            "INSERT INTO design VALUES (?, ?, ?)", (old, points, _digest(old, points))
+        )
+    loaded = resume(tmp_path / "study")
+    assert "numba_version 0.64" in loaded.attrs["computed_with"]
+    del loaded.attrs["computed_with"]
+    assert loaded.identical(begun)
+    with closing(sqlite3.connect(database)) as connection, connection:
+        connection.execute("DELETE FROM pieces WHERE number = 0")
+    with pytest.raises(InputError, match="was begun with numba_version '0.64', got 'nothing'"):
+        resume(tmp_path / "study")
