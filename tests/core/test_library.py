@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -18,6 +19,17 @@ from rotor_ida.errors import InputError, InstallationError, RotorError
 # whatever was loaded before
 library = module.library.__wrapped__
 WIDEST = library().core_widest_level()
+
+
+@pytest.fixture(autouse=True)
+def asked_anew() -> Iterator[None]:
+    """Nothing that was loaded before is remembered, nor what is loaded here afterwards."""
+    remembered = (module._load, module.offered)
+    for function in remembered:
+        function.cache_clear()
+    yield
+    for function in remembered:
+        function.cache_clear()
 
 
 @pytest.fixture
