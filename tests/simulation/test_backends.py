@@ -87,7 +87,6 @@ def test_auto_is_compiled_where_it_can_be_had(monkeypatch):
         ((7, 1.25), (7, 9, 0), "index"),
         ((3, 1.25), (7, 9, 0), "double precision"),
         ((3, sundials.PROBE), (6, 7, 0), "must be version 7, found 6.7.0"),
-        ((3, sundials.PROBE), (7, 0, 0), "was built with SUNDIALS .*, found 7.0.0"),
     ],
 )
 def test_libraries_that_do_not_fit_are_not_called(monkeypatch, probe, version, reason):
@@ -127,9 +126,9 @@ def test_a_library_that_lacks_a_function_is_named(monkeypatch, asked_anew):
 
 def test_without_scikit_sundae_taylor_series_work(monkeypatch, asked_anew):
     monkeypatch.setitem(sys.modules, "sksundae", None)
-    assert "sksundae" in sundials.why_not()
-    orbit = run(BOUNCING, REST, 20.0, np.empty(0), Options(method="taylor"))
-    assert orbit.event_times.size > 2
+    assert sundials.why_not() == "scikit-sundae is not installed"
+    assert sundials.version() == ""
+    assert simulate(BOUNCING, start=REST, duration=20.0, method="taylor").sizes["event"] > 2
 
 
 @pytest.mark.parametrize("name", ["libsundials_core.7.9.0.dylib", "sundials_core-db7c109a.dll"])
