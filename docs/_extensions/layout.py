@@ -54,8 +54,9 @@ def picture():
     for down, row in enumerate(rows):
         step = WIDTH / len(row)
         for across, part in enumerate(row):
-            # rows of one part stand a little to the left and right in turn, so that arrows show
-            lean = 0 if len(row) > 1 else (-90, 90)[down % 2]
+            # rows of one part stand to the left, in the middle and to the right in turn, so that
+            # arrows show
+            lean = 0 if len(row) > 1 else (-170, 0, 170)[down % 3]
             places[part] = (step * (across + 0.5) + lean, ROW * (down + 0.6))
     lines = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {ROW * len(rows) + 12}" '
