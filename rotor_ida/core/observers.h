@@ -20,12 +20,6 @@ struct step {
     const double *reached;
 };
 
-/* The largest indentation of a contact so far. */
-struct peak {
-    double values[MOST_VALUES];
-    double time;
-};
-
 double time_left(const struct run *run);
 
 /* Begin a run: report a sample at its start. */

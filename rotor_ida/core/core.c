@@ -1,0 +1,201 @@
+/* What the core offers, but for the lanes: see core.h. */
+#include "cvode.h"
+#include "events.h"
+
+/* Do what is asked with the motions of a run open. */
+static int with_motions(struct run *run, int (*act)(struct run *, const struct motions *, void *),
+                        void *more)
+{
+    const int tangents = run->differences > 0;
+    const struct parameters model = parameters_of(&run->rotor, 0.0);
+    if (run->method == TAYLOR) { /* flight is exact, so one of the two is enough */
+        struct taylor taylor;
+        const struct mode *mode = model.delta0 > 0.0 ? &contact_mode : &cartesian_mode;
+        open_taylor(&taylor, mode, model, run->rtol, tangents);
+        const struct motions motions = {&taylor.motion, &taylor.motion};
+        return act(run, &motions, more);
+    }
+    struct cvode contact, free;
+    const struct parameters felt = parameters_of(&run->rotor, model.delta0 == 0.0 ? 1.0 : 0.0);
+    int status = open_cvode(&contact, run->sundials, run->method, &contact_mode, model, run->rtol,
+                            tangents);
+    const int second = open_cvode(&free, run->sundials, run->method, &cartesian_mode, felt,
+                                  run->rtol, tangents);
+    status = status == DONE ? second : status;
+    if (status == DONE) {
+        const struct motions motions = {&contact.motion, &free.motion};
+        status = act(run, &motions, more);
+        const int failure = contact.failure ? contact.failure : free.failure;
+        status = failure ? failure : status;
+    }
+    close_cvode(&contact);
+    close_cvode(&free);
+    return status;
+}
+
+static int once(struct run *run, const struct motions *motions, void *more)
+{
+    (void)more;
+    return follow_events(run, motions);
+}
+
+int core_run(struct run *run)
+{
+    const int status = with_motions(run, once, NULL);
+    if (run->fixed_axes && status != FULL) {
+        core_rotate(run->samples, run->sample_times, run->rotor.omega, run->sampled);
+        core_rotate(run->event_states, run->event_times, run->rotor.omega, run->events);
+        core_rotate(run->state, &run->time, run->rotor.omega, 1);
+    }
+    return status;
+}
+
+/* ---- Stretching ---- */
+
+/* Make four rows orthonormal by Gram and Schmidt, twice; write the logarithms of their lengths. */
+static void orthonormalise(double *rows, double *stretch)
+{
+    for (int i = 0; i < DIFFERENCES; i++) {
+        double *row = &rows[4 * i];
+        for (int again = 0; again < 2; again++) {
+            for (int j = 0; j < i; j++) {
+                const double *other = &rows[4 * j];
+                double along = 0.0;
+                for (int k = 0; k < 4; k++)
+                    along += row[k] * other[k];
+                for (int k = 0; k < 4; k++)
+                    row[k] -= along * other[k];
+            }
+        }
+        double square = 0.0;
+        for (int k = 0; k < 4; k++)
+            square += row[k] * row[k];
+        const double size = sqrt(square);
+        stretch[i] = log(size);
+        for (int k = 0; k < 4; k++)
+            row[k] /= size;
+    }
+}
+
+struct stretching {
+    int64_t spans;
+    double *stretches;
+    int64_t *done;
+};
+
+static int stretch(struct run *run, const struct motions *motions, void *more)
+{
+    const struct stretching *asked = more;
+    int status = DONE;
+    for (*asked->done = 0; *asked->done < asked->spans && status == DONE;) {
+        run->time = 0.0;
+        status = follow_events(run, motions);
+        if (status == DONE) {
+            orthonormalise(run->bundle, &asked->stretches[4 * *asked->done]);
+            ++*asked->done;
+        }
+    }
+    return status;
+}
+
+int core_stretch(struct run *run, int64_t spans, double *stretches, int64_t *done)
+{
+    struct stretching asked = {spans, stretches, done};
+    return with_motions(run, stretch, &asked);
+}
+
+/* ---- What others ask of single states ---- */
+
+int core_starts_in_contact(const struct rotor *rotor, const double state[4])
+{
+    return decide_mode((struct motion_of_centre){{state[0], state[1]}, {state[2], state[3]}}, rotor)
+           == IN_CONTACT;
+}
+
+void core_fly(const struct rotor *rotor, const double *states, const double *spans, double *reached,
+              int64_t count)
+{
+    for (int64_t i = 0; i < count; i++) {
+        const double *s = &states[4 * i];
+        const struct motion_of_centre start = {{s[0], s[1]}, {s[2], s[3]}};
+        const struct motion_of_centre there = fly(start, spans[i], rotor);
+        const double row[4] = {there.z.x, there.z.y, there.w.x, there.w.y};
+        memcpy(&reached[4 * i], row, sizeof row);
+    }
+}
+
+double core_first_touch(const struct rotor *rotor, const double state[4], double limit,
+                        const uint8_t *stop)
+{
+    const struct motion_of_centre start = {{state[0], state[1]}, {state[2], state[3]}};
+    return first_touch(start, rotor, limit, stop);
+}
+
+void core_rotate(double *states, const double *times, double omega, int64_t count)
+{
+    for (int64_t i = 0; i < count; i++) {
+        const struct vector turn = {cos(omega * times[i]), sin(omega * times[i])};
+        for (double *pair = &states[4 * i]; pair < &states[4 * i + 4]; pair += 2) {
+            const struct vector turned = product((struct vector){pair[0], pair[1]}, turn);
+            pair[0] = turned.x;
+            pair[1] = turned.y;
+        }
+    }
+}
+
+/* ---- Invariants ---- */
+
+/* Radius at an event against delta0: the state is put there, so only rounding may remain. */
+static const double ON_THE_RING = 8.0 * ROUNDING;
+
+static double radius_at(const double *state) { return length((struct vector){state[0], state[1]}); }
+
+static enum fault fault_of_events(const struct run *run, int64_t *row)
+{
+    const double delta0 = run->rotor.delta0;
+    int expected = run->began == IN_CONTACT ? EXIT : ENTRY;
+    for (*row = 0; *row < run->events; ++*row, expected = -expected) {
+        const double *time = &run->event_times[*row], *state = &run->event_states[4 * *row];
+        if (!is_finite(state))
+            return EVENT_NOT_FINITE;
+        if (*row > 0 && !(time[0] > time[-1]))
+            return BACKWARDS;
+        if (run->event_kinds[*row] != expected)
+            return NOT_IN_TURN;
+        if (!(fabs(radius_at(state) - delta0) <= ON_THE_RING * delta0))
+            return OFF_THE_RING;
+    }
+    return SOUND;
+}
+
+static enum fault fault_of_samples(const struct run *run, double allowed, int64_t *row)
+{
+    int64_t passed = 0;
+    double outwards = run->began == IN_CONTACT ? 1.0 : -1.0;
+    for (*row = 0; *row < run->sampled; ++*row) {
+        const double *state = &run->samples[4 * *row];
+        if (!is_finite(state))
+            return SAMPLE_NOT_FINITE;
+        for (; passed < run->events && run->event_times[passed] <= run->sample_times[*row];
+             passed++)
+            outwards = -outwards;
+        if (outwards * (radius_at(state) - run->rotor.delta0) < -allowed && run->rotor.delta0 > 0.0)
+            return WRONG_SIDE_OF_THE_RING;
+    }
+    return SOUND;
+}
+
+int core_fault(const struct run *run, double allowed, int64_t *row)
+{
+    enum fault fault = fault_of_events(run, row);
+    if (fault == SOUND)
+        fault = fault_of_samples(run, allowed, row);
+    for (int64_t i = 0; fault == SOUND && i < run->contact_count; i++) {
+        const double *contact = &run->contacts[CONTACT_COLUMNS * i]; /* NaN where it has no end */
+        if (run->rotor.delta0 > 0.0 && (contact[2] < contact[0] || contact[2] > contact[1])) {
+            *row = i;
+            fault = PEAKS_OUTSIDE;
+        }
+    }
+    return (int)fault;
+}

@@ -1,0 +1,192 @@
+/* The phases of a run that are integrated: contacts, in variables that are smooth through entry and
+ * exit, and where there is nothing to smooth displacement and velocity themselves. */
+#include "events.h"
+
+/* A rise by less than this part is rounding. */
+static const double NOISE = 1e-13;
+/* Internal steps without progress in time after which a contact counts as stuck. */
+enum { PATIENCE = 10000 };
+
+/* Add the unit matrix as differences behind the state of a motion, with their tolerances. */
+void begin_differences(const struct motion *motion, double *start, double *atol)
+{
+    for (int j = 0; motion->tangents && j < APART; j++) {
+        start[motion->mode->size + j] = j % (DIFFERENCES + 1) == 0 ? 1.0 : 0.0;
+        atol[motion->mode->size + j] = motion->rtol;
+    }
+}
+
+/* ---- A contact, in its regularised variables ---- */
+
+/* A point of the last step at which the rotor is in contact. */
+static double inside(struct motion *motion)
+{
+    double point = motion->low, reach = motion->point - motion->low;
+    while (motion->at(motion, point)[CONTACT_Q] <= 0.0 && reach > 1e-14 * motion->point) {
+        reach *= 0.125;
+        point = motion->low + reach;
+    }
+    return point;
+}
+
+/* Write where the motion stands after a step into `reached`; return the point, NaN where it cannot
+ * be found. That is at the end of the step, at an exit, or at the end of the run. */
+static double end_of_step(const struct run *run, struct motion *motion, double *reached, int *left)
+{
+    double end = motion->point;
+    *left = 0;
+    copy_values(motion, motion->values, reached);
+    if (reached[CONTACT_Q] <= 0.0) {
+        end = root_in_step(motion, contact_root_of, 0.0, inside(motion), end);
+        if (isnan(end))
+            return NAN;
+        *left = 1;
+        copy_values(motion, motion->at(motion, end), reached);
+        reached[CONTACT_Q] = 0.0;
+    }
+    const double duration = time_left(run);
+    if (reached[CONTACT_T] > duration + (*left ? run->slack : 0.0)) {
+        end = root_in_step(motion, time_of, duration, motion->low, end);
+        if (isnan(end))
+            return NAN;
+        *left = 0;
+        copy_values(motion, motion->at(motion, end), reached);
+        reached[CONTACT_T] = duration;
+    } else if (*left) {
+        reached[CONTACT_T] = larger(reached[CONTACT_T], motion->before[CONTACT_T]);
+    }
+    return end;
+}
+
+/* Keep the values of largest q: at the end of the step, or where p vanishes inside it. On a whirl
+ * of constant radius p is rounding noise; there is nothing to look for. */
+static void raise_peak_of_contact(struct peak *peak, struct motion *motion, double end,
+                                  const double *reached)
+{
+    const double low = motion->low, q = motion->before[CONTACT_Q], p = motion->before[CONTACT_P];
+    if (p > 0.0 && 0.0 > reached[CONTACT_P]
+        && q + p * (end - low) > peak->values[CONTACT_Q] * (1.0 + NOISE)) {
+        const double summit = root_in_step(motion, radial_velocity_of, 0.0, low, end);
+        if (!isnan(summit) && motion->at(motion, summit)[CONTACT_Q] > peak->values[CONTACT_Q])
+            memcpy(peak->values, motion->at(motion, summit), sizeof(double) * CONTACT_SIZE);
+    }
+    if (reached[CONTACT_Q] > peak->values[CONTACT_Q])
+        memcpy(peak->values, reached, sizeof(double) * CONTACT_SIZE);
+}
+
+/* Integrate one contact until q falls through 0 or the run is at its end. */
+int integrate_contact(struct run *run, struct motion *motion, const double *start, double *reached,
+                      struct peak *peak, int *left)
+{
+    int idle = 0;
+    while (!asked_to_stop(run->stop)) {
+        int status = motion->advance(motion);
+        if (status != DONE)
+            return status;
+        const double end = end_of_step(run, motion, reached, left);
+        if (isnan(end)) {
+            copy_values(motion, motion->before, reached);
+            return NO_ROOT;
+        }
+        raise_peak_of_contact(peak, motion, end, reached);
+        const struct step step = {motion, end, reached[CONTACT_T], reached};
+        status = observe_step(run, &step);
+        if (status != DONE)
+            return status;
+        if (*left || reached[CONTACT_T] >= time_left(run)) {
+            observe_phase(run, motion, start, reached);
+            return DONE;
+        }
+        idle = reached[CONTACT_T] <= motion->before[CONTACT_T] ? idle + 1 : 0;
+        if (idle > PATIENCE)
+            return STUCK;
+    }
+    return STOPPED;
+}
+
+/* ---- Displacement and velocity: without clearance, and flight that is integrated ---- */
+
+static double radius_of(const double *values) { return sqrt(squared_radius_of(values)); }
+
+/* Where in the last step the radius first rises through delta0; infinite where it does not.
+ *
+ * A rise and fall inside the step shows in the radial velocity: it changes from + to - there, and
+ * the radius at its root tells. A fall and rise, which is how a step that starts on the ring may
+ * look, shows likewise; where rounding hides the fall, the turn itself is the touch. */
+static double touch_in_step(struct motion *motion, double delta0)
+{
+    double low = motion->low, high = motion->point, turn = low;
+    const double rising = radial_rate_of(motion->before);
+    if (rising * radial_rate_of(motion->values) < 0.0) {
+        turn = root_in_step(motion, radial_rate_of, 0.0, low, high);
+        if (rising > 0.0)
+            high = turn;
+        else if (radius_of(motion->at(motion, turn)) < delta0)
+            low = turn;
+    }
+    if (radius_of(motion->at(motion, high)) <= delta0)
+        return INFINITY;
+    if (radius_of(motion->at(motion, low)) >= delta0) {
+        const int leaves = radial_rate_of(motion->at(motion, high)) > 0.0;
+        return leaves ? larger(turn, 0.5 * (low + high)) : INFINITY;
+    }
+    return root_in_step(motion, radius_of, delta0, low, high);
+}
+
+/* Keep the values of largest radius. On a whirl of constant radius the radial velocity is rounding
+ * noise; there is nothing to look for. */
+static void raise_peak(struct peak *peak, struct motion *motion, double end)
+{
+    const double *reached = motion->at(motion, end);
+    const double rising = radial_rate_of(motion->before);
+    const double could_reach = squared_radius_of(motion->before)
+                               + 2.0 * rising * (end - motion->low);
+    if (rising > 0.0 && 0.0 > radial_rate_of(reached)
+        && could_reach > squared_radius_of(peak->values) * (1.0 + NOISE)) {
+        const double summit = root_in_step(motion, radial_rate_of, 0.0, motion->low, end);
+        end = summit > motion->low ? summit : end;
+        reached = motion->at(motion, end);
+    }
+    if (radius_of(reached) <= radius_of(peak->values))
+        return;
+    memcpy(peak->values, reached, sizeof(double) * CARTESIAN_SIZE);
+    peak->time = end;
+}
+
+/* Integrate until the rotor touches the ring from inside or the run is at its end. */
+int follow_freely(struct run *run, struct motion *motion, struct peak *peak, int *touched)
+{
+    const double duration = time_left(run);
+    double start[MOST_VALUES] = {run->state[0], run->state[1], run->state[2], run->state[3]};
+    double atol[MOST_VALUES] = {run->atol, run->atol, run->atol, run->atol};
+    double reached[MOST_VALUES];
+    begin_differences(motion, start, atol);
+    memcpy(peak->values, start, sizeof peak->values);
+    memcpy(reached, start, sizeof reached);
+    peak->time = 0.0;
+    double end = 0.0;
+    int over = 0, status = motion->restart(motion, start, atol);
+    while (status == DONE && !over) {
+        status = asked_to_stop(run->stop) ? STOPPED : motion->advance(motion);
+        if (status != DONE)
+            break;
+        const double touch = run->rotor.delta0 > 0.0 ? touch_in_step(motion, run->rotor.delta0)
+                                                     : INFINITY;
+        if (isnan(touch)) {
+            status = NO_ROOT;
+            break;
+        }
+        *touched = touch <= duration + run->slack;
+        end = *touched ? touch : smaller(motion->point, duration);
+        raise_peak(peak, motion, end);
+        copy_values(motion, motion->at(motion, end), reached);
+        const struct step step = {motion, end, end, reached};
+        status = observe_step(run, &step);
+        over = *touched || end >= duration;
+    }
+    if (status == DONE)
+        observe_phase(run, motion, start, reached);
+    run->evaluations += motion->evaluations(motion);
+    advance_run(run, end, centre_of(motion, reached));
+    return status;
+}
