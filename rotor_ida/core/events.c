@@ -135,6 +135,8 @@ static int has_room(const struct run *run)
 
 int follow_events(struct run *run, const struct motions *motions)
 {
+    if (!is_finite(run->state))
+        return NOT_FINITE;
     if (run->where == UNDECIDED) {
         run->where = run->began = decide_mode(where_it_is(run), &run->rotor);
         observe_start(run);

@@ -260,8 +260,8 @@ def _check(asked: Asked) -> tuple[float, float, float, float]:
     if not isinstance(start, tuple | list) or len(start) != 4:
         raise ValueError(f"start must be four numbers, got {asked.start!r}")
     x, y, vx, vy = start
-    if not math.isfinite(x + y + vx + vy + asked.duration + asked.rtol + asked.atol + asked.slack):
-        raise ValueError(f"a run must begin with finite numbers, got {asked!r}")
+    if not math.isfinite(asked.duration + asked.rtol + asked.atol + asked.slack):
+        raise ValueError(f"durations and tolerances must be finite numbers, got {asked!r}")
     if not (asked.rtol > 0.0 and asked.atol > 0.0):
         raise ValueError(f"rtol and atol must be positive, got {asked.rtol} and {asked.atol}")
     if asked.method not in METHODS:

@@ -23,7 +23,15 @@ from hypothesis import strategies as st
 from rotor_ida import InputError, Rotor, SimulationError
 from rotor_ida.basins import kernel
 from rotor_ida.core import interface, runs, sundials
-from rotor_ida.core.interface import DONE, MESSAGES, NO_SOLVER, STOPPED, RotorStruct, RunStruct
+from rotor_ida.core.interface import (
+    DONE,
+    MESSAGES,
+    NO_SOLVER,
+    NOT_FINITE,
+    STOPPED,
+    RotorStruct,
+    RunStruct,
+)
 from rotor_ida.core.runs import Asked
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
@@ -211,9 +219,8 @@ def test_lanes_of_odd_things_end_or_are_refused(data, rotor, duration, tolerance
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
-        ({"start": (0.0, 0.0, 0.0, np.nan)}, "a run must begin with finite numbers"),
-        ({"duration": np.inf}, "a run must begin with finite numbers"),
-        ({"rtol": np.nan}, "a run must begin with finite numbers"),
+        ({"duration": np.inf}, "durations and tolerances must be finite numbers"),
+        ({"rtol": np.nan}, "durations and tolerances must be finite numbers"),
         ({"start": (0.0, 0.0, 0.0)}, "start must be four numbers"),
         ({"rtol": 0.0}, "rtol and atol must be positive, got 0.0 and 1e-11"),
         ({"atol": -1.0}, "rtol and atol must be positive, got 1e-09 and -1.0"),
@@ -230,6 +237,17 @@ def test_what_is_wrong_is_said(wrong, message):
     right = {"rotor": BOUNCING, "start": REST, "duration": 1.0, "rtol": 1e-9, "atol": 1e-11}
     with pytest.raises(REFUSALS, match=message):
         runs.follow(Asked(**{**right, **wrong}))
+
+
+@pytest.mark.parametrize("method", ["taylor", "adams"])
+@pytest.mark.parametrize("start", [(0.0, 0.0, 0.0, np.nan), (np.inf, 0.0, 0.0, 0.0)])
+def test_a_start_that_is_not_finite_ends_the_run_at_once(start, method):
+    """A caller meets it as a run that cannot be followed: loaded numbers may be NaN."""
+    asked = Asked(
+        rotor=BOUNCING, start=start, duration=1.0, rtol=1e-9, atol=1e-11, method=method, events=True
+    )
+    seen = runs.follow(asked)
+    assert (seen.status, seen.time, seen.event_times.size) == (NOT_FINITE, 0.0, 0)
 
 
 def test_a_bundle_that_must_not_be_written_is_refused():
