@@ -93,6 +93,9 @@ def tasks():
     found["limit_cycle"] = partial(r.limit_cycle, bouncing, start=REST)
     found["shooting"] = partial(shoot, bouncing, state, float(cycle.period), np.zeros(1, np.uint8))
     found["continue_cycle"] = partial(r.continue_cycle, bouncing, start=REST, limits=(1.9, 2.1))
+    found["continue_cycle, the isola"] = partial(
+        r.continue_cycle, bouncing, start=cycle, limits=(0.05, 5.0)
+    )
     for name, numbers in BASINS.items():
         for cells in (64, 128):
             axis = np.linspace(-15.0, 15.0, cells)

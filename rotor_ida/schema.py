@@ -381,14 +381,15 @@ def labelled_dataset(
         if variable.dims == (name,):
             indexes[name] = index = PandasIndex(variable.values, name, variable.dtype)
             held.update(index.create_variables({name: variable}))
+    told = {"Conventions": CONVENTIONS, "title": title, **(attributes or {})}
     # The public constructor compares, aligns and copies what is known to fit: 0.3 ms, as long as
-    # simulating a hundred contacts takes. This one, which xarray uses itself, does without.
-    return xr.Dataset._construct_direct(
-        held,
-        {*coordinates, *indexes},
-        attrs={"Conventions": CONVENTIONS, "title": title, **(attributes or {})},
-        indexes=indexes,
-    )
+    # simulating a hundred contacts takes. The one that xarray uses itself does without.
+    names = {*coordinates, *indexes}
+    try:
+        return xr.Dataset._construct_direct(held, names, attrs=told, indexes=indexes)
+    except (AttributeError, TypeError):  # another version of xarray
+        plain = {name: variable for name, variable in held.items() if name not in names}
+        return xr.Dataset(plain, {name: held[name] for name in names}, told)
 
 
 def origin_of(dataset: xr.Dataset) -> dict[str, object]:

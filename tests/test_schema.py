@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from rotor_ida import (
     Rotor,
@@ -14,7 +15,7 @@ from rotor_ida import (
     sweep,
     synchronous_response,
 )
-from rotor_ida.schema import QUANTITIES, flags_of
+from rotor_ida.schema import QUANTITIES, flags_of, labelled_dataset
 
 
 @pytest.fixture(scope="module")
@@ -68,3 +69,14 @@ def test_all_results_are_labelled_by_the_three_parameters(results):
     for dataset in results.values():
         parameters = {"omega", "zeta", "delta0"} & set(dataset.coords)
         assert parameters >= ({"zeta", "delta0"} if "fold" in dataset.dims else {"omega", "zeta"})
+
+
+def test_a_dataset_is_the_same_without_what_xarray_keeps_to_itself(monkeypatch):
+    columns = {"amplitude": ("omega", [2.0, 3.0]), "period": ((), 4.0)}
+    coordinates = {"omega": ("omega", [1.7, 1.8]), "zeta": ((), 0.07)}
+    direct = labelled_dataset("whirls", columns, coordinates, {"start": "rest"})
+    monkeypatch.delattr(xr.Dataset, "_construct_direct")
+    plain = labelled_dataset("whirls", columns, coordinates, {"start": "rest"})
+    monkeypatch.undo()
+    assert plain.identical(direct)
+    assert list(plain.indexes) == list(direct.indexes)
