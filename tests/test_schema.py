@@ -75,7 +75,12 @@ def test_a_dataset_is_the_same_without_what_xarray_keeps_to_itself(monkeypatch):
     columns = {"amplitude": ("omega", [2.0, 3.0]), "period": ((), 4.0)}
     coordinates = {"omega": ("omega", [1.7, 1.8]), "zeta": ((), 0.07)}
     direct = labelled_dataset("whirls", columns, coordinates, {"start": "rest"})
-    monkeypatch.delattr(xr.Dataset, "_construct_direct")
+    construct = xr.Dataset._construct_direct
+
+    def by_keywords_alone(**given):
+        return construct(**given)
+
+    monkeypatch.setattr(xr.Dataset, "_construct_direct", by_keywords_alone)
     plain = labelled_dataset("whirls", columns, coordinates, {"start": "rest"})
     monkeypatch.undo()
     assert plain.identical(direct)
