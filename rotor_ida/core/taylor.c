@@ -62,10 +62,10 @@ static double longest_step(struct taylor *taylor, int components, double rate)
     const double growth = RATIO * step;
     evaluate(taylor->series.terms[first], WIDTH, LOOKED_AT - 3, growth, 1, taylor->sizes);
     const double scale = whole_power(growth, first) * taylor->fallen;
-    double excess = 0.0;
+    int exceeds = 0; /* also where a power overflows, and a vanishing term makes it NaN */
     for (int i = 0; i < components; i++)
-        excess = larger(excess, scale * taylor->sizes[i] * taylor->inverse[i]);
-    if (excess > 1.0) {
+        exceeds |= !(scale * taylor->sizes[i] * taylor->inverse[i] <= 1.0);
+    if (exceeds) {
         for (int n = first; n < order - 1; n++) {
             const double worst = worst_of(taylor, n, components);
             if (worst > 0.0)
@@ -274,6 +274,8 @@ static int advance(struct motion *motion)
     else
         mode->expand(&motion->model, &taylor->series, taylor->order);
     double step = mode == &contact_mode ? contact_step(taylor) : cartesian_step(taylor, inner);
+    if (isnan(step))
+        return NOT_FINITE;
     if (motion->tangents)
         step = smaller(step, step_of_differences(taylor));
     if (isnan(step))
