@@ -74,6 +74,11 @@ def tasks():
                 r.lyapunov_exponent, rotor(*numbers), start=start, transient=lead,
                 duration=length, batches=4, method=method,
             )  # fmt: skip
+    for name in ("adams", "ida"):
+        times, options = np.linspace(0.0, 50.0, 201), Options(method=name, backend="python")
+        found[f"bare run, full contact, python {name}"] = partial(
+            run, rotor(1.2, 0.07, 0.5), REST, 50.0, times, options
+        )
     bouncing = rotor(*MOTIONS["bouncing"][:3])
     grid = {"omega": [1.2, 1.7, 2.4], "zeta": 0.07, "delta0": [0.0, 0.5, 2.0], "workers": 1}
     for method in ("adams", "taylor"):

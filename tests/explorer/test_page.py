@@ -168,6 +168,17 @@ class Page:
         """Return for each canvas that is seen a number that its pixels give."""
         return self.run(PIXELS)
 
+    def pictures_at_rest(self):
+        """Return the pictures once they no longer change: basin and branch come bit by bit."""
+        end, before = time.monotonic() + PATIENCE, self.pictures()
+        while time.monotonic() < end:
+            time.sleep(1.0)
+            after = self.pictures()
+            if after == before:
+                return after
+            before = after
+        raise AssertionError("the pictures never rest")
+
 
 def shown_run(page, rotor, start=(0, 0, 0, 0), revolutions=60):
     duration = revolutions * 2 * np.pi / rotor.omega
@@ -368,8 +379,7 @@ def test_a_start_and_a_length_are_typed(page):
 
 def test_time_is_scrubbed_and_played(page):
     page.settle("settled", "section")
-    time.sleep(0.3)
-    before = page.pictures()
+    before = page.pictures_at_rest()
     slider = page.find("[data-time]")
     slider.send_keys(Keys.HOME)
     time.sleep(0.3)
