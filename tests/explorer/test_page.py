@@ -29,7 +29,7 @@ from selenium.webdriver.chrome.options import Options  # noqa: E402
 from selenium.webdriver.chrome.service import Service  # noqa: E402
 from selenium.webdriver.common.by import By  # noqa: E402
 
-# The first one to come here may have to compile all kernels.
+# On a machine that does other things as well.
 pytestmark = pytest.mark.timeout(1500)
 PATIENCE = 60.0  # seconds, on a machine that does other things too
 FIRST = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
