@@ -385,8 +385,13 @@ def labelled_dataset(
     # The public constructor compares, aligns and copies what is known to fit: 0.3 ms, as long as
     # simulating a hundred contacts takes. The one that xarray uses itself does without.
     names = {*coordinates, *indexes}
+    dims = {
+        dim: size
+        for variable in held.values()
+        for dim, size in zip(variable.dims, variable.shape, strict=True)
+    }
     try:
-        return xr.Dataset._construct_direct(held, names, attrs=told, indexes=indexes)
+        return xr.Dataset._construct_direct(held, names, dims, told, indexes)
     except (AttributeError, TypeError):  # another version of xarray
         plain = {name: variable for name, variable in held.items() if name not in names}
         return xr.Dataset(plain, {name: held[name] for name in names}, told)

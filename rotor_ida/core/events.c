@@ -163,5 +163,7 @@ int follow_events(struct run *run, const struct motions *motions)
         }
         status = follow_contact(run, motions->contact, entry);
     }
+    if (status == DONE)
+        observe_end(run);
     return status;
 }

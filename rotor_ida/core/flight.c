@@ -180,7 +180,7 @@ static double safe_step(struct gap g, double jerk, double reach)
             low = middle;
         } else {
             high = middle;
-            low = larger(low, allowed);
+            low = larger(allowed, low);
         }
     }
     return low;

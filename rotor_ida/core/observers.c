@@ -90,9 +90,19 @@ static int is_due(const struct run *run, double span, double until, double *due)
     return isfinite(*due) && *due <= until;
 }
 
+/* Samples at the end of a run, which the last phase may have left out: its own time, added to that
+ * at which it began, may round to the end. */
+void observe_end(struct run *run)
+{
+    while (run->sampled < run->sample_count && run->sample_times[run->sampled] <= run->duration) {
+        memcpy(&run->samples[4 * run->sampled], run->state, sizeof run->state);
+        run->sampled++;
+    }
+}
+
 static void sample_flight(struct run *run, const struct flight *flight)
 {
-    for (double due; is_due(run, flight->span, flight->span, &due);)
+    for (double due; is_due(run, flight->span, flight->span, &due) && !asked_to_stop(run->stop);)
         record_sample(run, fly(flight->start, due, &run->rotor));
 }
 
@@ -143,11 +153,11 @@ static void sample_step(struct run *run, const struct step *step)
     struct motion *motion = step->motion;
     const double left = time_left(run);
     if (!is_contact(motion)) {
-        for (double due; is_due(run, left, step->end, &due);)
+        for (double due; is_due(run, left, step->end, &due) && !asked_to_stop(run->stop);)
             record_sample(run, centre_of(motion, motion->glance_at(motion, due)));
         return;
     }
-    while (run->sampled < run->sample_count) {
+    while (run->sampled < run->sample_count && !asked_to_stop(run->stop)) {
         const double next = run->sample_times[run->sampled];
         const double due = smaller(larger(next - run->time, 0.0), left);
         if (next > run->duration || due > step->until)
@@ -173,23 +183,41 @@ static int has_room_for_extrema(const struct run *run)
     return run->extremum_count < run->extremum_room;
 }
 
+/* r r' and its rate of change. */
+struct turning {
+    double rate, bend;
+};
+
+/* Of a state on the rotating axes, where the force without clearance is felt or not. */
+static struct turning turning_of(const struct rotor *rotor, double felt, const double *state)
+{
+    const struct parameters model = parameters_of(rotor, felt);
+    double rates[CARTESIAN_SIZE];
+    cartesian_mode.field(&model, state, rates);
+    const struct vector z = {state[0], state[1]}, w = {state[2], state[3]};
+    const struct vector z_rate = {rates[0], rates[1]}, w_rate = {rates[2], rates[3]};
+    return (struct turning){dot(z, w), dot(z_rate, w) + dot(z, w_rate)};
+}
+
+static struct turning turning_at(const struct run *run, const struct flight *flight, double time)
+{
+    double state[4];
+    write_state(state, fly(flight->start, time, &run->rotor));
+    return turning_of(&run->rotor, 0.0, state);
+}
+
 /* Where the radius turns between two moments of a flight: Newton's method in a bracket. */
 static double turn_between(const struct run *run, const struct flight *flight, double low,
                            double high, double rising)
 {
-    const struct rotor *rotor = &run->rotor;
     double point = 0.5 * (low + high);
     for (int i = 0; i < MOST_HALVINGS; i++) {
-        const struct motion_of_centre there = fly(flight->start, point, rotor);
-        const double slope = dot(there.z, there.w);
-        const struct vector drawn = {rotor->omega * rotor->omega - 2.0 * rotor->zeta * there.w.x,
-                                     -2.0 * rotor->zeta * there.w.y};
-        const double bend = dot(there.w, there.w) + dot(there.z, drawn);
-        if (slope * rising > 0.0)
+        const struct turning here = turning_at(run, flight, point);
+        if (here.rate * rising > 0.0)
             low = point;
         else
             high = point;
-        double new = bend != 0.0 ? point - slope / bend : low;
+        double new = here.bend != 0.0 ? point - here.rate / here.bend : low;
         if (!(low < new && new < high))
             new = 0.5 * (low + high);
         if (fabs(new - point) <= ROUNDING * high || high - low <= ROUNDING * high)
@@ -199,24 +227,60 @@ static double turn_between(const struct run *run, const struct flight *flight, d
     return point;
 }
 
+/* Whether a rate that has the same sign at both ends comes towards 0 between them and goes again:
+ * there two extrema may hide. */
+static int comes_near(struct turning first, struct turning last)
+{
+    return first.rate * last.rate > 0.0 && first.rate * first.bend < 0.0
+           && last.rate * last.bend > 0.0;
+}
+
+/* Where the rate of a flight comes nearest to 0 between two moments: a root of the bend. */
+static double nearest_between(const struct run *run, const struct flight *flight, double low,
+                              double high, double bend)
+{
+    for (int i = 0; i < MOST_HALVINGS && high - low > ROUNDING * high; i++) {
+        const double middle = 0.5 * (low + high);
+        if (turning_at(run, flight, middle).bend * bend > 0.0)
+            low = middle;
+        else
+            high = middle;
+    }
+    return 0.5 * (low + high);
+}
+
+static void find_extremum_of_flight(struct run *run, const struct flight *flight, double low,
+                                    double high, double rising)
+{
+    if (!has_room_for_extrema(run))
+        return;
+    const double point = turn_between(run, flight, low, high, rising);
+    record_extremum(run, run->time + point, rising > 0.0 ? 1 : -1,
+                    fly(flight->start, point, &run->rotor));
+}
+
 static void find_extrema_of_flight(struct run *run, const struct flight *flight)
 {
     const double turns = flight->span * run->rotor.omega / (2.0 * PI);
     const double looks = larger(FEWEST_LOOKS, ceil(turns * LOOKS_A_REVOLUTION));
-    double low = 0.0, rising = dot(flight->start.z, flight->start.w);
+    double low = 0.0;
+    struct turning before = turning_at(run, flight, low);
     for (double look = 1.0; look <= looks && has_room_for_extrema(run); look += 1.0) {
         if (asked_to_stop(run->stop))
             return;
         const double high = flight->span * look / looks;
-        const struct motion_of_centre there = fly(flight->start, high, &run->rotor);
-        const double after = dot(there.z, there.w);
-        if (rising * after < 0.0) {
-            const double point = turn_between(run, flight, low, high, rising);
-            record_extremum(run, run->time + point, rising > 0.0 ? 1 : -1,
-                            fly(flight->start, point, &run->rotor));
+        const struct turning after = turning_at(run, flight, high);
+        if (before.rate * after.rate < 0.0)
+            find_extremum_of_flight(run, flight, low, high, before.rate);
+        if (comes_near(before, after)) {
+            const double middle = nearest_between(run, flight, low, high, before.bend);
+            if (turning_at(run, flight, middle).rate * before.rate < 0.0) {
+                find_extremum_of_flight(run, flight, low, middle, before.rate);
+                find_extremum_of_flight(run, flight, middle, high, -before.rate);
+            }
         }
         low = high;
-        rising = after;
+        before = after;
     }
 }
 
@@ -235,20 +299,50 @@ static void find_extremum_of_contact(struct run *run, const struct step *step)
                     centre_of(motion, values));
 }
 
+static void find_extremum_of_step(struct run *run, const struct step *step, double low, double high,
+                                  double rising)
+{
+    struct motion *motion = step->motion;
+    if (!has_room_for_extrema(run))
+        return;
+    const double point = root_in_step(motion, radial_rate_of, 0.0, low, high);
+    if (isnan(point))
+        return;
+    record_extremum(run, run->time + point, rising > 0.0 ? 1 : -1,
+                    centre_of(motion, motion->at(motion, point)));
+}
+
+static struct turning turning_in_step(const struct run *run, struct motion *motion, double point)
+{
+    return turning_of(&run->rotor, motion->model.felt, motion->at(motion, point));
+}
+
 static void find_extrema_of_step(struct run *run, const struct step *step)
 {
     struct motion *motion = step->motion;
-    double low = motion->low, rising = radial_rate_of(motion->at(motion, low));
+    double low = motion->low;
+    struct turning before = turning_in_step(run, motion, low);
     for (int look = 1; look <= LOOKS_A_STEP && has_room_for_extrema(run); look++) {
         const double high = motion->low + (step->end - motion->low) * look / LOOKS_A_STEP;
-        const double after = radial_rate_of(motion->at(motion, high));
-        if (rising * after < 0.0) {
-            const double point = root_in_step(motion, radial_rate_of, 0.0, low, high);
-            record_extremum(run, run->time + point, rising > 0.0 ? 1 : -1,
-                            centre_of(motion, motion->at(motion, point)));
+        const struct turning after = turning_in_step(run, motion, high);
+        if (before.rate * after.rate < 0.0)
+            find_extremum_of_step(run, step, low, high, before.rate);
+        if (comes_near(before, after)) {
+            double first = low, last = high;
+            for (int i = 0; i < MOST_HALVINGS && last - first > ROUNDING * last; i++) {
+                const double middle = 0.5 * (first + last);
+                if (turning_in_step(run, motion, middle).bend * before.bend > 0.0)
+                    first = middle;
+                else
+                    last = middle;
+            }
+            if (radial_rate_of(motion->at(motion, first)) * before.rate < 0.0) {
+                find_extremum_of_step(run, step, low, first, before.rate);
+                find_extremum_of_step(run, step, first, high, -before.rate);
+            }
         }
         low = high;
-        rising = after;
+        before = after;
     }
 }
 
@@ -272,18 +366,22 @@ static void turn_row(double *row, struct vector by)
     }
 }
 
-/* Move the rows of a bundle over a stretch, of which `apart` is the matrix between bases. */
-static void carry(struct run *run, const double *apart, struct vector from, struct vector to)
+static void turn_rows(struct run *run, struct vector by)
+{
+    for (double *row = run->bundle; row < run->bundle + 4 * run->differences; row += 4)
+        turn_row(row, by);
+}
+
+/* Move the rows of a bundle over a stretch, of which `apart` is the matrix. */
+static void carry(struct run *run, const double *apart)
 {
     for (double *row = run->bundle; row < run->bundle + 4 * run->differences; row += 4) {
-        turn_row(row, mirrored(from));
         double moved[4];
         for (int j = 0; j < 4; j++) {
             const double *line = &apart[DIFFERENCES * j];
             moved[j] = line[0] * row[0] + line[1] * row[1] + line[2] * row[2] + line[3] * row[3];
         }
         memcpy(row, moved, sizeof moved);
-        turn_row(row, to);
     }
 }
 
@@ -327,7 +425,6 @@ static void add_by_parameters(struct run *run, const struct step *step)
             }
         }
     }
-    const struct vector to = basis_of(motion, step->reached);
     for (int row = 0; row < 3; row++) {
         const double *d = drawn[row];
         const double back[4] = {-d[2], -d[3], d[0], d[1]}; /* S**-1 d */
@@ -337,7 +434,6 @@ static void add_by_parameters(struct run *run, const struct step *step)
             moved[j] = line[0] * back[0] + line[1] * back[1] + line[2] * back[2]
                        + line[3] * back[3];
         }
-        turn_row(moved, to);
         for (int j = 0; j < 4; j++)
             run->bundle[4 * (DIFFERENCES + row) + j] += moved[j];
     }
@@ -346,9 +442,13 @@ static void add_by_parameters(struct run *run, const struct step *step)
 void observe_phase(struct run *run, struct motion *motion, const double *start,
                    const double *reached)
 {
-    if (run->differences > 0 && !motion->begins_anew)
-        carry(run, &reached[motion->mode->size], basis_of(motion, start),
-              basis_of(motion, reached));
+    if (run->differences == 0)
+        return;
+    if (!motion->begins_anew) {
+        turn_rows(run, mirrored(basis_of(motion, start)));
+        carry(run, &reached[motion->mode->size]);
+    }
+    turn_rows(run, basis_of(motion, reached));
 }
 
 /* ---- All of them ---- */
@@ -385,10 +485,13 @@ int observe_step(struct run *run, const struct step *step)
     }
     if (run->differences > 0 && step->motion->begins_anew) {
         struct motion *motion = step->motion;
-        carry(run, &step->reached[motion->mode->size], basis_of(motion, motion->before),
-              basis_of(motion, step->reached));
+        if (motion->low == 0.0)
+            turn_rows(run, mirrored(basis_of(motion, motion->before)));
+        carry(run, &step->reached[motion->mode->size]);
         if (run->differences > DIFFERENCES)
             add_by_parameters(run, step);
     }
+    if (asked_to_stop(run->stop))
+        return STOPPED;
     return run->extremum_room > 0 && !has_room_for_extrema(run) ? FULL : DONE;
 }

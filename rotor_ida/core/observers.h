@@ -22,8 +22,9 @@ struct step {
 
 double time_left(const struct run *run);
 
-/* Begin a run: report a sample at its start. */
+/* Begin and end a run: report samples at its start, and at its end. */
 void observe_start(struct run *run);
+void observe_end(struct run *run);
 /* Watch a flight, and a step in contact or of a flight that is integrated. */
 void observe_flight(struct run *run, const struct flight *flight);
 int observe_step(struct run *run, const struct step *step);

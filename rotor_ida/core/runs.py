@@ -15,12 +15,11 @@ from rotor_ida.core.interface import (
     CONTACT_COLUMNS,
     EXTREMUM_COLUMNS,
     FULL,
-    IN_CONTACT,
-    IN_FLIGHT,
     METHODS,
     UNDECIDED,
     RotorStruct,
     RunStruct,
+    address,
     library,
     pointer,
 )
@@ -55,8 +54,6 @@ class Asked:
         Whether flight is in closed form.
     slack : float
         How far behind the end an event may lie and still be found [1].
-    where : int
-        Whether it begins in contact or in flight; by default its start decides.
     sample_times : ndarray, shape (n,), optional
         Times to report, increasing [1].
     fixed_axes : bool
@@ -64,8 +61,8 @@ class Asked:
     events, extrema : bool
         Whether events and contacts, and the extrema of the radius, are recorded.
     bundle : ndarray, shape (4, 4) or (7, 4), optional
-        Differences from the motion, carried along in place; the last three rows become what omega,
-        zeta and delta0 add [1].
+        Differences from the motion, carried along in place; by Taylor series the last three rows
+        become what omega, zeta and delta0 add [1].
     stop : ndarray of uint8, shape (1,)
         Anything but 0 asks the run to stop.
     """
@@ -78,7 +75,6 @@ class Asked:
     method: str = "taylor"
     exact_flight: bool = True
     slack: float = 0.0
-    where: int = UNDECIDED
     sample_times: Values | None = None
     fixed_axes: bool = False
     events: bool = False
@@ -146,10 +142,10 @@ class _Tables:
             self.sample_times = times = np.ascontiguousarray(asked.sample_times, np.float64)
             self.samples = np.empty((times.size, 4))
             run.sample_count = times.size
-            run.sample_times, run.samples = times.ctypes.data, self.samples.ctypes.data
+            run.sample_times, run.samples = address(times), address(self.samples)
         if asked.extrema:
             self.extrema = np.empty((2 * room, EXTREMUM_COLUMNS))
-            run.extremum_room, run.extrema = 2 * room, self.extrema.ctypes.data
+            run.extremum_room, run.extrema = 2 * room, address(self.extrema)
         if asked.events:
             self.widen(room)
 
@@ -162,10 +158,10 @@ class _Tables:
         self.contacts = _longer(self.contacts, room // 2 + 1)
         run.event_room, run.contact_room = room, len(self.contacts)
         run.event_times, run.event_kinds = (
-            self.event_times.ctypes.data,
-            self.event_kinds.ctypes.data,
+            address(self.event_times),
+            address(self.event_kinds),
         )
-        run.event_states, run.contacts = self.event_states.ctypes.data, self.contacts.ctypes.data
+        run.event_states, run.contacts = address(self.event_states), address(self.contacts)
 
     def seen(self, status: int) -> Seen:
         """Return what came of the run."""
@@ -177,7 +173,7 @@ class _Tables:
             (x, y, vx, vy),
             run.began,
             run.where,
-            self.samples,
+            self.samples[: run.sampled],
             self.event_times[: run.events],
             self.event_kinds[: run.events],
             self.event_states[: run.events],
@@ -242,13 +238,15 @@ def _struct_of(asked: Asked) -> RunStruct:
         exact_flight=asked.exact_flight,
         stop=pointer(NO_STOP if asked.stop is None else asked.stop, np.uint8),
         state=(x, y, vx, vy),
-        where=asked.where,
+        where=UNDECIDED,
     )
     if asked.method != "taylor":
         run.sundials = ctypes.cast(ctypes.pointer(sundials.functions()), c_void_p)
     if asked.bundle is not None:
         if asked.bundle.shape not in {(DIFFERENCES, 4), (WITH_PARAMETERS, 4)}:
             raise ValueError(f"a bundle must have 4 or 7 rows of 4, got {asked.bundle.shape}")
+        if len(asked.bundle) > DIFFERENCES and asked.method != "taylor":
+            raise ValueError(f"a bundle of 7 rows must be carried by taylor, got {asked.method!r}")
         run.differences = len(asked.bundle)
         run.bundle = pointer(asked.bundle, np.float64, writeable=True)
     return run
@@ -266,12 +264,13 @@ def _check(asked: Asked) -> tuple[float, float, float, float]:
         raise ValueError(f"rtol and atol must be positive, got {asked.rtol} and {asked.atol}")
     if asked.method not in METHODS:
         raise ValueError(f"method must be one of {', '.join(METHODS)}, got {asked.method!r}")
-    if asked.where not in {UNDECIDED, IN_FLIGHT, IN_CONTACT}:
-        raise ValueError(f"where must be -1, 0 or 1, got {asked.where}")
     if asked.stop is not None and asked.stop.shape != (1,):
         raise ValueError(f"stop must be one number, got {asked.stop!r}")
-    if asked.sample_times is not None and asked.sample_times.ndim != 1:
-        raise ValueError(f"sample times must be one row of numbers, got {asked.sample_times!r}")
+    times = asked.sample_times
+    if times is not None and times.ndim != 1:
+        raise ValueError(f"sample times must be one row of numbers, got {times!r}")
+    if times is not None and times.size and not times[-1] <= asked.duration:
+        raise ValueError(f"sample times must lie within {asked.duration}, got {times[-1]}")
     return x, y, vx, vy
 
 
@@ -309,7 +308,15 @@ def fault_of(
         How far a sample may lie on the wrong side of the ring [1].
     """
     run, row = RunStruct(rotor=RotorStruct.of(rotor), began=began), c_int64(0)
-    tables = [np.ascontiguousarray(table) for table in (*samples, *events, contacts)]
+    kinds = [*2 * [np.float64], np.float64, np.int8, np.float64, np.float64]
+    tables = [
+        np.ascontiguousarray(table, dtype)
+        for table, dtype in zip((*samples, *events, contacts), kinds, strict=True)
+    ]
+    rows = [*2 * [len(samples[0])], *3 * [len(events[0])], len(contacts)]
+    wide = (1, 4, 1, 1, 4, CONTACT_COLUMNS)
+    if any(table.size != n * m for table, n, m in zip(tables, rows, wide, strict=True)):
+        raise ValueError(f"tables must fit together, got {[table.shape for table in tables]}")
     (
         run.sample_times,
         run.samples,
@@ -317,7 +324,7 @@ def fault_of(
         run.event_kinds,
         run.event_states,
         run.contacts,
-    ) = (table.ctypes.data for table in tables)
+    ) = (address(table) for table in tables)
     run.sampled, run.events, run.contact_count = len(samples[0]), len(events[0]), len(contacts)
     return int(library().core_fault(byref(run), allowed, byref(row))), row.value
 
@@ -344,7 +351,8 @@ def fly(rotor: Rotor, states: npt.ArrayLike, spans: npt.ArrayLike) -> Values:
     They are read on the rotating axes of their times.
     """
     times = np.atleast_1d(np.asarray(spans, dtype=np.float64))
-    begun = np.array(np.broadcast_to(np.asarray(states, dtype=np.float64), (times.size, 4)))
+    begun = np.empty((times.size, 4))
+    begun[:] = states
     times, reached = np.ascontiguousarray(times), np.empty((times.size, 4))
     held = RotorStruct.of(rotor)
     library().core_fly(

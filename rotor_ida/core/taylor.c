@@ -284,6 +284,13 @@ static int advance(struct motion *motion)
     if (motion->point <= motion->low)
         return STUCK;
     read(taylor, motion->point - motion->low, motion->values);
+    double total = 0.0;
+    for (int i = 0; i < mode->size; i++)
+        total += motion->values[i];
+    if (!isfinite(total)) {
+        copy_values(motion, motion->before, motion->values);
+        return NOT_FINITE;
+    }
     return DONE;
 }
 

@@ -1,10 +1,10 @@
 """The model, stated once: how a rotor moves in contact, and where nothing has to be smoothed.
 
-A mode is a state, its rate of change, and guards: functions of the state whose sign says when the
-mode ends, and with which event. All are plain Python, of sums, products, quotients and constant
-powers alone. Run over numbers they are the model itself. Run once over symbols they become what
-the compiled core needs (`rotor_ida.equations.derivation`): fields and Jacobians, Taylor series,
-the growth of small differences, and what the parameters add.
+A mode is a state, its rate of change, and guards: components of the state that pass through 0 where
+the mode ends, or where something else is to be told. All are plain Python, of sums, products,
+quotients and constant powers alone. Run over numbers they are the model itself. Run once over
+symbols they become what the compiled core needs (`rotor_ida.equations.writing`): fields and
+Jacobians, Taylor series, the growth of small differences, and what the parameters add.
 
 A force is stated by one component, along any direction that is given: the same lines serve on
 the rotating axes and in the polar basis of a contact.
@@ -49,24 +49,18 @@ class Along(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Guard:
-    """A function of the state that says when something happens.
+    """A component of the state that says when something happens: its series is the guard's.
 
     Parameters
     ----------
     event : str
         What happens where it passes through 0.
-    falls : bool
-        Whether it counts only where it falls.
     of : str
-        The component of the state that it is.
-    then : str
-        The mode that follows; empty where the mode goes on.
+        Which component it is.
     """
 
     event: str
-    falls: bool
     of: str
-    then: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,8 +196,8 @@ CONTACT = Mode(
     neighbour=contact_neighbour,
     pace=lambda state: state[0],
     guards=(
-        Guard(event="exit", falls=True, of="q", then="cartesian"),
-        Guard(event="extremum", falls=False, of="p", then=""),
+        Guard(event="exit", of="q"),
+        Guard(event="extremum", of="p"),
     ),
 )
 CARTESIAN = Mode(

@@ -134,6 +134,10 @@ def _partners(orbit: Orbit, other: Orbit) -> npt.NDArray[np.intp]:
     A slight touch, or a slight departure, may appear in one orbit only: a pair of events that
     has no partner is passed over. Where more than a pair is missing the orbits have parted.
     """
+    if np.array_equal(orbit.event_kinds, other.event_kinds):  # as a rule all have theirs
+        allowed = np.minimum(_reach(orbit), _reach(other))
+        if (np.abs(orbit.event_times - other.event_times) <= allowed).all():
+            return np.arange(orbit.event_times.size)
     partners = [-1] * orbit.event_times.size
     own, others = _events(orbit), _events(other)
     mine = theirs = 0
@@ -150,14 +154,19 @@ def _partners(orbit: Orbit, other: Orbit) -> npt.NDArray[np.intp]:
     return np.array(partners, dtype=np.intp)
 
 
-def _events(orbit: Orbit) -> list[Event]:
-    """Return kind and time of each event, and how far away its partner may be."""
+def _reach(orbit: Orbit) -> Values:
+    """Return how far away the partner of each event may be [1]."""
     times = orbit.event_times
     gaps = np.full(times.size + 1, np.inf)
     gaps[1:-1] = times[1:] - times[:-1]
-    reach = SAME_EVENT * np.minimum(gaps[:-1], gaps[1:])
+    return np.asarray(SAME_EVENT * np.minimum(gaps[:-1], gaps[1:]))
+
+
+def _events(orbit: Orbit) -> list[Event]:
+    """Return kind and time of each event, and how far away its partner may be."""
     # a loop over plain numbers takes a fifth of one over those of NumPy
-    return list(zip(orbit.event_kinds.tolist(), times.tolist(), reach.tolist(), strict=True))
+    rows = (orbit.event_kinds, orbit.event_times, _reach(orbit))
+    return list(zip(*(row.tolist() for row in rows), strict=True))
 
 
 def _is_same(own: list[Event], mine: int, others: list[Event], theirs: int) -> bool:

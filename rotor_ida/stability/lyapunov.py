@@ -219,7 +219,7 @@ def _stretches(
     stretches, seen = stretch(asked, lead + count)
     whole = np.isfinite(stretches).all(axis=1)
     if seen.status != DONE or not whole.all():
-        time = span * int(whole.sum())
+        time = span * int(whole.sum()) + (seen.time if seen.status != DONE else 0.0)
         x, y, vx, vy = rotated(seen.state, rotor.omega * time).tolist()
         reason = message_of(seen.status) if seen.status != DONE else message_of(NOT_FINITE)
         raise SimulationError(

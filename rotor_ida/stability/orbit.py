@@ -7,6 +7,7 @@ follows. Field and Jacobian are continuous where contact begins and ends, so not
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -86,8 +87,7 @@ def shoot(rotor: Rotor, start: Values, duration: float, stop: Stop, rtol: float 
     SimulationError
         If it could not be followed.
     """
-    bundle = np.zeros((WITH_PARAMETERS, 4))
-    bundle[:DIFFERENCES] = np.eye(4)
+    bundle = np.eye(WITH_PARAMETERS, 4)
     seen = follow(
         Asked(
             rotor=rotor,
@@ -103,7 +103,7 @@ def shoot(rotor: Rotor, start: Values, duration: float, stop: Stop, rtol: float 
     )
     end = np.array(seen.state)
     status = seen.status
-    if status == DONE and not np.isfinite(bundle.sum() + end.sum()):
+    if status == DONE and not math.isfinite(sum(bundle.ravel().tolist()) + sum(seen.state)):
         status = STUCK
     if status != DONE:
         x, y, vx, vy = start.tolist()

@@ -9,7 +9,6 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.checks import State
-from rotor_ida.core.interface import EXTREMUM_COLUMNS
 from rotor_ida.equations.model import rotated
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
@@ -78,7 +77,7 @@ CLEAR_STRETCH = 20.0
 ROUNDING = 2.0**-52
 
 
-_NO_TIMES, _NO_EXTREMA = np.empty(0), np.empty((0, EXTREMUM_COLUMNS))
+_NO_TIMES = np.empty(0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,23 +154,25 @@ class _Trajectory:
     def turns(self, window: Window) -> TurningPoints:
         """Return where the radius turns in the last window."""
         found = self.extrema
-        if found is None:  # of the reference, which records none
-            series = Options(rtol=self.options.rtol, atol=self.options.atol, method="taylor")
-            length = float(window.times[-1])
-            again = run(
-                self.rotor, self.before, length, _NO_TIMES, series, extrema=True, stop=self.stop
-            )
-            found = again.extrema
-        return turning_points(window.states, _NO_EXTREMA if found is None else found)
+        if found is None:  # of the reference
+            found = self._extrema_of_reference(window)
+        return turning_points(window.states, found)
+
+    def _extrema_of_reference(self, window: Window) -> Values:
+        from rotor_ida.simulation.reference.turning_points import (  # noqa: PLC0415 - its SciPy
+            extrema_between,
+        )
+
+        def again(times: Values) -> Values:
+            orbit = self._run(self.before, float(window.times[-1]), times)
+            return rotated(orbit.states, -self.rotor.omega * times)
+
+        return extrema_between(self.rotor, window.times, window.states, again)
 
     def _extend(self, duration: float, times: Values, *, extrema: bool = False) -> Orbit:
         """Simulate from the end of the run before, where time and phase count as 0 again."""
         self.before = self.state
-        scale = TIGHTER if self.options.rtol >= ROOMY else 1.0
-        orbit = run(
-            self.rotor, self.before, duration, times, self.options,
-            scale=scale, extrema=extrema, stop=self.stop,
-        )  # fmt: skip
+        orbit = self._run(self.before, duration, times, extrema=extrema)
         omega = self.rotor.omega
         self.event_times.append(self.time + orbit.event_times)
         self.event_kinds.append(orbit.event_kinds)
@@ -180,6 +181,13 @@ class _Trajectory:
         self.state = (x, y, vx, vy)
         self.time += duration
         return orbit
+
+    def _run(self, start: State, duration: float, times: Values, *, extrema: bool = False) -> Orbit:
+        scale = TIGHTER if self.options.rtol >= ROOMY else 1.0
+        return run(
+            self.rotor, start, duration, times, self.options,
+            scale=scale, extrema=extrema, stop=self.stop,
+        )  # fmt: skip
 
     def settled(
         self, response: str, features: Features, window_start: float, message: str = ""

@@ -126,9 +126,9 @@ def test_duals_are_the_derivatives_of_the_rates(mode, states):
 
 def test_guards_are_what_the_core_watches():
     """The exit where q falls through 0, and the extremum where p vanishes."""
-    assert [(guard.event, guard.of, guard.falls) for guard in CONTACT.guards] == [
-        ("exit", "q", True),
-        ("extremum", "p", False),
+    assert [(guard.event, guard.of) for guard in CONTACT.guards] == [
+        ("exit", "q"),
+        ("extremum", "p"),
     ]
     assert {guard.of for mode in (CONTACT, CARTESIAN) for guard in mode.guards} <= {*CONTACT.state}
 

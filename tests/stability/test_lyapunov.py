@@ -148,10 +148,10 @@ def test_failure_says_where(monkeypatch):
 
     def stuck(asked, spans):
         stretches, seen = stretch(asked, 3)
-        return stretches, replace(seen, status=STUCK)
+        return stretches, replace(seen, status=STUCK, time=0.25)  # within the span after these
 
     monkeypatch.setattr(lyapunov, "stretch", stuck)
-    message = r"could not be followed: time no longer advances \(at t = 1.5, state"
+    message = r"could not be followed: time no longer advances \(at t = 1.75, state"
     with pytest.raises(SimulationError, match=message):
         lyapunov_exponent(BOUNCING, start=REST)
 
