@@ -86,18 +86,18 @@ static int advance(struct motion *motion)
     motion->low = motion->point;
     cvode->degree = -1;
     cvode->readings = 0;
-    memcpy(motion->before, motion->values, sizeof motion->before);
+    copy_values(motion, motion->values, motion->before);
     if (cvode->failure)
         return cvode->failure;
     for (int i = 0; i < MOST_IDLE_STEPS; i++) {
         double reached = motion->point;
         const int status = cvode->sundials->solve(cvode->memory, FAR_GOAL, cvode->state, &reached,
                                                   ONE_STEP);
-        int finite = 1;
+        double total = 0.0;
         for (int j = 0; j < count; j++)
-            finite &= isfinite(motion->values[j]) != 0;
-        if (status < 0 || !finite) {
-            memcpy(motion->values, motion->before, sizeof motion->before);
+            total += motion->values[j];
+        if (status < 0 || !isfinite(total)) {
+            copy_values(motion, motion->before, motion->values);
             return status < 0 ? status : NOT_FINITE;
         }
         motion->point = reached;

@@ -121,8 +121,7 @@ def _whirl_direction(orbit: Orbit, moment: Values, indentation: Values) -> npt.N
     """Return the sense in which the rotor goes round the bearing axis at the peaks."""
     if not moment.size:
         return np.empty(0, dtype=np.int8)
-    velocities = orbit.states[:, 2:]
-    fastest = max(1.0, velocities.max(initial=0.0), -velocities.min(initial=0.0))
+    fastest = np.abs(orbit.states[:, 2:]).max(initial=1.0)
     scale = (orbit.rotor.delta0 + indentation) * fastest
     turning = np.where(np.abs(moment) > NO_WHIRL * scale, np.sign(moment), 0.0)
     return turning.astype(np.int8)

@@ -114,7 +114,8 @@ def estimate_event_errors(
 def _fastest(orbit: Orbit) -> float:
     """Return the rate of the fastest motion or decay: spin, damping, vibration at the peak."""
     omega, zeta, delta0 = orbit.rotor.omega, orbit.rotor.zeta, orbit.rotor.delta0
-    farthest = float(np.hypot(orbit.states[:, 0], orbit.states[:, 1]).max(initial=delta0))
+    squares = orbit.states[:, 0] ** 2 + orbit.states[:, 1] ** 2
+    farthest = float(np.sqrt(squares.max(initial=delta0**2)))
     depth = max(farthest - delta0, float(orbit.contacts[:, 3].max(initial=0.0)))
     return float(omega + 2.0 * zeta + np.sqrt(1.5 * np.sqrt(depth)))
 
