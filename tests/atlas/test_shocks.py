@@ -188,17 +188,21 @@ def test_an_atlas_has_them_by_number(tmp_path, whirling):
 
 
 def test_a_machine_has_them_in_si_units():
+    """Lengths of a power of two divide without rounding: the two searches have the same starts."""
+    length = 2.0**-20
     machine = DimensionalRotor(
-        mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6, clearance=2e-6,
-        speed=1000.0,
+        mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=length,
+        clearance=2.0 * length, speed=1000.0,
     )  # fmt: skip
-    ranges = {"x": (-1.5e-5, 1.5e-5), "y": (-1.5e-5, 1.5e-5)}
+    ranges = {name: tuple(end * length for end in BOX[name]) for name in ("x", "y")}
     told = touchdown_report(machine, **ranges, starts=100, shocks=512)
     plain = touchdown_report(machine.rotor(), **BOX, starts=100, shocks=512)
     assert told.velocity_shock.attrs["units"] == "m s-1"
+    assert told.displacement_shock.attrs["units"] == "m"
     np.testing.assert_allclose(
-        told.velocity_shock, plain.velocity_shock * machine.velocity_scale, rtol=0.1
-    )  # the starts differ by rounding, and so does the search
+        told.velocity_shock, plain.velocity_shock * machine.velocity_scale, rtol=1e-12
+    )
+    np.testing.assert_allclose(told.displacement_shock, plain.displacement_shock * length)
     np.testing.assert_allclose(told.omega_low, plain.omega_low)
 
 
