@@ -1,7 +1,7 @@
 /* A motion led by Taylor series: one polynomial a step, read anywhere inside it.
  *
- * Order and step follow from the tolerance. A step of a contact is cut where one of its guards would
- * vanish inside it more than once, so no exit and no extremum is hidden. */
+ * Order and step follow from the tolerance. A step of a contact is cut where one of its guards
+ * would vanish inside it more than once, so no exit and no extremum is hidden. */
 #include "motion.h"
 
 /* The part of rounding below which a variable that should vanish is noise. */
