@@ -35,83 +35,122 @@ BASINS = {
     "delta0 0.5": (1.7, 0.07, 0.5),
     "bouncing": (2.0, 0.07, 2.0),
 }
+RUNS = (("taylor", 1e-9), ("taylor", 1e-12), ("adams", 1e-9), ("bdf", 1e-9))
 COVERED = 0.95
 
 
 def tasks():
     """Return the functions to time by their names; both checkouts offer what they call."""
+    return runs() | maps() | cycles() | basins()
+
+
+def runs():
+    """Single motions: bare runs, `simulate` and exponents."""
     import numpy as np  # noqa: PLC0415 - of the worker's own Python
 
     import rotor_ida as r  # noqa: PLC0415
     from rotor_ida.simulation.options import Options  # noqa: PLC0415
     from rotor_ida.simulation.run import run  # noqa: PLC0415
-    from rotor_ida.stability.orbit import shoot  # noqa: PLC0415
-
-    def rotor(omega, zeta, delta0):
-        return r.Rotor(omega=omega, zeta=zeta, delta0=delta0)
 
     found = {}
     for name, (*numbers, start) in MOTIONS.items():
-        duration = 100.0 * 2.0 * math.pi / numbers[0]
+        rotor, duration = rotor_of(*numbers), 100.0 * 2.0 * math.pi / numbers[0]
         times = np.linspace(0.0, duration, 2001)
-        for method, tolerances in {
-            "taylor": (1e-9, 1e-12),
-            "adams": (1e-9,),
-            "bdf": (1e-9,),
-        }.items():
-            for rtol in tolerances:
-                options = Options(method=method, rtol=rtol, atol=1e-2 * rtol)
-                found[f"bare run, {name}, {method} {rtol:.0e}"] = partial(
-                    run, rotor(*numbers), start, duration, times, options
-                )
+        for method, rtol in RUNS:
+            options = Options(method=method, rtol=rtol, atol=1e-2 * rtol)
+            found[f"bare run, {name}, {method} {rtol:.0e}"] = partial(
+                run, rotor, start, duration, times, options
+            )
         for method in ("taylor", "adams"):
             found[f"simulate, {name}, {method}"] = partial(
-                r.simulate, rotor(*numbers), start=start, duration=duration, samples=2001,
+                r.simulate, rotor, start=start, duration=duration, samples=2001,
                 rtol=1e-9, atol=1e-11, method=method,
             )  # fmt: skip
         for method, lead, length in (("taylor", 100.0, 400.0), ("adams", 20.0, 40.0)):
             found[f"lyapunov_exponent, {name}, {method}"] = partial(
-                r.lyapunov_exponent, rotor(*numbers), start=start, transient=lead,
+                r.lyapunov_exponent, rotor, start=start, transient=lead,
                 duration=length, batches=4, method=method,
             )  # fmt: skip
     for name in ("adams", "ida"):
         times, options = np.linspace(0.0, 50.0, 201), Options(method=name, backend="python")
         found[f"bare run, full contact, python {name}"] = partial(
-            run, rotor(1.2, 0.07, 0.5), REST, 50.0, times, options
+            run, rotor_of(1.2, 0.07, 0.5), REST, 50.0, times, options
         )
-    bouncing = rotor(*MOTIONS["bouncing"][:3])
+    return found
+
+
+def maps():
+    """Sweeps, sections and bifurcation diagrams."""
+    import numpy as np  # noqa: PLC0415
+
+    import rotor_ida as r  # noqa: PLC0415
+
+    found = {}
     grid = {"omega": [1.2, 1.7, 2.4], "zeta": 0.07, "delta0": [0.0, 0.5, 2.0], "workers": 1}
     for method in ("adams", "taylor"):
         found[f"sweep, {method}"] = partial(r.sweep, **grid, method=method)
         found[f"poincare_section, {method}"] = partial(
-            r.poincare_section, bouncing, start=REST, revolutions=100, at="peak", method=method
+            r.poincare_section, bouncing(), start=REST, revolutions=100, at="peak", method=method
+        )
+        found[f"bifurcation_diagram, {method}"] = partial(
+            r.bifurcation_diagram, omega=[2.0, 2.2], zeta=0.07, delta0=2.0, workers=1, method=method
         )
     found["sweep up and down, taylor"] = partial(
         r.sweep, **grid | {"omega": np.linspace(1.5, 2.5, 6)}, direction="both", method="taylor"
     )
-    for method in ("adams", "taylor"):
-        found[f"bifurcation_diagram, {method}"] = partial(
-            r.bifurcation_diagram, omega=[2.0, 2.2], zeta=0.07, delta0=2.0, workers=1, method=method
-        )
-    cycle = r.limit_cycle(bouncing, start=REST)
+    return found
+
+
+def cycles():
+    """Limit cycles, shooting and branches."""
+    import numpy as np  # noqa: PLC0415
+
+    import rotor_ida as r  # noqa: PLC0415
+    from rotor_ida.stability.orbit import shoot  # noqa: PLC0415
+
+    cycle = r.limit_cycle(bouncing(), start=REST)
     state = np.array([float(cycle[name].values[0]) for name in ("x", "y", "vx", "vy")])
-    found["limit_cycle"] = partial(r.limit_cycle, bouncing, start=REST)
-    found["shooting"] = partial(shoot, bouncing, state, float(cycle.period), np.zeros(1, np.uint8))
-    found["continue_cycle"] = partial(r.continue_cycle, bouncing, start=REST, limits=(1.9, 2.1))
-    found["continue_cycle, the isola"] = partial(
-        r.continue_cycle, bouncing, start=cycle, limits=(0.05, 5.0)
-    )
+    period, stop = float(cycle.period), np.zeros(1, np.uint8)
+    return {
+        "limit_cycle": partial(r.limit_cycle, bouncing(), start=REST),
+        "shooting": partial(shoot, bouncing(), state, period, stop),
+        "continue_cycle": partial(r.continue_cycle, bouncing(), start=REST, limits=(1.9, 2.1)),
+        "continue_cycle, the isola": partial(
+            r.continue_cycle, bouncing(), start=cycle, limits=(0.05, 5.0)
+        ),
+    }
+
+
+def basins():
+    """Basins on two grids, and their fractions."""
+    import numpy as np  # noqa: PLC0415
+
+    import rotor_ida as r  # noqa: PLC0415
+
+    found = {}
     for name, numbers in BASINS.items():
+        rotor = rotor_of(*numbers)
         for cells in (64, 128):
             axis = np.linspace(-15.0, 15.0, cells)
             found[f"basin, {name}, {cells} x {cells}"] = partial(
-                r.basin, rotor(*numbers), x=axis, y=axis, workers=1
+                r.basin, rotor, x=axis, y=axis, workers=1
             )
         found[f"basin_fractions, {name}"] = partial(
-            r.basin_fractions, rotor(*numbers), x=(-15.0, 15.0), y=(-15.0, 15.0), starts=2000,
-            workers=1,
-        )  # fmt: skip
+            r.basin_fractions, rotor, x=(-15.0, 15.0), y=(-15.0, 15.0), starts=2000, workers=1
+        )
     return found
+
+
+def rotor_of(omega, zeta, delta0):
+    """Return a rotor of the checkout whose Python this is."""
+    from rotor_ida import Rotor  # noqa: PLC0415
+
+    return Rotor(omega=omega, zeta=zeta, delta0=delta0)
+
+
+def bouncing():
+    """Return the rotor that bounces."""
+    return rotor_of(*MOTIONS["bouncing"][:3])
 
 
 def work():
