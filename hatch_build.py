@@ -71,9 +71,15 @@ class BuildError(Exception):
 def find_compiler() -> list[str] | None:
     """Return the words that call a C compiler: $CC, one on PATH, ziglang; None where none is."""
     if os.environ.get("CC", "").strip():
-        words = shlex.split(os.environ["CC"])
-        if shutil.which(words[0]) is None:
+        try:
+            words = shlex.split(os.environ["CC"])
+        except ValueError as error:
+            raise BuildError(f"CC must name a C compiler, got {os.environ['CC']!r}") from error
+        found = shutil.which(words[0])
+        if found is None:
             raise BuildError(f"CC must name a C compiler, and {words[0]!r} cannot be found")
+        if os.sep in words[0]:  # it is called in another folder
+            words[0] = str(Path(found).absolute())
         return words
     for name in ("cc", "gcc", "clang"):
         if found := shutil.which(name):
@@ -215,7 +221,7 @@ class CustomBuildHook(BuildHookInterface):
                     "the package ziglang (pip install ziglang)"
                 )
             build(compiler)
-        except BuildError as error:
+        except (BuildError, OSError) as error:
             self.app.abort(f"rotor-ida: {error}")
         made = [identity["library_path"](CORE, level) for level in levels()]
         build_data["pure_python"] = False
@@ -240,7 +246,7 @@ def main() -> int:
         made = build(
             compiler, out=given.out.resolve(), warnings=given.warnings, sanitize=given.sanitize
         )
-    except BuildError as error:
+    except (BuildError, OSError) as error:
         print(f"hatch_build.py: {error}", file=sys.stderr)
         return 1
     print(*(made or ["nothing to compile: all libraries are up to date"]), sep="\n")

@@ -13,6 +13,7 @@ import argparse
 import json
 import math
 import os
+import shutil
 import statistics
 import subprocess
 import sys
@@ -37,6 +38,7 @@ BASINS = {
 }
 RUNS = (("taylor", 1e-9), ("taylor", 1e-12), ("adams", 1e-9), ("bdf", 1e-9))
 COVERED = 0.95
+FEWEST = 6  # turns: below, even the extremes hold the median less often than that
 
 
 def tasks():
@@ -227,6 +229,10 @@ def main():
         return
     if not arguments.other_python or not arguments.other_tree:
         parser.error("--other-python and --other-tree must be given")
+    if shutil.which(arguments.other_python) is None:
+        parser.error(f"--other-python must be a Python, got {arguments.other_python!r}")
+    if arguments.turns < FEWEST:
+        parser.error(f"--turns must be at least {FEWEST}, got {arguments.turns}")
     old = Worker(arguments.other_python, arguments.other_tree.resolve())
     new = Worker(sys.executable, HERE.parents[1])
     print(

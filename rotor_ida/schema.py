@@ -385,11 +385,11 @@ def labelled_dataset(
     # The public constructor compares, aligns and copies what is known to fit: 0.3 ms, as long as
     # simulating a hundred contacts takes. The one that xarray uses itself does without.
     names = {*coordinates, *indexes}
-    dims = {
-        dim: size
-        for variable in held.values()
-        for dim, size in zip(variable.dims, variable.shape, strict=True)
-    }
+    dims: dict[Hashable, int] = {}
+    for name, variable in held.items():
+        for dim, size in zip(variable.dims, variable.shape, strict=True):
+            if dims.setdefault(dim, size) != size:
+                raise ValueError(f"{name} must be of size {dims[dim]} along {dim}, got {size}")
     try:
         return xr.Dataset._construct_direct(held, names, dims, told, indexes)
     except (AttributeError, TypeError):  # another version of xarray

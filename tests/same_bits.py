@@ -12,6 +12,7 @@ kernels of OpenBLAS (OPENBLAS_CORETYPE); what moves with these, and by how much,
 import argparse
 import importlib.util
 import os
+import shlex
 import shutil
 import subprocess
 import sys
@@ -126,7 +127,7 @@ def compare(folder):
         made = tempfile.mkdtemp(dir=folder)
         command = [sys.executable, str(ROOT / "hatch_build.py"), "--out", made]
         subprocess.run(
-            [*command, "--compiler", " ".join(words)], check=True, stdout=subprocess.DEVNULL
+            [*command, "--compiler", shlex.join(words)], check=True, stdout=subprocess.DEVNULL
         )
         for level in sorted({levels[0], levels[-1]}):
             others.append(computed(folder, f"{name}, {level}", {"ROTOR_IDA_CPU": level}, made))

@@ -229,7 +229,7 @@ def public() -> dict[str, Callable[..., object]]:
 def odd_calls(name: str, folder: Path) -> Iterator[tuple[str, str]]:
     """Call a function with one odd argument at a time; yield what was odd, and what is wrong."""
     function = public()[name]
-    function(**GIVEN[name](folder))  # compiles what it needs
+    function(**GIVEN[name](folder))  # as it stands it is accepted
     for argument in inspect.signature(function).parameters:
         for word, value in ODD.items():
             if argument == "progress" and callable(value):

@@ -85,3 +85,10 @@ def test_a_dataset_is_the_same_without_what_xarray_keeps_to_itself(monkeypatch):
     monkeypatch.undo()
     assert plain.identical(direct)
     assert list(plain.indexes) == list(direct.indexes)
+
+
+def test_columns_of_different_length_are_refused() -> None:
+    with pytest.raises(ValueError, match=r"^omega must be of size 2 along omega, got 1$"):
+        labelled_dataset(
+            "whirls", {"amplitude": ("omega", [2.0, 3.0])}, {"omega": ("omega", [1.7])}
+        )

@@ -1,7 +1,8 @@
 /* What the core offers to Python.
  *
- * Every function fills memory that its caller owns, keeps nothing between calls, and returns a
- * `status`. It looks at the byte `stop` often enough to end within a second after that is set. */
+ * Every function fills memory that its caller owns, and keeps nothing between calls. Those that may
+ * last look at the byte `stop` often enough to end within a second after that is set; those that
+ * follow a motion return a `status`. */
 #ifndef ROTOR_IDA_CORE_H
 #define ROTOR_IDA_CORE_H
 

@@ -4,7 +4,7 @@
 
 #include "motion.h"
 
-enum { HIGHEST_DEGREE = 12, SUNDIALS_OBJECTS = 8 };
+enum { HIGHEST_DEGREE = 12 };
 
 struct cvode {
     struct motion motion;

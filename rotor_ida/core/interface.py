@@ -51,7 +51,7 @@ FIRST_OF_SAMPLES, OF_CONTACTS = 5, 7
 METHODS = {"taylor": 0, "adams": 1, "bdf": 2}
 UNDECIDED, IN_FLIGHT, IN_CONTACT = -1, 0, 1
 # Columns of the table of contacts, and of that of the extrema of the radius.
-ENTRY_TIME, EXIT_TIME, PEAK_TIME, PEAK_ROOT, IMPULSE, MOMENTUM = range(6)
+ENTRY_TIME, EXIT_TIME, PEAK_TIME, PEAK_ROOT, IMPULSE = range(5)
 TIME, RADIUS, KIND, STATE = range(4)
 CONTACT_COLUMNS, EXTREMUM_COLUMNS = 6, 7
 

@@ -5,7 +5,10 @@
  * instructions. A lane whose orbit is decided takes the next start.
  *
  * The method is that of Dormand and Prince of order 8 with the error estimate of DOP853: Hairer,
- * Nørsett and Wanner, Solving Ordinary Differential Equations I, 2nd ed., 1993, section II.5. */
+ * Nørsett and Wanner, Solving Ordinary Differential Equations I, 2nd ed., 1993, section II.5.
+ *
+ * The model is written by hand here; tests/basins/test_lanes.py holds it against
+ * equations/modes.py. */
 #include <math.h>
 #include <stdbool.h>
 #include <string.h>

@@ -17,7 +17,8 @@ from rotor_ida.errors import InputError, InstallationError
 FOLDER = Path(__file__).parent
 CHOICE = "ROTOR_IDA_CPU"
 # How an installation is mended: where the project lies beside the package, and elsewhere.
-_HERE, _ELSEWHERE = "pip install -e .", "pip install --force-reinstall rotor-ida"
+_HERE = "pip install -e ."
+_ELSEWHERE = "pip install --force-reinstall, from where rotor-ida came"
 
 
 @cache
@@ -74,7 +75,10 @@ def _load(level: str) -> ctypes.CDLL:
         raise InstallationError(
             f"the compiled core is broken or of another platform ({error}); run: {_cure()}"
         ) from error
-    wanted = importlib.metadata.version("rotor-ida")
+    try:
+        wanted = importlib.metadata.version("rotor-ida")
+    except importlib.metadata.PackageNotFoundError as error:
+        raise InstallationError(f"rotor-ida is not installed; run: {_cure()}") from error
     if said["version"] != wanted:
         raise InstallationError(
             f"the compiled core is of version {said['version']}, rotor-ida of {wanted}; "

@@ -71,8 +71,6 @@ struct taylor {
 void open_taylor(struct taylor *taylor, const struct mode *mode, struct parameters model,
                  double rtol, int tangents);
 
-struct cvode;
-
 /* A point between two points of the last step where `function` reaches `level`; NaN where the
  * difference does not change sign. Brent, "Algorithms for Minimization without Derivatives", 1973,
  * chapter 4. */

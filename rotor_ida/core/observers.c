@@ -284,7 +284,7 @@ static void find_extrema_of_flight(struct run *run, const struct flight *flight)
     }
 }
 
-/* Of a contact: a step has one at most. */
+/* Of a contact. A step by Taylor series has one at most; one by CVODE is not looked at closer. */
 static void find_extremum_of_contact(struct run *run, const struct step *step)
 {
     struct motion *motion = step->motion;

@@ -15,7 +15,7 @@ from functools import cache
 from pathlib import Path
 
 # In the order in which they are loaded: each needs the ones before it.
-LIBRARIES = ("core", "sunmatrixdense", "nvecserial", "sunlinsoldense", "cvode", "ida")
+LIBRARIES = ("core", "sunmatrixdense", "nvecserial", "sunlinsoldense", "cvode")
 # The interface called here is that of this major version.
 KNOWN_MAJOR = 7
 PROBE = 1.2345678901234567

@@ -285,7 +285,7 @@ static int advance(struct motion *motion)
         return STUCK;
     read(taylor, motion->point - motion->low, motion->values);
     double total = 0.0;
-    for (int i = 0; i < mode->size; i++)
+    for (int i = 0; i < values_of(motion); i++)
         total += motion->values[i];
     if (!isfinite(total)) {
         copy_values(motion, motion->before, motion->values);

@@ -1,1 +1,1 @@
-"""The equations: the contact law, the model, and how both become machine code."""
+"""The equations: the contact law, the model, and what derives the core's C from them."""

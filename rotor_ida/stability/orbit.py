@@ -22,7 +22,7 @@ from rotor_ida.parameters import Rotor
 
 Values = npt.NDArray[np.float64]
 
-MINIMUM, MAXIMUM = -1.0, 1.0
+MAXIMUM = 1.0  # the kind of an extremum
 RTOL = 1e-15
 # Absolute tolerance of one step in parts of the relative one.
 ATOL = 1e-2

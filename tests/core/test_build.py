@@ -70,7 +70,7 @@ def test_what_the_compiler_complains_of_is_shown(
     hatch_build: dict[str, Any], tmp_path: Path
 ) -> None:
     with pytest.raises(
-        hatch_build["BuildError"], match=r"(?s)compiled by .* -no-such-flag:.*error"
+        hatch_build["BuildError"], match=r"(?s)compiled by .* -no-such-flag:.*no-such-flag"
     ):
         hatch_build["build"]([ANY, "-no-such-flag"], out=tmp_path)
     assert list(tmp_path.iterdir()) == []
@@ -95,3 +95,13 @@ def test_no_compiler_may_regroup_or_contract(hatch_build: dict[str, Any]) -> Non
             flags = hatch_build["flags"](compiler, level)
             assert "-ffp-contract=off" in flags
             assert not {"-ffast-math", "-fassociative-math", "-march=native"} & {*flags}
+
+
+def test_a_compiler_that_cannot_be_read_is_said_in_one_line(
+    hatch_build: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("CC", 'gcc "')
+    with pytest.raises(
+        hatch_build["BuildError"], match=r"^CC must name a C compiler, got 'gcc \"'$"
+    ):
+        hatch_build["find_compiler"]()

@@ -133,7 +133,9 @@ def test_the_command_that_mends_it_is_that_of_a_checkout_or_of_a_wheel(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     identity.library_path(folder, "baseline").unlink()
-    with pytest.raises(InstallationError, match=r"run: pip install --force-reinstall rotor-ida$"):
+    with pytest.raises(
+        InstallationError, match=r"run: pip install --force-reinstall, from where rotor-ida came$"
+    ):
         library()
     checkout = folder / "rotor_ida" / "core"
     monkeypatch.setattr(module, "FOLDER", checkout)

@@ -9,7 +9,7 @@ import pytest
 
 from rotor_ida.parallel import interruptible
 
-# Each long call would take minutes; the short one before it compiles what is not cached.
+# Each long call would take minutes; the short one before it loads what is needed.
 PROGRAM = """
 import signal, threading, time
 from rotor_ida import (

@@ -87,13 +87,13 @@ def _versions() -> dict[str, object]:
 
 
 def _core() -> tuple[dict[str, object], Check]:
-    """Return who compiled the core, how and for which level, and whether it can be used."""
+    """Return what the core says of itself, and whether it can be used."""
     from rotor_ida.core.library import build_info  # noqa: PLC0415 - what is broken is said
 
     core: dict[str, object] = {}
 
     def load() -> str:
-        core.update((name, build_info()[name]) for name in ("compiler", "flags", "level"))
+        core.update((name, build_info()[name]) for name in build_info())
         return f"level {core['level']}"
 
     check = _attempt("core: loaded", load)
