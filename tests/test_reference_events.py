@@ -22,7 +22,6 @@ BOUNDS = {
     ("adams", "cvode"): (1.6e-11, 1.2e-4),
     ("bdf", "exact"): (1.6e-10, 3.5e-5),
     ("bdf", "cvode"): (1.6e-10, 7e-5),
-    ("ida", "exact"): (6e-11, 7e-6),
     ("taylor", "exact"): (8e-14, 1e-7),
 }
 

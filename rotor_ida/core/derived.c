@@ -2,7 +2,7 @@
 /* clang-format off */
 #include "motion.h"
 
-/* The rates of change of q, p, h, c, s, t, j. */
+/* The rates of change of q, p, h, c, s, t, j, drawn back to where they belong. */
 static void contact_field(const struct parameters *m,
     const double *state, double *rate)
 {
@@ -11,6 +11,7 @@ static void contact_field(const struct parameters *m,
     const double h = state[CONTACT_H];
     const double c = state[CONTACT_C];
     const double s = state[CONTACT_S];
+    const double of_q = 0.5 * p;
     const double square = q * q;
     const double push = square * q;
     const double r = m->delta0 + square;
@@ -18,22 +19,28 @@ static void contact_field(const struct parameters *m,
     const double spin = ratio(around, r);
     const double centrifugal = spin * around;
     const double outwards = m->omega * m->omega * c - 2.0 * m->zeta * p - push + centrifugal;
-    const double w7 = outwards * q;
+    const double of_p = outwards * q;
     const double sideways = -(m->omega * m->omega) * s - 2.0 * m->zeta * around;
     const double moment = sideways * r;
-    const double w10 = moment * q;
+    const double of_h = moment * q;
     const double turned = spin * q;
     const double turn = turned - m->omega * q;
-    const double w13 = turn * s;
-    const double w14 = turn * c;
-    const double w15 = push * q;
-    rate[CONTACT_Q] = 0.5 * p;
-    rate[CONTACT_P] = w7;
-    rate[CONTACT_H] = w10;
-    rate[CONTACT_C] = -w13;
-    rate[CONTACT_S] = w14;
+    const double w14 = turn * s;
+    const double of_c = -w14;
+    const double w16 = c * c;
+    const double w17 = s * s;
+    const double w18 = (1.0 - (w16 + w17)) * q;
+    const double w19 = w18 * c;
+    const double of_s = turn * c;
+    const double w21 = w18 * s;
+    const double of_j = push * q;
+    rate[CONTACT_Q] = of_q;
+    rate[CONTACT_P] = of_p;
+    rate[CONTACT_H] = of_h;
+    rate[CONTACT_C] = of_c + 0.1 * m->omega * w19;
+    rate[CONTACT_S] = of_s + 0.1 * m->omega * w21;
     rate[CONTACT_T] = q;
-    rate[CONTACT_J] = w15;
+    rate[CONTACT_J] = of_j;
 }
 
 /* Their derivatives by each of these, column by column. */
@@ -69,35 +76,51 @@ static void contact_jacobian(const struct parameters *m,
     const double w19 = w11 * q;
     const double w20 = w4 + w19 - m->omega;
     const double w21 = w20 * s;
-    const double w22 = w20 * c;
-    const double w23 = w6 * q;
-    const double w24 = ratio(1.0, w2);
-    const double w25 = w4 * w24;
-    const double w26 = ratio(w24, w2);
-    const double w27 = w26 * w3;
-    const double w28 = (w25 + w27) * q;
-    const double w29 = w24 * w2;
-    const double w30 = w29 * q;
-    const double w31 = w26 * q;
-    const double w32 = w31 * s;
-    const double w33 = w31 * c;
-    const double w34 = w2 * q;
+    const double w22 = c * c;
+    const double w23 = s * s;
+    const double w24 = -(w22 + w23) + 1.0;
+    const double w25 = w24 * c;
+    const double w26 = w20 * c;
+    const double w27 = w24 * s;
+    const double w28 = w6 * q;
+    const double w29 = ratio(1.0, w2);
+    const double w30 = w4 * w29;
+    const double w31 = ratio(w29, w2);
+    const double w32 = w31 * w3;
+    const double w33 = (w30 + w32) * q;
+    const double w34 = w29 * w2;
+    const double w35 = w34 * q;
+    const double w36 = w31 * q;
+    const double w37 = w36 * s;
+    const double w38 = w36 * c;
+    const double w39 = q * c;
+    const double w40 = w39 * c;
+    const double w41 = w24 * q;
+    const double w42 = 0.1 * m->omega * w41;
+    const double w43 = w10 - m->omega * q;
+    const double w44 = w39 * s;
+    const double w45 = w2 * q;
+    const double w46 = q * s;
+    const double w47 = w46 * c;
+    const double w48 = w46 * s;
     matrix[1] = m->omega * m->omega * c - 2.0 * m->zeta * p - push + w5 + w13;
     matrix[2] = w15 + w18;
-    matrix[3] = -w21;
-    matrix[4] = w22;
+    matrix[3] = -w21 + 0.1 * m->omega * w25;
+    matrix[4] = w26 + 0.1 * m->omega * w27;
     matrix[5] = 1.0;
-    matrix[6] = push + w23;
+    matrix[6] = push + w28;
     matrix[7] = 0.5;
     matrix[8] = -2.0 * m->zeta * q;
-    matrix[15] = w28;
-    matrix[16] = -2.0 * m->zeta * w30;
-    matrix[17] = -w32;
-    matrix[18] = w33;
+    matrix[15] = w33;
+    matrix[16] = -2.0 * m->zeta * w35;
+    matrix[17] = -w37;
+    matrix[18] = w38;
     matrix[22] = m->omega * m->omega * q;
-    matrix[25] = w10 - m->omega * q;
-    matrix[30] = -(m->omega * m->omega) * w34;
-    matrix[31] = -(w10 - m->omega * q);
+    matrix[24] = -0.2 * m->omega * w40 + w42;
+    matrix[25] = w43 - 0.2 * m->omega * w44;
+    matrix[30] = -(m->omega * m->omega) * w45;
+    matrix[31] = -w43 - 0.2 * m->omega * w47;
+    matrix[32] = -0.2 * m->omega * w48 + w42;
 }
 
 /* The rates of a small difference are this matrix times it. */
@@ -178,6 +201,7 @@ static void contact_expand(const struct parameters *m,
         const double h = here[CONTACT_H];
         const double c = here[CONTACT_C];
         const double s = here[CONTACT_S];
+        const double of_q = 0.5 * p;
         const double square = times(series, 0, n, q, q); /* q * q */
         const double push = times(series, 1, n, square, q); /* square * q */
         const double r = one * m->delta0 + square;
@@ -185,22 +209,23 @@ static void contact_expand(const struct parameters *m,
         const double spin = over(series, 3, n, around, r, inverse_r); /* around / r */
         const double centrifugal = times(series, 4, n, spin, around); /* spin * around */
         const double outwards = m->omega * m->omega * c - 2.0 * m->zeta * p - push + centrifugal;
-        const double w7 = times(series, 5, n, outwards, q); /* outwards * q */
+        const double of_p = times(series, 5, n, outwards, q); /* outwards * q */
         const double sideways = -(m->omega * m->omega) * s - 2.0 * m->zeta * around;
         const double moment = times(series, 6, n, sideways, r); /* sideways * r */
-        const double w10 = times(series, 7, n, moment, q); /* moment * q */
+        const double of_h = times(series, 7, n, moment, q); /* moment * q */
         const double turned = times(series, 8, n, spin, q); /* spin * q */
         const double turn = turned - m->omega * q;
-        const double w13 = times(series, 9, n, turn, s); /* turn * s */
-        const double w14 = times(series, 10, n, turn, c); /* turn * c */
-        const double w15 = times(series, 11, n, push, q); /* push * q */
-        terms[CONTACT_Q] = 0.5 * p * share;
-        terms[CONTACT_P] = w7 * share;
-        terms[CONTACT_H] = w10 * share;
-        terms[CONTACT_C] = -w13 * share;
-        terms[CONTACT_S] = w14 * share;
+        const double w14 = times(series, 9, n, turn, s); /* turn * s */
+        const double of_c = -w14;
+        const double of_s = times(series, 10, n, turn, c); /* turn * c */
+        const double of_j = times(series, 11, n, push, q); /* push * q */
+        terms[CONTACT_Q] = of_q * share;
+        terms[CONTACT_P] = of_p * share;
+        terms[CONTACT_H] = of_h * share;
+        terms[CONTACT_C] = of_c * share;
+        terms[CONTACT_S] = of_s * share;
         terms[CONTACT_T] = q * share;
-        terms[CONTACT_J] = w15 * share;
+        terms[CONTACT_J] = of_j * share;
         one = 0.0;
     }
 }
@@ -224,6 +249,7 @@ static void contact_expand_with_factors(const struct parameters *m,
         const double h = here[CONTACT_H];
         const double c = here[CONTACT_C];
         const double s = here[CONTACT_S];
+        const double of_q = 0.5 * p;
         const double square = times(series, 0, n, q, q); /* q * q */
         const double push = times(series, 1, n, square, q); /* square * q */
         const double r = one * m->delta0 + square;
@@ -231,29 +257,30 @@ static void contact_expand_with_factors(const struct parameters *m,
         const double spin = over(series, 3, n, around, r, inverse_r); /* around / r */
         const double centrifugal = times(series, 4, n, spin, around); /* spin * around */
         const double outwards = m->omega * m->omega * c - 2.0 * m->zeta * p - push + centrifugal;
-        const double w7 = times(series, 5, n, outwards, q); /* outwards * q */
+        const double of_p = times(series, 5, n, outwards, q); /* outwards * q */
         const double sideways = -(m->omega * m->omega) * s - 2.0 * m->zeta * around;
         const double moment = times(series, 6, n, sideways, r); /* sideways * r */
-        const double w10 = times(series, 7, n, moment, q); /* moment * q */
+        const double of_h = times(series, 7, n, moment, q); /* moment * q */
         const double turned = times(series, 8, n, spin, q); /* spin * q */
         const double turn = turned - m->omega * q;
-        const double w13 = times(series, 9, n, turn, s); /* turn * s */
-        const double w14 = times(series, 10, n, turn, c); /* turn * c */
-        const double w15 = times(series, 11, n, push, q); /* push * q */
-        const double w16 = over(series, 12, n, one * 1.0, r, inverse_r); /* 1.0 / r */
-        const double w17 = times(series, 13, n, w16, push); /* w16 * push */
-        const double w18 = times(series, 14, n, w17, q); /* w17 * q */
-        terms[CONTACT_Q] = 0.5 * p * share;
-        terms[CONTACT_P] = w7 * share;
-        terms[CONTACT_H] = w10 * share;
-        terms[CONTACT_C] = -w13 * share;
-        terms[CONTACT_S] = w14 * share;
+        const double w14 = times(series, 9, n, turn, s); /* turn * s */
+        const double of_c = -w14;
+        const double of_s = times(series, 10, n, turn, c); /* turn * c */
+        const double of_j = times(series, 11, n, push, q); /* push * q */
+        const double w18 = over(series, 12, n, one * 1.0, r, inverse_r); /* 1.0 / r */
+        const double w19 = times(series, 13, n, w18, push); /* w18 * push */
+        const double w20 = times(series, 14, n, w19, q); /* w19 * q */
+        terms[CONTACT_Q] = of_q * share;
+        terms[CONTACT_P] = of_p * share;
+        terms[CONTACT_H] = of_h * share;
+        terms[CONTACT_C] = of_c * share;
+        terms[CONTACT_S] = of_s * share;
         terms[CONTACT_T] = q * share;
-        terms[CONTACT_J] = w15 * share;
+        terms[CONTACT_J] = of_j * share;
         series->factors[0][n] = q;
         series->factors[1][n] = turned;
         series->factors[2][n] = -1.5 * square;
-        series->factors[3][n] = -w18;
+        series->factors[3][n] = -w20;
         one = 0.0;
     }
 }
@@ -310,7 +337,7 @@ const struct mode contact_mode = {
     .expand_differences = contact_expand_differences,
 };
 
-/* The rates of change of x, y, vx, vy. */
+/* The rates of change of x, y, vx, vy, drawn back to where they belong. */
 static void cartesian_field(const struct parameters *m,
     const double *state, double *rate)
 {

@@ -258,6 +258,16 @@ static void begin_step(struct taylor *taylor)
     }
 }
 
+/* Put the direction of a contact back on the unit circle, off which each step carries it a little:
+ * with its length the unbalance would change. What is left is the square of how far it was. */
+static void put_on_circle(double *values)
+{
+    const double c = values[CONTACT_C], s = values[CONTACT_S];
+    const double nearer = 1.5 - 0.5 * (c * c + s * s);
+    values[CONTACT_C] = nearer * c;
+    values[CONTACT_S] = nearer * s;
+}
+
 static int advance(struct motion *motion)
 {
     struct taylor *taylor = taylor_of(motion);
@@ -284,6 +294,8 @@ static int advance(struct motion *motion)
     if (motion->point <= motion->low)
         return STUCK;
     read(taylor, motion->point - motion->low, motion->values);
+    if (mode == &contact_mode)
+        put_on_circle(motion->values);
     double total = 0.0;
     for (int i = 0; i < values_of(motion); i++)
         total += motion->values[i];

@@ -32,8 +32,10 @@ class Derived:
         The mode.
     rates : list of Symbol
         The rate of change of each component of the state.
+    drawn_rates : list of Symbol
+        The same, with what draws the state back to where it belongs.
     jacobian : list of list of Symbol
-        Their derivatives by each component.
+        The derivatives of these by each component.
     growth : list of list of Symbol
         The matrix by which a small difference grows, by the variable of integration.
     by_parameters : list of list of Symbol
@@ -44,6 +46,7 @@ class Derived:
 
     mode: Mode
     rates: list[Symbol]
+    drawn_rates: list[Symbol]
     jacobian: Matrix
     growth: Matrix
     by_parameters: Matrix
@@ -68,11 +71,13 @@ def derive(mode: Mode) -> Derived:
     pace = graph.of(mode.pace(state))
     with named_as_in(str(Path(__file__).with_name("modes"))):
         rates = [graph.of(rate) for rate in mode.rates(state, rotor)]
+        drawn_rates = [graph.of(rate) for rate in mode.drawn_rates(state, rotor)]
         growth = _growth(graph, mode, state, rotor)
-    slopes = mode.rates(variables(state), rotor)
+    slopes = mode.drawn_rates(variables(state), rotor)
     return Derived(
         mode,
         rates,
+        drawn_rates,
         [_parts(graph, rate, len(state)) for rate in slopes],
         [[pace * entry for entry in row] for row in growth],
         _by_parameters(graph, mode, state, rotor),

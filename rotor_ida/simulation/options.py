@@ -48,11 +48,10 @@ class Options:
         CVODE with Adams or BDF, or IDA, or Taylor series.
     flight : {"exact", "cvode"}
         Motion inside the clearance in closed form, or integrated by the same solver as the
-        contact.
+        contact, as ``backend="python"`` always does.
     backend : {"auto", "python", "compiled"}
-        How the solver is called: through the public interface of scikit-sundae, or from compiled
-        code, which is many times faster and takes the same steps. ``"auto"`` becomes
-        ``"compiled"`` wherever that can be had.
+        The plain-Python reference over scikit-sundae, or the compiled core, which is many times
+        faster. ``"auto"`` becomes ``"compiled"`` wherever that can be had.
     """
 
     rtol: float = 1e-10
@@ -78,6 +77,8 @@ class Options:
             raise InputError(f"backend 'compiled' cannot be used: {reason}")
         if self.backend == "auto":
             object.__setattr__(self, "backend", "python" if reason else "compiled")
+        if self.backend == "python":  # the reference has no closed form
+            object.__setattr__(self, "flight", "cvode")
 
     def _why_not_compiled(self) -> str:
         if self.method == "taylor":

@@ -70,7 +70,7 @@ def run(
     """
     tolerances = scale * options.step_rtol, scale * options.step_atol
     if options.backend == "python":
-        from rotor_ida.simulation.reference.run import run_reference  # noqa: PLC0415 - its solver
+        from rotor_ida.simulation.reference import run_reference  # noqa: PLC0415 - its solver
 
         orbit = run_reference(
             rotor, start, duration, sample_times, options,

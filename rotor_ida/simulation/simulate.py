@@ -66,11 +66,11 @@ def simulate(
         error, with `rtol` from 1e-15 to 1e-4. ``docs/events.md`` says how each finds events.
     flight : {"exact", "cvode"}
         Whether motion inside the clearance is solved in closed form or integrated; with Taylor
-        series it is solved.
+        series it is solved, with ``backend="python"`` it is integrated.
     backend : {"auto", "python", "compiled"}
-        How the solver is called: from Python through scikit-sundae, or from compiled code, which
-        takes the same steps many times faster. ``"auto"`` is ``"compiled"`` wherever it can be had;
-        IDA is called from Python only.
+        The plain-Python reference, which restarts the solvers of scikit-sundae at each root of
+        |z| = delta0, or the compiled core, some hundred times as fast. ``"auto"`` is ``"compiled"``
+        wherever it can be had; IDA is the reference's alone.
 
     Returns
     -------

@@ -51,8 +51,6 @@ LONGEST = 40_000.0
 # Errors of single contacts add up round a cycle, and the smallest radius may be a small part of
 # the motion. So runs are made with tolerances this much tighter, if that leaves the solver room.
 TIGHTER, ROOMY = 0.1, 1e-11
-# A long contact in one run slowly leaves the unit circle on which its direction is kept.
-LONGEST_RUN = 100.0
 # The window holds whole revolutions: so many at least, and so much time at least; from one to
 # the next it is doubled, up to so many times that, for periods of many revolutions.
 WINDOW_REVOLUTIONS = 4
@@ -121,7 +119,6 @@ class _Trajectory:
     options: Options
     state: State
     stop: Stop
-    before: State = (0.0, 0.0, 0.0, 0.0)  # where the last run began
     extrema: Values | None = None  # of the radius in the last window
     time: float = 0.0
     event_times: list[Values] = field(default_factory=lambda: [np.empty(0)])
@@ -132,9 +129,7 @@ class _Trajectory:
 
     def wait(self, duration: float) -> None:
         """Simulate on from the end of the run before."""
-        count = math.ceil(duration / LONGEST_RUN)
-        for _ in range(count):
-            self._extend(duration / count, _NO_TIMES)
+        self._extend(duration, _NO_TIMES)
 
     def observe(self, length: float, samples: int) -> Window:
         """Simulate on, and return what the motion does meanwhile."""
@@ -153,26 +148,16 @@ class _Trajectory:
 
     def turns(self, window: Window) -> TurningPoints:
         """Return where the radius turns in the last window."""
-        found = self.extrema
-        if found is None:  # of the reference
-            found = self._extrema_of_reference(window)
-        return turning_points(window.states, found)
-
-    def _extrema_of_reference(self, window: Window) -> Values:
-        from rotor_ida.simulation.reference.turning_points import (  # noqa: PLC0415 - its SciPy
-            extrema_between,
-        )
-
-        def again(times: Values) -> Values:
-            orbit = self._run(self.before, float(window.times[-1]), times)
-            return rotated(orbit.states, -self.rotor.omega * times)
-
-        return extrema_between(self.rotor, window.times, window.states, again)
+        assert self.extrema is not None
+        return turning_points(window.states, self.extrema)
 
     def _extend(self, duration: float, times: Values, *, extrema: bool = False) -> Orbit:
         """Simulate from the end of the run before, where time and phase count as 0 again."""
-        self.before = self.state
-        orbit = self._run(self.before, duration, times, extrema=extrema)
+        scale = TIGHTER if self.options.rtol >= ROOMY else 1.0
+        orbit = run(
+            self.rotor, self.state, duration, times, self.options,
+            scale=scale, extrema=extrema, stop=self.stop,
+        )  # fmt: skip
         omega = self.rotor.omega
         self.event_times.append(self.time + orbit.event_times)
         self.event_kinds.append(orbit.event_kinds)
@@ -181,13 +166,6 @@ class _Trajectory:
         self.state = (x, y, vx, vy)
         self.time += duration
         return orbit
-
-    def _run(self, start: State, duration: float, times: Values, *, extrema: bool = False) -> Orbit:
-        scale = TIGHTER if self.options.rtol >= ROOMY else 1.0
-        return run(
-            self.rotor, start, duration, times, self.options,
-            scale=scale, extrema=extrema, stop=self.stop,
-        )  # fmt: skip
 
     def settled(
         self, response: str, features: Features, window_start: float, message: str = ""

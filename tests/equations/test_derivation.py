@@ -60,11 +60,14 @@ def test_rates_and_jacobian_are_those_of_the_model(mode, states):
     for state, parameters in states(10):
         rates = numbers([derived.rates], state, parameters, mode)[0]
         np.testing.assert_allclose(rates, mode.rates(state, rotor_of(*parameters)), rtol=1e-12)
+        drawn = numbers([derived.drawn_rates], state, parameters, mode)[0]
+        expected = mode.drawn_rates(state, rotor_of(*parameters))
+        np.testing.assert_allclose(drawn, expected, rtol=1e-12, atol=1e-14)
         matrix = numbers(derived.jacobian, state, parameters, mode)
         for place in range(len(state)):
             aside = STEP * np.eye(len(state))[place]
             high, low = (
-                np.array(mode.rates((state + sign * aside).tolist(), rotor_of(*parameters)))
+                np.array(mode.drawn_rates((state + sign * aside).tolist(), rotor_of(*parameters)))
                 for sign in (1, -1)
             )
             slope = (high - low) / (2.0 * STEP)

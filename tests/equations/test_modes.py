@@ -72,6 +72,22 @@ def test_contact_moves_by_the_equation():
         assert CONTACT.pace(state) == q
 
 
+def test_a_direction_off_the_unit_circle_is_drawn_back_and_no_other():
+    """With n = c**2 + s**2, dn/dt = omega n (1 - n)/5; all else moves as without."""
+    for state, parameters in contact_states():
+        rotor, q = rotor_of(*parameters), state[0]
+        plain, drawn = (np.array(way(state, rotor)) for way in (CONTACT.rates, CONTACT.drawn_rates))
+        np.testing.assert_allclose(drawn, plain, rtol=1e-13, atol=1e-13)
+        longer = [*state[:3], 1.2 * state[3], 1.2 * state[4], *state[5:]]
+        plain, drawn = (
+            np.array(way(longer, rotor)) for way in (CONTACT.rates, CONTACT.drawn_rates)
+        )
+        assert (drawn != plain).nonzero()[0].tolist() in ([3, 4], [])
+        c, s, length = longer[3], longer[4], 1.44
+        rate = 2.0 * (c * drawn[3] + s * drawn[4]) / q
+        assert rate == pytest.approx(0.2 * parameters[0] * length * (1.0 - length), abs=1e-12)
+
+
 @pytest.mark.parametrize("felt", [0.0, 1.0])
 def test_displacement_and_velocity_move_by_the_equation(felt):
     for state, (omega, zeta, _) in cartesian_states():

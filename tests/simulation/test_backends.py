@@ -1,72 +1,18 @@
-"""The compiled core and the plain-Python reference: the same events, samples and errors."""
+"""Which backend runs, and what a run leaves behind."""
 
 import sys
 import threading
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from rotor_ida import InputError, Rotor, SimulationError, simulate
 from rotor_ida.core import sundials
-from rotor_ida.core.interface import STUCK
 from rotor_ida.simulation.options import Options
-from rotor_ida.simulation.reference.integration import Integration
 from rotor_ida.simulation.run import run
-from tests.test_reference_events import BOUNDS, CASES
-from tests.test_reference_events import RTOL as RTOL_OF_BOUNDS
 
-RTOL, ATOL = 1e-9, 1e-11
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 REST = (0.0, 0.0, 0.0, 0.0)
-
-
-def both(case, method, flight):
-    rotor = Rotor(**{name: case[name] for name in ("omega", "zeta", "delta0")})
-    times = np.linspace(0.0, case["duration"], 201)
-    return [
-        run(rotor, tuple(case["start"]), case["duration"], times, options)
-        for options in (
-            Options(rtol=RTOL, atol=ATOL, method=method, flight=flight, backend=backend)
-            for backend in ("python", "compiled")
-        )
-    ]
-
-
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case["name"])
-@pytest.mark.parametrize(("method", "flight"), [("adams", "exact"), ("bdf", "cvode")])
-def test_events_and_samples_are_those_of_the_python_backend(case, method, flight):
-    """Both round differently, which now and then tips the choice of a step.
-
-    Each may be off by what the reference events allow it, in proportion to the tolerance.
-    """
-    python, compiled = both(case, method, flight)
-    assert compiled.starts_in_contact == python.starts_in_contact
-    assert compiled.event_kinds.tolist() == python.event_kinds.tolist()
-    assert compiled.evaluations == pytest.approx(python.evaluations, rel=0.1)
-    sensitivity = np.array([number for _, _, number in case["events"]])
-    allowed = 2.0 * BOUNDS[method, flight][0] * RTOL / RTOL_OF_BOUNDS
-    apart = np.abs(compiled.event_times - python.event_times)
-    if apart.size == sensitivity.size:  # else a graze lies below what this tolerance tells
-        assert (apart <= allowed * (python.event_times + sensitivity)).all()
-    allowed *= case["duration"] + sensitivity.max(initial=1.0)
-    size = max(1.0, np.abs(python.states).max())
-    assert np.abs(compiled.states - python.states).max() <= allowed * size
-    assert compiled.contacts[:, :3] == pytest.approx(
-        python.contacts[:, :3], abs=allowed, nan_ok=True
-    )
-
-
-def test_the_whole_dataset_agrees_with_errors_and_horizon():
-    python, compiled = (
-        simulate(BOUNCING, start=REST, duration=100.0, rtol=1e-12, backend=backend)
-        for backend in ("python", "compiled")
-    )
-    assert compiled.attrs["backend"] == "compiled"
-    for name in python.variables:
-        assert compiled[name].values == pytest.approx(
-            python[name].values, rel=1e-9, abs=1e-9, nan_ok=True
-        ), name
 
 
 def test_auto_is_compiled_where_it_can_be_had(monkeypatch):
@@ -79,6 +25,12 @@ def test_auto_is_compiled_where_it_can_be_had(monkeypatch):
     with pytest.raises(InputError, match="'compiled' cannot be used: the libraries were not"):
         Options(backend="compiled")
     assert Options(method="taylor").backend == "compiled"
+
+
+def test_the_reference_says_that_it_integrates_flight():
+    assert Options(flight="exact", backend="python").flight == "cvode"
+    assert Options(method="ida").flight == "cvode"
+    assert Options().flight == "exact"
 
 
 @pytest.mark.parametrize(
@@ -160,19 +112,6 @@ def test_a_run_can_be_asked_to_stop():
     with pytest.raises(SimulationError, match="interrupted") as stopped:
         run(BOUNCING, REST, 1e7, np.array([1e7]), Options(), stop=stop)
     assert stopped.value.time < 1e7
-
-
-def test_an_integration_that_stands_still_is_given_up():
-    """At a time whose spacing of doubles is longer than the step."""
-
-    class Standing:
-        def step(self, goal, how):
-            return SimpleNamespace(success=True, t=0.0, y=np.zeros(1), nfev=1)
-
-    integration = Integration("adams", 1e-10, lambda values, rate: None)
-    integration._solver = Standing()
-    assert integration.advance() == STUCK
-    assert integration.message == "time no longer advances"
 
 
 def test_runs_one_after_the_other_leave_nothing_behind():

@@ -1,6 +1,7 @@
 """The stated error of an event time covers the true one, and is not absurdly larger."""
 
 from fractions import Fraction
+from types import SimpleNamespace
 
 import mpmath
 import numpy as np
@@ -102,6 +103,25 @@ def test_beyond_the_horizon_no_event_time_is_claimed():
     assert np.isinf(run.event_time_error.where(run.event_time > run.horizon, drop=True)).all()
     settled = simulate(Rotor(omega=1.2, zeta=0.5, delta0=0.5), start=REST, duration=100.0)
     assert settled.horizon == 100.0
+
+
+def whirls(radii, apart=0.0):
+    """A motion of given radius at each of its samples, that is so far from another."""
+    times = np.arange(float(len(radii)))
+    states = np.zeros((times.size, 4))
+    states[:, 0], states[:, 1] = radii * np.cos(times), radii * np.sin(times) + apart
+    return SimpleNamespace(times=times, states=states, duration=times[-1], event_times=np.empty(0))
+
+
+def test_the_horizon_is_told_by_the_motion_where_it_looks():
+    """A start a thousand times as large hides nothing, a sample near the centre says nothing."""
+    radii = np.maximum(1e3 * np.exp(-np.arange(100.0)), 1.0)
+    parted = np.where(np.arange(100) >= 40, 0.05, 0.0)
+    none = np.empty(0, dtype=np.intp)
+    assert event_errors._horizon(whirls(radii), whirls(radii, parted), none) == 40.0
+    assert event_errors._horizon(whirls(radii), whirls(radii, 1e-3), none) == 99.0
+    radii[70] = 1e-4
+    assert event_errors._horizon(whirls(radii), whirls(radii, 1e-3), none) == 99.0
 
 
 def test_the_loosest_tolerance_still_states_an_error():

@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 from scipy.special import beta
 
-from rotor_ida import InputError, Rotor, SimulationError, simulate
+from rotor_ida import InputError, Rotor, simulate
 from rotor_ida.core.runs import Asked, follow, starts_in_contact
 from rotor_ida.equations.model import angular_momentum, energy
-from rotor_ida.simulation.reference.integration import Integration
-from rotor_ida.simulation.reference.record import advance, new_record, next_sample, time_left
 
 LEAVING = beta(0.4, 0.5) / math.sqrt(5.0)  # time from rest at A to the ring, times (A-delta0)^1/4
 REST = (0.0, 0.0, 0.0, 0.0)
@@ -176,25 +174,6 @@ def test_samples_do_not_depend_on_how_many_there_are():
     assert (few.event_time.values == many.event_time.values).all()
 
 
-@pytest.mark.parametrize("delta0", [0.0, 1.0])
-def test_a_solver_that_gives_up_raises_with_time_and_state(monkeypatch, delta0):
-    take_step = Integration.advance
-
-    def give_up(motion):
-        if motion.point > 0.0:
-            motion.message = "corrector failed"
-            motion.low, motion.before = motion.point, motion.values
-            return -4
-        return take_step(motion)
-
-    monkeypatch.setattr(Integration, "advance", give_up)
-    rotor = Rotor(omega=0.0, zeta=0.0, delta0=delta0)
-    with pytest.raises(SimulationError, match=r"corrector failed \(at t = .*, state") as caught:
-        simulate(rotor, start=(2.0, 0, 0, 0), duration=1.0, backend="python")
-    assert 0.0 < caught.value.time < 1.0
-    assert caught.value.state == pytest.approx((2.0, 0.0, 0.0, 0.0), abs=1e-3)
-
-
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -229,16 +208,6 @@ def short_by_rounding(times, durations):
     short = np.flatnonzero((times < durations) & (times + (durations - times) < durations))
     assert short.size > 10
     return short
-
-
-def test_the_reference_loses_no_sample_to_rounding_at_the_end():
-    times, durations = np.random.default_rng(0).uniform(0.0, 60.0, (2, 100_000))
-    for number in short_by_rounding(times, durations)[:10]:
-        time, duration = float(times[number]), float(durations[number])
-        samples, start, stop = np.array([duration]), np.zeros(4), np.zeros(1, np.uint8)
-        record = new_record(1, 0, 1, 1e-10, 1e-12, True, start, duration, 0.0, samples, stop)
-        advance(record, time, 0j, 0j)
-        assert next_sample(record, time_left(record)) == time_left(record)
 
 
 @pytest.mark.parametrize("exact_flight", [True, False])

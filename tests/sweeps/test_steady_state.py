@@ -46,10 +46,12 @@ def test_periods_and_radii_of_known_cycles(omega, delta0, flight):
 
 
 def test_the_error_of_a_period_falls_with_the_tolerance():
-    several = [Options(rtol=rtol, atol=rtol) for rtol in (1e-5, 1e-7, 1e-9)]
+    tolerances = [1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10]
+    several = [Options(rtol=rtol, atol=rtol) for rtol in tolerances]
     periods = [followed(2.0, 2.0, options=each).features.period for each in several]
     errors = np.abs(np.array(periods) - 4.563916675380)
-    assert errors[0] > 10.0 * errors[1] > 100.0 * errors[2]
+    # single errors scatter, so the order is that of a line through six
+    assert 0.5 < np.polyfit(np.log(tolerances), np.log(errors), 1)[0] < 1.5
 
 
 def test_methods_agree_on_a_cycle():

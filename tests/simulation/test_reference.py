@@ -1,0 +1,210 @@
+"""The plain-Python reference: it moves by DESIGN's equation, and agrees with the core."""
+
+import cmath
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from rotor_ida import Rotor, SimulationError, simulate
+from rotor_ida.simulation import reference
+from rotor_ida.simulation.options import Options
+from rotor_ida.simulation.run import run
+from tests.test_reference_events import CASES
+from tests.test_reference_events import reference as exact_events
+
+BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+REST = (0.0, 0.0, 0.0, 0.0)
+TIGHT = {"method": "taylor", "rtol": 1e-13, "atol": 1e-15}
+
+
+def test_it_moves_by_the_equation():
+    """z'' + 2 zeta z' + f(|z|) z/|z| = omega**2 exp(i omega t), f(r) = max(r - delta0, 0)**1.5."""
+    draw = np.random.default_rng(4)
+    for omega, zeta, delta0, time, x, y, vx, vy in draw.normal(size=(100, 8)) * 2.0:
+        rotor, rate = Rotor(omega=abs(omega), zeta=abs(zeta), delta0=abs(delta0)), np.empty(5)
+        z, v = complex(x, y), complex(vx, vy)
+        for in_contact in (True, False):
+            force = max(abs(z) - rotor.delta0, 0.0) ** 1.5 if in_contact else 0.0
+            push = rotor.omega**2 * cmath.exp(1j * rotor.omega * time)
+            a = push - 2.0 * rotor.zeta * v - force * z / abs(z)
+            state = np.array([x, y, vx, vy, 0.0])
+            reference.rates_of(rotor, in_contact=in_contact)(time, state, rate)
+            assert rate == pytest.approx([vx, vy, a.real, a.imag, force], rel=1e-14, abs=1e-14)
+
+
+# What was measured is 2.5e-11, 2.7e-11 and 0.9e-11 of t + K at rtol 1e-12; three times as much.
+@pytest.mark.parametrize(
+    ("method", "rtol", "allowed"),
+    [("adams", 1e-12, 75.0), ("bdf", 1e-10, 80.0), ("ida", 1e-12, 25.0)],
+)
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case["name"])
+def test_its_events_are_those_of_the_table(case, method, rtol, allowed):
+    if (case.get("shallowest") or np.inf) < 1e2 * rtol:
+        pytest.skip("below what this tolerance tells")
+    rotor = Rotor(**{name: case[name] for name in ("omega", "zeta", "delta0")})
+    found = simulate(
+        rotor, start=tuple(case["start"]), duration=case["duration"], samples=2,
+        rtol=rtol, atol=1e-2 * rtol, method=method, backend="python",
+    )  # fmt: skip
+    kinds, times, sensitivity = exact_events(case)
+    assert found.starts_in_contact == case["starts_in_contact"]
+    assert found.event_kind.values.tolist() == kinds
+    error = np.abs(found.event_time.values - times)
+    assert (error <= allowed * rtol * (times + sensitivity)).all()
+    assert (error <= found.event_time_error.values).all()
+
+
+def random_rotor(draw, number):
+    delta0 = 0.0 if number % 10 == 9 else float(np.exp(draw.uniform(np.log(0.1), np.log(3.0))))
+    rotor = Rotor(
+        omega=float(draw.uniform(0.0, 4.0)),
+        zeta=float(draw.choice([0.0, 1e-8, 0.02, 0.07, 0.2, 0.6])),
+        delta0=delta0,
+    )
+    return rotor, tuple((draw.uniform(-2.0, 2.0, 4) * max(delta0, 0.5)).tolist())
+
+
+@pytest.mark.parametrize("part", range(10))
+def test_it_agrees_with_the_core_on_300_random_rotors(part):
+    """Within its own error, in as far as its start determines its events at 1e-8."""
+    draw = np.random.default_rng(part)
+    compared = 0
+    for number in range(30):
+        rotor, start = random_rotor(draw, number)
+        own, core = (
+            simulate(rotor, start=start, duration=30.0, samples=101, **how)
+            for how in (
+                {"method": ("adams", "bdf", "ida")[number % 3], "rtol": 1e-8, "backend": "python"},
+                TIGHT,
+            )
+        )
+        sure = np.isfinite(own.event_time_error.values)
+        sure &= np.arange(sure.size) < core.sizes["event"]
+        assert sure.all(), (rotor, start)
+        assert (own.event_kind.values == core.event_kind.values).all(), (rotor, start)
+        apart = np.abs(own.event_time.values - core.event_time.values)
+        assert (apart <= own.event_time_error.values).all(), (rotor, start)
+        compared += apart.size
+    assert compared > 50
+
+
+def first_peak(start, omega, zeta):
+    """Return time and height of the first peak of |z| of a flight, from its closed form."""
+    a = -omega / complex(omega, -2.0 * zeta)
+    z0, w = complex(*start[:2]), complex(*start[2:]) - 1j * omega * a
+
+    def radius(time):
+        drift = -np.expm1(-2.0 * zeta * time) / (2.0 * zeta)
+        return np.abs(z0 + w * drift + a * np.expm1(1j * omega * time))
+
+    def rate(time):
+        drift = -np.expm1(-2.0 * zeta * time) / (2.0 * zeta)
+        z = z0 + w * drift + a * np.expm1(1j * omega * time)
+        moving = w * np.exp(-2.0 * zeta * time) + 1j * omega * a * np.exp(1j * omega * time)
+        return (np.conj(z) * moving).real
+
+    times = np.linspace(0.0, 10.0, 2001)
+    falls = np.flatnonzero((rate(times[:-1]) > 0.0) & (rate(times[1:]) <= 0.0))
+    if not falls.size:
+        return None
+    peak = brentq(rate, times[falls[0]], times[falls[0] + 1], xtol=1e-15)
+    height = float(radius(peak))
+    return (peak, height) if radius(times[: falls[0] + 1]).max() <= height else None
+
+
+def test_grazes_below_its_tolerance_are_missed_and_no_others():
+    """Flights at omega 1.7 that touch a ring about 2 wide by so many tolerances, forty of each."""
+    draw, rtol, missed = np.random.default_rng(8), 1e-8, dict.fromkeys((1e4, 1e2, 10.0, 1e-3), 0)
+    looked_at = 0
+    while looked_at < 40:
+        start = (draw.normal(size=4) * [0.7, 0.7, 1.0, 1.0]).tolist()
+        peak = first_peak(start, 1.7, 0.07)
+        if peak is None or not 1.5 < peak[1] < 2.5 or np.hypot(*start[:2]) > 1.2:
+            continue
+        looked_at += 1
+        for depth in missed:
+            rotor = Rotor(omega=1.7, zeta=0.07, delta0=peak[1] - depth * rtol)
+            options = Options(rtol=rtol, atol=1e-2 * rtol, backend="python")
+            orbit = run(rotor, tuple(start), peak[0] + 0.01, np.empty(0), options)
+            missed[depth] += orbit.event_times.size == 0
+    assert [missed[depth] for depth in (1e4, 1e2, 10.0)] == [0, 0, 0]
+    assert missed[1e-3] > 0  # these are the core's to find
+
+
+@pytest.mark.parametrize("delta0", [0.0, 1.0])
+def test_a_solver_that_gives_up_raises_with_time_and_state(monkeypatch, delta0):
+    true_solver = reference.CVODE
+
+    class GivesUp:
+        def __init__(self, *given, **options):
+            self.solver, self.steps = true_solver(*given, **options), 0
+
+        def init_step(self, *given):
+            return self.solver.init_step(*given)
+
+        def step(self, *given):
+            self.steps += 1
+            if self.steps < 20:
+                return self.solver.step(*given)
+            return SimpleNamespace(success=False, message="corrector failed\n")
+
+    monkeypatch.setattr(reference, "CVODE", GivesUp)
+    rotor = Rotor(omega=0.0, zeta=0.0, delta0=delta0)
+    with pytest.raises(SimulationError, match=r"corrector failed \(at t = .*, state") as caught:
+        simulate(rotor, start=(2.0, 0, 0, 0), duration=1.0, backend="python")
+    assert 0.0 < caught.value.time < 1.0
+    assert caught.value.state == pytest.approx((2.0, 0.0, 0.0, 0.0), abs=0.5)
+
+
+@pytest.mark.parametrize(
+    ("found", "message"),
+    [
+        ((0.0, 1.0), "time no longer advances"),
+        ((1.0, np.nan), "the state is no longer finite"),
+    ],
+)
+def test_a_solver_that_gets_nowhere_is_given_up(monkeypatch, found, message):
+    class Idle:
+        def __init__(self, *given, **options):
+            pass
+
+        def init_step(self, *given):
+            pass
+
+        def step(self, *given):
+            return SimpleNamespace(success=True, t=found[0], y=np.full(5, found[1]), nfev=1)
+
+    monkeypatch.setattr(reference, "CVODE", Idle)
+    with pytest.raises(SimulationError, match=message):
+        run(BOUNCING, REST, 1.0, np.empty(0), Options(backend="python"))
+
+
+def test_it_can_be_asked_to_stop():
+    with pytest.raises(SimulationError, match="interrupted"):
+        run(BOUNCING, REST, 1e6, np.empty(0), Options(backend="python"), stop=np.ones(1, np.uint8))
+
+
+def test_it_labels_contacts_and_extrema_as_the_core_does():
+    ways = [Options(rtol=1e-11, backend="python"), Options(method="taylor", rtol=1e-13)]
+    times = np.linspace(0.0, 60.0, 61)
+    own, core = (run(BOUNCING, REST, 60.0, times, way, extrema=True) for way in ways)
+    np.testing.assert_allclose(own.contacts, core.contacts, rtol=0, atol=1e-7)
+    np.testing.assert_allclose(own.extrema, core.extrema, rtol=0, atol=1e-7)
+    np.testing.assert_allclose(own.states, core.states, rtol=0, atol=1e-7)
+    np.testing.assert_allclose(own.end, core.end, rtol=0, atol=1e-7)
+
+
+@pytest.mark.parametrize("method", ["adams", "ida"])
+def test_an_event_at_the_end_of_a_run_belongs_to_it(method):
+    free = Rotor(omega=0.0, zeta=0.0, delta0=1.0)
+    touching = simulate(free, start=(0, 0, 0.5, 0), duration=2.0, method=method, backend="python")
+    assert touching.event_kind.values.tolist() == [1]
+    assert touching.event_time.item() == pytest.approx(2.0, abs=1e-8)
+    assert touching.peak_indentation.item() == 0.0
+
+
+def test_a_rotor_at_rest_on_the_ring_stays_there():
+    free = Rotor(omega=0.0, zeta=0.0, delta0=1.0)
+    assert simulate(free, start=(1, 0, 0, 0), duration=9.0, backend="python").sizes["event"] == 0
