@@ -15,9 +15,9 @@ from typing import Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
+from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
 
-Values = npt.NDArray[np.float64]
 State = tuple[float, float, float, float]
 Kind = TypeVar("Kind")
 

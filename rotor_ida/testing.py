@@ -6,9 +6,8 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.arrays import Values
 from rotor_ida.schema import EVENT_KIND
-
-Values = npt.NDArray[np.float64]
 
 NAMES = {number: word for word, number in EVENT_KIND.items()}
 

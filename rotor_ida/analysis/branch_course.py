@@ -7,15 +7,13 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.arrays import Values
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import PARAMETERS
 from rotor_ida.schema import flags_of
-
-Values = npt.NDArray[np.float64]
 
 # At each of these a cycle that was stable is so no more, or the other way round.
 CHANGES = ("fold", "period_doubling")

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS, check_instance
 from rotor_ida.closed_forms import synchronous_response
 from rotor_ida.cycles.multipliers import is_stable
@@ -19,8 +20,6 @@ from rotor_ida.parallel import interruptible
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.schema import EXACT, RESPONSE, STABILITY, labelled, labelled_dataset, origin_of
-
-Values = npt.NDArray[np.float64]
 
 NEEDED = ("response", "amplitude", "phase_lag")
 # A settled whirl lies on a branch when it is this near, as a part of its amplitude: far above

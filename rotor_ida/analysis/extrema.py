@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from rotor_ida.arrays import Values
 from rotor_ida.checks import MOST_NUMBERS, State
 from rotor_ida.core.interface import DONE, KIND, RADIUS, STATE, TIME, message_of
 from rotor_ida.core.runs import Asked, follow
@@ -16,8 +17,6 @@ from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import Rotor
 from rotor_ida.stability.orbit import ATOL
-
-Values = npt.NDArray[np.float64]
 
 MINIMUM, CONSTANT, MAXIMUM = -1, 0, 1
 KNOTS_A_REVOLUTION = 64

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.equations.model import rotated
 from rotor_ida.schema import labelled
 from rotor_ida.simulation.dataset import check_run
-
-Values = npt.NDArray[np.float64]
 
 EVENT_NAMES = tuple(f"event_{name}" for name in COMPONENTS)
 

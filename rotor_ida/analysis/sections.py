@@ -10,6 +10,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.analysis.extrema import MAXIMUM, check_knots, radius_extrema
+from rotor_ida.arrays import Values
 from rotor_ida.checks import (
     State,
     check_choice,
@@ -29,7 +30,6 @@ from rotor_ida.simulation.options import Method, Options, check_can_be_followed
 from rotor_ida.simulation.orbit import ENTRY, EXIT
 from rotor_ida.simulation.run import run
 
-Values = npt.NDArray[np.float64]
 At = Literal["revolution", "entry", "exit", "peak"]
 
 PLACES = ("revolution", "entry", "exit", "peak")

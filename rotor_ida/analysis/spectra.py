@@ -9,12 +9,12 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.arrays import Values
 from rotor_ida.checks import check_choice
 from rotor_ida.errors import InputError
 from rotor_ida.schema import Column, labelled_dataset, origin_of
 from rotor_ida.simulation.dataset import check_run, parameter_coordinates, rotor_of
 
-Values = npt.NDArray[np.float64]
 Window = Literal["flattop", "hann", "boxcar"]
 
 WINDOWS = ("flattop", "hann", "boxcar")

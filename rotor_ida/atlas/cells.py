@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass, field, fields
 
 import numpy as np
-import numpy.typing as npt
 
+from rotor_ida.arrays import Values
 from rotor_ida.atlas.resilience import Resilience, Search, Subject, resilience_of
 from rotor_ida.basins.attractors import CONTACT_FREE_FAMILY, Attractor, attractors_of, family_of
 from rotor_ida.basins.entropy import sample_entropy
@@ -20,8 +20,6 @@ from rotor_ida.parameters import Rotor
 from rotor_ida.schema import RESPONSE, TRAPPING
 from rotor_ida.storage.studies.arrays import packed, unpacked
 from rotor_ida.sweeps import response
-
-Values = npt.NDArray[np.float64]
 
 # Numbers of an attractor as they are kept.
 NUMBERS = (

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.arrays import Values
 from rotor_ida.atlas.cells import Cell, CellJob, cell_as_bytes, cell_from_bytes, fill_cell
 from rotor_ida.atlas.dataset import atlas_dataset
 from rotor_ida.atlas.identities import identify
@@ -36,8 +37,6 @@ from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.provenance import computing
 from rotor_ida.simulation.options import LARGEST
 from rotor_ida.storage.studies.results import Form, Results, open_results
-
-Values = npt.NDArray[np.float64]
 
 FORM = Form(cell_as_bytes, cell_from_bytes)
 # Of one rotor, so that its labels fit into memory many times.

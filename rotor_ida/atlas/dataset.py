@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.arrays import Values
 from rotor_ida.atlas.cells import NUMBERS, Cell, Member
 from rotor_ida.atlas.resilience import Resilience
 from rotor_ida.atlas.shocks import KINDS
@@ -17,8 +18,6 @@ from rotor_ida.parameters import PARAMETERS
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import END, RESPONSE, TRAPPING, WHIRL_DIRECTION, Column, labelled_dataset
 from rotor_ida.simulation.options import Options
-
-Values = npt.NDArray[np.float64]
 
 # The sample misses an attractor that has more than `missed_fraction` with this probability at most.
 RISK = 0.05

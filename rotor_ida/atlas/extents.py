@@ -16,10 +16,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy.integrate import solve_ivp
 from scipy.optimize import root
 
+from rotor_ida.arrays import Values
 from rotor_ida.cycles.branch import (
     CONTACT_FREE,
     DOUBLING,
@@ -35,8 +35,6 @@ from rotor_ida.cycles.guess import Guess
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
 from rotor_ida.parameters import PARAMETERS, Rotor
-
-Values = npt.NDArray[np.float64]
 
 # A limit cycle is followed to zero of a parameter and to so many times its value, or 1 if that is
 # larger; a whirl, whose curve is cheap, to where speed or damping is so much larger.

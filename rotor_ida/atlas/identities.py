@@ -13,7 +13,6 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-import numpy.typing as npt
 
 from rotor_ida.atlas.cells import NEVER, Cell, Member
 from rotor_ida.basins.attractors import CONTACT_FREE_FAMILY, attractor_of_cycle
@@ -29,8 +28,6 @@ from rotor_ida.parallel import Stop
 from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.schema import STABILITY
 from rotor_ida.sweeps import response
-
-Values = npt.NDArray[np.float64]
 
 # From one rotor to the next a branch of limit cycles has at most so many points.
 MOST_POINTS = 400

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from rotor_ida.arrays import Values
 from rotor_ida.atlas.extents import (
     UNKNOWN,
     End,
@@ -41,7 +42,6 @@ from rotor_ida.schema import END
 from rotor_ida.simulation.options import Options
 from rotor_ida.sweeps import response
 
-Values = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.int8]
 
 # Shocks are tried up to so many times the largest attractor or the clearance; the speed of a whirl

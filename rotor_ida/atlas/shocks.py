@@ -20,6 +20,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.stats import qmc
 
+from rotor_ida.arrays import Values
 from rotor_ida.basins.cycle_sections import CycleSection
 from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED, follow, measure_returns
 from rotor_ida.basins.known import Known
@@ -27,7 +28,6 @@ from rotor_ida.basins.trapping_regions import TrappingRegion
 from rotor_ida.parallel import Stop
 from rotor_ida.sweeps.steady_state import durations
 
-Values = npt.NDArray[np.float64]
 Labels = npt.NDArray[np.int16]
 
 # Kinds of shock, with the first of the two coordinates that it changes.

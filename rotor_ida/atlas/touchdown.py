@@ -40,8 +40,6 @@ from rotor_ida.simulation.options import LARGEST, Options
 from rotor_ida.stability.orbit import Shot
 from rotor_ida.sweeps import response
 
-Values = npt.NDArray[np.float64]
-
 SAMPLES = 2048
 MOST_STARTS = 1_000_000
 # Of the numbers of an attractor, these say nothing more.

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import gammaincinv
 
+from rotor_ida.arrays import Values
 from rotor_ida.basins.following import FollowedStarts, Starts
 from rotor_ida.basins.kernel import CHAOTIC
 from rotor_ida.basins.known import lag_of
@@ -23,8 +24,6 @@ from rotor_ida.storage.studies.arrays import stretches
 from rotor_ida.sweeps import response
 from rotor_ida.sweeps.response import phase_lag_of
 from rotor_ida.sweeps.steady_state import SettledResponse, follow_to_steady_state
-
-Values = npt.NDArray[np.float64]
 
 # CVODE follows so many starts of an attractor before the attractor counts as unconfirmed.
 WITNESSES = 3

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.arrays import Values
 from rotor_ida.basins.dataset import basin_dataset
 from rotor_ida.basins.labelling import check_rotor, label
 from rotor_ida.checks import COMPONENTS, check_vector, is_scalar
@@ -15,8 +16,6 @@ from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.options import LARGEST
-
-Values = npt.NDArray[np.float64]
 
 
 def basin(

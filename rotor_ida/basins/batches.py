@@ -7,9 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from rotor_ida.arrays import Values
 from rotor_ida.storage.studies.arrays import packed, unpacked
-
-Values = npt.NDArray[np.float64]
 
 # What is kept of a limit cycle: state, period, and 1 where a section of it holds starts.
 CYCLE = 6

@@ -19,8 +19,8 @@ from bisect import bisect_left
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from rotor_ida.arrays import Values
 from rotor_ida.basins.kernel import SECTION, measure_returns
 from rotor_ida.core.interface import RADIUS, TIME
 from rotor_ida.cycles.multipliers import multipliers_of
@@ -28,8 +28,6 @@ from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
 from rotor_ida.stability.orbit import MAXIMUM, shoot
-
-Values = npt.NDArray[np.float64]
 
 TOLERANCE = 1e-10
 # States are spread over shells of these sizes, so many over each.

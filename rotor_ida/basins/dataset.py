@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.arrays import Values
 from rotor_ida.basins.attractors import Attractor, family_of
 from rotor_ida.basins.entropy import grid_entropy, sample_entropy
 from rotor_ida.basins.following import Starts
@@ -20,8 +21,6 @@ from rotor_ida.schema import FATE, RESPONSE, TRAPPING, Column, labelled, labelle
 from rotor_ida.simulation.dataset import parameter_coordinates
 from rotor_ida.simulation.options import Options
 from rotor_ida.storage.studies.arrays import scratch, stretches
-
-Values = npt.NDArray[np.float64]
 
 LABELLING = (
     "every start followed in lockstep lanes by DOP853 on the rotating axes until a trapping region "

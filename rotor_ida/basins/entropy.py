@@ -14,9 +14,9 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from rotor_ida.arrays import Values
 from rotor_ida.basins.kernel import NOT_COMPUTED
 
-Values = npt.NDArray[np.float64]
 Labels = npt.NDArray[np.int16]
 
 # A box of a grid is so many starts wide; one of a random sample holds about as many.

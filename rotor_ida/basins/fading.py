@@ -15,8 +15,8 @@ import cmath
 import math
 
 import numpy as np
-import numpy.typing as npt
 
+from rotor_ida.arrays import Values
 from rotor_ida.closed_forms import touch_fading
 from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.errors import SimulationError
@@ -24,8 +24,6 @@ from rotor_ida.parallel import Stop
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
-
-Values = npt.NDArray[np.float64]
 
 HOW = Options(method="taylor", rtol=1e-12)
 STATES, MOST_TRIES = 24, 240

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from rotor_ida.arrays import Values
 from rotor_ida.basins.kernel import CHAOTIC, NOT_COMPUTED, UNDECIDED, follow
 from rotor_ida.basins.known import Known, with_cycle
 from rotor_ida.cycles.limit_cycle import returns
@@ -31,7 +32,6 @@ from rotor_ida.sweeps.steady_state import (
     follow_to_steady_state,
 )
 
-Values = npt.NDArray[np.float64]
 Numbers = npt.NDArray[np.int64]
 
 HOW = Options(method="taylor", rtol=1e-10)

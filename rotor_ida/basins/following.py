@@ -11,6 +11,7 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 
+from rotor_ida.arrays import Values
 from rotor_ida.basins.batches import CHAOS, CYCLE, BatchResult
 from rotor_ida.basins.fates import Batch, decide
 from rotor_ida.basins.kernel import CHAOTIC, NOT_COMPUTED
@@ -22,7 +23,6 @@ from rotor_ida.storage.studies.arrays import scratch, stretches
 from rotor_ida.storage.studies.results import Results
 from rotor_ida.sweeps.steady_state import durations
 
-Values = npt.NDArray[np.float64]
 Starts = Callable[[int, int], Values]
 
 # Large enough that few lanes idle at the end of a batch, small enough to share the work evenly

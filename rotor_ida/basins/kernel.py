@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from rotor_ida.arrays import Values
 from rotor_ida.core.interface import RotorStruct, library, pointer
 from rotor_ida.parallel import Stop
 from rotor_ida.parameters import Rotor
 
-Values = npt.NDArray[np.float64]
 Labels = npt.NDArray[np.int16]
 Times = npt.NDArray[np.float32]
 

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 
+from rotor_ida.arrays import Values
 from rotor_ida.basins.cycle_sections import CycleSection, cycle_section
 from rotor_ida.basins.fading import fading_excess
 from rotor_ida.basins.kernel import REGION, SECTION
@@ -16,8 +16,6 @@ from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.parallel import Stop
 from rotor_ida.parameters import Rotor
-
-Values = npt.NDArray[np.float64]
 
 # Two cycles of one rotor are the same when period and largest radius differ by less than this part.
 SAME = 1e-6

@@ -39,13 +39,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from rotor_ida.arrays import Values
 from rotor_ida.closed_forms import synchronous_response
 from rotor_ida.equations.contact import contact_stiffness, secant_stiffness
 from rotor_ida.equations.model import rotating_jacobian
 from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.schema import STABILITY
-
-Values = npt.NDArray[np.float64]
 
 # V must fall at this fraction of the fastest possible rate or faster: rounding cannot matter.
 MARGIN = 1e-6

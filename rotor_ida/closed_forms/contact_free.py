@@ -9,12 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from rotor_ida.arrays import Values
 from rotor_ida.checks import check_array, check_instance, check_real, check_state
 from rotor_ida.closed_forms.double_double import DoubleDouble
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import Rotor
 
-Values = npt.NDArray[np.float64]
 ComplexValues = npt.NDArray[np.complex128]
 
 _LARGEST_PHASE = 1e15  # the double nearest to a time then still tells one turn from the next

@@ -20,9 +20,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from rotor_ida.arrays import Values
 from rotor_ida.closed_forms.double_double import DoubleDouble
 
-Values = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.int_]
 Evaluate = Callable[[Values, Rows], tuple[Values, Values]]
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-Values = npt.NDArray[np.float64]
+from rotor_ida.arrays import Values
 
 _SPLITTER = 134217729.0  # 2**27 + 1 cuts a double into two halves whose products are exact
 

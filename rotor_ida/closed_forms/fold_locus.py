@@ -24,9 +24,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from rotor_ida.arrays import Values
 from rotor_ida.closed_forms.double_double import DoubleDouble
 
-Values = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
 
 _NODES_PER_DECADE = 24

@@ -6,16 +6,14 @@ import math
 from functools import lru_cache
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 from scipy.optimize import minimize_scalar
 
+from rotor_ida.arrays import Values
 from rotor_ida.checks import check_axis, check_points, check_real
 from rotor_ida.closed_forms.fold_locus import LocusSide, fold_locus, folds_on_side, locus_points
 from rotor_ida.closed_forms.synchronous import synchronous_response
 from rotor_ida.schema import STABILITY, labelled, labelled_dataset
-
-Values = npt.NDArray[np.float64]
 
 # At a fold two whirls are one, up to the root of rounding.
 _SAME = 1e-5

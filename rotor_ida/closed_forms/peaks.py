@@ -10,6 +10,7 @@ import numpy.typing as npt
 import xarray as xr
 from scipy.optimize import brentq
 
+from rotor_ida.arrays import Values
 from rotor_ida.checks import (
     LARGEST_NUMBER,
     check_axis,
@@ -19,8 +20,6 @@ from rotor_ida.checks import (
 )
 from rotor_ida.equations.contact import contact_force, secant_stiffness
 from rotor_ida.schema import labelled_dataset
-
-Values = npt.NDArray[np.float64]
 
 # With less damping the tip lies beyond the range of doubles.
 SMALLEST_DAMPING = 1e-20

@@ -18,10 +18,10 @@ from operator import itemgetter
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 from scipy.optimize import brentq
 
+from rotor_ida.arrays import Values
 from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_count, check_positive, shown
 from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.closed_forms.contacting_whirls import contacting_whirls
@@ -32,7 +32,6 @@ from rotor_ida.equations.contact import secant_stiffness
 from rotor_ida.errors import InputError
 from rotor_ida.schema import STABILITY, labelled_dataset
 
-Values = npt.NDArray[np.float64]
 # Amplitude and the speed or clearance at which a whirl has it.
 _Place = tuple[float, float]
 

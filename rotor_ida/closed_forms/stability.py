@@ -9,11 +9,11 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from rotor_ida.arrays import Values
 from rotor_ida.checks import LARGEST_NUMBER, check_array
 from rotor_ida.equations.contact import contact_stiffness, secant_stiffness
 from rotor_ida.errors import InputError
 
-Values = npt.NDArray[np.float64]
 ComplexValues = npt.NDArray[np.complex128]
 
 

@@ -6,13 +6,12 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.arrays import Values
 from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_points
 from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.closed_forms.contacting_whirls import contacting_whirls
 from rotor_ida.closed_forms.stability import growth_rate
 from rotor_ida.schema import STABILITY, labelled_dataset
-
-Values = npt.NDArray[np.float64]
 
 _POINTS_AT_A_TIME = 16384  # keeps the working arrays inside the processor's cache
 SMALLEST_SPEED = 1e-50

@@ -17,8 +17,6 @@ import numpy.typing as npt
 from rotor_ida.core import library as found
 from rotor_ida.parameters import PARAMETERS, Rotor
 
-Values = npt.NDArray[np.float64]
-
 # How a call ended; the flags of SUNDIALS are negative.
 DONE = 0
 NOT_FINITE, NO_ROOT, STUCK, STOPPED, FULL, NO_SOLVER = range(1001, 1007)

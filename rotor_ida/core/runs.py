@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from rotor_ida.arrays import Values
 from rotor_ida.core import sundials
 from rotor_ida.core.interface import (
     CONTACT_COLUMNS,
@@ -25,7 +26,6 @@ from rotor_ida.core.interface import (
 )
 from rotor_ida.parameters import Rotor
 
-Values = npt.NDArray[np.float64]
 Stop = npt.NDArray[np.uint8]
 
 FIRST_ROOM = 64

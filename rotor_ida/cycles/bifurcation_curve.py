@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.arrays import Values
 from rotor_ida.checks import (
     MOST_NUMBERS,
     check_choice,
@@ -49,7 +50,6 @@ from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.provenance import provenance
 from rotor_ida.stability.orbit import Shot
 
-Values = npt.NDArray[np.float64]
 Kind = Literal["fold", "period_doubling"]
 
 KINDS = (FOLD, DOUBLING)

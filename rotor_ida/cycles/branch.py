@@ -12,8 +12,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 
+from rotor_ida.arrays import Values
 from rotor_ida.core.interface import RADIUS
 from rotor_ida.cycles.continuation import (
     EARLIER,
@@ -33,8 +33,6 @@ from rotor_ida.errors import SimulationError
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.stability.orbit import Shot, shoot
-
-Values = npt.NDArray[np.float64]
 
 # Why a branch ends.
 LIMITS, CLOSED, CONTACT_FREE, HALVED, STUCK, ENOUGH = (

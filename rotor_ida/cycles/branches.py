@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.checks import (
@@ -20,8 +19,6 @@ from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.parallel import Progress
 from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.schema import EXACT
-
-Values = npt.NDArray[np.float64]
 
 NEEDED = ("lies_on", "exact_period", "exact_radius_max", *(f"end_{name}" for name in COMPONENTS))
 # Two cycles of one rotor are the same when period and largest radius differ by less than this.

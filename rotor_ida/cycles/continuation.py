@@ -28,13 +28,11 @@ from itertools import pairwise
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
-import numpy.typing as npt
 from scipy.linalg.lapack import dgesv
 from scipy.optimize import brentq
 
+from rotor_ida.arrays import Values
 from rotor_ida.errors import SimulationError
-
-Values = npt.NDArray[np.float64]
 
 # Steps of Newton's method, and those before each must be smaller than the last.
 MOST_NEWTON_STEPS, FREE_STEPS = 10, 3

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.arrays import Values
 from rotor_ida.checks import (
     MOST_NUMBERS,
     check_choice,
@@ -41,7 +42,6 @@ from rotor_ida.stability.orbit import Shot
 from rotor_ida.storage.studies.arrays import Arrays, packed, unpacked
 from rotor_ida.storage.studies.results import Form, Results, open_results
 
-Values = npt.NDArray[np.float64]
 Parameter = Literal["omega", "zeta", "delta0"]
 Direction = Literal["both", "forward", "backward"]
 

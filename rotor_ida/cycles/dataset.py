@@ -8,12 +8,11 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.cycles.multipliers import defects_of, doubling_test, is_stable, multipliers_of
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.schema import QUANTITIES, RESPONSE, STABILITY, Column
-
-Values = npt.NDArray[np.float64]
 
 
 def cycle_columns(cycles: Sequence[Cycle], dim: str, prefix: str = "") -> dict[str, xr.Variable]:

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.arrays import Values
 from rotor_ida.checks import check_instance
 from rotor_ida.core.interface import DONE, message_of
 from rotor_ida.core.runs import Asked
@@ -32,8 +33,6 @@ from rotor_ida.schema import (
 from rotor_ida.simulation.options import Options, check_can_be_followed
 from rotor_ida.stability.orbit import ATOL, RTOL
 from rotor_ida.sweeps.steady_state import FAILED, follow_to_steady_state
-
-Values = npt.NDArray[np.float64]
 
 NOT_FOUND = "not_found"
 # The orbit is followed to its cycle with this tolerance; Newton's method takes over from there.

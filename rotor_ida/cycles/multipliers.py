@@ -28,7 +28,6 @@ import numpy.typing as npt
 
 from rotor_ida.stability.orbit import Shot
 
-Values = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
 
 # The symplectic form ``dx ^ dvx + dy ^ dvy``: the velocity of the rotor, read on the rotating axes,

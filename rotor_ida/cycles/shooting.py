@@ -15,16 +15,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from rotor_ida.arrays import Values
 from rotor_ida.core.interface import ENTRY_TIME, EXIT_TIME, IMPULSE, KIND, RADIUS
 from rotor_ida.equations.contact import contact_force
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import Rotor
 from rotor_ida.stability.orbit import MAXIMUM, RTOL, Shot, shoot
-
-Values = npt.NDArray[np.float64]
 
 MOST_STEPS = 25
 # A step of Newton's method this small, relative to state and period, leaves an error of its square.

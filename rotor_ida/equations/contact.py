@@ -19,8 +19,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from rotor_ida.arrays import Values
+
 HERTZ_EXPONENT = 1.5
-Values = npt.NDArray[np.float64]
 
 
 def gap(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:

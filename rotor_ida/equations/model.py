@@ -20,12 +20,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from rotor_ida.arrays import Values
 from rotor_ida.equations.contact import contact_potential, force_over_radius, stiffness
 from rotor_ida.equations.modes import Along, acceleration, turned_rates
 from rotor_ida.equations.symbols import Dual, variables
 from rotor_ida.parameters import Rotor
-
-Values = npt.NDArray[np.float64]
 
 
 def field(time: float, state: npt.ArrayLike, rotor: Rotor) -> Values:

@@ -15,12 +15,12 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import brentq
 
+from rotor_ida.arrays import Values
 from rotor_ida.checks import State, check_choice, check_nonnegative, check_positive, check_state
 from rotor_ida.equations.contact import contact_force, contact_potential
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import DimensionalRotor
 
-Values = npt.NDArray[np.float64]
 ComplexValues = npt.NDArray[np.complex128]
 
 RATES = ("28", "24", "stiffness")

@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm
 from matplotlib.patches import Patch
 
+from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS, check_choice
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import PARAMETERS
@@ -27,8 +28,6 @@ from rotor_ida.plot.appearance import (
 )
 from rotor_ida.plot.labels import KIND_WORDS, LABELS, label_axis, number_text, unit_of
 from rotor_ida.schema import FATE, QUANTITIES, RESPONSE, flags_of
-
-Values = npt.NDArray[np.float64]
 
 NEEDED = (*PARAMETERS, "label", "kind", "amplitude", "radius_min", "radius_max", "count")
 UNDECIDED, NOT_COMPUTED = INK, "white"

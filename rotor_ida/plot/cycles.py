@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rotor_ida.analysis.branch_course import Course, course_of, parameters_of, runs_of
+from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import PARAMETERS
 from rotor_ida.plot.appearance import (
@@ -44,7 +45,6 @@ from rotor_ida.plot.labels import LABELS, hold_units, label_axis, parameter_text
 from rotor_ida.plot.runs import Path, clearance_of, draw_motion
 from rotor_ida.schema import flags_of
 
-Values = npt.NDArray[np.float64]
 Whole = npt.NDArray[np.int64]
 
 CYCLE = (*PARAMETERS, "t", "x", "y", "period", "response")

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
 
+from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import PARAMETERS
@@ -45,8 +45,6 @@ from rotor_ida.plot.labels import (
     scale_of,
 )
 from rotor_ida.schema import flags_of
-
-Values = npt.NDArray[np.float64]
 
 LINES = {
     "stable": (STABLE, "-", 1.3),

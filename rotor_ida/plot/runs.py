@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
+from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS, check_choice
 from rotor_ida.equations.contact import contact_force
 from rotor_ida.errors import InputError
@@ -36,8 +37,6 @@ from rotor_ida.plot.appearance import (
 )
 from rotor_ida.plot.labels import LABELS, label_axis, label_of, scale_of, unit_of
 from rotor_ida.schema import flags_of
-
-Values = npt.NDArray[np.float64]
 
 NEEDED = (*PARAMETERS, "t", "x", "y", "vx", "vy", "starts_in_contact", "event_time",
           "event_kind", "event_x", "event_y", "event_vx", "event_vy", "entry_time",

@@ -8,14 +8,13 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.arrays import Values
 from rotor_ida.checks import check_instance
 from rotor_ida.equations.contact import contact_force
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import PARAMETERS
 from rotor_ida.schema import WHIRL_DIRECTION, Column, labelled_dataset, origin_of
 from rotor_ida.simulation.orbit import ENTRY, EXIT, Orbit
-
-Values = npt.NDArray[np.float64]
 
 # Below this part of radius times speed, angular momentum is rounding: there is no whirl.
 NO_WHIRL = 1e-12

@@ -23,6 +23,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from rotor_ida.arrays import ROUNDING, Values
 from rotor_ida.checks import State
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel.jobs import Stop
@@ -31,7 +32,6 @@ from rotor_ida.simulation.options import LOOSEST_RTOL_OF_TAYLOR, Options
 from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run
 
-Values = npt.NDArray[np.float64]
 Event = tuple[int, float, float]
 
 APART = 30.0
@@ -52,7 +52,6 @@ ASTRAY = 1e-2
 # The motion is as large as its largest radius over so many samples on either side, some sixteenth
 # of a run in all: one sample may be near the centre, and long before the motion may have been wild.
 NEAR = 2
-ROUNDING = 2.0**-52
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,13 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from rotor_ida.arrays import Values
 from rotor_ida.core.interface import FAULTS, FIRST_OF_SAMPLES, OF_CONTACTS, PEAK_TIME
 from rotor_ida.core.runs import fault_of
 from rotor_ida.errors import InvariantError
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.options import Options
-
-Values = npt.NDArray[np.float64]
 
 ENTRY = 1
 EXIT = -1

@@ -26,11 +26,11 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize import brentq
 from sksundae.cvode import CVODE
 from sksundae.ida import IDA
 
+from rotor_ida.arrays import ROUNDING, Values
 from rotor_ida.checks import State
 from rotor_ida.equations.contact import force_over_radius
 from rotor_ida.equations.model import rotated
@@ -41,10 +41,8 @@ from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import ENTRY, EXIT, Orbit
 
-Values = npt.NDArray[np.float64]
 Function = Callable[[Values], float]
 
-ROUNDING = 2.0**-52
 # A start on the ring is decided by the first derivative of the radius that rounding cannot hide.
 HIDDEN = 16.0 * ROUNDING
 # Displacement, velocity, and the impulse of the force since the contact began.

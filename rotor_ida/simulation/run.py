@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from rotor_ida.arrays import Values
 from rotor_ida.checks import State
 from rotor_ida.core.interface import (
     DONE,
@@ -21,8 +21,6 @@ from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import Orbit, check_orbit
-
-Values = npt.NDArray[np.float64]
 
 
 def run(

@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.arrays import Values
 from rotor_ida.checks import (
     check_axis,
     check_count,
@@ -22,8 +23,6 @@ from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors
 from rotor_ida.simulation.options import Backend, Flight, Method, Options, check_can_be_followed
 from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run
-
-Values = npt.NDArray[np.float64]
 
 # An event so many tolerances behind the end of a run may as well lie at it, and belongs to it.
 END_SLACK = 100.0

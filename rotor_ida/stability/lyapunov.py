@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.arrays import Values
 from rotor_ida.checks import (
     MOST_NUMBERS,
     State,
@@ -32,7 +33,6 @@ from rotor_ida.simulation.dataset import parameter_coordinates
 from rotor_ida.simulation.options import check_can_be_followed, check_rtol
 from rotor_ida.stability.orbit import ATOL
 
-Values = npt.NDArray[np.float64]
 MethodOfTangents = Literal["taylor", "adams", "bdf"]
 METHODS_OF_TANGENTS: tuple[MethodOfTangents, ...] = ("taylor", "adams", "bdf")
 

@@ -11,16 +11,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from rotor_ida.arrays import Values
 from rotor_ida.core.interface import DONE, STUCK, message_of
 from rotor_ida.core.runs import DIFFERENCES, WITH_PARAMETERS, Asked, follow
 from rotor_ida.equations.model import rotating_field
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import Rotor
-
-Values = npt.NDArray[np.float64]
 
 MAXIMUM = 1.0  # the kind of an extremum
 RTOL = 1e-15

@@ -22,7 +22,6 @@ from rotor_ida.sweeps.ramps import Ramps
 from rotor_ida.sweeps.response import Features
 from rotor_ida.sweeps.steady_state import FAILED, SettledResponse
 
-Values = npt.NDArray[np.float64]
 Array = npt.NDArray[np.generic]
 
 DIMS = (*PARAMETERS, "start", "direction")

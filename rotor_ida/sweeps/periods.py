@@ -17,14 +17,13 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from rotor_ida.arrays import Values
 from rotor_ida.checks import State
 from rotor_ida.core.interface import DONE, KIND, STATE, TIME, message_of
 from rotor_ida.core.runs import Asked, follow
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
 from rotor_ida.parameters import Rotor
-
-Values = npt.NDArray[np.float64]
 
 # The window must hold the period so many times.
 FEWEST_PERIODS = 3

@@ -11,13 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from rotor_ida.arrays import Values
 from rotor_ida.checks import State
 from rotor_ida.parallel import Stop
 from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.simulation.options import Options
 from rotor_ida.sweeps.steady_state import FAILED, SettledResponse, failed, follow_to_steady_state
 
-Values = npt.NDArray[np.float64]
 Places = npt.NDArray[np.int64]
 
 

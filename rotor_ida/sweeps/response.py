@@ -22,11 +22,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from rotor_ida.arrays import Values
 from rotor_ida.closed_forms.contact_free import complex_amplitude, touch_fading
 from rotor_ida.equations.contact import secant_stiffness
 from rotor_ida.parameters import Rotor
-
-Values = npt.NDArray[np.float64]
 
 CONTACT_FREE = "contact_free"
 SYNCHRONOUS = "synchronous"

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
+from rotor_ida.arrays import ROUNDING, Values
 from rotor_ida.checks import State
 from rotor_ida.equations.model import rotated
 from rotor_ida.errors import SimulationError
@@ -40,8 +41,6 @@ from rotor_ida.sweeps.response import (
     whirls_steadily,
 )
 
-Values = npt.NDArray[np.float64]
-
 FAILED = "failed"
 # A transient that decays like exp(-zeta t) has fallen by 4e-11 after this many 1/zeta.
 DECAY_TIMES = 24.0
@@ -72,7 +71,6 @@ EXPONENT_TIME, EXPONENT_TIMES = 20_000.0, 2.0
 # a factor of exp(20) in the time over which it was taken.
 CLEAR_ERRORS = 5.0
 CLEAR_STRETCH = 20.0
-ROUNDING = 2.0**-52
 
 
 _NO_TIMES = np.empty(0)

@@ -5,17 +5,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 from scipy.integrate import solve_ivp
 
+from rotor_ida.arrays import Values
 from rotor_ida.checks import check_positive
 from rotor_ida.errors import SimulationError
 from rotor_ida.paper.printed import reference_frequency
 from rotor_ida.parameters import DimensionalRotor, Rotor
 from rotor_ida.simulation.simulate import simulate
-
-Values = npt.NDArray[np.float64]
 
 RIGHT, PRINTED = "k sqrt(D)/m", "k/m"
 _START = 2.5  # eccentricities
