@@ -22,7 +22,7 @@ from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.schema import RESPONSE
 from rotor_ida.simulation.options import Method
 from rotor_ida.simulation.simulate import simulate
-from rotor_ida.sweeps.response import BOUNCING, CONTACT_FREE, FULL_CONTACT, SYNCHRONOUS
+from rotor_ida.steady_state.response import BOUNCING, CONTACT_FREE, FULL_CONTACT, SYNCHRONOUS
 from rotor_ida.sweeps.sweep import DIRECTIONS, sweep
 from rotor_ida.testing import assert_events_close
 

@@ -18,8 +18,8 @@ from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.parallel import Stop
 from rotor_ida.parameters import Rotor
 from rotor_ida.schema import RESPONSE, TRAPPING
+from rotor_ida.steady_state import response
 from rotor_ida.storage.studies.arrays import packed, unpacked
-from rotor_ida.sweeps import response
 
 # Numbers of an attractor as they are kept.
 NUMBERS = (

@@ -27,7 +27,7 @@ from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
 from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.schema import STABILITY
-from rotor_ida.sweeps import response
+from rotor_ida.steady_state import response
 
 # From one rotor to the next a branch of limit cycles has at most so many points.
 MOST_POINTS = 400

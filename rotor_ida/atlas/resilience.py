@@ -40,7 +40,7 @@ from rotor_ida.parallel import Stop
 from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.schema import END
 from rotor_ida.simulation.options import Options
-from rotor_ida.sweeps import response
+from rotor_ida.steady_state import response
 
 Flags = npt.NDArray[np.int8]
 

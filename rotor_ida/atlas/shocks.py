@@ -26,7 +26,7 @@ from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED, follow, measure_ret
 from rotor_ida.basins.known import Known
 from rotor_ida.basins.trapping_regions import TrappingRegion
 from rotor_ida.parallel import Stop
-from rotor_ida.sweeps.steady_state import durations
+from rotor_ida.steady_state.follow import durations
 
 Labels = npt.NDArray[np.int16]
 

@@ -38,7 +38,7 @@ from rotor_ida.si_units import dimensional
 from rotor_ida.simulation.dataset import parameter_coordinates
 from rotor_ida.simulation.options import LARGEST, Options
 from rotor_ida.stability.orbit import Shot
-from rotor_ida.sweeps import response
+from rotor_ida.steady_state import response
 
 SAMPLES = 2048
 MOST_STARTS = 1_000_000

@@ -23,8 +23,8 @@ from rotor_ida.cycles.shooting import close_orbit, once_round
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
 from rotor_ida.simulation.options import Options
-from rotor_ida.sweeps import response
-from rotor_ida.sweeps.steady_state import (
+from rotor_ida.steady_state import response
+from rotor_ida.steady_state.follow import (
     LATE,
     PATIENCE,
     SettledResponse,

@@ -19,9 +19,9 @@ from rotor_ida.basins.known import Known, known_from_closed_forms, same_cycle
 from rotor_ida.cycles.shooting import Cycle, close_orbit
 from rotor_ida.parallel import FailedJob, Progress, Stop, interruptible, run_all
 from rotor_ida.parameters import Rotor
+from rotor_ida.steady_state.follow import durations
 from rotor_ida.storage.studies.arrays import scratch, stretches
 from rotor_ida.storage.studies.results import Results
-from rotor_ida.sweeps.steady_state import durations
 
 Starts = Callable[[int, int], Values]
 

@@ -32,7 +32,7 @@ from rotor_ida.schema import (
 )
 from rotor_ida.simulation.options import Options, check_can_be_followed
 from rotor_ida.stability.orbit import ATOL, RTOL
-from rotor_ida.sweeps.steady_state import FAILED, follow_to_steady_state
+from rotor_ida.steady_state.follow import FAILED, follow_to_steady_state
 
 NOT_FOUND = "not_found"
 # The orbit is followed to its cycle with this tolerance; Newton's method takes over from there.

@@ -1,1 +1,1 @@
-"""Sweeps of speed, damping and clearance: on which response the rotor settles, and its period."""
+"""Sweeps of speed, damping and clearance: the settled response at each point."""

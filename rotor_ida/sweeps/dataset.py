@@ -17,10 +17,10 @@ from rotor_ida.checks import COMPONENTS
 from rotor_ida.parameters import PARAMETERS
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import RESPONSE, STATUS, Column, labelled, labelled_dataset
+from rotor_ida.steady_state.follow import FAILED, SettledResponse
+from rotor_ida.steady_state.response import Features
 from rotor_ida.storage.studies.arrays import packed, scratch, unpacked
 from rotor_ida.sweeps.ramps import Ramps
-from rotor_ida.sweeps.response import Features
-from rotor_ida.sweeps.steady_state import FAILED, SettledResponse
 
 Array = npt.NDArray[np.generic]
 

@@ -16,7 +16,7 @@ from rotor_ida.checks import State
 from rotor_ida.parallel import Stop
 from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.simulation.options import Options
-from rotor_ida.sweeps.steady_state import FAILED, SettledResponse, failed, follow_to_steady_state
+from rotor_ida.steady_state.follow import FAILED, SettledResponse, failed, follow_to_steady_state
 
 Places = npt.NDArray[np.int64]
 

@@ -26,10 +26,10 @@ from rotor_ida.parallel import FailedJob, Progress, choose, run_all
 from rotor_ida.parameters import Rotor
 from rotor_ida.provenance import computing
 from rotor_ida.simulation.options import Backend, Flight, Method, Options, check_can_be_followed
+from rotor_ida.steady_state.follow import FAILED, failed
 from rotor_ida.storage.studies.results import Form, Results, open_results
 from rotor_ida.sweeps.dataset import Rows, rows_as_bytes, rows_from_bytes, rows_of, sweep_dataset
 from rotor_ida.sweeps.ramps import Places, Ramps, follow
-from rotor_ida.sweeps.steady_state import FAILED, failed
 
 Direction = Literal["up", "down", "both"]
 

@@ -18,7 +18,7 @@ from rotor_ida.atlas.shocks import KINDS, bound_of_whirl, try_shocks
 from rotor_ida.basins.trapping_regions import trapping_regions
 from rotor_ida.schema import RESPONSE
 from rotor_ida.simulation.options import Options
-from rotor_ida.sweeps.steady_state import follow_to_steady_state
+from rotor_ida.steady_state.follow import follow_to_steady_state
 
 BOX = {"x": (-15, 15), "y": (-15, 15)}
 BOUNCER = Rotor(omega=2.0, zeta=0.07, delta0=2.0)

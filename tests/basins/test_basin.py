@@ -11,7 +11,7 @@ from rotor_ida.parallel import FailedJob
 from rotor_ida.resuming import resume
 from rotor_ida.schema import FATE, RESPONSE, flags_of
 from rotor_ida.simulation.options import Options
-from rotor_ida.sweeps.steady_state import follow_to_steady_state
+from rotor_ida.steady_state.follow import follow_to_steady_state
 
 FIGURE_7 = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
 AXIS = np.linspace(-15.0, 15.0, 24)

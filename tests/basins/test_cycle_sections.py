@@ -10,7 +10,7 @@ from rotor_ida.basins.kernel import SECTION, measure_returns
 from rotor_ida.cycles.limit_cycle import cycle_from
 from rotor_ida.simulation.options import Options
 from rotor_ida.stability.orbit import shoot
-from rotor_ida.sweeps.steady_state import follow_to_steady_state
+from rotor_ida.steady_state.follow import follow_to_steady_state
 
 GO_ON = np.zeros(1, np.uint8)
 CASES = [

@@ -11,7 +11,7 @@ from rotor_ida.basins.fading import MOST_DRIFT, fading_excess
 from rotor_ida.basins.known import known_from_closed_forms
 from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.simulation.options import Options
-from rotor_ida.sweeps.steady_state import follow_to_steady_state
+from rotor_ida.steady_state.follow import follow_to_steady_state
 
 GO_ON = np.zeros(1, np.uint8)
 ROTORS = [

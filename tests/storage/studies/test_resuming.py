@@ -15,9 +15,9 @@ import xarray as xr
 from rotor_ida import Rotor, basin, basin_fractions, load, save, sweep
 from rotor_ida.errors import InputError
 from rotor_ida.resuming import resume
+from rotor_ida.steady_state import follow
 from rotor_ida.storage.studies import status
 from rotor_ida.storage.studies.database import FILE, _as_text, _digest
-from rotor_ida.sweeps import steady_state
 
 BOUNCER = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 AXIS = np.linspace(-8.0, 8.0, 40)
@@ -89,7 +89,7 @@ def test_a_failure_of_the_surroundings_is_tried_again(tmp_path, monkeypatch):
     def has_no_memory(rotor, *rest, **options):
         if rotor.omega == 2.0:
             raise MemoryError
-        return steady_state.follow_to_steady_state(rotor, *rest, **options)
+        return follow.follow_to_steady_state(rotor, *rest, **options)
 
     given = {"omega": [1.0, 2.0], "zeta": 0.5, "delta0": 0.5, "executor": "serial"}
     with monkeypatch.context() as patch:
@@ -156,7 +156,7 @@ def test_a_point_that_fails_is_recorded_and_the_others_go_on(tmp_path, monkeypat
     def fails_at_two(rotor, *rest, **options):
         if rotor.omega == 2.0:
             raise ValueError("what nobody expected")
-        return steady_state.follow_to_steady_state(rotor, *rest, **options)
+        return follow.follow_to_steady_state(rotor, *rest, **options)
 
     monkeypatch.setattr(ramps, "follow_to_steady_state", fails_at_two)
     given = {"omega": [1.0, 2.0, 3.0], "zeta": 0.5, "delta0": 0.5, "executor": "serial"}

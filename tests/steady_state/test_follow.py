@@ -7,7 +7,7 @@ import pytest
 
 from rotor_ida import Rotor, folds
 from rotor_ida.simulation.options import Options
-from rotor_ida.sweeps.steady_state import follow_to_steady_state
+from rotor_ida.steady_state.follow import follow_to_steady_state
 
 REST = (0.0, 0.0, 0.0, 0.0)
 

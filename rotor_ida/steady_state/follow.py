@@ -18,14 +18,14 @@ from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run
 from rotor_ida.stability.lyapunov import largest_exponent
-from rotor_ida.sweeps.periods import (
+from rotor_ida.steady_state.periods import (
     TurningPoints,
     extreme_radii,
     recurrence,
     slowest_multiplier,
     turning_points,
 )
-from rotor_ida.sweeps.response import (
+from rotor_ida.steady_state.response import (
     BOUNCING,
     CHAOTIC,
     CONTACT_FREE,
@@ -83,7 +83,7 @@ class SettledResponse:
     Parameters
     ----------
     response : str
-        One of the kinds of `rotor_ida.sweeps.response`, or ``"failed"``.
+        One of the kinds of `rotor_ida.steady_state.response`, or ``"failed"``.
     features : Features
         The motion over the final window; all NaN if the run failed.
     window_start, window_end : float

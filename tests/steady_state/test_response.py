@@ -5,7 +5,7 @@ import pytest
 
 from rotor_ida import Rotor, synchronous_response
 from rotor_ida.closed_forms import touch_fading
-from rotor_ida.sweeps.response import (
+from rotor_ida.steady_state.response import (
     Window,
     phase_lag_of,
     stays_free,
