@@ -264,3 +264,101 @@ double first_touch(struct motion_of_centre start, const struct rotor *rotor, dou
     }
     return NEVER;
 }
+
+/* ---- Where the radius turns ---- */
+
+/* r r' and its rate of change.
+ *
+ * The disc's centre is at c + e, of which c drifts and e = a exp(i omega tau) whirls at a constant
+ * radius; |c + e|**2/2 is taken without the constant |e|**2/2, so that a whirl about a centre near
+ * the axis keeps its digits. */
+struct turning {
+    double rate, bend;
+};
+
+static struct turning turning_at(const struct search *flight, double tau)
+{
+    const double omega = flight->omega, damping = 2.0 * flight->zeta;
+    const struct vector e = product(flight->a, turn_by(omega * tau));
+    const struct vector spun = scaled(omega, quarter_turned(e));
+    const struct vector centre = plus(flight->z0, scaled(-1.0, flight->a));
+    const struct vector c = plus(centre, scaled(drift(tau, flight->zeta), flight->w));
+    const struct vector moving = scaled(exp(-damping * tau), flight->w);
+    const struct vector whirling = plus(c, e), slowing = scaled(-damping, moving);
+    return (struct turning){dot(whirling, moving) + dot(c, spun),
+                            dot(moving, moving) + dot(whirling, slowing) + 2.0 * dot(moving, spun)
+                                - omega * omega * dot(c, e)};
+}
+
+/* A bound on the rate of change of the bend from `tau` to `limit`: of
+ *
+ *     -6 zeta |c'|**2 + 4 zeta**2 Re(conj(c) c')
+ *     + Re[(4 zeta**2 - 6 i zeta omega - 3 omega**2) conj(c') e - i omega**3 conj(c) e]. */
+static double bend_rate_bound(const struct search *flight, double tau, double limit)
+{
+    const double omega = flight->omega, zeta = flight->zeta, a = length(flight->a);
+    const double moving = length(flight->w) * exp(-2.0 * zeta * tau);
+    const double centre = larger(centre_at(flight, tau), centre_at(flight, limit));
+    const double by_moving = 4.0 * zeta * zeta + 6.0 * zeta * omega + 3.0 * omega * omega;
+    return 6.0 * zeta * moving * moving + 4.0 * zeta * zeta * centre * moving
+           + a * (by_moving * moving + omega * omega * omega * centre);
+}
+
+/* The root of the rate between `low`, where it has the sign `rising`, and `high`, where it has the
+ * other: Newton's method in a bracket. */
+static double turn_between(const struct search *flight, double low, double high, double rising)
+{
+    double point = 0.5 * (low + high);
+    for (int i = 0; i < 80; i++) {
+        const struct turning here = turning_at(flight, point);
+        if (here.rate * rising > 0.0)
+            low = point;
+        else
+            high = point;
+        double new = here.bend != 0.0 ? point - here.rate / here.bend : low;
+        if (!(low < new && new < high))
+            new = 0.5 * (low + high);
+        if (fabs(new - point) <= ROUNDING * high || high - low <= ROUNDING * high)
+            return new;
+        point = new;
+    }
+    return point;
+}
+
+/* The steps are as far as a bound on the rate of change of the bend guarantees that the rate either
+ * keeps its sign or is monotonic: so no two extrema can hide between two steps, but for those whose
+ * whole swing is rounding. */
+double next_turn(struct motion_of_centre start, const struct rotor *rotor, double from,
+                 double limit, double *rising, const uint8_t *stop)
+{
+    const struct vector a = unbalance_whirl(rotor);
+    const struct search flight = {
+        start.z,      a,           drift_velocity(start.w, a, rotor->omega),
+        rotor->omega, rotor->zeta, rotor->delta0};
+    const double reach = length(start.z) + 2.0 * length(a);
+    double low = from, tau = from;
+    for (;;) {
+        const struct turning here = turning_at(&flight, tau);
+        const double moving = length(flight.w) * exp(-2.0 * rotor->zeta * tau);
+        const double noise = 8.0 * ROUNDING * (reach + length(flight.w) * tau)
+                             * (moving + rotor->omega * length(a));
+        if (fabs(here.rate) > noise) {
+            if (here.rate * *rising < 0.0 && tau > from)
+                return turn_between(&flight, low, tau, *rising);
+            if (*rising == 0.0 || tau > from)
+                *rising = here.rate > 0.0 ? 1.0 : -1.0;
+            low = tau;
+        }
+        if (tau >= limit || asked_to_stop(stop))
+            return NEVER;
+        const double bound = bend_rate_bound(&flight, tau, limit);
+        const double towards = here.rate > 0.0 ? here.bend : -here.bend;
+        const double clear = first_root_of_majorant(-fabs(here.rate), -towards, bound);
+        const double least = sqrt(2.0 * noise / bound) + ROUNDING * tau;
+        const double step = larger(larger(clear, fabs(here.bend) / bound), least);
+        const double next = tau + smaller(step, limit - tau);
+        if (!(next > tau))
+            return NEVER;
+        tau = next;
+    }
+}

@@ -69,4 +69,10 @@ void fly_differences(double *rows, int count, double tau, const struct rotor *ro
 double first_touch(struct motion_of_centre start, const struct rotor *rotor, double limit,
                    const uint8_t *stop);
 
+/* The first time after `from` at which the radius of a flight turns; infinite if it does not by
+ * `limit`, or asked to stop. `rising` is 1 or -1 where the radius rises or falls before it; 0 at
+ * the start of a flight. */
+double next_turn(struct motion_of_centre start, const struct rotor *rotor, double from,
+                 double limit, double *rising, const uint8_t *stop);
+
 #endif

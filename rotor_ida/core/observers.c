@@ -6,9 +6,9 @@
 
 /* Columns of the table of extrema. */
 enum { TIME, RADIUS, KIND, STATE };
-/* How closely flights and steps without clearance are looked at for extrema. */
-enum { LOOKS_A_REVOLUTION = 32, FEWEST_LOOKS = 8, LOOKS_A_STEP = 4, MOST_HALVINGS = 80 };
-static const double PI = 3.14159265358979323846;
+/* How closely steps without clearance, and of flights that are integrated, are looked at for
+ * extrema. */
+enum { LOOKS_A_STEP = 4, MOST_HALVINGS = 80 };
 
 double time_left(const struct run *run) { return run->duration - run->time; }
 
@@ -199,32 +199,16 @@ static struct turning turning_of(const struct rotor *rotor, double felt, const d
     return (struct turning){dot(z, w), dot(z_rate, w) + dot(z, w_rate)};
 }
 
-static struct turning turning_at(const struct run *run, const struct flight *flight, double time)
+static void find_extrema_of_flight(struct run *run, const struct flight *flight)
 {
-    double state[4];
-    write_state(state, fly(flight->start, time, &run->rotor));
-    return turning_of(&run->rotor, 0.0, state);
-}
-
-/* Where the radius turns between two moments of a flight: Newton's method in a bracket. */
-static double turn_between(const struct run *run, const struct flight *flight, double low,
-                           double high, double rising)
-{
-    double point = 0.5 * (low + high);
-    for (int i = 0; i < MOST_HALVINGS; i++) {
-        const struct turning here = turning_at(run, flight, point);
-        if (here.rate * rising > 0.0)
-            low = point;
-        else
-            high = point;
-        double new = here.bend != 0.0 ? point - here.rate / here.bend : low;
-        if (!(low < new && new < high))
-            new = 0.5 * (low + high);
-        if (fabs(new - point) <= ROUNDING * high || high - low <= ROUNDING * high)
-            return new;
-        point = new;
+    double time = 0.0, rising = 0.0;
+    while (has_room_for_extrema(run)) {
+        time = next_turn(flight->start, &run->rotor, time, flight->span, &rising, run->stop);
+        if (!(time < flight->span))
+            return;
+        record_extremum(run, run->time + time, (int)rising, fly(flight->start, time, &run->rotor));
+        rising = -rising;
     }
-    return point;
 }
 
 /* Whether a rate that has the same sign at both ends comes towards 0 between them and goes again:
@@ -233,55 +217,6 @@ static int comes_near(struct turning first, struct turning last)
 {
     return first.rate * last.rate > 0.0 && first.rate * first.bend < 0.0
            && last.rate * last.bend > 0.0;
-}
-
-/* Where the rate of a flight comes nearest to 0 between two moments: a root of the bend. */
-static double nearest_between(const struct run *run, const struct flight *flight, double low,
-                              double high, double bend)
-{
-    for (int i = 0; i < MOST_HALVINGS && high - low > ROUNDING * high; i++) {
-        const double middle = 0.5 * (low + high);
-        if (turning_at(run, flight, middle).bend * bend > 0.0)
-            low = middle;
-        else
-            high = middle;
-    }
-    return 0.5 * (low + high);
-}
-
-static void find_extremum_of_flight(struct run *run, const struct flight *flight, double low,
-                                    double high, double rising)
-{
-    if (!has_room_for_extrema(run))
-        return;
-    const double point = turn_between(run, flight, low, high, rising);
-    record_extremum(run, run->time + point, rising > 0.0 ? 1 : -1,
-                    fly(flight->start, point, &run->rotor));
-}
-
-static void find_extrema_of_flight(struct run *run, const struct flight *flight)
-{
-    const double turns = flight->span * run->rotor.omega / (2.0 * PI);
-    const double looks = larger(FEWEST_LOOKS, ceil(turns * LOOKS_A_REVOLUTION));
-    double low = 0.0;
-    struct turning before = turning_at(run, flight, low);
-    for (double look = 1.0; look <= looks && has_room_for_extrema(run); look += 1.0) {
-        if (asked_to_stop(run->stop))
-            return;
-        const double high = flight->span * look / looks;
-        const struct turning after = turning_at(run, flight, high);
-        if (before.rate * after.rate < 0.0)
-            find_extremum_of_flight(run, flight, low, high, before.rate);
-        if (comes_near(before, after)) {
-            const double middle = nearest_between(run, flight, low, high, before.bend);
-            if (turning_at(run, flight, middle).rate * before.rate < 0.0) {
-                find_extremum_of_flight(run, flight, low, middle, before.rate);
-                find_extremum_of_flight(run, flight, middle, high, -before.rate);
-            }
-        }
-        low = high;
-        before = after;
-    }
 }
 
 /* Of a contact. A step by Taylor series has one at most; one by CVODE is not looked at closer. */

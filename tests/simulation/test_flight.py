@@ -251,3 +251,66 @@ def test_rotation_is_that_of_the_model():
     turned = states.copy()
     runs.rotate(turned, times, 1.3)
     np.testing.assert_allclose(turned, rotated(states, 1.3 * times), rtol=0, atol=4e-15)
+
+
+def radial_rates(start, times, omega, zeta):
+    """``r r'`` of a flight, from the textbook form, without the whirl's own constant radius."""
+    a = unbalance_whirl(omega, zeta)
+    z0, w = complex(*start[:2]), complex(*start[2:]) - 1j * omega * a
+    drift = -np.expm1(-2.0 * zeta * times) / (2.0 * zeta) if zeta else times
+    centre, whirl = z0 - a + w * drift, a * np.exp(1j * omega * times)
+    moving = w * np.exp(-2.0 * zeta * times)
+    return ((centre + whirl).conj() * moving + centre.conj() * 1j * omega * whirl).real
+
+
+def extrema_of(start, omega, zeta, duration):
+    rotor = Rotor(omega=omega, zeta=zeta, delta0=1e3)
+    asked = runs.Asked(
+        rotor=rotor, start=start, duration=duration, rtol=1e-12, atol=1e-14, extrema=True
+    )
+    return runs.follow(asked).extrema
+
+
+def test_every_extremum_of_a_flight_is_found_and_none_invented():
+    """Each is a change of sign of r r', in the right sense; a fine search finds no other."""
+    rng = np.random.default_rng(0)
+    times = np.linspace(0.0, 40.0, 40_001)
+    found_in_all = 0
+    for _ in range(100):
+        omega = float(np.exp(rng.uniform(np.log(0.05), np.log(8.0))))
+        zeta = float(rng.choice([0.0, 1e-8, 0.07, 0.5, 3.0, 100.0]))
+        start = rng.normal(size=4) * 10.0 ** rng.uniform(-3.0, 0.5, 4)
+        found = extrema_of(start, omega, zeta, 40.0)
+        rates = radial_rates(start, times, omega, zeta)
+        for time, _radius, kind, *_ in found:
+            apart = 1e-6 * np.array([-1.0, 1.0])
+            before, after = radial_rates(start, time + apart, omega, zeta)
+            assert kind * before > 0.0 > kind * after
+        assert (np.diff(found[:, 2]) != 0.0).all()
+        assert (rates[:-1] * rates[1:] < 0.0).sum() <= len(found)
+        found_in_all += len(found)
+    assert found_in_all > 1000
+
+
+@pytest.mark.parametrize("apart", [1e-2, 1e-4, 1e-6])
+def test_two_extrema_that_nearly_meet_are_both_found(apart):
+    """Without damping z' = v + omega**2 (t + i omega t**2/2 + ...), and again a revolution later.
+
+    With v = -i omega**3 apart**2/4 and z = i y there, ``r r' = y (Im v + omega**3 t**2/2 + ...)``: a
+    maximum and a minimum at about ``t = -+apart/sqrt(2)``.
+    """
+    omega, revolution = 2.0, np.pi
+    start = (0.0, 1.0, 0.0, -0.25 * omega**3 * apart**2)
+    found = extrema_of(start, omega, 0.0, 1.5 * revolution)
+    close = np.diff(found[:, 0]) < 3.0 * apart
+    assert close.any(), found[:, 0]
+    for time, _radius, kind, *_ in found:
+        before, after = radial_rates(start, time + 1e-2 * apart * np.array([-1.0, 1.0]), omega, 0.0)
+        assert kind * before > 0.0 > kind * after
+
+
+def test_a_whirl_about_the_axis_has_no_extrema():
+    a = unbalance_whirl(1.7, 0.07)
+    assert not len(extrema_of(row(a, 1.7j * a), 1.7, 0.07, 200.0))
+    near = extrema_of(row(a + 1e-9, 1.7j * a), 1.7, 0.07, 200.0)
+    assert len(near) == pytest.approx(200.0 * 1.7 / np.pi, abs=1.0)
