@@ -19,7 +19,8 @@ from rotor_ida.parallel import Stop
 from rotor_ida.parameters import Rotor
 from rotor_ida.schema import RESPONSE, TRAPPING
 from rotor_ida.steady_state import response
-from rotor_ida.storage.studies.arrays import packed, unpacked
+from rotor_ida.storage.studies.arrays import Arrays
+from rotor_ida.storage.studies.results import Form
 
 # Numbers of an attractor as they are kept.
 NUMBERS = (
@@ -29,7 +30,7 @@ NUMBERS = (
 QUANTILES = (0.5, 0.95)
 NEVER = np.full(2, np.nan)
 RESILIENCE = tuple(each.name for each in fields(Resilience))
-_WORDS = {number: word for word, number in RESPONSE.items()}
+_KIND = {number: word for word, number in RESPONSE.items()}
 _TRAPPING = {number: word for word, number in TRAPPING.items()}
 
 
@@ -149,52 +150,43 @@ def _cycle_of(found: FollowedStarts, attractor: Attractor) -> Cycle | None:
     return next((each for each in found.cycles if each.period == attractor.period), None)
 
 
-def cell_as_bytes(cell: Cell) -> bytes:
-    """Return a cell as bytes that `cell_from_bytes` reads."""
-    rows = [each.attractor for each in cell.members]
+def _as_arrays(cell: Cell) -> Arrays:
+    members = cell.members
+    attractors = [each.attractor for each in members]
     arrays = {
         "rotor": np.array([cell.rotor.omega, cell.rotor.zeta, cell.rotor.delta0]),
         "left": np.array([cell.undecided, cell.not_computed]),
-        "kind": np.array([RESPONSE[row.kind] for row in rows], dtype=np.int8),
-        "trapping": np.array([TRAPPING[row.trapping] for row in rows], dtype=np.int8),
-        "numbers": np.array([[getattr(row, name) for name in NUMBERS] for row in rows]),
-        "count": np.array([each.count for each in cell.members], dtype=np.int64),
-        "settling": np.array([each.settling for each in cell.members]),
-        "state": np.array([each.state for each in cell.members]),
+        "kind": np.array([RESPONSE[each.kind] for each in attractors], dtype=np.int8),
+        "trapping": np.array([TRAPPING[each.trapping] for each in attractors], dtype=np.int8),
+        "numbers": np.array([[getattr(each, name) for name in NUMBERS] for each in attractors]),
+        "count": np.array([each.count for each in members], dtype=np.int64),
+        "settling": np.array([each.settling for each in members]),
+        "state": np.array([each.state for each in members]),
         "entropies": np.array(cell.entropies),
         "largest_shocks": np.array(cell.largest_shocks),
     }
-    told = [each.resilience for each in cell.members if each.resilience is not None]
+    told = [each.resilience for each in members if each.resilience is not None]
     if told:
         arrays |= {name: np.array([getattr(each, name) for each in told]) for name in RESILIENCE}
-    return packed(arrays)
+    return arrays
 
 
-def cell_from_bytes(content: bytes) -> Cell:
-    """Return the cell that `cell_as_bytes` was given.
-
-    Raises
-    ------
-    ValueError
-        If it cannot have written it.
-    """
-    arrays = unpacked(content)
-    try:
-        omega, zeta, delta0 = arrays["rotor"].tolist()
-        cell = Cell(Rotor(omega=omega, zeta=zeta, delta0=delta0))
-        cell.undecided, cell.not_computed = arrays["left"].tolist()
-        cell.entropies = tuple(arrays["entropies"].tolist())
-        cell.largest_shocks = tuple(arrays["largest_shocks"].tolist())
-        for number, kind in enumerate(arrays["kind"].tolist()):
-            numbers = dict(zip(NUMBERS, arrays["numbers"][number].tolist(), strict=True))
-            trapping = _TRAPPING[int(arrays["trapping"][number])]
-            attractor = Attractor(_WORDS[kind], trapping=trapping, **numbers)
-            count, settling = int(arrays["count"][number]), arrays["settling"][number]
-            member = Member(attractor, count, settling, arrays["state"][number])
-            if RESILIENCE[0] in arrays:
-                told = [arrays[name][number] for name in RESILIENCE]
-                member.resilience = Resilience(*told)
-            cell.members.append(member)
-    except (KeyError, TypeError, IndexError) as error:
-        raise ValueError(f"it holds no cell of an atlas: {error}") from error
+def _from_arrays(arrays: Arrays) -> Cell:
+    omega, zeta, delta0 = arrays["rotor"].tolist()
+    cell = Cell(Rotor(omega=omega, zeta=zeta, delta0=delta0))
+    cell.undecided, cell.not_computed = arrays["left"].tolist()
+    cell.entropies = tuple(arrays["entropies"].tolist())
+    cell.largest_shocks = tuple(arrays["largest_shocks"].tolist())
+    for place, (kind, trapping, count) in enumerate(
+        zip(*(arrays[name].tolist() for name in ("kind", "trapping", "count")), strict=True)
+    ):
+        numbers = dict(zip(NUMBERS, arrays["numbers"][place].tolist(), strict=True))
+        attractor = Attractor(_KIND[kind], trapping=_TRAPPING[trapping], **numbers)
+        member = Member(attractor, count, arrays["settling"][place], arrays["state"][place])
+        if RESILIENCE[0] in arrays:
+            member.resilience = Resilience(*(arrays[name][place] for name in RESILIENCE))
+        cell.members.append(member)
     return cell
+
+
+FORM = Form("cell of an atlas", _as_arrays, _from_arrays)

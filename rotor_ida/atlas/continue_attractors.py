@@ -12,7 +12,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.atlas.cells import Cell, CellJob, cell_as_bytes, cell_from_bytes, fill_cell
+from rotor_ida.atlas.cells import FORM, Cell, CellJob, fill_cell
 from rotor_ida.atlas.dataset import atlas_dataset
 from rotor_ida.atlas.identities import identify
 from rotor_ida.basins.following import RTOL
@@ -36,9 +36,8 @@ from rotor_ida.parallel import FailedJob, Progress, choose, interruptible, run_a
 from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.provenance import computing
 from rotor_ida.simulation.options import LARGEST
-from rotor_ida.storage.studies.results import Form, Results, open_results
+from rotor_ida.storage.studies.results import Results, open_results
 
-FORM = Form(cell_as_bytes, cell_from_bytes)
 # Of one rotor, so that its labels fit into memory many times.
 MOST_STARTS = 1_000_000
 MOST_AXES = 2

@@ -1,14 +1,15 @@
-"""Results of the starts that were followed, batch by batch, as bytes and back."""
+"""Results of the starts that were followed, batch by batch."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Values
-from rotor_ida.storage.studies.arrays import packed, unpacked
+from rotor_ida.storage.studies.arrays import Arrays
+from rotor_ida.storage.studies.results import Form
 
 # What is kept of a limit cycle: state, period, and 1 where a section of it holds starts.
 CYCLE = 6
@@ -49,31 +50,12 @@ class BatchResult:
     tolerance: Values
 
 
-def batch_as_bytes(batch: BatchResult) -> bytes:
-    """Return a batch as bytes that `batch_from_bytes` reads."""
-    arrays = {
-        "first": np.array(batch.first),
-        "labels": batch.labels,
-        "times": batch.times,
-        "cycles": batch.cycles,
-        "chaos": batch.chaos,
-        "watched": batch.watched,
-        "tolerance": batch.tolerance,
-    }
-    return packed(arrays)
+def _as_arrays(batch: BatchResult) -> Arrays:
+    return {each.name: np.asarray(getattr(batch, each.name)) for each in fields(batch)}
 
 
-def batch_from_bytes(content: bytes) -> BatchResult:
-    """Return the batch that `batch_as_bytes` was given.
+def _from_arrays(arrays: Arrays) -> BatchResult:
+    return BatchResult(int(arrays.pop("first")), **arrays)
 
-    Raises
-    ------
-    ValueError
-        If it cannot have written it.
-    """
-    arrays = unpacked(content)
-    try:
-        first = int(arrays.pop("first"))
-        return BatchResult(first, **arrays)
-    except (KeyError, TypeError) as error:
-        raise ValueError(f"it holds no batch of starts: {error}") from error
+
+FORM = Form("batch of starts", _as_arrays, _from_arrays)

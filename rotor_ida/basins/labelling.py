@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.basins.attractors import Attractor, attractors_of, confirmed, witnesses
-from rotor_ida.basins.batches import batch_as_bytes, batch_from_bytes
+from rotor_ida.basins.batches import FORM
 from rotor_ida.basins.following import Starts, follow_starts
 from rotor_ida.basins.known import known_from_closed_forms
 from rotor_ida.checks import MOST_POINTS_OF_STUDY, check_between, check_instance, check_progress
@@ -20,9 +20,8 @@ from rotor_ida.parallel import Progress, choose, interruptible
 from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.provenance import computing
 from rotor_ida.simulation.options import Options, check_can_be_followed
-from rotor_ida.storage.studies.results import Form, open_results
+from rotor_ida.storage.studies.results import open_results
 
-FORM = Form(batch_as_bytes, batch_from_bytes)
 TIGHTEST, LOOSEST = 1e-12, 1e-4
 # Stiffer rotors take the explicit method too many steps.
 MOST_DAMPING = 20.0

@@ -39,7 +39,7 @@ from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.provenance import computing, provenance
 from rotor_ida.schema import SPECIAL, labelled, labelled_dataset
 from rotor_ida.stability.orbit import Shot
-from rotor_ida.storage.studies.arrays import Arrays, packed, unpacked
+from rotor_ida.storage.studies.arrays import Arrays
 from rotor_ida.storage.studies.results import Form, Results, open_results
 
 Parameter = Literal["omega", "zeta", "delta0"]
@@ -48,7 +48,14 @@ Direction = Literal["both", "forward", "backward"]
 WAYS: dict[str, tuple[int, ...]] = {"both": (0, 1), "forward": (0,), "backward": (1,)}
 # Points between two pieces that a study keeps.
 PIECE = 50
-FORM = Form(packed, unpacked)
+# What is kept of these points, as arrays.
+KEPT = (
+    *("unknowns", "tangents", "special_place", "special_kind", "special_unknowns"),
+    *("special_tangents", "length", "end"),
+)
+FORM: Form[Arrays] = Form(
+    "stretch of a branch", dict, lambda arrays: {name: arrays[name] for name in KEPT}
+)
 
 
 def continue_cycle(
@@ -273,18 +280,9 @@ def _point(course: Course, unknowns: Values, tangent: Values, before: Point[Shot
 def branch_dataset(
     sides: tuple[Side, Side], parameters: tuple[str, ...], rotor: Rotor, title: str
 ) -> xr.Dataset:
-    """Return both sides of a curve of cycles, from the end of the one to the end of the other.
+    """Return both sides, forward and backward, of a curve of cycles, from end to end.
 
-    Parameters
-    ----------
-    sides : tuple of Side
-        What was found forward and backward from the first point.
-    parameters : tuple of str
-        The parameters that vary, in their order among the unknowns.
-    rotor : Rotor
-        The rotor, for those that do not.
-    title : str
-        What it is.
+    `parameters` vary, in their order among the unknowns; the others are those of `rotor`.
     """
     forward, backward = sides
     before = len(backward.points) - 1

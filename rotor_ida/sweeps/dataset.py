@@ -1,6 +1,6 @@
 """The dataset of a sweep: one response for each speed, damping, clearance, start and direction.
 
-The points come in pieces, as rows, in memory or as bytes from a study.
+The points come in pieces, as rows, from memory or a study.
 """
 
 from __future__ import annotations
@@ -19,7 +19,8 @@ from rotor_ida.provenance import provenance
 from rotor_ida.schema import RESPONSE, STATUS, Column, labelled, labelled_dataset
 from rotor_ida.steady_state.follow import FAILED, SettledResponse
 from rotor_ida.steady_state.response import Features
-from rotor_ida.storage.studies.arrays import packed, scratch, unpacked
+from rotor_ida.storage.studies.arrays import Arrays, scratch
+from rotor_ida.storage.studies.results import Form
 from rotor_ida.sweeps.ramps import Ramps
 
 Array = npt.NDArray[np.generic]
@@ -51,17 +52,12 @@ _TABLES = {"points": POINT_COLUMNS, "events": EVENT_COLUMNS}
 class Rows:
     """Some points of a sweep.
 
-    Parameters
-    ----------
-    columns : dict of str to ndarray
-        `POINT_COLUMNS` of shape (points,), and `EVENT_COLUMNS` of shape (events,), the events of
-        one point after those of the other.
-    messages : list of str
-        Why each point failed; empty if it did not.
+    `POINT_COLUMNS` have shape (points,), and `EVENT_COLUMNS` shape (events,), the events of one
+    point after those of the other.
     """
 
     columns: dict[str, Array]
-    messages: list[str]
+    messages: list[str]  # why each point failed; empty if it did not
 
 
 Pieces = Callable[[], Iterator[tuple[npt.NDArray[np.int64], Rows]]]
@@ -70,15 +66,8 @@ Pieces = Callable[[], Iterator[tuple[npt.NDArray[np.int64], Rows]]]
 def sweep_dataset(ramps: Ramps, pieces: Pieces, folder: Path | None = None) -> xr.Dataset:
     """Return the points of a sweep as a labelled dataset.
 
-    Parameters
-    ----------
-    ramps : Ramps
-        The parameters, starts and directions, and how they were simulated.
-    pieces : callable
-        Yields, each time it is called, all points in pieces: their places, counted along `DIMS`,
-        and their rows.
-    folder : Path, optional
-        Where columns go that may be larger than memory.
+    `pieces` yields, each time it is called, all points in pieces: their places, counted along
+    `DIMS`, and their rows. Columns that may be larger than memory go to `folder`.
     """
     starts = ramps.starts
     coordinates: dict[str, Column] = {name: (name, ramps.axes[name]) for name in PARAMETERS}
@@ -151,31 +140,19 @@ def rows_of(points: Sequence[SettledResponse]) -> Rows:
     return Rows(arrays, [point.message for point in points])
 
 
-def rows_as_bytes(rows: Rows) -> bytes:
-    """Return rows as bytes that `rows_from_bytes` reads."""
+def _as_arrays(rows: Rows) -> Arrays:
     # each array has a header, which a table of columns has only once
-    tables: dict[str, Array] = {"messages": np.array(rows.messages, dtype=str)}
+    tables: Arrays = {"messages": np.array(rows.messages, dtype=str)}
     for name, columns in _TABLES.items():
-        table = np.empty(rows.columns[next(iter(columns))].size, dtype=list(columns.items()))
+        tables[name] = np.empty(rows.columns[next(iter(columns))].size, dtype=list(columns.items()))
         for column in columns:
-            table[column] = rows.columns[column]
-        tables[name] = table
-    return packed(tables)
+            tables[name][column] = rows.columns[column]
+    return tables
 
 
-def rows_from_bytes(content: bytes) -> Rows:
-    """Return the rows that `rows_as_bytes` was given.
+def _from_arrays(tables: Arrays) -> Rows:
+    columns = {column: tables[name][column] for name, names in _TABLES.items() for column in names}
+    return Rows(columns, tables["messages"].tolist())
 
-    Raises
-    ------
-    ValueError
-        If it cannot have written them.
-    """
-    tables = unpacked(content)
-    try:
-        columns = {
-            column: tables[name][column] for name, names in _TABLES.items() for column in names
-        }
-        return Rows(columns, tables["messages"].tolist())
-    except (KeyError, IndexError, ValueError) as error:
-        raise ValueError(f"it holds no points of a sweep: {error}") from error
+
+FORM = Form("points of a sweep", _as_arrays, _from_arrays)

@@ -27,8 +27,8 @@ from rotor_ida.parameters import Rotor
 from rotor_ida.provenance import computing
 from rotor_ida.simulation.options import Backend, Flight, Method, Options, check_can_be_followed
 from rotor_ida.steady_state.follow import FAILED, failed
-from rotor_ida.storage.studies.results import Form, Results, open_results
-from rotor_ida.sweeps.dataset import Rows, rows_as_bytes, rows_from_bytes, rows_of, sweep_dataset
+from rotor_ida.storage.studies.results import Results, open_results
+from rotor_ida.sweeps.dataset import FORM, Rows, rows_of, sweep_dataset
 from rotor_ida.sweeps.ramps import Places, Ramps, follow
 
 Direction = Literal["up", "down", "both"]
@@ -42,7 +42,6 @@ DIRECTIONS: dict[str | None, tuple[int, ...]] = {
 REST: State = (0.0, 0.0, 0.0, 0.0)
 # Failures of the surroundings, not of the point: another attempt may succeed.
 PASSING = ("MemoryError", "OSError")
-FORM = Form(rows_as_bytes, rows_from_bytes)
 
 
 def sweep(

@@ -11,6 +11,7 @@ from operator import itemgetter
 from typing import Any, Generic, TypeVar
 
 from rotor_ida.errors import ArchiveError
+from rotor_ida.storage.studies.arrays import Arrays, packed, unpacked
 from rotor_ida.storage.studies.database import FILE
 from rotor_ida.storage.studies.store import Piece, Study, opened
 
@@ -19,30 +20,42 @@ Result = TypeVar("Result")
 
 @dataclass(frozen=True, slots=True)
 class Form(Generic[Result]):
-    """How results become bytes and come back; `unpack` raises `ValueError` for other bytes."""
+    """What a result is called, and how it becomes arrays and comes back.
 
-    pack: Callable[[Result], bytes]
-    unpack: Callable[[bytes], Result]
+    Examples
+    --------
+    >>> import numpy as np
+    >>> form = Form("time", lambda time: {"t": np.array(time)}, lambda arrays: float(arrays["t"]))
+    >>> form.unpack(form.pack(0.1))
+    0.1
+    >>> form.unpack(packed({}))
+    Traceback (most recent call last):
+    ...
+    ValueError: it holds no time: 't'
+    """
+
+    word: str
+    as_arrays: Callable[[Result], Arrays]
+    from_arrays: Callable[[Arrays], Result]
+
+    def pack(self, result: Result) -> bytes:
+        """Return a result as bytes that `unpack` reads."""
+        return packed(self.as_arrays(result))
+
+    def unpack(self, content: bytes) -> Result:
+        """Return the result that `pack` was given; `ValueError` if it cannot have written it."""
+        arrays = unpacked(content)
+        try:
+            return self.from_arrays(arrays)
+        except (KeyError, TypeError, IndexError, ValueError) as error:
+            raise ValueError(f"it holds no {self.word}: {error}") from error
 
 
 class Results(Generic[Result]):
-    """The results of jobs, by number.
+    """The results of jobs, by number: in a study, or by default in memory.
 
-    Parameters
-    ----------
-    study : Study, optional
-        Where they are kept; by default in memory.
-    form : Form, optional
-        How they become bytes there.
-
-    Attributes
-    ----------
-    folder : Path or None
-        Where what is larger than memory can go; None where there is no such place.
-    done : set of int
-        Numbers of the jobs that need not be done any more.
-    points_done : int
-        Number of points of these.
+    What is larger than memory can go to `folder`, if there is one. The jobs in `done` need not be
+    done any more; `points_done` is the number of their points.
     """
 
     def __init__(self, study: Study | None = None, form: Form[Result] | None = None) -> None:
