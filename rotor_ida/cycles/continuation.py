@@ -24,7 +24,6 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from itertools import pairwise
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
@@ -32,6 +31,7 @@ from scipy.linalg.lapack import dgesv
 from scipy.optimize import brentq
 
 from rotor_ida.arrays import Values
+from rotor_ida.cycles.special_points import FINEST, Count, Special, Way, specials_on
 from rotor_ida.errors import SimulationError
 
 # Steps of Newton's method, and those before each must be smaller than the last.
@@ -51,12 +51,6 @@ MOST_CORRECTION = 0.25
 KEPT_COSINE = 0.95
 # Points before the last one that the next is predicted from.
 EARLIER = 2
-# Special points are located to so small a part of the scales.
-FINEST = 1e-14
-FIRST_HALVINGS, HALVINGS = 5, 50
-# Where a count is about to change, within this part of the size of the state, the middle of a step
-# is looked at too: it may change twice.
-ABOUT = 2e-2
 MOST_SECANTS = 30
 
 
@@ -115,17 +109,6 @@ class Point(Generic[S]):
 
 
 @dataclass(frozen=True, slots=True)
-class Count(Generic[S]):
-    """A whole number of an orbit, and a function that is 0, and changes sign, where it changes.
-
-    The function need do so only close by.
-    """
-
-    number: Callable[[S], int]
-    sign: Callable[[S], float]
-
-
-@dataclass(frozen=True, slots=True)
 class Problem(Generic[S]):
     """A curve of closed orbits, by its equations.
 
@@ -149,14 +132,6 @@ class Problem(Generic[S]):
     check: Callable[[S], object]
     tests: Mapping[str, Callable[[Point[S], Point[S]], float]] = field(default_factory=dict)
     counts: Mapping[str, Count[S]] = field(default_factory=dict)
-
-
-@dataclass(frozen=True, slots=True)
-class Special(Generic[S]):
-    """A special point of a curve: its name, and the point."""
-
-    name: str
-    point: Point[S]
 
 
 @dataclass(frozen=True, slots=True)
@@ -262,7 +237,7 @@ class Curve(Generic[S]):
                 cosine = float(point.tangent @ last.tangent)
                 moved = _size((point.unknowns - guess) / self.scale)
                 if cosine >= LEAST_COSINE and moved <= MOST_CORRECTION * length:
-                    met = self._met(_Way(self, last, (point, *earlier), {0.0: last, length: point}))
+                    met = self._met(last, (point, *earlier), length)
                     break
                 reason = "the curve bends too much"
             except SimulationError as error:
@@ -416,119 +391,22 @@ class Curve(Generic[S]):
         bordered[-1], right[:-1] = plane, miss
         return right, bordered
 
-    def _met(self, way: _Way[S]) -> list[Special[S]]:
+    def _met(self, last: Point[S], others: tuple[Point[S], ...], length: float) -> list[Special[S]]:
         """Return the special points of a step, in their order."""
-        found: list[tuple[float, Special[S]]] = []
-        last, point = way.last, way.others[0]
-        for name, test in self.problem.tests.items():
-            # a 0 counts as positive, so that one at the very beginning of a curve is met once
-            if (test(last, last) < 0.0) != (test(point, last) < 0.0):
-                found.append(_zero(way, (0.0, way.length), name, partial(_by, test, last)))
-        for name, count in self.problem.counts.items():
-            found += _changes(way, name, count)
-        found.sort(key=lambda each: each[0])
-        return [special for _, special in found]
-
-
-@dataclass(frozen=True, slots=True)
-class _Way(Generic[S]):
-    """A step in which special points are sought.
-
-    Parameters
-    ----------
-    curve : Curve
-        Its curve.
-    last : Point
-        Where it begins.
-    others : tuple of Point
-        Where it ends, and points before it.
-    points : dict of float to Point
-        The points known on it, by their length along the tangent, both ends first.
-    """
-
-    curve: Curve[S]
-    last: Point[S]
-    others: tuple[Point[S], ...]
-    points: dict[float, Point[S]]
-
-    @property
-    def length(self) -> float:
-        """Its length."""
-        return list(self.points)[1]
-
-    def at(self, part: float) -> Point[S]:
-        """Return the point a length along the tangent."""
-        if part not in self.points:
-            # what is nearer to the beginning than to the place tells nothing of it
-            near = [each for each in self.points if abs(each - part) <= each]
-            nearest = min(near, key=lambda each: abs(each - part))
-            self.points[part] = self.curve._at(self.last, (self.points[nearest],), part)
-        return self.points[part]
-
-    def about(self, part: float) -> S:
-        """Return an orbit close to that point, which need not close: it costs a third."""
-        return self.curve.problem.shoot(self.curve._guess(self.last, self.others, part))
-
-
-def _zero(
-    way: _Way[S], between: tuple[float, float], name: str, test: Callable[[Point[S]], float]
-) -> tuple[float, Special[S]]:
-    """Return where a test function is 0 on a step, and the special point there."""
-    low, high = between
-    try:
-        place = float(brentq(lambda part: test(way.at(part)), low, high, xtol=FINEST, rtol=FINEST))
-    except (ValueError, RuntimeError):  # no change of sign when followed again
-        raise SimulationError(f"a {name} could not be located") from None
-    return place, Special(name, way.at(place))
-
-
-def _changes(way: _Way[S], name: str, count: Count[S]) -> list[tuple[float, Special[S]]]:
-    """Return where a count changes on a step, and the special points there."""
-    ends = (way.last.stretch, way.others[0].stretch)
-    places = [(0.0, ends[0]), (way.length, ends[1])]
-    nearest = min(abs(count.sign(each)) for each in ends)
-    if nearest < ABOUT * _size(ends[0].start):
-        middle = 0.5 * way.length
-        about = count.number(way.about(middle))
-        if any(about != count.number(end) for end in ends):
-            places.insert(1, (middle, way.at(middle).stretch))
-    found: list[tuple[float, Special[S]]] = []
-    for below, above in pairwise(places):
-        found += _changes_between(way, (below, above), name, count)
-    return found
-
-
-def _changes_between(
-    way: _Way[S], between: tuple[tuple[float, S], tuple[float, S]], name: str, count: Count[S]
-) -> list[tuple[float, Special[S]]]:
-    """Return where a count changes between two places of a step, with their orbits."""
-    found: list[tuple[float, Special[S]]] = []
-    (low, below), (length, last_orbit) = between
-    while count.number(below) != count.number(last_orbit):
-        high, above = length, last_orbit
-        for halving in range(HALVINGS):
-            if halving >= FIRST_HALVINGS and count.sign(below) * count.sign(above) < 0.0:
-                sign = partial(_of_stretch, count.sign)
-                found.append(_zero(way, (low, high), name, sign))
-                break
-            middle = 0.5 * (low + high)
-            here = way.at(middle).stretch
-            if count.number(here) == count.number(below):
-                low, below = middle, here
-            else:
-                high, above = middle, here
-        else:
-            found.append((high, Special(name, way.at(high))))
-        low, below = high, above
-    return found
+        behind = [float(self._beside(last, each)[0] @ last.tangent) for each in others[1:]]
+        known = [(0.0, last), (length, others[0]), *zip(behind, others[1:], strict=True)]
+        way = Way(
+            dict(known),
+            length,
+            lambda part, near: self._at(last, (near,), part),
+            lambda part: self.problem.shoot(self._guess(last, others, part)),
+        )
+        tests = {name: partial(_by, test, last) for name, test in self.problem.tests.items()}
+        return specials_on(way, tests, self.problem.counts)
 
 
 def _by(test: Callable[[Point[S], Point[S]], float], last: Point[S], point: Point[S]) -> float:
     return test(point, last)
-
-
-def _of_stretch(function: Callable[[S], float], point: Point[S]) -> float:
-    return function(point.stretch)
 
 
 def _solved(matrix: Values, right: Values) -> Values:

@@ -1,0 +1,281 @@
+"""Special points on one step along a curve: where a test function is 0, or a count changes.
+
+Two zeros of a test function may lie within one step, where it turns on the way. So its values at
+both ends are joined by a polynomial with those at points before, and at others on the way. Where
+that turns so near to 0 that the function might reach it, the curve is followed to that very place,
+and the polynomial is drawn through it too; by how much it was wrong there tells how near is near.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from itertools import pairwise
+from typing import TYPE_CHECKING, Generic, TypeVar
+
+import numpy as np
+from scipy.optimize import brentq
+
+from rotor_ida.errors import SimulationError
+
+if TYPE_CHECKING:
+    from rotor_ida.cycles.continuation import Point, Stretch
+
+S = TypeVar("S", bound="Stretch")
+Nodes = list[tuple[float, float]]
+
+# Special points are located to so small a part of the scales.
+FINEST = 1e-14
+# A count that changes is halved down to where its own function changes sign, at least so often;
+FIRST_HALVINGS = 5
+# and where that never does, down to rounding.
+HALVINGS = 50
+# Where a count is about to change, within this part of the size of the state, the middle of a step
+# is looked at too: it may change twice.
+ABOUT = 2e-2
+# A test function is looked at where it seems to turn, if it comes to 0 there within this part of
+# what it changes by: the first polynomial, through few points, may be as wrong as that.
+UNSURE = 0.5
+# After a look: within so many times what the polynomial was wrong by.
+CAREFUL = 10.0
+# A polynomial goes through so many points at most, those nearest; through more it swings.
+MOST_NODES = 6
+# A turn is known to rounding after a few looks; two turns within a step take twice as many.
+MOST_LOOKS = 16
+# A look this near to a known point, in parts of the step, tells nothing new.
+KNOWN = 1e-6
+# A turn may lie as far outside the step, in parts of it, by the parabola through three points.
+OUTSIDE = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Count(Generic[S]):
+    """A whole number of an orbit, and a function that is 0, and changes sign, where it changes.
+
+    The function need do so only close by.
+    """
+
+    number: Callable[[S], int]
+    sign: Callable[[S], float]
+
+
+@dataclass(frozen=True, slots=True)
+class Special(Generic[S]):
+    """A special point of a curve: its name, and the point."""
+
+    name: str
+    point: Point[S]
+
+
+@dataclass(frozen=True, slots=True)
+class Way(Generic[S]):
+    """A step in which special points are sought.
+
+    Parameters
+    ----------
+    points : dict of float to Point
+        The points known about it, by their length along the tangent: at 0, where it begins, at its
+        own length, and at those of points before.
+    length : float
+        Its length.
+    close : callable
+        Returns the point at a length, predicted from one nearby.
+    about : callable
+        Returns an orbit close to the point at a length, which need not close: it costs a third.
+    """
+
+    points: dict[float, Point[S]]
+    length: float
+    close: Callable[[float, Point[S]], Point[S]]
+    about: Callable[[float], S]
+
+    def at(self, part: float) -> Point[S]:
+        """Return the point a length along the tangent."""
+        if part not in self.points:
+            # what is nearer to the beginning than to the place tells nothing of it
+            near = [each for each in self.points if abs(each - part) <= each]
+            nearest = min(near, key=lambda each: abs(each - part))
+            self.points[part] = self.close(part, self.points[nearest])
+        return self.points[part]
+
+
+def specials_on(
+    way: Way[S],
+    tests: Mapping[str, Callable[[Point[S]], float]],
+    counts: Mapping[str, Count[S]],
+) -> list[Special[S]]:
+    """Return the special points of a step, in their order.
+
+    The tests are functions of a point, each 0 at a special point of its name.
+    """
+    found: list[tuple[float, Special[S]]] = []
+    for name, count in counts.items():
+        found += _changes(way, name, count)
+    kinks = [place for place, _ in found]  # a test function has a corner there
+    for name, test in tests.items():
+        found += [_zero(way, between, name, test) for between in _sign_changes(way, test, kinks)]
+    found.sort(key=lambda each: each[0])
+    return [special for _, special in found]
+
+
+# ---- Zeros of a test function ----
+
+
+def _sign_changes(
+    way: Way[S], test: Callable[[Point[S]], float], kinks: list[float]
+) -> list[tuple[float, float]]:
+    """Return pairs of places on a step between which a test function changes its sign once."""
+    values = {place: test(way.at(place)) for place in (0.0, way.length, *kinks)}
+    nodes = {place: test(point) for place, point in way.points.items() if place < 0.0} | values
+    if not nodes.keys() - values.keys() and not _is_clear(nodes):
+        nodes[0.5 * way.length] = test(way.at(0.5 * way.length))
+    if _may_turn_near_zero(nodes, way.length):
+        _look_at_turns(way, test, nodes)
+    inside = sorted(place for place in nodes if place >= 0.0)
+    return [
+        (low, high)
+        for low, high in pairwise(inside)
+        # a 0 counts as positive, so that one at the very beginning of a curve is met once
+        if (nodes[low] < 0.0) != (nodes[high] < 0.0)
+    ]
+
+
+def _is_clear(nodes: Mapping[float, float]) -> bool:
+    """Return whether what a function changes by on a step is little beside its value."""
+    least = min(map(abs, nodes.values()))
+    return least > max(nodes.values()) - min(nodes.values())
+
+
+def _may_turn_near_zero(nodes: Mapping[float, float], length: float) -> bool:
+    """Return whether more zeros may hide than the ends of a step tell, by a parabola."""
+    if any(value * nodes[0.0] < 0.0 for value in nodes.values()) or len(nodes) > 4:
+        return True
+    if len(nodes) < 3:  # at the beginning, and clear of 0
+        return False
+    third = max(place for place in nodes if place not in {0.0, length})
+    (a, fa), (b, fb), (c, fc) = sorted((place, nodes[place]) for place in (third, 0.0, length))
+    first, second = (fb - fa) / (b - a), (fc - fb) / (c - b)
+    bend = (second - first) / (c - a)
+    if bend == 0.0:
+        return False
+    turn = 0.5 * (a + b) - 0.5 * first / bend
+    value = fa + (turn - a) * (first + (turn - b) * bend)
+    side = math.copysign(1.0, nodes[0.0])
+    near = side * value <= UNSURE * (max(fa, fb, fc) - min(fa, fb, fc))
+    return near and -OUTSIDE * length <= turn <= (1.0 + OUTSIDE) * length
+
+
+def _look_at_turns(
+    way: Way[S], test: Callable[[Point[S]], float], nodes: dict[float, float]
+) -> None:
+    """Add the values of a test function where it turns near 0 on a step."""
+    unsure = UNSURE * (max(nodes.values()) - min(nodes.values()))
+    for _ in range(MOST_LOOKS):
+        turn = _turn_near_zero(nodes, unsure, KNOWN * way.length)
+        if turn is None:
+            return
+        place, expected = turn
+        nodes[place] = test(way.at(place))
+        unsure = CAREFUL * abs(nodes[place] - expected)
+
+
+def _turn_near_zero(
+    nodes: Mapping[float, float], unsure: float, known: float
+) -> tuple[float, float] | None:
+    """Return where a test function may come to 0 and turn, and its value there; None if nowhere.
+
+    That is within `unsure` of 0, and not as near as `known` to a place that is known.
+    """
+    inside = sorted(place for place in nodes if place >= 0.0)
+    for low, high in pairwise(inside):
+        side = math.copysign(1.0, nodes[low])
+        turns = _turns_between(nodes, low, high)
+        if nodes[low] * nodes[high] < 0.0 and len(turns) < 2:
+            continue  # it passes 0 once
+        for place, value in turns:
+            bends_back = side * value < min(side * nodes[low], side * nodes[high])
+            if nodes[low] * nodes[high] < 0.0:
+                bends_back = True
+            if not bends_back or side * value > unsure:
+                continue
+            if min(abs(place - each) for each in inside) > known:
+                return place, value
+    return None
+
+
+def _turns_between(
+    nodes: Mapping[float, float], low: float, high: float
+) -> list[tuple[float, float]]:
+    """Return where the polynomial through the nearest nodes turns between two of them."""
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    nearest = sorted(nodes, key=lambda place: abs(place - middle))[:MOST_NODES]
+    places = (np.array(nearest) - middle) / half
+    powers = np.vander(places, increasing=True)
+    polynomial = np.polynomial.Polynomial(
+        np.linalg.solve(powers, np.array([nodes[each] for each in nearest]))
+    )
+    roots = polynomial.deriv().roots()
+    turns = sorted(roots[(np.abs(roots.imag) < 1e-9) & (np.abs(roots.real) < 1.0)].real.tolist())
+    return [(middle + half * turn, float(polynomial(turn))) for turn in turns]
+
+
+def _zero(
+    way: Way[S], between: tuple[float, float], name: str, test: Callable[[Point[S]], float]
+) -> tuple[float, Special[S]]:
+    """Return where a test function is 0 on a step, and the special point there."""
+    low, high = between
+    try:
+        place = float(brentq(lambda part: test(way.at(part)), low, high, xtol=FINEST, rtol=FINEST))
+    except (ValueError, RuntimeError):  # no change of sign when followed again
+        raise SimulationError(f"a {name} could not be located") from None
+    return place, Special(name, way.at(place))
+
+
+# ---- Changes of a count ----
+
+
+def _changes(way: Way[S], name: str, count: Count[S]) -> list[tuple[float, Special[S]]]:
+    """Return where a count changes on a step, and the special points there."""
+    ends = (way.at(0.0).stretch, way.at(way.length).stretch)
+    places = [(0.0, ends[0]), (way.length, ends[1])]
+    nearest = min(abs(count.sign(each)) for each in ends)
+    if nearest < ABOUT * math.sqrt(ends[0].start @ ends[0].start):
+        middle = 0.5 * way.length
+        about = count.number(way.about(middle))
+        if any(about != count.number(end) for end in ends):
+            places.insert(1, (middle, way.at(middle).stretch))
+    found: list[tuple[float, Special[S]]] = []
+    for below, above in pairwise(places):
+        found += _changes_between(way, (below, above), name, count)
+    return found
+
+
+def _changes_between(
+    way: Way[S], between: tuple[tuple[float, S], tuple[float, S]], name: str, count: Count[S]
+) -> list[tuple[float, Special[S]]]:
+    """Return where a count changes between two places of a step, with their orbits."""
+    found: list[tuple[float, Special[S]]] = []
+    (low, below), (length, last_orbit) = between
+    while count.number(below) != count.number(last_orbit):
+        high, above = length, last_orbit
+        for halving in range(HALVINGS):
+            if halving >= FIRST_HALVINGS and count.sign(below) * count.sign(above) < 0.0:
+                sign = partial(_of_stretch, count.sign)
+                found.append(_zero(way, (low, high), name, sign))
+                break
+            middle = 0.5 * (low + high)
+            here = way.at(middle).stretch
+            if count.number(here) == count.number(below):
+                low, below = middle, here
+            else:
+                high, above = middle, here
+        else:
+            found.append((high, Special(name, way.at(high))))
+        low, below = high, above
+    return found
+
+
+def _of_stretch(function: Callable[[S], float], point: Point[S]) -> float:
+    return function(point.stretch)
