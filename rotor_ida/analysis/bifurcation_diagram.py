@@ -28,7 +28,8 @@ from rotor_ida.simulation.options import LARGEST, Method, Options
 from rotor_ida.sweeps.sweep import sweep
 
 DIMS = (*PARAMETERS, "start")
-KEPT = ("response", "radius_min", "radius_max", "status", "message")
+# What of a sweep's variables stands in the diagram.
+OF_THE_SWEEP = ("response", "radius_min", "radius_max", "status", "message")
 
 
 def bifurcation_diagram(
@@ -134,7 +135,7 @@ def _with_extrema(
 
     A point whose motion cannot be followed on has failed.
     """
-    result = settled[list(KEPT)].copy(deep=True)
+    result = settled[list(OF_THE_SWEEP)].copy(deep=True)
     status, message = result["status"].values.ravel(), result["message"].values.ravel().tolist()
     due = np.flatnonzero(status == STATUS["done"])
     radii, kinds = [np.empty(0)] * status.size, [np.empty(0, np.int8)] * status.size

@@ -18,11 +18,14 @@ from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import Rotor
 from rotor_ida.stability.orbit import ATOL
 
+# Kinds of an extremum.
 MINIMUM, CONSTANT, MAXIMUM = -1, 0, 1
+# Knots are samples that tell whether the radius is constant; extrema lie anywhere between them.
 KNOTS_A_REVOLUTION = 64
 KNOTS_A_TIME = 16
-# A radius that varies by less than this part of it is constant, to what tolerances can tell.
-STEADY = 1e-8
+# A radius that varies by less than this part of it is constant: a sweep takes a whirl for steady
+# that strays from its mean by 1e-9 either way, and this is above that.
+CONSTANT_WITHIN = 1e-8
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,30 +49,10 @@ class Extrema:
 
 
 def radius_extrema(rotor: Rotor, start: State, duration: float, rtol: float, stop: Stop) -> Extrema:
-    """Return the extrema of the radius from `start` on.
+    """Return the extrema of the radius from `start`, on the rotating axes, on.
 
-    Parameters
-    ----------
-    rotor : Rotor
-        The rotor.
-    start : tuple of float
-        ``(x, y, vx, vy)`` on the rotating axes [1].
-    duration : float
-        Time to follow the motion for [1].
-    rtol : float
-        Tolerance of one step, relative to the size of the state [1].
-    stop : ndarray, shape (1,)
-        Anything but 0 asks the search to stop.
-
-    Returns
-    -------
-    Extrema
-        All extrema; if the radius is constant to 1e-8, one row with its mean.
-
-    Raises
-    ------
-    SimulationError
-        If the integration was stuck, or asked to stop.
+    If the radius is constant, one row with its mean. SimulationError if the integration was stuck,
+    or asked to stop.
     """
     times = np.linspace(0.0, duration, math.ceil(duration * _knots_a_time(rotor)) + 1)
     seen = follow(
@@ -85,7 +68,7 @@ def radius_extrema(rotor: Rotor, start: State, duration: float, rtol: float, sto
             time=seen.time, state=tuple(state),
         )  # fmt: skip
     radius = np.hypot(seen.samples[:, 0], seen.samples[:, 1])
-    if np.ptp(radius) <= STEADY * radius.max():
+    if np.ptp(radius) <= CONSTANT_WITHIN * radius.max():
         kinds = np.array([CONSTANT], dtype=np.int8)
         return Extrema(times[:1], radius.mean(keepdims=True), kinds, seen.samples[:1])
     found = seen.extrema

@@ -38,12 +38,13 @@ from rotor_ida.cycles.branch import (
     nearest_gap,
     shot_of,
 )
-from rotor_ida.cycles.continuation import Count, Curve, Point, Problem, shooting_equations
+from rotor_ida.cycles.continuation import Curve, Point, Problem, shooting_equations
 from rotor_ida.cycles.continue_cycle import branch_dataset, check_limits
 from rotor_ida.cycles.guess import Guess, guess_of
 from rotor_ida.cycles.limit_cycle import check_turns_and_settles, cycle_from
 from rotor_ida.cycles.multipliers import doubling_test, fold_test
 from rotor_ida.cycles.shooting import checked_cycle, contacts_of
+from rotor_ida.cycles.special_points import Count
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress, Stop
 from rotor_ida.parameters import PARAMETERS, Rotor
@@ -55,13 +56,15 @@ Kind = Literal["fold", "period_doubling"]
 KINDS = (FOLD, DOUBLING)
 CUSP = "cusp"
 TESTS: dict[str, Callable[[Shot], float]] = {FOLD: fold_test, DOUBLING: doubling_test}
-# Step of the differences by which a test function is differentiated, in parts of the scales.
+# Step of the differences by which a test function is differentiated, in parts of the scales: about
+# the root of rounding, and short beside the kink that the trace has at a graze.
 DIFFERENCE = 1e-8
-# And the derivatives serve as long as no unknown moves farther, in parts of the scales: beside a
-# graze they change without bound.
-KEPT = 1e-8
-# Points of a branch, each way, on which a first bifurcation is sought.
-MOST_SOUGHT = 2000
+# The derivatives serve until an unknown has moved by a step: beside a graze they change without
+# bound.
+KEPT_WITHIN = 1e-8
+# Points of a branch, each way, on which a first bifurcation is sought: as many as a branch has by
+# default.
+MOST_POINTS_OF_BRANCH = 2000
 
 
 def bifurcation_curve(
@@ -195,7 +198,7 @@ def _nearest(
     if guess.period is None:
         cycle = cycle_from(guess.rotor, guess.state)
         guess = Guess(guess.rotor, cycle.state, cycle.period)
-    course = course_from(guess, parameter, limits, MOST_SOUGHT, stop)
+    course = course_from(guess, parameter, limits, MOST_POINTS_OF_BRANCH, stop)
     sides = [Side([course.first]), Side([course.first.reversed()])][: 2 if course.both else 1]
     while not all(side.end for side in sides):
         for side in sides:
@@ -260,7 +263,7 @@ class _Gradient:
 
     def near(self, unknowns: Values, here: float) -> Values:
         """Return the derivatives at unknowns, where the function is `here`."""
-        if not (np.abs(unknowns - self._place) <= KEPT * np.abs(self._scale)).all():
+        if not (np.abs(unknowns - self._place) <= KEPT_WITHIN * np.abs(self._scale)).all():
             self._place = unknowns
             for place, step in enumerate(DIFFERENCE * self._scale):
                 beside = unknowns.copy()

@@ -18,17 +18,16 @@ from rotor_ida.core.interface import RADIUS
 from rotor_ida.cycles.continuation import (
     EARLIER,
     FIRST_STEP,
-    Count,
     Curve,
     Point,
     Problem,
-    Special,
     Step,
     shooting_equations,
 )
 from rotor_ida.cycles.guess import Guess
 from rotor_ida.cycles.multipliers import doubling_test, fold_test
 from rotor_ida.cycles.shooting import Cycle, checked_cycle, contacts_of
+from rotor_ida.cycles.special_points import Count, Special
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import PARAMETERS, Rotor
@@ -38,23 +37,32 @@ from rotor_ida.stability.orbit import Shot, shoot
 LIMITS, CLOSED, CONTACT_FREE, HALVED, STUCK, ENOUGH = (
     "limits", "closed", "contact_free", "halved", "step_too_small", "points",
 )  # fmt: skip
-# Where the parameter stands among the unknowns, and what makes half a period of them.
-PLACE = 5
-HALF = np.array([1.0, 1.0, 1.0, 1.0, 0.5, 1.0])
 FOLD, DOUBLING, GRAZE = "fold", "period_doubling", "graze"
+# Where the (first) parameter stands among the unknowns, behind the state and the period.
+PLACE = 5
+# What unknowns are multiplied by for half a period.
+HALF = np.array([1.0, 1.0, 1.0, 1.0, 0.5, 1.0])
 # A cycle that indents by less than this part of the clearance, where no step can be taken, is
 # about to leave the ring.
-SLIGHT = 1e-3
-# A cycle is two equal halves when its half misses its start by less than this part of it.
-EQUAL = 1e-6
-# The last step to it is so short that nothing is overlooked on the way.
-SHORT = 1e-3
-# A branch that comes back to its first point passes it this near, in parts of the step, and the
-# cycle there is the same to this part.
-NEAR, SAME = 0.25, 1e-6
-FEWEST_STEPS = 8
-# Where the period doubles, doubled cycles are sought at such parts of the size of the state.
+LAST_INDENTATION = 1e-3
+# A cycle is twice one of half its period when the extreme radii of both halves agree to this part;
+# beside a doubling they differ by the root of the distance from it.
+EQUAL_HALVES = 1e-6
+# A step to such a cycle is taken again, this much shorter each time,
+SHORTENED = 0.25
+# until it is so short, a fortieth of the longest, that no special point is overlooked on the way.
+LAST_STEP = 1e-3
+# No branch comes back within so many points: the first steps are short.
+FEWEST_POINTS_ROUND = 8
+# Its step back to the first point passes that within this part of its own length,
+PASSES_WITHIN = 0.25
+# and the cycle there is the same to this part, far above rounding.
+SAME_CYCLE = 1e-6
+# Where the period doubles, doubled cycles are sought aside at these parts of the size of the state,
+# in turn: close to where they leave, and if Newton's method falls back there, farther and nearer.
 ASIDE = (1e-3, 3e-3, 1e-2, 3e-4, 1e-4, 3e-5)
+# What was found there is doubled if after half its period it misses its start by this part of that.
+STILL_ASIDE = 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,23 +117,7 @@ def course_from(
 ) -> Course:
     """Return the branch through a cycle, or the doubled one that leaves it at a doubling.
 
-    Parameters
-    ----------
-    guess : Guess
-        A guess of the cycle, with its period.
-    parameter : {"omega", "zeta", "delta0"}
-        The parameter to continue.
-    limits : tuple of float
-        The least and the largest value of it [1].
-    most : int
-        The largest number of points.
-    stop : ndarray, shape (1,)
-        Anything but 0 asks to stop.
-
-    Raises
-    ------
-    SimulationError
-        If there is no branch.
+    The guess has a period. SimulationError if there is no branch.
     """
     rotor, period = guess.rotor, guess.period or math.nan
     value = getattr(rotor, parameter)
@@ -160,10 +152,7 @@ def cycles_over(rotor: Rotor, parameter: str, stop: Stop) -> Problem[Shot]:
 def shot_of(rotor: Rotor, unknowns: Values, parameters: Sequence[str], stop: Stop) -> Shot:
     """Return the orbit that state, period and some parameters mean.
 
-    Raises
-    ------
-    SimulationError
-        If a parameter cannot be, or the orbit cannot be followed.
+    SimulationError if a parameter cannot be, or the orbit cannot be followed.
     """
     values = {"omega": rotor.omega, "zeta": rotor.zeta, "delta0": rotor.delta0}
     for name, value in zip(parameters, unknowns[5:].tolist(), strict=True):
@@ -191,7 +180,7 @@ def _doubled(line: Curve[Shot], guess: Guess, value: float) -> Point[Shot]:
             point = line.near(unknowns, away)
         except SimulationError:
             continue
-        if _half_misses(line, point) > 0.1 * part:
+        if _half_misses(line, point) > STILL_ASIDE * part:
             return point
     x, y, vx, vy = guess.state.tolist()
     message = f"no doubled cycle was found beside the one of period {period:.9g}"
@@ -217,9 +206,9 @@ def advance(course: Course, side: Side) -> None:
             return
         if len(course.limits) == 1:
             halved = _halved(line, last, step)
-        if halved is None or step.taken <= SHORT:
+        if halved is None or step.taken <= LAST_STEP:
             break
-        length = 0.25 * step.taken
+        length = SHORTENED * step.taken
     point, met = step.point, step.met
     if (passed := _passed(course, point)) is not None:
         side.end = LIMITS
@@ -230,7 +219,7 @@ def advance(course: Course, side: Side) -> None:
         except SimulationError:  # the last point is the one before
             return
         met = [each for each in met if _passed(course, each.point) is None]
-    elif len(side.points) > FEWEST_STEPS and _comes_back(course, last, point):
+    elif len(side.points) > FEWEST_POINTS_ROUND and _comes_back(course, last, point):
         point, side.end = course.first, CLOSED
         # behind its first point the branch goes on as it began
         met = [each for each in met if not any(_same(each, known) for _, known in side.specials)]
@@ -269,7 +258,7 @@ def _is_twice_round(shot: Shot) -> bool:
     half, odd = divmod(len(radii), 2)
     if odd or not half:
         return False
-    pairs, allowed = zip(radii[:half], radii[half:], strict=True), EQUAL * max(radii)
+    pairs, allowed = zip(radii[:half], radii[half:], strict=True), EQUAL_HALVES * max(radii)
     return all(abs(one - other) <= allowed for one, other in pairs)
 
 
@@ -292,7 +281,7 @@ def _end_at(last: Point[Shot]) -> str:
     """Return why no step leads on from a point."""
     delta0 = last.stretch.rotor.delta0
     depth = checked_cycle(last.stretch).radius_max - delta0
-    return CONTACT_FREE if 0.0 < depth < SLIGHT * delta0 else STUCK
+    return CONTACT_FREE if 0.0 < depth < LAST_INDENTATION * delta0 else STUCK
 
 
 def _comes_back(course: Course, last: Point[Shot], point: Point[Shot]) -> bool:
@@ -308,7 +297,7 @@ def _comes_back(course: Course, last: Point[Shot], point: Point[Shot]) -> bool:
     along = there - here
     part = float((goal - here) @ along) / float(along @ along)
     miss = np.linalg.norm(goal - here - part * along)
-    if not (0.0 <= part <= 1.0 and miss <= NEAR * np.linalg.norm(along)):
+    if not (0.0 <= part <= 1.0 and miss <= PASSES_WITHIN * np.linalg.norm(along)):
         return False
     # the parameter that changes most there tells the place
     place = PLACE + int(np.argmax(np.abs(course.first.tangent[PLACE:])))
@@ -316,14 +305,14 @@ def _comes_back(course: Course, last: Point[Shot], point: Point[Shot]) -> bool:
         again = course.line.crossing(last, point, place, float(course.first.unknowns[place]))
     except SimulationError:
         return False
-    same = np.linalg.norm(_signature(again) - goal) <= SAME * np.linalg.norm(goal)
+    same = np.linalg.norm(_signature(again) - goal) <= SAME_CYCLE * np.linalg.norm(goal)
     return bool(same and again.tangent[place] * course.first.tangent[place] > 0.0)
 
 
 def _same(special: Special[Shot], known: Special[Shot]) -> bool:
     """Return whether two special points are one, at whatever phase."""
     one, other = _signature(special.point), _signature(known.point)
-    near = np.linalg.norm(one - other) <= SAME * np.linalg.norm(other)
+    near = np.linalg.norm(one - other) <= SAME_CYCLE * np.linalg.norm(other)
     return special.name == known.name and bool(near)
 
 

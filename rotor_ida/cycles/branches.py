@@ -22,10 +22,10 @@ from rotor_ida.schema import EXACT
 
 NEEDED = ("lies_on", "exact_period", "exact_radius_max", *(f"end_{name}" for name in COMPONENTS))
 # Two cycles of one rotor are the same when period and largest radius differ by less than this.
-SAME = 1e-7
-# Where a branch is looked at, its cycles are taken to lie on straight lines between its points: one
-# of them may be so near to another cycle.
-CLOSE = 0.02
+SAME_CYCLE = 1e-7
+# Between points of a branch its cycles are taken to lie on straight lines, which are off by up to
+# 0.004 on the isolas. A guess that agrees with a cycle to this part is worth closing.
+WORTH_CLOSING = 0.02
 
 
 def branches_through(
@@ -100,9 +100,9 @@ def holds_cycle(branch: xr.Dataset, rotor: Rotor, period: float, radius: float) 
     speeds = branch["omega"].values - rotor.omega
     for place in np.flatnonzero(speeds[:-1] * speeds[1:] <= 0.0).tolist():
         near = _between(branch, place, rotor.omega)
-        if abs(near["period"] - period) > CLOSE * period:
+        if abs(near["period"] - period) > WORTH_CLOSING * period:
             continue
-        if abs(near["radius_max"] - radius) > CLOSE * radius:
+        if abs(near["radius_max"] - radius) > WORTH_CLOSING * radius:
             continue
         state = np.array([near[name] for name in COMPONENTS])
         try:
@@ -110,7 +110,7 @@ def holds_cycle(branch: xr.Dataset, rotor: Rotor, period: float, radius: float) 
         except SimulationError:
             continue
         apart = max(abs(cycle.period / period - 1.0), abs(cycle.radius_max / radius - 1.0))
-        if apart <= SAME:
+        if apart <= SAME_CYCLE:
             return True
     return False
 

@@ -34,23 +34,42 @@ from rotor_ida.arrays import Values
 from rotor_ida.cycles.special_points import FINEST, Count, Special, Way, specials_on
 from rotor_ida.errors import SimulationError
 
-# Steps of Newton's method, and those before each must be smaller than the last.
-MOST_NEWTON_STEPS, FREE_STEPS = 10, 3
-# A step of Newton's method this small leaves an error of its square, or near a graze of its power
-# 1.5: after it the error is rounding. One that would be as small as rounding is not taken.
-CONVERGED, EXACT = 1e-9, 2e-14
-# And with a step this large it is on its way elsewhere.
+# Lengths are in parts of the scales.
+
+# Steps of Newton's method at most: a good prediction takes one or two, a first guess some more.
+MOST_NEWTON_STEPS = 10
+# The first ones may grow, while the method finds its way; after that each must be smaller.
+FREE_STEPS = 3
+# A step this small leaves an error of its square, or near a graze of its power 1.5: after it the
+# error is rounding.
+CONVERGED = 1e-9
+# One this small, some hundred roundings, is not taken at all.
+ROUNDING_STEP = 2e-14
+# And with one this large, the size of the state itself, the method is on its way elsewhere.
 LEAVES = 1.0
-FIRST_STEP, LONGEST_STEP, SHORTEST_STEP = 5e-3, 4e-2, 1e-10
-# With so few steps of Newton's method, and so little bending, the next step is longer by a factor;
-# no step may turn the tangent by an angle with a smaller cosine, or be corrected by a larger part.
-EASY, GROWTH, CUT = 4, 1.5, 0.5
-LEAST_COSINE, GOOD_COSINE = 0.92, 0.985
+
+# Steps along the curve. The first is short, as only its tangent is known there.
+FIRST_STEP = 5e-3
+LONGEST_STEP = 4e-2
+# Where even this one fails no step can be taken.
+SHORTEST_STEP = 1e-10
+# A step that fails is tried again, shorter by this factor.
+CUT = 0.5
+# One fails where the curve bends by more than 23 degrees,
+LEAST_COSINE = 0.92
+# or Newton's method corrects it by more than this part of its length.
 MOST_CORRECTION = 0.25
-# A direction that states do not move along is kept while the field does not turn farther from it.
+# After an easy one, with so few steps of Newton's method and a turn below 10 degrees,
+EASY_STEPS = 4
+GOOD_COSINE = 0.985
+# the next is longer by this factor.
+GROWTH = 1.5
+# The direction that states do not move along is kept, so that points lie in one plane, until the
+# field has turned from it by 18 degrees.
 KEPT_COSINE = 0.95
-# Points before the last one that the next is predicted from.
+# Points before the last one that the next is predicted from, with their tangents.
 EARLIER = 2
+# Steps of the secant method at most; none is longer than the longest along the curve.
 MOST_SECANTS = 30
 
 
@@ -159,14 +178,8 @@ def shooting_equations(
 ) -> tuple[Values, Values]:
     """Return what the equations of shooting miss, and their derivatives.
 
-    Parameters
-    ----------
-    stretch : Stretch
-        The orbit.
-    direction : ndarray, shape (n,)
-        The direction that the state may not move along: the field at some point close by.
-    *columns : ndarray, shape (n,)
-        Derivatives of the end by the parameters.
+    The state may not move along `direction`, the field at some point close by; `columns` are the
+    derivatives of the end by the parameters.
 
     Returns
     -------
@@ -216,19 +229,8 @@ class Curve(Generic[S]):
     def step(self, last: Point[S], length: float, earlier: Sequence[Point[S]] = ()) -> Step[S]:
         """Take a step of this length, or of less where the curve demands it.
 
-        Parameters
-        ----------
-        last : Point
-            Where the step begins.
-        length : float
-            Its length, in parts of the scales.
-        earlier : sequence of Point
-            Points before that, the nearest first.
-
-        Raises
-        ------
-        SimulationError
-            If even the shortest step fails, with the reason of the last attempt.
+        `earlier` are points before the last, the nearest first. SimulationError if even the
+        shortest step fails, with the reason of the last attempt.
         """
         while True:
             try:
@@ -246,7 +248,7 @@ class Curve(Generic[S]):
             length, earlier = length * CUT, ()
             if length < SHORTEST_STEP:
                 raise SimulationError(f"no step can be taken: {reason}")
-        easy = newton_steps <= EASY and cosine >= GOOD_COSINE
+        easy = newton_steps <= EASY_STEPS and cosine >= GOOD_COSINE
         longer = min(length * GROWTH, LONGEST_STEP) if easy else length
         return Step(self._led_on(point), met, length, longer)
 
@@ -267,10 +269,7 @@ class Curve(Generic[S]):
     def root(self, near: Point[S], test: Callable[[S], float]) -> Point[S]:
         """Return the point close by at which a test function is 0, by the secant method.
 
-        Raises
-        ------
-        SimulationError
-            If it finds none.
+        SimulationError if it finds none.
         """
         before, value, place = 0.0, test(near.stretch), FIRST_STEP
         for _ in range(MOST_SECANTS):
@@ -363,7 +362,7 @@ class Curve(Generic[S]):
             miss, matrix = self._bordered(unknowns, stretch, direction, plane)
             step = _solved(matrix, miss)
             before, size = size, _size(step)
-            if size <= EXACT:
+            if size <= ROUNDING_STEP:
                 return self._point(unknowns, stretch, plane, direction), steps
             if steps >= FREE_STEPS and size > before:
                 break

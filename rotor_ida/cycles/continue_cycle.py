@@ -28,11 +28,12 @@ from rotor_ida.cycles.branch import (
     advance,
     course_from,
 )
-from rotor_ida.cycles.continuation import Point, Special
+from rotor_ida.cycles.continuation import Point
 from rotor_ida.cycles.dataset import cycle_columns, of_cycle, state_columns
 from rotor_ida.cycles.guess import Guess, guess_of
 from rotor_ida.cycles.limit_cycle import check_turns_and_settles, cycle_from
 from rotor_ida.cycles.shooting import checked_cycle
+from rotor_ida.cycles.special_points import Special
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress
 from rotor_ida.parameters import PARAMETERS, Rotor

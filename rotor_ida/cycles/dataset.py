@@ -16,17 +16,7 @@ from rotor_ida.schema import QUANTITIES, RESPONSE, STABILITY, Column
 
 
 def cycle_columns(cycles: Sequence[Cycle], dim: str, prefix: str = "") -> dict[str, xr.Variable]:
-    """Return the numbers of cycles, one after the other on a dimension.
-
-    Parameters
-    ----------
-    cycles : sequence of Cycle
-        The cycles.
-    dim : str
-        The dimension.
-    prefix : str
-        What the names begin with.
-    """
+    """Return the numbers of cycles, one after the other on a dimension; names get the prefix."""
     found = np.array([multipliers_of(cycle.shot) for cycle in cycles]).reshape(len(cycles), 4)
     defects = np.array([defects_of(cycle.shot) for cycle in cycles]).reshape(len(cycles), 2)
     stable = [STABILITY["stable" if is_stable(cycle.shot) else "unstable"] for cycle in cycles]

@@ -15,8 +15,10 @@ from rotor_ida.schema import SPECIAL
 
 DOUBLING = "period_doubling"
 NO_CYCLE = "start must be a limit cycle, got a result without one"
-# No cycle has a shorter period; an orbit over a longer time takes too long to be closed.
-SHORTEST_PERIOD, LONGEST_PERIOD = 1e-6, 1e4
+# No cycle has a shorter period,
+SHORTEST_PERIOD = 1e-6
+# and an orbit over a longer time takes too long to be closed.
+LONGEST_PERIOD = 1e4
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,22 +47,10 @@ class Guess:
 
 
 def guess_of(rotor: Rotor, start: object, period: object = None) -> Guess:
-    """Return the guess that a start is.
+    """Return the guess that a start is: a state, a cycle, or one point of a branch.
 
-    Parameters
-    ----------
-    rotor : Rotor
-        The rotor. Of a start that is a point of a branch, the continued parameter is taken from
-        there.
-    start : array_like, shape (4,), or Dataset
-        A state, or a cycle, or one point or one special point of a branch.
-    period : float, optional
-        About the period of the cycle, for a start that is a state [1].
-
-    Raises
-    ------
-    InputError
-        If it is neither, or of another rotor.
+    A point of a branch, special or not, brings its continued parameter and its period; a state has
+    none but that given. InputError if it is none of these, or of another rotor.
     """
     if not isinstance(start, xr.Dataset):
         state = np.array(check_state("start", start))

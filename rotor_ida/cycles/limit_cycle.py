@@ -35,18 +35,30 @@ from rotor_ida.stability.orbit import ATOL, RTOL
 from rotor_ida.steady_state.follow import FAILED, follow_to_steady_state
 
 NOT_FOUND = "not_found"
-# The orbit is followed to its cycle with this tolerance; Newton's method takes over from there.
-SETTLING_RTOL = 1e-10
-# A start that comes back to itself this near within so much time is a guess of the cycle there,
-# which need not attract it; the cycle found may be farther off by such a factor.
-NEAR, NEAR_TIME, MOVED = 1e-3, 100.0, 10.0
-LOOKS_A_TIME, LOOKS_A_REVOLUTION = 50, 200
-# Tolerance of further solutions, begun at such parts of the period; so many times their largest
-# difference is the error that is stated.
-LOOSER, ELSEWHERE, SAFETY = 30.0 * RTOL, (0.23, 0.52, 0.81), 5.0
-# One period in so many samples, for the spectrum and the picture; of its lines those are told that
-# come to this part of the strongest.
-SAMPLES, SHOWN = 1024, 1e-6
+# The rotor is followed to its cycle with the default tolerance of a sweep; Newton's method takes
+# over from there.
+STEADY_STATE_RTOL = 1e-10
+# A start that comes back to itself this near, in parts of its size, is a guess of the cycle there,
+# which need not attract it.
+NEAR_ITSELF = 1e-3
+# So much time it has to come back: cycles that the sweeps of Fig. 11 meet have periods up to 44.
+RETURN_TIME = 100.0
+# The cycle may be farther from the start than it comes back, by this factor: an orbit misses itself
+# by its distance from the cycle times 1 - mu only. So far it must have been away, too.
+FARTHER = 10.0
+# Samples in which a passage is sought; between them the motion is taken to be straight.
+SAMPLES_A_TIME = 50
+SAMPLES_A_REVOLUTION = 200
+# The error of a cycle comes from further solutions with a looser tolerance,
+LOOSER_RTOL = 30.0 * RTOL
+# begun at these parts of the period, where rounding is another as well:
+ELSEWHERE = (0.23, 0.52, 0.81)
+# so many times their largest difference.
+ERROR_SAFETY = 5.0
+# Samples of one period, for the spectrum and the picture: a power of two.
+SAMPLES = 1024
+# Lines of the spectrum are told that come to this part of the strongest.
+WEAKEST_LINE = 1e-6
 
 
 def limit_cycle(
@@ -127,13 +139,7 @@ def check_turns_and_settles(rotor: Rotor) -> None:
 
 
 def cycle_from(rotor: Rotor, state: Values) -> Cycle:
-    """Return the limit cycle that a start leads to.
-
-    Raises
-    ------
-    InputError
-        If there is none.
-    """
+    """Return the limit cycle that a start leads to; InputError if there is none."""
     check_can_be_followed(rotor, _state_of(state), settling=True)
     cycle, response = interruptible(lambda stop: found_cycle(Guess(rotor, state), stop))
     if cycle is None:
@@ -146,10 +152,7 @@ def cycle_from(rotor: Rotor, state: Values) -> Cycle:
 def found_cycle(guess: Guess, stop: Stop) -> tuple[Cycle | None, str]:
     """Return the limit cycle that a guess leads to, or None, and the kind of response.
 
-    Raises
-    ------
-    SimulationError
-        If Newton's method does not converge from a cycle that was seen, or given.
+    SimulationError if Newton's method does not converge from a cycle that was seen, or given.
     """
     rotor, state = guess.rotor, guess.state
     if guess.period is not None:
@@ -158,7 +161,7 @@ def found_cycle(guess: Guess, stop: Stop) -> tuple[Cycle | None, str]:
     near = _near(rotor, state, stop)
     if near is not None:
         return near, near.response
-    options = Options(method="taylor", rtol=SETTLING_RTOL)
+    options = Options(method="taylor", rtol=STEADY_STATE_RTOL)
     settled = follow_to_steady_state(rotor, _state_of(state), options, stop=stop)
     if settled.response == FAILED:
         raise SimulationError(settled.message)
@@ -179,40 +182,28 @@ def _near(rotor: Rotor, state: Values, stop: Stop) -> Cycle | None:
     except SimulationError:
         return None
     moved = np.linalg.norm(cycle.state - state)
-    return cycle if moved <= MOVED * NEAR * np.linalg.norm(state) else None
+    return cycle if moved <= FARTHER * NEAR_ITSELF * np.linalg.norm(state) else None
 
 
 def _time_of_return(rotor: Rotor, state: Values, stop: Stop) -> float | None:
     """Return when an orbit first comes back to its start, if it does within a while."""
-    times, misses = returns(rotor, state, NEAR_TIME, MOVED * NEAR, stop)
-    back = np.flatnonzero(misses <= NEAR * float(np.linalg.norm(state)))
+    times, misses = returns(rotor, state, RETURN_TIME, FARTHER * NEAR_ITSELF, stop)
+    back = np.flatnonzero(misses <= NEAR_ITSELF * float(np.linalg.norm(state)))
     return float(times[back[0]]) if back.size else None
 
 
 def returns(
     rotor: Rotor, state: Values, duration: float, away: float, stop: Stop
 ) -> tuple[Values, Values]:
-    """Return when an orbit passes its start, and by how much it misses it then.
+    """Return when an orbit passes its start, and by how much it misses it then, across the motion.
 
-    Parameters
-    ----------
-    rotor : Rotor
-        The rotor.
-    state : ndarray, shape (4,)
-        Where it begins, on the rotating axes [1].
-    duration : float
-        For how long it is followed [1].
-    away, stop
-        Once it has been this far away, in parts of the size of the state; and what asks to stop.
-
-    Returns
-    -------
-    times, misses : ndarray, shape (n,)
-        Times, and distances across the motion [1]; several close to each other for one passage.
+    It counts once it has been `away`, in parts of the size of the state. One passage may give
+    several times close to each other.
     """
-    looks = max(LOOKS_A_TIME, math.ceil(LOOKS_A_REVOLUTION * rotor.omega / (2.0 * math.pi)))
-    span, size = 1.0 / looks, float(np.linalg.norm(state))
-    states = follow(rotor, state, span, math.ceil(duration * looks) + 1, stop)
+    a_revolution = math.ceil(SAMPLES_A_REVOLUTION * rotor.omega / (2.0 * math.pi))
+    samples_a_time = max(SAMPLES_A_TIME, a_revolution)
+    span, size = 1.0 / samples_a_time, float(np.linalg.norm(state))
+    states = follow(rotor, state, span, math.ceil(duration * samples_a_time) + 1, stop)
     apart = states - state
     rates = np.gradient(states, span, axis=0)
     ahead = np.einsum("ni,ni->n", apart, rates) / np.einsum("ni,ni->n", rates, rates).clip(1e-300)
@@ -224,13 +215,7 @@ def returns(
 
 
 def follow(rotor: Rotor, state: Values, span: float, count: int, stop: Stop) -> Values:
-    """Return so many states of an orbit, a span apart, on the rotating axes.
-
-    Raises
-    ------
-    SimulationError
-        If it could not be followed.
-    """
+    """Return so many states of an orbit, a span apart, on the rotating axes, shape (count, 4)."""
     times = span * np.arange(count, dtype=np.float64)
     seen = follow_run(
         Asked(
@@ -275,15 +260,15 @@ def _columns(cycle: Cycle) -> dict[str, xr.Variable]:
     states = follow(cycle.rotor, cycle.state, cycle.period / SAMPLES, SAMPLES + 1, stop)
     # elsewhere on the cycle rounding is another as well
     looser = [
-        close_orbit(cycle.rotor, states[round(part * SAMPLES)], cycle.period, stop, LOOSER)
+        close_orbit(cycle.rotor, states[round(part * SAMPLES)], cycle.period, stop, LOOSER_RTOL)
         for part in ELSEWHERE
     ]
     found = multipliers_of(cycle.shot)
     apart = np.abs([multipliers_of(other.shot) - found for other in looser]).max(axis=0)
-    errors = SAFETY * (apart + np.spacing(np.abs(found)))
+    errors = ERROR_SAFETY * (apart + np.spacing(np.abs(found)))
     errors[found == 1.0] = 0.0
     period_apart = max(abs(other.period - cycle.period) for other in looser)
-    period_error = SAFETY * (period_apart + np.spacing(cycle.period))
+    period_error = ERROR_SAFETY * (period_apart + np.spacing(cycle.period))
     columns["period_error"] = of_cycle("period_error", (), period_error)
     columns["multiplier_error"] = of_cycle("multiplier_error", "multiplier", errors)
     if cycle.rotor.delta0 == 0.0:  # the integral of a smooth periodic function
@@ -302,7 +287,7 @@ def _columns(cycle: Cycle) -> dict[str, xr.Variable]:
 def _lines(cycle: Cycle, states: Values) -> dict[str, xr.Variable]:
     """Return the spectrum of one period: on fixed axes lines at omega + k 2 pi/T."""
     ratio, orders, sizes = whirl_beside(cycle, states[:-1])
-    chosen = np.flatnonzero(sizes >= SHOWN * sizes.max())
+    chosen = np.flatnonzero(sizes >= WEAKEST_LINE * sizes.max())
     chosen = chosen[np.argsort(orders[chosen])]
     frequency = cycle.rotor.omega + 2.0 * math.pi / cycle.period * orders[chosen]
     kinds = np.where(orders[chosen] == 0.0, LINE_KIND["spin"], np.sign(frequency)).astype(np.int8)
@@ -320,19 +305,8 @@ def _lines(cycle: Cycle, states: Values) -> dict[str, xr.Variable]:
 def whirl_beside(cycle: Cycle, states: Values) -> tuple[float, Values, Values]:
     """Return the frequency of the strongest whirl beside the spin over the spin speed.
 
-    Parameters
-    ----------
-    cycle : Cycle
-        A limit cycle.
-    states : ndarray, shape (n, 4)
-        One period of it on the rotating axes, at equal times [1].
-
-    Returns
-    -------
-    ratio : float
-        The frequency, negative for backward whirl [1].
-    orders, sizes : ndarray, shape (n,)
-        Of all lines at ``omega + k 2 pi/T``: the order k, and the amplitude [1].
+    It is negative for backward whirl. Beside it, of all lines at ``omega + k 2 pi/T``, the order k
+    and the amplitude. `states`, shape (n, 4), are one period on the rotating axes, at equal times.
     """
     heights = np.fft.fft(states[:, 0] + 1j * states[:, 1]) / len(states)
     sizes: Values = np.abs(heights)

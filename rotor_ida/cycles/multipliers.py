@@ -62,18 +62,7 @@ def is_stable(shot: Shot) -> bool:
 
 
 def multipliers_of(shot: Shot) -> Complex:
-    """Return the four multipliers of a closed orbit, by falling modulus.
-
-    Parameters
-    ----------
-    shot : Shot
-        The cycle, followed once round.
-
-    Returns
-    -------
-    ndarray of complex, shape (4,)
-        The multipliers [1].
-    """
+    """Return the four multipliers of a closed orbit, by falling modulus."""
     q = _contraction_of(shot)
     half = 0.5 * (float(shot.monodromy.trace()) - 1.0 - q)
     rest = half * half - q
@@ -90,11 +79,6 @@ def multipliers_of(shot: Shot) -> Complex:
 
 def defects_of(shot: Shot) -> tuple[float, float]:
     """Return how far the integrated matrix is from the structure that the multipliers rest on.
-
-    Parameters
-    ----------
-    shot : Shot
-        The cycle, followed once round.
 
     Returns
     -------

@@ -24,21 +24,26 @@ from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import Rotor
 from rotor_ida.stability.orbit import MAXIMUM, RTOL, Shot, shoot
 
+# Steps of Newton's method at most; a guess far off takes some of them to come near.
 MOST_STEPS = 25
-# A step of Newton's method this small, relative to state and period, leaves an error of its square.
-CONVERGED = 1e-9
-# What an orbit that closes may miss its start by, relative to the state, times the size of M.
-CLOSED = 1e-12
-# On the rotating axes an orbit that moves by less than this part of itself a time unit is a whirl,
-# whose period is nothing but rounding.
-AT_REST = 1e-10
-# No step may change state or period by more than this part of them.
+# No step changes state or period by more than this part: farther off the linear equations fail.
 LONGEST_STEP = 0.25
-# An orbit that stays within this part of its radius is a whirl of constant radius.
-LEAST_EXTENT = 1e-7
-CONSTANT = "Newton's method came to a whirl of constant radius"
-# An orbit that is back at its start to this part of it before its end goes round more than once.
-BACK = 1e-8
+# A step this small, relative to state and period, leaves an error of its square, below rounding.
+CONVERGED = 1e-9
+# One this small that is no smaller than the one before is the last as well: rounding lets none be.
+STALLED = 1e3 * CONVERGED
+# A closed orbit misses its start by this part of the state at most, times the size of M, which
+# carries what rounding does at the start: a few thousand roundings.
+LARGEST_MISS = 1e-12
+# On the rotating axes a synchronous whirl stands still: an orbit that moves by less than this part
+# of itself in a unit of time is one, and its period nothing but rounding.
+STANDSTILL = 1e-10
+# And so is one whose radius varies by no more than this part: a hundred times `CONVERGED`.
+LEAST_SWING = 1e-7
+FOUND_A_WHIRL = "Newton's method came to a whirl of constant radius"
+# An orbit that is back at its start to this part of it before its end goes round more than once;
+# what a closed orbit misses by is far less.
+BACK_AT_START = 1e-8
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,20 +127,7 @@ def contacts_of(shot: Shot) -> int:
 def close_orbit(
     rotor: Rotor, state: Values, period: float, stop: Stop, rtol: float = RTOL
 ) -> Cycle:
-    """Return the limit cycle near a state and a period.
-
-    Parameters
-    ----------
-    rotor : Rotor
-        The rotor.
-    state : ndarray, shape (4,)
-        ``(x, y, vx, vy)`` on the rotating axes [1].
-    period : float
-        About its period [1].
-    stop : ndarray, shape (1,)
-        Anything but 0 asks to stop.
-    rtol : float
-        Tolerance of one step of the integration [1].
+    """Return the limit cycle near a state on the rotating axes, shape (4,), and a period.
 
     Raises
     ------
@@ -150,7 +142,7 @@ def close_orbit(
         if size > LONGEST_STEP:
             step *= LONGEST_STEP / size
         shot = shoot(rotor, shot.start + step[:4], shot.duration + step[4], stop, rtol)
-        if size <= CONVERGED or (size < 1e3 * CONVERGED and size >= last):
+        if size <= CONVERGED or (size < STALLED and size >= last):
             return checked_cycle(shot)
         last = size
     raise failure(shot, f"Newton's method found no limit cycle in {MOST_STEPS} steps")
@@ -161,7 +153,7 @@ def once_round(cycle: Cycle, stop: Stop) -> Cycle:
     most = 1 + int((cycle.shot.extrema[:, KIND] == MAXIMUM).sum())
     for times in range(most, 1, -1):
         part = shoot(cycle.rotor, cycle.state, cycle.period / times, stop)
-        if np.linalg.norm(part.end - part.start) <= BACK * np.linalg.norm(part.start):
+        if np.linalg.norm(part.end - part.start) <= BACK_AT_START * np.linalg.norm(part.start):
             return close_orbit(cycle.rotor, cycle.state, cycle.period / times, stop)
     return cycle
 
@@ -176,14 +168,14 @@ def checked_cycle(shot: Shot) -> Cycle:
     """
     scale = math.hypot(*shot.start) or 1.0
     residual = math.hypot(*(shot.end - shot.start)) / scale
-    if not residual <= CLOSED * max(math.hypot(*shot.monodromy.flat), 1.0):
+    if not residual <= LARGEST_MISS * max(math.hypot(*shot.monodromy.flat), 1.0):
         raise failure(shot, f"the orbit misses its start by {residual:.3g} of its size")
     if not len(shot.extrema):
-        raise failure(shot, CONSTANT)
+        raise failure(shot, FOUND_A_WHIRL)
     cycle = Cycle(shot, residual)
     largest = cycle.radius_max
-    if largest - cycle.radius_min <= LEAST_EXTENT * largest:
-        raise failure(shot, CONSTANT)
+    if largest - cycle.radius_min <= LEAST_SWING * largest:
+        raise failure(shot, FOUND_A_WHIRL)
     if not cycle.touches:
         raise failure(shot, "Newton's method came to a whirl inside the clearance")
     return cycle
@@ -204,8 +196,8 @@ def _newton_step(shot: Shot) -> Values:
     matrix = np.zeros((5, 5))
     rate = shot.start_rate
     speed = float(np.linalg.norm(rate))
-    if speed <= AT_REST * float(np.linalg.norm(shot.start)):
-        raise failure(shot, CONSTANT)
+    if speed <= STANDSTILL * float(np.linalg.norm(shot.start)):
+        raise failure(shot, FOUND_A_WHIRL)
     matrix[:4, :4] = shot.monodromy - np.eye(4)
     matrix[:4, 4] = shot.end_rate
     matrix[4, :4] = rate / speed

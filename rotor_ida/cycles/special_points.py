@@ -16,6 +16,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 import numpy as np
+from numpy.polynomial import Polynomial
 from scipy.optimize import brentq
 
 from rotor_ida.errors import SimulationError
@@ -26,15 +27,16 @@ if TYPE_CHECKING:
 S = TypeVar("S", bound="Stretch")
 Nodes = list[tuple[float, float]]
 
-# Special points are located to so small a part of the scales.
+# Special points are located to this part of the scales: some dozens of roundings.
 FINEST = 1e-14
-# A count that changes is halved down to where its own function changes sign, at least so often;
+# Where a count changes, a step is halved so often before the function that is 0 there is asked
+# for its root: it need change its sign close by only.
 FIRST_HALVINGS = 5
-# and where that never does, down to rounding.
-HALVINGS = 50
-# Where a count is about to change, within this part of the size of the state, the middle of a step
-# is looked at too: it may change twice.
-ABOUT = 2e-2
+# And so often where the function has no root: to a part of 1e-15 of the step.
+MOST_HALVINGS = 50
+# A count may change twice within a step. Where the function comes this near to 0, relative to the
+# size of the state, the middle of the step is looked at too.
+NEAR_A_CHANGE = 2e-2
 # A test function is looked at where it seems to turn, if it comes to 0 there within this part of
 # what it changes by: the first polynomial, through few points, may be as wrong as that.
 UNSURE = 0.5
@@ -42,10 +44,15 @@ UNSURE = 0.5
 CAREFUL = 10.0
 # A polynomial goes through so many points at most, those nearest; through more it swings.
 MOST_NODES = 6
-# A turn is known to rounding after a few looks; two turns within a step take twice as many.
-MOST_LOOKS = 16
+# Between two nodes, nodes nearer to each other than this part of half their distance say the same.
+APART = 1e-2
+# A turn is known to rounding after a few looks; two turns beside a graze take many.
+MOST_LOOKS = 30
 # A look this near to a known point, in parts of the step, tells nothing new.
 KNOWN = 1e-6
+# A test function that passes 0 by no more than this, and turns back, only touches it: so does that
+# of a fold where a branch of doubled cycles comes back to the one that it left.
+TOUCH = 1e-7
 # A turn may lie as far outside the step, in parts of it, by the parabola through three points.
 OUTSIDE = 0.5
 
@@ -127,19 +134,23 @@ def _sign_changes(
     way: Way[S], test: Callable[[Point[S]], float], kinks: list[float]
 ) -> list[tuple[float, float]]:
     """Return pairs of places on a step between which a test function changes its sign once."""
-    values = {place: test(way.at(place)) for place in (0.0, way.length, *kinks)}
-    nodes = {place: test(point) for place, point in way.points.items() if place < 0.0} | values
-    if not nodes.keys() - values.keys() and not _is_clear(nodes):
-        nodes[0.5 * way.length] = test(way.at(0.5 * way.length))
-    if _may_turn_near_zero(nodes, way.length):
-        _look_at_turns(way, test, nodes)
-    inside = sorted(place for place in nodes if place >= 0.0)
-    return [
-        (low, high)
-        for low, high in pairwise(inside)
-        # a 0 counts as positive, so that one at the very beginning of a curve is met once
-        if (nodes[low] < 0.0) != (nodes[high] < 0.0)
-    ]
+    found: list[tuple[float, float]] = []
+    for low, high in pairwise(sorted({0.0, *kinks, way.length})):
+        begins = -math.inf if low == 0.0 else low
+        nodes = {
+            place: test(point) for place, point in way.points.items() if begins <= place <= high
+        }
+        if len(nodes) == 2 and not _is_clear(nodes):
+            nodes[0.5 * (low + high)] = test(way.at(0.5 * (low + high)))
+        if _may_turn_near_zero(nodes, low, high):
+            _look_at_turns(way, test, nodes, (low, high))
+        found += [
+            (first, last)
+            for first, last in pairwise(sorted(place for place in nodes if place >= low))
+            # a 0 counts as positive, so that one at the very beginning of a curve is met once
+            if (nodes[first] < 0.0) != (nodes[last] < 0.0)
+        ]
+    return found
 
 
 def _is_clear(nodes: Mapping[float, float]) -> bool:
@@ -148,47 +159,66 @@ def _is_clear(nodes: Mapping[float, float]) -> bool:
     return least > max(nodes.values()) - min(nodes.values())
 
 
-def _may_turn_near_zero(nodes: Mapping[float, float], length: float) -> bool:
-    """Return whether more zeros may hide than the ends of a step tell, by a parabola."""
-    if any(value * nodes[0.0] < 0.0 for value in nodes.values()) or len(nodes) > 4:
+def _may_turn_near_zero(nodes: Mapping[float, float], low: float, high: float) -> bool:
+    """Return whether more zeros may hide than the ends tell, by a parabola through three nodes."""
+    if any(value * nodes[low] < 0.0 for value in nodes.values()):
         return True
-    if len(nodes) < 3:  # at the beginning, and clear of 0
+    others = [place for place in nodes if place not in {low, high}]
+    if not others:  # at the beginning, and clear of 0
         return False
-    third = max(place for place in nodes if place not in {0.0, length})
-    (a, fa), (b, fb), (c, fc) = sorted((place, nodes[place]) for place in (third, 0.0, length))
+    third = max(others)
+    (a, fa), (b, fb), (c, fc) = sorted((place, nodes[place]) for place in (third, low, high))
     first, second = (fb - fa) / (b - a), (fc - fb) / (c - b)
     bend = (second - first) / (c - a)
     if bend == 0.0:
         return False
     turn = 0.5 * (a + b) - 0.5 * first / bend
     value = fa + (turn - a) * (first + (turn - b) * bend)
-    side = math.copysign(1.0, nodes[0.0])
-    near = side * value <= UNSURE * (max(fa, fb, fc) - min(fa, fb, fc))
-    return near and -OUTSIDE * length <= turn <= (1.0 + OUTSIDE) * length
+    near = math.copysign(1.0, fb) * value <= UNSURE * (max(fa, fb, fc) - min(fa, fb, fc))
+    outside = OUTSIDE * (high - low)
+    return near and low - outside <= turn <= high + outside
 
 
 def _look_at_turns(
-    way: Way[S], test: Callable[[Point[S]], float], nodes: dict[float, float]
+    way: Way[S],
+    test: Callable[[Point[S]], float],
+    nodes: dict[float, float],
+    between: tuple[float, float],
 ) -> None:
-    """Add the values of a test function where it turns near 0 on a step."""
-    unsure = UNSURE * (max(nodes.values()) - min(nodes.values()))
+    """Add the values of a test function where it turns near 0 between two places of a step.
+
+    Where the polynomial shows no more such turn, it is put to the test in the middle of its widest
+    gap: beside a graze, where M changes like a root, it is far off at first.
+    """
+    begin, known = between[0], KNOWN * (between[1] - between[0])
+    unsure, sure = UNSURE * (max(nodes.values()) - min(nodes.values())), False
     for _ in range(MOST_LOOKS):
-        turn = _turn_near_zero(nodes, unsure, KNOWN * way.length)
-        if turn is None:
+        turn = _turn_near_zero(nodes, begin, unsure, known)
+        if turn is None and sure:
             return
-        place, expected = turn
-        nodes[place] = test(way.at(place))
-        unsure = CAREFUL * abs(nodes[place] - expected)
+        place, expected = turn or _middle_of_widest_gap(nodes, begin)
+        value = test(way.at(place))
+        error = abs(value - expected)
+        unsure = CAREFUL * error
+        nodes[place] = math.copysign(value, nodes[begin]) if abs(value) <= TOUCH else value
+        sure = turn is None and unsure <= max(min(map(abs, nodes.values())), TOUCH)
+
+
+def _middle_of_widest_gap(nodes: Mapping[float, float], begin: float) -> tuple[float, float]:
+    """Return the middle of the widest gap between nodes of a step, and the polynomial there."""
+    inside = sorted(place for place in nodes if place >= begin)
+    low, high = max(pairwise(inside), key=lambda gap: gap[1] - gap[0])
+    return 0.5 * (low + high), float(_polynomial(nodes, low, high)(0.0))
 
 
 def _turn_near_zero(
-    nodes: Mapping[float, float], unsure: float, known: float
+    nodes: Mapping[float, float], begin: float, unsure: float, known: float
 ) -> tuple[float, float] | None:
     """Return where a test function may come to 0 and turn, and its value there; None if nowhere.
 
     That is within `unsure` of 0, and not as near as `known` to a place that is known.
     """
-    inside = sorted(place for place in nodes if place >= 0.0)
+    inside = sorted(place for place in nodes if place >= begin)
     for low, high in pairwise(inside):
         side = math.copysign(1.0, nodes[low])
         turns = _turns_between(nodes, low, high)
@@ -210,15 +240,22 @@ def _turns_between(
 ) -> list[tuple[float, float]]:
     """Return where the polynomial through the nearest nodes turns between two of them."""
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
-    nearest = sorted(nodes, key=lambda place: abs(place - middle))[:MOST_NODES]
-    places = (np.array(nearest) - middle) / half
-    powers = np.vander(places, increasing=True)
-    polynomial = np.polynomial.Polynomial(
-        np.linalg.solve(powers, np.array([nodes[each] for each in nearest]))
-    )
+    polynomial = _polynomial(nodes, low, high)
     roots = polynomial.deriv().roots()
     turns = sorted(roots[(np.abs(roots.imag) < 1e-9) & (np.abs(roots.real) < 1.0)].real.tolist())
     return [(middle + half * turn, float(polynomial(turn))) for turn in turns]
+
+
+def _polynomial(nodes: Mapping[float, float], low: float, high: float) -> Polynomial:
+    """Return the polynomial through the nodes nearest to a gap, which lies from -1 to 1."""
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    nearest = [low, high]
+    for place in sorted(nodes, key=lambda place: abs(place - middle)):
+        if min(abs(place - each) for each in nearest) >= APART * half:
+            nearest.append(place)
+    nearest = nearest[:MOST_NODES]
+    powers = np.vander((np.array(nearest) - middle) / half, increasing=True)
+    return Polynomial(np.linalg.solve(powers, np.array([nodes[each] for each in nearest])))
 
 
 def _zero(
@@ -241,7 +278,7 @@ def _changes(way: Way[S], name: str, count: Count[S]) -> list[tuple[float, Speci
     ends = (way.at(0.0).stretch, way.at(way.length).stretch)
     places = [(0.0, ends[0]), (way.length, ends[1])]
     nearest = min(abs(count.sign(each)) for each in ends)
-    if nearest < ABOUT * math.sqrt(ends[0].start @ ends[0].start):
+    if nearest < NEAR_A_CHANGE * math.sqrt(ends[0].start @ ends[0].start):
         middle = 0.5 * way.length
         about = count.number(way.about(middle))
         if any(about != count.number(end) for end in ends):
@@ -260,7 +297,7 @@ def _changes_between(
     (low, below), (length, last_orbit) = between
     while count.number(below) != count.number(last_orbit):
         high, above = length, last_orbit
-        for halving in range(HALVINGS):
+        for halving in range(MOST_HALVINGS):
             if halving >= FIRST_HALVINGS and count.sign(below) * count.sign(above) < 0.0:
                 sign = partial(_of_stretch, count.sign)
                 found.append(_zero(way, (low, high), name, sign))

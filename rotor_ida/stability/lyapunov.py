@@ -36,13 +36,18 @@ from rotor_ida.stability.orbit import ATOL
 MethodOfTangents = Literal["taylor", "adams", "bdf"]
 METHODS_OF_TANGENTS: tuple[MethodOfTangents, ...] = ("taylor", "adams", "bdf")
 
-# Time after which tangent vectors are made orthonormal again.
+# Time after which tangent vectors are made orthonormal again, before they lean together.
 SPAN = 0.5
-SPANS_A_BATCH = 20
-FEWEST_BATCHES, BATCHES = 4, 20
+# A batch has so many of these at least, as they are weighted by their places in it.
+FEWEST_SPANS = 20
+# From fewer batches their scatter is no error,
+FEWEST_BATCHES = 4
+# and so many give one to a sixth.
+BATCHES = 20
 # Time in which the tangent vectors of a motion that has settled turn into their directions.
-TURNING = 100.0
-SHOWN = 400
+TURNING_TIME = 100.0
+# Points of the running mean, for a figure.
+POINTS_SHOWN = 400
 # Each span leaves four numbers in memory.
 LONGEST = SPAN * MOST_NUMBERS
 
@@ -141,9 +146,9 @@ def lyapunov_exponent(
     check_duration("transient + duration", lead + length, rotor.omega)
     count = check_count("batches", batches, FEWEST_BATCHES)
     each = int(length / (count * SPAN))
-    if each < SPANS_A_BATCH:
+    if each < FEWEST_SPANS:
         raise InputError(
-            f"duration must be at least {SPANS_A_BATCH * SPAN:g} for each of {count} batches, "
+            f"duration must be at least {FEWEST_SPANS * SPAN:g} for each of {count} batches, "
             f"got {length!r}"
         )
     check_choice("method", method, METHODS_OF_TANGENTS)
@@ -157,7 +162,7 @@ def lyapunov_exponent(
     )
     exponents, errors = _means(stretches / span, count, -4.0 * rotor.zeta)
     order = np.argsort(-exponents, kind="stable")
-    shown = np.unique(np.linspace(1, count * each, min(SHOWN, count * each)).astype(int))
+    shown = np.unique(np.linspace(1, count * each, min(POINTS_SHOWN, count * each)).astype(int))
     running = np.cumsum(stretches, axis=0)[shown - 1] / (span * shown[:, None])
     columns: dict[str, Column] = {
         "lyapunov_exponent": ("exponent", exponents[order]),
@@ -178,27 +183,12 @@ def lyapunov_exponent(
 def largest_exponent(
     rotor: Rotor, start: State, duration: float, stop: Stop, *, rtol: float = 1e-10
 ) -> tuple[float, float]:
-    """Return the largest Lyapunov exponent of the motion from a state on, and its error.
+    """Return the largest Lyapunov exponent of a motion that has settled, and its error.
 
-    Parameters
-    ----------
-    rotor : Rotor
-        The rotor.
-    start : tuple of float
-        ``(x, y, vx, vy)`` on the rotating axes, where the motion has settled [1].
-    duration : float
-        Time over which the mean is taken [1].
-    stop : ndarray, shape (1,)
-        Anything but 0 asks to stop.
-    rtol : float
-        Tolerance of one step, relative to the size of the state and of each tangent vector [1].
-
-    Raises
-    ------
-    SimulationError
-        If the integration was stuck, or asked to stop.
+    From `start`, on the rotating axes, as a mean over `duration`. SimulationError if the
+    integration was stuck, or asked to stop.
     """
-    spans = (math.ceil(TURNING / SPAN), BATCHES * math.ceil(duration / (BATCHES * SPAN)))
+    spans = (math.ceil(TURNING_TIME / SPAN), BATCHES * math.ceil(duration / (BATCHES * SPAN)))
     stretches = _stretches(rotor, start, *spans, SPAN, rtol, stop, "taylor")
     exponents, errors = _means(stretches / SPAN, BATCHES, -4.0 * rotor.zeta)
     largest = int(np.argmax(exponents))

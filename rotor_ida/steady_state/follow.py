@@ -30,6 +30,7 @@ from rotor_ida.steady_state.response import (
     CHAOTIC,
     CONTACT_FREE,
     FULL_CONTACT,
+    STEADY,
     SYNCHRONOUS,
     TOUCHING,
     UNRESOLVED,
@@ -44,34 +45,40 @@ from rotor_ida.steady_state.response import (
 FAILED = "failed"
 # A transient that decays like exp(-zeta t) has fallen by 4e-11 after this many 1/zeta.
 DECAY_TIMES = 24.0
+# The first wait is no longer, however slight the damping: later ones double.
 LONGEST_FIRST_WAIT = 2000.0
-# No window begins later, unless it is the first.
+# No window begins later, unless it is the first. Until then a damping of 0.001 settles.
 LONGEST = 40_000.0
 # Errors of single contacts add up round a cycle, and the smallest radius may be a small part of
-# the motion. So runs are made with tolerances this much tighter, if that leaves the solver room.
-TIGHTER, ROOMY = 0.1, 1e-11
-# The window holds whole revolutions: so many at least, and so much time at least; from one to
-# the next it is doubled, up to so many times that, for periods of many revolutions.
+# the motion. So runs are made with this part of the tolerances given.
+TIGHTER = 0.1
+# A tighter tolerance is used as it is: a tenth of it would be near the tightest that solvers take.
+TIGHTENED_FROM = 1e-11
+# The first window holds whole revolutions, so many at least,
 WINDOW_REVOLUTIONS = 4
+# and so much time at least: four revolutions of a fast rotor are soon over.
 WINDOW_TIME = 40.0
+# Windows double up to so many times the first, for periods of many revolutions.
 LONGEST_WINDOW = 8
+# Samples of a window, whose mean is the whirl; the run itself finds the extrema between them.
 SAMPLES_PER_REVOLUTION = 64
 SAMPLES_PER_TIME = 16
-# A whirl counts as steady when it strays from its mean by less than this part of it, or by
-# less than this many tolerances, and a motion as periodic when it is no farther from its cycle.
-STEADY = 1e-9
+# With a loose tolerance a motion is steady that varies by so many tolerances.
 STEADY_TOLERANCES = 10.0
-# So much farther off, it recurs: it may be that far on either side of its cycle.
+# A motion recurs that misses itself by so many times what is steady: it may be that far on either
+# side of its cycle.
 RECURS = 10.0
-# Chaos may be a transient: exponents are asked for only where a motion has not settled after this
-# time and so many 1/zeta, and then over this time, or over so many times what it was followed.
-LATE, PATIENCE = 3000.0, 20.0
-EXPONENT_TIME, EXPONENT_TIMES = 20_000.0, 2.0
-# An exponent is clear of zero when it exceeds so many errors, and when by it neighbours part by
-# a factor of exp(20) in the time over which it was taken.
+# Chaos may be a transient: exponents are asked for only of a motion that has not settled after
+# this time, and so many 1/zeta, in which what decays like exp(-zeta t) has fallen by 2e-9.
+LATE = 3000.0
+PATIENCE = 20.0
+# An exponent is a mean over this time at least, and over so many times what came before.
+EXPONENT_TIME = 20_000.0
+EXPONENT_TIMES = 2.0
+# An exponent is clear of zero when it exceeds so many errors,
 CLEAR_ERRORS = 5.0
+# and when by it neighbours part by exp(20), 5e8, in the time over which it was taken.
 CLEAR_STRETCH = 20.0
-
 
 _NO_TIMES = np.empty(0)
 
@@ -151,7 +158,7 @@ class _Trajectory:
 
     def _extend(self, duration: float, times: Values, *, extrema: bool = False) -> Orbit:
         """Simulate from the end of the run before, where time and phase count as 0 again."""
-        scale = TIGHTER if self.options.rtol >= ROOMY else 1.0
+        scale = TIGHTER if self.options.rtol >= TIGHTENED_FROM else 1.0
         orbit = run(
             self.rotor, self.state, duration, times, self.options,
             scale=scale, extrema=extrema, stop=self.stop,

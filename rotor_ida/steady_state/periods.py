@@ -24,16 +24,17 @@ from rotor_ida.core.runs import Asked, follow
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
 from rotor_ida.parameters import Rotor
+from rotor_ida.stability.orbit import ATOL
+from rotor_ida.steady_state.response import STEADY
 
-# The window must hold the period so many times.
+# The window must hold the period so many times: what came back once may have done so by chance.
 FEWEST_PERIODS = 3
 # A radius that swings no more than this many times what a state misses by may be a spiral inwards.
 CLEAR_SWING = 1e6
-RTOL = 1e-12
-# A radius that varies by less than this part of it does not turn, to what tolerances can tell.
-CONSTANT = 1e-9
-# Two turning points are apart by more than this.
-CLOSE = 1e-6
+# Tolerance of the multiplier, which decides when to stop and is stated nowhere.
+MULTIPLIER_RTOL = 1e-12
+# Times of turns that differ by less are one: rounding moves none so far, and two lie farther apart.
+SAME_TURN = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,18 +62,13 @@ class TurningPoints:
 
 
 def turning_points(states: Values, extrema: Values) -> TurningPoints:
-    """Return the turning points of the radius in a window.
+    """Return the extrema of the radius, as of an `Orbit`, as turning points.
 
-    Parameters
-    ----------
-    states : ndarray, shape (n, 4)
-        Samples of the window [1].
-    extrema : ndarray, shape (m, 7)
-        The extrema of the radius in it, as of `rotor_ida.simulation.orbit.Orbit`; of a radius that
-        is constant to what tolerances can tell these are noise, and left out.
+    Where the samples, shape (n, 4), of the window say that the radius is steady they are noise, and
+    left out.
     """
     radii = np.hypot(states[:, 0], states[:, 1])
-    found = extrema if np.ptp(radii) > CONSTANT * radii.max() else extrema[:0]
+    found = extrema if np.ptp(radii) > STEADY * radii.max() else extrema[:0]
     return TurningPoints(found[:, TIME], found[:, STATE:], found[:, KIND] > 0.0)
 
 
@@ -96,12 +92,7 @@ class Recurrence:
 def recurrence(turns: TurningPoints, tolerance: float) -> Recurrence | None:
     """Return how the motion repeats itself all over the window; None if it does not.
 
-    Parameters
-    ----------
-    turns : TurningPoints
-        The turning points of the radius.
-    tolerance : float
-        By how much two states a period apart may differ, relative to the largest state [1].
+    Two states a period apart may differ by `tolerance`, relative to the largest state.
     """
     times, states = turns.times[turns.are_maxima], turns.states[turns.are_maxima]
     most = times.size // FEWEST_PERIODS
@@ -122,23 +113,12 @@ def recurrence(turns: TurningPoints, tolerance: float) -> Recurrence | None:
 def extreme_radii(turns: TurningPoints, period: float) -> tuple[float, float]:
     """Return the smallest and the largest radius in the last period of a window."""
     since = turns.times[turns.are_maxima][-1] - period
-    radii = turns.radii[turns.times > since + CLOSE]
+    radii = turns.radii[turns.times > since + SAME_TURN]
     return float(radii.min()), float(radii.max())
 
 
 def slowest_multiplier(rotor: Rotor, state: State, period: float, stop: Stop) -> complex:
     """Return the multiplier, besides the trivial one, by which neighbours come back slowest.
-
-    Parameters
-    ----------
-    rotor : Rotor
-        The rotor.
-    state : tuple of float
-        A state of the cycle, on the rotating axes [1].
-    period : float
-        The period of the cycle [1].
-    stop : ndarray, shape (1,)
-        Anything but 0 asks to stop.
 
     Raises
     ------
@@ -158,8 +138,8 @@ def slowest_multiplier(rotor: Rotor, state: State, period: float, stop: Stop) ->
     bundle = np.eye(4)
     seen = follow(
         Asked(
-            rotor=rotor, start=state, duration=period, rtol=RTOL, atol=1e-2 * RTOL, bundle=bundle,
-            stop=stop,
+            rotor=rotor, start=state, duration=period, rtol=MULTIPLIER_RTOL,
+            atol=ATOL * MULTIPLIER_RTOL, bundle=bundle, stop=stop,
         )
     )  # fmt: skip
     if seen.status != DONE:

@@ -35,15 +35,19 @@ TOUCHING = "touching"
 CHAOTIC = "chaotic"
 UNRESOLVED = "unresolved"
 
+# A motion is steady that varies, or is off its whirl or its cycle, by less than this part of its
+# size: ten times the default tolerance.
+STEADY = 1e-9
 # A whirl is one that the equation of motion allows when what is left over of its terms is less
 # than this part of the largest; close to a fold the rotor creeps at nearly constant radius where
 # there is no whirl.
 RESIDUAL = 1e-6
-# Touches fade when so many at least come once a revolution, to this part of one, and 1/h grows
-# by what the law says, to this part of it: the law is to leading order in h, and after 24/zeta,
-# over speeds from 0.15 to 3 and dampings from 0.07 to 0.5, no touch missed it by more than 8 %.
+# Fewer touches in a window tell no law.
 FEWEST_TOUCHES = 3
+# Near the limit the whirl stands still: a touch comes a revolution after the last, to this part.
 ONCE_A_REVOLUTION = 0.01
+# And 1/h grows by what the law says, to this part of it. The law is to leading order in h: after
+# 24/zeta, over speeds from 0.15 to 3 and dampings from 0.07 to 0.5, no touch missed it by over 8 %.
 LIKE_THE_LAW = 0.1
 
 

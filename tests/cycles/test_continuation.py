@@ -12,7 +12,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
 
-from rotor_ida.cycles.continuation import Curve, Problem, _Way, _zero, shooting_equations
+from rotor_ida.cycles.continuation import Curve, Problem, shooting_equations
+from rotor_ida.cycles.special_points import Way, _zero
 from rotor_ida.errors import SimulationError
 
 TOLERANCE = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-13}
@@ -97,11 +98,9 @@ def followed(line, point, steps, wanted):
     return {each.name: each.point for each in met}
 
 
-def test_a_special_point_that_cannot_be_located_is_an_error_of_ours(monkeypatch):
+def test_a_special_point_that_cannot_be_located_is_an_error_of_ours():
     """Rounding may take back a change of sign: the step is cut then, and no user meets SciPy's."""
-    line = Curve(cycles_of(tor_bpc), np.ones(5))
-    monkeypatch.setattr(Curve, "_at", lambda self, last, others, part: part)
-    way = _Way(line, 0.0, (1.0,), {0.0: 0.0, 1.0: 1.0})
+    way = Way({0.0: 0.0, 1.0: 1.0}, 1.0, lambda part, near: part, lambda part: None)
     with pytest.raises(SimulationError, match="a fold could not be located"):
         _zero(way, (0.0, 1.0), "fold", lambda point: 1.0)
 
