@@ -204,15 +204,23 @@ function showWords() {
     parts.push(["h2", sides.length > 1 ? clearance : "What it does", ""]);
     const fresh = settled && settled.number === motion.number;
     if (fresh) settled.facts.words.forEach((text, line) => parts.push(["p", text, line ? "" : "lead"]));
-    else if (rotor.zeta === 0 || rotor.omega === 0) parts.push(["p", "Without damping or spin nothing settles.", "lead"]);
+    else if (rotor.zeta === 0) parts.push(["p", "Without damping nothing settles.", "lead"]);
     else parts.push(["p", "Following it until it settles …", "waiting"]);
     if (note?.number === motion.number) parts.push(["p", note.facts.message, ""]);
     parts.push(["h2", "The run that is drawn", ""]);
     motion.facts.words.forEach((text) => parts.push(["p", text, ""]));
-    const { length } = motion.arrays.event_time;
-    if (!recorded) parts.push(["p", `${length || "No"} entries and exits${errorOf(motion)}.`, ""]);
+    if (!recorded) parts.push(["p", `${eventsOf(motion)}${errorOf(motion)}.`, ""]);
   });
   box.replaceChildren(...parts.map(([kind, textContent, className]) => Object.assign(document.createElement(kind), { textContent, className })));
+}
+
+/** Return how many events there are. */
+function eventsOf(motion) {
+  const kinds = motion.arrays.event_kind;
+  const entries = kinds.reduce((count, kind) => count + (kind > 0), 0);
+  const counted = (count, one, many) => `${count || "no"} ${count === 1 ? one : many}`;
+  const text = kinds.length ? `${counted(entries, "entry", "entries")} and ${counted(kinds.length - entries, "exit", "exits")}` : "no entries and exits";
+  return text[0].toUpperCase() + text.slice(1);
 }
 
 /** Return how surely the events are timed. */
