@@ -13,7 +13,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import PARAMETERS
-from rotor_ida.schema import flags_of
+from rotor_ida.schema import words_of
 
 # At each of these a cycle that was stable is so no more, or the other way round.
 CHANGES = ("fold", "period_doubling")
@@ -71,8 +71,8 @@ def course_of(branch: xr.Dataset) -> Course:
         If it does not say which parameter was continued.
     """
     (parameter,) = parameters_of("branch", branch, "parameter", 1)
-    told, stability = _beside_halves(branch), _words(branch["stability"])
-    response, kinds = _words(branch["response"]), _words(told["special_kind"])
+    told, stability = _beside_halves(branch), words_of(branch["stability"])
+    response, kinds = words_of(branch["response"]), words_of(told["special_kind"])
     points, specials = branch.sizes["point"], told.sizes["special"]
     places = np.concatenate([np.arange(points), told["special_point"].values])
     order = np.argsort(places, kind="stable")  # a point stands before the special ones behind it
@@ -154,8 +154,3 @@ def _of_neighbours(branch: xr.Dataset, stability: list[str]) -> list[str]:
     first = inner[:1] if branch.attrs.get("first_end") == "halved" else stability[:1]
     last = inner[-1:] if branch.attrs.get("last_end") == "halved" else stability[-1:]
     return [*(first or stability[:1]), *inner, *(last or stability[-1:])]
-
-
-def _words(variable: xr.DataArray) -> list[str]:
-    words = {number: word for word, number in flags_of(variable).items()}
-    return [words[number] for number in variable.values.tolist()]

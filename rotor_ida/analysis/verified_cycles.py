@@ -19,7 +19,7 @@ from rotor_ida.cycles.guess import Guess
 from rotor_ida.cycles.limit_cycle import limit_cycle
 from rotor_ida.parallel import Progress
 from rotor_ida.parameters import PARAMETERS, Rotor
-from rotor_ida.schema import SPECIAL, flags_of
+from rotor_ida.schema import SPECIAL, words_of
 
 START = ("start", "start_period", *(f"start_{name}" for name in PARAMETERS))
 # Variables by which each kind is known, and attributes that it takes to compute it again.
@@ -125,7 +125,7 @@ def _facts(dataset: xr.Dataset, kind: str) -> Iterator[Fact]:
         return
     yield from _ends(dataset)
     yield "the number of special points", dataset.sizes["special"], 0.0
-    words = _words(dataset["special_kind"])
+    words = words_of(dataset["special_kind"])
     for number, word in enumerate(words):
         yield f"the kind of special point {number}", word, 0.0
         for name, least in (
@@ -140,10 +140,10 @@ def _facts(dataset: xr.Dataset, kind: str) -> Iterator[Fact]:
 
 
 def _of_cycle(dataset: xr.Dataset) -> Iterator[Fact]:
-    yield "response", _words(dataset["response"])[0], 0.0
+    yield "response", words_of(dataset["response"])[0], 0.0
     if dataset["period"].isnull():
         return
-    yield "stability", _words(dataset["stability"])[0], 0.0
+    yield "stability", words_of(dataset["stability"])[0], 0.0
     yield "contact_count", int(dataset["contact_count"]), 0.0
     yield "period", float(dataset["period"]), 0.0
     for name in ("radius_min", "radius_max", "largest_force"):
@@ -185,8 +185,3 @@ def _apart(one: float, other: float, least: float) -> float:
         return 0.0
     apart = abs(one - other) / max(abs(one), abs(other), least)
     return apart if np.isfinite(apart) else float("inf")
-
-
-def _words(variable: xr.DataArray) -> list[str]:
-    words = {number: word for word, number in flags_of(variable).items()}
-    return [words[number] for number in np.atleast_1d(variable.values).tolist()]

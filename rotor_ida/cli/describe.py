@@ -15,7 +15,7 @@ from rotor_ida.analysis.branch_course import parameters_of, stable_ranges
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.cli.report import pairs, table
 from rotor_ida.parameters import PARAMETERS
-from rotor_ida.schema import NO_YES, RESPONSE, flags_of
+from rotor_ida.schema import NO_YES, RESPONSE, flags_of, words_of
 
 Record = dict[str, object]
 Kind = Literal[
@@ -192,8 +192,7 @@ def _kinds(dataset: xr.Dataset) -> list[Record]:
         row: Record = {"response": words[kind], "points": int(here.sum())}
         for name in RANGES:
             values = dataset[name].broadcast_like(response).transpose(*response.dims).values[here]
-            known = values[np.isfinite(values)]
-            row[name] = f"{known.min():.6g} to {known.max():.6g}" if known.size else ""
+            row[name] = _span(values, 6)
         rows.append(row)
     return rows
 
@@ -231,16 +230,11 @@ def _atlas(dataset: xr.Dataset, most: int | None) -> Description:
         for name in PARAMETERS:
             places = dataset[name].broadcast_like(fraction).transpose(*fraction.dims).values[here]
             if dataset[name].size > 1:
-                row[name] = f"{places.min():.6g} to {places.max():.6g}"
-        shares = fraction.values[here]
-        row["fraction"] = f"{shares.min():.3g} to {shares.max():.3g}"
-        radius = own["radius_max"].values[here]
-        known = radius[np.isfinite(radius)]
-        row["radius_max"] = f"{known.min():.6g} to {known.max():.6g}" if known.size else ""
+                row[name] = _span(places, 6)
+        row["fraction"] = _span(fraction.values[here], 3)
+        row["radius_max"] = _span(own["radius_max"].values[here], 6)
         if SHOCK[0] in own:
-            shocks = own[SHOCK[0]].values
-            known = shocks[np.isfinite(shocks)]
-            row[SHOCK[0]] = f"{known.min():.4g} to {known.max():.4g}" if known.size else ""
+            row[SHOCK[0]] = _span(own[SHOCK[0]].values, 4)
         rows.append(row)
     record: Record = {
         "kind": "atlas",
@@ -422,16 +416,17 @@ def _followed(
         **{RENAMED.get(name, name): entry for name, entry in attributes.items()},
     }
     ranged = (*varied, "period", "radius_min", "radius_max")
-    ranges = {name: _span(dataset[name].values) for name in ranged}
+    ranges = {name: _span(dataset[name].values, 8) for name in ranged}
     summary = {**held, **ranges, "points": dataset.sizes["point"], **ends}
     columns = list(specials[0]) if specials else ()
     parts: list[RenderableType] = [pairs(title, summary)]
     return record, [*parts, *_rows("Special points", specials, columns, most, prefix="special_")]
 
 
-def _span(values: np.ndarray[Any, Any]) -> str:
-    """Return the range of values."""
-    return f"{values.min():.8g} to {values.max():.8g}"
+def _span(values: np.ndarray[Any, Any], digits: int) -> str:
+    """Return the range of those values that are known, in words; nothing where none is."""
+    known = values[np.isfinite(values)]
+    return f"{known.min():.{digits}g} to {known.max():.{digits}g}" if known.size else ""
 
 
 def _other(dataset: xr.Dataset, most: int | None) -> Description:
@@ -496,14 +491,14 @@ def rows_of(dataset: xr.Dataset, names: Sequence[str]) -> list[Record]:
     first = dataset[names[0]]
     columns = []
     for name in names:
-        spread = dataset[name].broadcast_like(first).transpose(*first.dims)
-        columns.append(_in_words(spread.values.ravel().tolist(), dataset[name]))
+        columns.append(_values(dataset[name].broadcast_like(first).transpose(*first.dims)))
     return [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)]
 
 
 def value_of(dataset: xr.Dataset, name: str) -> object:
     """Return a scalar variable, in words if it is a flag."""
-    return _in_words([dataset[name].values.item()], dataset[name])[0]
+    (value,) = _values(dataset[name])
+    return value
 
 
 def attributes_of(dataset: xr.Dataset) -> Record:
@@ -527,11 +522,9 @@ def attributes_of(dataset: xr.Dataset) -> Record:
     return {**plain, **record}
 
 
-def _in_words(values: list[Any], variable: xr.DataArray) -> list[Any]:
+def _values(variable: xr.DataArray) -> list[Any]:
+    """Return the values of a variable one after the other, in words if it is a flag."""
     if "flag_meanings" not in variable.attrs:
-        return values
-    flags = flags_of(variable)
-    words: dict[int, object] = {number: word for word, number in flags.items()}
-    if flags == NO_YES:
-        words = {0: False, 1: True}
-    return [words[value] for value in values]
+        return list(variable.values.ravel().tolist())
+    words = words_of(variable)
+    return [word == "yes" for word in words] if flags_of(variable) == NO_YES else words
