@@ -281,12 +281,74 @@ def test_a_machine_in_si_units(page):
 
 def test_a_bad_value_is_told_and_the_page_lives_on(page):
     page.type("#field-zeta", -1)
-    said = page.until("document.getElementById('trouble').textContent")
+    said = page.until("document.getElementById('message').textContent")
     assert said == "zeta must be zero or positive, got -1.0"
+    greyed = page.until("document.querySelectorAll('.stale').length")
+    assert greyed == 3  # the panels of the rotor, the response and the words
+    assert page.find("#old").is_displayed()
     page.type("#field-zeta", 0.1)
     page.settle()
     assert page.facts("motion")["rotor"]["zeta"] == 0.1
     assert not page.find("#trouble").is_displayed()
+    assert page.run("return document.querySelectorAll('.stale').length") == 0
+
+
+def test_a_second_clearance_that_is_refused_leaves_the_first_rotor_as_it_is(page):
+    page.find("#beside").click()
+    page.settle()
+    page.settle(side=1)
+    page.type("#field-second", -1)
+    page.until("document.getElementById('message').textContent.includes('delta0 must be')")
+    page.until("rotorIda.shown[0].motion.number === rotorIda.asked")
+    stale = "Array.from(document.querySelectorAll('.side'), (each) => each.matches('.stale'))"
+    page.until(f"String({stale}) === 'false,true'")
+    assert page.find("#trouble").is_displayed()
+
+
+def test_a_start_far_off_is_refused_by_its_own_name(page):
+    page.type("#start-x", 9e5)
+    page.settle()
+    assert page.facts("motion")["start"][0] == 9e5
+    page.type("#start-x", 2e6)
+    said = page.until("document.getElementById('message').textContent")
+    assert said == "start x must lie within 1e+06 of zero, got 2000000.0"
+
+
+def test_a_speed_at_which_nothing_can_settle_is_told_beside_its_run(page):
+    page.type("#field-omega", 1e-5)
+    page.settle()
+    page.until("document.getElementById('words').textContent.includes('omega must be 0 or from')")
+    assert page.run("return document.querySelectorAll('.stale').length") == 0
+
+
+def test_a_rotor_without_spin_is_said_to_come_to_rest(page):
+    page.type("#field-omega", 0)
+    page.settle("settled")
+    page.until("document.getElementById('words').textContent.includes('It comes to rest')")
+
+
+def test_the_speed_of_a_machine_goes_on_from_where_it_is_when_its_mass_has_moved(page):
+    page.find('[name="units"][value="si"]').click()
+    page.type("#field-mass", 16)
+    page.settle()
+    rate = page.facts("motion")["scales"]["rate"]
+    slider = page.find("#slider-speed")
+    assert float(slider.get_attribute("value")) == pytest.approx(1000 / rate, abs=0.005)
+    slider.send_keys(Keys.ARROW_RIGHT)
+    assert page.state()["speed"] == pytest.approx(1000 + 0.01 * rate, rel=1e-3)
+
+
+@pytest.mark.parametrize("beyond", [2.0013, 7.3])
+def test_arrows_step_from_the_value_that_was_typed(page, beyond):
+    page.type("#field-omega", beyond)
+    page.find("#field-omega").send_keys(Keys.ARROW_UP, Keys.ARROW_UP, Keys.ARROW_DOWN)
+    assert page.state()["omega"] == pytest.approx(beyond + 0.005, abs=1e-12)
+    page.find("#slider-omega").send_keys(Keys.ARROW_LEFT)
+    assert page.state()["omega"] == pytest.approx(beyond, abs=1e-12)
+    page.find("#start-vx").send_keys(Keys.ARROW_DOWN)
+    assert page.state()["vx"] == -0.05
+    page.settle()
+    assert page.facts("motion")["start"] == [0, 0, -0.05, 0]
 
 
 def test_without_damping_there_is_a_motion_and_no_basin(page):
@@ -509,6 +571,7 @@ def test_a_lost_connection_is_told(chromium):
     page = Page(chromium, address)
     ended(process)
     page.until("document.getElementById('connection').textContent.startsWith('No answer')")
+    assert page.run("return document.querySelectorAll('.stale').length") == 3
     chromium.get("about:blank")
     chromium.get_log("browser")  # the browser notes that it could not connect
 

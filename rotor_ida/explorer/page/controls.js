@@ -36,6 +36,18 @@ export function written(value) {
   return value === 0 || (size >= 1e-3 && size < 1e6) ? String(value) : value.toExponential().replace("e+", "e");
 }
 
+/** Call `step` with 1 or -1 when an arrow key goes up or down, with 10 or -10 with Shift. */
+export function onArrows(element, keys, step) {
+  element.addEventListener("keydown", (event) => {
+    const sign = keys[event.key];
+    if (!sign || event.ctrlKey || event.altKey || event.metaKey) return;
+    event.preventDefault();
+    step(sign * (event.shiftKey ? 10 : 1), event);
+  });
+}
+export const UP_AND_DOWN = { ArrowUp: 1, ArrowDown: -1 };
+const ALL_ARROWS = { ...UP_AND_DOWN, ArrowRight: 1, ArrowLeft: -1 };
+
 /** A slider with a number field; both change `state[key]` and call `changed`. */
 function control(key, parameter, changed) {
   const box = Object.assign(document.createElement("div"), { className: "control" });
@@ -48,28 +60,44 @@ function control(key, parameter, changed) {
   range.setAttribute("aria-label", `${name}${unit ? `, ${unit}` : ""}`);
   Object.assign(range, { min: slider.min, max: slider.max, step: slider.step });
   box.append(label, field, range);
+  const write = () => (field.value = written(state[key]));
+  const place = () => {
+    range.value = slider.toSlider(state[key]);
+    range.setAttribute("aria-valuetext", `${state[key]} ${unit}`.trim());
+  };
   range.addEventListener("input", (event) => {
     state[key] = slider.fromSlider(Number(range.value));
-    field.value = written(state[key]);
+    write();
     changed(key, event);
   });
   field.addEventListener("input", (event) => {
     if (field.value === "" || !Number.isFinite(field.valueAsNumber)) return;
     state[key] = field.valueAsNumber;
-    range.value = slider.toSlider(state[key]);
     changed(key, event);
   });
+  // from where the value is, which may lie between the steps of the slider or beyond its end
+  const step = (count, event) => {
+    const next = slider.toSlider(state[key]) + count * slider.step;
+    state[key] = slider.fromSlider(Number(Math.max(next, slider.min).toPrecision(12)));
+    write();
+    changed(key, event);
+  };
+  onArrows(range, ALL_ARROWS, step);
+  onArrows(field, UP_AND_DOWN, step);
   const show = () => {
-    if (document.activeElement !== field) field.value = written(state[key]);
-    range.value = slider.toSlider(state[key]);
-    range.setAttribute("aria-valuetext", `${state[key]} ${unit}`.trim());
+    if (document.activeElement !== field) write();
+    place();
   };
   return { box, show };
 }
 
 export class Controls {
   constructor(changed) {
-    this.changed = changed;
+    // what one slider means may hang on the value of another
+    this.changed = (key, event) => {
+      this.show();
+      changed(key, event);
+    };
     this.build();
   }
 

@@ -1,7 +1,7 @@
 // The page: what is moved becomes a question, what is answered becomes a picture.
 
 import { Live, Recorded } from "./connection.js";
-import { Controls, written } from "./controls.js";
+import { Controls, UP_AND_DOWN, onArrows, written } from "./controls.js";
 import { forgetColours } from "./plot.js";
 import { Response, SPEEDS } from "./response.js";
 import { Side } from "./side.js";
@@ -16,6 +16,10 @@ const NAMES = {
   damping: "damping [N s/m]", eccentricity: "eccentricity [m]", clearance: "clearance [m]",
 };
 const KEY = "rotor-ida-key";
+// No start lies further from the axis.
+const FURTHEST = 1e6;
+// An arrow key moves a component of the start so far.
+const STEP_OF_START = 0.05;
 const recorded = $("recorded") && JSON.parse($("recorded").textContent);
 
 // What is shown: by side, the number of the newest question and what its run begins with.
@@ -86,16 +90,14 @@ let released = true; // whether the start itself was moved, so that all begin th
 function reach(side) {
   const delta0 = inSI() ? machine(side).clearance / machine(side).eccentricity : machine(side).delta0;
   const start = Math.max(...START.map((name) => Math.abs(state[name])));
-  return roundUp(Math.max(8, 2.5 * delta0, 1.2 * start));
+  return Math.min(roundUp(Math.max(8, 2.5 * delta0, 1.2 * start)), FURTHEST);
 }
 
 // answers
 
 function answered(answer) {
   if (answer.part === "mistake" || answer.part === "trouble") {
-    const { message } = answer.facts;
-    if (answer.about === "starts") sides[answer.side]?.noBasin(message);
-    else complain(message);
+    refused(answer);
     return;
   }
   if (answer.part === "file") {
@@ -108,12 +110,43 @@ function answered(answer) {
   if (answer.part !== "motion" && answer.part !== "curve" && answer.number < number) return;
   shown[answer.part] = answer;
   if (answer.part === "motion") {
-    complain("");
+    showStale();
     if (state.from === "here") released = false;
   }
   sides[answer.side].take(answer);
   response.take(answer);
   drawSoon(`${answer.side} ${answer.part}`);
+}
+
+/** Take what could not be answered: a question whole, or one of its parts. */
+function refused({ part, about, side, number: asked = number, facts: { message } }) {
+  if (about === "starts") sides[side]?.noBasin(message);
+  else if (about === "responses") {
+    page.shown[side].unsettled = { number: asked, message };
+    if (!later.size) setTimeout(() => requestAnimationFrame(drawRest), LATER);
+    later.add(`${side} settled`);
+  } else {
+    complain(message);
+    if (part === "mistake" || about === "motion") lose(asked);
+  }
+}
+
+/** Note that what was asked is not answered: what is shown belongs to older values. */
+function lose(asked) {
+  lost = asked;
+  showStale();
+}
+let lost = 0; // number of the newest question that was refused
+
+/** Grey out the panels of a rotor that is no longer the one that was asked about. */
+function showStale() {
+  const stale = sides.map((_, place) => (page.shown[place].motion?.number ?? 0) < lost);
+  stale.forEach((each, place) => $("sides").children[place].classList.toggle("stale", each));
+  const some = stale.includes(true);
+  document.querySelector('[data-panel="response"]').classList.toggle("stale", some);
+  $("words").classList.toggle("stale", some);
+  $("old").hidden = !some;
+  if (!some) complain("");
 }
 
 /** Draw what a slider is moved for, and what is new on the plane of starts. The rest comes later. */
@@ -196,7 +229,7 @@ function showWords() {
   const box = $("words");
   const parts = [];
   sides.forEach((_, place) => {
-    const { motion, settled, note } = page.shown[place];
+    const { motion, settled, note, unsettled } = page.shown[place];
     if (!motion) return;
     const { rotor } = motion.facts;
     const clearance = `Clearance ${withUnit(motion.facts.scales, "length", rotor.delta0)}`;
@@ -204,6 +237,7 @@ function showWords() {
     parts.push(["h2", sides.length > 1 ? clearance : "What it does", ""]);
     const fresh = settled && settled.number === motion.number;
     if (fresh) settled.facts.words.forEach((text, line) => parts.push(["p", text, line ? "" : "lead"]));
+    else if (unsettled?.number === motion.number) parts.push(["p", `What it settles on is not known: ${unsettled.message.replace(/\.$/, "")}.`, ""]);
     else if (rotor.zeta === 0) parts.push(["p", "Without damping nothing settles.", "lead"]);
     else parts.push(["p", "Following it until it settles …", "waiting"]);
     if (note?.number === motion.number) parts.push(["p", note.facts.message, ""]);
@@ -234,7 +268,7 @@ function errorOf(motion) {
 }
 
 function complain(text) {
-  $("trouble").textContent = text;
+  $("message").textContent = text;
   $("trouble").hidden = !text;
 }
 
@@ -294,13 +328,14 @@ function choose(name, value) {
 }
 
 function showStart() {
-  for (const [place, name] of START.entries()) {
+  for (const name of START) {
     const field = $(`start-${name}`);
-    const value = starts[0][place] * unitOf(name);
-    if (document.activeElement !== field) field.value = written(Number(value.toPrecision(6)));
+    if (document.activeElement !== field) field.value = writtenStart(name);
   }
   $("start-units").textContent = inSI() ? "Start [m], [m/s]" : "Start";
 }
+
+const writtenStart = (name) => written(Number((starts[0][START.indexOf(name)] * unitOf(name)).toPrecision(6)));
 
 /** Return what a dimensionless 1 of a component of the start is as its field shows it. */
 function unitOf(name) {
@@ -345,10 +380,16 @@ function listen() {
     const field = Object.assign(document.createElement("input"), { type: "number", step: "any", id: `start-${name}` });
     label.append(name, field);
     $("start").append(label);
-    field.addEventListener("change", () => {
-      if (!Number.isFinite(field.valueAsNumber)) return;
-      state[name] = Number((field.valueAsNumber / unitOf(name)).toPrecision(12));
+    const put = (value) => {
+      state[name] = Number(value.toPrecision(12));
       release();
+    };
+    field.addEventListener("change", () => {
+      if (Number.isFinite(field.valueAsNumber)) put(field.valueAsNumber / unitOf(name));
+    });
+    onArrows(field, UP_AND_DOWN, (count) => {
+      put(starts[0][START.indexOf(name)] + count * STEP_OF_START);
+      field.value = writtenStart(name);
     });
   }
   $("rest").addEventListener("click", () => {
@@ -439,8 +480,14 @@ function begin() {
   else {
     starts = [START, SECOND_START].map((names) => names.map((name, place) => state[name] ?? state[START[place]]));
     history.replaceState(null, "", address(starts));
-    connection = new Live(keyKept(), { answered, opened: () => ask({ again: true }), said: (text) => ($("connection").textContent = text) });
+    connection = new Live(keyKept(), { answered, opened: () => ask({ again: true }), said });
   }
+}
+
+/** Say how the connection is; without one, nothing is answered any more. */
+function said(text) {
+  $("connection").textContent = text;
+  if (text && number) lose(number + 1);
 }
 
 /** Offer the speeds and the courses that are recorded, and show the one that was asked for. */
