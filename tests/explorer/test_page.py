@@ -495,6 +495,55 @@ def test_files_are_saved(page):
     assert (made / "run.svg").exists()
 
 
+def test_the_speed_of_a_machine_is_shown_in_turns_a_minute(page):
+    page.find('[name="units"][value="si"]').click()
+    page.type("#speed-unit", "rpm")
+    field = page.find("#field-speed")
+    shown = page.state()["speed"] * 30 / np.pi
+    assert float(field.get_attribute("value")) == pytest.approx(shown, rel=1e-7)
+    page.type("#field-speed", 3000)
+    page.settle()
+    assert page.state()["speed"] == pytest.approx(100 * np.pi, rel=1e-15)
+    told = page.facts("motion")
+    assert told["rotor"]["omega"] * told["scales"]["rate"] == pytest.approx(100 * np.pi)
+    curve = page.find('[data-panel="response"] .u-over')
+    ActionChains(page.driver).move_to_element(curve).click().perform()
+    page.settle()
+    assert page.facts("motion")["rotor"]["omega"] == pytest.approx(2.0, abs=0.02)
+    page.until("location.hash.includes('speedIn=rpm')")
+
+
+def test_states_are_gone_back_to_and_forward(page):
+    for name, value in {"omega": 1.5, "delta0": 1.25}.items():
+        page.type(f"#field-{name}", value)
+        page.until(f"location.hash.includes('{name}={value}')")
+        time.sleep(1.1)
+    page.find("#beside").click()
+    page.until("location.hash.includes('second=')")
+    page.driver.back()
+    page.until("rotorIda.state.second === null")
+    page.find("#undo").click()
+    page.until("rotorIda.state.delta0 === 2")
+    page.settle()
+    assert page.facts("motion")["rotor"] == {"omega": 1.5, "zeta": 0.07, "delta0": 2.0}
+    page.find("body").send_keys(Keys.CONTROL, "z")
+    page.until("rotorIda.state.omega === 2 && document.getElementById('undo').disabled")
+    for _ in range(3):
+        page.find("#redo").click()
+        time.sleep(0.1)
+    page.until("rotorIda.state.second === 0.625 && document.getElementById('redo').disabled")
+    assert page.find("#beside").is_selected()
+    assert float(page.find("#field-omega").get_attribute("value")) == 1.5
+
+
+@pytest.mark.parametrize("omega", [0.02, 7.3])
+def test_the_response_reaches_as_far_as_the_rotor(page, omega):
+    page.type("#field-omega", omega)
+    page.settle()
+    curve = page.array("curve", "omega")
+    assert np.nanmin(curve) < omega < np.nanmax(curve)
+
+
 def test_dark_and_light(page):
     paper = "getComputedStyle(document.body).backgroundColor"
     before = page.run(f"return {paper}")

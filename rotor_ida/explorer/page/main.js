@@ -3,10 +3,10 @@
 import { Live, Recorded } from "./connection.js";
 import { Controls, UP_AND_DOWN, onArrows, written } from "./controls.js";
 import { forgetColours } from "./plot.js";
-import { Response, SPEEDS } from "./response.js";
+import { Response, speedsAround } from "./response.js";
 import { Side } from "./side.js";
-import { SECOND_START, START, address, inSI, machine, readAddress, referenceFrequency, state, toDimensionless, toSI } from "./state.js";
-import { roundUp, told, withUnit } from "./units.js";
+import { SECOND_START, START, address, inSI, machine, readAddress, referenceFrequency, state, tellsOfRotor, toDimensionless, toSI } from "./state.js";
+import { SPEED_UNITS, roundUp, told, withUnit } from "./units.js";
 
 const $ = (id) => document.getElementById(id);
 const PANELS = ["motion", "responses", "starts"];
@@ -18,6 +18,8 @@ const NAMES = {
 const KEY = "rotor-ida-key";
 // No start lies further from the axis.
 const FURTHEST = 1e6;
+// What is moved again within so many milliseconds is one movement, which is undone at once.
+const ONE_MOVEMENT = 1000;
 // An arrow key moves a component of the start so far.
 const STEP_OF_START = 0.05;
 const recorded = $("recorded") && JSON.parse($("recorded").textContent);
@@ -45,11 +47,13 @@ let moveTo = (speed) => {
   controls.show();
   ask();
 };
-const response = new Response(document.querySelector('[data-panel="response"] .plot'), (speed, rate) => {
-  const low = SPEEDS[0] * rate;
-  moveTo(Math.max(Number(speed.toPrecision(4)), low));
+const response = new Response(document.querySelector('[data-panel="response"] .plot'), (speed, low) => {
+  moveTo(Math.max(Number(speed.toPrecision(4)), low) / (inSI() ? SPEED_UNITS[state.speedIn] : 1));
 });
-const controls = new Controls((name, event) => ask({ event, name }));
+const controls = new Controls((name, event) => ask({ event, name }), () => {
+  response.show();
+  keepAddress();
+});
 let connection = null;
 
 // questions
@@ -76,9 +80,12 @@ function ask({ event, again = false } = {}) {
 function question(side) {
   return {
     number, side, machine: machine(side), start: starts[side],
-    revolutions: state.revolutions, speeds: SPEEDS, reach: reach(side),
+    revolutions: state.revolutions, speeds: speedsAround(speedOf(state)), reach: reach(side),
   };
 }
+
+/** Return the speed without dimensions. */
+const speedOf = ({ omega, speed }) => (inSI() ? speed / referenceFrequency() : omega);
 
 /** Return where the next run of a side begins: at the start, or where the last one ended. */
 function startOf(side) {
@@ -275,12 +282,46 @@ function complain(text) {
 // the address, and files
 
 let keeping = null;
+let movedLast = -Infinity, isNew = false;
+const depth = () => history.state?.depth ?? 0;
+let newest = 0;
+
+/** Keep the state in the address; what was there before a movement can be gone back to. */
 function keepAddress() {
+  const now = performance.now();
+  if (now - movedLast > ONE_MOVEMENT) isNew = true;
+  movedLast = now;
   if (recorded || keeping) return;
   keeping = setTimeout(() => {
     keeping = null;
-    history.replaceState(null, "", address(starts));
+    const next = address(starts);
+    if (next === location.hash) return;
+    if (isNew) history.pushState({ depth: depth() + 1 }, "", next);
+    else history.replaceState({ depth: depth() }, "", next);
+    if (isNew) newest = depth();
+    isNew = false;
+    showUndo();
   }, 250);
+}
+
+/** Show the state that the address has, after the browser has gone back or forward to it. */
+function goBack() {
+  if (!tellsOfRotor(location.hash)) return;
+  if (running) run(running.direction);
+  clearTimeout(keeping);
+  keeping = null;
+  readAddress(location.hash);
+  response.forgetTrail();
+  showState();
+  showTheme();
+  ask({ again: true });
+  isNew = false;
+  showUndo();
+}
+
+function showUndo() {
+  $("undo").disabled = depth() === 0;
+  $("redo").disabled = depth() >= newest;
 }
 
 function keepFile(answer) {
@@ -310,8 +351,10 @@ function stepSpeed() {
   if (page.drawn < number) return; // the rotor has not come there yet
   const name = inSI() ? "speed" : "omega";
   const scale = inSI() ? page.shown[0].motion.facts.scales.rate : 1;
-  const next = state[name] / scale + running.direction * state.step;
-  if (next < SPEEDS[0] || next > SPEEDS[1]) {
+  const here = state[name] / scale;
+  const next = here + running.direction * state.step;
+  const [low, high] = speedsAround(Math.max(here, 1));
+  if (next < low || next > high) {
     run(running.direction);
     return;
   }
@@ -397,7 +440,6 @@ function listen() {
     release();
   });
   for (const name of ["revolutions", "step", "rate"]) {
-    $(name).value = state[name];
     $(name).addEventListener("change", () => {
       if (!(($(name).valueAsNumber) > 0)) return;
       state[name] = $(name).valueAsNumber;
@@ -427,6 +469,15 @@ function listen() {
     buildSides();
     starts[1] = starts[0];
     ask();
+  });
+  $("undo").addEventListener("click", () => history.back());
+  $("redo").addEventListener("click", () => history.forward());
+  addEventListener("popstate", goBack);
+  addEventListener("keydown", (event) => {
+    const typing = event.target.matches?.('input[type="number"]');
+    if (typing || event.key.toLowerCase() !== "z" || !(event.ctrlKey || event.metaKey)) return;
+    event.preventDefault();
+    $(event.shiftKey ? "redo" : "undo").click();
   });
   $("up").addEventListener("click", () => run(1));
   $("down").addEventListener("click", () => run(-1));
@@ -469,19 +520,27 @@ function begin() {
   document.body.classList.toggle("is-recorded", Boolean(recorded));
   const key = readAddress(location.hash);
   if (key) sessionStorage.setItem(KEY, key);
-  choose("from", state.from);
-  for (const radio of document.querySelectorAll('input[name="units"]')) radio.checked = (radio.value === "si") === inSI();
-  $("beside").checked = state.second !== null;
-  controls.build();
   listen();
-  buildSides();
+  showState();
   showTheme();
   if (recorded) beginRecorded();
   else {
-    starts = [START, SECOND_START].map((names) => names.map((name, place) => state[name] ?? state[START[place]]));
-    history.replaceState(null, "", address(starts));
+    newest = depth();
+    history.replaceState({ depth: newest }, "", address(starts));
+    showUndo();
     connection = new Live(keyKept(), { answered, opened: () => ask({ again: true }), said });
   }
+}
+
+/** Show the state everywhere it can be changed. */
+function showState() {
+  choose("from", state.from);
+  for (const radio of document.querySelectorAll('input[name="units"]')) radio.checked = (radio.value === "si") === inSI();
+  $("beside").checked = state.second !== null;
+  for (const name of ["revolutions", "step", "rate"]) $(name).value = state[name];
+  starts = [START, SECOND_START].map((names) => names.map((name, i) => state[name] ?? state[START[i]]));
+  controls.build();
+  buildSides();
 }
 
 /** Say how the connection is; without one, nothing is answered any more. */
