@@ -21,33 +21,17 @@ CHANGES = ("fold", "period_doubling")
 
 @dataclass(frozen=True, slots=True)
 class Course:
-    """The points of a branch with its special points in their places.
+    """The n points of a branch with its special points in their places."""
 
-    Parameters
-    ----------
-    value : ndarray, shape (n,)
-        The continued parameter [1].
-    low, high : ndarray, shape (n,)
-        Smallest and largest radius, in the units of the branch.
-    stability, response : list of str, length n - 1
-        What the cycles between each two points are.
-    """
-
-    value: Values
-    low: Values
-    high: Values
-    stability: list[str]
+    value: Values  # the continued parameter [1]
+    low: Values  # smallest radius, in the units of the branch
+    high: Values  # largest radius
+    stability: list[str]  # n - 1 words: what the cycles between each two points are
     response: list[str]
 
 
 def parameters_of(name: str, dataset: xr.Dataset, attribute: str, number: int) -> list[str]:
-    """Return the parameters that vary along a branch or curve, as one of its attributes tells.
-
-    Raises
-    ------
-    InputError
-        If it does not.
-    """
+    """Return the parameters that vary along a branch or curve, as one of its attributes tells."""
     told = dataset.attrs.get(attribute, "")
     words = str(told).split()
     if len(words) != number or not set(words) <= set(PARAMETERS):
@@ -58,18 +42,7 @@ def parameters_of(name: str, dataset: xr.Dataset, attribute: str, number: int) -
 
 
 def course_of(branch: xr.Dataset) -> Course:
-    """Return the course of a branch.
-
-    Parameters
-    ----------
-    branch : Dataset
-        What `rotor_ida.continue_cycle` returned.
-
-    Raises
-    ------
-    InputError
-        If it does not say which parameter was continued.
-    """
+    """Return the course of a branch, as `rotor_ida.continue_cycle` returned it."""
     (parameter,) = parameters_of("branch", branch, "parameter", 1)
     told, stability = _beside_halves(branch), words_of(branch["stability"])
     response, kinds = words_of(branch["response"]), words_of(told["special_kind"])
@@ -112,17 +85,7 @@ def runs_of(told: Sequence[object]) -> list[tuple[int, int]]:
 
 
 def stable_ranges(branch: xr.Dataset) -> list[tuple[float, float]]:
-    """Return the ranges of the continued parameter over which a branch is stable, along it.
-
-    Parameters
-    ----------
-    branch : Dataset
-        What `rotor_ida.continue_cycle` returned.
-
-    Returns
-    -------
-    list of tuple of float
-        Least and largest value of each stable part [1].
+    """Return the ranges of the continued parameter [1] over which a branch is stable, along it.
 
     Examples
     --------

@@ -128,11 +128,9 @@ def origin(dataset: xr.Dataset) -> RenderableType:
 
 
 def _run(dataset: xr.Dataset, most: int | None) -> Description:
-    attributes = attributes_of(dataset)
+    about = _about(dataset)
     parameters: Record = {name: float(dataset[name]) for name in PARAMETERS}
-    parameters |= {
-        name: attributes.pop(name) for name in ("start", "duration") if name in attributes
-    }
+    parameters |= {name: about.pop(name) for name in ("start", "duration") if name in about}
     scalars = {name: value_of(dataset, name) for name in names_on(dataset)}
     events = rows_of(dataset, names_on(dataset, "event"))
     contacts = rows_of(dataset, names_on(dataset, "contact"))
@@ -142,7 +140,7 @@ def _run(dataset: xr.Dataset, most: int | None) -> Description:
         **scalars,
         "events": events,
         "contacts": contacts,
-        **{name: entry for name, entry in attributes.items() if name not in PARAMETERS},
+        **about,
     }
     summary = {
         **parameters,
@@ -191,8 +189,7 @@ def _kinds(dataset: xr.Dataset) -> list[Record]:
         here = numbers == kind
         row: Record = {"response": words[kind], "points": int(here.sum())}
         for name in RANGES:
-            values = dataset[name].broadcast_like(response).transpose(*response.dims).values[here]
-            row[name] = _span(values, 6)
+            row[name] = _span(_spread(dataset, name, response).values[here], 6)
         rows.append(row)
     return rows
 
@@ -212,9 +209,7 @@ def _attractors(dataset: xr.Dataset, most: int | None) -> Description:
         parts += _rows("Kinds of response", rows_of(dataset, SHARE), SHARE, most, digits=6)
     else:
         record["grid"] = {name: dataset.sizes[name] for name in dataset["label"].dims}
-    attributes = attributes_of(dataset)
-    told = {name: entry for name, entry in attributes.items() if name not in PARAMETERS}
-    return record | told, [*parts, pairs("Starts", counts)]
+    return record | _about(dataset), [*parts, pairs("Starts", counts)]
 
 
 def _atlas(dataset: xr.Dataset, most: int | None) -> Description:
@@ -228,9 +223,8 @@ def _atlas(dataset: xr.Dataset, most: int | None) -> Description:
         kinds = sorted({words[kind] for kind in own["kind"].values[here].tolist()})
         row: Record = {"attractor": number, "kind": ", ".join(kinds), "points": int(here.sum())}
         for name in PARAMETERS:
-            places = dataset[name].broadcast_like(fraction).transpose(*fraction.dims).values[here]
             if dataset[name].size > 1:
-                row[name] = _span(places, 6)
+                row[name] = _span(_spread(dataset, name, fraction).values[here], 6)
         row["fraction"] = _span(fraction.values[here], 3)
         row["radius_max"] = _span(own["radius_max"].values[here], 6)
         if SHOCK[0] in own:
@@ -244,7 +238,7 @@ def _atlas(dataset: xr.Dataset, most: int | None) -> Description:
         "largest_undecided_fraction": float(dataset["undecided_fraction"].max()),
     }
     scalars = {name: record[name] for name in ("missed_fraction", "largest_undecided_fraction")}
-    told = {name: entry for name, entry in attributes_of(dataset).items() if name not in PARAMETERS}
+    told = _about(dataset)
     if isinstance(given := told.get("starts"), list):  # the archive holds them, row after row
         told["starts"] = len(given) // len(COMPONENTS)
     columns = list(rows[0]) if rows else []
@@ -279,8 +273,7 @@ def _touchdown(dataset: xr.Dataset, most: int | None) -> Description:
         record["smallest_shocks"] = list(shocks.values())
         parts += _rows("Smallest shocks", told, list(told[0]) if told else [], most, digits=5)
     parts.append(pairs("Machine", {name: scalars[name] for name in OF_MACHINE if name in scalars}))
-    about = attributes_of(dataset)
-    return record | {name: about[name] for name in about if name not in PARAMETERS}, parts
+    return record | _about(dataset), parts
 
 
 def _shocks(dataset: xr.Dataset) -> dict[tuple[int, int], Record]:
@@ -360,9 +353,9 @@ def _fold_rows(dataset: xr.Dataset, most: int | None) -> tuple[list[Record], lis
 
 
 def _cycle(dataset: xr.Dataset, most: int | None) -> Description:
-    attributes = attributes_of(dataset)
+    about = _about(dataset)
     parameters: Record = {name: float(dataset[name]) for name in PARAMETERS}
-    parameters["start"] = attributes.pop("start", None)
+    parameters["start"] = about.pop("start", None)
     scalars = {name: value_of(dataset, name) for name in names_on(dataset)}
     record: Record = {
         "kind": "cycle",
@@ -370,7 +363,7 @@ def _cycle(dataset: xr.Dataset, most: int | None) -> Description:
         **scalars,
         "multipliers": rows_of(dataset, MULTIPLIER),
         "lines": rows_of(dataset, LINE) if dataset.sizes["line"] else [],
-        **{name: entry for name, entry in attributes.items() if name not in PARAMETERS},
+        **about,
     }
     if dataset["period"].isnull():
         told = {**parameters, "response": scalars["response"]}
@@ -489,9 +482,7 @@ def rows_of(dataset: xr.Dataset, names: Sequence[str]) -> list[Record]:
     [{'stability': 'neutral', 'omega': 0.5}, {'stability': 'neutral', 'omega': 1.0}]
     """
     first = dataset[names[0]]
-    columns = []
-    for name in names:
-        columns.append(_values(dataset[name].broadcast_like(first).transpose(*first.dims)))
+    columns = [_values(_spread(dataset, name, first)) for name in names]
     return [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)]
 
 
@@ -520,6 +511,17 @@ def attributes_of(dataset: xr.Dataset) -> Record:
     if versions:
         record["versions"] = versions
     return {**plain, **record}
+
+
+def _about(dataset: xr.Dataset) -> Record:
+    """Return what the attributes of a dataset say beside its parameters."""
+    attributes = attributes_of(dataset)
+    return {name: entry for name, entry in attributes.items() if name not in PARAMETERS}
+
+
+def _spread(dataset: xr.Dataset, name: str, other: xr.DataArray) -> xr.DataArray:
+    """Return a variable on the dimensions of another."""
+    return dataset[name].broadcast_like(other).transpose(*other.dims)
 
 
 def _values(variable: xr.DataArray) -> list[Any]:
