@@ -231,6 +231,24 @@ def check_axis(
     return axis + 0.0
 
 
+def check_increasing(name: str, axis: Values, where: str = "") -> Values:
+    """Return `axis` if its numbers increase; `where` says in which case they must.
+
+    Examples
+    --------
+    >>> check_increasing("omega", np.array([1.0, 2.0, 1.5]), "in a sweep up")
+    Traceback (most recent call last):
+    ...
+    rotor_ida.errors.InputError: omega must increase in a sweep up, got 1.5 after 2.0
+    """
+    falls = np.flatnonzero(np.diff(axis) <= 0.0)
+    if falls.size:
+        before, after = axis[falls[0] : falls[0] + 2].tolist()
+        words = f"increase {where}".rstrip()
+        raise InputError(f"{name} must {words}, got {after!r} after {before!r}")
+    return axis
+
+
 def check_points(*axes: Sized, most: int = MOST_NUMBERS) -> None:
     """Refuse a grid of too many points."""
     points = math.prod(len(axis) for axis in axes)

@@ -413,3 +413,15 @@ def flags_of(variable: xr.DataArray) -> dict[str, int]:
     words = str(variable.attrs["flag_meanings"]).split()
     numbers = np.atleast_1d(variable.attrs["flag_values"]).tolist()
     return dict(zip(words, numbers, strict=True))
+
+
+def words_of(variable: xr.DataArray) -> list[str]:
+    """Return the values of a flag variable as words, one after the other.
+
+    Examples
+    --------
+    >>> words_of(xr.DataArray(labelled("event_kind", "event", [1, -1])))
+    ['entry', 'exit']
+    """
+    words = {number: word for word, number in flags_of(variable).items()}
+    return [words[number] for number in variable.values.ravel().tolist()]

@@ -13,7 +13,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import PARAMETERS
-from rotor_ida.schema import flags_of
+from rotor_ida.schema import words_of
 
 # At each of these a cycle that was stable is so no more, or the other way round.
 CHANGES = ("fold", "period_doubling")
@@ -21,33 +21,17 @@ CHANGES = ("fold", "period_doubling")
 
 @dataclass(frozen=True, slots=True)
 class Course:
-    """The points of a branch with its special points in their places.
+    """The n points of a branch with its special points in their places."""
 
-    Parameters
-    ----------
-    value : ndarray, shape (n,)
-        The continued parameter [1].
-    low, high : ndarray, shape (n,)
-        Smallest and largest radius, in the units of the branch.
-    stability, response : list of str, length n - 1
-        What the cycles between each two points are.
-    """
-
-    value: Values
-    low: Values
-    high: Values
-    stability: list[str]
+    value: Values  # the continued parameter [1]
+    low: Values  # smallest radius, in the units of the branch
+    high: Values  # largest radius
+    stability: list[str]  # n - 1 words: what the cycles between each two points are
     response: list[str]
 
 
 def parameters_of(name: str, dataset: xr.Dataset, attribute: str, number: int) -> list[str]:
-    """Return the parameters that vary along a branch or curve, as one of its attributes tells.
-
-    Raises
-    ------
-    InputError
-        If it does not.
-    """
+    """Return the parameters that vary along a branch or curve, as one of its attributes tells."""
     told = dataset.attrs.get(attribute, "")
     words = str(told).split()
     if len(words) != number or not set(words) <= set(PARAMETERS):
@@ -58,21 +42,10 @@ def parameters_of(name: str, dataset: xr.Dataset, attribute: str, number: int) -
 
 
 def course_of(branch: xr.Dataset) -> Course:
-    """Return the course of a branch.
-
-    Parameters
-    ----------
-    branch : Dataset
-        What `rotor_ida.continue_cycle` returned.
-
-    Raises
-    ------
-    InputError
-        If it does not say which parameter was continued.
-    """
+    """Return the course of a branch, as `rotor_ida.continue_cycle` returned it."""
     (parameter,) = parameters_of("branch", branch, "parameter", 1)
-    told, stability = _beside_halves(branch), _words(branch["stability"])
-    response, kinds = _words(branch["response"]), _words(told["special_kind"])
+    told, stability = _beside_halves(branch), words_of(branch["stability"])
+    response, kinds = words_of(branch["response"]), words_of(told["special_kind"])
     points, specials = branch.sizes["point"], told.sizes["special"]
     places = np.concatenate([np.arange(points), told["special_point"].values])
     order = np.argsort(places, kind="stable")  # a point stands before the special ones behind it
@@ -112,17 +85,7 @@ def runs_of(told: Sequence[object]) -> list[tuple[int, int]]:
 
 
 def stable_ranges(branch: xr.Dataset) -> list[tuple[float, float]]:
-    """Return the ranges of the continued parameter over which a branch is stable, along it.
-
-    Parameters
-    ----------
-    branch : Dataset
-        What `rotor_ida.continue_cycle` returned.
-
-    Returns
-    -------
-    list of tuple of float
-        Least and largest value of each stable part [1].
+    """Return the ranges of the continued parameter [1] over which a branch is stable, along it.
 
     Examples
     --------
@@ -154,8 +117,3 @@ def _of_neighbours(branch: xr.Dataset, stability: list[str]) -> list[str]:
     first = inner[:1] if branch.attrs.get("first_end") == "halved" else stability[:1]
     last = inner[-1:] if branch.attrs.get("last_end") == "halved" else stability[-1:]
     return [*(first or stability[:1]), *inner, *(last or stability[-1:])]
-
-
-def _words(variable: xr.DataArray) -> list[str]:
-    words = {number: word for word, number in flags_of(variable).items()}
-    return [words[number] for number in variable.values.tolist()]

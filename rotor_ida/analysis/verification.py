@@ -1,36 +1,39 @@
-"""Compute an archived result again, from its own attributes, and hold it against the archive."""
+"""Compute an archived result again, from its own attributes, and hold it against the archive.
+
+On another machine the steps along a branch may fall elsewhere, so its points are not compared. What
+does not hang on the steps is: the special points, the ends, and where it is stable.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from rotor_ida.analysis.verified_cycles import (
-    NEEDED_OF_CYCLES,
-    cycles_again,
-    differences_of_cycles,
-)
+from rotor_ida.analysis.branch_course import course_of, parameters_of, stable_ranges
+from rotor_ida.arrays import Values
 from rotor_ida.atlas import continue_attractors
 from rotor_ida.basins import basin, basin_fractions
 from rotor_ida.checks import COMPONENTS
+from rotor_ida.cycles.bifurcation_curve import bifurcation_curve
+from rotor_ida.cycles.continue_cycle import branch_from
+from rotor_ida.cycles.guess import Guess
+from rotor_ida.cycles.limit_cycle import limit_cycle
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress
 from rotor_ida.parameters import PARAMETERS, Rotor
-from rotor_ida.schema import RESPONSE
+from rotor_ida.schema import RESPONSE, SPECIAL, words_of
 from rotor_ida.simulation.options import Method
 from rotor_ida.simulation.simulate import simulate
 from rotor_ida.steady_state.response import BOUNCING, CONTACT_FREE, FULL_CONTACT, SYNCHRONOUS
 from rotor_ida.sweeps.sweep import DIRECTIONS, sweep
 from rotor_ida.testing import assert_events_close
 
-STARTS = tuple(f"start_{name}" for name in COMPONENTS)
-RANGES = tuple(f"range_{name}" for name in COMPONENTS)
 HOW = ("rtol", "atol", "method", "flight")
-# What tells one response from another.
-NUMBERS = ("amplitude", "phase_lag", "radius_min", "radius_max")
 # Of which motions the numbers are those of the motion, not of one stretch of it.
 OF_MOTION = {
     **dict.fromkeys(("amplitude", "phase_lag"), (CONTACT_FREE, SYNCHRONOUS)),
@@ -39,26 +42,27 @@ OF_MOTION = {
         (CONTACT_FREE, SYNCHRONOUS, BOUNCING, FULL_CONTACT),
     ),
 }
-# Variables by which a kind of result is known, and attributes that it takes to compute it again.
-NEEDED = {
-    "run": (("event_time", "event_time_error", "t"), (*PARAMETERS, "start", "duration", *HOW)),
-    "sweep": (("event_count", "response", "direction", *STARTS, *PARAMETERS, *NUMBERS), HOW),
-    "basin": (
-        ("label", "settling_time", "kind", *COMPONENTS, *NUMBERS),
-        (*PARAMETERS, "labelling_rtol"),
-    ),
-    "basin_fractions": (
-        ("response_fraction", "count", "kind", *NUMBERS),
-        (*PARAMETERS, "labelling_rtol", "starts", "seed", *RANGES),
-    ),
-    "atlas": (
-        ("missed_fraction", "count", "kind", *PARAMETERS, *NUMBERS),
-        ("labelling_rtol", "starts"),
-    ),
-    **NEEDED_OF_CYCLES,
-}
-# How far these numbers may be off on another machine.
-CLOSE = 1e-6
+# Ends of a branch that do not hang on its steps.
+SHARP = ("limits", "closed", "halved", "start")
+# How far numbers may be off on another machine, relative to their size: those of responses, and
+# those of cycles. Lengths, forces and multipliers of cycles are of the size of 1.
+CLOSE, CLOSE_OF_CYCLES = 1e-6, 1e-8
+OF_SIZE_ONE = ("radius", "largest_force", "multiplier")
+
+# How many were compared, and how far they differ; and the first difference in words.
+Verdict = tuple[dict[str, object], str]
+# What is compared of cycles, by name.
+Facts = dict[str, object]
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """How results of a kind are known, computed again, and compared."""
+
+    variables: tuple[str, ...]  # by which it is known
+    attributes: tuple[str, ...]  # that it takes to compute it again
+    again: Callable[[xr.Dataset, int | None, Progress | None], xr.Dataset]
+    compared: Callable[[xr.Dataset, xr.Dataset], Verdict]
 
 
 def rerun(
@@ -105,17 +109,7 @@ def rerun(
         dataset = _by(dataset, kind, method)
     if "time_scale" in dataset.attrs:
         raise InputError("a result in SI units cannot be verified: verify the dimensionless one")
-    if kind == "run":
-        return _run(dataset)
-    if kind in NEEDED_OF_CYCLES:
-        return cycles_again(dataset, kind, progress)
-    again: dict[str, Callable[..., xr.Dataset]] = {
-        "sweep": _sweep,
-        "basin": _basin,
-        "basin_fractions": _basin_fractions,
-        "atlas": _atlas,
-    }
-    return again[kind](dataset, workers=workers, progress=progress)
+    return KINDS[kind].again(dataset, workers, progress)
 
 
 def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
@@ -143,29 +137,20 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
     >>> differences(rerun(run), run)["agrees"]
     True
     """
-    kind = _kind_of(archived)
-    if kind in NEEDED_OF_CYCLES:
-        found = differences_of_cycles(again, archived, kind)
-    elif kind == "run":
-        found = _of_events(again, archived)
-    else:
-        found = _of_responses(again, archived, kind)
-    return found | {"core": _core_of(again, archived)}
-
-
-def _core_of(again: xr.Dataset, archived: xr.Dataset) -> str:
-    """Return in words whether the core that computed both is the same, of which bits depend."""
+    counts, trouble = KINDS[_kind_of(archived)].compared(again, archived)
+    # on the core the last bits depend
     same = again.attrs.get("core_sources") == archived.attrs.get("core_sources")
-    return "the same" if same else "another than that of the archive"
+    core = "the same" if same else "another than that of the archive"
+    return {"agrees": not trouble, **counts, "trouble": trouble, "core": core}
 
 
 def _kind_of(dataset: xr.Dataset) -> str:
-    for kind, (variables, attributes) in NEEDED.items():
-        if set(variables) <= set(dataset.variables):
-            missing = [name for name in attributes if name not in dataset.attrs]
+    for kind, each in KINDS.items():
+        if set(each.variables) <= set(dataset.variables):
+            missing = [name for name in each.attributes if name not in dataset.attrs]
             if missing:
                 raise InputError(f"this {kind} cannot be verified: it lacks {', '.join(missing)}")
-            words = [name for name in variables if dataset[name].dtype.kind not in "iuf"]
+            words = [name for name in each.variables if dataset[name].dtype.kind not in "iuf"]
             if words:
                 raise InputError(f"{words[0]} must be numbers, got {dataset[words[0]].dtype}")
             return kind
@@ -178,23 +163,16 @@ def _kind_of(dataset: xr.Dataset) -> str:
 
 def _by(dataset: xr.Dataset, kind: str, method: Method) -> xr.Dataset:
     """Return a result that says that it was computed by another method."""
-    if kind not in ("run", "sweep"):
+    if "method" not in KINDS[kind].attributes:
         raise InputError(f"method must be left out for a {kind}, got {method!r}")
-    how: dict[str, object] = {"method": method}
-    if method == "taylor":
-        how["flight"] = "exact"
-    return dataset.assign_attrs(how)
+    exact = {"flight": "exact"} if method == "taylor" else {}
+    return dataset.assign_attrs({"method": method, **exact})
 
 
-def _run(dataset: xr.Dataset) -> xr.Dataset:
+def _run(dataset: xr.Dataset, _workers: int | None, _progress: Progress | None) -> xr.Dataset:
     given = dataset.attrs
-    return simulate(
-        _rotor(dataset),
-        start=given["start"],
-        duration=given["duration"],
-        samples=dataset["t"].values,
-        **{name: given[name] for name in HOW},
-    )
+    how = {name: given[name] for name in ("start", "duration", *HOW)}
+    return simulate(_rotor(dataset), samples=dataset["t"].values, **how)
 
 
 def _sweep(dataset: xr.Dataset, workers: int | None, progress: Progress | None) -> xr.Dataset:
@@ -213,9 +191,7 @@ def _basin(dataset: xr.Dataset, workers: int | None, progress: Progress | None) 
     return basin(_rotor(dataset), **starts, workers=workers, progress=progress)
 
 
-def _basin_fractions(
-    dataset: xr.Dataset, workers: int | None, progress: Progress | None
-) -> xr.Dataset:
+def _fractions(dataset: xr.Dataset, workers: int | None, progress: Progress | None) -> xr.Dataset:
     return basin_fractions(_rotor(dataset), **_drawn(dataset), workers=workers, progress=progress)
 
 
@@ -229,6 +205,42 @@ def _atlas(dataset: xr.Dataset, workers: int | None, progress: Progress | None) 
     return continue_attractors(**asked, workers=workers, progress=progress)
 
 
+def _cycle(dataset: xr.Dataset, _workers: int | None, _progress: Progress | None) -> xr.Dataset:
+    given = dataset.attrs
+    return limit_cycle(_rotor(dataset), start=given["start"], period=given.get("start_period"))
+
+
+def _branch(dataset: xr.Dataset, _workers: int | None, progress: Progress | None) -> xr.Dataset:
+    given, (parameter,) = dataset.attrs, parameters_of("branch", dataset, "parameter", 1)
+    guess = Guess(
+        _rotor(dataset, "start_"), np.array(given["start"]), float(given["start_period"]),
+        str(given["start_special"]), float(given["start_slope"]),
+    )  # fmt: skip
+    low, high = np.asarray(given["limits"]).tolist()
+    direction, points = str(given["direction"]), int(given["points"])
+    return branch_from(guess, parameter, (low, high), direction, points, progress=progress)
+
+
+def _curve(dataset: xr.Dataset, _workers: int | None, progress: Progress | None) -> xr.Dataset:
+    given, (first, second) = dataset.attrs, parameters_of("curve", dataset, "parameters", 2)
+    rotor, kind = _rotor(dataset, "start_"), given["kind"]
+    place = {name: getattr(rotor, name) for name in PARAMETERS}
+    state = zip(COMPONENTS, np.asarray(given["start"]).tolist(), strict=True)
+    special = {f"special_{name}": value for name, value in state}
+    special |= {"special_period": given["start_period"], "special_kind": SPECIAL[kind]}
+    special["special_value"] = place[first]
+    low, high, second_low, second_high = given["limits"]
+    return bifurcation_curve(
+        rotor,
+        start=xr.Dataset(special, place, {"parameter": first}),
+        kind=kind,
+        parameters=(first, second),
+        limits=((low, high), (second_low, second_high)),
+        points=int(given["points"]),
+        progress=progress,
+    )
+
+
 def _drawn(dataset: xr.Dataset) -> dict[str, Any]:
     """Return how random starts were drawn and followed."""
     given = dataset.attrs
@@ -237,11 +249,12 @@ def _drawn(dataset: xr.Dataset) -> dict[str, Any]:
     return ranges | how
 
 
-def _rotor(dataset: xr.Dataset) -> Rotor:
-    return Rotor(**{name: dataset.attrs[name] for name in PARAMETERS})
+def _rotor(dataset: xr.Dataset, prefix: str = "") -> Rotor:
+    return Rotor(**{name: dataset.attrs[f"{prefix}{name}"] for name in PARAMETERS})
 
 
-def _of_events(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
+def _events(again: xr.Dataset, archived: xr.Dataset) -> Verdict:
+    """Compare the events of two runs."""
     trouble = ""
     try:
         assert_events_close(again, archived)
@@ -251,20 +264,15 @@ def _of_events(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
     apart = again["event_time"].values[:common] - archived["event_time"].values[:common]
     stated = archived["event_time_error"].values[:common]
     return {
-        "agrees": not trouble,
         "events": int(again.sizes["event"]),
         "archived_events": int(archived.sizes["event"]),
         "largest_difference": float(np.abs(apart).max(initial=0.0)),
         "largest_stated_error": float(stated.max(initial=0.0)),
-        "trouble": trouble,
-    }
+    }, trouble
 
 
-def _of_responses(again: xr.Dataset, archived: xr.Dataset, kind: str) -> dict[str, object]:
-    """Compare the kinds of response point by point, or start by start, and their numbers."""
-    name = {"sweep": "response", "basin": "label", "basin_fractions": "count", "atlas": "count"}[
-        kind
-    ]
+def _points(name: str, again: xr.Dataset, archived: xr.Dataset) -> Verdict:
+    """Compare points, starts or attractors by one of their variables, and by the numbers told."""
     trouble, differing, apart = "", 0, 0.0
     archived = archived.drop_dims("target", errors="ignore")  # shocks are not sought again
     if dict(again.sizes) != dict(archived.sizes):
@@ -273,7 +281,8 @@ def _of_responses(again: xr.Dataset, archived: xr.Dataset, kind: str) -> dict[st
     else:
         differs = again[name].values != archived[name].values
         differing = int(differs.sum())
-        apart = max(_apart(again, archived, each) for each in OF_MOTION if each in archived)
+        numbers = [each for each in OF_MOTION if each in archived]
+        apart = max(_apart_in_motion(again, archived, each) for each in numbers)
         if differing:
             place = dict(zip(again[name].dims, np.argwhere(differs)[0].tolist(), strict=True))
             one, other = again[name].isel(place).item(), archived[name].isel(place).item()
@@ -281,25 +290,150 @@ def _of_responses(again: xr.Dataset, archived: xr.Dataset, kind: str) -> dict[st
             trouble += f"{place}, made again {one}, archived {other}"
         elif not apart <= CLOSE:
             trouble = f"amplitudes, radii or periods differ by {apart:.3g} of their size"
-    return {
-        "agrees": not trouble,
-        "compared": int(archived[name].size),
-        "differing": differing,
-        "largest_difference": apart,
-        "trouble": trouble,
-    }
+    return _counts(archived[name].size, differing, apart), trouble
 
 
-def _apart(again: xr.Dataset, archived: xr.Dataset, name: str) -> float:
+def _apart_in_motion(again: xr.Dataset, archived: xr.Dataset, name: str) -> float:
     """Return the largest difference of a number of the motions, relative to the larger value.
 
     Numbers of one stretch of a motion are passed over: another machine may see another stretch.
-    What is not told by either counts as equal.
     """
-    one, other = again[name].values, archived[name].values
     kinds = archived["kind" if "kind" in archived else "response"].values
     told = np.isin(kinds, [RESPONSE[kind] for kind in OF_MOTION[name]])
-    same = (one == other) | (np.isnan(one) & np.isnan(other)) | ~told
-    scale = np.maximum(np.abs(one), np.abs(other))
-    part = np.divide(np.abs(one - other), scale, out=np.zeros_like(scale), where=~same)
-    return float(np.nan_to_num(part, nan=np.inf).max(initial=0.0))
+    apart = _apart(again[name].values, archived[name].values)
+    return float(np.where(told, apart, 0.0).max(initial=0.0))
+
+
+def _facts(
+    facts_of: Callable[[xr.Dataset], Facts], again: xr.Dataset, archived: xr.Dataset
+) -> Verdict:
+    """Compare single facts of cycles, numbers as such and anything else as it is."""
+    facts, found = facts_of(archived), facts_of(again)
+    trouble, differing, largest = "", 0, 0.0
+    for name, value in facts.items():
+        here = found.get(name)
+        agrees = here == value
+        if isinstance(value, float) and isinstance(here, float):
+            apart = float(_apart(here, value, 1.0 if name.startswith(OF_SIZE_ONE) else 0.0))
+            largest, agrees = max(largest, apart), apart <= CLOSE_OF_CYCLES
+        differing += not agrees
+        if not agrees and not trouble:
+            trouble = f"{name} differs: made again {here}, archived {value}"
+    return _counts(len(facts), differing, largest), trouble
+
+
+def _counts(compared: int, differing: int, largest: float) -> dict[str, object]:
+    return {"compared": compared, "differing": differing, "largest_difference": largest}
+
+
+def _apart(one: Values | float, other: Values | float, least: float = 0.0) -> Values:
+    """Return the differences of numbers, relative to the larger one or to `least`.
+
+    What is told by neither counts as equal.
+    """
+    one, other = np.asarray(one), np.asarray(other)
+    same = (one == other) | (np.isnan(one) & np.isnan(other))
+    with np.errstate(invalid="ignore"):
+        part = np.abs(one - other) / np.maximum(np.maximum(np.abs(one), np.abs(other)), least)
+    return np.where(same, 0.0, np.where(np.isfinite(part), part, np.inf))
+
+
+def _of_cycle(dataset: xr.Dataset) -> Facts:
+    facts: Facts = {"response": words_of(dataset["response"])[0]}
+    if dataset["period"].isnull():
+        return facts
+    facts["stability"] = words_of(dataset["stability"])[0]
+    facts["contact_count"] = int(dataset["contact_count"])
+    names = ("period", "radius_min", "radius_max", "largest_force")
+    facts |= {name: float(dataset[name]) for name in names}
+    for name in ("multiplier_real", "multiplier_imag"):
+        values = dataset[name].values.tolist()
+        facts |= {f"{name} {number}": value for number, value in enumerate(values)}
+    return facts
+
+
+def _of_curve(dataset: xr.Dataset) -> Facts:
+    facts: Facts = {}
+    for place, end in ((0, "first_end"), (-1, "last_end")):
+        facts[end] = dataset.attrs.get(end, "")
+        if facts[end] in SHARP:
+            point, where = dataset.isel(point=place), end.replace("_", " ")
+            names = (*PARAMETERS, "period", "radius_min", "radius_max")
+            facts |= {f"{name} at the {where}": float(point[name]) for name in names}
+    facts["the number of special points"] = dataset.sizes["special"]
+    for number, word in enumerate(words_of(dataset["special_kind"])):
+        facts[f"the kind of special point {number}"] = word
+        for name in ("value", "second_value", "period", "radius_min", "radius_max"):
+            if f"special_{name}" in dataset:
+                value = float(dataset[f"special_{name}"].values[number])
+                facts[f"{name} of special point {number}"] = value
+    return facts
+
+
+def _of_branch(dataset: xr.Dataset) -> Facts:
+    facts = _of_curve(dataset)
+    if facts["first_end"] in SHARP and facts["last_end"] in SHARP:
+        values, ranges = course_of(dataset).value, stable_ranges(dataset)
+        facts["the least value of the parameter"] = float(values.min())
+        facts["the largest value of the parameter"] = float(values.max())
+        facts["the number of stable ranges"] = len(ranges)
+        for number, (low, high) in enumerate(ranges):
+            facts[f"the beginning of stable range {number}"] = low
+            facts[f"the end of stable range {number}"] = high
+    return facts
+
+
+_NUMBERS = ("amplitude", "phase_lag", "radius_min", "radius_max")
+_STARTS = tuple(f"start_{name}" for name in COMPONENTS)
+_RANGES = tuple(f"range_{name}" for name in COMPONENTS)
+_BEGUN = ("start", "start_period", *(f"start_{name}" for name in PARAMETERS))
+KINDS = {
+    "run": Kind(
+        ("event_time", "event_time_error", "t"),
+        (*PARAMETERS, "start", "duration", *HOW),
+        _run,
+        _events,
+    ),
+    "sweep": Kind(
+        ("event_count", "response", "direction", *_STARTS, *PARAMETERS, *_NUMBERS),
+        HOW,
+        _sweep,
+        partial(_points, "response"),
+    ),
+    "basin": Kind(
+        ("label", "settling_time", "kind", *COMPONENTS, *_NUMBERS),
+        (*PARAMETERS, "labelling_rtol"),
+        _basin,
+        partial(_points, "label"),
+    ),
+    "basin_fractions": Kind(
+        ("response_fraction", "count", "kind", *_NUMBERS),
+        (*PARAMETERS, "labelling_rtol", "starts", "seed", *_RANGES),
+        _fractions,
+        partial(_points, "count"),
+    ),
+    "atlas": Kind(
+        ("missed_fraction", "count", "kind", *PARAMETERS, *_NUMBERS),
+        ("labelling_rtol", "starts"),
+        _atlas,
+        partial(_points, "count"),
+    ),
+    "cycle": Kind(
+        ("period_error", "multiplier_real", "multiplier_imag"),
+        (*PARAMETERS, "start"),
+        _cycle,
+        partial(_facts, _of_cycle),
+    ),
+    "curve": Kind(
+        ("special_second_value", "special_value", "special_period"),
+        ("kind", "parameters", "limits", "points", *_BEGUN),
+        _curve,
+        partial(_facts, _of_curve),
+    ),
+    "branch": Kind(
+        ("special_value", "special_period", "slope", "stability"),
+        ("parameter", "limits", "direction", "points", "start_special", *_BEGUN),
+        _branch,
+        partial(_facts, _of_branch),
+    ),
+}

@@ -36,56 +36,27 @@ _TRAPPING = {number: word for word, number in TRAPPING.items()}
 
 @dataclass(slots=True)
 class Member:
-    """An attractor of one rotor, with the starts that end on it.
-
-    Parameters
-    ----------
-    attractor : Attractor
-        The attractor.
-    count : int
-        Number of starts.
-    settling : ndarray, shape (2,)
-        Median and 95 % of the times after which they are decided [1]; NaN where there are none.
-    state : ndarray, shape (4,)
-        A state of it on the rotating axes, of a limit cycle [1]; else NaN.
-    resilience : Resilience or None
-        How far it is from being left, to the other attractors of the rotor in their order; None
-        where that was not asked for.
-    identity : int
-        Number of the attractor along the atlas; -1 until it is known.
-    """
+    """An attractor of one rotor, with the starts that end on it."""
 
     attractor: Attractor
-    count: int
-    settling: Values
-    state: Values
+    count: int  # number of these starts
+    settling: Values  # median and 95 % of the times after which they are decided [1]; else NaN
+    state: Values  # on the rotating axes, of a limit cycle [1]; else NaN
+    # how far it is from being left, to the other attractors in their order; None if not asked for
     resilience: Resilience | None = None
-    identity: int = -1
+    identity: int = -1  # number of the attractor along the atlas; -1 until it is known
 
 
 @dataclass(slots=True)
 class Cell:
-    """One rotor with its attractors.
-
-    Parameters
-    ----------
-    rotor : Rotor
-        The rotor.
-    members : list of Member
-        Its attractors.
-    undecided, not_computed : int
-        Numbers of starts.
-    entropies : tuple of float
-        Basin and boundary entropy of the starts.
-    largest_shocks : tuple of float
-        The largest change of velocity and of place that was tried [1].
-    """
+    """One rotor with its attractors."""
 
     rotor: Rotor
     members: list[Member] = field(default_factory=list)
-    undecided: int = 0
+    undecided: int = 0  # number of starts, as the next one
     not_computed: int = 0
-    entropies: tuple[float, float] = (math.nan, math.nan)
+    entropies: tuple[float, float] = (math.nan, math.nan)  # of the basins and of their boundary
+    # the largest change of velocity and of place that was tried [1]
     largest_shocks: tuple[float, float] = (math.nan, math.nan)
 
 

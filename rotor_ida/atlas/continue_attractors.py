@@ -24,6 +24,7 @@ from rotor_ida.checks import (
     check_array,
     check_between,
     check_count,
+    check_increasing,
     check_points,
     check_progress,
     check_seed,
@@ -181,12 +182,9 @@ def _fill(
 
 def _axes(given: Mapping[str, npt.ArrayLike]) -> dict[str, Values]:
     """Return the parameters as rising axes of which two at most are longer than one."""
-    axes = {name: check_vector(name, value) for name, value in given.items()}
-    for name, axis in axes.items():
-        falls = np.flatnonzero(np.diff(axis) <= 0.0)
-        if falls.size:
-            before, after = axis[falls[0]], axis[falls[0] + 1]
-            raise InputError(f"{name} must increase, got {float(after)!r} after {float(before)!r}")
+    axes = {
+        name: check_increasing(name, check_vector(name, value)) for name, value in given.items()
+    }
     longer = [name for name, axis in axes.items() if axis.size > 1]
     if len(longer) > MOST_AXES:
         raise InputError(f"two of {', '.join(PARAMETERS)} at most may be arrays, got three")

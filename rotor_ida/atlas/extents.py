@@ -7,7 +7,8 @@ followed along their curves, from the rotor at hand until they do.
 The whirls are the zeros of ``H = log(((f - q A)**2 + 4 zeta**2 q A**2)/q**2)``, with
 ``q = omega**2`` and ``f = (A - delta0)**1.5`` (eqs (21)-(23) of the paper with the force
 corrected). Along a parameter p the curve has the tangent ``(-dH/dp, dH/da)`` in the plane of
-``a = log A`` and p, and a fold where ``dH/da = 0``; omega and zeta are taken by their logarithms.
+``a = log A`` and p, and a fold where ``dH/da = 0``; p is the logarithm of omega or zeta, or the
+inverse hyperbolic sine of delta0, which may be 0.
 """
 
 from __future__ import annotations
@@ -39,12 +40,12 @@ from rotor_ida.parameters import PARAMETERS, Rotor
 # A limit cycle is followed to zero of a parameter and to so many times its value, or 1 if that is
 # larger; a whirl, whose curve is cheap, to where speed or damping is so much larger.
 FARTHEST, FARTHEST_OF_WHIRL = 50.0, 1e6
-# A curve of whirls is followed with this error; its folds are polished. It is at zero when a
-# parameter has come to this part of where it began, and at the ring this near to it.
-RTOL, AT_ZERO = 1e-8, 1e-4
+# A curve of whirls is followed with this error. It is at zero when a parameter has come to this
+# part of where it began.
+RTOL, AT_ZERO = 1e-12, 1e-4
 LONGEST_CURVE, TINY = 1e9, 1e-12
-# Polishing moves a fold by no more than this.
-POLISHED = 1e-2
+# Polishing leaves no more than this of the equations of a fold, and moves it by no more than that.
+POLISHED, MOVED = 1e-9, 1e-2
 # A branch of limit cycles is followed for so many points each way.
 MOST_POINTS = 300
 
@@ -154,8 +155,7 @@ def _end_of_side(side: Side, way: int, begin: float) -> End:
 def _end_of_whirl(rotor: Rotor, amplitude: float, parameter: str, way: int) -> End:
     """Return where a whirl in contact ends as a parameter changes one way."""
     column = PARAMETERS.index(parameter)
-    here = np.log([rotor.omega, rotor.zeta, 1.0])
-    here[2] = rotor.delta0
+    here = np.array([math.log(rotor.omega), math.log(rotor.zeta), math.asinh(rotor.delta0)])
     begin = float(here[column])
     if parameter == "delta0":  # which is less than A, and that at most omega/(2 zeta)
         limits = 0.0, math.inf
@@ -184,11 +184,9 @@ def _end_of_whirl(rotor: Rotor, amplitude: float, parameter: str, way: int) -> E
     def leaves(_length: float, place: Values) -> float:
         return float(min(place[1] - limits[0], limits[1] - place[1])) + TINY
 
-    close = min(AT_ZERO, 0.5 * (amplitude / rotor.delta0 - 1.0)) if rotor.delta0 else AT_ZERO
-
     def touches(_length: float, place: Values) -> float:
-        clearance = place[1] if parameter == "delta0" else rotor.delta0
-        return float(math.exp(place[0]) - clearance * (1.0 + close))
+        clearance = math.sinh(place[1]) if parameter == "delta0" else rotor.delta0
+        return math.exp(place[0]) - clearance
 
     for event in (folds, leaves, touches):
         event.terminal = True  # type: ignore[attr-defined]
@@ -197,38 +195,69 @@ def _end_of_whirl(rotor: Rotor, amplitude: float, parameter: str, way: int) -> E
                       events=(folds, leaves, touches))  # fmt: skip
     folded, left, touched = (times.size > 0 for times in found.t_events)
     if folded:
-        fold = root(lambda place: [_level(place, here, column), slopes(place)[0]],
-                    found.y[:, -1], tol=1e-13)  # fmt: skip
-        if np.abs(fold.x - found.y[:, -1]).max() > POLISHED:
-            return UNKNOWN
-        return End(float(fold.x[1] if parameter == "delta0" else math.exp(fold.x[1])), "fold")
+        return _polished_fold(found.y[:, -1], here, column)
     if touched:
+        if parameter != "delta0" and rotor.delta0 >= 1.0:
+            return UNKNOWN  # |w| never fills it: a fold was missed that is too near to the ring
         return End(_first_touch(rotor, parameter), "touch")
     return End(math.inf if way > 0 else 0.0, "none") if left else UNKNOWN
 
 
-def _level(place: Values, here: Values, column: int) -> float:
-    """Return H, the logarithm of ``((f - q A)**2 + 4 zeta**2 q A**2)/q**2``: 0 on the curve."""
+def _polished_fold(place: Values, here: Values, column: int) -> End:
+    """Return the fold near a place, in the plane of log A and the parameter of this column.
+
+    With ``u = sqrt(A - delta0)``, the phase lag theta and ``a = -cos(theta)`` it obeys
+    ``u**3 = q (A - a)``, ``(A + 2 delta0) a (A - a) = 2 u**2`` and
+    ``4 zeta**2 A**2 = q (1 - a**2)`` (see `rotor_ida.closed_forms.fold_locus`).
+    """
+
+    def residuals(unknowns: Values) -> list[float]:
+        values = here.copy()
+        values[column] = unknowns[2]
+        q, damping, delta0 = _at(*values.tolist())
+        u, a = math.exp(unknowns[0]), float(unknowns[1])
+        amplitude = delta0 + u * u
+        b = amplitude - a
+        return [
+            q * b / u**3 - 1.0,
+            (amplitude + 2.0 * delta0) * a * b / (2.0 * u * u) - 1.0,
+            damping * amplitude**2 / q - (1.0 - a) * (1.0 + a),
+        ]
+
     values = here.copy()
     values[column] = place[1]
-    amplitude, q = math.exp(place[0]), math.exp(2.0 * values[0])
-    beyond = max(amplitude - values[2], 0.0) ** 1.5 - q * amplitude
-    total = beyond**2 + 4.0 * math.exp(2.0 * values[1]) * q * amplitude**2
-    return math.log(total) - 4.0 * float(values[0])
+    q, _, delta0 = _at(*values.tolist())
+    amplitude = math.exp(place[0])
+    depth = amplitude - delta0
+    if depth <= 0.0:
+        return UNKNOWN
+    roots = np.roots([1.0, -amplitude, 2.0 * depth / (amplitude + 2.0 * delta0)]).real
+    a = roots[np.argmin(np.abs(roots - (amplitude - depth**1.5 / q)))]
+    fold = root(residuals, [0.5 * math.log(depth), a, place[1]], tol=1e-13)
+    if np.abs(fold.fun).max() > POLISHED or abs(fold.x[2] - place[1]) > MOVED:
+        return UNKNOWN
+    value = float(fold.x[2])
+    return End(math.sinh(value) if PARAMETERS[column] == "delta0" else math.exp(value), "fold")
+
+
+def _at(log_omega: float, log_zeta: float, arsinh_delta0: float) -> tuple[float, float, float]:
+    """Return ``omega**2``, ``4 zeta**2`` and delta0."""
+    return math.exp(2.0 * log_omega), 4.0 * math.exp(2.0 * log_zeta), math.sinh(arsinh_delta0)
 
 
 def _slopes(
-    log_amplitude: float, log_omega: float, log_zeta: float, delta0: float
+    log_amplitude: float, log_omega: float, log_zeta: float, arsinh_delta0: float
 ) -> tuple[float, float, float, float]:
-    """Return the derivatives of H by the logarithms of A, omega and zeta, and by delta0."""
-    amplitude, q, zeta = math.exp(log_amplitude), math.exp(2.0 * log_omega), math.exp(log_zeta)
+    """Return the derivatives of H by these four."""
+    amplitude = math.exp(log_amplitude)
+    q, damping, delta0 = _at(log_omega, log_zeta, arsinh_delta0)
     depth = max(amplitude - delta0, 0.0)
     beyond, stiffness = depth**1.5 - q * amplitude, 1.5 * math.sqrt(depth)
-    damped = 4.0 * (zeta * amplitude) ** 2 * q
+    damped = damping * amplitude**2 * q
     total = beyond**2 + damped
     return (
         (2.0 * amplitude * beyond * (stiffness - q) + 2.0 * damped) / total,
         (-4.0 * q * amplitude * beyond + 2.0 * damped) / total - 4.0,
         2.0 * damped / total,
-        -2.0 * beyond * stiffness / total,
+        -2.0 * beyond * stiffness / total * math.cosh(arsinh_delta0),
     )

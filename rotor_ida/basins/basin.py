@@ -11,7 +11,7 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.basins.dataset import basin_dataset
 from rotor_ida.basins.labelling import check_rotor, label
-from rotor_ida.checks import COMPONENTS, check_vector, is_scalar
+from rotor_ida.checks import COMPONENTS, check_increasing, check_vector, is_scalar
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress
 from rotor_ida.parameters import Rotor
@@ -125,14 +125,6 @@ def _axes_of(given: dict[str, npt.ArrayLike]) -> tuple[dict[str, Values], dict[s
             f"{len(varying)} arrays{': ' if varying else ''}{', '.join(varying)}"
         )
     checked = {name: check_vector(name, value, largest=LARGEST) for name, value in given.items()}
-    axes = {name: _check_increasing(name, checked[name]) for name in varying}
+    axes = {name: check_increasing(name, checked[name]) for name in varying}
     fixed = {name: values.item() for name, values in checked.items() if name not in axes}
     return axes, fixed
-
-
-def _check_increasing(name: str, axis: Values) -> Values:
-    falls = np.flatnonzero(np.diff(axis) <= 0.0)
-    if falls.size:
-        before, after = axis[falls[0]], axis[falls[0] + 1]
-        raise InputError(f"{name} must increase, got {float(after)!r} after {float(before)!r}")
-    return axis

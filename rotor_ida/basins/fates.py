@@ -138,7 +138,9 @@ def decide(batch: Batch) -> None:
         elif batch.known is not known:
             waiting = batch.follow(waiting, durations(known.rotor)[0])
         elif passed < LONGEST:
-            waiting = batch.follow(waiting, passed)
+            # touches take long to fade, and to follow one by one: others may do so together
+            took = float(batch.times[first]) if fate == known.fading_label else 0.0
+            waiting = batch.follow(waiting, max(passed, min(took, LONGEST) - passed))
     if batch.stop[0]:
         batch.labels[batch.labels == UNDECIDED] = NOT_COMPUTED
 

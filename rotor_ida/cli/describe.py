@@ -15,7 +15,7 @@ from rotor_ida.analysis.branch_course import parameters_of, stable_ranges
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.cli.report import pairs, table
 from rotor_ida.parameters import PARAMETERS
-from rotor_ida.schema import NO_YES, RESPONSE, flags_of
+from rotor_ida.schema import NO_YES, RESPONSE, flags_of, words_of
 
 Record = dict[str, object]
 Kind = Literal[
@@ -128,11 +128,9 @@ def origin(dataset: xr.Dataset) -> RenderableType:
 
 
 def _run(dataset: xr.Dataset, most: int | None) -> Description:
-    attributes = attributes_of(dataset)
+    about = _about(dataset)
     parameters: Record = {name: float(dataset[name]) for name in PARAMETERS}
-    parameters |= {
-        name: attributes.pop(name) for name in ("start", "duration") if name in attributes
-    }
+    parameters |= {name: about.pop(name) for name in ("start", "duration") if name in about}
     scalars = {name: value_of(dataset, name) for name in names_on(dataset)}
     events = rows_of(dataset, names_on(dataset, "event"))
     contacts = rows_of(dataset, names_on(dataset, "contact"))
@@ -142,7 +140,7 @@ def _run(dataset: xr.Dataset, most: int | None) -> Description:
         **scalars,
         "events": events,
         "contacts": contacts,
-        **{name: entry for name, entry in attributes.items() if name not in PARAMETERS},
+        **about,
     }
     summary = {
         **parameters,
@@ -191,9 +189,7 @@ def _kinds(dataset: xr.Dataset) -> list[Record]:
         here = numbers == kind
         row: Record = {"response": words[kind], "points": int(here.sum())}
         for name in RANGES:
-            values = dataset[name].broadcast_like(response).transpose(*response.dims).values[here]
-            known = values[np.isfinite(values)]
-            row[name] = f"{known.min():.6g} to {known.max():.6g}" if known.size else ""
+            row[name] = _span(_spread(dataset, name, response).values[here], 6)
         rows.append(row)
     return rows
 
@@ -213,9 +209,7 @@ def _attractors(dataset: xr.Dataset, most: int | None) -> Description:
         parts += _rows("Kinds of response", rows_of(dataset, SHARE), SHARE, most, digits=6)
     else:
         record["grid"] = {name: dataset.sizes[name] for name in dataset["label"].dims}
-    attributes = attributes_of(dataset)
-    told = {name: entry for name, entry in attributes.items() if name not in PARAMETERS}
-    return record | told, [*parts, pairs("Starts", counts)]
+    return record | _about(dataset), [*parts, pairs("Starts", counts)]
 
 
 def _atlas(dataset: xr.Dataset, most: int | None) -> Description:
@@ -229,18 +223,12 @@ def _atlas(dataset: xr.Dataset, most: int | None) -> Description:
         kinds = sorted({words[kind] for kind in own["kind"].values[here].tolist()})
         row: Record = {"attractor": number, "kind": ", ".join(kinds), "points": int(here.sum())}
         for name in PARAMETERS:
-            places = dataset[name].broadcast_like(fraction).transpose(*fraction.dims).values[here]
             if dataset[name].size > 1:
-                row[name] = f"{places.min():.6g} to {places.max():.6g}"
-        shares = fraction.values[here]
-        row["fraction"] = f"{shares.min():.3g} to {shares.max():.3g}"
-        radius = own["radius_max"].values[here]
-        known = radius[np.isfinite(radius)]
-        row["radius_max"] = f"{known.min():.6g} to {known.max():.6g}" if known.size else ""
+                row[name] = _span(_spread(dataset, name, fraction).values[here], 6)
+        row["fraction"] = _span(fraction.values[here], 3)
+        row["radius_max"] = _span(own["radius_max"].values[here], 6)
         if SHOCK[0] in own:
-            shocks = own[SHOCK[0]].values
-            known = shocks[np.isfinite(shocks)]
-            row[SHOCK[0]] = f"{known.min():.4g} to {known.max():.4g}" if known.size else ""
+            row[SHOCK[0]] = _span(own[SHOCK[0]].values, 4)
         rows.append(row)
     record: Record = {
         "kind": "atlas",
@@ -250,7 +238,7 @@ def _atlas(dataset: xr.Dataset, most: int | None) -> Description:
         "largest_undecided_fraction": float(dataset["undecided_fraction"].max()),
     }
     scalars = {name: record[name] for name in ("missed_fraction", "largest_undecided_fraction")}
-    told = {name: entry for name, entry in attributes_of(dataset).items() if name not in PARAMETERS}
+    told = _about(dataset)
     if isinstance(given := told.get("starts"), list):  # the archive holds them, row after row
         told["starts"] = len(given) // len(COMPONENTS)
     columns = list(rows[0]) if rows else []
@@ -285,8 +273,7 @@ def _touchdown(dataset: xr.Dataset, most: int | None) -> Description:
         record["smallest_shocks"] = list(shocks.values())
         parts += _rows("Smallest shocks", told, list(told[0]) if told else [], most, digits=5)
     parts.append(pairs("Machine", {name: scalars[name] for name in OF_MACHINE if name in scalars}))
-    about = attributes_of(dataset)
-    return record | {name: about[name] for name in about if name not in PARAMETERS}, parts
+    return record | _about(dataset), parts
 
 
 def _shocks(dataset: xr.Dataset) -> dict[tuple[int, int], Record]:
@@ -366,9 +353,9 @@ def _fold_rows(dataset: xr.Dataset, most: int | None) -> tuple[list[Record], lis
 
 
 def _cycle(dataset: xr.Dataset, most: int | None) -> Description:
-    attributes = attributes_of(dataset)
+    about = _about(dataset)
     parameters: Record = {name: float(dataset[name]) for name in PARAMETERS}
-    parameters["start"] = attributes.pop("start", None)
+    parameters["start"] = about.pop("start", None)
     scalars = {name: value_of(dataset, name) for name in names_on(dataset)}
     record: Record = {
         "kind": "cycle",
@@ -376,7 +363,7 @@ def _cycle(dataset: xr.Dataset, most: int | None) -> Description:
         **scalars,
         "multipliers": rows_of(dataset, MULTIPLIER),
         "lines": rows_of(dataset, LINE) if dataset.sizes["line"] else [],
-        **{name: entry for name, entry in attributes.items() if name not in PARAMETERS},
+        **about,
     }
     if dataset["period"].isnull():
         told = {**parameters, "response": scalars["response"]}
@@ -422,16 +409,17 @@ def _followed(
         **{RENAMED.get(name, name): entry for name, entry in attributes.items()},
     }
     ranged = (*varied, "period", "radius_min", "radius_max")
-    ranges = {name: _span(dataset[name].values) for name in ranged}
+    ranges = {name: _span(dataset[name].values, 8) for name in ranged}
     summary = {**held, **ranges, "points": dataset.sizes["point"], **ends}
     columns = list(specials[0]) if specials else ()
     parts: list[RenderableType] = [pairs(title, summary)]
     return record, [*parts, *_rows("Special points", specials, columns, most, prefix="special_")]
 
 
-def _span(values: np.ndarray[Any, Any]) -> str:
-    """Return the range of values."""
-    return f"{values.min():.8g} to {values.max():.8g}"
+def _span(values: np.ndarray[Any, Any], digits: int) -> str:
+    """Return the range of those values that are known, in words; nothing where none is."""
+    known = values[np.isfinite(values)]
+    return f"{known.min():.{digits}g} to {known.max():.{digits}g}" if known.size else ""
 
 
 def _other(dataset: xr.Dataset, most: int | None) -> Description:
@@ -494,16 +482,14 @@ def rows_of(dataset: xr.Dataset, names: Sequence[str]) -> list[Record]:
     [{'stability': 'neutral', 'omega': 0.5}, {'stability': 'neutral', 'omega': 1.0}]
     """
     first = dataset[names[0]]
-    columns = []
-    for name in names:
-        spread = dataset[name].broadcast_like(first).transpose(*first.dims)
-        columns.append(_in_words(spread.values.ravel().tolist(), dataset[name]))
+    columns = [_values(_spread(dataset, name, first)) for name in names]
     return [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)]
 
 
 def value_of(dataset: xr.Dataset, name: str) -> object:
     """Return a scalar variable, in words if it is a flag."""
-    return _in_words([dataset[name].values.item()], dataset[name])[0]
+    (value,) = _values(dataset[name])
+    return value
 
 
 def attributes_of(dataset: xr.Dataset) -> Record:
@@ -527,11 +513,20 @@ def attributes_of(dataset: xr.Dataset) -> Record:
     return {**plain, **record}
 
 
-def _in_words(values: list[Any], variable: xr.DataArray) -> list[Any]:
+def _about(dataset: xr.Dataset) -> Record:
+    """Return what the attributes of a dataset say beside its parameters."""
+    attributes = attributes_of(dataset)
+    return {name: entry for name, entry in attributes.items() if name not in PARAMETERS}
+
+
+def _spread(dataset: xr.Dataset, name: str, other: xr.DataArray) -> xr.DataArray:
+    """Return a variable on the dimensions of another."""
+    return dataset[name].broadcast_like(other).transpose(*other.dims)
+
+
+def _values(variable: xr.DataArray) -> list[Any]:
+    """Return the values of a variable one after the other, in words if it is a flag."""
     if "flag_meanings" not in variable.attrs:
-        return values
-    flags = flags_of(variable)
-    words: dict[int, object] = {number: word for word, number in flags.items()}
-    if flags == NO_YES:
-        words = {0: False, 1: True}
-    return [words[value] for value in values]
+        return list(variable.values.ravel().tolist())
+    words = words_of(variable)
+    return [word == "yes" for word in words] if flags_of(variable) == NO_YES else words

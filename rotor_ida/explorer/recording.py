@@ -7,12 +7,11 @@ import json
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, replace
-from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.checks import State, check_axis, shown
+from rotor_ida.checks import State, check_axis, check_increasing, shown
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.answers import Answer, packed
 from rotor_ida.explorer.motion import show_motion
@@ -109,11 +108,9 @@ def check_speeds(machine: Rotor | DimensionalRotor, speeds: Sequence[float] | No
     rate = machine.reference_frequency if isinstance(machine, DimensionalRotor) else 1.0
     given: list[float] = (SPEEDS * rate).tolist()
     if speeds is not None:
-        given = check_axis("speeds", speeds).tolist()
+        given = check_increasing("speeds", check_axis("speeds", speeds)).tolist()
     if len(given) > MOST_SPEEDS:
         raise InputError(f"speeds must be at most {MOST_SPEEDS}, got {len(given)}")
-    if any(before >= after for before, after in pairwise(given)):
-        raise InputError(f"speeds must increase, got {shown(given)}")
     low, high = (limit * rate for limit in SHOWN)
     if given[0] < low or given[-1] > high:
         raise InputError(f"speeds must lie from {low:g} to {high:g}, got {shown(given)}")

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -17,9 +18,9 @@ from rotor_ida.closed_forms.response_curve import pieces_over_speed
 from rotor_ida.cycles.branches import branches_through, holds_cycle
 from rotor_ida.errors import RotorError
 from rotor_ida.explorer.answers import Answer
-from rotor_ida.explorer.motion import METHOD, ending, facts_of, values_of
+from rotor_ida.explorer.motion import METHOD, duration_of, ending, facts_of, run_of, values_of
 from rotor_ida.explorer.questions import Question
-from rotor_ida.explorer.words import words_of_response
+from rotor_ida.explorer.words import words_of_response, words_of_transient
 from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.schema import EXACT, RESPONSE, STABILITY
 from rotor_ida.simulation.simulate import simulate
@@ -33,6 +34,9 @@ MOST_POINTS_OF_BRANCH = 2000
 # What is settled on is watched for so long: whole periods, or so many revolutions.
 REVOLUTIONS, SAMPLES = 32, 64
 CROSSINGS, CROSSINGS_OF_CHAOS = 256, 4096
+# A run is not there yet where its radii are off by so much of the largest one, itself not taken
+# as less than a small part of the eccentricity.
+NEAR, SMALL = 0.05, 1e-3
 # Rotors whose branches are kept.
 MOST_KEPT = 64
 
@@ -49,7 +53,7 @@ def show_responses(question: Question) -> Iterator[Answer]:
     rotor = question.rotor
     yield _curve(question)
     yield from _known_branches(question)
-    if rotor.omega == 0.0 or rotor.zeta == 0.0:
+    if rotor.zeta == 0.0:
         return  # nothing settles
     swept = sweep(
         **{name: getattr(rotor, name) for name in PARAMETERS},
@@ -58,7 +62,7 @@ def show_responses(question: Question) -> Iterator[Answer]:
     compared = compare(swept).squeeze(ONE)
     settled = {**_seen(swept.squeeze(ONE)), **_exact(compared)}
     yield _settled(question, settled, swept)
-    if settled["response"] == "failed":
+    if settled["response"] == "failed" or rotor.omega == 0.0:
         return
     yield _section(question, settled, swept)
     if settled["lies_on"] == "cycle":
@@ -130,13 +134,30 @@ def _settled(question: Question, settled: dict[str, object], swept: xr.Dataset) 
         facts |= ending(values_of(run), rotor)
         facts |= {name: settled[name] for name in ("radius_min", "radius_max")}
         facts["end"] = _end(swept)
-    facts["words"] = words_of_response(question.machine, facts)
-    return Answer("settled", facts)
+    words = words_of_response(question.machine, facts)
+    if _is_repeated(settled) and _is_under_way(question, facts):
+        drawn, by = duration_of(question), float(swept["window_start"].item())
+        words.append(words_of_transient(question.machine, rotor.omega, drawn, by))
+    return Answer("settled", {**facts, "words": words})
+
+
+def _is_repeated(settled: Mapping[str, object]) -> bool:
+    """Return whether what is settled on has one course, which a run comes to."""
+    return settled["response"] not in {"failed", "chaotic", "unresolved"}
+
+
+def _is_under_way(question: Question, settled: Mapping[str, Any]) -> bool:
+    """Return whether the run that is drawn ends with something else than what is settled on."""
+    drawn = ending(values_of(run_of(question)), question.rotor)
+    if (drawn["contact_fraction"] > 0.0) != (settled["contact_fraction"] > 0.0):
+        return True
+    near = NEAR * max(settled["radius_max"], SMALL)
+    return any(abs(drawn[name] - settled[name]) > near for name in ("radius_min", "radius_max"))
 
 
 def _watched(rotor: Rotor, settled: dict[str, object]) -> float:
     """Return for how long to watch: whole periods, and revolutions enough."""
-    length, period = REVOLUTIONS * 2.0 * math.pi / rotor.omega, settled["period"]
+    length, period = REVOLUTIONS * 2.0 * math.pi / (rotor.omega or 1.0), settled["period"]
     if isinstance(period, float) and period > 0.0:
         return math.ceil(length / period) * period
     return length

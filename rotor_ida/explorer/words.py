@@ -18,6 +18,9 @@ KINDS = {
     "chaotic": "chaos: it never repeats itself, and neighbouring motions part",
     "unresolved": "nothing that could be told: it was followed for as long as is allowed",
 }
+# A rotor at rest is at the centre, when it is so much closer to it than the mass centre is to the
+# centre of the disc.
+CENTRE = 1e-6
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 
 
@@ -44,13 +47,17 @@ def words_of_response(machine: Rotor | DimensionalRotor, told: Mapping[str, Any]
     >>> rotor = Rotor(omega=1.2, zeta=0.07, delta0=0.0)
     >>> told = {"response": "synchronous", "lies_on": "whirl", "digits": 11.38,
     ...         "exact_amplitude": 3.36, "radius_min": 3.36, "radius_max": 3.36,
-    ...         "largest_force": 6.17, "contact_fraction": 1.0}
+    ...         "largest_force": 6.17, "contact_fraction": 1.0, "rotor": {"omega": 1.2}}
     >>> words_of_response(rotor, told)[2]
     'The simulated whirl and the exact one agree to 11 digits.'
     """
     kind = told["response"]
     if kind == "failed":
         return [f"It could not be followed: {told['message']}."]
+    if told["rotor"]["omega"] == 0.0 and kind == "contact_free":
+        if told["radius_max"] < CENTRE:
+            return ["It comes to rest at the centre of the ring."]
+        return ["It comes to rest inside the clearance.", _radii(machine, told)]
     sentences = [f"It settles on {KINDS[kind]}."]
     if kind == "chaotic":
         apart = _time(machine, 1.0 / told["lyapunov_exponent"])
@@ -65,11 +72,46 @@ def words_of_response(machine: Rotor | DimensionalRotor, told: Mapping[str, Any]
     return sentences
 
 
+def words_of_transient(
+    machine: Rotor | DimensionalRotor, omega: float, drawn: float, settled: float
+) -> str:
+    """Return that a run ends before the rotor has settled.
+
+    Parameters
+    ----------
+    machine : Rotor or DimensionalRotor
+        The rotor.
+    omega : float
+        Its speed [1].
+    drawn, settled : float
+        When the run that is drawn ends, and when the rotor was found to have settled [1].
+
+    Examples
+    --------
+    >>> words_of_transient(Rotor(omega=2.0, zeta=0.01, delta0=1.0), 2.0, 188.5, 17_000.0)
+    'The run that is drawn is not there yet: it ends at t = 188.5 (60 revolutions), and the rotor
+    was found settled at t = 17000 (5,411 revolutions).'
+    """
+
+    def told(time: float) -> str:
+        turns = time * omega / (2.0 * math.pi)
+        return _time(machine, time) + (f" ({turns:,.0f} revolutions)" if omega else "")
+
+    return (
+        f"The run that is drawn is not there yet: it ends at t = {told(drawn)}, and the rotor was "
+        f"found settled at t = {told(settled)}."
+    )
+
+
 def _radii(machine: Rotor | DimensionalRotor, told: Mapping[str, Any]) -> str:
     low, high = (_length(machine, told[name]) for name in ("radius_min", "radius_max"))
-    if told["response"] in {"synchronous", "contact_free"}:
+    if told["response"] == "synchronous":
         radius = _length(machine, told["exact_amplitude"]) if "exact_amplitude" in told else high
         return f"Its radius is {radius}."
+    if told["response"] == "contact_free":
+        gap = _length(machine, max(told["rotor"]["delta0"] - told["radius_max"], 0.0))
+        radius = f"is {high}" if low == high else f"goes from {low} to {high}"
+        return f"Its radius {radius}, and leaves a gap of {gap} to the ring."
     period = told.get("period", math.nan)
     again = ""
     if not math.isnan(period):

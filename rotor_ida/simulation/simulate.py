@@ -11,6 +11,7 @@ from rotor_ida.checks import (
     check_axis,
     check_count,
     check_duration,
+    check_increasing,
     check_instance,
     check_state,
     is_scalar,
@@ -135,9 +136,7 @@ def _sample_times(samples: object, duration: float) -> Values:
     """Return the times to report, from a number of them or from themselves."""
     if is_scalar("samples", samples):
         return np.linspace(0.0, duration, check_count("samples", samples, minimum=2))
-    times = check_axis("samples", samples)
-    if (np.diff(times) <= 0.0).any():
-        raise InputError("samples must be increasing times")
+    times = check_increasing("samples", check_axis("samples", samples))
     if times[-1] > duration:
         raise InputError(
             f"samples must lie from 0 to the duration {duration!r}, got {float(times[-1])!r}"

@@ -39,6 +39,7 @@ from rotor_ida.steady_state.response import (
     phase_lag_of,
     stays_free,
     touches_fade,
+    touches_grow_slighter,
     whirls_steadily,
 )
 
@@ -290,7 +291,7 @@ def _kind_of(window: Window, trajectory: _Trajectory, approach: _Approach) -> tu
         return BOUNCING if window.touches else FULL_CONTACT, features
     if touches_fade(window):
         return TOUCHING, features
-    if approach.recurs or not _may_be_chaotic(trajectory):
+    if approach.recurs or touches_grow_slighter(window) or not _may_be_chaotic(trajectory):
         return UNRESOLVED, features
     exponent, error, parts = _stretching(trajectory)
     features = replace(features, lyapunov_exponent=exponent, lyapunov_error=error)

@@ -165,14 +165,32 @@ def touches_fade(window: Window) -> bool:
     Near its limit the whirl stands so still that it touches once a revolution, neither more nor
     less. A motion that touches more or less often is not near it, and is not decided here.
     """
+    growth = _growth_from_touch_to_touch(window)
+    if growth is None:
+        return False
+    return bool((np.abs(growth / touch_fading(window.rotor) - 1.0) <= LIKE_THE_LAW).all())
+
+
+def touches_grow_slighter(window: Window) -> bool:
+    """Return whether each touch is slighter than the last, a revolution later, by whatever law.
+
+    A motion that does so over a whole window is on its way to touches that fade, and no chaos.
+    """
+    growth = _growth_from_touch_to_touch(window)
+    return growth is not None and bool((growth > 0.0).all())
+
+
+def _growth_from_touch_to_touch(window: Window) -> Values | None:
+    """Return by how much 1/h grows, h the indentation; None unless it touches once a revolution."""
     entry, leaving, peak, depth = window.contacts[:, :4].T
     whole = np.isfinite(entry) & np.isfinite(leaving) & (depth > 0.0)
     if whole.sum() < FEWEST_TOUCHES:
-        return False
+        return None
     revolutions = np.diff(peak[whole]) * window.rotor.omega / (2.0 * math.pi)
-    growth = np.diff(1.0 / depth[whole]) / touch_fading(window.rotor)
-    once = np.abs(revolutions - 1.0) <= ONCE_A_REVOLUTION
-    return bool((once & (np.abs(growth - 1.0) <= LIKE_THE_LAW)).all())
+    if (np.abs(revolutions - 1.0) > ONCE_A_REVOLUTION).any():
+        return None
+    growth: Values = np.diff(1.0 / depth[whole])
+    return growth
 
 
 def phase_lag_of(whirl: complex) -> float:

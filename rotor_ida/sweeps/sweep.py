@@ -17,11 +17,11 @@ from rotor_ida.checks import (
     State,
     check_axis,
     check_choice,
+    check_increasing,
     check_points,
     check_progress,
     check_states,
 )
-from rotor_ida.errors import InputError
 from rotor_ida.parallel import FailedJob, Progress, choose, run_all
 from rotor_ida.parameters import Rotor
 from rotor_ida.provenance import computing
@@ -146,8 +146,7 @@ def sweep(
     checked = check_states("starts", starts)
     if direction is not None:
         check_choice("direction", direction, ("up", "down", "both"))
-        if (axes["omega"][1:] <= axes["omega"][:-1]).any():
-            raise InputError("omega must increase in a sweep up or down")
+        check_increasing("omega", axes["omega"], "in a sweep up or down")
     options = Options(rtol=rtol, atol=atol, method=method, flight=flight, backend=backend)
     check_progress(progress)
     place, count = choose(executor, workers, compiled=options.backend != "python")

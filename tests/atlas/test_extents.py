@@ -68,6 +68,25 @@ def test_a_whirl_ends_where_the_locus_of_folds_says(rotor, name):
                 assert end.value == (math.inf if end.value > 0.0 else 0.0)
 
 
+@pytest.mark.parametrize(
+    ("omega", "zeta", "delta0"), [(1.2, 1e-6, 1e3), (1.2, 1e-6, 1.5), (0.15, 3.5e-6, 642.0)]
+)
+def test_a_whirl_that_never_fits_into_the_clearance_ends_at_folds(omega, zeta, delta0):
+    """It ends close to the ring, where |w| < 1 <= delta0 leaves no touch, or at a sharp peak."""
+    rotor = Rotor(omega=omega, zeta=zeta, delta0=delta0)
+    (amplitude,) = stable_amplitudes(rotor).tolist()
+    low, high = extent_of_whirl(rotor, amplitude, "omega")
+    known = folds(zeta=zeta, delta0=delta0).fold_omega.values.ravel()
+    assert high.value == pytest.approx(known[-1], rel=1e-7)
+    assert low.value == (0.0 if low.kind == "none" else pytest.approx(known[0], rel=1e-7))
+    for name in ("zeta", "delta0"):
+        low, high = extent_of_whirl(rotor, amplitude, name)
+        assert (low.kind, high.kind) == ("none", "fold")
+        there = with_value(rotor, name, high.value)
+        found = folds(zeta=there.zeta, delta0=there.delta0).fold_omega.values
+        assert np.nanmin(np.abs(found / omega - 1.0)) < 1e-7
+
+
 @pytest.mark.parametrize("rotor", ROTORS[:15], ids=str)
 @pytest.mark.parametrize("name", PARAMETERS)
 def test_up_to_there_the_whirl_can_be_followed(rotor, name):

@@ -128,3 +128,19 @@ def test_a_batch_that_is_stopped_is_not_computed():
     decide(batch)
     assert (batch.labels == NOT_COMPUTED).all()
     assert not {UNDECIDED, CHAOTIC} & set(batch.labels.tolist())
+
+
+def test_beside_touches_that_fade_the_others_are_followed_together(monkeypatch):
+    """One by one, nine starts of a fast rotor would take a minute."""
+    looked_at = []
+
+    def fading(batch, number):
+        looked_at.append(number)
+        batch.times[number] += 3000.0
+        return batch.known.fading_label
+
+    monkeypatch.setattr(fates, "fate_of", fading)
+    batch = batch_of(Rotor(omega=100.0, zeta=1.0, delta0=1.0), random_states(9, half_width=3.0))
+    decide(batch)
+    assert len(looked_at) == 1
+    assert (batch.labels == batch.known.fading_label).all()

@@ -194,7 +194,9 @@ def test_the_run_is_that_of_simulate(page):
     np.testing.assert_array_equal(page.array("motion", "rotating_x"), seen.rotating_x.values)
     force = contact_force(np.hypot(run.x.values, run.y.values), FIRST.delta0)
     np.testing.assert_array_equal(page.array("motion", "force"), force)
-    assert f"{run.sizes['event']} entries and exits" in page.words()
+    entries = int((run.event_kind > 0).sum())
+    exits = run.sizes["event"] - entries
+    assert f"{entries} entries and {exits} exits" in page.words()
 
 
 def test_the_settled_response_is_that_of_sweep_and_compare(page):
@@ -279,12 +281,74 @@ def test_a_machine_in_si_units(page):
 
 def test_a_bad_value_is_told_and_the_page_lives_on(page):
     page.type("#field-zeta", -1)
-    said = page.until("document.getElementById('trouble').textContent")
+    said = page.until("document.getElementById('message').textContent")
     assert said == "zeta must be zero or positive, got -1.0"
+    greyed = page.until("document.querySelectorAll('.stale').length")
+    assert greyed == 3  # the panels of the rotor, the response and the words
+    assert page.find("#old").is_displayed()
     page.type("#field-zeta", 0.1)
     page.settle()
     assert page.facts("motion")["rotor"]["zeta"] == 0.1
     assert not page.find("#trouble").is_displayed()
+    assert page.run("return document.querySelectorAll('.stale').length") == 0
+
+
+def test_a_second_clearance_that_is_refused_leaves_the_first_rotor_as_it_is(page):
+    page.find("#beside").click()
+    page.settle()
+    page.settle(side=1)
+    page.type("#field-second", -1)
+    page.until("document.getElementById('message').textContent.includes('delta0 must be')")
+    page.until("rotorIda.shown[0].motion.number === rotorIda.asked")
+    stale = "Array.from(document.querySelectorAll('.side'), (each) => each.matches('.stale'))"
+    page.until(f"String({stale}) === 'false,true'")
+    assert page.find("#trouble").is_displayed()
+
+
+def test_a_start_far_off_is_refused_by_its_own_name(page):
+    page.type("#start-x", 9e5)
+    page.settle()
+    assert page.facts("motion")["start"][0] == 9e5
+    page.type("#start-x", 2e6)
+    said = page.until("document.getElementById('message').textContent")
+    assert said == "start x must lie within 1e+06 of zero, got 2000000.0"
+
+
+def test_a_speed_at_which_nothing_can_settle_is_told_beside_its_run(page):
+    page.type("#field-omega", 1e-5)
+    page.settle()
+    page.until("document.getElementById('words').textContent.includes('omega must be 0 or from')")
+    assert page.run("return document.querySelectorAll('.stale').length") == 0
+
+
+def test_a_rotor_without_spin_is_said_to_come_to_rest(page):
+    page.type("#field-omega", 0)
+    page.settle("settled")
+    page.until("document.getElementById('words').textContent.includes('It comes to rest')")
+
+
+def test_the_speed_of_a_machine_goes_on_from_where_it_is_when_its_mass_has_moved(page):
+    page.find('[name="units"][value="si"]').click()
+    page.type("#field-mass", 16)
+    page.settle()
+    rate = page.facts("motion")["scales"]["rate"]
+    slider = page.find("#slider-speed")
+    assert float(slider.get_attribute("value")) == pytest.approx(1000 / rate, abs=0.005)
+    slider.send_keys(Keys.ARROW_RIGHT)
+    assert page.state()["speed"] == pytest.approx(1000 + 0.01 * rate, rel=1e-3)
+
+
+@pytest.mark.parametrize("beyond", [2.0013, 7.3])
+def test_arrows_step_from_the_value_that_was_typed(page, beyond):
+    page.type("#field-omega", beyond)
+    page.find("#field-omega").send_keys(Keys.ARROW_UP, Keys.ARROW_UP, Keys.ARROW_DOWN)
+    assert page.state()["omega"] == pytest.approx(beyond + 0.005, abs=1e-12)
+    page.find("#slider-omega").send_keys(Keys.ARROW_LEFT)
+    assert page.state()["omega"] == pytest.approx(beyond, abs=1e-12)
+    page.find("#start-vx").send_keys(Keys.ARROW_DOWN)
+    assert page.state()["vx"] == -0.05
+    page.settle()
+    assert page.facts("motion")["start"] == [0, 0, -0.05, 0]
 
 
 def test_without_damping_there_is_a_motion_and_no_basin(page):
@@ -431,6 +495,55 @@ def test_files_are_saved(page):
     assert (made / "run.svg").exists()
 
 
+def test_the_speed_of_a_machine_is_shown_in_turns_a_minute(page):
+    page.find('[name="units"][value="si"]').click()
+    page.type("#speed-unit", "rpm")
+    field = page.find("#field-speed")
+    shown = page.state()["speed"] * 30 / np.pi
+    assert float(field.get_attribute("value")) == pytest.approx(shown, rel=1e-7)
+    page.type("#field-speed", 3000)
+    page.settle()
+    assert page.state()["speed"] == pytest.approx(100 * np.pi, rel=1e-15)
+    told = page.facts("motion")
+    assert told["rotor"]["omega"] * told["scales"]["rate"] == pytest.approx(100 * np.pi)
+    curve = page.find('[data-panel="response"] .u-over')
+    ActionChains(page.driver).move_to_element(curve).click().perform()
+    page.settle()
+    assert page.facts("motion")["rotor"]["omega"] == pytest.approx(2.0, abs=0.02)
+    page.until("location.hash.includes('speedIn=rpm')")
+
+
+def test_states_are_gone_back_to_and_forward(page):
+    for name, value in {"omega": 1.5, "delta0": 1.25}.items():
+        page.type(f"#field-{name}", value)
+        page.until(f"location.hash.includes('{name}={value}')")
+        time.sleep(1.1)
+    page.find("#beside").click()
+    page.until("location.hash.includes('second=')")
+    page.driver.back()
+    page.until("rotorIda.state.second === null")
+    page.find("#undo").click()
+    page.until("rotorIda.state.delta0 === 2")
+    page.settle()
+    assert page.facts("motion")["rotor"] == {"omega": 1.5, "zeta": 0.07, "delta0": 2.0}
+    page.find("body").send_keys(Keys.CONTROL, "z")
+    page.until("rotorIda.state.omega === 2 && document.getElementById('undo').disabled")
+    for _ in range(3):
+        page.find("#redo").click()
+        time.sleep(0.1)
+    page.until("rotorIda.state.second === 0.625 && document.getElementById('redo').disabled")
+    assert page.find("#beside").is_selected()
+    assert float(page.find("#field-omega").get_attribute("value")) == 1.5
+
+
+@pytest.mark.parametrize("omega", [0.02, 7.3])
+def test_the_response_reaches_as_far_as_the_rotor(page, omega):
+    page.type("#field-omega", omega)
+    page.settle()
+    curve = page.array("curve", "omega")
+    assert np.nanmin(curve) < omega < np.nanmax(curve)
+
+
 def test_dark_and_light(page):
     paper = "getComputedStyle(document.body).backgroundColor"
     before = page.run(f"return {paper}")
@@ -507,6 +620,7 @@ def test_a_lost_connection_is_told(chromium):
     page = Page(chromium, address)
     ended(process)
     page.until("document.getElementById('connection').textContent.startsWith('No answer')")
+    assert page.run("return document.querySelectorAll('.stale').length") == 3
     chromium.get("about:blank")
     chromium.get_log("browser")  # the browser notes that it could not connect
 

@@ -145,10 +145,41 @@ def test_a_machine_has_the_answer_of_its_rotor():
     assert any("µm" in sentence for sentence in in_si["settled"].facts["words"])
 
 
-@pytest.mark.parametrize("changes", [{"omega": 0.0}, {"zeta": 0.0}, {"omega": 0.0, "zeta": 0.0}])
-def test_where_nothing_settles_there_is_the_curve_alone(changes: dict[str, float]):
-    (curve,) = answer_to(question("responses", machine=ROTOR | changes))
+@pytest.mark.parametrize("omega", [0.0, 2.0])
+def test_without_damping_nothing_settles_and_there_is_the_curve_alone(omega: float):
+    machine = {"omega": omega, "zeta": 0.0, "delta0": 2.0}
+    (curve,) = answer_to(question("responses", machine=machine))
     assert curve.part == "curve"
+
+
+def test_without_spin_the_rotor_comes_to_rest():
+    asking = question(
+        "responses", machine={"omega": 0.0, "zeta": 0.07, "delta0": 2.0}, start=[5, 0, 1, 0]
+    )
+    _, settled = answer_to(asking)
+    resting = float(swept(asking)["radius_max"].item())
+    assert settled.facts["radius_min"] == settled.facts["radius_max"] == resting
+    assert settled.facts["words"] == [
+        "It comes to rest inside the clearance.",
+        f"Its radius is {resting:.6g}, and leaves a gap of {2.0 - resting:.6g} to the ring.",
+    ]
+
+
+def test_a_run_that_ends_before_the_rotor_has_settled_is_told_to():
+    slow = question(
+        "responses", machine={"omega": 3.0, "zeta": 0.001, "delta0": 2.0}, start=[2.5, 0, 0, 3]
+    )
+    (facts,) = (each.facts for each in answer_to(slow) if each.part == "settled")
+    settled = float(swept(slow)["window_start"].item())
+    assert settled > 10_000.0
+    assert f"found settled at t = {settled:.6g}" in facts["words"][-1]
+    assert "ends at t = 125.664 (60 revolutions)" in facts["words"][-1]
+
+
+def test_a_run_that_shows_what_is_settled_on_is_not_said_to_end_too_early(
+    parts: dict[str, Message],
+):
+    assert not any("not there yet" in each for each in parts["settled"].facts["words"])
 
 
 def test_a_run_that_fails_is_told_of_and_not_looked_at_further(monkeypatch: pytest.MonkeyPatch):
@@ -177,6 +208,6 @@ def test_a_speed_at_which_nothing_can_settle_is_said_in_one_line(omega: float):
 @pytest.mark.parametrize("speeds", [[0.0, 1e6], [0.0, 1e-6], [1e-6, 1e-3], [1.0, 1.0000001]])
 def test_every_range_of_speeds_has_a_curve(delta0: float, speeds: list[float]):
     machine = {"omega": 0.0, "zeta": 0.07, "delta0": delta0}
-    (curve,) = answer_to(question("responses", machine=machine, speeds=speeds))
-    assert curve.part == "curve"
+    curve, settled = answer_to(question("responses", machine=machine, speeds=speeds))
+    assert (curve.part, settled.part) == ("curve", "settled")
     assert np.isfinite(curve.arrays["omega"]).any()

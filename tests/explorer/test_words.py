@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rotor_ida.explorer.words import words_of_response, words_of_run
+from rotor_ida.explorer.words import words_of_response, words_of_run, words_of_transient
 from rotor_ida.parameters import DimensionalRotor, Rotor
 from tests.explorer.asking import MACHINE, ROTOR
 
@@ -37,7 +37,7 @@ def test_a_machine_is_told_of_in_si_units():
 
 CYCLE = RUN | {
     "response": "bouncing", "lies_on": "cycle", "digits": 11.98, "radius_min": 1.5,
-    "radius_max": 2.5, "period": 4.5, "message": "",
+    "radius_max": 2.5, "period": 4.5, "message": "", "rotor": ROTOR,
 }  # fmt: skip
 
 
@@ -48,6 +48,41 @@ def test_words_of_a_limit_cycle_hold_its_numbers():
     in_si = " ".join(words_of_response(IN_SI, CYCLE))
     for each in ("1.5 µm", "2.5 µm", "9 ms", "500 mN"):
         assert each in in_si
+
+
+FREE = {
+    "response": "contact_free", "lies_on": "whirl", "digits": 12.0, "exact_amplitude": 1.0,
+    "radius_min": 0.227, "radius_max": 1.773, "contact_fraction": 0.0, "rotor": ROTOR,
+}  # fmt: skip
+
+
+def test_a_whirl_off_the_axis_has_its_radii_and_the_gap_that_is_left():
+    text = " ".join(words_of_response(PLAIN, FREE))
+    assert "Its radius goes from 0.227 to 1.773, and leaves a gap of 0.227 to the ring." in text
+    text = " ".join(words_of_response(IN_SI, FREE))
+    assert "Its radius goes from 227 nm to 1.773 µm, and leaves a gap of 227 nm" in text
+
+
+def test_a_whirl_on_the_axis_has_one_radius():
+    told = FREE | {"radius_min": 1.0 - 1e-13, "radius_max": 1.0 + 1e-13}
+    text = " ".join(words_of_response(PLAIN, told))
+    assert "Its radius is 1, and leaves a gap of 1 to the ring." in text
+
+
+def test_a_rotor_without_spin_comes_to_rest():
+    told = FREE | {"rotor": ROTOR | {"omega": 0.0}, "radius_min": 1.5, "radius_max": 1.5}
+    assert words_of_response(PLAIN, told) == [
+        "It comes to rest inside the clearance.",
+        "Its radius is 1.5, and leaves a gap of 0.5 to the ring.",
+    ]
+    (sentence,) = words_of_response(PLAIN, told | {"radius_max": 1e-9})
+    assert sentence == "It comes to rest at the centre of the ring."
+
+
+def test_words_of_a_run_that_ends_too_early_are_in_the_units_of_the_machine():
+    assert "ends at t = 188.5 (60 revolutions)" in words_of_transient(PLAIN, 2.0, 188.5, 17_000.0)
+    assert "settled at t = 34 s (5,411" in words_of_transient(IN_SI, 2.0, 188.5, 17_000.0)
+    assert "revolutions" not in words_of_transient(PLAIN, 0.0, 377.0, 17_000.0)
 
 
 def test_words_of_chaos_tell_how_fast_neighbours_part():

@@ -182,7 +182,7 @@ def test_samples_do_not_depend_on_how_many_there_are():
         ({"duration": -1.0}, "duration must be positive, got -1.0"),
         ({"duration": math.inf}, "duration must be a finite real number, got inf"),
         ({"samples": 1}, "samples must be at least 2, got 1"),
-        ({"samples": [0.0, 2.0, 1.0]}, "samples must be increasing times"),
+        ({"samples": [0.0, 2.0, 1.0]}, "samples must increase, got 1.0 after 2.0"),
         ({"samples": [0.0, 11.0]}, "samples must lie from 0 to the duration 10.0, got 11.0"),
         ({"rtol": 1.0}, "rtol must lie from 1e-13 to 0.001, got 1.0"),
         ({"atol": 0.0}, "atol must be positive, got 0.0"),

@@ -7,6 +7,7 @@ import pytest
 
 from rotor_ida import Rotor, folds
 from rotor_ida.simulation.options import Options
+from rotor_ida.steady_state import follow
 from rotor_ida.steady_state.follow import follow_to_steady_state
 
 REST = (0.0, 0.0, 0.0, 0.0)
@@ -108,6 +109,14 @@ def test_known_chaos_is_chaotic_with_the_known_exponent(omega, delta0, start, ex
 
 def test_exponents_are_stated_only_where_they_were_asked_for():
     assert math.isnan(followed(2.0, 2.0).features.lyapunov_exponent)
+
+
+def test_touches_that_fade_slowly_are_not_asked_for_chaos(monkeypatch):
+    """Of a fast rotor they follow the law only after 3,000: an exponent takes far longer."""
+    monkeypatch.setattr(follow, "largest_exponent", None)  # called, it would raise
+    settled = followed(100.0, 1.0, (3.0, 0.0, 0.0, 0.0), zeta=1.0, options=Options(method="taylor"))
+    assert settled.response == "touching"
+    assert settled.window_end > follow.LATE
 
 
 def test_a_rotor_that_does_not_turn_comes_to_rest_within_its_clearance():

@@ -10,6 +10,7 @@ from rotor_ida.steady_state.response import (
     phase_lag_of,
     stays_free,
     touches_fade,
+    touches_grow_slighter,
     whirls_steadily,
 )
 
@@ -89,6 +90,16 @@ def touches(growth, revolutions=1.0, first=1e-3, count=6):
 def test_touches_fade_where_they_follow_the_law_once_a_revolution(growth, revolutions, fades):
     still = 0.9 * np.exp(1j * OMEGA * TIMES)
     assert touches_fade(window(still, FADING, touches(growth, revolutions))) is fades
+
+
+@pytest.mark.parametrize(
+    ("growth", "revolutions", "slighter"),
+    [(1.0, 1.0, True), (0.1, 1.0, True), (0.0, 1.0, False), (-0.1, 1.0, False), (0.1, 2.0, False)],
+)
+def test_touches_grow_slighter_by_any_law(growth, revolutions, slighter):
+    still = 0.9 * np.exp(1j * OMEGA * TIMES)
+    table = touches(growth, revolutions)
+    assert touches_grow_slighter(window(still, FADING, table)) is slighter
 
 
 def test_two_touches_are_too_few_and_one_off_the_law_is_enough_to_deny_it():

@@ -125,7 +125,10 @@ def test_a_chain_that_is_lost_with_its_worker_is_labelled(monkeypatch):
         ({"starts": []}, "starts must hold at least one start, got none"),
         ({"starts": [(0, 0)]}, r"start must be four numbers \(x, y, vx, vy\), got \(0, 0\)"),
         ({"direction": "left"}, "direction must be one of 'up', 'down', 'both', got 'left'"),
-        ({"omega": [2.0, 1.0], "direction": "up"}, "omega must increase in a sweep up or down"),
+        (
+            {"omega": [2.0, 1.0], "direction": "up"},
+            "omega must increase in a sweep up or down, got 1.0 after 2.0",
+        ),
         ({"workers": 0}, "workers must be at least 1, got 0"),
         ({"executor": "gpu"}, "executor must be one of 'auto', 'serial', .*, got 'gpu'"),
     ],

@@ -1,6 +1,7 @@
 // Sliders and number fields for the parameters that the state has.
 
 import { DIMENSIONLESS, MACHINE, inSI, referenceFrequency, state } from "./state.js";
+import { SPEED_UNITS } from "./units.js";
 
 const STEPS = 1000;
 const linear = (low, high, step) => ({
@@ -11,17 +12,19 @@ const logarithmic = (low, high) => ({
   fromSlider: (place) => Number((low * (high / low) ** (place / STEPS)).toPrecision(3)),
   min: 0, max: STEPS, step: 1,
 });
-/** A slider up to so many times a scale of the machine, in steps of a four-hundredth. */
-const scaled = (most, scale) => ({
-  toSlider: (value) => value / scale(), fromSlider: (place) => Number((place * scale()).toPrecision(4)),
+/** A slider up to so many times a scale of the machine, in steps of a four-hundredth; round as it is shown. */
+const scaled = (most, scale, shown = () => 1) => ({
+  toSlider: (value) => value / scale(),
+  fromSlider: (place) => Number((place * scale() * shown()).toPrecision(4)) / shown(),
   min: 0, max: most, step: most / 400,
 });
+const speedShown = () => SPEED_UNITS[state.speedIn];
 
 const PARAMETERS = {
   omega: { name: "Speed ω", unit: "", slider: linear(0.05, 4, 0.005) },
   zeta: { name: "Damping ζ", unit: "", slider: linear(0, 0.5, 0.001) },
   delta0: { name: "Clearance δ₀", unit: "", slider: linear(0, 6, 0.01) },
-  speed: { name: "Speed", unit: "rad/s", slider: scaled(4, referenceFrequency) },
+  speed: { name: "Speed", unit: "rad/s", units: SPEED_UNITS, slider: scaled(4, referenceFrequency, speedShown) },
   damping: { name: "Damping", unit: "N s/m", slider: scaled(1, () => state.mass * referenceFrequency()) },
   clearance: { name: "Radial clearance", unit: "m", slider: scaled(6, () => state.eccentricity) },
   mass: { name: "Mass", unit: "kg", slider: logarithmic(0.01, 1e4) },
@@ -36,47 +39,95 @@ export function written(value) {
   return value === 0 || (size >= 1e-3 && size < 1e6) ? String(value) : value.toExponential().replace("e+", "e");
 }
 
+/** Call `step` with 1 or -1 when an arrow key goes up or down, with 10 or -10 with Shift. */
+export function onArrows(element, keys, step) {
+  element.addEventListener("keydown", (event) => {
+    const sign = keys[event.key];
+    if (!sign || event.ctrlKey || event.altKey || event.metaKey) return;
+    event.preventDefault();
+    step(sign * (event.shiftKey ? 10 : 1), event);
+  });
+}
+export const UP_AND_DOWN = { ArrowUp: 1, ArrowDown: -1 };
+const ALL_ARROWS = { ...UP_AND_DOWN, ArrowRight: 1, ArrowLeft: -1 };
+
+/** A choice of the unit in which speeds are shown. */
+function unitChoice(units, changed) {
+  const select = Object.assign(document.createElement("select"), { id: "speed-unit" });
+  select.setAttribute("aria-label", "Unit of speed");
+  for (const each of Object.keys(units)) select.add(new Option(each, each, false, each === state.speedIn));
+  select.addEventListener("change", () => {
+    state.speedIn = select.value;
+    changed();
+  });
+  return select;
+}
+
 /** A slider with a number field; both change `state[key]` and call `changed`. */
-function control(key, parameter, changed) {
+function control(key, parameter, changed, unitChanged) {
   const box = Object.assign(document.createElement("div"), { className: "control" });
-  const { name, unit, slider } = parameter;
+  const { name, unit, units, slider } = parameter;
+  const shown = () => (units ? units[state.speedIn] : 1);
+  const head = Object.assign(document.createElement("span"), { className: "name" });
   const label = document.createElement("label");
-  label.append(name, unit ? Object.assign(document.createElement("span"), { className: "unit", textContent: ` [${unit}]` }) : "");
+  label.append(name, unit && !units ? Object.assign(document.createElement("span"), { className: "unit", textContent: ` [${unit}]` }) : "");
   const field = Object.assign(document.createElement("input"), { type: "number", step: "any", id: `field-${key}`, min: 0, required: true });
   const range = Object.assign(document.createElement("input"), { type: "range", id: `slider-${key}` });
   label.htmlFor = field.id;
   range.setAttribute("aria-label", `${name}${unit ? `, ${unit}` : ""}`);
   Object.assign(range, { min: slider.min, max: slider.max, step: slider.step });
-  box.append(label, field, range);
+  head.append(label);
+  if (units) head.append(unitChoice(units, unitChanged));
+  box.append(head, field, range);
+  const write = () => (field.value = written(shown() === 1 ? state[key] : Number((state[key] * shown()).toPrecision(8))));
+  const place = () => {
+    range.value = slider.toSlider(state[key]);
+    range.setAttribute("aria-valuetext", `${field.value} ${units ? state.speedIn : unit}`.trim());
+  };
   range.addEventListener("input", (event) => {
     state[key] = slider.fromSlider(Number(range.value));
-    field.value = written(state[key]);
+    write();
     changed(key, event);
   });
   field.addEventListener("input", (event) => {
     if (field.value === "" || !Number.isFinite(field.valueAsNumber)) return;
-    state[key] = field.valueAsNumber;
-    range.value = slider.toSlider(state[key]);
+    state[key] = field.valueAsNumber / shown();
     changed(key, event);
   });
+  // from where the value is, which may lie between the steps of the slider or beyond its end
+  const step = (count, event) => {
+    const next = slider.toSlider(state[key]) + count * slider.step;
+    state[key] = slider.fromSlider(Number(Math.max(next, slider.min).toPrecision(12)));
+    write();
+    changed(key, event);
+  };
+  onArrows(range, ALL_ARROWS, step);
+  onArrows(field, UP_AND_DOWN, step);
   const show = () => {
-    if (document.activeElement !== field) field.value = written(state[key]);
-    range.value = slider.toSlider(state[key]);
-    range.setAttribute("aria-valuetext", `${state[key]} ${unit}`.trim());
+    if (document.activeElement !== field) write();
+    place();
   };
   return { box, show };
 }
 
 export class Controls {
-  constructor(changed) {
-    this.changed = changed;
+  constructor(changed, unitChanged) {
+    this.unitChanged = () => {
+      this.show();
+      unitChanged();
+    };
+    // what one slider means may hang on the value of another
+    this.changed = (key, event) => {
+      this.show();
+      changed(key, event);
+    };
     this.build();
   }
 
   /** Build the sliders of the units that the state is in. */
   build() {
     const names = ORDER.filter((name) => (inSI() ? MACHINE : DIMENSIONLESS).includes(name));
-    this.controls = names.map((name) => control(name, PARAMETERS[name], this.changed));
+    this.controls = names.map((name) => control(name, PARAMETERS[name], this.changed, this.unitChanged));
     this.controls[0].box.classList.add("first");
     document.getElementById("sliders").replaceChildren(...this.controls.map(({ box }) => box));
     const clearance = PARAMETERS[inSI() ? "clearance" : "delta0"];

@@ -1,12 +1,12 @@
 // The page: what is moved becomes a question, what is answered becomes a picture.
 
 import { Live, Recorded } from "./connection.js";
-import { Controls, written } from "./controls.js";
+import { Controls, UP_AND_DOWN, onArrows, written } from "./controls.js";
 import { forgetColours } from "./plot.js";
-import { Response, SPEEDS } from "./response.js";
+import { Response, speedsAround } from "./response.js";
 import { Side } from "./side.js";
-import { SECOND_START, START, address, inSI, machine, readAddress, referenceFrequency, state, toDimensionless, toSI } from "./state.js";
-import { roundUp, told, withUnit } from "./units.js";
+import { SECOND_START, START, address, inSI, machine, readAddress, referenceFrequency, state, tellsOfRotor, toDimensionless, toSI } from "./state.js";
+import { SPEED_UNITS, roundUp, told, withUnit } from "./units.js";
 
 const $ = (id) => document.getElementById(id);
 const PANELS = ["motion", "responses", "starts"];
@@ -16,6 +16,12 @@ const NAMES = {
   damping: "damping [N s/m]", eccentricity: "eccentricity [m]", clearance: "clearance [m]",
 };
 const KEY = "rotor-ida-key";
+// No start lies further from the axis.
+const FURTHEST = 1e6;
+// What is moved again within so many milliseconds is one movement, which is undone at once.
+const ONE_MOVEMENT = 1000;
+// An arrow key moves a component of the start so far.
+const STEP_OF_START = 0.05;
 const recorded = $("recorded") && JSON.parse($("recorded").textContent);
 
 // What is shown: by side, the number of the newest question and what its run begins with.
@@ -41,11 +47,13 @@ let moveTo = (speed) => {
   controls.show();
   ask();
 };
-const response = new Response(document.querySelector('[data-panel="response"] .plot'), (speed, rate) => {
-  const low = SPEEDS[0] * rate;
-  moveTo(Math.max(Number(speed.toPrecision(4)), low));
+const response = new Response(document.querySelector('[data-panel="response"] .plot'), (speed, low) => {
+  moveTo(Math.max(Number(speed.toPrecision(4)), low) / (inSI() ? SPEED_UNITS[state.speedIn] : 1));
 });
-const controls = new Controls((name, event) => ask({ event, name }));
+const controls = new Controls((name, event) => ask({ event, name }), () => {
+  response.show();
+  keepAddress();
+});
 let connection = null;
 
 // questions
@@ -72,9 +80,12 @@ function ask({ event, again = false } = {}) {
 function question(side) {
   return {
     number, side, machine: machine(side), start: starts[side],
-    revolutions: state.revolutions, speeds: SPEEDS, reach: reach(side),
+    revolutions: state.revolutions, speeds: speedsAround(speedOf(state)), reach: reach(side),
   };
 }
+
+/** Return the speed without dimensions. */
+const speedOf = ({ omega, speed }) => (inSI() ? speed / referenceFrequency() : omega);
 
 /** Return where the next run of a side begins: at the start, or where the last one ended. */
 function startOf(side) {
@@ -86,16 +97,14 @@ let released = true; // whether the start itself was moved, so that all begin th
 function reach(side) {
   const delta0 = inSI() ? machine(side).clearance / machine(side).eccentricity : machine(side).delta0;
   const start = Math.max(...START.map((name) => Math.abs(state[name])));
-  return roundUp(Math.max(8, 2.5 * delta0, 1.2 * start));
+  return Math.min(roundUp(Math.max(8, 2.5 * delta0, 1.2 * start)), FURTHEST);
 }
 
 // answers
 
 function answered(answer) {
   if (answer.part === "mistake" || answer.part === "trouble") {
-    const { message } = answer.facts;
-    if (answer.about === "starts") sides[answer.side]?.noBasin(message);
-    else complain(message);
+    refused(answer);
     return;
   }
   if (answer.part === "file") {
@@ -108,12 +117,43 @@ function answered(answer) {
   if (answer.part !== "motion" && answer.part !== "curve" && answer.number < number) return;
   shown[answer.part] = answer;
   if (answer.part === "motion") {
-    complain("");
+    showStale();
     if (state.from === "here") released = false;
   }
   sides[answer.side].take(answer);
   response.take(answer);
   drawSoon(`${answer.side} ${answer.part}`);
+}
+
+/** Take what could not be answered: a question whole, or one of its parts. */
+function refused({ part, about, side, number: asked = number, facts: { message } }) {
+  if (about === "starts") sides[side]?.noBasin(message);
+  else if (about === "responses") {
+    page.shown[side].unsettled = { number: asked, message };
+    if (!later.size) setTimeout(() => requestAnimationFrame(drawRest), LATER);
+    later.add(`${side} settled`);
+  } else {
+    complain(message);
+    if (part === "mistake" || about === "motion") lose(asked);
+  }
+}
+
+/** Note that what was asked is not answered: what is shown belongs to older values. */
+function lose(asked) {
+  lost = asked;
+  showStale();
+}
+let lost = 0; // number of the newest question that was refused
+
+/** Grey out the panels of a rotor that is no longer the one that was asked about. */
+function showStale() {
+  const stale = sides.map((_, place) => (page.shown[place].motion?.number ?? 0) < lost);
+  stale.forEach((each, place) => $("sides").children[place].classList.toggle("stale", each));
+  const some = stale.includes(true);
+  document.querySelector('[data-panel="response"]').classList.toggle("stale", some);
+  $("words").classList.toggle("stale", some);
+  $("old").hidden = !some;
+  if (!some) complain("");
 }
 
 /** Draw what a slider is moved for, and what is new on the plane of starts. The rest comes later. */
@@ -196,7 +236,7 @@ function showWords() {
   const box = $("words");
   const parts = [];
   sides.forEach((_, place) => {
-    const { motion, settled, note } = page.shown[place];
+    const { motion, settled, note, unsettled } = page.shown[place];
     if (!motion) return;
     const { rotor } = motion.facts;
     const clearance = `Clearance ${withUnit(motion.facts.scales, "length", rotor.delta0)}`;
@@ -204,15 +244,24 @@ function showWords() {
     parts.push(["h2", sides.length > 1 ? clearance : "What it does", ""]);
     const fresh = settled && settled.number === motion.number;
     if (fresh) settled.facts.words.forEach((text, line) => parts.push(["p", text, line ? "" : "lead"]));
-    else if (rotor.zeta === 0 || rotor.omega === 0) parts.push(["p", "Without damping or spin nothing settles.", "lead"]);
+    else if (unsettled?.number === motion.number) parts.push(["p", `What it settles on is not known: ${unsettled.message.replace(/\.$/, "")}.`, ""]);
+    else if (rotor.zeta === 0) parts.push(["p", "Without damping nothing settles.", "lead"]);
     else parts.push(["p", "Following it until it settles …", "waiting"]);
     if (note?.number === motion.number) parts.push(["p", note.facts.message, ""]);
     parts.push(["h2", "The run that is drawn", ""]);
     motion.facts.words.forEach((text) => parts.push(["p", text, ""]));
-    const { length } = motion.arrays.event_time;
-    if (!recorded) parts.push(["p", `${length || "No"} entries and exits${errorOf(motion)}.`, ""]);
+    if (!recorded) parts.push(["p", `${eventsOf(motion)}${errorOf(motion)}.`, ""]);
   });
   box.replaceChildren(...parts.map(([kind, textContent, className]) => Object.assign(document.createElement(kind), { textContent, className })));
+}
+
+/** Return how many events there are. */
+function eventsOf(motion) {
+  const kinds = motion.arrays.event_kind;
+  const entries = kinds.reduce((count, kind) => count + (kind > 0), 0);
+  const counted = (count, one, many) => `${count || "no"} ${count === 1 ? one : many}`;
+  const text = kinds.length ? `${counted(entries, "entry", "entries")} and ${counted(kinds.length - entries, "exit", "exits")}` : "no entries and exits";
+  return text[0].toUpperCase() + text.slice(1);
 }
 
 /** Return how surely the events are timed. */
@@ -226,19 +275,53 @@ function errorOf(motion) {
 }
 
 function complain(text) {
-  $("trouble").textContent = text;
+  $("message").textContent = text;
   $("trouble").hidden = !text;
 }
 
 // the address, and files
 
 let keeping = null;
+let movedLast = -Infinity, isNew = false;
+const depth = () => history.state?.depth ?? 0;
+let newest = 0;
+
+/** Keep the state in the address; what was there before a movement can be gone back to. */
 function keepAddress() {
+  const now = performance.now();
+  if (now - movedLast > ONE_MOVEMENT) isNew = true;
+  movedLast = now;
   if (recorded || keeping) return;
   keeping = setTimeout(() => {
     keeping = null;
-    history.replaceState(null, "", address(starts));
+    const next = address(starts);
+    if (next === location.hash) return;
+    if (isNew) history.pushState({ depth: depth() + 1 }, "", next);
+    else history.replaceState({ depth: depth() }, "", next);
+    if (isNew) newest = depth();
+    isNew = false;
+    showUndo();
   }, 250);
+}
+
+/** Show the state that the address has, after the browser has gone back or forward to it. */
+function goBack() {
+  if (!tellsOfRotor(location.hash)) return;
+  if (running) run(running.direction);
+  clearTimeout(keeping);
+  keeping = null;
+  readAddress(location.hash);
+  response.forgetTrail();
+  showState();
+  showTheme();
+  ask({ again: true });
+  isNew = false;
+  showUndo();
+}
+
+function showUndo() {
+  $("undo").disabled = depth() === 0;
+  $("redo").disabled = depth() >= newest;
 }
 
 function keepFile(answer) {
@@ -268,8 +351,10 @@ function stepSpeed() {
   if (page.drawn < number) return; // the rotor has not come there yet
   const name = inSI() ? "speed" : "omega";
   const scale = inSI() ? page.shown[0].motion.facts.scales.rate : 1;
-  const next = state[name] / scale + running.direction * state.step;
-  if (next < SPEEDS[0] || next > SPEEDS[1]) {
+  const here = state[name] / scale;
+  const next = here + running.direction * state.step;
+  const [low, high] = speedsAround(Math.max(here, 1));
+  if (next < low || next > high) {
     run(running.direction);
     return;
   }
@@ -286,13 +371,14 @@ function choose(name, value) {
 }
 
 function showStart() {
-  for (const [place, name] of START.entries()) {
+  for (const name of START) {
     const field = $(`start-${name}`);
-    const value = starts[0][place] * unitOf(name);
-    if (document.activeElement !== field) field.value = written(Number(value.toPrecision(6)));
+    if (document.activeElement !== field) field.value = writtenStart(name);
   }
   $("start-units").textContent = inSI() ? "Start [m], [m/s]" : "Start";
 }
+
+const writtenStart = (name) => written(Number((starts[0][START.indexOf(name)] * unitOf(name)).toPrecision(6)));
 
 /** Return what a dimensionless 1 of a component of the start is as its field shows it. */
 function unitOf(name) {
@@ -337,10 +423,16 @@ function listen() {
     const field = Object.assign(document.createElement("input"), { type: "number", step: "any", id: `start-${name}` });
     label.append(name, field);
     $("start").append(label);
-    field.addEventListener("change", () => {
-      if (!Number.isFinite(field.valueAsNumber)) return;
-      state[name] = Number((field.valueAsNumber / unitOf(name)).toPrecision(12));
+    const put = (value) => {
+      state[name] = Number(value.toPrecision(12));
       release();
+    };
+    field.addEventListener("change", () => {
+      if (Number.isFinite(field.valueAsNumber)) put(field.valueAsNumber / unitOf(name));
+    });
+    onArrows(field, UP_AND_DOWN, (count) => {
+      put(starts[0][START.indexOf(name)] + count * STEP_OF_START);
+      field.value = writtenStart(name);
     });
   }
   $("rest").addEventListener("click", () => {
@@ -348,7 +440,6 @@ function listen() {
     release();
   });
   for (const name of ["revolutions", "step", "rate"]) {
-    $(name).value = state[name];
     $(name).addEventListener("change", () => {
       if (!(($(name).valueAsNumber) > 0)) return;
       state[name] = $(name).valueAsNumber;
@@ -378,6 +469,15 @@ function listen() {
     buildSides();
     starts[1] = starts[0];
     ask();
+  });
+  $("undo").addEventListener("click", () => history.back());
+  $("redo").addEventListener("click", () => history.forward());
+  addEventListener("popstate", goBack);
+  addEventListener("keydown", (event) => {
+    const typing = event.target.matches?.('input[type="number"]');
+    if (typing || event.key.toLowerCase() !== "z" || !(event.ctrlKey || event.metaKey)) return;
+    event.preventDefault();
+    $(event.shiftKey ? "redo" : "undo").click();
   });
   $("up").addEventListener("click", () => run(1));
   $("down").addEventListener("click", () => run(-1));
@@ -420,19 +520,33 @@ function begin() {
   document.body.classList.toggle("is-recorded", Boolean(recorded));
   const key = readAddress(location.hash);
   if (key) sessionStorage.setItem(KEY, key);
-  choose("from", state.from);
-  for (const radio of document.querySelectorAll('input[name="units"]')) radio.checked = (radio.value === "si") === inSI();
-  $("beside").checked = state.second !== null;
-  controls.build();
   listen();
-  buildSides();
+  showState();
   showTheme();
   if (recorded) beginRecorded();
   else {
-    starts = [START, SECOND_START].map((names) => names.map((name, place) => state[name] ?? state[START[place]]));
-    history.replaceState(null, "", address(starts));
-    connection = new Live(keyKept(), { answered, opened: () => ask({ again: true }), said: (text) => ($("connection").textContent = text) });
+    newest = depth();
+    history.replaceState({ depth: newest }, "", address(starts));
+    showUndo();
+    connection = new Live(keyKept(), { answered, opened: () => ask({ again: true }), said });
   }
+}
+
+/** Show the state everywhere it can be changed. */
+function showState() {
+  choose("from", state.from);
+  for (const radio of document.querySelectorAll('input[name="units"]')) radio.checked = (radio.value === "si") === inSI();
+  $("beside").checked = state.second !== null;
+  for (const name of ["revolutions", "step", "rate"]) $(name).value = state[name];
+  starts = [START, SECOND_START].map((names) => names.map((name, i) => state[name] ?? state[START[i]]));
+  controls.build();
+  buildSides();
+}
+
+/** Say how the connection is; without one, nothing is answered any more. */
+function said(text) {
+  $("connection").textContent = text;
+  if (text && number) lose(number + 1);
 }
 
 /** Offer the speeds and the courses that are recorded, and show the one that was asked for. */

@@ -3,8 +3,16 @@
 import { Plot, colour } from "./plot.js";
 import { labelled, roundUp, shownIn } from "./units.js";
 
-export const SPEEDS = [0.05, 4];
+const SPEEDS = [0.05, 4], FASTEST = 1e6;
+// Dashes tell what colours tell: lines and gaps in pixels.
+const UNSTABLE_DASH = [5, 4], FREE_DASH = [12, 3, 2, 3];
 const LONGEST_TRAIL = 600;
+/** Return the speeds over which to show the response of a rotor: at least the usual ones, and its own. */
+export function speedsAround(omega) {
+  const low = omega > 0 && omega < SPEEDS[0] ? 0.5 * omega : SPEEDS[0];
+  return [low, omega > SPEEDS[1] ? Math.min(roundUp(1.05 * omega), FASTEST) : SPEEDS[1]];
+}
+
 const STABLE = 0, UNSTABLE = 1;
 const SHAPES = { 1: "diamond", 2: "square", 3: "ring", 4: "disc" }; // fold, period doubling, graze, cusp
 
@@ -14,7 +22,7 @@ export class Response {
     this.sides = [{ branches: [], trail: [] }, { branches: [], trail: [] }];
     this.two = false;
     this.plot = new Plot(element, { x: "speed", y: "radius", draw: (pen) => this.#draw(pen) });
-    this.plot.onDrag((x) => moved(x, this.speed?.factor ?? 1));
+    this.plot.onDrag((x) => moved(x, SPEEDS[0] * (this.speed?.factor ?? 1)));
   }
 
   take(answer) {
@@ -45,6 +53,7 @@ export class Response {
     const scales = shown[0].place?.scales;
     let top = 1, last = SPEEDS[1];
     for (const { curve, place, branches } of shown) {
+      for (const each of curve.arrays.omega) if (each > last) last = each;
       for (const each of curve.arrays.amplitude) if (each > top) top = each;
       for (const branch of branches) for (const each of branch.arrays.radius_max) if (each > top) top = each;
       if (place) [top, last] = [Math.max(top, place.high), Math.max(last, 1.05 * place.omega)];
@@ -68,8 +77,8 @@ export class Response {
       parts.push(["line-key cycle", "limit cycle, largest radius"], ["line-key cycle thin", "smallest"]);
       parts.push(["mark diamond open cycle", "its fold"], ["mark square cycle", "period doubling"]);
     }
-    parts.push(["line-key place", this.two ? "the rotors" : "the rotor"]);
-    if (this.two) parts.push(["line-key second", "second clearance"]);
+    parts.push(["mark place", this.two ? "the first rotor" : "the rotor"]);
+    if (this.two) parts.push(["mark square second", "the second rotor and its curves"]);
     const items = parts.map(([className, textContent]) => {
       const item = document.createElement("span");
       item.append(Object.assign(document.createElement("i"), { className }), textContent);
@@ -86,7 +95,7 @@ export class Response {
       if (side.curve) this.#drawCurve(own, side.curve.arrays, ink);
       for (const branch of side.branches) this.#drawBranch(own, branch.arrays, number ? ink : colour("full_contact"));
     }));
-    shown.forEach((side, number) => this.#drawPlace(pen, side, number ? colour("second") : colour("accent")));
+    shown.forEach((side, number) => this.#drawPlace(pen, side, number ? colour("second") : colour("accent"), number ? "square" : "disc"));
   }
 
   /** Return what the picture of the curves depends on. */
@@ -106,7 +115,8 @@ export class Response {
       if (Number.isNaN(xs[from]) || piece[from] < 0) continue;
       const begin = from > 0 && !broken(from) ? from - 1 : from;
       const unstable = stability[from] === UNSTABLE;
-      pen.line(xs, ys, { from: begin, to, stroke: contact[from] ? ink : colour("contact_free"), width: unstable ? 1.2 : 2, dash: unstable ? [5, 4] : [] });
+      const dash = unstable ? UNSTABLE_DASH : contact[from] ? [] : FREE_DASH;
+      pen.line(xs, ys, { from: begin, to, stroke: contact[from] ? ink : colour("contact_free"), width: unstable ? 1.2 : 2, dash });
     }
     folds.forEach((each, i) => pen.mark(each * this.speed.factor, heights[i] * this.length.factor, 8, { shape: "diamond", fill: ink }));
   }
@@ -131,7 +141,7 @@ export class Response {
     });
   }
 
-  #drawPlace(pen, { place, trail }, ink) {
+  #drawPlace(pen, { place, trail }, ink, shape) {
     if (!place) return;
     const at = (each, height) => [each.omega * this.speed.factor, height * this.length.factor];
     const speeds = trail.map(({ omega }) => omega * this.speed.factor);
@@ -142,7 +152,7 @@ export class Response {
     const [, low] = at(place, place.low);
     pen.line([x, x], [-1e9, 1e9], { stroke: ink, width: 0.8, alpha: 0.5 });
     pen.line([x, x], [low, high], { stroke: ink, width: 3 });
-    pen.mark(x, high, 10, { fill: ink, stroke: colour("card") });
+    pen.mark(x, high, 10, { shape, fill: ink, stroke: colour("card") });
   }
 
   #say(shown) {

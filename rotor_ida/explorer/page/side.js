@@ -11,6 +11,17 @@ const KINDS = {
 };
 // Of the motion before so many revolutions are drawn faintly.
 const EARLIER = 24;
+const FLIGHT = [4, 3];
+// The picture of a basin has at least so many pixels along a side, so that it can be hatched.
+const PICTURE = 432;
+// Which pixels of a region are darker, so that it is told by more than its colour; others are plain.
+const HATCHED = {
+  bouncing: (column, row) => (column + row) % 18 < 3,
+  full_contact: (column, row) => (column - row + 18 * PICTURE) % 18 < 3,
+  synchronous: (column) => column % 18 < 3,
+  chaotic: (column, row) => column % 9 < 3 && row % 9 < 3,
+};
+const DARKER = 0.78;
 // Revolutions a second, when the motion is played.
 const PLAYED = 1;
 
@@ -121,12 +132,22 @@ export class Side {
     this.colours = attractors.map(({ kind }) => shade(colour(kind) || colour("undecided"), (kinds[kind] = (kinds[kind] ?? -1) + 1)));
     const palette = this.colours.map(channels);
     const none = channels(colour("undecided"));
-    const picture = new OffscreenCanvas(count, count);
-    const image = new ImageData(count, count);
-    answer.arrays.label.forEach((label, place) => {
-      const [column, row] = [Math.floor(place / count), place % count]; // x, then y
-      image.data.set([...(palette[label] ?? none), 255], 4 * ((count - 1 - row) * count + column));
-    });
+    const hatches = attractors.map(({ kind }) => HATCHED[kind]);
+    const each = Math.ceil(PICTURE / count);
+    const size = count * each;
+    const image = new ImageData(size, size);
+    const pixels = new Uint32Array(image.data.buffer);
+    const plain = [none, ...palette].map((parts) => packed(parts, 1));
+    const dark = [none, ...palette].map((parts) => packed(parts, DARKER));
+    const { label: labels } = answer.arrays;
+    for (let row = 0, i = 0; row < size; row++) {
+      const y = count - 1 - Math.floor(row / each);
+      for (let column = 0; column < size; column++, i++) {
+        const label = Math.max(labels[Math.floor(column / each) * count + y], -1); // x, then y
+        pixels[i] = hatches[label]?.(column, row) ? dark[label + 1] : plain[label + 1];
+      }
+    }
+    const picture = new OffscreenCanvas(size, size);
     picture.getContext("2d").putImageData(image, 0, 0);
     this.basin = answer;
     this.picture = picture;
@@ -250,9 +271,13 @@ export class Side {
     const inside = (i) => arrays.radius[i] <= facts.rotor.delta0;
     const before = Math.max(0, from - EARLIER * facts.samples_per_revolution);
     pen.line(xs, ys, { from: before, to: from + 1, stroke: colour("muted"), width: 0.6, alpha: 0.35 });
-    pen.line(xs, ys, { from, to: now + 1, stroke: colour("flight"), width: 1.5, gap: (i) => !inside(i) && !inside(Math.max(i - 1, 0)) });
-    pen.line(xs, ys, { from, to: now + 1, stroke: colour("contact"), width: 1.5, gap: (i) => inside(i) && inside(Math.max(i - 1, 0)) });
+    pen.line(xs, ys, { from, to: now + 1, stroke: colour("flight"), width: 1.5, dash: FLIGHT, gap: (i) => !inside(i) && !inside(Math.max(i - 1, 0)) });
+    pen.line(xs, ys, { from, to: now + 1, stroke: colour("contact"), width: 1.9, gap: (i) => inside(i) && inside(Math.max(i - 1, 0)) });
     this.#drawEvents(pen, axes);
+    const turn = facts.samples_per_revolution;
+    for (let i = Math.ceil(from / turn) * turn; i <= now; i += turn) {
+      pen.mark(xs[i], ys[i], 8, { shape: "diamond", fill: colour("keyphasor"), stroke: colour("card"), width: 1 });
+    }
     const [x, y] = [xs[now], ys[now]];
     if (!axes) {
       const angle = facts.rotor.omega * arrays.t[now];
@@ -344,13 +369,13 @@ export class Side {
     const parts = attractors.map(({ kind, fraction, radius_max: radius }, place) => {
       const alone = attractors.filter((each) => each.kind === kind).length === 1;
       const which = alone || radius === null ? "" : ` to radius ${told(radius * factor, 3)}${unit && ` ${unit}`}`;
-      return [KINDS[kind] + which, fraction, this.colours[place]];
+      return [KINDS[kind] + which, fraction, this.colours[place], kind];
     });
     if (undecided > 0) parts.push([KINDS.undecided, undecided, colour("undecided")]);
-    for (const [name, fraction, fill] of parts.filter(([, part]) => part > 0)) {
+    for (const [name, fraction, fill, kind] of parts.filter(([, part]) => part > 0)) {
       const item = document.createElement("span");
-      const swatch = Object.assign(document.createElement("i"), { className: "swatch" });
-      swatch.style.background = fill;
+      const swatch = Object.assign(document.createElement("i"), { className: `swatch ${HATCHED[kind] ? kind : ""}` });
+      swatch.style.backgroundColor = fill;
       item.append(swatch, `${name} ${told(100 * fraction, 3)} %`);
       key.append(item);
     }
@@ -393,6 +418,10 @@ function channels(text) {
   return [...brush.getImageData(0, 0, 1, 1).data.slice(0, 3)];
 }
 const brush = new OffscreenCanvas(1, 1).getContext("2d", { willReadFrequently: true });
+
+/** Return a colour as four bytes of a picture, at a part of its lightness. */
+const packed = ([red, green, blue], light) =>
+  ((255 << 24) | (Math.round(blue * light) << 16) | (Math.round(green * light) << 8) | Math.round(red * light)) >>> 0;
 
 const tint = (text, alpha) => `rgba(${channels(text).join(",")},${alpha})`;
 

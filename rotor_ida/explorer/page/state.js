@@ -3,17 +3,18 @@
 export const DIMENSIONLESS = ["omega", "zeta", "delta0"];
 export const MACHINE = ["mass", "contact_stiffness", "damping", "eccentricity", "clearance", "speed"];
 export const START = ["x", "y", "vx", "vy"];
-const WORDS = { from: ["start", "here"], theme: ["", "light", "dark"] };
+const WORDS = { from: ["start", "here"], theme: ["", "light", "dark"], speedIn: ["rad/s", "rpm", "Hz"] };
 // Where the run beside it begins, where that is somewhere else.
 export const SECOND_START = START.map((name) => `${name}2`);
 const NUMBERS = [...SECOND_START, ...DIMENSIONLESS, ...MACHINE, ...START, "revolutions", "second", "step", "rate"];
 
-export const state = {
+const DEFAULTS = {
   omega: 2, zeta: 0.07, delta0: 2,
   x: 0, y: 0, vx: 0, vy: 0,
   second: null, // clearance of the rotor beside it, in the units of the first one
-  revolutions: 60, from: "start", step: 0.01, rate: 10, theme: "",
+  revolutions: 60, from: "start", step: 0.01, rate: 10, theme: "", speedIn: "rad/s",
 };
+export const state = { ...DEFAULTS };
 
 /** Whether the rotor is given as a machine in SI units. */
 export const inSI = () => state.mass !== undefined;
@@ -22,6 +23,9 @@ export const inSI = () => state.mass !== undefined;
 export function readAddress(hash) {
   const given = new URLSearchParams(hash.replace(/^#/, ""));
   const names = MACHINE.every((name) => given.has(name)) ? MACHINE : DIMENSIONLESS;
+  for (const name of Object.keys(state)) delete state[name];
+  Object.assign(state, DEFAULTS);
+  if (names === MACHINE) for (const name of DIMENSIONLESS) delete state[name];
   for (const name of NUMBERS) {
     if ([...DIMENSIONLESS, ...MACHINE].includes(name) && !names.includes(name)) continue;
     const text = given.get(name);
@@ -33,6 +37,9 @@ export function readAddress(hash) {
   return given.get("key");
 }
 
+/** Whether an address says anything of a rotor. */
+export const tellsOfRotor = (hash) => /[#&](omega|mass)=/.test(hash);
+
 /** Return what an address says of the state, and of the states with which the runs begin. */
 export function address([first, second]) {
   const told = new URLSearchParams();
@@ -42,6 +49,7 @@ export function address([first, second]) {
     SECOND_START.forEach((name, place) => told.set(name, second[place]));
   }
   for (const name of ["revolutions", "from"]) told.set(name, state[name]);
+  if (inSI() && state.speedIn !== DEFAULTS.speedIn) told.set("speedIn", state.speedIn);
   for (const name of ["second", "theme"]) if (state[name] !== null && state[name] !== "") told.set(name, state[name]);
   if (state.step !== 0.01) told.set("step", state.step);
   if (state.rate !== 10) told.set("rate", state.rate);

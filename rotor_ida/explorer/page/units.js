@@ -1,13 +1,17 @@
 // Numbers as they are shown: without dimensions, or in SI units with a prefix that suits.
 
-const UNITS = { length: "m", time: "s", force: "N", velocity: "m/s", rate: "rad/s" };
+import { state } from "./state.js";
+
+/** How many of a unit of speed are one radian a second. */
+export const SPEED_UNITS = { "rad/s": 1, rpm: 30 / Math.PI, Hz: 0.5 / Math.PI };
+const UNITS = { length: "m", time: "s", force: "N", velocity: "m/s" };
 const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"], [1e-12, "p"], [1e-15, "f"]];
 
 /** Return the factor and the unit in which to show numbers of a kind, of which `top` is large. */
 export function shownIn(scales, kind, top) {
   const scale = scales?.[kind];
   if (!scale) return { factor: 1, unit: "" };
-  if (kind === "rate") return { factor: scale, unit: UNITS.rate };
+  if (kind === "rate") return { factor: scale * SPEED_UNITS[state.speedIn], unit: state.speedIn };
   const large = Math.abs(scale * top);
   const [size, prefix] = PREFIXES.find(([least]) => large >= least) ?? PREFIXES.at(-1);
   return { factor: scale / size, unit: prefix + UNITS[kind] };
