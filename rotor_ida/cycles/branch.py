@@ -26,7 +26,7 @@ from rotor_ida.cycles.continuation import (
 )
 from rotor_ida.cycles.guess import Guess
 from rotor_ida.cycles.multipliers import doubling_test, fold_test
-from rotor_ida.cycles.shooting import Cycle, checked_cycle, contacts_of
+from rotor_ida.cycles.shooting import LEFT_THE_RING, Cycle, checked_cycle, contacts_of
 from rotor_ida.cycles.special_points import Count, Special
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel.jobs import Stop
@@ -42,9 +42,6 @@ FOLD, DOUBLING, GRAZE = "fold", "period_doubling", "graze"
 PLACE = 5
 # What unknowns are multiplied by for half a period.
 HALF = np.array([1.0, 1.0, 1.0, 1.0, 0.5, 1.0])
-# A cycle that indents by less than this part of the clearance, where no step can be taken, is
-# about to leave the ring.
-LAST_INDENTATION = 1e-3
 # A cycle is twice one of half its period when the extreme radii of both halves agree to this part;
 # beside a doubling they differ by the root of the distance from it.
 EQUAL_HALVES = 1e-6
@@ -104,12 +101,15 @@ class Side:
         Length of the next step.
     end : str
         Why it ended; empty while it goes on.
+    reason : str
+        What stood in the way where no step led on; else empty.
     """
 
     points: list[Point[Shot]]
     specials: list[tuple[int, Special[Shot]]] = field(default_factory=list)
     length: float = FIRST_STEP
     end: str = ""
+    reason: str = ""
 
 
 def course_from(
@@ -201,8 +201,9 @@ def advance(course: Course, side: Side) -> None:
     while True:
         try:
             step = line.step(last, length, earlier)
-        except SimulationError:
-            side.end = _end_at(last)
+        except SimulationError as error:
+            side.end = CONTACT_FREE if LEFT_THE_RING in error.reason else STUCK
+            side.reason = error.reason
             return
         if len(course.limits) == 1:
             halved = _halved(line, last, step)
@@ -216,7 +217,8 @@ def advance(course: Course, side: Side) -> None:
             return
         try:
             point = line.crossing(last, point, *passed)
-        except SimulationError:  # the last point is the one before
+        except SimulationError as error:  # the last point is the one before
+            side.end, side.reason = STUCK, error.reason
             return
         met = [each for each in met if _passed(course, each.point) is None]
     elif len(side.points) > FEWEST_POINTS_ROUND and _comes_back(course, last, point):
@@ -275,13 +277,6 @@ def _passed(course: Course, point: Point[Shot]) -> tuple[int, float] | None:
         if not low <= here <= high:
             return place, low if here < low else high
     return None
-
-
-def _end_at(last: Point[Shot]) -> str:
-    """Return why no step leads on from a point."""
-    delta0 = last.stretch.rotor.delta0
-    depth = checked_cycle(last.stretch).radius_max - delta0
-    return CONTACT_FREE if 0.0 < depth < LAST_INDENTATION * delta0 else STUCK
 
 
 def _comes_back(course: Course, last: Point[Shot], point: Point[Shot]) -> bool:

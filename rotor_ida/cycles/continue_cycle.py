@@ -54,8 +54,11 @@ KEPT = (
     *("unknowns", "tangents", "special_place", "special_kind", "special_unknowns"),
     *("special_tangents", "length", "end"),
 )
+NO_REASON = {"reason": np.array("")}  # as before reasons were kept
 FORM: Form[Arrays] = Form(
-    "stretch of a branch", dict, lambda arrays: {name: arrays[name] for name in KEPT}
+    "stretch of a branch",
+    dict,
+    lambda arrays: {name: arrays[name] for name in KEPT} | NO_REASON | arrays,
 )
 
 
@@ -104,7 +107,8 @@ def continue_cycle(
         [1]. On ``special``, in order along the branch, ``special_kind`` (fold, period doubling,
         graze), ``special_value`` of the parameter, ``special_period`` and the state there;
         ``special_point`` is the point before it. The attribute ``closed`` is 1 if the branch comes
-        back to its beginning; ``first_end`` and ``last_end`` say why it ends.
+        back to its beginning; ``first_end`` and ``last_end`` say why it ends, and
+        ``first_reason`` and ``last_reason`` what stood in the way where no step led on.
 
     Raises
     ------
@@ -255,6 +259,7 @@ def _piece(side: Side, begun: int, met: int) -> Arrays:
         "special_tangents": np.array([each.point.tangent for _, each in specials]).reshape(-1, 6),
         "length": np.array(side.length),
         "end": np.array(side.end),
+        "reason": np.array(side.reason),
     }
 
 
@@ -270,6 +275,7 @@ def _restore(course: Course, side: Side, piece: Arrays) -> None:
         point = _point(course, unknowns, tangent, side.points[place])
         side.specials.append((place, Special(kinds[kind], point)))
     side.length, side.end = float(piece["length"]), str(piece["end"])
+    side.reason = str(piece["reason"])
 
 
 def _point(course: Course, unknowns: Values, tangent: Values, before: Point[Shot]) -> Point[Shot]:
@@ -308,6 +314,8 @@ def branch_dataset(
         "closed": int(closed),
         "first_end": CLOSED if closed else backward.end or "start",
         "last_end": forward.end or "start",
+        "first_reason": backward.reason,
+        "last_reason": forward.reason,
     }
     return labelled_dataset(title, variables, coordinates, ends)
 

@@ -41,6 +41,7 @@ STANDSTILL = 1e-10
 # And so is one whose radius varies by no more than this part: a hundred times `CONVERGED`.
 LEAST_SWING = 1e-7
 FOUND_A_WHIRL = "Newton's method came to a whirl of constant radius"
+LEFT_THE_RING = "Newton's method came to a whirl inside the clearance"
 # An orbit that is back at its start to this part of it before its end goes round more than once;
 # what a closed orbit misses by is far less.
 BACK_AT_START = 1e-8
@@ -177,7 +178,7 @@ def checked_cycle(shot: Shot) -> Cycle:
     if largest - cycle.radius_min <= LEAST_SWING * largest:
         raise failure(shot, FOUND_A_WHIRL)
     if not cycle.touches:
-        raise failure(shot, "Newton's method came to a whirl inside the clearance")
+        raise failure(shot, LEFT_THE_RING)
     return cycle
 
 
