@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -16,7 +15,9 @@ from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.parallel import Stop
 from rotor_ida.parameters import Rotor
+from rotor_ida.steady_state.response import phase_lag_of
 
+lag_of = phase_lag_of
 # Two cycles of one rotor are the same when period and largest radius differ by less than this part.
 SAME = 1e-6
 _NO_FREE = np.array([0.0, 0.0, -1.0, -1.0])
@@ -112,8 +113,3 @@ def with_cycle(known: Known, cycle: Cycle, stop: Stop) -> Known:
     """Return what is known with one limit cycle more."""
     section = cycle_section(cycle, stop)
     return Known(known.rotor, known.whirls, known.free, [*known.cycles, section])
-
-
-def lag_of(whirl: complex) -> float:
-    """Return the angle by which a whirl lags the unbalance [rad]."""
-    return math.atan2(-whirl.imag, whirl.real) if whirl else 0.0

@@ -15,7 +15,6 @@ Periods are those on the rotating axes, where a synchronous whirl stands still.
 
 from __future__ import annotations
 
-import cmath
 import math
 from dataclasses import dataclass
 
@@ -195,4 +194,4 @@ def _growth_from_touch_to_touch(window: Window) -> Values | None:
 
 def phase_lag_of(whirl: complex) -> float:
     """Return the angle by which a whirl lags the unbalance [rad]."""
-    return -cmath.phase(whirl) if whirl else 0.0
+    return math.atan2(-whirl.imag, whirl.real) if whirl else 0.0

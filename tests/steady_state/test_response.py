@@ -35,6 +35,10 @@ def test_amplitude_and_phase_lag_are_those_of_the_whirl_whatever_its_centre():
     assert phase_lag_of(seen) == pytest.approx(0.4, abs=1e-13)
 
 
+def test_a_phase_lag_that_no_double_holds_is_none():
+    assert phase_lag_of(complex(1e3, -5e-324)) == 0.0
+
+
 def test_a_whirl_of_constant_radius_in_contact_is_synchronous_if_it_is_a_solution():
     exact = synchronous_response(omega=OMEGA, zeta=0.07, delta0=0.5).squeeze()
     rotor = Rotor(omega=OMEGA, zeta=0.07, delta0=0.5)
