@@ -395,8 +395,7 @@ def _followed(
     """Return what a branch and a bifurcation curve have in common."""
     held = {name: float(dataset[name]) for name in PARAMETERS if name not in varied}
     attributes = attributes_of(dataset)
-    told_of = ("first_end", "first_reason", "last_end", "last_reason")
-    ends = {name: attributes.pop(name, "") for name in told_of}
+    ends = {name: attributes.pop(name, "") for name in ("first_end", "last_end")}
     ends["closed"] = bool(attributes.pop("closed", False))
     specials = rows_of(dataset, [name for name in SPECIAL if name in dataset])
     specials = [{"special": number, **row} for number, row in enumerate(specials)]
@@ -411,8 +410,7 @@ def _followed(
     }
     ranged = (*varied, "period", "radius_min", "radius_max")
     ranges = {name: _span(dataset[name].values, 8) for name in ranged}
-    told = {name: end for name, end in ends.items() if end != ""}
-    summary = {**held, **ranges, "points": dataset.sizes["point"], **told}
+    summary = {**held, **ranges, "points": dataset.sizes["point"], **ends}
     columns = list(specials[0]) if specials else ()
     parts: list[RenderableType] = [pairs(title, summary)]
     return record, [*parts, *_rows("Special points", specials, columns, most, prefix="special_")]
