@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import csv
 import shutil
 import signal
 import subprocess
 import sys
 import time
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -35,6 +37,7 @@ PATIENCE = 60.0  # seconds, on a machine that does other things too
 FIRST = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 SPEEDS = (0.05, 4.0)
 PLOTS = 8
+EVENTS = ("entry", "exit")
 PIXELS = """
 const seen = Array.from(document.querySelectorAll("canvas")).filter((each) => each.offsetParent);
 return seen.map((canvas) => {
@@ -542,6 +545,146 @@ def test_the_response_reaches_as_far_as_the_rotor(page, omega):
     page.settle()
     curve = page.array("curve", "omega")
     assert np.nanmin(curve) < omega < np.nanmax(curve)
+
+
+def hovered(page, panel, value, *, pointer=None):
+    """Move the pointer to values in a plot; return what is told of the place."""
+    script = """
+        const over = document.querySelector(arguments[0] + " .u-over");
+        over.scrollIntoView({block: "center"});
+        const box = over.getBoundingClientRect();
+        const plot = rotorIda.plotOf(over);
+        return [plot.valToPos(arguments[1][0], "x") - box.width / 2,
+                plot.valToPos(arguments[1][1], "y") - box.height / 2]"""
+    across, down = page.run(script, panel, value)
+    over = page.find(f"{panel} .u-over")
+    chain = pointer or ActionChains(page.driver)
+    chain.move_to_element_with_offset(over, round(across), round(down)).perform()
+    return page.run("return document.querySelector(arguments[0] + ' .readout').textContent", panel)
+
+
+def number_after(name, text):
+    return float(text.partition(f"{name} ")[2].split(",")[0].split()[0])
+
+
+def test_folds_are_read_under_the_pointer(page):
+    exact = folds(zeta=0.07, delta0=2.0)
+    omega, radius = (
+        float(exact[f"fold_{name}"].values.ravel()[0]) for name in ("omega", "amplitude")
+    )
+    text = hovered(page, '[data-panel="response"]', [omega, radius])
+    assert text.startswith("fold: ")
+    assert number_after("speed ω", text) == pytest.approx(omega, rel=1e-5)
+    assert number_after("radius", text) == pytest.approx(radius, rel=1e-5)
+    assert page.find('[data-panel="response"] .found').is_displayed()
+
+
+def test_radii_times_and_lines_are_read_under_the_pointer(page):
+    page.settle("settled", "section")
+    times, forces = page.array("motion", "peak_time"), page.array("motion", "peak_force")
+    text = hovered(page, '[data-plot="force"]', [times[-2], forces[-2]])
+    assert text.startswith("peak: ")
+    assert number_after("time", text) == pytest.approx(times[-2], rel=1e-7)
+    assert number_after("force", text) == pytest.approx(forces[-2], rel=1e-5)
+    entry = page.array("motion", "event_time")[-3]
+    text = hovered(page, '[data-plot="radius"]', [entry, 2.0])
+    assert text.startswith(("entry: ", "exit: "))
+    assert number_after("time", text) == pytest.approx(entry, rel=1e-7)
+    lines, heights = (page.array("motion", f"line_{name}") for name in ("frequency", "amplitude"))
+    at = int(np.nanargmax(heights))
+    text = hovered(page, '[data-panel="spectrum"]', [lines[at], heights[at]])
+    assert text.startswith("line: ")
+    assert number_after("amplitude", text) == pytest.approx(heights[at], rel=1e-5)
+    text = hovered(page, '[data-panel="orbit"]', [1.0, 0.0])
+    assert number_after("radius", text) == pytest.approx(1.0, abs=0.05)
+    each = page.facts("motion")["samples_per_revolution"]
+    mark = [float(page.array("motion", axis)[-1 - each]) for axis in ("x", "y")]
+    assert hovered(page, '[data-panel="orbit"]', mark).startswith("once a revolution")
+    text = hovered(page, '[data-panel="starts"]', [0.0, 0.0])
+    assert text.startswith("bouncing")
+
+
+@pytest.mark.parametrize("panel", ["orbit", "history", "spectrum", "response"])
+def test_a_box_is_zoomed_into_and_out_of(page, panel):
+    button = page.find(f'[data-panel="{panel}"] .tools button')
+    over = page.find(f'[data-panel="{panel}"] .u-over')
+    ranges = (
+        "return ['x', 'y'].map((each) => rotorIda.plotOf(document.querySelector("
+        "`[data-panel=${arguments[0]}] .u-over`)).scales[each]).map(({min, max}) => [min, max])"
+    )
+    before = page.run(ranges, panel)
+    if panel == "response":  # there a drag without the button moves the speed
+        button.click()
+    chain = ActionChains(page.driver).move_to_element_with_offset(over, -30, -15)
+    chain.click_and_hold().move_by_offset(60, 30).release().perform()
+    for (low, high), (lowest, highest) in zip(page.run(ranges, panel), before, strict=True):
+        assert lowest <= low < high <= highest
+        assert high - low < 0.9 * (highest - lowest)
+    assert page.state()["omega"] == 2
+    page.find("#slider-zeta").send_keys(Keys.ARROW_RIGHT)
+    page.settle()
+    assert page.run(ranges, panel) != before  # the part stays in view while a slider moves
+    page.find("#slider-zeta").send_keys(Keys.ARROW_LEFT)
+    page.settle()
+    assert button.text == "Show all"
+    button.click()
+    assert page.run(ranges, panel) == before
+
+
+PANELS = ("response", "starts", "orbit", "turning", "history", "section", "spectrum")
+
+
+def test_each_panel_is_saved_as_picture_and_table(page):
+    page.settle("settled", "section")
+    page.until("rotorIda.shown[0].basin?.facts.finest")
+    page.until("rotorIda.hasAllDrawn()")
+    folder = page.driver.folder
+    for panel in PANELS:
+        for ending in ("png", "svg", "csv"):
+            selector = f'[data-panel="{panel}"] [data-keep="{ending}"]'
+            page.find(f'[data-panel="{panel}"] summary').click()
+            page.find(selector).click()
+            deadline = time.monotonic() + PATIENCE
+            while not (folder / f"{panel}.{ending}").exists():
+                assert time.monotonic() < deadline
+                time.sleep(0.05)
+        assert (folder / f"{panel}.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+        drawing = ElementTree.parse(folder / f"{panel}.svg").getroot()
+        assert len(list(drawing.iter("{http://www.w3.org/2000/svg}path"))) > 5
+    rows = np.genfromtxt(folder / "orbit.csv", delimiter=",", names=True)
+    for name, own in {"time": "t", "x": "x", "y": "y", "radius": "radius"}.items():
+        np.testing.assert_array_equal(rows[name], page.array("motion", own))
+    with (folder / "history.csv").open() as file:
+        events = [float(row["time"]) for row in csv.DictReader(file) if row["what"] in EVENTS]
+    np.testing.assert_array_equal(events, page.array("motion", "event_time"))
+    with (folder / "response.csv").open() as file:
+        found = [float(row["speed ω"]) for row in csv.DictReader(file) if row["what"] == "fold"]
+    np.testing.assert_array_equal(found, page.array("curve", "fold_omega"))
+    with (folder / "starts.csv").open() as file:
+        labels = [int(row["attractor"]) for row in csv.DictReader(file)]
+    np.testing.assert_array_equal(labels, page.array("basin", "label"))
+
+
+def test_a_plot_stays_in_view_while_a_slider_moves_on_a_phone(page):
+    page.find('[name="units"][value="si"]').click()
+    page.driver.execute_cdp_cmd(
+        "Emulation.setDeviceMetricsOverride",
+        {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True},
+    )
+    try:
+        for name in ("speed", "eccentricity"):
+            slider = f"document.getElementById('slider-{name}')"
+            page.run(f"{slider}.scrollIntoView({{block: 'center'}})")
+            time.sleep(0.3)
+            box = "getBoundingClientRect()"
+            top, bottom = page.run(
+                f"const {{top, bottom}} = document.querySelector('[data-panel=response] .plot')"
+                f".{box}; return [top, bottom]"
+            )
+            assert top >= 0
+            assert bottom < page.run(f"return {slider}.{box}.top")
+    finally:
+        page.driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 
 
 def test_dark_and_light(page):

@@ -6,6 +6,7 @@ import { forgetColours } from "./plot.js";
 import { Response, speedsAround } from "./response.js";
 import { Side } from "./side.js";
 import { SECOND_START, START, address, inSI, machine, readAddress, referenceFrequency, state, tellsOfRotor, toDimensionless, toSI } from "./state.js";
+import { addTools, keep } from "./tools.js";
 import { SPEED_UNITS, roundUp, told, withUnit } from "./units.js";
 
 const $ = (id) => document.getElementById(id);
@@ -38,6 +39,7 @@ const LATER = 100;
 const page = (window.rotorIda = {
   shown: [{}, {}], delays: [], state, asked: 0, drawn: 0, drawnBasin: 0,
   hasAllDrawn: () => seen.size + later.size === 0,
+  plotOf: (over) => [response.plot, ...sides.flatMap((side) => side.plots)].map(({ plot }) => plot).find((plot) => plot.over === over),
 });
 const moved = new Map(); // number of the question, to when it was moved and what is not drawn yet
 
@@ -49,6 +51,9 @@ let moveTo = (speed) => {
 };
 const response = new Response(document.querySelector('[data-panel="response"] .plot'), (speed, low) => {
   moveTo(Math.max(Number(speed.toPrecision(4)), low) / (inSI() ? SPEED_UNITS[state.speedIn] : 1));
+});
+addTools(document.querySelector('[data-panel="response"]'), [response.plot], {
+  name: () => "response", told: () => sides.map((_, place) => parametersOf(place)).join("; "), table: () => response.table(),
 });
 const controls = new Controls((name, event) => ask({ event, name }), () => {
   response.show();
@@ -82,6 +87,13 @@ function question(side) {
     number, side, machine: machine(side), start: starts[side],
     revolutions: state.revolutions, speeds: speedsAround(speedOf(state)), reach: reach(side),
   };
+}
+
+/** Return the parameters of the rotor that is shown, as a picture of it tells them. */
+function parametersOf(place) {
+  const { rotor, scales } = page.shown[place].motion.facts;
+  const si = scales.length ? `, clearance ${withUnit(scales, "length", rotor.delta0)}, speed ${withUnit(scales, "rate", rotor.omega)}` : "";
+  return `ω = ${told(rotor.omega, 6)}, ζ = ${told(rotor.zeta, 6)}, δ₀ = ${told(rotor.delta0, 6)}${si}`;
 }
 
 /** Return the speed without dimensions. */
@@ -326,11 +338,7 @@ function showUndo() {
 
 function keepFile(answer) {
   const kind = answer.facts.name.split(".").pop();
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([answer.arrays.contents], { type: FILES[kind] }));
-  link.download = answer.facts.name;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+  keep(new Blob([answer.arrays.contents], { type: FILES[kind] }), answer.facts.name);
 }
 
 // running the speed up and down
@@ -403,7 +411,7 @@ function buildSides() {
     const element = Object.assign(document.createElement("div"), { className: "side" });
     element.append(document.createElement("h2"));
     $("sides").append(element);
-    sides.push(new Side(element, sides.length, { moved: moveStart, asked: () => ask({ again: true }) }));
+    sides.push(new Side(element, sides.length, { moved: moveStart, asked: () => ask({ again: true }), told: ({ number: place }) => parametersOf(place) }));
   }
   $("sides").classList.toggle("two", two);
   response.two = two;
@@ -470,6 +478,9 @@ function listen() {
     starts[1] = starts[0];
     ask();
   });
+  new IntersectionObserver(([{ isIntersecting }]) => {
+    document.body.classList.toggle("has-sliders", isIntersecting);
+  }).observe($("controls"));
   $("undo").addEventListener("click", () => history.back());
   $("redo").addEventListener("click", () => history.forward());
   addEventListener("popstate", goBack);

@@ -1,6 +1,7 @@
 // uPlot, dressed for this page: axes in the colours of the theme, and room to draw on.
 
 import uPlot from "./uplot/uPlot.esm.js";
+import { told } from "./units.js";
 
 const probe = document.createElement("span");
 
@@ -31,16 +32,24 @@ function axis(label, extra) {
   };
 }
 
+// Pixels of a movement that is a click, and not the side of a box.
+const CLICK = 6;
+// Pixels from the pointer within which something is read.
+const NEAR = 12;
+
 /** One plot. `draw` gets the canvas and the functions from values to its pixels. */
 export class Plot {
-  constructor(element, { x, y, equal = false, draw, series = [{}], below, log = false }) {
-    Object.assign(this, { element, equal });
+  /** Build it; `reading` is told values and a distance, and returns what lies there and its place. */
+  constructor(element, { x, y, equal = false, draw, series = [{}], below, log = false, reading }) {
+    Object.assign(this, { element, equal, log, drawn: { draw, below }, reading, linked: [] });
     this.range = { x: [0, 1], y: [log ? 0.1 : 0, 1] };
+    this.zoomed = null; // the ranges of a part that is shown, instead of all
+    this.boxing = false; // whether each drag makes a box
     const options = {
       ...this.#size(),
       padding: [6, 8, 0, 0],
       legend: { show: false },
-      cursor: { show: false, drag: { x: false, y: false } },
+      cursor: { points: { show: false }, drag: { x: false, y: false, setScale: false } },
       scales: {
         x: { time: false, range: () => this.#widened().x },
         y: { range: () => this.#widened().y, distr: log ? 3 : 1 },
@@ -50,11 +59,16 @@ export class Plot {
       hooks: {
         drawClear: below ? [(plot) => this.#inside(plot, below)] : [],
         draw: draw ? [(plot) => this.#inside(plot, draw)] : [],
+        setCursor: [() => this.#read()],
         setSize: equal ? [() => queueMicrotask(() => this.#apply())] : [],
       },
     };
     this.data = [[0, 1], ...series.map(() => [null, null])];
     this.plot = new uPlot(options, this.data, element);
+    this.told = Object.assign(document.createElement("div"), { className: "readout", hidden: true });
+    this.found = Object.assign(document.createElement("div"), { className: "found", hidden: true });
+    this.plot.over.append(this.told, this.found);
+    this.#listen();
     new ResizeObserver(() => this.plot.setSize(this.#size())).observe(element);
   }
 
@@ -64,7 +78,7 @@ export class Plot {
 
   /** Return the ranges, one of them widened where both must have one scale. */
   #widened() {
-    const { x, y } = this.range;
+    const { x, y } = this.zoomed ?? this.range;
     if (!this.equal || !this.plot?.bbox?.width) return { x, y };
     const { width, height } = this.plot.bbox;
     const per = 0.5 * Math.max((x[1] - x[0]) / width, (y[1] - y[0]) / height);
@@ -91,6 +105,10 @@ export class Plot {
 
   /** Show ranges, data and labels, and draw. */
   show({ x, y, data, labels }) {
+    const units = labels?.map(unitOf).join();
+    const [low, high] = this.zoomed?.x ?? [0, 0];
+    if (this.zoomed && ((x && (high < x[0] || low > x[1])) || (units ?? this.units) !== this.units)) this.#zoom(null);
+    if (labels) this.units = units;
     if (x) this.range.x = x;
     if (y) this.range.y = y;
     if (labels) labels.forEach((label, place) => (this.plot.axes[place].label = label));
@@ -117,14 +135,179 @@ export class Plot {
   /** Call `moved` with values while a pointer is down, and at its first touch. */
   onDrag(moved) {
     const over = this.plot.over;
+    this.isDragged = true;
     over.addEventListener("pointerdown", (event) => {
-      if (event.button !== 0) return;
+      if (event.button !== 0 || this.box) return;
       over.setPointerCapture(event.pointerId);
       moved(...this.at(event), event);
     });
     over.addEventListener("pointermove", (event) => {
-      if (over.hasPointerCapture(event.pointerId)) moved(...this.at(event), event);
+      if (over.hasPointerCapture(event.pointerId) && !this.box) moved(...this.at(event), event);
     });
+  }
+
+  // reading and zooming
+
+  /** Tell what lies under the pointer. */
+  #read() {
+    if (!this.told) return;
+    const { left, top } = this.plot.cursor;
+    const away = !(left >= 0) || Boolean(this.box);
+    this.told.hidden = away;
+    this.found.hidden = true;
+    if (away) return;
+    const [x, y] = [this.plot.posToVal(left, "x"), this.plot.posToVal(top, "y")];
+    const place = (at) => [this.plot.valToPos(at[0], "x"), this.plot.valToPos(at[1], "y")];
+    const distance = (...at) => Math.hypot(place(at)[0] - left, place(at)[1] - top);
+    const { text, at } = this.reading?.(x, y, distance, NEAR) ?? {};
+    this.told.textContent = text ?? this.tell([x, y]);
+    this.told.classList.toggle("left", left > 0.5 * this.plot.over.clientWidth && top < 60);
+    if (!at) return;
+    const [across, down] = place(at);
+    Object.assign(this.found.style, { left: `${across}px`, top: `${down}px` });
+    this.found.hidden = false;
+  }
+
+  /** Return values with the names and units of the axes. */
+  tell(values, names = []) {
+    return values.map((value, i) => {
+      const { label } = this.plot.axes[i];
+      const name = names[i] ?? label.replace(/ \[.*\]$/, "");
+      const unit = unitOf(label);
+      return `${name} ${told(value, 6)}${unit && ` ${unit}`}`;
+    }).join(", ");
+  }
+
+  /** Show a part of x and y, or all of it, here and in the plots that share the x axis. */
+  #zoom(part) {
+    this.zoomed = part;
+    for (const other of this.linked) {
+      other.zoomed = part && { x: part.x, y: other.zoomed?.y ?? other.range.y };
+      other.#apply();
+    }
+    this.onZoom?.();
+  }
+
+  /** Show a part of x and y. */
+  zoomTo(part) {
+    this.#zoom(part);
+    this.#apply();
+  }
+
+  /** Show all again. */
+  reset() {
+    this.zoomTo(null);
+  }
+
+  /** Return the ranges that are shown. */
+  get shown() {
+    return this.#widened();
+  }
+
+  #listen() {
+    const { over } = this.plot;
+    over.addEventListener("pointerdown", (event) => {
+      const wanted = this.boxing || event.ctrlKey || event.metaKey || (!this.isDragged && event.pointerType === "mouse");
+      if (event.button !== 0 || !wanted) return;
+      over.setPointerCapture(event.pointerId);
+      const element = Object.assign(document.createElement("div"), { className: "zoom-box" });
+      over.append(element);
+      this.box = { element, from: this.#pixels(event), to: this.#pixels(event) };
+      this.#read();
+    }, true);
+    over.addEventListener("pointermove", (event) => {
+      if (!this.box) return;
+      this.box.to = this.#pixels(event);
+      const { left, top, width, height } = this.#sides();
+      Object.assign(this.box.element.style, { left: `${left}px`, top: `${top}px`, width: `${width}px`, height: `${height}px` });
+    });
+    for (const name of ["pointerup", "pointercancel"]) {
+      over.addEventListener(name, () => this.box && this.#endBox(name === "pointerup"));
+    }
+    over.addEventListener("dblclick", () => !this.isDragged && this.zoomed && this.reset());
+    over.addEventListener("wheel", (event) => {
+      if (!event.ctrlKey) return; // a pinch on a pad comes as such a wheel, too
+      event.preventDefault();
+      const [left, top] = this.#pixels(event);
+      const by = Math.exp(Math.min(Math.max(0.01 * event.deltaY, -0.3), 0.3));
+      this.#zoomAbout(left, top, by);
+    }, { passive: false });
+  }
+
+  #pixels(event) {
+    const { left, top, width, height } = this.plot.over.getBoundingClientRect();
+    const within = (value, most) => Math.min(Math.max(value, 0), most);
+    return [within(event.clientX - left, width), within(event.clientY - top, height)];
+  }
+
+  /** Return the sides of the box; one that is flat reaches over the whole plot. */
+  #sides() {
+    const { from, to } = this.box;
+    const { clientWidth, clientHeight } = this.plot.over;
+    let [left, top] = [Math.min(from[0], to[0]), Math.min(from[1], to[1])];
+    let [width, height] = [Math.abs(from[0] - to[0]), Math.abs(from[1] - to[1])];
+    if (!this.equal && width > CLICK && height <= CLICK) [top, height] = [0, clientHeight];
+    else if (!this.equal && height > CLICK && width <= CLICK) [left, width] = [0, clientWidth];
+    return { left, top, width, height };
+  }
+
+  #endBox(taken) {
+    const { left, top, width, height } = this.#sides();
+    this.box.element.remove();
+    this.box = null;
+    if (taken && width > CLICK && height > CLICK) this.#zoomToPixels(left, top, width, height);
+  }
+
+  #zoomToPixels(left, top, width, height) {
+    const value = (pixel, scale) => this.plot.posToVal(pixel, scale);
+    this.zoomTo({ x: [value(left, "x"), value(left + width, "x")], y: [value(top + height, "y"), value(top, "y")] });
+  }
+
+  #zoomAbout(left, top, by) {
+    const { clientWidth: width, clientHeight: height } = this.plot.over;
+    const { x } = this.range;
+    this.#zoomToPixels(left * (1 - by), top * (1 - by), by * width, by * height);
+    if (this.zoomed.x[1] - this.zoomed.x[0] >= x[1] - x[0]) this.reset();
+  }
+
+  /** Draw the plot anew on another canvas, so many pixels for one of the page; `text` writes on it. */
+  paint(ctx, pixel, text) {
+    const { plot } = this;
+    const size = pixel / devicePixelRatio;
+    const box = Object.fromEntries(Object.entries(plot.bbox).map(([name, value]) => [name, value * size]));
+    const place = (scale) => (value) => plot.valToPos(value, scale, true) * size;
+    const [x, y] = [place("x"), place("y")];
+    const [left, top, right, bottom] = [box.left, box.top, box.left + box.width, box.top + box.height].map((each) => each / pixel);
+    const pen = new Pen(ctx, x, y, pixel, box);
+    const muted = { fill: colour("muted") };
+    plot.axes.forEach(({ _splits: splits, _values: values, label }, i) => {
+      const at = i ? y : x;
+      splits.forEach((each, place) => {
+        const [a, b] = [at(each) / pixel, values[place]];
+        ctx.beginPath();
+        ctx.moveTo(...(i ? [box.left, a * pixel] : [a * pixel, box.top]));
+        ctx.lineTo(...(i ? [box.left + box.width, a * pixel] : [a * pixel, box.top + box.height]));
+        Object.assign(ctx, { strokeStyle: colour("grid"), lineWidth: pixel });
+        ctx.stroke();
+        if (b) text(b, i ? left - 6 : a, i ? a : bottom + 12, { ...muted, align: i ? "right" : "center" });
+      });
+      if (!label) return;
+      ctx.save();
+      ctx.translate((i ? 9 : 0.5 * (left + right)) * pixel, (i ? 0.5 * (top + bottom) : bottom + 28) * pixel);
+      if (i) ctx.rotate(-0.5 * Math.PI);
+      text(label, 0, 0, { ...muted, align: "center" });
+      ctx.restore();
+    });
+    ctx.save();
+    ctx.beginPath();
+    ctx.rect(box.left, box.top, box.width, box.height);
+    ctx.clip();
+    this.drawn.below?.(pen, plot);
+    plot.series.slice(1).forEach(({ stroke, width }, i) => {
+      if (stroke) pen.line(this.data[0], this.data[i + 1], { stroke: stroke(), width: width / devicePixelRatio });
+    });
+    this.drawn.draw?.(pen, plot);
+    ctx.restore();
   }
 
   /** Say in words what is drawn. */
@@ -133,8 +316,14 @@ export class Plot {
   }
 }
 
+const unitOf = (label) => /\[(.*)\]$/.exec(label)?.[1] ?? "";
+
 const LOG = {
-  values: (_plot, splits) => splits.map((each) => (each && Number.isInteger(Math.round(1e6 * Math.log10(each)) / 1e6) ? tens(each) : "")),
+  values: ({ scales: { y } }, splits) => splits.map((each) => {
+    if (!each) return "";
+    if (Number.isInteger(Math.round(1e6 * Math.log10(each)) / 1e6)) return tens(each);
+    return y.max < 30 * y.min ? told(each, 2) : "";
+  }),
 };
 const RAISED = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 const tens = (value) => {
@@ -238,6 +427,10 @@ export class Pen {
 
   /** What takes long to draw and seldom changes: drawn anew for another key, else as it was. */
   kept(owner, key, draw) {
+    if (!this.ctx.canvas) {
+      draw(this); // a drawing that is taken down has no pixels to keep
+      return;
+    }
     const { width, height } = this.ctx.canvas;
     if (owner.kept?.key !== key) {
       const picture = new OffscreenCanvas(width, height);

@@ -13,7 +13,8 @@ export function speedsAround(omega) {
   return [low, omega > SPEEDS[1] ? Math.min(roundUp(1.05 * omega), FASTEST) : SPEEDS[1]];
 }
 
-const STABLE = 0, UNSTABLE = 1;
+const STABLE = 0, UNSTABLE = 1, STABILITIES = ["stable", "unstable", "neutral"];
+const SPECIAL = { 1: "fold of limit cycles", 2: "period doubling" };
 const SHAPES = { 1: "diamond", 2: "square", 3: "ring", 4: "disc" }; // fold, period doubling, graze, cusp
 
 export class Response {
@@ -21,8 +22,33 @@ export class Response {
   constructor(element, moved) {
     this.sides = [{ branches: [], trail: [] }, { branches: [], trail: [] }];
     this.two = false;
-    this.plot = new Plot(element, { x: "speed", y: "radius", draw: (pen) => this.#draw(pen) });
+    this.plot = new Plot(element, { x: "speed", y: "radius", draw: (pen) => this.#draw(pen), reading: (...where) => this.#reading(...where) });
     this.plot.onDrag((x) => moved(x, SPEEDS[0] * (this.speed?.factor ?? 1)));
+  }
+
+  /** Return the numbers of the panel: curves, folds, branches, and where the rotors have been. */
+  table() {
+    const [speed, largest] = this.plot.plot.axes.map(({ label }) => label);
+    const smallest = largest.replace("radius", "smallest radius");
+    const columns = { rotor: [], what: [], [speed]: [], [largest]: [], [smallest]: [], stability: [] };
+    const add = (rotor, what, omega, high, low = high, stability = "") => {
+      const row = [rotor, what, omega * this.speed.factor, high * this.length.factor, low * this.length.factor, stability];
+      Object.values(columns).forEach((column, i) => column.push(row[i]));
+    };
+    this.sides.slice(0, this.two ? 2 : 1).forEach(({ curve, branches, trail }, number) => {
+      const told = (code) => STABILITIES[code] ?? "";
+      const { omega, amplitude, stability, in_contact: contact, fold_omega: folds, fold_amplitude: heights } = curve.arrays;
+      omega.forEach((each, i) => add(number + 1, contact[i] ? "whirl in contact" : "contact-free whirl", each, amplitude[i], amplitude[i], told(stability[i])));
+      folds.forEach((each, i) => add(number + 1, "fold", each, heights[i]));
+      for (const { arrays } of branches) {
+        arrays.omega.forEach((each, i) => add(number + 1, "limit cycle", each, arrays.radius_max[i], arrays.radius_min[i], told(arrays.stability[i])));
+        const points = [];
+        readBranch(arrays, NaN, "", points, []);
+        for (const [what, each, high] of points) add(number + 1, what, each, high, NaN);
+      }
+      for (const each of trail) add(number + 1, "the rotor", each.omega, each.high, each.low);
+    });
+    return columns;
   }
 
   take(answer) {
@@ -101,8 +127,28 @@ export class Response {
   /** Return what the picture of the curves depends on. */
   #keyOfCurves(shown, pen) {
     const { width, height } = pen.box;
-    const curves = shown.map((side) => [side.key, side.branches.length]);
-    return JSON.stringify([curves, width, height, this.plot.range, this.length, this.speed, colour("ink")]);
+    const curves = shown.map(({ key, branches, curve }) => [key, branches.length, curve?.arrays.omega[0], curve?.arrays.omega.length]);
+    return JSON.stringify([curves, width, height, this.plot.shown, this.length, this.speed, colour("ink")]);
+  }
+
+  /** Return what lies near a place: a fold, a period doubling, the rotor, or a curve at this speed. */
+  #reading(x, _y, distance, near) {
+    if (!this.length) return null;
+    const points = [], lines = [];
+    this.sides.slice(0, this.two ? 2 : 1).forEach(({ curve, branches, place }, number) => {
+      const of = number ? ", second rotor" : "";
+      if (place) points.push([`the rotor${of}`, place.omega, place.high], [`the rotor${of}`, place.omega, place.low]);
+      if (curve) readCurve(curve.arrays, x / this.speed.factor, of, points, lines);
+      for (const branch of branches) readBranch(branch.arrays, x / this.speed.factor, of, points, lines);
+    });
+    for (const some of [points, lines]) {
+      const found = some
+        .map(([name, omega, radius]) => [name, [omega * this.speed.factor, radius * this.length.factor]])
+        .map(([name, at]) => ({ name, at, away: distance(...at) }))
+        .reduce((best, each) => (each.away < best.away ? each : best), { away: near });
+      if (found.at) return { text: `${found.name}: ${this.plot.tell(found.at)}`, at: found.at };
+    }
+    return null;
   }
 
   #drawCurve(pen, arrays, ink) {
@@ -161,6 +207,37 @@ export class Response {
     const here = place ? ` The rotor is at speed ${place.omega.toPrecision(4)} with a radius of up to ${place.high.toPrecision(4)}.` : "";
     this.plot.say(`Radius of every synchronous whirl over the speed, with ${folds} folds.${here}`);
   }
+}
+
+/** Add the folds of a curve of whirls, and where it passes a speed. */
+function readCurve({ omega, amplitude, stability, piece, in_contact: contact, fold_omega: folds, fold_amplitude: heights }, speed, of, points, lines) {
+  folds.forEach((each, i) => points.push([`fold${of}`, each, heights[i]]));
+  for (let i = 1; i < omega.length; i++) {
+    if (piece[i] !== piece[i - 1] || piece[i] < 0) continue;
+    const name = `${stability[i] === UNSTABLE ? "unstable " : ""}${contact[i] ? "whirl in contact" : "contact-free whirl"}${of}`;
+    addCrossing(lines, name, speed, omega, amplitude, i);
+  }
+}
+
+/** Add the special points of a branch of limit cycles, and where it passes a speed. */
+function readBranch(arrays, speed, of, points, lines) {
+  const { omega, stability, special_kind: kinds, special_point: places, special_omega: speeds } = arrays;
+  kinds.forEach((kind, i) => {
+    const place = Math.min(Math.max(Math.round(places[i]), 0), omega.length - 1);
+    if (SPECIAL[kind]) points.push([SPECIAL[kind] + of, speeds[i], arrays.radius_max[place]]);
+  });
+  for (let i = 1; i < omega.length; i++) {
+    for (const [name, which] of [["radius_max", "largest"], ["radius_min", "smallest"]]) {
+      const stable = stability[i] === STABLE ? "" : "unstable ";
+      addCrossing(lines, `${stable}limit cycle, ${which}${of}`, speed, omega, arrays[name], i);
+    }
+  }
+}
+
+/** Add where the line to a point from the one before passes a speed. */
+function addCrossing(lines, name, speed, xs, ys, i) {
+  const part = (speed - xs[i - 1]) / (xs[i] - xs[i - 1]);
+  if (part >= 0 && part <= 1) lines.push([name, speed, ys[i - 1] + part * (ys[i] - ys[i - 1])]);
 }
 
 /** Return the stretches over which `key` of the place stays the same. */

@@ -1,6 +1,7 @@
 // The panels of one rotor: starts and basin, orbits, radius and force over time, section, spectrum.
 
 import { Plot, colour } from "./plot.js";
+import { addTools } from "./tools.js";
 import { labelled, roundUp, shownIn, told } from "./units.js";
 
 // Above this number of events in view their marks would hide the motion.
@@ -27,7 +28,7 @@ const PLAYED = 1;
 
 export class Side {
   /** Build the panels in `element`; `moved` is told where a drag on the plane puts the start. */
-  constructor(element, number, { moved, asked }) {
+  constructor(element, number, { moved, asked, told }) {
     element.append(document.getElementById("side").content.cloneNode(true));
     Object.assign(this, { element, number, moved, asked, motion: null, settled: null, basin: null, sectionOf: null });
     this.time = 1;
@@ -36,15 +37,22 @@ export class Side {
     const at = (panel, plot = ".plot") => element.querySelector(`[data-panel="${panel}"] ${plot}`);
     this.panels = Object.fromEntries([...element.querySelectorAll("[data-panel]")].map((each) => [each.dataset.panel, each]));
     const plane = { equal: true, x: "x", y: "y" };
-    this.starts = new Plot(at("starts"), { ...plane, draw: (pen) => this.#drawStarts(pen) });
-    this.orbit = new Plot(at("orbit"), { ...plane, draw: (pen) => this.#drawOrbit(pen, "") });
-    this.turning = new Plot(at("turning"), { ...plane, draw: (pen) => this.#drawOrbit(pen, "rotating_") });
+    this.starts = new Plot(at("starts"), { ...plane, draw: (pen) => this.#drawStarts(pen), reading: (x, y) => this.#readStart(x, y) });
+    const orbit = (axes) => ({ ...plane, draw: (pen) => this.#drawOrbit(pen, axes), reading: (...where) => this.#readOrbit(axes, ...where) });
+    this.orbit = new Plot(at("orbit"), orbit(""));
+    this.turning = new Plot(at("turning"), orbit("rotating_"));
     const over = { below: (pen) => this.#shadeContacts(pen), draw: (pen) => this.#markTime(pen) };
-    this.radius = new Plot(at("history", '[data-plot="radius"]'), { ...over, x: "", y: "radius", series: [{ stroke: () => colour("ink"), width: 1.2, points: { show: false } }] });
-    this.force = new Plot(at("history", '[data-plot="force"]'), { ...over, x: "time", y: "force", series: [{ stroke: () => colour("contact"), width: 1.2, points: { show: false } }], draw: (pen) => this.#drawForce(pen) });
-    this.section = new Plot(at("section"), { ...plane, draw: (pen) => this.#drawSection(pen) });
-    this.spectrum = new Plot(at("spectrum"), { x: "frequency / speed", y: "amplitude", log: true, series: [{ stroke: () => colour("flight"), width: 1.2, points: { show: false } }] });
+    this.radius = new Plot(at("history", '[data-plot="radius"]'), { ...over, x: "", y: "radius", reading: (...where) => this.#readTime("radius", ...where), series: [{ stroke: () => colour("ink"), width: 1.2, points: { show: false } }] });
+    this.force = new Plot(at("history", '[data-plot="force"]'), { ...over, x: "time", y: "force", reading: (...where) => this.#readTime("force", ...where), series: [{ stroke: () => colour("contact"), width: 1.2, points: { show: false } }], draw: (pen) => this.#drawForce(pen) });
+    this.section = new Plot(at("section"), { ...plane, draw: (pen) => this.#drawSection(pen), reading: (...where) => this.#readSection(...where) });
+    this.spectrum = new Plot(at("spectrum"), { x: "frequency / speed", y: "amplitude", log: true, reading: (...where) => this.#readSpectrum(...where), series: [{ stroke: () => colour("flight"), width: 1.2, points: { show: false } }] });
     this.plots = [this.starts, this.orbit, this.turning, this.radius, this.force, this.section, this.spectrum];
+    this.radius.linked = [this.force];
+    this.force.linked = [this.radius];
+    for (const [name, panel] of Object.entries(this.panels)) {
+      const plots = name === "history" ? [this.radius, this.force] : [this[name]];
+      addTools(panel, plots, { name: () => name + (number ? "-second" : ""), told: () => told(this), table: () => this.#table(name) });
+    }
     this.#listen();
   }
 
@@ -356,6 +364,136 @@ export class Side {
     pen.mark(x, y, 12, { fill: colour("card"), stroke: colour("ink"), width: 2 });
   }
 
+  /** Return the numbers of a panel, by the names of its columns. */
+  #table(panel) {
+    const { arrays } = this.motion;
+    const label = (plot, axis) => plot.plot.axes[axis].label;
+    const time = label(this.force, 0), radius = label(this.radius, 1), force = label(this.force, 1);
+    const [times, radii, forces] = [[arrays.t, this.timeUnit], [arrays.radius, this.length], [arrays.force, this.forceUnit]]
+      .map(([values, { factor }]) => [...scaled(values, factor)]);
+    const pair = (plot, xs, ys) => ({ [label(plot, 0)]: [...scaled(xs, this.length.factor)], [label(plot, 1)]: [...scaled(ys, this.length.factor)] });
+    if (panel === "orbit") return { [time]: times, ...pair(this.orbit, arrays.x, arrays.y), [radius]: radii };
+    if (panel === "turning") return { [time]: times, ...pair(this.turning, arrays.rotating_x, arrays.rotating_y), [radius]: radii };
+    if (panel === "section") {
+      const { xs, ys } = this.#sectionPoints();
+      return pair(this.section, xs, ys);
+    }
+    if (panel === "spectrum") {
+      const [frequencies, heights] = this.spectrum.data;
+      return { [label(this.spectrum, 0)]: [...frequencies], [label(this.spectrum, 1)]: [...heights] };
+    }
+    if (panel === "starts") return this.#tableOfStarts();
+    const rows = [...times.map((each, i) => [each, "sample", radii[i], forces[i]])];
+    const ring = this.motion.facts.rotor.delta0 * this.length.factor;
+    arrays.event_time.forEach((each, i) => rows.push([each * this.timeUnit.factor, arrays.event_kind[i] > 0 ? "entry" : "exit", ring, 0]));
+    for (const [at, peak] of this.#peaks(0, times.length - 1)) rows.push([at, "peak", NaN, peak]);
+    rows.sort(([one], [other]) => one - other);
+    return Object.fromEntries([time, "what", radius, force].map((name, i) => [name, rows.map((row) => row[i])]));
+  }
+
+  /** Return each start of the plane and what becomes of it, or without a basin the start alone. */
+  #tableOfStarts() {
+    const { factor } = this.#scale("length", this.reach);
+    const [x, y] = [0, 1].map((axis) => this.starts.plot.axes[axis].label);
+    if (!this.basin) return { [x]: [this.start[0] * factor], [y]: [this.start[1] * factor] };
+    const { count, reach, attractors } = this.basin.facts;
+    const middle = (place) => factor * reach * ((2 * place + 1) / count - 1);
+    const labels = [...this.basin.arrays.label];
+    return {
+      [x]: labels.map((_, i) => middle(Math.floor(i / count))), [y]: labels.map((_, i) => middle(i % count)),
+      attractor: labels, "settles on": labels.map((label) => KINDS[attractors[label]?.kind ?? "undecided"]),
+    };
+  }
+
+  // what is told of the place under the pointer
+
+  #readStart(x, y) {
+    if (!this.basin) return null;
+    const { count, reach, attractors } = this.basin.facts;
+    const { factor } = this.#scale("length", this.reach);
+    const [column, row] = [x, y].map((each) => Math.floor(0.5 * count * (each / (factor * reach) + 1)));
+    if (Math.min(column, row) < 0 || Math.max(column, row) >= count) return null;
+    const label = this.basin.arrays.label[column * count + row];
+    return { text: `${KINDS[attractors[label]?.kind ?? "undecided"]}: ${this.starts.tell([x, y], ["x", "y"])}` };
+  }
+
+  #readOrbit(axes, x, y, distance, near) {
+    if (!this.length) return null;
+    const { arrays, facts } = this.motion;
+    const { t, event_time: times, event_kind: kinds } = arrays;
+    const { factor } = this.length;
+    const found = { away: near };
+    const look = (name, place, time) => {
+      const at = place.map((each) => each * factor);
+      const away = distance(...at);
+      if (away < found.away) Object.assign(found, { away, name, at, time });
+    };
+    const [low, high] = [t[this.view.from], t[this.view.now]];
+    const [xs, ys] = [arrays[`${axes}x`], arrays[`${axes}y`]];
+    const turn = facts.samples_per_revolution;
+    for (let i = Math.ceil(this.view.from / turn) * turn; i <= this.view.now; i += turn) look("once a revolution", [xs[i], ys[i]], t[i]);
+    times.forEach((time, i) => {
+      if (time >= low && time <= high) look(kinds[i] > 0 ? "entry" : "exit", [arrays[`event_${axes}x`][i], arrays[`event_${axes}y`][i]], time);
+    });
+    if (!found.at) for (let i = this.view.from; i <= this.view.now; i++) look("at", [xs[i], ys[i]], t[i]);
+    const [a, b] = found.at ?? [x, y];
+    const { factor: second, unit } = this.timeUnit;
+    const when = found.at ? `${found.name} t = ${told(found.time * second, 7)}${unit && ` ${unit}`}: ` : "";
+    return { text: `${when}${this.orbit.tell([a, b], ["x", "y"])}, ${this.radius.tell([0, Math.hypot(a, b)]).split(", ")[1]}`, at: found.at };
+  }
+
+  #readTime(name, x, _y, distance, near) {
+    if (!this.forceUnit) return null;
+    const { plot } = this[name];
+    const { arrays, facts } = this.motion;
+    const lines = [this.force.plot.axes[0].label, plot.axes[1].label].map(withoutUnit);
+    const told_ = (kind, at) => ({ text: `${kind}${this.#tellTime(name, at, lines)}`, at });
+    const { factor } = this.timeUnit;
+    const beside = (time) => Math.abs(plot.valToPos(time * factor, "x") - plot.valToPos(x, "x"));
+    if (name === "force") {
+      const peak = this.#peaks(0, arrays.t.length - 1).find((at) => distance(...at) < near);
+      if (peak) return told_("peak: ", peak);
+    }
+    const ring = name === "radius" ? facts.rotor.delta0 * this.length.factor : 0;
+    const event = arrays.event_time.findIndex((time) => beside(time) < 0.5 * near && distance(time * factor, ring) < near);
+    if (event >= 0) return told_(arrays.event_kind[event] > 0 ? "entry: " : "exit: ", [arrays.event_time[event] * factor, ring]);
+    const [times, values] = this[name].data;
+    const i = plot.valToIdx(x);
+    return times.length ? told_("", [times[i], values[i]]) : null;
+  }
+
+  #tellTime(name, [time, value], [first, second]) {
+    const { unit } = this.timeUnit;
+    const { unit: other } = name === "radius" ? this.length : this.forceUnit;
+    return `${first} ${told(time, 8)}${unit && ` ${unit}`}, ${second} ${told(value, 6)}${other && ` ${other}`}`;
+  }
+
+  #readSection(_x, _y, distance, near) {
+    if (!this.length) return null;
+    const { xs, ys } = this.#sectionPoints();
+    const { factor } = this.length;
+    let best = near, at;
+    for (let i = 0; i < xs.length; i++) {
+      const away = distance(xs[i] * factor, ys[i] * factor);
+      if (away < best) [best, at] = [away, [xs[i] * factor, ys[i] * factor]];
+    }
+    return at ? { text: `point: ${this.section.tell(at)}`, at } : null;
+  }
+
+  #readSpectrum(x, _y, _distance, near) {
+    const [frequencies, heights] = this.spectrum.data;
+    const { plot } = this.spectrum;
+    const [low, high] = [-near, near].map((pixels) => plot.posToVal(plot.valToPos(x, "x") + pixels, "x"));
+    let top = -1;
+    for (let i = 0; i < frequencies.length; i++) {
+      if (frequencies[i] >= low && frequencies[i] <= high && !(heights[i] <= heights[top])) top = i;
+    }
+    if (top < 0) return null;
+    const at = [frequencies[top], heights[top]];
+    const isLine = heights[top] > (heights[top - 1] ?? 0) && heights[top] > (heights[top + 1] ?? 0);
+    return { text: `${isLine ? "line: " : ""}${this.spectrum.tell(at)}`, at };
+  }
+
   #keyOfBasin() {
     const key = this.panels.starts.querySelector("[data-key]");
     key.replaceChildren();
@@ -396,6 +534,8 @@ export class Side {
     this.spectrum.say("Spectrum of the last half: amplitude over frequency, backward and forward.");
   }
 }
+
+const withoutUnit = (label) => label.replace(/ \[.*\]$/, "");
 
 const markOf = (kind) => (kind > 0 ? { fill: colour("ink"), stroke: colour("card"), width: 0.8 } : { fill: colour("card"), stroke: colour("ink"), width: 1.2 });
 

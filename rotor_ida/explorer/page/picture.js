@@ -1,0 +1,236 @@
+// A panel as a file: its plots drawn anew, in pixels or as lines, or their numbers as a table.
+
+import { colour } from "./plot.js";
+
+const FONT = "system-ui, sans-serif";
+const MARGIN = 10, TITLE = 48, LINE = 18;
+// Pixels of a PNG for each pixel of the page.
+const FINE = 3;
+
+/** Return a panel as PNG, a promise of a blob. */
+export function pngOf(panel) {
+  const { width, height } = sizeOf(panel);
+  const canvas = Object.assign(document.createElement("canvas"), { width: FINE * width, height: FINE * height });
+  // what a pen draws counts pixels of the picture, all else those of the page
+  paint(panel, canvas.getContext("2d"), FINE);
+  return new Promise((resolve) => canvas.toBlob(resolve, "image/png"));
+}
+
+/** Return a panel as SVG, a blob. */
+export function svgOf(panel) {
+  const { width, height } = sizeOf(panel);
+  const lines = new Lines();
+  paint(panel, lines, 1);
+  return new Blob([lines.document(width, height)], { type: "image/svg+xml" });
+}
+
+/** Return columns of numbers and words as CSV, a blob. */
+export function csvOf(columns) {
+  const names = Object.keys(columns);
+  const rows = [names.map(quoted).join(",")];
+  const count = Math.max(...names.map((name) => columns[name].length));
+  for (let i = 0; i < count; i++) rows.push(names.map((name) => cell(columns[name][i])).join(","));
+  return new Blob([`${rows.join("\n")}\n`], { type: "text/csv" });
+}
+
+const cell = (value) => (value === undefined || value === null || Number.isNaN(value) ? "" : typeof value === "number" ? String(value) : quoted(value));
+const quoted = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
+
+/** Return the size of the picture of a panel: its plots below each other, a title, and its key. */
+function sizeOf({ plots, key }) {
+  const sizes = plots.map(({ element }) => [element.clientWidth, element.clientHeight]);
+  const width = Math.max(...sizes.map(([each]) => each), 320) + 2 * MARGIN;
+  const plotted = sizes.reduce((sum, [, each]) => sum + each, 0);
+  return { width, height: TITLE + plotted + LINE * placed(key, width).rows + 2 * MARGIN };
+}
+
+function paint(panel, ctx, pixel) {
+  const { width, height } = sizeOf(panel);
+  const text = (words, x, y, { size = 12, align = "left", fill = colour("ink"), weight = "" } = {}) => {
+    Object.assign(ctx, { font: `${weight} ${size * pixel}px ${FONT}`.trim(), textAlign: align, fillStyle: fill, textBaseline: "middle" });
+    ctx.fillText(words, x * pixel, y * pixel);
+  };
+  ctx.fillStyle = colour("card");
+  ctx.fillRect(0, 0, width * pixel, height * pixel);
+  text(panel.title, MARGIN, MARGIN + 8, { size: 14, weight: "600" });
+  text(panel.subtitle, MARGIN, MARGIN + 25, { size: 11, fill: colour("muted") });
+  let top = TITLE;
+  for (const plot of panel.plots) {
+    ctx.save();
+    ctx.translate(MARGIN * pixel, top * pixel);
+    plot.paint(ctx, pixel, text);
+    ctx.restore();
+    top += plot.element.clientHeight;
+  }
+  for (const { words, icon, left, row } of placed(panel.key, width).items) {
+    const middle = top + MARGIN + LINE * (row + 0.5);
+    paintIcon(ctx, icon, (MARGIN + left) * pixel, middle * pixel, pixel);
+    text(words, MARGIN + left + (icon ? ICON : 0), middle, { size: 11, fill: colour("muted") });
+  }
+}
+
+const ICON = 26, GAP = 14, LETTER = 6.2;
+
+/** Return where the items of a key stand, in rows; letters are taken to be of one width. */
+function placed(key, width) {
+  let [left, row] = [0, 0];
+  const items = key.map(({ words, icon }) => {
+    const wide = words.length * LETTER + (icon ? ICON : 0);
+    if (left > 0 && left + wide > width - 2 * MARGIN) [left, row] = [0, row + 1];
+    const item = { words, icon, left, row };
+    left += wide + GAP;
+    return item;
+  });
+  return { items, rows: items.length ? row + 1 : 0 };
+}
+
+/** Draw what stands beside a word of a key, as the page has styled it. */
+function paintIcon(ctx, icon, left, middle, pixel) {
+  if (!icon) return;
+  const style = getComputedStyle(icon);
+  const is = (name) => icon.classList.contains(name);
+  ctx.beginPath();
+  ctx.setLineDash([]);
+  const half = 4.5 * pixel;
+  const centre = left + 10 * pixel;
+  if (is("line-key")) {
+    const dash = is("free") ? [12, 3, 2, 3] : style.borderTopStyle === "dashed" ? [5, 4] : [];
+    ctx.strokeStyle = is("free") ? colour("contact_free") : style.borderTopColor;
+    ctx.lineWidth = (parseFloat(style.borderTopWidth) || 2) * pixel;
+    ctx.setLineDash(dash.map((each) => each * pixel));
+    ctx.moveTo(left, middle);
+    ctx.lineTo(left + 20 * pixel, middle);
+    ctx.stroke();
+    ctx.setLineDash([]);
+    return;
+  }
+  if (is("swatch") || is("square")) ctx.rect(centre - half, middle - half, 2 * half, 2 * half);
+  else if (is("diamond")) {
+    ctx.moveTo(centre, middle - half);
+    ctx.lineTo(centre + half, middle);
+    ctx.lineTo(centre, middle + half);
+    ctx.lineTo(centre - half, middle);
+    ctx.closePath();
+  } else ctx.arc(centre, middle, half, 0, 2 * Math.PI);
+  const fill = style.backgroundColor;
+  ctx.fillStyle = fill === "rgba(0, 0, 0, 0)" ? colour("card") : fill;
+  ctx.fill();
+  if (is("swatch")) return;
+  ctx.strokeStyle = style.borderTopColor;
+  ctx.lineWidth = 1.5 * pixel;
+  ctx.stroke();
+}
+
+/** Takes down what is drawn on it as on a canvas, as the elements of an SVG. */
+class Lines {
+  constructor() {
+    this.elements = [];
+    this.clips = [];
+    this.path = [];
+    this.kept = [];
+    this.dash = [];
+    Object.assign(this, { globalAlpha: 1, lineWidth: 1, strokeStyle: "black", fillStyle: "black", font: `12px ${FONT}`, textAlign: "left", moved: "", clipped: "" });
+  }
+
+  save() {
+    const { globalAlpha, lineWidth, strokeStyle, fillStyle, moved, clipped, dash } = this;
+    this.kept.push({ globalAlpha, lineWidth, strokeStyle, fillStyle, moved, clipped, dash });
+  }
+
+  restore() {
+    Object.assign(this, this.kept.pop());
+  }
+
+  translate(x, y) {
+    this.moved += `translate(${short(x)} ${short(y)})`;
+  }
+
+  rotate(angle) {
+    this.moved += `rotate(${short((180 * angle) / Math.PI)})`;
+  }
+
+  beginPath() {
+    this.path = [];
+  }
+
+  moveTo(x, y) {
+    this.path.push(`M${short(x)} ${short(y)}`);
+  }
+
+  lineTo(x, y) {
+    this.path.push(`L${short(x)} ${short(y)}`);
+  }
+
+  closePath() {
+    this.path.push("Z");
+  }
+
+  rect(x, y, width, height) {
+    this.path.push(`M${short(x)} ${short(y)}h${short(width)}v${short(height)}h${short(-width)}Z`);
+  }
+
+  /** A whole circle. */
+  arc(x, y, radius) {
+    this.ellipse(x, y, radius, radius);
+  }
+
+  /** A whole ellipse. */
+  ellipse(x, y, a, b) {
+    const half = (sign) => `A${short(a)} ${short(b)} 0 1 0 ${short(x + sign * a)} ${short(y)}`;
+    this.path.push(`M${short(x + a)} ${short(y)}${half(-1)}${half(1)}`);
+  }
+
+  clip() {
+    this.clips.push(`<clipPath id="clip${this.clips.length}"><path d="${this.path.join("")}"/></clipPath>`);
+    this.clipped = ` clip-path="url(#clip${this.clips.length - 1})"`;
+  }
+
+  setLineDash(dash) {
+    this.dash = dash;
+  }
+
+  stroke() {
+    const dash = this.dash.length ? ` stroke-dasharray="${this.dash.join(" ")}"` : "";
+    this.#add(`<path d="${this.path.join("")}" fill="none" stroke="${this.strokeStyle}" stroke-width="${short(this.lineWidth)}"${dash}${this.#alpha()}/>`);
+  }
+
+  fill() {
+    this.#add(`<path d="${this.path.join("")}" fill="${this.fillStyle}"${this.#alpha()}/>`);
+  }
+
+  fillRect(x, y, width, height) {
+    this.#add(`<rect x="${short(x)}" y="${short(y)}" width="${short(width)}" height="${short(height)}" fill="${this.fillStyle}"${this.#alpha()}/>`);
+  }
+
+  fillText(words, x, y) {
+    const [, size] = /([\d.]+)px/.exec(this.font);
+    const weight = /^\d+ /.test(this.font) ? ` font-weight="${parseInt(this.font, 10)}"` : "";
+    const anchor = { left: "start", center: "middle", right: "end" }[this.textAlign];
+    const safe = words.replace(/[&<>]/g, (each) => ({ "&": "&amp;", "<": "&lt;", ">": "&gt;" })[each]);
+    this.#add(`<text x="${short(x)}" y="${short(y)}" fill="${this.fillStyle}" font-family="${FONT}" font-size="${size}"${weight} text-anchor="${anchor}" dominant-baseline="central">${safe}</text>`);
+  }
+
+  drawImage(picture, x, y, width, height) {
+    const canvas = Object.assign(document.createElement("canvas"), { width: picture.width, height: picture.height });
+    canvas.getContext("2d").drawImage(picture, 0, 0);
+    this.#add(`<image x="${short(x)}" y="${short(y)}" width="${short(width)}" height="${short(height)}" preserveAspectRatio="none" style="image-rendering:pixelated" href="${canvas.toDataURL()}"/>`);
+  }
+
+  /** Return the whole as a file. */
+  document(width, height) {
+    const head = `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}">`;
+    return `${head}\n<defs>${this.clips.join("")}</defs>\n${this.elements.join("\n")}\n</svg>\n`;
+  }
+
+  #alpha() {
+    return this.globalAlpha < 1 ? ` opacity="${this.globalAlpha}"` : "";
+  }
+
+  #add(element) {
+    const moved = this.moved ? ` transform="${this.moved}"` : "";
+    // the clip is that of the place before the element is moved, so both stand on a group
+    this.elements.push(moved || this.clipped ? `<g${moved}><g${this.clipped}>${element}</g></g>` : element);
+  }
+}
+
+const short = (value) => String(Math.round(100 * value) / 100);

@@ -1,0 +1,84 @@
+// The buttons in the head of a panel: a part of its plots, or all again; its picture and its numbers.
+
+import { csvOf, pngOf, svgOf } from "./picture.js";
+
+/** Give a file to the one who looks at the page. */
+export function keep(blob, name) {
+  const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(blob), download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+}
+
+/**
+ * Put the buttons into the head of a panel.
+ *
+ * `told` says under the title of a picture what is shown, `table` returns the columns of the numbers.
+ */
+export function addTools(panel, plots, { name, told, table }) {
+  const head = Object.assign(document.createElement("div"), { className: "head" });
+  const title = panel.querySelector("h2");
+  title.before(head);
+  const tools = Object.assign(document.createElement("span"), { className: "tools" });
+  tools.append(zoomButton(plots, title.textContent), saveMenu(panel, plots, title.textContent, { name, told, table }));
+  head.append(title, tools);
+}
+
+/** A button that lets the next drag choose a part; where a part is shown, one that shows all again. */
+function zoomButton(plots, title) {
+  const button = Object.assign(document.createElement("button"), { type: "button", textContent: "Zoom" });
+  button.title = "Then drag a box. By mouse also: Ctrl and drag, or Ctrl and wheel";
+  const show = () => {
+    const zoomed = plots.some((plot) => plot.zoomed);
+    if (zoomed) for (const plot of plots) setBoxing(plot, false);
+    button.textContent = zoomed ? "Show all" : "Zoom";
+    button.setAttribute("aria-pressed", String(plots[0].boxing));
+    button.setAttribute("aria-label", `${button.textContent}: ${title}`);
+  };
+  button.addEventListener("click", () => {
+    const zoomed = plots.some((plot) => plot.zoomed);
+    for (const plot of plots) {
+      if (zoomed) plot.reset();
+      else setBoxing(plot, !plot.boxing);
+    }
+    show();
+  });
+  for (const plot of plots) plot.onZoom = show;
+  show();
+  return button;
+}
+
+function setBoxing(plot, on) {
+  plot.boxing = on;
+  plot.element.classList.toggle("boxing", on);
+}
+
+function saveMenu(panel, plots, title, { name, told, table }) {
+  const menu = Object.assign(document.createElement("details"), { className: "menu" });
+  const summary = Object.assign(document.createElement("summary"), { textContent: "Save" });
+  summary.setAttribute("aria-label", `Save: ${title}`);
+  const drawn = () => ({ plots, title, subtitle: told(), key: keyOf(panel) });
+  const makers = { png: () => pngOf(drawn()), svg: () => svgOf(drawn()), csv: () => csvOf(table()) };
+  const box = document.createElement("div");
+  for (const [ending, make] of Object.entries(makers)) {
+    const button = Object.assign(document.createElement("button"), { type: "button", textContent: ending.toUpperCase() });
+    button.dataset.keep = ending;
+    button.addEventListener("click", async () => {
+      menu.open = false;
+      keep(await make(), `${name()}.${ending}`);
+    });
+    box.append(button);
+  }
+  menu.append(summary, box);
+  menu.addEventListener("focusout", ({ relatedTarget }) => {
+    if (relatedTarget && !menu.contains(relatedTarget)) menu.open = false;
+  });
+  return menu;
+}
+
+/** Return the words of a panel's key, each with the element that stands before it. */
+function keyOf(panel) {
+  const spans = [...panel.querySelectorAll(".key span")];
+  if (spans.length) return spans.map((span) => ({ words: span.textContent.trim(), icon: span.querySelector("i") }));
+  const words = panel.querySelector(".key")?.textContent.trim();
+  return words ? [{ words, icon: null }] : [];
+}
