@@ -30,6 +30,8 @@ STEP_SAFETY = 0.03
 
 # Dimensionless parameters and starts beyond this leave nothing for a tolerance to hold on to.
 LARGEST = 1e6
+# The rotor crosses less clearance in a time below the spacing of doubles, from about 1e-14 on.
+SMALLEST_CLEARANCE = 1e-12
 # The final window holds whole revolutions: those of slower rotors take too long, and of faster ones
 # it holds too many.
 SLOWEST_TO_SETTLE, FASTEST_TO_SETTLE = 1e-3, 1e3
@@ -119,6 +121,11 @@ def check_can_be_followed(rotor: Rotor, start: State, *, settling: bool = False)
         value = getattr(rotor, name)
         if value > LARGEST:
             raise InputError(f"{name} must be at most {LARGEST:g} to be simulated, got {value!r}")
+    if 0.0 < rotor.delta0 < SMALLEST_CLEARANCE:
+        raise InputError(
+            f"delta0 must be 0 or at least {SMALLEST_CLEARANCE:g} to be simulated, got "
+            f"{rotor.delta0!r}"
+        )
     if settling and rotor.omega and not SLOWEST_TO_SETTLE <= rotor.omega <= FASTEST_TO_SETTLE:
         raise InputError(
             f"omega must be 0 or from {SLOWEST_TO_SETTLE} to {FASTEST_TO_SETTLE:g} to settle, got "
