@@ -13,10 +13,14 @@ import numpy.typing as npt
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import State
+from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
 from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady_state.follow import FAILED, SettledResponse, failed, follow_to_steady_state
+
+# What solver, physics and memory raise of a point; anything else is a fault of the program's own.
+EXPECTED = (SimulationError, ArithmeticError, MemoryError)
 
 Places = npt.NDArray[np.int64]
 
@@ -128,7 +132,7 @@ def follow(job: Job, stop: Stop) -> list[SettledResponse]:
             break
         try:
             point = follow_to_steady_state(rotor, state, job.options, stop=stop)
-        except Exception as error:  # it must not end the other points
+        except EXPECTED as error:  # it must not end the other points
             reason = f"{type(error).__name__}: {error}".rstrip(": ")
             point = failed(rotor, state, job.options, reason)
         if point.response != FAILED:

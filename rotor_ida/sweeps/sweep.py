@@ -40,8 +40,8 @@ DIRECTIONS: dict[str | None, tuple[int, ...]] = {
     "both": (1, -1),
 }
 REST: State = (0.0, 0.0, 0.0, 0.0)
-# Failures of the surroundings, not of the point: another attempt may succeed.
-PASSING = ("MemoryError", "OSError")
+# A failure of the surroundings, not of the point: another attempt may succeed.
+PASSING = "MemoryError"
 
 
 def sweep(
@@ -213,10 +213,12 @@ def _follow_all(
 def _check_can_be_followed(
     axes: Mapping[str, npt.NDArray[np.float64]], starts: Sequence[State]
 ) -> None:
-    """Check each speed and each start once: only upper limits hold for the others."""
+    """Check each speed, each clearance and each start once, and the largest damping."""
     zeta, delta0 = (float(axes[name].max()) for name in ("zeta", "delta0"))
     rotors = [Rotor(omega=omega, zeta=zeta, delta0=delta0) for omega in axes["omega"].tolist()]
-    for rotor in rotors:
+    omega = rotors[0].omega
+    others = (Rotor(omega=omega, zeta=zeta, delta0=each) for each in axes["delta0"].tolist())
+    for rotor in (*rotors, *others):
         check_can_be_followed(rotor, starts[0], settling=True)
     for start in starts[1:]:
         check_can_be_followed(rotors[0], start, settling=True)

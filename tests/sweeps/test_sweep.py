@@ -85,8 +85,7 @@ def test_a_point_that_fails_is_labelled_and_stops_nothing(monkeypatch):
     assert np.isfinite(responses.amplitude.values[2])
 
 
-@pytest.mark.parametrize("error", [ValueError("a slip"), MemoryError()])
-def test_even_an_error_of_ours_stops_no_other_point(monkeypatch, error):
+def raising_at_two(monkeypatch, error):
     true_follow = ramps_module.follow_to_steady_state
 
     def slips_at_two(rotor, *rest, **options):
@@ -95,9 +94,24 @@ def test_even_an_error_of_ours_stops_no_other_point(monkeypatch, error):
         return true_follow(rotor, *rest, **options)
 
     monkeypatch.setattr(ramps_module, "follow_to_steady_state", slips_at_two)
+
+
+@pytest.mark.parametrize(
+    ("error", "told"),
+    [(OverflowError("too large"), "OverflowError: too large"), (MemoryError(), "MemoryError")],
+)
+def test_overflow_and_lack_of_memory_stop_no_other_point(monkeypatch, error, told):
+    raising_at_two(monkeypatch, error)
     found = sweep(omega=[1.0, 2.0, 3.0], zeta=0.5, delta0=0.5, direction="up").squeeze()
     assert found.status.values.tolist() == [0, 1, 0]
-    assert found.message.values[1] in {"ValueError: a slip", "MemoryError"}
+    assert found.message.values[1] == told
+
+
+@pytest.mark.parametrize("executor", ["serial", "threads"])
+def test_a_fault_of_the_program_is_no_failed_point(monkeypatch, executor):
+    raising_at_two(monkeypatch, KeyError("a slip"))
+    with pytest.raises(KeyError, match="a slip"):
+        sweep(omega=[1.0, 2.0, 3.0], zeta=0.5, delta0=0.5, executor=executor)
 
 
 def test_a_chain_that_is_lost_with_its_worker_is_labelled(monkeypatch):
@@ -128,6 +142,10 @@ def test_a_chain_that_is_lost_with_its_worker_is_labelled(monkeypatch):
         (
             {"omega": [2.0, 1.0], "direction": "up"},
             "omega must increase in a sweep up or down, got 1.0 after 2.0",
+        ),
+        (
+            {"delta0": [0.0, 1e-13, 2.0]},
+            "delta0 must be 0 or at least 1e-12 to be simulated, got 1e-13",
         ),
         ({"workers": 0}, "workers must be at least 1, got 0"),
         ({"executor": "gpu"}, "executor must be one of 'auto', 'serial', .*, got 'gpu'"),
