@@ -92,7 +92,8 @@ def defects_of(shot: Shot) -> tuple[float, float]:
     trivial = np.linalg.norm(matrix @ rate - shot.end_rate) / np.linalg.norm(rate)
     defect = np.abs(matrix.T @ FORM @ matrix - _contraction_of(shot) * FORM).max()
     size = (np.abs(matrix).T @ np.abs(FORM) @ np.abs(matrix)).max()
-    return float(trivial), float(defect / size)
+    # both are zero where a period damps all velocities to nothing
+    return float(trivial), float(defect / size) if size else 0.0
 
 
 def _contraction_of(shot: Shot) -> float:

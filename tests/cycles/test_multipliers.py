@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotor_ida import Rotor
+from rotor_ida import Rotor, limit_cycle
 from rotor_ida.cycles.multipliers import (
     FORM,
     contraction,
@@ -71,6 +71,14 @@ def test_structure_measured_on_the_matrix_before_it_is_used(known):
     trivial, symplectic = defects_of(cycle.shot)
     assert trivial < 1e-10
     assert symplectic < 1e-13
+
+
+def test_a_period_that_damps_all_velocities_to_nothing_leaves_no_defect():
+    """exp(-2 zeta T) is 0 in doubles: 0 = 0, no quotient of them."""
+    rotor = Rotor(omega=1e-3, zeta=5.0, delta0=1.0)
+    cycle = limit_cycle(rotor, start=(1.0 + 1e-13, 0.0, 0.0, 0.0), period=2.0 * np.pi / rotor.omega)
+    assert cycle.symplectic_defect.item() == 0.0
+    assert cycle.trivial_defect.item() < 1e-10
 
 
 @pytest.mark.parametrize("rotor", [
