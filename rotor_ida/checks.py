@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence, Sized
 from numbers import Integral, Real
+from pathlib import PurePath
 from reprlib import Repr
 from typing import Any, TypeVar
 
@@ -38,6 +39,8 @@ COARSEST_TIME = 1e-6
 
 # Python and NumPy count these among the numbers.
 _NO_NUMBERS: tuple[type, ...] = (bool, np.bool_, np.timedelta64)
+# Each of their bytes would pass for a number.
+_BYTES = (bytes, bytearray, memoryview)
 # Paths are text, and seldom longer than this.
 _LONGEST_SHOWN = 160
 _short = Repr()
@@ -53,6 +56,8 @@ def shown(value: object) -> str:
     >>> shown(1.5), shown("a\nb"), len(shown(10**400)) < 100, shown([0] * 1000)
     ('1.5', "'a\\nb'", True, '[0, 0, 0, 0, 0, 0, ...]')
     """
+    if isinstance(value, (str, PurePath)):  # whose blanks are its own
+        return _short.repr(str(value))
     try:
         text = " ".join(_short.repr(value).split())
     except ValueError:  # Python shows no whole number of so many digits
@@ -144,6 +149,13 @@ def check_instance(name: str, value: object, kind: type[Kind]) -> Kind:
     """Return `value` if it is of a kind."""
     if not isinstance(value, kind):
         raise InputError(f"{name} must be a {kind.__name__}, got {shown(value)}")
+    return value
+
+
+def check_flag(name: str, value: object) -> bool:
+    """Return `value` if it is true or false itself."""
+    if not isinstance(value, bool):
+        raise InputError(f"{name} must be true or false, got {shown(value)}")
     return value
 
 
@@ -279,6 +291,9 @@ def _array(name: str, values: object) -> npt.NDArray[Any]:
         length = MOST_NUMBERS + 1
     if length > MOST_NUMBERS and not isinstance(values, str):
         raise InputError(f"{name} must hold at most {MOST_NUMBERS} numbers, got {shown(values)}")
+    within = values if isinstance(values, (list, tuple)) else ()
+    if isinstance(values, _BYTES) or any(isinstance(each, _BYTES) for each in within):
+        raise InputError(f"{name} must be numbers, got bytes, {shown(values)}")
     if np.ma.is_masked(values):
         raise InputError(f"{name} must have no masked values, got {shown(values)}")
     try:

@@ -19,7 +19,7 @@ from pathlib import Path
 
 from filelock import FileLock, Timeout
 
-from rotor_ida.checks import shown
+from rotor_ida.checks import check_flag, shown
 from rotor_ida.errors import InputError
 
 _UNFINISHED = "rotor_ida-part"
@@ -40,6 +40,11 @@ def check_path(name: str, path: object, *, kind: str = "file") -> Path:
     text = os.fspath(path) if isinstance(path, (str, os.PathLike)) else None
     if not isinstance(text, str) or "\0" in text or not text:
         raise InputError(f"{name} must be the path of a {kind}, got {shown(path)}")
+    try:
+        os.lstat(text)
+    except OSError as error:
+        if error.errno == errno.ENAMETOOLONG:
+            raise InputError(f"{name} must be a shorter path, got {shown(text)}") from error
     return Path(text)
 
 
@@ -61,25 +66,24 @@ def check_target(
     rotor_ida.errors.InputError: out must be a file, got the folder '...'
     """
     given = check_path(name, path)
-    if not isinstance(overwrite, bool):
-        raise InputError(f"overwrite must be true or false, got {shown(overwrite)}")
+    check_flag("overwrite", overwrite)
     target = Path(os.path.realpath(given))
     if os.path.isdir(target):
-        raise InputError(f"{name} must be a file, got the folder {str(given)!r}")
+        raise InputError(f"{name} must be a file, got the folder {shown(given)}")
     if not os.path.isdir(target.parent):
-        raise InputError(f"{name} must be in a folder that exists, got {str(given)!r}")
+        raise InputError(f"{name} must be in a folder that exists, got {shown(given)}")
     if os.path.exists(target) and not os.path.isfile(target):
-        raise InputError(f"{name} must be a file, got the device or pipe {str(given)!r}")
+        raise InputError(f"{name} must be a file, got the device or pipe {shown(given)}")
     if os.path.exists(target) and not overwrite:
         raise already_there(name, given, permission)
     if not os.access(target.parent, os.W_OK):
-        raise InputError(f"{name} must be in a folder that can be written to, got {str(given)!r}")
+        raise InputError(f"{name} must be in a folder that can be written to, got {shown(given)}")
     return given
 
 
 def already_there(name: str, path: Path, permission: str = "overwrite is true") -> InputError:
     """Return the error for a file that may not be replaced."""
-    return InputError(f"{name} must not exist unless {permission}, got {str(path)!r}")
+    return InputError(f"{name} must not exist unless {permission}, got {shown(path)}")
 
 
 @contextmanager

@@ -2,6 +2,7 @@
 
 import math
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -14,6 +15,7 @@ from rotor_ida.checks import (
     check_choice,
     check_count,
     check_duration,
+    check_flag,
     check_nonnegative,
     check_positive,
     check_real,
@@ -61,6 +63,28 @@ def test_anything_else_is_refused_and_shown(value):
     message = str(caught.value)
     assert message == f"omega must be a finite real number, got {shown(value)}"
     assert "\n" not in message
+
+
+@pytest.mark.parametrize(
+    "values", [bytearray(b"ab"), memoryview(b"ab"), [bytearray(b"ab")], (b"a", b"b")]
+)
+def test_bytes_are_no_numbers(values):
+    for check in (check_vector, check_array, check_states):
+        with pytest.raises(InputError, match="must be numbers, got bytes, "):
+            check("omega", values)
+
+
+@pytest.mark.parametrize("value", [[], 1, 0, None, "yes", np.True_])
+def test_a_flag_is_true_or_false(value):
+    assert check_flag("check", True) is True
+    with pytest.raises(InputError, match="check must be true or false, got "):
+        check_flag("check", value)
+
+
+def test_the_name_of_a_file_keeps_its_blanks_and_is_shortened_in_the_middle():
+    assert shown(Path("a  b.nc")) == "'a  b.nc'"
+    assert len(shown(Path("a" * 5000))) <= 160
+    assert shown("b" * 5000 + ".nc").endswith("b.nc'")
 
 
 def test_any_value_is_shown_in_one_short_line():

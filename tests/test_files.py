@@ -28,6 +28,13 @@ def test_what_is_no_path_is_refused(path: object) -> None:
         check_path("study", path, kind="folder")
 
 
+@pytest.mark.skipif(os.name == "nt", reason="errors of POSIX")
+def test_a_path_that_no_system_takes_is_refused_in_a_short_line() -> None:
+    with pytest.raises(InputError, match="study must be a shorter path, got 'aaa") as caught:
+        check_path("study", "a" * 100_000, kind="folder")
+    assert len(str(caught.value)) < 250
+
+
 def test_target_that_cannot_be_written_is_refused(tmp_path: Path) -> None:
     there = tmp_path / "there.txt"
     there.write_text("before")

@@ -30,7 +30,8 @@ MACHINE = DimensionalRotor(
 REST = (0.0, 0.0, 0.0, 0.0)
 ODD = {
     "None": None, "True": True, "text": "1.0", "no text": "", "long text": "1" * 1000,
-    "bytes": b"1", "nan": float("nan"), "inf": float("inf"), "-inf": float("-inf"), "-1": -1,
+    "bytes": b"1", "bytearray": bytearray(b"12"),
+    "nan": float("nan"), "inf": float("inf"), "-inf": float("-inf"), "-1": -1,
     "0": 0, "0.5": 0.5, "tiny": 5e-324, "large": 1e20, "huge": 1e308, "10**400": 10**400,
     "-10**400": -(10**400), "10**5000": 10**5000, "2**63": 2**63, "10**9 + 1": 10**9 + 1,
     "complex": 1j, "empty list": [], "list of nan": [float("nan")],

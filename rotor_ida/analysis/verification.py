@@ -18,7 +18,7 @@ from rotor_ida.analysis.branch_course import course_of, parameters_of, stable_ra
 from rotor_ida.arrays import Values
 from rotor_ida.atlas import continue_attractors
 from rotor_ida.basins import basin, basin_fractions
-from rotor_ida.checks import COMPONENTS
+from rotor_ida.checks import COMPONENTS, shown
 from rotor_ida.cycles.bifurcation_curve import bifurcation_curve
 from rotor_ida.cycles.continue_cycle import branch_from
 from rotor_ida.cycles.guess import Guess
@@ -157,14 +157,14 @@ def _kind_of(dataset: xr.Dataset) -> str:
     raise InputError(
         "only what simulate, sweep, basin, basin_fractions, continue_attractors, limit_cycle, "
         "continue_cycle and bifurcation_curve have computed can be verified, got a dataset of "
-        f"{', '.join(map(str, dataset.data_vars)) or 'nothing'}"
+        f"{shown(list(map(str, dataset.data_vars)))}"
     )
 
 
 def _by(dataset: xr.Dataset, kind: str, method: Method) -> xr.Dataset:
     """Return a result that says that it was computed by another method."""
     if "method" not in KINDS[kind].attributes:
-        raise InputError(f"method must be left out for a {kind}, got {method!r}")
+        raise InputError(f"method must be left out for the kind {kind}, got {method!r}")
     exact = {"flight": "exact"} if method == "taylor" else {}
     return dataset.assign_attrs({"method": method, **exact})
 

@@ -196,7 +196,7 @@ Out = Annotated[Path | None, _path("Write the result to this new netCDF file.")]
 Figure = Annotated[
     Path | None, _path("Draw the result into NAME.png and NAME.svg; give NAME or either file.")
 ]
-Results = Annotated[Path, Parameter(help="Folder for archives and figures.")]
+Results = Annotated[Path, _path("Folder for archives and figures.")]
 Direction = Annotated[
     Literal["up", "down", "both"] | None, Parameter(help="Follow the response from speed to speed.")
 ]

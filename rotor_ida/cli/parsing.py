@@ -1,6 +1,7 @@
 """From the words of an option to what cyclopts has no type for: ranges, starts, finite numbers.
 
-Python would take NaN for a number, "1_7" for seventeen and "10.5" for ten: here they are slips.
+Python would take NaN for a number, "1_7" for seventeen, "10.5" for ten and the digits of every
+script for its own: here they are slips.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from typing import Any, TypeVar
 
 from cyclopts import Token
 
-from rotor_ida.checks import MOST_POINTS_OF_STUDY, State, check_real, check_state
+from rotor_ida.checks import MOST_POINTS_OF_STUDY, State, check_real, check_state, shown
 from rotor_ida.errors import InputError
 
 LARGEST_RANGE = 1_000_000
@@ -60,11 +61,11 @@ def whole_number(name: str, words: Sequence[str]) -> int:
     rotor_ida.errors.InputError: workers must be a whole number, got '2.5'
     """
     try:
-        if "_" not in words[0]:
+        if _may_be_number(words[0]):
             return int(words[0])
     except ValueError:
         pass
-    raise InputError(f"{name} must be a whole number, got {words[0]!r}")
+    raise InputError(f"{name} must be a whole number, got {shown(words[0])}")
 
 
 def numbers(name: str, words: Sequence[str]) -> list[float]:
@@ -117,7 +118,7 @@ def number_or_ends(name: str, words: Sequence[str]) -> float | tuple[float, floa
     """
     low, *high = words[0].split(":")
     if len(high) > 1:
-        raise InputError(f"{name} must be a number or LOW:HIGH, got {words[0]!r}")
+        raise InputError(f"{name} must be a number or LOW:HIGH, got {shown(words[0])}")
     return (number(name, [low]), number(name, high)) if high else number(name, [low])
 
 
@@ -162,7 +163,7 @@ def check_points(*axes: Sequence[object], in_study: bool = False) -> None:
 def _range(name: str, word: str) -> list[float]:
     parts = word.split(":")
     if len(parts) != 3:
-        raise InputError(f"{name} must be numbers or START:STOP:COUNT, got {word!r}")
+        raise InputError(f"{name} must be numbers or START:STOP:COUNT, got {shown(word)}")
     first, last = number(name, parts[:1]), number(name, parts[1:2])
     count = whole_number(f"COUNT of {name}", parts[2:])
     if not 2 <= count <= LARGEST_RANGE:
@@ -174,6 +175,11 @@ def _range(name: str, word: str) -> list[float]:
 def _float(word: str) -> object:
     """Return a word as a float, or as it is."""
     try:
-        return word if "_" in word else float(word)
+        return float(word) if _may_be_number(word) else word
     except ValueError:
         return word
+
+
+def _may_be_number(word: str) -> bool:
+    """Return whether a word has neither underscores nor the digits of other scripts."""
+    return word.isascii() and "_" not in word

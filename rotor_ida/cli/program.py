@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import sys
 from collections.abc import Sequence
 from importlib.metadata import version
@@ -21,6 +22,7 @@ from cyclopts import (
 )
 from rich.console import Console
 
+from rotor_ida.checks import shown
 from rotor_ida.cli.commands.compute import (
     atlas,
     basin,
@@ -80,7 +82,9 @@ def main(words: Sequence[str] | None = None) -> int:
         except (RotorError, OSError) as error:
             said = str(error)
             if isinstance(error, OSError) and error.strerror:
-                said = f"{error.filename or 'standard output'}: {error.strerror}"
+                where = error.filename or "standard output"
+                closed = error.errno == errno.EBADF and not error.filename
+                said = f"{where}: {'closed' if closed else error.strerror}"
             return _complain(said, BAD_INPUT if isinstance(error, InputError) else FAILED)
 
 
@@ -135,16 +139,16 @@ def misread(error: CycloptsError) -> str:
             said = str(cause)
         case CoercionError(token=Token() as token, target_type=kind) if get_origin(kind) is Literal:
             choices = ", ".join(map(repr, get_args(kind)))
-            said = f"{name} must be one of {choices}, got {token.value!r}"
+            said = f"{name} must be one of {choices}, got {shown(token.value)}"
         case ValidationError(argument=Argument(tokens=[Token() as token, *_])):
             bound = error.exception_message.replace(">=", "at least").replace("<=", "at most")
             said = f"{name} {bound[:1].lower()}{bound[1:].rstrip('.')}, got {token.value}"
         case UnknownOptionError(token=token):
-            said = f"unknown option {token.keyword or token.value!r}"
+            said = f"unknown option {shown(token.keyword or token.value)}"
         case UnusedCliTokensError(unused_tokens=[first, *_]):
-            said = f"unexpected argument {first!r}"
+            said = f"unexpected argument {shown(first)}"
         case UnknownCommandError(root_input_tokens=[first, *_]):
-            said = f"unknown command {first!r}: see rotor-ida --help"
+            said = f"unknown command {shown(first)}: see rotor-ida --help"
         case MissingArgumentError() if option:
             words = "" if error.argument is None else error.argument.parameter.metavar or ""
             said = _missing(option, words, error.unused_tokens or [], error.tokens_so_far)
@@ -159,7 +163,7 @@ def _missing(option: str, words: str, unused: Sequence[str], given: Sequence[str
     """Return in one line what an option lacks; one that is misspelt is the likelier cause."""
     misspelt = [word for word in unused if word.startswith("--")]
     if misspelt and option not in unused:
-        return f"unknown option {misspelt[0]!r}"
+        return f"unknown option {shown(misspelt[0])}"
     if given:  # it has several values
         number = {2: "two", 4: "four"}[len(words.split())]
         kind = "names" if "NAME" in words else "numbers"

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
+from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
 
 RECORD = "figures.json"
@@ -69,7 +70,7 @@ def read_entries(folder: Path) -> list[Entry]:
         listed = json.loads(path.read_text(encoding="utf-8"))
         return [Entry(**{**each, "archives": tuple(each["archives"])}) for each in listed]
     except (ValueError, TypeError, KeyError):
-        raise InputError(f"the record of figures must be one, got {str(path)!r}") from None
+        raise InputError(f"the record of figures must be one, got {shown(path)}") from None
 
 
 def write_gallery(root: Path, scripts: Mapping[str, Path], *, failed: Iterable[str] = ()) -> Path:

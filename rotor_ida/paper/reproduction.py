@@ -10,7 +10,9 @@ from collections.abc import Mapping, Sequence
 from contextlib import closing
 from pathlib import Path
 
+from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
+from rotor_ida.files import check_path
 from rotor_ida.paper import freshness
 from rotor_ida.paper.gallery import write_gallery
 from rotor_ida.paper.running import Ended, run_scripts
@@ -81,8 +83,8 @@ def reproduce(
     Raises
     ------
     InputError
-        If a name is unknown, or results of another origin are there and `force` is false; then
-        nothing was run.
+        If a name is unknown, the folder cannot be one, or results of another origin are there and
+        `force` is false; then nothing was run.
 
     Notes
     -----
@@ -92,7 +94,7 @@ def reproduce(
     """
     scripts = scenario_scripts()
     chosen = _chosen(scripts, only)
-    root = Path(folder)
+    root = _root(folder)
     processes = count_workers(workers)
     given = ["--quick"] if quick else []
     origins = {name: freshness.origin_of(script, given) for name, script in chosen.items()}
@@ -128,6 +130,17 @@ def reproduce(
     return 1 if failed else 0
 
 
+def _root(folder: str | os.PathLike[str]) -> Path:
+    """Return the folder for results, be it there or not, where it can be written to."""
+    root = check_path("out", folder, kind="folder")
+    nearest = next(path for path in (root, *root.absolute().parents) if os.path.lexists(path))
+    if not nearest.is_dir():
+        raise InputError(f"out must be a folder, got {shown(root)}: {shown(nearest)} is none")
+    if not os.access(nearest, os.W_OK):
+        raise InputError(f"out must be in a folder that can be written to, got {shown(root)}")
+    return root
+
+
 def _report(ended: Ended, count: str) -> None:
     """Print what a script printed, and how it ended."""
     print(ended.printed, end="", flush=True)
@@ -149,7 +162,8 @@ def _chosen(scripts: Mapping[str, Path], only: Sequence[str] | None) -> dict[str
         matching = {name for name in scripts if _names(word, name)}
         if not matching:
             raise InputError(
-                f"scenario must be one of {', '.join(scripts)}, or how one begins, got {word!r}"
+                f"scenario must be one of {', '.join(scripts)}, or how one begins, got "
+                f"{shown(word)}"
             )
         chosen |= matching
     return {name: script for name, script in scripts.items() if name in chosen}

@@ -12,6 +12,7 @@ import xarray as xr
 from cyclopts import App, CycloptsError, Parameter
 from matplotlib.figure import Figure
 
+from rotor_ida.checks import shown
 from rotor_ida.errors import InputError, RotorError
 from rotor_ida.paper.gallery import Entry, add_entry
 from rotor_ida.parallel import count_workers
@@ -90,10 +91,10 @@ def check_folder(folder: Path, *, force: bool) -> None:
         If it holds something, or is no folder.
     """
     if folder.exists() and not folder.is_dir():
-        raise InputError(f"the output must be a folder, got the file {str(folder)!r}")
+        raise InputError(f"the output must be a folder, got the file {shown(folder)}")
     if folder.is_dir() and any(folder.iterdir()) and not force:
         raise InputError(
-            f"{str(folder)!r} holds results already: choose another folder, or replace them with "
+            f"{shown(folder)} holds results already: choose another folder, or replace them with "
             "--force"
         )
 

@@ -52,7 +52,9 @@ def test_another_method_comes_to_the_same_responses():
 
 
 def test_a_basin_knows_no_method():
-    with pytest.raises(InputError, match="method must be left out for a basin, got 'taylor'"):
+    with pytest.raises(
+        InputError, match="method must be left out for the kind basin, got 'taylor'"
+    ):
         rerun(RESULTS["basin"](), method="taylor")
 
 

@@ -130,6 +130,13 @@ def test_results_that_were_edited_are_not_replaced_unasked(light, tmp_path):
         reproduce(out, only=["c_works"], workers=1)
 
 
+def test_a_file_is_no_folder_for_results(light, tmp_path):
+    (tmp_path / "taken").write_text("mine")
+    for place in ("taken", "taken/deeper"):
+        with pytest.raises(InputError, match=f"out must be a folder, got '.*{place}'"):
+            reproduce(tmp_path / place, workers=1)
+
+
 def test_results_that_are_there_are_not_touched(scripts, tmp_path):
     kept = tmp_path / "results" / "c_works" / "found.nc"
     kept.parent.mkdir(parents=True)

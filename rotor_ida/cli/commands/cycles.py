@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from cyclopts import Parameter
 
 import rotor_ida
-from rotor_ida.checks import COMPONENTS, State
+from rotor_ida.checks import COMPONENTS, State, shown
 from rotor_ida.cli import options
 from rotor_ida.cli.output import Output, answer, answer_whole, read, working
 from rotor_ida.cli.report import FIRST_ROWS, Report
@@ -184,15 +184,17 @@ def _in_archive(
     dataset = read(file)
     kind = kind_of(dataset)
     if kind not in SOURCES:
-        raise InputError(f"from must be a cycle, a branch or a curve, got {str(file)!r}, a {kind}")
+        raise InputError(
+            f"from must be a cycle, a branch or a curve, got {shown(file)}, of the kind {kind}"
+        )
     if "time_scale" in dataset.attrs:
-        raise InputError(f"from must be dimensionless, got {str(file)!r} in SI units")
+        raise InputError(f"from must be dimensionless, got {shown(file)} in SI units")
     if kind != "cycle":
         dataset = _at(dataset, kind, point, special)
     elif point is not None or special is not None:
-        raise InputError(f"point and special must be left out with a cycle, got {str(file)!r}")
+        raise InputError(f"point and special must be left out with a cycle, got {shown(file)}")
     elif dataset["period"].isnull():
-        raise InputError(f"from must hold a limit cycle, got {str(file)!r} without one")
+        raise InputError(f"from must hold a limit cycle, got {shown(file)} without one")
     if kind == "curve":
         dataset = _of_curve(dataset, "special_" if point is None else "", curve_kind)
     place = dataset

@@ -9,7 +9,7 @@ from dataclasses import asdict
 from importlib.util import find_spec
 from pathlib import Path
 
-from rotor_ida.checks import COMPONENTS, State
+from rotor_ida.checks import COMPONENTS, State, shown
 from rotor_ida.cli import options
 from rotor_ida.cli.output import FORCED, read, working
 from rotor_ida.errors import InputError
@@ -82,7 +82,7 @@ def _beginning(
     run = read(file)
     if "event_time" not in run or "duration" not in run.attrs or "length_scale" in run.attrs:
         raise InputError(
-            f"file must be a run that simulate wrote, dimensionless, got {str(file)!r}"
+            f"file must be a run that simulate wrote, dimensionless, got {shown(file)}"
         )
     rotor = Rotor(**{name: float(run[name]) for name in PARAMETERS})
     x, y, vx, vy = map(float, run.attrs["start"])
@@ -115,7 +115,7 @@ def _export(
     from rotor_ida.files import check_target, written_whole  # noqa: PLC0415
 
     if place.suffix != PAGE:
-        raise InputError(f"export must end in {PAGE}, got {str(place)!r}")
+        raise InputError(f"export must end in {PAGE}, got {shown(place)}")
     check_target("export", place, overwrite=force, permission=FORCED)
     chosen = check_speeds(machine, speeds)
     with working("recording") as told:

@@ -9,6 +9,7 @@ from datetime import timedelta
 from pathlib import Path
 
 import rotor_ida
+from rotor_ida.checks import shown
 from rotor_ida.cli import options
 from rotor_ida.cli.output import Output, answer, answer_whole, read, working
 from rotor_ida.cli.report import FIRST_ROWS, Report, pairs
@@ -64,7 +65,7 @@ def compare(
     output = Output(out=out, as_json=as_json, force=force)
     output.check()
     if out is not None and os.path.realpath(out) == os.path.realpath(file):
-        raise InputError(f"out must not be the file that is compared, got {str(out)!r}")
+        raise InputError(f"out must not be the file that is compared, got {shown(out)}")
     return answer(rotor_ida.compare(read(file)), output)
 
 
@@ -90,10 +91,10 @@ def verify(
         again = rerun(archived, method=method, workers=workers, progress=progress)
     found = differences(again, archived)
     record = {"file": str(file), **found}
-    shown = {name: value for name, value in record.items() if value != ""}
+    told = {name: value for name, value in record.items() if value != ""}
     trouble = "" if found["agrees"] else f"{file} does not verify: {found['trouble']}"
     return Report(
-        record=record, parts=[pairs("Computed again", shown)], as_json=as_json, trouble=trouble
+        record=record, parts=[pairs("Computed again", told)], as_json=as_json, trouble=trouble
     )
 
 

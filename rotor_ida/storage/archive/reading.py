@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.checks import check_flag, shown
 from rotor_ida.errors import ArchiveError, InputError
 from rotor_ida.files import check_path
 from rotor_ida.storage.archive.checksum import content_sha256, seal_of
@@ -109,6 +110,7 @@ def open_archive(path: str | os.PathLike[str], *, check: bool = True) -> xr.Data
     array([99998., 99999.])
     >>> folder.cleanup()
     """
+    check_flag("check", check)
     return _as_it_stands(path, lambda source: _open(source, check=check))
 
 
@@ -128,9 +130,9 @@ def _as_it_stands(path: str | os.PathLike[str], read: Callable[[Path], xr.Datase
 def _check_source(path: object) -> Path:
     source = check_path("path", path)
     if os.path.isdir(source):
-        raise InputError(f"path must be a file, got the folder {str(source)!r}")
+        raise InputError(f"path must be a file, got the folder {shown(source)}")
     if not os.path.isfile(source):
-        raise InputError(f"path must be a file that exists, got {str(source)!r}")
+        raise InputError(f"path must be a file that exists, got {shown(source)}")
     return source
 
 
