@@ -19,8 +19,8 @@ from rotor_ida.schema import NO_YES, RESPONSE, flags_of, words_of
 
 Record = dict[str, object]
 Kind = Literal[
-    "run", "sweep", "basin", "basin_fractions", "atlas", "comparison", "whirls", "folds", "cycle",
-    "branch", "curve", "touchdown", "other",
+    "run", "sweep", "bifurcation_diagram", "basin", "basin_fractions", "atlas", "comparison",
+    "whirls", "folds", "cycle", "branch", "curve", "touchdown", "other",
 ]  # fmt: skip
 Description = tuple[Record, list[RenderableType]]
 METHOD = ("method", "flight", "backend", "rtol", "atol")
@@ -51,7 +51,7 @@ STARTS = ("start_x", "start_y", "start_vx", "start_vy")
 POINT = (
     *("response", *PARAMETERS, "start", "direction", "amplitude", "phase_lag"),
     *("radius_min", "radius_max", "period", "lyapunov_exponent", "lyapunov_error"),
-    *("event_count", "status", "message"),
+    *("event_count", "extremum_count", "status", "message"),
 )
 # Of larger sweeps only the kinds are told; the archive holds the points.
 MOST_TOLD = 1_000_000
@@ -84,6 +84,7 @@ def kind_of(dataset: xr.Dataset) -> Kind:
         "basin_fractions": "response_fraction" in dataset,
         "atlas": "missed_fraction" in dataset and set(PARAMETERS) <= set(dataset.dims),
         "touchdown": {"missed_fraction", "excursion"} <= set(dataset.variables),
+        "bifurcation_diagram": "extremum_radius" in dataset,
         "sweep": "response" in dataset and set(PARAMETERS) <= set(dataset.dims),
         "run": "event_time" in dataset and "t" in dataset.dims,
         "whirls": "amplitude" in dataset and "branch" in dataset.dims,
@@ -100,6 +101,7 @@ def describe(dataset: xr.Dataset, *, most: int | None = None) -> Description:
     described = {
         "run": _run,
         "sweep": _sweep,
+        "bifurcation_diagram": _sweep,
         "basin": _attractors,
         "basin_fractions": _attractors,
         "atlas": _atlas,
@@ -166,7 +168,7 @@ def _sweep(dataset: xr.Dataset, most: int | None) -> Description:
     names = [name for name in POINT if name in dataset.variables]
     points = rows_of(dataset, names) if dataset["response"].size <= MOST_TOLD else []
     record: Record = {
-        "kind": "sweep",
+        "kind": kind_of(dataset),
         "starts": rows_of(dataset, STARTS),
         "responses": points,
         **attributes_of(dataset),
@@ -188,7 +190,7 @@ def _kinds(dataset: xr.Dataset) -> list[Record]:
     for kind in found[np.argsort(first)].tolist():
         here = numbers == kind
         row: Record = {"response": words[kind], "points": int(here.sum())}
-        for name in RANGES:
+        for name in (name for name in RANGES if name in dataset):  # a diagram has no amplitudes
             row[name] = _span(_spread(dataset, name, response).values[here], 6)
         rows.append(row)
     return rows
@@ -261,7 +263,10 @@ def _touchdown(dataset: xr.Dataset, most: int | None) -> Description:
         for name, word in product(PARAMETERS, ENDS):
             ends = [_end(row, f"{name}_{word}") for row in rows]
             lines.append({"": f"{name} {ENDS[word]}", **dict(zip(heads, ends, strict=True))})
-    parts = _rows("Attractors", lines, list(lines[0]) if lines else [], None, digits=5)
+    counted = f"Attractors: {len(rows) or 'none'}"
+    parts: list[RenderableType] = [
+        table(counted, lines, list(lines[0]), digits=5) if lines else counted
+    ]
     if SHOCK[0] in dataset:
         shocks = _shocks(dataset)
         told: list[Record] = [
@@ -395,7 +400,8 @@ def _followed(
     """Return what a branch and a bifurcation curve have in common."""
     held = {name: float(dataset[name]) for name in PARAMETERS if name not in varied}
     attributes = attributes_of(dataset)
-    ends = {name: attributes.pop(name, "") for name in ("first_end", "last_end")}
+    told_of = ("first_end", "first_reason", "last_end", "last_reason")
+    ends = {name: attributes.pop(name, "") for name in told_of}
     ends["closed"] = bool(attributes.pop("closed", False))
     specials = rows_of(dataset, [name for name in SPECIAL if name in dataset])
     specials = [{"special": number, **row} for number, row in enumerate(specials)]
@@ -410,7 +416,8 @@ def _followed(
     }
     ranged = (*varied, "period", "radius_min", "radius_max")
     ranges = {name: _span(dataset[name].values, 8) for name in ranged}
-    summary = {**held, **ranges, "points": dataset.sizes["point"], **ends}
+    told = {name: end for name, end in ends.items() if end != ""}
+    summary = {**held, **ranges, "points": dataset.sizes["point"], **told}
     columns = list(specials[0]) if specials else ()
     parts: list[RenderableType] = [pairs(title, summary)]
     return record, [*parts, *_rows("Special points", specials, columns, most, prefix="special_")]

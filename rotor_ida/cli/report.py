@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import json
 import math
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TextIO
 
 from rich import box
 from rich.console import Console, RenderableType
-from rich.table import Table
+from rich.table import Column, Table
 
 FAILED, INTERRUPTED = 1, 130
-# Wide enough that no number is ever cut when the output is a file or a pipe.
+# Wide enough that no line is broken when the output is a file or a pipe, unless COLUMNS is set.
 NO_TERMINAL_WIDTH = 10_000
 # Rows of a table of a whole run or archive; all are printed with --json.
 FIRST_ROWS = 10
@@ -48,11 +49,11 @@ def text_of(report: Report, console: Console) -> str:
     """
     if report.as_json:
         return json.dumps(plain(report.record), allow_nan=False, indent=2) + "\n"
-    if not console.is_terminal:
+    if not console.is_terminal and "COLUMNS" not in os.environ:
         console.width = NO_TERMINAL_WIDTH
     with console.capture() as shown:
         for part in report.parts:
-            console.print(part)
+            console.print(_fitting(part, console))
     return shown.get()
 
 
@@ -84,7 +85,7 @@ def table(
             name.removeprefix(prefix).replace("_", " "),
             justify="right" if numeric else "left",
             overflow="fold",
-            no_wrap=not numeric and name != "message",
+            no_wrap=name != "message",
         )
     for row in rows:
         drawn.add_row(*(shown(row[name], digits) for name in columns))
@@ -116,6 +117,32 @@ def shown(value: object, digits: int = 8) -> str:
     if isinstance(value, (list, tuple)):
         return " ".join(shown(entry, digits) for entry in value)
     return "-" if value is None or value == "" else str(value)
+
+
+def _fitting(part: RenderableType, console: Console) -> RenderableType:
+    """Return a table that is too wide row by row, each as names and values; else what it is."""
+    if not isinstance(part, Table) or not part.show_header:
+        return part
+    if sum(_least_width(column) + 1 for column in part.columns) <= console.width:
+        return part
+    names = [column.header for column in part.columns]
+    drawn = _empty(str(part.title), header=False)
+    drawn.add_column(overflow="fold")
+    drawn.add_column(overflow="fold")
+    for number, row in enumerate(zip(*(column.cells for column in part.columns), strict=True)):
+        if number:
+            drawn.add_row()
+        for name, cell in zip(names, row, strict=True):
+            drawn.add_row(name, cell)
+    return drawn
+
+
+def _least_width(column: Column) -> int:
+    """Return the least width of a column: that of its longest line, or word if it may wrap."""
+    texts = [str(column.header), *map(str, column.cells)]
+    if not column.no_wrap:
+        texts = [word for text in texts for word in text.split()]
+    return max(map(len, texts), default=0)
 
 
 def _is_number(value: object) -> bool:

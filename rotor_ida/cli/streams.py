@@ -42,8 +42,8 @@ def results_only() -> Iterator[TextIO]:
 def _stream_of(descriptor: int) -> tuple[TextIO, bool]:
     """Return a stream for results, and whether it was opened here."""
     current = sys.stdout
-    if current is None:
-        return open(os.devnull, "w", encoding="utf-8"), True
+    if current is None:  # closed by the caller
+        return open(os.dup(descriptor), "w", encoding="utf-8"), True
     current.flush()
     try:
         captured = current.fileno() != OUTPUT
@@ -55,12 +55,15 @@ def _stream_of(descriptor: int) -> tuple[TextIO, bool]:
 
 
 def _fill_closed_descriptors() -> None:
-    """Let no file that is opened later become a standard stream that the caller closed."""
+    """Let no file that is opened later become a standard stream that the caller closed.
+
+    A closed output takes nothing: who writes results there meets an error, as they would be lost.
+    """
     for descriptor in (0, OUTPUT, ERRORS):
         try:
             os.fstat(descriptor)
         except OSError:
-            os.open(os.devnull, os.O_RDWR)
+            os.open(os.devnull, os.O_RDONLY if descriptor == OUTPUT else os.O_RDWR)
 
 
 def _flush_c_library() -> None:

@@ -205,6 +205,18 @@ def test_show_tells_what_else_an_archive_holds(program: Program):
     assert "height" in program("show", "other.nc").out
 
 
+def test_show_tells_a_bifurcation_diagram(program: Program):
+    diagram = rotor_ida.bifurcation_diagram(omega=[1.2, 1.7], zeta=0.5, delta0=0.5, starts=2)
+    rotor_ida.save(diagram, "diagram.nc")
+    record = json.loads(program("show", "diagram.nc", "--json").out)
+    assert record["kind"] == "bifurcation_diagram"
+    radii = [row["radius_max"] for row in record["responses"]]
+    assert radii == diagram.radius_max.values.ravel().tolist()
+    answer = program("show", "diagram.nc")
+    assert (answer.status, answer.err) == (0, "")
+    assert "extremum count" in answer.out
+
+
 def test_show_repeats_what_simulate_said(program: Program):
     said = json.loads(program("simulate", *RUN, "--out", "run.nc", "--json").out)
     shown = json.loads(program("show", "run.nc", "--json").out)
@@ -339,6 +351,8 @@ def test_touchdown_is_a_table_with_units(program: Program):
         assert words in answer.out
     without = program("touchdown", *MACHINE, *NEAR, "--shocks", 0)
     assert "shock" not in without.out
+    record = json.loads(program("touchdown", *MACHINE, *NEAR, "--shocks", 0, "--json").out)
+    assert f"Attractors: {len(record['attractors'])} " in without.out
 
 
 @pytest.mark.parametrize(

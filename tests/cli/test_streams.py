@@ -126,13 +126,33 @@ def test_no_number_is_cut_in_a_pipe(program: Program):
     assert "0.0700001" in out
 
 
+@pytest.mark.parametrize("width", [20, 30, 60, 100])
+def test_tables_keep_to_the_columns_that_are_asked_for_and_lose_no_number(
+    program: Program, monkeypatch: pytest.MonkeyPatch, width: int
+):
+    monkeypatch.setenv("COLUMNS", str(width))
+    out = program("response", "--omega", "1.7", "--zeta", "0.070001", "--delta0", "0.50001").out
+    assert max(map(len, out.splitlines())) <= width
+    assert {"0.070001", "0.50001"} <= set(out.split())
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a shell of POSIX")
+def test_what_is_written_before_output_turns_out_closed_is_kept(tmp_path: Path):
+    ended = subprocess.run(
+        ["bash", "-c", f"{sys.executable} -m rotor_ida {' '.join(RUN)} --out run.nc >&-"],
+        capture_output=True, text=True, check=False, cwd=tmp_path,
+    )  # fmt: skip
+    assert (ended.returncode, ended.stderr) == (1, "rotor-ida: standard output: closed\n")
+    assert rotor_ida.load(tmp_path / "run.nc").sizes["t"] == 1001
+
+
 @pytest.mark.skipif(os.name == "nt", reason="a shell of POSIX")
 @pytest.mark.parametrize(
     ("redirection", "status", "complaint"),
     [
         ("| head -c 9 > /dev/null; exit ${PIPESTATUS[0]}", 141, ""),
-        (">&-", 0, ""),
-        ("2>&- >&- <&-", 0, ""),
+        (">&-", 1, "rotor-ida: standard output: closed\n"),
+        ("2>&- >&- <&-", 1, ""),
         ("> /dev/full", 1, "rotor-ida: standard output: No space left on device\n"),
     ],
 )
