@@ -1,26 +1,26 @@
 """Extents: between which speeds, dampings and clearances an attractor exists, the others held.
 
 A whirl in contact ends at a fold or where it first touches the ring, a limit cycle at a fold or
-where its period doubles, the contact-free whirl where it fills the clearance. Whirls and cycles are
-followed along their curves, from the rotor at hand until they do.
-
-The whirls are the zeros of ``H = log(((f - q A)**2 + 4 zeta**2 q A**2)/q**2)``, with
-``q = omega**2`` and ``f = (A - delta0)**1.5`` (eqs (21)-(23) of the paper with the force
-corrected). Along a parameter p the curve has the tangent ``(-dH/dp, dH/da)`` in the plane of
-``a = log A`` and p, and a fold where ``dH/da = 0``; p is the logarithm of omega or zeta, or the
-inverse hyperbolic sine of delta0, which may be 0.
+where its period doubles, the contact-free whirl where it fills the clearance. A whirl is followed
+along its exact curve, over the speed (`response_curve`) or the clearance (`clearance_curve`). Over
+the damping a rotor has one whirl at most of each amplitude, so the curve needs no tracing: it turns
+at the folds (`fold_locus`) and ends at first touch and at the whirls without damping. A limit cycle
+is followed along its branch, from the rotor at hand.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from operator import itemgetter
 
 import numpy as np
-from scipy.integrate import solve_ivp
-from scipy.optimize import root
+from scipy.optimize import brentq
 
 from rotor_ida.arrays import Values
+from rotor_ida.closed_forms import clearance_curve, folds, response_curve
+from rotor_ida.closed_forms.contacting_whirls import contacting_whirls
+from rotor_ida.closed_forms.fold_locus import LocusSide, fold_locus, locus_points
 from rotor_ida.cycles.branch import (
     CONTACT_FREE,
     DOUBLING,
@@ -35,18 +35,18 @@ from rotor_ida.cycles.branch import (
 from rotor_ida.cycles.guess import Guess
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
-from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.parameters import Rotor
+from rotor_ida.schema import STABILITY
 
-# A limit cycle is followed to zero of a parameter and to so many times its value, or 1 if that is
-# larger; a whirl, whose curve is cheap, to where speed or damping is so much larger.
-FARTHEST, FARTHEST_OF_WHIRL = 50.0, 1e6
-# A curve of whirls is followed with this error. It is at zero when a parameter has come to this
-# part of where it began.
-RTOL, AT_ZERO = 1e-12, 1e-4
-LONGEST_CURVE, TINY = 1e9, 1e-12
-# Polishing leaves no more than this of the equations of a fold, and moves it by no more than that.
-POLISHED, MOVED = 1e-9, 1e-2
-# A branch of limit cycles is followed for so many points each way.
+# What lasts down to this part of a parameter's value is said to last down to zero.
+AT_ZERO = 1e-4
+# A whirl that lasts up to so many times the damping is said to last for any.
+FARTHEST_OF_WHIRL = 1e6
+# With hardly any damping a whirl has the amplitude of one without, to this part: its rounding.
+UNDAMPED = 1e-12
+# A limit cycle, dearer to follow, is followed up to so many times its value, or 1 if that is more.
+FARTHEST_OF_CYCLE = 50.0
+# A branch of limit cycles is followed for so many points each way: what one that goes on costs.
 MOST_POINTS = 300
 
 
@@ -89,31 +89,27 @@ def _first_touch(rotor: Rotor, parameter: str) -> float:
 
 def extent_of_whirl(rotor: Rotor, amplitude: float, parameter: str) -> tuple[End, End]:
     """Return between which values a stable whirl in contact exists."""
-    return _end_of_whirl(rotor, amplitude, parameter, -1), _end_of_whirl(
-        rotor, amplitude, parameter, 1
+    if parameter == "zeta":
+        return _extent_over_damping(rotor, amplitude)
+    value = getattr(rotor, parameter)
+    if parameter == "omega":
+        last_turn = folds(zeta=rotor.zeta, delta0=rotor.delta0)["fold_omega"].max().item()
+        lowest, highest = AT_ZERO * value, 2.0 * float(np.fmax(value, last_turn))
+    else:  # the clearance is less than the amplitude, and that at most omega/(2 zeta)
+        lowest, highest = 0.0, rotor.omega / rotor.zeta
+    low, high = (
+        _end_along_curve(rotor, amplitude, parameter, limit) if limit != value else None
+        for limit in (lowest, highest)
     )
+    return low or End(0.0, "none"), high or End(math.inf, "none")
 
 
 def extent_of_cycle(
     rotor: Rotor, state: Values, period: float, parameter: str, stop: Stop
 ) -> tuple[End, End]:
-    """Return between which values a stable limit cycle exists.
-
-    Parameters
-    ----------
-    rotor : Rotor
-        The rotor.
-    state : ndarray, shape (4,)
-        A state of the cycle on the rotating axes [1].
-    period : float
-        Its period [1].
-    parameter : {"omega", "zeta", "delta0"}
-        The parameter.
-    stop : ndarray, shape (1,)
-        Anything but 0 asks to stop.
-    """
+    """Return between which values the stable limit cycle through a state exists."""
     value = getattr(rotor, parameter)
-    farthest = FARTHEST * max(1.0, value)
+    farthest = FARTHEST_OF_CYCLE * max(1.0, value)
     try:
         course = course_from(
             Guess(rotor, state, period), parameter, (0.0, farthest), MOST_POINTS, stop
@@ -152,112 +148,61 @@ def _end_of_side(side: Side, way: int, begin: float) -> End:
     return End(last, "touch") if side.end == CONTACT_FREE else UNKNOWN
 
 
-def _end_of_whirl(rotor: Rotor, amplitude: float, parameter: str, way: int) -> End:
-    """Return where a whirl in contact ends as a parameter changes one way."""
-    column = PARAMETERS.index(parameter)
-    here = np.array([math.log(rotor.omega), math.log(rotor.zeta), math.asinh(rotor.delta0)])
-    begin = float(here[column])
-    if parameter == "delta0":  # which is less than A, and that at most omega/(2 zeta)
-        limits = 0.0, math.inf
-        if begin == 0.0 and way < 0:
-            return End(0.0, "none")
+def _end_along_curve(rotor: Rotor, amplitude: float, parameter: str, limit: float) -> End:
+    """Return where a stable whirl ends on its curve over speed or clearance, up to a limit."""
+    value = getattr(rotor, parameter)
+    limits = (min(value, limit), max(value, limit))
+    if parameter == "omega":
+        curve = response_curve(zeta=rotor.zeta, delta0=rotor.delta0, limits=limits, points=2)
     else:
-        limits = begin + math.log(AT_ZERO), begin + math.log(FARTHEST_OF_WHIRL)
-
-    def slopes(place: Values) -> tuple[float, float]:
-        values = here.copy()
-        values[column] = place[1]
-        by_amplitude, *by_parameters = _slopes(place[0], *values.tolist())
-        return by_amplitude, by_parameters[column]
-
-    first = np.array([math.log(amplitude), begin])
-    sense = math.copysign(1.0, slopes(first)[0]) * way
-
-    def tangent(_length: float, place: Values) -> list[float]:
-        by_amplitude, by_parameter = slopes(place)
-        size = math.hypot(by_amplitude, by_parameter) or 1.0
-        return [-sense * by_parameter / size, sense * by_amplitude / size]
-
-    def folds(_length: float, place: Values) -> float:
-        return slopes(place)[0]
-
-    def leaves(_length: float, place: Values) -> float:
-        return float(min(place[1] - limits[0], limits[1] - place[1])) + TINY
-
-    def touches(_length: float, place: Values) -> float:
-        clearance = math.sinh(place[1]) if parameter == "delta0" else rotor.delta0
-        return math.exp(place[0]) - clearance
-
-    for event in (folds, leaves, touches):
-        event.terminal = True  # type: ignore[attr-defined]
-    touches.direction = -1.0  # type: ignore[attr-defined]
-    found = solve_ivp(tangent, (0.0, LONGEST_CURVE), first, "DOP853", rtol=RTOL, atol=RTOL,
-                      events=(folds, leaves, touches))  # fmt: skip
-    folded, left, touched = (times.size > 0 for times in found.t_events)
-    if folded:
-        return _polished_fold(found.y[:, -1], here, column)
-    if touched:
-        if parameter != "delta0" and rotor.delta0 >= 1.0:
-            return UNKNOWN  # |w| never fills it: a fold was missed that is too near to the ring
-        return End(_first_touch(rotor, parameter), "touch")
-    return End(math.inf if way > 0 else 0.0, "none") if left else UNKNOWN
+        curve = clearance_curve(omega=rotor.omega, zeta=rotor.zeta, limits=limits, points=2)
+    columns = (parameter, "amplitude", "stability", "in_contact", "piece")
+    values, sizes, stability, touching, piece = (curve[name].values.ravel() for name in columns)
+    # the curve is cut at the rotor at hand, so that a piece of it begins or ends with the whirl
+    ends = np.flatnonzero((values == value) & (touching == 1))
+    whirl = ends[np.argmin(np.abs(sizes[ends] - amplitude))]
+    path = np.flatnonzero(piece == piece[whirl])
+    arcs = stability[path[1:]] == STABILITY["stable"]  # each leads to its point from the one before
+    if whirl != path[0]:
+        path, arcs = path[::-1], arcs[::-1]
+    if not arcs.all():
+        return End(float(values[path[np.argmin(arcs)]]), "fold")
+    if values[path[-1]] == limit:
+        return End(math.inf if limit > value else 0.0, "none")
+    return End(_first_touch(rotor, parameter), "touch")
 
 
-def _polished_fold(place: Values, here: Values, column: int) -> End:
-    """Return the fold near a place, in the plane of log A and the parameter of this column.
-
-    With ``u = sqrt(A - delta0)``, the phase lag theta and ``a = -cos(theta)`` it obeys
-    ``u**3 = q (A - a)``, ``(A + 2 delta0) a (A - a) = 2 u**2`` and
-    ``4 zeta**2 A**2 = q (1 - a**2)`` (see `rotor_ida.closed_forms.fold_locus`).
-    """
-
-    def residuals(unknowns: Values) -> list[float]:
-        values = here.copy()
-        values[column] = unknowns[2]
-        q, damping, delta0 = _at(*values.tolist())
-        u, a = math.exp(unknowns[0]), float(unknowns[1])
-        amplitude = delta0 + u * u
-        b = amplitude - a
-        return [
-            q * b / u**3 - 1.0,
-            (amplitude + 2.0 * delta0) * a * b / (2.0 * u * u) - 1.0,
-            damping * amplitude**2 / q - (1.0 - a) * (1.0 + a),
-        ]
-
-    values = here.copy()
-    values[column] = place[1]
-    q, _, delta0 = _at(*values.tolist())
-    amplitude = math.exp(place[0])
-    depth = amplitude - delta0
-    if depth <= 0.0:
-        return UNKNOWN
-    roots = np.roots([1.0, -amplitude, 2.0 * depth / (amplitude + 2.0 * delta0)]).real
-    a = roots[np.argmin(np.abs(roots - (amplitude - depth**1.5 / q)))]
-    fold = root(residuals, [0.5 * math.log(depth), a, place[1]], tol=1e-13)
-    if np.abs(fold.fun).max() > POLISHED or abs(fold.x[2] - place[1]) > MOVED:
-        return UNKNOWN
-    value = float(fold.x[2])
-    return End(math.sinh(value) if PARAMETERS[column] == "delta0" else math.exp(value), "fold")
-
-
-def _at(log_omega: float, log_zeta: float, arsinh_delta0: float) -> tuple[float, float, float]:
-    """Return ``omega**2``, ``4 zeta**2`` and delta0."""
-    return math.exp(2.0 * log_omega), 4.0 * math.exp(2.0 * log_zeta), math.sinh(arsinh_delta0)
-
-
-def _slopes(
-    log_amplitude: float, log_omega: float, log_zeta: float, arsinh_delta0: float
-) -> tuple[float, float, float, float]:
-    """Return the derivatives of H by these four."""
-    amplitude = math.exp(log_amplitude)
-    q, damping, delta0 = _at(log_omega, log_zeta, arsinh_delta0)
-    depth = max(amplitude - delta0, 0.0)
-    beyond, stiffness = depth**1.5 - q * amplitude, 1.5 * math.sqrt(depth)
-    damped = damping * amplitude**2 * q
-    total = beyond**2 + damped
+def _extent_over_damping(rotor: Rotor, amplitude: float) -> tuple[End, End]:
+    """Return between which dampings a stable whirl exists; its amplitude falls as they rise."""
+    lowest, highest = AT_ZERO * rotor.zeta, FARTHEST_OF_WHIRL * rotor.zeta
+    turns = [turn for side in fold_locus(rotor.delta0, 4.0 * lowest**2)
+             for turn in _folds_at_speed(side, rotor.omega)]  # fmt: skip
+    touch = End(math.inf, "none")
+    if 0.0 < rotor.delta0 < 1.0:
+        touch = End(_first_touch(rotor, "zeta"), "touch")
+    speed, clearance = np.array([rotor.omega]), np.array([rotor.delta0])
+    undamped = contacting_whirls(speed, np.zeros(1), clearance).amplitude
+    lasting = undamped[undamped >= amplitude * (1.0 - UNDAMPED)]
+    below = [(rotor.delta0, touch), *(turn for turn in turns if turn[0] <= amplitude)]
+    above = [*((size, End(0.0, "none")) for size in lasting.tolist()),
+             *(turn for turn in turns if turn[0] > amplitude)]  # fmt: skip
+    (_, low), (_, high) = min(above, key=itemgetter(0)), max(below, key=itemgetter(0))
     return (
-        (2.0 * amplitude * beyond * (stiffness - q) + 2.0 * damped) / total,
-        (-4.0 * q * amplitude * beyond + 2.0 * damped) / total - 4.0,
-        2.0 * damped / total,
-        -2.0 * beyond * stiffness / total * math.cosh(arsinh_delta0),
+        low if low.value >= lowest else End(0.0, "none"),
+        high if high.value <= highest else End(math.inf, "none"),
     )
+
+
+def _folds_at_speed(side: LocusSide, omega: float) -> list[tuple[float, End]]:
+    """Return the amplitudes of the folds of one speed, each with its damping."""
+
+    def faster(u: Values | float) -> Values:
+        return np.asarray(u) ** 3 / locus_points(u, side.delta0, side.side).b - omega**2
+
+    beyond = faster(side.u)
+    found = []
+    for place in np.flatnonzero(beyond[:-1] * beyond[1:] <= 0.0).tolist():
+        u = float(brentq(faster, side.u[place], side.u[place + 1], xtol=1e-300, rtol=1e-15))
+        damping = float(locus_points(u, side.delta0, side.side).damping)
+        found.append((side.delta0 + u * u, End(0.5 * math.sqrt(damping), "fold")))
+    return found

@@ -30,6 +30,12 @@ def stable_amplitudes(rotor):
     return found[np.isfinite(found)]
 
 
+def count_of_whirls(rotor):
+    """Return the number of whirls in contact."""
+    found = synchronous_response(**{name: getattr(rotor, name) for name in PARAMETERS})
+    return int(found.in_contact.sum())
+
+
 def drawn():
     """Return rotors all over the plane with a stable whirl in contact each."""
     random = np.random.default_rng(7)
@@ -45,6 +51,14 @@ def drawn():
 
 
 ROTORS = drawn()
+# With little damping the curves are long and thin, and folds lie far off or close to the ring.
+LITTLE_DAMPING = [
+    Rotor(omega=2.8, zeta=0.0024, delta0=0.0),
+    Rotor(omega=3.4, zeta=0.00275, delta0=0.05),
+    Rotor(omega=3.033, zeta=0.00155, delta0=0.167),
+    Rotor(omega=0.0355, zeta=9.4e-6, delta0=2.4),
+    Rotor(omega=16.5, zeta=1.1e-6, delta0=2e-4),
+]
 # Parts of the way to an end, closer where it begins and ends.
 PARTS = 0.5 - 0.5 * np.cos(np.pi * np.linspace(0.0, 0.99, 4000))
 
@@ -103,6 +117,19 @@ def test_up_to_there_the_whirl_can_be_followed(rotor, name):
                 nearest = float(row[np.nanargmin(np.abs(row - here))])
                 assert abs(nearest - here) < 0.03 * here
                 here = nearest
+
+
+@pytest.mark.parametrize("rotor", [*ROTORS, *LITTLE_DAMPING], ids=str)
+@pytest.mark.parametrize("name", PARAMETERS)
+def test_at_an_end_whirls_are_lost(rotor, name):
+    """Two at a fold, which are one there, and one where the whirl leaves the ring."""
+    for amplitude in stable_amplitudes(rotor).tolist():
+        for way, end in zip((-1.0, 1.0), extent_of_whirl(rotor, amplitude, name), strict=True):
+            if end.kind != "none":
+                before = with_value(rotor, name, end.value * (1.0 - 1e-7 * way))
+                beyond = with_value(rotor, name, end.value * (1.0 + 1e-7 * way))
+                lost = count_of_whirls(before) - count_of_whirls(beyond)
+                assert lost == {"fold": 2, "touch": 1}[end.kind]
 
 
 def test_the_jumps_of_the_paper_are_ends():
