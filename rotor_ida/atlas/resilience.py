@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -30,6 +31,7 @@ from rotor_ida.atlas.shocks import (
     try_shocks,
 )
 from rotor_ida.basins.attractors import CONTACT_FREE_FAMILY, Attractor, leads_to
+from rotor_ida.basins.contact_free_whirls import ContactFree
 from rotor_ida.basins.cycle_sections import CycleSection
 from rotor_ida.basins.kernel import CHAOTIC, UNDECIDED
 from rotor_ida.basins.known import Known
@@ -215,7 +217,8 @@ def _section_of(known: Known, subject: Subject) -> CycleSection | None:
 def _source_of(search: Search, subject: Subject) -> Source | None:
     """Return what gives states of an attractor, or None if they are not known."""
     if subject.attractor.kind in CONTACT_FREE_FAMILY:
-        return lambda places: _contact_free_states(search.known, places)
+        free, omega = search.known.free, search.known.rotor.omega
+        return None if free is None else partial(_contact_free_states, free, omega)
     try:
         states = _states_of(search, subject)
     except SimulationError:
@@ -241,15 +244,14 @@ def _states_of(search: Search, subject: Subject) -> Values:
     return states[:, : lasting if lasting >= FEWEST else 0]
 
 
-def _contact_free_states(known: Known, places: Values) -> Values:
+def _contact_free_states(free: ContactFree, omega: float, places: Values) -> Values:
     """Return whirls about any centre of those that leave room, half of them about the farthest."""
-    wx, wy, room = known.free[:3].tolist()
-    distance = math.sqrt(room) * np.sqrt(np.clip(2.0 * np.abs(places[1]), 0.0, 1.0))
+    distance = free.room * np.sqrt(np.clip(2.0 * np.abs(places[1]), 0.0, 1.0))
     angle = 2.0 * math.pi * places[0]
-    velocity = 1j * known.rotor.omega * complex(wx, wy)
+    velocity = 1j * omega * free.whirl
     return np.stack([
-        wx + distance * np.cos(angle),
-        wy + distance * np.sin(angle),
+        free.whirl.real + distance * np.cos(angle),
+        free.whirl.imag + distance * np.sin(angle),
         np.full(angle.size, velocity.real),
         np.full(angle.size, velocity.imag),
     ])  # fmt: skip

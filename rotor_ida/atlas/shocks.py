@@ -17,18 +17,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy.stats import qmc
 
 from rotor_ida.arrays import Values
 from rotor_ida.basins.cycle_sections import CycleSection
-from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED, follow, measure_returns
+from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED, Labels, measure_returns
 from rotor_ida.basins.known import Known
 from rotor_ida.basins.trapping_regions import TrappingRegion
 from rotor_ida.parallel import Stop
-from rotor_ida.steady_state.follow import durations
-
-Labels = npt.NDArray[np.int16]
 
 # Kinds of shock, with the first of the two coordinates that it changes.
 KINDS = {"velocity": 2, "displacement": 0}
@@ -96,13 +92,7 @@ def ends_of(known: Known, states: Values, tolerance: float, stop: Stop) -> Label
 
     What no region holds in time is undecided.
     """
-    states = np.array(states, order="C")
-    labels = np.full(states.shape[1], NOT_COMPUTED, dtype=np.int16)
-    times = np.zeros(labels.size, dtype=np.float32)
-    follow(
-        states, labels, times, known.rotor, *known.tables(), durations(known.rotor)[0], tolerance,
-        stop,
-    )  # fmt: skip
+    labels, _ = known.follow(np.array(states, order="C"), known.first_wait, tolerance, stop)
     labels[labels == known.fading_label] = known.free_label
     return labels
 

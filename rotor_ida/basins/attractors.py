@@ -11,9 +11,9 @@ import numpy.typing as npt
 from scipy.special import gammaincinv
 
 from rotor_ida.arrays import Values
+from rotor_ida.basins.contact_free_whirls import ContactFree
 from rotor_ida.basins.following import FollowedStarts, Starts
 from rotor_ida.basins.kernel import CHAOTIC
-from rotor_ida.basins.known import lag_of
 from rotor_ida.checks import State
 from rotor_ida.cycles.limit_cycle import follow
 from rotor_ida.cycles.shooting import Cycle
@@ -27,15 +27,15 @@ from rotor_ida.storage.studies.arrays import stretches
 
 # CVODE follows so many starts of an attractor before the attractor counts as unconfirmed.
 WITNESSES = 3
-# What CVODE finds agrees with the attractor to this relative difference.
+# What CVODE finds agrees with the attractor to this part of its largest radius.
 AGREEMENT = 1e-5
 # How the starts on an attractor are held: see `rotor_ida.schema.TRAPPING`.
 PROVEN, ESTIMATED, NOTHING = "proven", "estimated", "none"
 # Whirls that stay inside the clearance; the outermost of them is reached by touches that fade.
 CONTACT_FREE_FAMILY = (response.CONTACT_FREE, response.TOUCHING)
-# One period in so many samples, for the mean whirl.
+# Samples of one period, for the mean whirl.
 SAMPLES = 512
-# The least lifetime that may be ruled out with this certainty.
+# The least lifetime of chaos is the one that may be ruled out with this certainty.
 CERTAINTY = 0.95
 
 
@@ -81,22 +81,22 @@ def attractors_of(found: FollowedStarts) -> list[Attractor]:
     Whirls in contact come first, with starts or without, by amplitude; then the contact-free ones,
     fading touches, limit cycles by largest radius, and chaos, of these only what starts end on.
     """
-    rotor = found.known.rotor
+    known = found.known
     rows: list[tuple[int, Attractor]] = []
-    kind = response.CONTACT_FREE if rotor.omega == 0.0 else response.SYNCHRONOUS
-    for number, each in enumerate(found.known.whirls):
+    kind = response.CONTACT_FREE if known.rotor.omega == 0.0 else response.SYNCHRONOUS
+    for number, each in enumerate(known.whirls):
         size = each.amplitude
         trapping = PROVEN if each.exists else NOTHING
         row = Attractor(kind, size, each.phase_lag, size, size, trapping=trapping)
         rows.append((number, row))
     present = _present(found.labels)
-    if found.known.has_free:
-        rows.append((found.known.free_label, _contact_free(found)))
-        if found.known.fading_label in present:
-            rows.append((found.known.fading_label, _fading(found)))
+    if known.free is not None:
+        rows.append((known.free_label, _contact_free(known.free)))
+        if known.fading_label in present:
+            rows.append((known.fading_label, _fading(known.free, known.rotor.delta0)))
     stop = np.zeros(1, np.uint8)
     for place, (cycle, held) in enumerate(zip(found.cycles, found.held, strict=True)):
-        if (number := found.known.first_cycle + place) in present:
+        if (number := known.first_cycle + place) in present:
             rows.append((number, attractor_of_cycle(cycle, held, stop)))
     if CHAOTIC in present:
         rows.append((CHAOTIC, _chaos(found)))
@@ -105,17 +105,19 @@ def attractors_of(found: FollowedStarts) -> list[Attractor]:
 
 
 def confirmed(
-    rotor: Rotor, attractors: list[Attractor], starts: list[Values], options: Options
+    found: FollowedStarts, attractors: list[Attractor], starts: Starts, options: Options
 ) -> list[Attractor]:
     """Return the attractors, each confirmed where CVODE finds it from one of its starts."""
-    return [
-        replace(each, confirmed=any(leads_to(rotor, each, start, options) for start in own))
-        for each, own in zip(attractors, starts, strict=True)
-    ]
+    rotor, rows = found.known.rotor, []
+    for each, numbers in zip(attractors, _first_decided(found, len(attractors)), strict=True):
+        states = (starts(number, number + 1)[:, 0] for number in numbers)
+        seen = any(leads_to(rotor, each, state, options) for state in states)
+        rows.append(replace(each, confirmed=seen))
+    return rows
 
 
-def witnesses(found: FollowedStarts, count: int, starts: Starts) -> list[Values]:
-    """Return, for each of so many attractors, the starts that were decided first.
+def _first_decided(found: FollowedStarts, count: int) -> list[list[int]]:
+    """Return, for each of so many attractors, the numbers of the starts that were decided first.
 
     These are the least likely to lie so near to a boundary of its basin that another integrator
     ends elsewhere.
@@ -127,8 +129,7 @@ def witnesses(found: FollowedStarts, count: int, starts: Starts) -> list[Values]
             members = np.concatenate([first[number], members])
             order = np.argsort(found.times[members], kind="stable")
             first[number] = members[order[:WITNESSES]]
-    states = [[starts(place, place + 1)[:, 0] for place in each.tolist()] for each in first]
-    return [np.array(each).reshape(-1, 4) for each in states]
+    return [each.tolist() for each in first]
 
 
 def leads_to(
@@ -160,16 +161,16 @@ def _agrees(settled: SettledResponse, attractor: Attractor) -> bool:
     return all(abs(one - other) <= AGREEMENT * attractor.radius_max for one, other in known)
 
 
-def _contact_free(found: FollowedStarts) -> Attractor:
-    whirl = complex(found.known.free[0], found.known.free[1])
-    return Attractor(response.CONTACT_FREE, abs(whirl), lag_of(whirl), math.nan, math.nan)
+def _contact_free(free: ContactFree) -> Attractor:
+    whirl = free.whirl
+    return Attractor(response.CONTACT_FREE, abs(whirl), phase_lag_of(whirl), math.nan, math.nan)
 
 
-def _fading(found: FollowedStarts) -> Attractor:
+def _fading(free: ContactFree, delta0: float) -> Attractor:
     """Return the limit of fading touches: the contact-free whirl that just reaches the ring."""
-    whirl, delta0 = complex(found.known.free[0], found.known.free[1]), found.known.rotor.delta0
+    whirl = free.whirl
     return Attractor(
-        response.TOUCHING, abs(whirl), lag_of(whirl), abs(delta0 - 2.0 * abs(whirl)), delta0,
+        response.TOUCHING, abs(whirl), phase_lag_of(whirl), abs(delta0 - 2.0 * abs(whirl)), delta0,
         trapping=ESTIMATED,
     )  # fmt: skip
 

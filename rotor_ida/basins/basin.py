@@ -10,7 +10,7 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.basins.dataset import basin_dataset
-from rotor_ida.basins.labelling import check_rotor, label
+from rotor_ida.basins.labelling import label
 from rotor_ida.checks import COMPONENTS, check_increasing, check_vector, is_scalar
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress
@@ -94,7 +94,6 @@ def basin(
     >>> int(found["count"].sum()), int(found.undecided_count)
     (576, 0)
     """
-    check_rotor(rotor)
     axes, fixed = _axes_of({"x": x, "y": y, "vx": vx, "vy": vy})
     (first, rows), (second, columns) = axes.items()
     places = [COMPONENTS.index(first), COMPONENTS.index(second)]
@@ -113,7 +112,7 @@ def basin(
         rotor, starts, rows.size * columns.size, design,
         rtol=rtol, workers=workers, executor=executor, study=study, progress=progress,
     )  # fmt: skip
-    return basin_dataset(rotor, axes, fixed, found)
+    return basin_dataset(axes, fixed, found)
 
 
 def _axes_of(given: dict[str, npt.ArrayLike]) -> tuple[dict[str, Values], dict[str, float]]:

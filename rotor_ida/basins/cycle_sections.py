@@ -29,19 +29,29 @@ from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
 from rotor_ida.stability.orbit import MAXIMUM, shoot
 
+# Of a step of the kernel: close to a graze the set is small.
 TOLERANCE = 1e-10
-# States are spread over shells of these sizes, so many over each.
+# States are spread over shells of these sizes, in parts of the set:
 SHELLS = (1.0, 0.8, 0.6, 0.4, 0.2)
+# so many over each.
 STATES = 64
-# V must fall by this part of what it does in the linear motion, and the set is taken this much
-# smaller than where it did, as a part of its width.
-FALLS, CAUTION = 0.3, 0.8
-# The widest set that may be tried, and the narrowest, in parts of the size of the cycle, and of how
-# many between them the widest is sought.
-WIDEST, NARROWEST, WIDTHS = 1.0, 1e-5, 31
+# V must fall by this part of what it does in the linear motion.
+FALLS = 0.3
+# The set is taken this much narrower than where it does, for the states that were not tried.
+CAUTION = 0.8
+# A state comes back between these parts of the period: neither at once nor after twice round.
+FIRST_RETURN, LAST_RETURN = 0.5, 1.6
+# The widest set that may be tried, in parts of the size of the cycle,
+WIDEST = 1.0
+# and the narrowest.
+NARROWEST = 1e-5
+# The widest that serves is sought among so many, each 0.68 of the one before.
+WIDTHS = 31
 # Weights of the mode with the multiplier exp(-2 zeta T), or of the faster pair, against the others.
 MODE_RATIOS = (0.1, 1.0, 10.0)
-# Beyond this condition number the modes give no form.
+# Multipliers that are as large as the largest but for this part are a pair: it is their rounding.
+SAME_MODULUS = 1e-6
+# Beyond this condition number the modes are nearly parallel, and give no form.
 MOST_SKEW = 1e6
 
 
@@ -79,15 +89,7 @@ class CycleSection:
 
 
 def cycle_section(cycle: Cycle, stop: Stop) -> CycleSection:
-    """Return a section of a stable limit cycle with a set that returns into itself.
-
-    Parameters
-    ----------
-    cycle : Cycle
-        The cycle.
-    stop : ndarray, shape (1,)
-        Anything but 0 asks to stop.
-    """
+    """Return a section of a stable limit cycle with a set that returns into itself, if there is."""
     try:
         return _widest_section(cycle, stop)
     except (SimulationError, np.linalg.LinAlgError):
@@ -120,7 +122,7 @@ def _forms(monodromy: Values, normal: Values) -> list[Values]:
     if np.linalg.cond(vectors) > MOST_SKEW:
         return []
     inverse = np.linalg.inv(vectors)
-    fast = np.abs(values) < np.abs(values).max() * (1.0 - 1e-6)
+    fast = np.abs(values) < np.abs(values).max() * (1.0 - SAME_MODULUS)
     forms = []
     for ratio in MODE_RATIOS:
         weights = np.where(fast, ratio, 1.0)
@@ -137,7 +139,8 @@ def _density(form: Values) -> float:
 
 def _width(section: CycleSection, form: Values, slowest: float, stop: Stop) -> float:
     """Return about the largest width at which all states come back nearer; 0 if there is none."""
-    cycle, rotor = section.cycle, section.cycle.rotor
+    cycle = section.cycle
+    times = FIRST_RETURN * cycle.period, LAST_RETURN * cycle.period
     directions = np.linalg.pinv(form) @ _sphere(STATES)
     allowed = 1.0 - FALLS * (1.0 - slowest**2)
 
@@ -146,10 +149,7 @@ def _width(section: CycleSection, form: Values, slowest: float, stop: Stop) -> f
         for shell in SHELLS:
             states = section.centre[:, None] + shell * width * directions
             values = np.empty(STATES)
-            measure_returns(
-                states, rotor, here.numbers, (0.5 * cycle.period, 1.6 * cycle.period), TOLERANCE,
-                values, stop,
-            )  # fmt: skip
+            measure_returns(states, cycle.rotor, here.numbers, times, TOLERANCE, values, stop)
             if stop[0] or not (values <= allowed * shell**2).all():
                 return False
         return True

@@ -15,11 +15,10 @@ from rotor_ida.basins.attractors import Attractor, family_of
 from rotor_ida.basins.entropy import grid_entropy, sample_entropy
 from rotor_ida.basins.following import Starts
 from rotor_ida.basins.labelling import Labelled
-from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.parameters import PARAMETERS
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import FATE, RESPONSE, TRAPPING, Column, labelled, labelled_dataset
 from rotor_ida.simulation.dataset import parameter_coordinates
-from rotor_ida.simulation.options import Options
 from rotor_ida.storage.studies.arrays import scratch, stretches
 
 LABELLING = (
@@ -28,31 +27,20 @@ LABELLING = (
     "method; attractors confirmed by CVODE"
 )
 ENTROPIES = ("basin_entropy", "boundary_entropy")
-# Of a larger sample the first so many starts tell them.
+# Of a larger sample the first so many starts tell the entropies.
 MOST_IN_ENTROPY = 1_000_000
+# The numbers of an attractor that are told, in this order.
 TABLE = (
     "amplitude", "phase_lag", "radius_min", "radius_max", "period", "lifetime", "lifetime_low",
 )  # fmt: skip
 
 
 def basin_dataset(
-    rotor: Rotor, axes: Mapping[str, Values], fixed: Mapping[str, float], found: Labelled
+    axes: Mapping[str, Values], fixed: Mapping[str, float], found: Labelled
 ) -> xr.Dataset:
-    """Return a grid of starts with what they end on.
-
-    Parameters
-    ----------
-    rotor : Rotor
-        The rotor.
-    axes : mapping of str to ndarray
-        The two components of the start that vary, in the order of the dimensions [1].
-    fixed : mapping of str to float
-        The two others [1].
-    found : Labelled
-        The starts, row by row, with what they end on.
-    """
+    """Return a grid of starts, row by row, over the two components that vary, with their ends."""
     attractors, shape = found.attractors, tuple(values.size for values in axes.values())
-    labels, times = found.labels.reshape(shape), found.times.reshape(shape)
+    labels, times = found.labels.reshape(shape), found.followed.times.reshape(shape)
     dims = tuple(axes)
     variables = {
         "label": _labels(labels, dims, len(attractors)),
@@ -61,31 +49,16 @@ def basin_dataset(
         **_attractor_table(labels, attractors),
         **_entropies(grid_entropy(labels, family_of(attractors))),
     }
-    coordinates = parameter_coordinates(rotor)
+    coordinates = parameter_coordinates(found.rotor)
     coordinates |= {name: (name, values) for name, values in axes.items()}
     coordinates |= {name: ((), value) for name, value in fixed.items()}
     coordinates["attractor"] = ("attractor", np.arange(len(attractors)))
     title = "Rotor in a clearance: what each start ends on"
-    told = _attributes(rotor, found.attributes, found.options)
-    return labelled_dataset(title, variables, coordinates, told)
+    return labelled_dataset(title, variables, coordinates, _attributes(found))
 
 
-def fractions_dataset(
-    rotor: Rotor, starts: Starts, found: Labelled, attributes: Mapping[str, object]
-) -> xr.Dataset:
-    """Return which parts of the starts end on which attractor and kind of response.
-
-    Parameters
-    ----------
-    rotor : Rotor
-        The rotor.
-    starts : callable
-        Gives the starts from one number up to another, shape (4, n).
-    found : Labelled
-        The starts with what they end on.
-    attributes : mapping
-        How the starts were drawn.
-    """
+def fractions_dataset(starts: Starts, found: Labelled, drawn: Mapping[str, object]) -> xr.Dataset:
+    """Return which parts of the starts, drawn as told, end on which attractor and response."""
     labels, attractors = found.labels, found.attractors
     missing, undecided, *ends = _counts(labels, len(attractors)).tolist()
     never = {"failed", "not_found"}  # no attractor is of these kinds
@@ -103,21 +76,30 @@ def fractions_dataset(
         "response_fraction": ("response", fraction),
         "response_fraction_error": ("response", error),
     }
-    coordinates = parameter_coordinates(rotor)
+    coordinates = parameter_coordinates(found.rotor)
     coordinates["attractor"] = ("attractor", np.arange(len(attractors)))
     coordinates["response"] = ("response", np.array(kinds, dtype=np.int8))
     title = "Rotor in a clearance: fractions of starts"
-    told = _attributes(rotor, {**attributes, **found.attributes}, found.options)
-    return labelled_dataset(title, variables, coordinates, told)
+    return labelled_dataset(title, variables, coordinates, _attributes(found, drawn))
 
 
 def _entropies(values: tuple[float, float]) -> dict[str, xr.Variable]:
     return {name: labelled(name, (), one) for name, one in zip(ENTROPIES, values, strict=True)}
 
 
-def _attributes(rotor: Rotor, more: Mapping[str, object], options: Options) -> dict[str, object]:
-    parameters = {name: getattr(rotor, name) for name in PARAMETERS}
-    return {**provenance(options.attributes()), "labelling": LABELLING, **parameters, **more}
+def _attributes(found: Labelled, drawn: Mapping[str, object] | None = None) -> dict[str, object]:
+    followed = found.followed
+    told = {
+        **provenance(found.options.attributes()),
+        "labelling": LABELLING,
+        **{name: getattr(found.rotor, name) for name in PARAMETERS},
+        **(drawn or {}),
+        "labelling_rtol": followed.tolerance,
+        "interrupted": int(followed.interrupted),
+    }
+    if followed.not_computed_reason:
+        told["not_computed_reason"] = followed.not_computed_reason
+    return told
 
 
 def _labels(labels: npt.NDArray[np.int16], dims: tuple[str, ...], count: int) -> xr.Variable:

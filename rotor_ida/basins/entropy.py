@@ -19,20 +19,16 @@ from rotor_ida.basins.kernel import NOT_COMPUTED
 
 Labels = npt.NDArray[np.int16]
 
-# A box of a grid is so many starts wide; one of a random sample holds about as many.
+# A box of a grid is so many starts wide.
 WIDTH = 5
+# A box of a random sample holds about as many starts as that.
 IN_BOX = WIDTH * WIDTH
 
 
 def grid_entropy(labels: Labels, alike: Sequence[int] = ()) -> tuple[float, float]:
-    """Return basin and boundary entropy of a grid of starts, in boxes of 5 by 5.
+    """Return basin and boundary entropy of a grid of starts, in whole boxes of 5 by 5.
 
-    Parameters
-    ----------
-    labels : ndarray of int16, shape (n, m)
-        Labels of the starts; rows and columns beyond the last whole box are left out.
-    alike : sequence of int
-        Labels that count as one.
+    The labels `alike` count as one.
 
     References
     ----------
@@ -67,16 +63,8 @@ def sample_entropy(
     """Return basin and boundary entropy of random starts, in boxes of about 25 of them.
 
     The boxes come from halving the sample at the median of one component after the other: each
-    holds as much of the distribution as any other, whatever it is.
-
-    Parameters
-    ----------
-    states : ndarray, shape (4, n)
-        The starts [1].
-    labels : ndarray of int16, shape (n,)
-        Their labels.
-    alike : sequence of int
-        Labels that count as one.
+    holds as much of the distribution as any other, whatever it is. States have the shape (4, n),
+    and the labels `alike` count as one.
     """
     varied = states[np.ptp(states, axis=1) > 0.0]
     if labels.size < IN_BOX or not varied.size:

@@ -1,25 +1,26 @@
-"""What becomes of orbits that no trapping region holds: each is followed until that is decided.
+"""What becomes of a batch of starts: all are followed until that is decided.
 
-Where an orbit comes back to where it is, Newton's method finds the limit cycle beside it; that is
-then known, with a region of its own, and all are tried again. An orbit that does not is followed to
-its attractor as in a sweep. Chaos is told by the largest exponent of some orbits; those that last
+*Match* all against the regions that hold starts. *Seed* a limit cycle where one that is left over
+comes back to where it is: Newton's method finds it, it is known then, with a region of its own.
+*Label* one that does not come back by following it alone to its attractor, as in a sweep. After
+each, match the others again. Chaos is told by the largest exponent of some orbits; those that last
 as long are taken to be on it.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Values
-from rotor_ida.basins.kernel import CHAOTIC, NOT_COMPUTED, UNDECIDED, follow
+from rotor_ida.basins.kernel import CHAOTIC, NOT_COMPUTED, UNDECIDED, Labels, Times
 from rotor_ida.basins.known import Known, with_cycle
 from rotor_ida.cycles.limit_cycle import returns
 from rotor_ida.cycles.multipliers import is_stable
-from rotor_ida.cycles.shooting import close_orbit, once_round
+from rotor_ida.cycles.shooting import Cycle, close_orbit, once_round
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
 from rotor_ida.simulation.options import Options
@@ -28,29 +29,41 @@ from rotor_ida.steady_state.follow import (
     LATE,
     PATIENCE,
     SettledResponse,
-    durations,
     follow_to_steady_state,
 )
 
 Numbers = npt.NDArray[np.int64]
 
-HOW = Options(method="taylor", rtol=1e-10)
-# A whirl on which an orbit has settled has the amplitude of a known one, to this part of it.
-AMPLITUDE = 1e-5
-# Orbits that need longer are followed until this time by the kernel, then one by one.
-LONGEST = 4000.0
 # Where no more than this part is left over, it is followed for longer before one is looked at: it
 # may only be slow.
 FEW = 0.05
-# A limit cycle is sought where an orbit comes back within so many revolutions and so long, at so
-# many of its closest returns, and is beside the orbit up to this part of the size of its state.
-REVOLUTIONS, RETURNS, APART, BESIDE = 20.0, 6, 2e-3, 0.1
-SLIGHT, LOOKED_FOR = 1e-3, 500.0
-# Beside a cycle that attracts it slowly an orbit is followed for so long.
-SLOWLY = 40_000.0
+# Orbits that need longer are followed side by side until this time, then one by one.
+LONGEST_TOGETHER = 4000.0
+# Beside a cycle that attracts them slowly they are, for as long as a sweep follows a motion.
+LONGEST_BESIDE_CYCLE = 40_000.0
 # Where so many in turn do not settle, the others that are left are taken not to either.
 MOST_UNDECIDED = 3
-# Of orbits that last as long as chaos, so many are looked at.
+
+# A limit cycle is sought where an orbit comes back within so many revolutions: where omega is 1.7
+# and delta0 2, one takes 17.4.
+RETURN_REVOLUTIONS = 20.0
+# And within so long: revolutions of a slow rotor take time.
+RETURN_TIME = 500.0
+# It is sought at so many of the closest returns, for the closest may be to a part of the cycle.
+MOST_RETURNS = 6
+# Returns are one where they come within this part of the time of each other.
+ONE_RETURN = 2e-3
+# The cycle is beside the orbit, and a return is one, up to this part of the size of the state.
+BESIDE = 0.1
+# An orbit that reaches into the ring by less than this part of the clearance may be a whirl of the
+# contact-free family, which is no limit cycle.
+SLIGHT = 1e-3
+
+# How an orbit is followed alone: as in a sweep.
+ALONE = Options(method="taylor", rtol=1e-10)
+# A whirl on which an orbit has settled has the amplitude of a known one, to this part of it.
+SAME_AMPLITUDE = 1e-5
+# Of orbits that last as long as chaos, so many are followed alone before the others count as it.
 CHECKED = 2
 
 
@@ -61,110 +74,155 @@ class Batch:
     Parameters
     ----------
     known : Known
-        The attractors; those that are found are added.
+        The rotor and its attractors; those that are found are added.
     states : ndarray, shape (4, n)
-        States on the rotating axes; overwritten as they are followed [1].
-    labels : ndarray of int16, shape (n,)
-        Label of the attractor, CHAOTIC, UNDECIDED or NOT_COMPUTED.
-    times : ndarray of float32, shape (n,)
-        For how long each was followed [1].
+        Starts on the rotating axes [1]: of a copy, overwritten as they are followed.
     tolerance : float
         Of a step [1].
     stop : ndarray of uint8, shape (1,)
         Set to 1 to end early.
-    left : int
-        Number of orbits that left a chaotic motion while this was watched.
-    watched : float
-        For how long all of them together were watched [1].
+
+    Attributes
+    ----------
+    labels : ndarray of int16, shape (n,)
+        Label of the attractor, CHAOTIC, UNDECIDED or NOT_COMPUTED.
+    times : ndarray of float32, shape (n,)
+        For how long each was followed [1].
+    left, watched : int and float
+        Number of orbits that left a chaotic motion while this was watched, and for how long all of
+        them together were watched [1].
     chaotic : SettledResponse or None
         A chaotic motion.
+    undecided_in_turn : int
+        Number of orbits followed alone of late that have not settled.
+    matched : Known or None
+        What was known when orbits were last followed together.
     """
 
     known: Known
     states: Values
-    labels: npt.NDArray[np.int16]
-    times: npt.NDArray[np.float32]
     tolerance: float
     stop: Stop
+    labels: Labels = field(init=False)
+    times: Times = field(init=False)
     left: int = 0
     watched: float = 0.0
     chaotic: SettledResponse | None = None
+    undecided_in_turn: int = 0
+    matched: Known | None = field(default=None, init=False)
+
+    def __post_init__(self) -> None:
+        self.states = np.array(self.states, order="C")
+        self.labels = np.full(self.states.shape[1], NOT_COMPUTED, dtype=np.int16)
+        self.times = np.zeros(self.labels.size, dtype=np.float32)
+
+    @property
+    def cycle_found(self) -> bool:
+        """Whether a limit cycle has been found since orbits were last followed together."""
+        return self.known is not self.matched
+
+    def passed(self, numbers: Numbers) -> float:
+        """Return for how long at most orbits were followed [1]."""
+        return float(self.times[numbers].max(initial=0.0))
 
     def follow(self, numbers: Numbers, duration: float) -> Numbers:
         """Follow some orbits until a region holds them, or for a time; return those left over."""
         if not numbers.size or duration <= 0.0:
             return numbers
+        self.matched = self.known
         states = np.ascontiguousarray(self.states[:, numbers])
-        labels = np.full(numbers.size, NOT_COMPUTED, dtype=np.int16)
-        times = np.zeros(numbers.size, dtype=np.float32)
-        follow(
-            states, labels, times, self.known.rotor, *self.known.tables(), duration,
-            self.tolerance, self.stop,
-        )  # fmt: skip
+        labels, times = self.known.follow(states, duration, self.tolerance, self.stop)
         self.states[:, numbers] = states
         self.labels[numbers] = labels
         self.times[numbers] += times
         left: Numbers = numbers[labels == UNDECIDED]
         return left
 
+    def label_of(self, cycle: Cycle) -> int:
+        """Return the label of a limit cycle, which is known from now on."""
+        label = self.known.label_of_cycle(cycle)
+        if label is None:
+            label = self.known.first_cycle + len(self.known.cycles)
+            self.known = with_cycle(self.known, cycle, self.stop)
+        return label
 
-def decide(batch: Batch) -> None:
-    """Follow all starts of a batch until what becomes of them is decided."""
-    waiting = batch.follow(np.arange(batch.labels.size), durations(batch.known.rotor)[0])
-    if batch.known.rotor.omega == 0.0:  # energy only falls: all comes to rest
-        batch.labels[waiting] = 0
-        return
-    while 0 < waiting.size <= FEW * batch.labels.size:
-        passed = float(batch.times[waiting].max())
-        if not 0.0 < passed < LONGEST or batch.stop[0]:
-            break
-        waiting = batch.follow(waiting, passed)
-    in_turn = 0
-    while waiting.size and in_turn < MOST_UNDECIDED and not batch.stop[0]:
-        known, passed = batch.known, float(batch.times[waiting].max())
-        if beside_cycle(batch, int(waiting[0])):
-            if batch.known is not known:
-                waiting = batch.follow(waiting, durations(known.rotor)[0])
-                continue
-            if 0.0 < passed < SLOWLY:
-                waiting = batch.follow(waiting, passed)
-                continue
-        first, waiting = int(waiting[0]), waiting[1:]
-        batch.labels[first] = fate = fate_of(batch, first)
-        in_turn = in_turn + 1 if fate == UNDECIDED else 0
-        passed = float(batch.times[waiting].max(initial=0.0))
-        if fate == CHAOTIC:
-            waiting = _outlasting(batch, waiting)
-        elif batch.known is not known:
-            waiting = batch.follow(waiting, durations(known.rotor)[0])
-        elif passed < LONGEST:
-            # touches take long to fade, and to follow one by one: others may do so together
-            took = float(batch.times[first]) if fate == known.fading_label else 0.0
-            waiting = batch.follow(waiting, max(passed, min(took, LONGEST) - passed))
+
+def decide(batch: Batch) -> Batch:
+    """Follow all starts of a batch until what becomes of them is decided; return it."""
+    waiting = match_all(batch)
+    while waiting.size and batch.undecided_in_turn < MOST_UNDECIDED and not batch.stop[0]:
+        if seed(batch, waiting):
+            waiting = match(batch, waiting, LONGEST_BESIDE_CYCLE)
+        else:
+            waiting = label(batch, waiting)
     if batch.stop[0]:
         batch.labels[batch.labels == UNDECIDED] = NOT_COMPUTED
+    return batch
+
+
+def match_all(batch: Batch) -> Numbers:
+    """Follow all orbits until a region holds them, the last few for longer; return those left."""
+    count = batch.labels.size
+    waiting = batch.follow(np.arange(count), batch.known.first_wait)
+    if batch.known.rotor.omega == 0.0:  # energy only falls: all comes to rest
+        batch.labels[waiting] = 0
+        return waiting[:0]
+    while (
+        0 < waiting.size <= FEW * count
+        and batch.passed(waiting) < LONGEST_TOGETHER
+        and not batch.stop[0]
+    ):
+        waiting = match(batch, waiting, LONGEST_TOGETHER)
+    return waiting
+
+
+def match(batch: Batch, waiting: Numbers, longest: float, until: float = 0.0) -> Numbers:
+    """Follow orbits on until a region holds them; return those left over.
+
+    Where a cycle has been found since, for the time in which damping settles most. Or else for as
+    long again as they were followed, and at least `until`, unless that was for the longest time.
+    """
+    if batch.cycle_found:
+        return batch.follow(waiting, batch.known.first_wait)
+    passed = batch.passed(waiting)
+    return batch.follow(waiting, max(2.0 * passed, until) - passed) if passed < longest else waiting
+
+
+def seed(batch: Batch, waiting: Numbers) -> bool:
+    """Return whether the first orbit is beside a stable limit cycle that may yet hold it."""
+    in_time = batch.passed(waiting) < LONGEST_BESIDE_CYCLE
+    return beside_cycle(batch, int(waiting[0])) and (batch.cycle_found or in_time)
+
+
+def label(batch: Batch, waiting: Numbers) -> Numbers:
+    """Label the first orbit by following it alone; return the others that are left over then."""
+    first, others = int(waiting[0]), waiting[1:]
+    batch.labels[first] = fate = fate_of(batch, first)
+    batch.undecided_in_turn = batch.undecided_in_turn + 1 if fate == UNDECIDED else 0
+    if fate == CHAOTIC:
+        return label_chaos(batch, others)
+    # touches take long to fade, and to follow one by one: others may do so together
+    took = float(batch.times[first]) if fate == batch.known.fading_label else 0.0
+    return match(batch, others, LONGEST_TOGETHER, until=min(took, LONGEST_TOGETHER))
 
 
 def beside_cycle(batch: Batch, number: int) -> bool:
     """Return whether an orbit is beside a stable limit cycle, which is known then."""
     rotor, state = batch.known.rotor, batch.states[:, number].copy()
-    duration = min(REVOLUTIONS * 2.0 * math.pi / rotor.omega, LOOKED_FOR)
+    duration = min(RETURN_REVOLUTIONS * 2.0 * math.pi / rotor.omega, RETURN_TIME)
     try:
         times, misses = returns(rotor, state, duration, 2.0 * BESIDE, batch.stop)
     except SimulationError:
         return False
     near = BESIDE * float(np.linalg.norm(state))
-    for time in _closest(times[misses <= near], misses[misses <= near], APART * duration):
-        try:
-            cycle = once_round(close_orbit(rotor, state, time, batch.stop), batch.stop)
-        except SimulationError:
-            continue
-        moved = float(np.linalg.norm(cycle.state - state))
-        # a whirl of the contact-free family that just reaches the ring is no limit cycle
-        slight = cycle.radius_max - rotor.delta0 <= SLIGHT * rotor.delta0
-        if moved <= near and not slight and is_stable(cycle.shot):
-            if batch.known.label_of_cycle(cycle) is None:
-                batch.known = with_cycle(batch.known, cycle, batch.stop)
+    for time in _closest(times[misses <= near], misses[misses <= near], ONE_RETURN * duration):
+        cycle = _stable_cycle(batch, state, time)
+        if (
+            cycle is not None
+            and cycle.radius_max - rotor.delta0 > SLIGHT * rotor.delta0
+            and float(np.linalg.norm(cycle.state - state)) <= near
+        ):
+            batch.label_of(cycle)
             return True
     return False
 
@@ -174,74 +232,71 @@ def _closest(times: Values, misses: Values, apart: float) -> list[float]:
     chosen: list[float] = []
     for place in np.argsort(misses, kind="stable").tolist():
         time = float(times[place])
-        if len(chosen) < RETURNS and all(abs(time - other) > apart for other in chosen):
+        if len(chosen) < MOST_RETURNS and all(abs(time - other) > apart for other in chosen):
             chosen.append(time)
     return sorted(chosen)
 
 
+def _stable_cycle(batch: Batch, state: Values, period: float) -> Cycle | None:
+    """Return the stable limit cycle near a state and a period, followed once round."""
+    try:
+        cycle = close_orbit(batch.known.rotor, state, period, batch.stop)
+        cycle = once_round(cycle, batch.stop)
+    except SimulationError:
+        return None
+    return cycle if is_stable(cycle.shot) else None
+
+
 def fate_of(batch: Batch, number: int) -> int:
-    """Return the label of one orbit, followed to its attractor; a new limit cycle is added.
+    """Return the label of one orbit, followed alone to its attractor; a new limit cycle is added.
 
     UNDECIDED where it has none after the time that a sweep gives it.
     """
     known = batch.known
     x, y, vx, vy = batch.states[:, number].tolist()
-    settled = follow_to_steady_state(known.rotor, (x, y, vx, vy), HOW, stop=batch.stop)
+    settled = follow_to_steady_state(known.rotor, (x, y, vx, vy), ALONE, stop=batch.stop)
     batch.times[number] += np.float32(settled.window_end)
-    if settled.response == response.CHAOTIC:
-        batch.chaotic = settled
-        return CHAOTIC
-    if settled.response == response.CONTACT_FREE and known.has_free:
-        return known.free_label
-    if settled.response == response.TOUCHING and known.has_free:
-        return known.fading_label
-    if settled.response == response.SYNCHRONOUS:
-        return _whirl_of(known, settled.features.amplitude)
-    return _cycle_of(batch, settled) if settled.features.period > 0.0 else UNDECIDED
+    match settled.response:
+        case response.CHAOTIC:
+            batch.chaotic = settled
+            return CHAOTIC
+        case response.CONTACT_FREE if known.free is not None:
+            return known.free_label
+        case response.TOUCHING if known.free is not None:
+            return known.fading_label
+        case response.SYNCHRONOUS:
+            return _whirl_of(known, settled.features.amplitude)
+        case response.BOUNCING | response.FULL_CONTACT:
+            cycle = _stable_cycle(batch, np.array(settled.end), settled.features.period)
+            return UNDECIDED if cycle is None else batch.label_of(cycle)
+        case _:
+            return UNDECIDED
 
 
 def _whirl_of(known: Known, amplitude: float) -> int:
     """Return the label of the whirl with an amplitude."""
     apart = [abs(each.amplitude / amplitude - 1.0) for each in known.whirls]
     nearest = min(range(len(apart)), key=apart.__getitem__, default=UNDECIDED)
-    return nearest if apart and apart[nearest] <= AMPLITUDE else UNDECIDED
+    return nearest if apart and apart[nearest] <= SAME_AMPLITUDE else UNDECIDED
 
 
-def _cycle_of(batch: Batch, settled: SettledResponse) -> int:
-    """Return the label of the limit cycle on which an orbit has settled, found if it is new."""
-    known = batch.known
-    try:
-        cycle = close_orbit(known.rotor, np.array(settled.end), settled.features.period, batch.stop)
-        cycle = once_round(cycle, batch.stop)
-    except SimulationError:
-        return UNDECIDED
-    if not is_stable(cycle.shot):
-        return UNDECIDED
-    label = known.label_of_cycle(cycle)
-    if label is None:
-        label = known.first_cycle + len(known.cycles)
-        batch.known = with_cycle(known, cycle, batch.stop)
-    return label
-
-
-def _outlasting(batch: Batch, waiting: Numbers) -> Numbers:
+def label_chaos(batch: Batch, waiting: Numbers) -> Numbers:
     """Label the orbits that last as long as chaos, beside one that is chaotic; return the others.
 
     They are followed until they would have settled, and as long again, in which those that leave
     are counted.
     """
     late = max(LATE, PATIENCE / batch.known.rotor.zeta)
-    passed = float(batch.times[waiting].max(initial=0.0))
-    waiting = batch.follow(waiting, late - passed)
+    waiting = batch.follow(waiting, late - batch.passed(waiting))
     before = float(batch.times[waiting].sum())
     last = batch.follow(waiting, late)
     batch.left += waiting.size - last.size
     batch.watched += float(batch.times[waiting].sum()) - before
-    looked_at, known = last[:: max(1, last.size // CHECKED)][:CHECKED], batch.known
+    looked_at = last[:: max(1, last.size // CHECKED)][:CHECKED]
     for number in looked_at.tolist():
         batch.labels[number] = fate_of(batch, number)
     rest = np.setdiff1d(last, looked_at)
     if (batch.labels[looked_at] == CHAOTIC).all():
         batch.labels[rest] = CHAOTIC
         return rest[:0]
-    return batch.follow(rest, durations(known.rotor)[0]) if batch.known is not known else rest
+    return batch.follow(rest, batch.known.first_wait) if batch.cycle_found else rest

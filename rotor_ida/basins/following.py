@@ -19,20 +19,26 @@ from rotor_ida.basins.known import Known, known_from_closed_forms, same_cycle
 from rotor_ida.cycles.shooting import Cycle, close_orbit
 from rotor_ida.parallel import FailedJob, Progress, Stop, interruptible, run_all
 from rotor_ida.parameters import Rotor
-from rotor_ida.steady_state.follow import durations
 from rotor_ida.storage.studies.arrays import scratch, stretches
 from rotor_ida.storage.studies.results import Results
 
 Starts = Callable[[int, int], Values]
 
-# Large enough that few lanes idle at the end of a batch, small enough to share the work evenly
-# and to report progress. Who does the work has no say: it leaves no trace in the result.
-LARGEST_BATCH, SMALLEST_BATCH = 8192, 512
+# A smaller batch would leave many lanes of the kernel idle at its end.
+SMALLEST_BATCH = 512
+# A larger one would seldom report progress.
+LARGEST_BATCH = 8192
+# Between these, so many share the work evenly. Who does it has no say in that: it leaves no trace
+# in the result.
 FEWEST_BATCHES = 64
 # Before all others so many starts are followed, from which limit cycles become known.
 SCOUTS = 128
-# The error of a step, unless one of so many starts ends elsewhere with the small one: then that.
-RTOL, SMALL_RTOL, CHECKED = 1e-6, 1e-11, 512
+# The error of a step [1],
+RTOL = 1e-6
+# but this one where with it one of so many starts ends elsewhere.
+SMALL_RTOL = 1e-11
+CHECKED = 512
+# A first look shows only what whirls hold soon.
 RTOL_OF_FIRST_LOOK = 1e-4
 
 
@@ -100,24 +106,9 @@ def follow_starts(
     executor: str,
     progress: Progress | None,
 ) -> FollowedStarts:
-    """Follow every start until its attractor is certain, or for the time allowed.
+    """Follow so many starts until the attractor of each is certain, or for the time allowed.
 
-    Parameters
-    ----------
-    known : Known
-        A damped rotor and the attractors that are known beforehand.
-    starts : callable
-        Gives the starts from one number up to another as an array of shape (4, n) [1].
-    count : int
-        Number of starts.
-    kept : Results
-        Where the batches are kept; those that it holds already are not followed again.
-    tolerance : float or None
-        Error allowed in a step [1]; None chooses it.
-    workers, executor
-        As for `rotor_ida.parallel.run_all`.
-    progress : callable or None
-        Called with the number of starts done and their total.
+    Batches that are kept already are not followed again; a tolerance of None is chosen.
     """
     size = min(max(math.ceil(count / FEWEST_BATCHES), SMALLEST_BATCH), LARGEST_BATCH)
     due = [number for number in range(math.ceil(count / size)) if number not in kept.done]
@@ -152,8 +143,7 @@ def follow_starts(
 
 def follow_here(known: Known, states: Values, tolerance: float, stop: Stop) -> FollowedStarts:
     """Follow starts of shape (4, n) in this process, the first of them before the others."""
-    scouts = np.ascontiguousarray(states[:, :SCOUTS])
-    known = _decided(_Job(known, 0, scouts, tolerance), stop).known
+    known = decide(Batch(known, states[:, :SCOUTS], tolerance, stop)).known
     kept: Results[BatchResult] = Results()
     kept.keep(0, _follow(_Job(known, 0, states, tolerance), stop), states.shape[1])
     return _gathered(known, states.shape[1], kept)
@@ -166,8 +156,8 @@ def first_look(rotor: Rotor, states: Values, duration: float, stop: Stop) -> Fol
     sought.
     """
     known = known_from_closed_forms(rotor, stop, fading=False)
-    batch = _batch(_Job(known, 0, states, RTOL_OF_FIRST_LOOK), stop)
-    batch.follow(np.arange(states.shape[1]), min(duration, durations(rotor)[0]))
+    batch = Batch(known, states, RTOL_OF_FIRST_LOOK, stop)
+    batch.follow(np.arange(states.shape[1]), min(duration, known.first_wait))
     return FollowedStarts(known, batch.labels, batch.times, tolerance=RTOL_OF_FIRST_LOOK)
 
 
@@ -175,18 +165,16 @@ def _scouted(
     known: Known, starts: Starts, count: int, tolerance: float | None, stop: Stop
 ) -> tuple[Known, float]:
     """Return what is known once a few starts have been followed, and the error to allow."""
-    states = _spread(starts, count, SCOUTS)
-    known = _decided(_Job(known, 0, states, tolerance or RTOL), stop).known
+    scouts = _spread(starts, count, SCOUTS)
+    known = decide(Batch(known, scouts, tolerance or RTOL, stop)).known
     if tolerance is not None:
         return known, tolerance
     sample = _spread(starts, count, CHECKED)
-    ends = []
-    for each in (RTOL, SMALL_RTOL):
-        batch = _batch(_Job(known, 0, sample, each), stop)
-        batch.follow(np.arange(batch.labels.size), durations(known.rotor)[0])
-        ends.append(batch.labels)
-    decided = (ends[0] >= 0) & (ends[1] >= 0)
-    alike = bool((ends[0] == ends[1])[decided].all())
+    roughly, closely = (
+        known.follow(sample.copy(), known.first_wait, rtol, stop)[0] for rtol in (RTOL, SMALL_RTOL)
+    )
+    decided = (roughly >= 0) & (closely >= 0)
+    alike = bool((roughly == closely)[decided].all())
     return known, RTOL if alike else SMALL_RTOL
 
 
@@ -198,7 +186,7 @@ def _spread(starts: Starts, count: int, most: int) -> Values:
 
 def _follow(job: _Job, stop: Stop) -> BatchResult:
     """Follow a batch of starts until what becomes of them is decided."""
-    batch = _decided(job, stop)
+    batch = decide(Batch(job.known, job.states, job.tolerance, stop))
     batch.times[batch.labels == NOT_COMPUTED] = np.nan
     cycles = [[*each.cycle.state, each.cycle.period, each.exists] for each in batch.known.cycles]
     chaos = np.empty((0, CHAOS))
@@ -208,21 +196,6 @@ def _follow(job: _Job, stop: Stop) -> BatchResult:
     return BatchResult(
         job.first, batch.labels, batch.times, np.array(cycles).reshape(-1, CYCLE), chaos,
         np.array([batch.left, batch.watched]), np.array(job.tolerance),
-    )  # fmt: skip
-
-
-def _decided(job: _Job, stop: Stop) -> Batch:
-    batch = _batch(job, stop)
-    decide(batch)
-    return batch
-
-
-def _batch(job: _Job, stop: Stop) -> Batch:
-    # the kernel overwrites the states, and they may be a view of the caller's own
-    size = job.states.shape[1]
-    return Batch(
-        job.known, np.array(job.states, order="C"), np.full(size, NOT_COMPUTED, dtype=np.int16),
-        np.zeros(size, dtype=np.float32), job.tolerance, stop,
     )  # fmt: skip
 
 

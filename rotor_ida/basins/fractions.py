@@ -11,7 +11,7 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.basins.dataset import fractions_dataset
-from rotor_ida.basins.labelling import check_rotor, label
+from rotor_ida.basins.labelling import label
 from rotor_ida.checks import (
     COMPONENTS,
     MOST_POINTS_OF_STUDY,
@@ -85,7 +85,6 @@ def basin_fractions(
     >>> found["count"].values
     array([ 65, 435])
     """
-    check_rotor(rotor)
     given = {"x": x, "y": y, "vx": vx, "vy": vy}
     box = np.array([range_of(name, given[name]) for name in COMPONENTS])
     count = check_count("starts", starts, maximum=MOST_POINTS_OF_STUDY)
@@ -102,7 +101,7 @@ def basin_fractions(
     )  # fmt: skip
     attributes = {"starts": count, "seed": chosen}
     attributes |= {f"range_{name}": limits for name, limits in zip(COMPONENTS, box, strict=True)}
-    return fractions_dataset(rotor, drawn, found, attributes)
+    return fractions_dataset(drawn, found, attributes)
 
 
 def drawn_from(box: Values, seed: int, first: int, last: int) -> Values:

@@ -1,4 +1,7 @@
-"""The attractors that are known while starts are followed, with what holds the starts on them."""
+"""What is known of the attractors of a rotor while starts are followed, and what holds the starts.
+
+Whirls in contact have trapping regions, limit cycles sections; contact-free whirls hold exactly.
+"""
 
 from __future__ import annotations
 
@@ -7,25 +10,24 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rotor_ida.arrays import Values
+from rotor_ida.basins.contact_free_whirls import ContactFree, contact_free_whirls
 from rotor_ida.basins.cycle_sections import CycleSection, cycle_section
-from rotor_ida.basins.fading import fading_excess
-from rotor_ida.basins.kernel import REGION, SECTION
+from rotor_ida.basins.kernel import NOT_COMPUTED, REGION, SECTION, Labels, Times, follow
 from rotor_ida.basins.trapping_regions import TrappingRegion, trapping_regions
-from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.parallel import Stop
 from rotor_ida.parameters import Rotor
-from rotor_ida.steady_state.response import phase_lag_of
+from rotor_ida.steady_state.follow import durations
 
-lag_of = phase_lag_of
 # Two cycles of one rotor are the same when period and largest radius differ by less than this part.
 SAME = 1e-6
-_NO_FREE = np.array([0.0, 0.0, -1.0, -1.0])
+# What the kernel is told where there is no contact-free whirl.
+NO_FREE = np.array([0.0, 0.0, -1.0, -1.0])
 
 
 @dataclass(slots=True)
 class Known:
-    """What is known of the attractors of a rotor.
+    """A rotor with what is known of its attractors.
 
     Parameters
     ----------
@@ -33,22 +35,16 @@ class Known:
         The rotor.
     whirls : list of TrappingRegion
         Of each stable whirl in contact, in order of amplitude.
-    free : ndarray, shape (4,)
-        Contact-free whirl on the rotating axes [1], and the squared radii within which its centre
-        stays, and from within which touches fade; negative if there is no such whirl.
+    free : ContactFree or None
+        The contact-free whirls, if they fit into the clearance.
     cycles : list of CycleSection
         Of each stable limit cycle, in the order in which they were found.
     """
 
     rotor: Rotor
     whirls: list[TrappingRegion]
-    free: Values
+    free: ContactFree | None
     cycles: list[CycleSection] = field(default_factory=list)
-
-    @property
-    def has_free(self) -> bool:
-        """Whether there is a contact-free whirl."""
-        return bool(self.free[2] >= 0.0)
 
     @property
     def free_label(self) -> int:
@@ -65,6 +61,11 @@ class Known:
         """Label of the first limit cycle."""
         return len(self.whirls) + 2
 
+    @property
+    def first_wait(self) -> float:
+        """Time in which damping settles most starts [1]: what is left over then is looked at."""
+        return durations(self.rotor)[0]
+
     def label_of_cycle(self, cycle: Cycle) -> int | None:
         """Return the label of a limit cycle, or None if it is not known."""
         for number, section in enumerate(self.cycles):
@@ -76,7 +77,19 @@ class Known:
         """Return whirls, contact-free whirl and cycles as the kernel wants them."""
         whirls = np.array([each.numbers for each in self.whirls]).reshape(-1, REGION)
         sections = np.array([each.numbers for each in self.cycles]).reshape(-1, SECTION)
-        return whirls, self.free, sections
+        return whirls, NO_FREE if self.free is None else self.free.numbers, sections
+
+    def follow(
+        self, states: Values, duration: float, tolerance: float, stop: Stop
+    ) -> tuple[Labels, Times]:
+        """Follow states, shape (4, n), in place, until a region holds them, or for a time.
+
+        Return their labels, UNDECIDED where none does, and the times that it took [1].
+        """
+        labels = np.full(states.shape[1], NOT_COMPUTED, dtype=np.int16)
+        times = np.zeros(labels.size, dtype=np.float32)
+        follow(states, labels, times, self.rotor, *self.tables(), duration, tolerance, stop)
+        return labels, times
 
 
 def same_cycle(one: Cycle, other: Cycle) -> bool:
@@ -98,15 +111,9 @@ def known_from_closed_forms(rotor: Rotor, stop: Stop, *, fading: bool = True) ->
     if rotor.omega == 0.0 and rotor.delta0 == 0.0:
         # All comes to rest, for energy only falls, but as slowly as 1/t**2: close by is enough.
         near = TrappingRegion(0.0, 0.0, np.zeros(4), 1e4 * np.eye(4))
-        return Known(rotor, [near], _NO_FREE)
+        return Known(rotor, [near], None)
     whirls = trapping_regions(rotor) if rotor.omega > 0.0 else []
-    whirl = complex(complex_amplitude(rotor.omega, rotor.zeta))
-    room = rotor.delta0 - abs(whirl)
-    if not room > 0.0:
-        return Known(rotor, whirls, _NO_FREE)
-    excess = fading_excess(rotor, stop) if fading else 0.0
-    edge = (room + excess) ** 2 if excess > 0.0 else -1.0  # NaN where nothing turns
-    return Known(rotor, whirls, np.array([whirl.real, whirl.imag, room**2, edge]))
+    return Known(rotor, whirls, contact_free_whirls(rotor, stop, fading=fading))
 
 
 def with_cycle(known: Known, cycle: Cycle, stop: Stop) -> Known:

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.basins.attractors import Attractor, attractors_of, confirmed, witnesses
+from rotor_ida.basins.attractors import Attractor, attractors_of, confirmed
 from rotor_ida.basins.batches import FORM
-from rotor_ida.basins.following import Starts, follow_starts
+from rotor_ida.basins.following import FollowedStarts, Starts, follow_starts
 from rotor_ida.basins.known import known_from_closed_forms
 from rotor_ida.checks import MOST_POINTS_OF_STUDY, check_between, check_instance, check_progress
 from rotor_ida.errors import InputError
@@ -22,6 +22,7 @@ from rotor_ida.provenance import computing
 from rotor_ida.simulation.options import Options, check_can_be_followed
 from rotor_ida.storage.studies.results import open_results
 
+# The errors of a step that may be asked for [1].
 TIGHTEST, LOOSEST = 1e-12, 1e-4
 # Stiffer rotors take the explicit method too many steps.
 MOST_DAMPING = 20.0
@@ -31,14 +32,25 @@ MOST_STARTS = 100_000_000
 
 @dataclass(frozen=True, slots=True)
 class Labelled:
-    """The starts with their labels, and the attractors that these number."""
+    """Starts as they were followed, and the attractors that their labels number.
 
-    labels: npt.NDArray[np.int16]
-    times: npt.NDArray[np.float32]
+    The attractors were confirmed with `options`; what is large can go to `folder`.
+    """
+
+    followed: FollowedStarts
     attractors: list[Attractor]
-    attributes: dict[str, object]
     options: Options
     folder: Path | None
+
+    @property
+    def rotor(self) -> Rotor:
+        """The rotor."""
+        return self.followed.known.rotor
+
+    @property
+    def labels(self) -> npt.NDArray[np.int16]:
+        """Number of the attractor of each start, or a fate."""
+        return self.followed.labels
 
 
 def check_rotor(rotor: object) -> Rotor:
@@ -65,11 +77,12 @@ def label(
     study: str | os.PathLike[str] | None,
     progress: Progress | None,
 ) -> Labelled:
-    """Follow the starts, each to its attractor.
+    """Follow so many starts of a rotor, each to its attractor.
 
     `starts` gives those from one number up to another, as (4, n); `design` says for a study what
     they are.
     """
+    check_rotor(rotor)
     most = MOST_STARTS if study is None else MOST_POINTS_OF_STUDY
     if count > most:
         raise InputError(f"starts must be at most {most}, got {count}: a study keeps more on disk")
@@ -86,17 +99,12 @@ def label(
         attractors = attractors_of(found)
         if not found.interrupted:
             try:
-                seen = witnesses(found, len(attractors), starts)
-                attractors = confirmed(rotor, attractors, seen, options)
+                attractors = confirmed(found, attractors, starts, options)
             except KeyboardInterrupt:  # labels without confirmation are better than none
                 if study is not None:
                     raise
                 found.interrupted = True
-        attributes: dict[str, object] = {"labelling_rtol": found.tolerance}
-        attributes["interrupted"] = int(found.interrupted)
-        if found.not_computed_reason:
-            attributes["not_computed_reason"] = found.not_computed_reason
-        return Labelled(found.labels, found.times, attractors, attributes, options, kept.folder)
+        return Labelled(found, attractors, options, kept.folder)
 
 
 def _design(rotor: Rotor, rtol: float | None, options: Options) -> dict[str, object]:

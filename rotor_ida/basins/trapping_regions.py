@@ -40,15 +40,18 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Values
-from rotor_ida.closed_forms import synchronous_response
+from rotor_ida.closed_forms.contacting_whirls import contacting_whirls
 from rotor_ida.equations.contact import contact_stiffness, secant_stiffness
 from rotor_ida.equations.model import rotating_jacobian
 from rotor_ida.parameters import PARAMETERS, Rotor
-from rotor_ida.schema import STABILITY
 
 # V must fall at this fraction of the fastest possible rate or faster: rounding cannot matter.
 MARGIN = 1e-6
+# The largest level of a form is sought until it is known to this part,
+LEVEL_RTOL = 1e-3
+# or so often: where there is none the bisection runs towards 0.
 BISECTIONS = 40
+# Weights of the faster mode against the slower one, each in its squared amplitude.
 MODE_RATIOS = np.geomspace(1e-2, 1e2, 17)
 # Near a double eigenvalue the modes are nearly parallel: beyond this condition they give no form.
 MOST_SKEW = 1e6
@@ -100,12 +103,7 @@ class TrappingRegion:
 
 
 def trapping_regions(rotor: Rotor) -> list[TrappingRegion]:
-    """Return a trapping region for each stable whirl in contact, in order of amplitude.
-
-    Parameters
-    ----------
-    rotor : Rotor
-        A rotor that turns and is damped.
+    """Return a trapping region for each stable whirl in contact of a rotor that turns, damped.
 
     Examples
     --------
@@ -113,17 +111,10 @@ def trapping_regions(rotor: Rotor) -> list[TrappingRegion]:
     >>> [round(each.amplitude, 4) for each in regions]
     [1.8796, 9.4872]
     """
-    whirls = synchronous_response(omega=rotor.omega, zeta=rotor.zeta, delta0=rotor.delta0)
-    whirls = whirls.squeeze(PARAMETERS)
-    stable = (whirls["stability"] == STABILITY["stable"]) & (whirls["in_contact"] == 1)
-    return [
-        _trapping_region(rotor, amplitude, lag)
-        for amplitude, lag in zip(
-            whirls["amplitude"].values[stable.values].tolist(),
-            whirls["phase_lag"].values[stable.values].tolist(),
-            strict=True,
-        )
-    ]
+    whirls = contacting_whirls(*(np.array([getattr(rotor, name)]) for name in PARAMETERS))
+    stable = whirls.determinant > 0.0
+    amplitudes, lags = whirls.amplitude[stable].tolist(), whirls.phase_lag[stable].tolist()
+    return [_trapping_region(rotor, *whirl) for whirl in zip(amplitudes, lags, strict=True)]
 
 
 def _trapping_region(rotor: Rotor, amplitude: float, lag: float) -> TrappingRegion:
@@ -195,7 +186,7 @@ class _Problem:
         high = room**2 / np.linalg.inv(forms)[:, 0, 0]
         low = np.zeros_like(high)
         for _ in range(BISECTIONS):
-            open_ = (low == 0.0) | (high - low >= 1e-3 * low)
+            open_ = (low == 0.0) | (high - low >= LEVEL_RTOL * low)
             if not open_.any():
                 break
             middle = np.where(low > 0.0, 0.5 * (low + high), 0.1 * high)[open_]

@@ -63,6 +63,6 @@ def test_what_cvode_does_not_find_is_not_confirmed():
     right = Attractor("bouncing", 1.1, 0.0, cycle.radius_min, cycle.radius_max, cycle.period)
     wrong = replace(right, radius_max=1.001 * cycle.radius_max)
     rows = [right, wrong, replace(right, kind="full_contact"), right]
-    start = cycle.state[None]
-    checked = confirmed(BOUNCER, rows, [start, start, start, np.empty((0, 4))], Options())
+    found = found_with([0, 1, 2])
+    checked = confirmed(found, rows, lambda first, last: cycle.state[:, None], Options())
     assert [each.confirmed for each in checked] == [True, False, False, False]

@@ -19,11 +19,9 @@ BOX = dict.fromkeys(("x", "y", "vx", "vy"), (-8.0, 8.0))
 
 
 def batch_of(rotor, states, stop=None):
-    count = states.shape[1]
     stop = np.zeros(1, np.uint8) if stop is None else stop
     known = known_from_closed_forms(rotor, np.zeros(1, np.uint8))
-    labels = np.full(count, NOT_COMPUTED, np.int16)
-    return Batch(known, states.copy(), labels, np.zeros(count, np.float32), 1e-6, stop)
+    return Batch(known, states, 1e-6, stop)
 
 
 def random_states(count, half_width=8.0, seed=0):

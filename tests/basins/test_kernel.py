@@ -68,7 +68,7 @@ def test_contact_free_starts_are_told_at_once_and_no_others():
     """A start is caught at time 0 exactly if flight keeps it inside the clearance for ever."""
     rotor = Rotor(omega=1.0, zeta=0.5, delta0=3.0)
     states = random_states(LANES, half_width=1.5)
-    free = known_from_closed_forms(rotor, GO_ON).free
+    free = known_from_closed_forms(rotor, GO_ON).tables()[1]
     _, labels, times = followed(rotor, states, free=free, duration=0.5)
     at_once = (labels == 0) & (times == 0.0)
     assert 10 < at_once.sum() < LANES - 10

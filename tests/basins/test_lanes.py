@@ -13,7 +13,7 @@ from scipy.integrate import DOP853, solve_ivp
 
 import rotor_ida
 from rotor_ida import Rotor
-from rotor_ida.basins import fading, kernel
+from rotor_ida.basins import contact_free_whirls, kernel
 from rotor_ida.basins.kernel import LANES, NOT_COMPUTED, SECTION, UNDECIDED
 from rotor_ida.cycles.limit_cycle import follow
 from rotor_ida.equations.model import rotating_field
@@ -77,7 +77,7 @@ def test_python_and_c_agree_on_what_both_state():
     assert constant("REGION") == kernel.REGION
     assert constant("SECTION") == SECTION
     assert constant("NO_ATTRACTOR") == UNDECIDED
-    assert constant("MOST_DRIFT") == fading.MOST_DRIFT
+    assert constant("MOST_DRIFT") == contact_free_whirls.MOST_DRIFT
     assert constant("FIRST_STEP") == FIRST_STEP
 
 

@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 
 from rotor_ida import Rotor
-from rotor_ida.basins.fading import MOST_DRIFT, fading_excess
-from rotor_ida.basins.known import known_from_closed_forms
-from rotor_ida.closed_forms.contact_free import complex_amplitude
+from rotor_ida.basins.contact_free_whirls import MOST_DRIFT, contact_free_whirls
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady_state.follow import follow_to_steady_state
 
@@ -24,10 +22,9 @@ ROTORS = [
 @pytest.mark.parametrize("rotor", ROTORS)
 def test_motions_from_the_rim_touch_for_ever(rotor):
     """By CVODE, from other states than those by which the excess was found."""
-    excess = fading_excess(rotor, GO_ON)
+    found = contact_free_whirls(rotor, GO_ON, fading=True)
+    whirl, room, excess = found.whirl, found.room, found.excess
     assert excess > 0.0
-    whirl = complex(complex_amplitude(rotor.omega, rotor.zeta))
-    room = rotor.delta0 - abs(whirl)
     for angle in (0.3, 2.0, 4.4):
         end = cmath.rect(room + excess, angle)
         drift = cmath.rect(0.99 * MOST_DRIFT * excess, angle + 0.5 * math.pi)
@@ -40,8 +37,9 @@ def test_motions_from_the_rim_touch_for_ever(rotor):
 
 
 def test_there_is_none_where_nothing_turns_or_fits_or_a_drift_takes_too_long():
-    assert math.isnan(fading_excess(Rotor(omega=0.0, zeta=0.1, delta0=2.0), GO_ON))
-    assert math.isnan(fading_excess(Rotor(omega=1.7, zeta=0.07, delta0=0.5), GO_ON))
-    known = known_from_closed_forms(Rotor(omega=0.0, zeta=0.1, delta0=2.0), GO_ON)
-    assert known.free[2] > 0.0 > known.free[3]
-    assert fading_excess(Rotor(omega=1.0, zeta=1e-8, delta0=2.0), GO_ON) == 0.0
+    assert contact_free_whirls(Rotor(omega=1.7, zeta=0.07, delta0=0.5), GO_ON, fading=True) is None
+    for omega, zeta in ((0.0, 0.1), (1.0, 1e-8)):
+        rotor = Rotor(omega=omega, zeta=zeta, delta0=2.0)
+        found = contact_free_whirls(rotor, GO_ON, fading=True)
+        assert found.excess == 0.0
+        assert found.numbers[2] > 0.0 > found.numbers[3]
