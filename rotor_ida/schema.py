@@ -237,6 +237,12 @@ QUANTITIES: dict[str, Quantity] = {
     "displacement_shock": Quantity(
         "smallest displacement found that throws it to the target", scale="length"
     ),
+    "velocity_shock_scatter": Quantity(
+        "how much larger than the smallest change of velocity the best from another draw is"
+    ),
+    "displacement_shock_scatter": Quantity(
+        "how much larger than the smallest displacement the best from another draw is"
+    ),
     "velocity_shock_bound": Quantity(
         "change of velocity below which nothing throws it off", scale="velocity"
     ),

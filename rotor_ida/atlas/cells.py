@@ -154,8 +154,10 @@ def _from_arrays(arrays: Arrays) -> Cell:
         numbers = dict(zip(NUMBERS, arrays["numbers"][place].tolist(), strict=True))
         attractor = Attractor(_KIND[kind], trapping=_TRAPPING[trapping], **numbers)
         member = Member(attractor, count, arrays["settling"][place], arrays["state"][place])
-        if RESILIENCE[0] in arrays:
-            member.resilience = Resilience(*(arrays[name][place] for name in RESILIENCE))
+        if "sizes" in arrays:
+            kept = {name: arrays[name][place] for name in RESILIENCE if name in arrays}
+            kept.setdefault("scatter", np.full_like(kept["sizes"], np.nan))  # not told before
+            member.resilience = Resilience(**kept)
         cell.members.append(member)
     return cell
 

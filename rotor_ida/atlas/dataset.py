@@ -128,13 +128,15 @@ def _columns(cells: Sequence[Cell], count: int, starts: int) -> dict[str, npt.ND
 
 def _shocks(cells: Sequence[Cell], count: int) -> dict[str, npt.NDArray[np.generic]]:
     """Return the smallest shocks from each attractor to each, shape (cells, count, count)."""
-    columns = {f"{kind}_shock": np.full((len(cells), count, count), np.nan) for kind in KINDS}
+    names = [f"{kind}_shock{what}" for what in ("", "_scatter") for kind in KINDS]
+    columns = {name: np.full((len(cells), count, count), np.nan) for name in names}
     for place, cell in enumerate(cells):
         numbers = [each.identity for each in cell.members]
         for each in cell.members:
             if each.resilience is not None:
-                for column, sizes in zip(columns.values(), each.resilience.sizes, strict=True):
-                    column[place, each.identity, numbers[: sizes.size]] = sizes
+                told = (*each.resilience.sizes, *each.resilience.scatter)
+                for column, values in zip(columns.values(), told, strict=True):
+                    column[place, each.identity, numbers[: values.size]] = values
     return dict(columns)
 
 

@@ -94,6 +94,8 @@ class Resilience:
         The smallest shock found to each attractor that CVODE follows there [1]; NaN where none was.
     before, after : ndarray, shape (2, m, 4)
         States on the rotating axes just before and after it [1].
+    scatter : ndarray, shape (2, m)
+        How much larger than that the best is that another draw led to, as a part of it [1].
     bounds : ndarray, shape (2,)
         The size below which no shock throws the rotor off [1].
     extents : ndarray, shape (3, 2)
@@ -105,6 +107,7 @@ class Resilience:
     sizes: Values
     before: Values
     after: Values
+    scatter: Values
     bounds: Values = field(default_factory=lambda: np.zeros(2))
     extents: Values = field(default_factory=lambda: np.full((3, 2), np.nan))
     ends: Flags = field(default_factory=lambda: np.full((3, 2), END["not_found"], dtype=np.int8))
@@ -114,7 +117,7 @@ class Resilience:
         """Return that of an attractor of which nothing is known."""
         return cls(
             np.full((2, attractors), np.nan), np.full((2, attractors, 4), np.nan),
-            np.full((2, attractors, 4), np.nan),
+            np.full((2, attractors, 4), np.nan), np.full((2, attractors), np.nan),
         )  # fmt: skip
 
 
@@ -178,10 +181,14 @@ def _resilience_of(search: Search, subject: Subject) -> Resilience:
     for row, (kind, largest) in enumerate(zip(KINDS, search.largest(), strict=True)):
         bound = bound_of_whirl(known.whirls[subject.label], kind) if subject.is_whirl else 0.0
         sizes = max(bound, SMALLEST * largest), largest
-        tried = try_shocks(source, subject.label, kind, sizes, search.shocks, search.ends, seed=row)
+        tried, scatter = try_shocks(
+            source, subject.label, kind, sizes, search.shocks, search.ends, seed=row
+        )
         for place, target in enumerate(search.subjects):
             if target.label not in (subject.label, UNDECIDED):
                 _keep_smallest(search, found, (row, place), tried)
+                if math.isfinite(found.sizes[row, place]):
+                    found.scatter[row, place] = scatter[target.label]
         section = _section_of(known, subject)
         if section is not None:
             thrown = tried.sizes[tried.labels != subject.label]

@@ -3,10 +3,12 @@
 A shock changes the velocity at once, or the place, and nothing else: on the rotating axes it is a
 step in two of the four coordinates, from any state of the attractor and in any direction. Shocks
 are drawn over states, directions and sizes and followed all together, as starts of a basin are;
-then smaller and smaller ones, half of them close to the smallest found, half anywhere. What is
-found is a witness: a shock that does throw the rotor there. That no smaller one does is proven up
-to the bound, which for a stable whirl is the largest circle of shocks within its trapping region;
-for a limit cycle that circle is found by following shocks of it, up to the set on its section.
+then smaller and smaller ones, half of them close to the smallest found, half anywhere. From the
+best of these the search goes down along the edge of the basin until no neighbour is smaller. What
+is found is a witness: a shock that does throw the rotor there, the smallest of those beside it.
+That no smaller one does anywhere is proven up to the bound, which for a stable whirl is the largest
+circle of shocks within its trapping region; for a limit cycle that circle is found by following
+shocks of it, up to the set on its section.
 """
 
 from __future__ import annotations
@@ -35,6 +37,11 @@ ROUNDS, EXPLORING = 16, 4
 LEADING, AROUND, CLOSER = 8, 0.1, 0.7
 # They are smaller by such parts, spread evenly on a logarithmic scale.
 LESS_BY = (1e-4, 0.5)
+# Downhill so many neighbours of each are tried at a time, with sizes less by parts as above, first
+# within this part of all states and directions; where none is smaller, nearer ones, by this factor,
+# down to where the edge, which is smooth there, has fallen by less than a part of 1e-5.
+NEIGHBOURS, BESIDE, NEARER, NEAREST = 32, 0.1, 0.6, 1e-3
+MOST_TURNS = 60
 # A limit cycle is shocked for its bound at so many states in so many directions, by sizes that are
 # these parts of it. The bound is the largest of so many, each less by a factor, from which all of
 # them come back to its section, and this much less for those that were not tried.
@@ -87,6 +94,16 @@ class _Leading:
     places: Values
 
 
+@dataclass(slots=True)
+class _Descents:
+    """Shocks from which the search goes down, with how far their neighbours are sought."""
+
+    labels: Labels
+    sizes: Values
+    places: Values
+    reach: Values
+
+
 def ends_of(known: Known, states: Values, tolerance: float, stop: Stop) -> Labels:
     """Return the labels of states, shape (4, n); fading touches count as contact-free.
 
@@ -100,7 +117,7 @@ def ends_of(known: Known, states: Values, tolerance: float, stop: Stop) -> Label
 def try_shocks(
     source: Source, own: int, kind: str, sizes: tuple[float, float], count: int,
     ends: Callable[[Values], Labels], seed: int,
-) -> Shocks:  # fmt: skip
+) -> tuple[Shocks, dict[int, float]]:  # fmt: skip
     """Return shocks that were followed, ever smaller ones to each other attractor.
 
     Parameters
@@ -119,24 +136,86 @@ def try_shocks(
         Gives the labels of states.
     seed : int
         Seed of the random numbers.
+
+    Returns
+    -------
+    tried : Shocks
+        All shocks that were followed.
+    scatter : dict of int to float
+        By label, how much larger than the smallest shock the best is that was come to from another
+        draw, as a part of it; NaN where there was but one draw.
     """
     random = np.random.default_rng(seed)
     each = max(count // ROUNDS, 8)
     spread = qmc.Sobol(4, seed=random).random_base2(max(2, round(math.log2(EXPLORING * each)))).T
     places, drawn = spread[:3], _between(*sizes, spread[3])
     rounds: list[Shocks] = []
+    tried_at: list[Values] = []
     leading: dict[int, _Leading] = {}
     for turn in range(ROUNDS - EXPLORING + 1):
         reach = AROUND * CLOSER**turn
         rounds.append(_followed(source, places, drawn, kind, ends))
+        tried_at.append(places)
         leading = _led(leading, own, rounds[-1], places, reach)
         places, drawn = _smaller(random, leading, each, sizes, reach)
+    # those that lie well apart, as the smallest may all lie in one hollow of the edge
+    leading = _led({}, own, _joined(rounds), np.concatenate(tried_at, axis=1), BESIDE)
+    descents = _descents_from(leading)
+    rounds += _downhill(
+        descents, lambda places, sizes: _followed(source, places, sizes, kind, ends), random
+    )
+    scatter = {label: _scatter(descents.sizes[descents.labels == label]) for label in leading}
+    return _joined(rounds), scatter
+
+
+def _joined(rounds: Sequence[Shocks]) -> Shocks:
     return Shocks(
         np.concatenate([shots.sizes for shots in rounds]),
         np.concatenate([shots.before for shots in rounds], axis=1),
         np.concatenate([shots.after for shots in rounds], axis=1),
         np.concatenate([shots.labels for shots in rounds]),
     )
+
+
+def _descents_from(leading: dict[int, _Leading]) -> _Descents:
+    counts = [each.sizes.size for each in leading.values()]
+    return _Descents(
+        np.repeat(list(leading), counts).astype(np.int16),
+        np.concatenate([np.empty(0), *(each.sizes for each in leading.values())]),
+        np.concatenate([np.empty((3, 0)), *(each.places for each in leading.values())], axis=1),
+        np.full(sum(counts), BESIDE),
+    )
+
+
+def _downhill(
+    descents: _Descents, followed: Callable[[Values, Values], Shocks], random: np.random.Generator
+) -> list[Shocks]:
+    """Go down along the edges of the basins until no neighbour is smaller; return all tries."""
+    rounds: list[Shocks] = []
+    for _ in range(MOST_TURNS):
+        going = np.flatnonzero(descents.reach > NEAREST)
+        if not going.size:
+            break
+        chosen = np.repeat(going, NEIGHBOURS)
+        aside = random.standard_normal((3, chosen.size)) * descents.reach[chosen]
+        places = (descents.places[:, chosen] + aside) % 1.0
+        sizes = descents.sizes[chosen] * (1.0 - _between(*LESS_BY, random.random(chosen.size)))
+        shots = followed(places, sizes)
+        rounds.append(shots)
+        there = shots.labels == descents.labels[chosen]
+        reached = np.where(there, sizes, np.inf).reshape(-1, NEIGHBOURS)
+        best = reached.argmin(axis=1) + NEIGHBOURS * np.arange(going.size)
+        smaller = np.isfinite(reached.min(axis=1))
+        descents.sizes[going[smaller]] = sizes[best[smaller]]
+        descents.places[:, going[smaller]] = places[:, best[smaller]]
+        descents.reach[going[~smaller]] *= NEARER
+    return rounds
+
+
+def _scatter(sizes: Values) -> float:
+    """Return by how much the second smallest of some sizes is larger than the smallest."""
+    smallest = np.sort(sizes)
+    return float(smallest[1] / smallest[0] - 1.0) if sizes.size > 1 else math.nan
 
 
 def _led(

@@ -96,7 +96,9 @@ def touchdown_report(
 
         With `shocks`, on ``(attractor, target)``: ``velocity_shock`` and ``displacement_shock``
         [m/s], [m], NaN where none was found up to ``velocity_shock_largest`` and
-        ``displacement_shock_largest``, and the states just before and after each,
+        ``displacement_shock_largest``, ``velocity_shock_scatter`` and
+        ``displacement_shock_scatter``, by how much of it the best shock is larger that another
+        draw led to [1], and the states just before and after each,
         ``velocity_shock_before_x`` and so on: divided by the attributes ``length_scale`` and
         ``velocity_scale``, starts of `rotor_ida.simulate`; on ``attractor`` the
         sizes below which no shock throws it off, ``velocity_shock_bound`` and
@@ -187,6 +189,8 @@ def _shocks(cell: Cell) -> dict[str, Column]:
     over = ("attractor", "target")
     for place, kind in enumerate(KINDS if told else ()):
         variables[f"{kind}_shock"] = (over, np.array([each.sizes[place] for each in told]))
+        scatter = np.array([each.scatter[place] for each in told])
+        variables[f"{kind}_shock_scatter"] = (over, scatter)
         variables[f"{kind}_shock_largest"] = ((), cell.largest_shocks[place])
         for when in ("before", "after"):
             states = np.array([getattr(each, when)[place] for each in told])
