@@ -155,7 +155,7 @@ def test_a_point_that_fails_is_recorded_and_the_others_go_on(tmp_path, monkeypat
 
     def fails_at_two(rotor, *rest, **options):
         if rotor.omega == 2.0:
-            raise ValueError("what nobody expected")
+            raise OverflowError("too large")
         return follow.follow_to_steady_state(rotor, *rest, **options)
 
     monkeypatch.setattr(ramps, "follow_to_steady_state", fails_at_two)
@@ -163,11 +163,28 @@ def test_a_point_that_fails_is_recorded_and_the_others_go_on(tmp_path, monkeypat
     found = sweep(**given, study=tmp_path)
     told = status(tmp_path)
     assert (told["done"], told["failed"], told["left"]) == (3, 1, 0)
-    assert told["reasons"] == ["ValueError: what nobody expected"]
+    assert told["reasons"] == ["OverflowError: too large"]
     assert found.status.values.ravel().tolist() == [0, 1, 0]
-    assert found.message.values.ravel()[1] == "ValueError: what nobody expected"
+    assert found.message.values.ravel()[1] == "OverflowError: too large"
     monkeypatch.undo()
     xr.testing.assert_identical(sweep(**given, study=tmp_path), found)
+
+
+def test_a_fault_of_the_program_is_raised_and_what_was_done_is_kept(tmp_path, monkeypatch):
+    from rotor_ida.sweeps import ramps
+
+    def slips_at_two(rotor, *rest, **options):
+        if rotor.omega == 2.0:
+            raise KeyError("a slip")
+        return follow.follow_to_steady_state(rotor, *rest, **options)
+
+    given = {"omega": [1.0, 2.0, 3.0], "zeta": 0.5, "delta0": 0.5, "executor": "serial"}
+    with monkeypatch.context() as patched, pytest.raises(KeyError, match="a slip"):
+        patched.setattr(ramps, "follow_to_steady_state", slips_at_two)
+        sweep(**given, study=tmp_path)
+    told = status(tmp_path)
+    assert (told["done"], told["failed"], told["left"]) == (1, 0, 2)
+    xr.testing.assert_identical(sweep(**given, study=tmp_path), sweep(**given))
 
 
 @pytest.mark.parametrize("kind", KINDS)
