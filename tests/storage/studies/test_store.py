@@ -179,7 +179,7 @@ def test_a_folder_has_a_name(folder):
 
 def test_a_folder_that_cannot_be_made_is_refused(tmp_path):
     (tmp_path / "link").symlink_to(tmp_path / "absent")
-    with pytest.raises(InputError, match="study must be a folder that can be .*File exists"):
+    with pytest.raises(InputError, match=r"study must be a folder that can be .*File exists"):
         opened(tmp_path / "link", DESIGN, 2).__enter__()
     with pytest.raises(InputError, match="folder must be that of a study"):
         status(tmp_path / "link")
