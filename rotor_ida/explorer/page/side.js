@@ -135,13 +135,14 @@ export class Side {
   }
 
   #takeBasin(answer) {
-    const { count, attractors } = answer.facts;
+    const { count, attractors, finest } = answer.facts;
     const kinds = {};
     this.colours = attractors.map(({ kind }) => shade(colour(kind) || colour("undecided"), (kinds[kind] = (kinds[kind] ?? -1) + 1)));
     const palette = this.colours.map(channels);
     const none = channels(colour("undecided"));
-    const hatches = attractors.map(({ kind }) => HATCHED[kind]);
-    const each = Math.ceil(PICTURE / count);
+    // the first pictures come while a slider may still move, and are plain
+    const hatches = attractors.map(({ kind }) => (finest ? HATCHED[kind] : undefined));
+    const each = finest ? Math.ceil(PICTURE / count) : 1;
     const size = count * each;
     const image = new ImageData(size, size);
     const pixels = new Uint32Array(image.data.buffer);
@@ -553,10 +554,14 @@ function maximum(values, from = 0, to = values.length) {
 
 /** Return the red, green and blue of a colour. */
 function channels(text) {
-  brush.fillStyle = text;
-  brush.fillRect(0, 0, 1, 1);
-  return [...brush.getImageData(0, 0, 1, 1).data.slice(0, 3)];
+  if (!known.has(text)) {
+    brush.fillStyle = text;
+    brush.fillRect(0, 0, 1, 1);
+    known.set(text, [...brush.getImageData(0, 0, 1, 1).data.slice(0, 3)]);
+  }
+  return known.get(text);
 }
+const known = new Map();
 const brush = new OffscreenCanvas(1, 1).getContext("2d", { willReadFrequently: true });
 
 /** Return a colour as four bytes of a picture, at a part of its lightness. */
