@@ -10,8 +10,11 @@ import socket
 import sys
 import threading
 import webbrowser
-from collections.abc import Callable, Mapping
-from contextlib import closing
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import closing, contextmanager, nullcontext
+from html import escape
+from pathlib import Path
+from tempfile import NamedTemporaryFile
 from urllib.parse import urlencode
 
 from rotor_ida.checks import check_count
@@ -23,6 +26,17 @@ from rotor_ida.parallel.progress import progress_bar
 LOOPBACK = "127.0.0.1"
 PORT = 8765
 LARGEST_PORT = 65_535
+# A page that leads on to an address, and does not say from where.
+LEADING_ON = """\
+<!DOCTYPE html>
+<html lang="en">
+<meta charset="utf-8">
+<meta name="referrer" content="no-referrer">
+<meta http-equiv="refresh" content="0; url={address}">
+<title>rotor-ida explore</title>
+<p><a href="{address}">The explorer</a></p>
+</html>
+"""
 
 
 def explore(
@@ -80,8 +94,9 @@ async def _serve(
     told: Callable[[str], None],
 ) -> None:
     ready, failed, stop = asyncio.Event(), asyncio.Event(), asyncio.Event()
-    for each in (signal.SIGINT, signal.SIGTERM):
-        asyncio.get_running_loop().add_signal_handler(each, stop.set)
+    for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        if each != signal.SIGHUP or signal.getsignal(each) != signal.SIG_IGN:  # nohup ignores it
+            asyncio.get_running_loop().add_signal_handler(each, stop.set)
     with progress_bar("starting") as bar:
 
         def progress(done: int, total: int) -> None:
@@ -115,13 +130,26 @@ async def _let_in(
     port = listening.getsockname()[1]
     address = f"http://{LOOPBACK}:{port}/#{urlencode({**state, 'key': key})}"
     told(f"The explorer is at {address}")
-    if browser and can_show_a_page():
-        # some are waited for until they end
-        threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
-    told("Ctrl-C ends it.")
-    await _first(stop, serving)
+    with _open_in_a_browser(address) if browser and can_show_a_page() else nullcontext():
+        told("Ctrl-C ends it.")
+        await _first(stop, serving)
     server.should_exit = True
     await serving
+
+
+@contextmanager
+def _open_in_a_browser(address: str) -> Iterator[None]:
+    """Open an address through a file: any user may list arguments, only the owner reads the file.
+
+    The file is removed on leaving.
+    """
+    with NamedTemporaryFile("w", prefix="rotor-ida-", suffix=".html", encoding="utf-8") as file:
+        file.write(LEADING_ON.format(address=escape(address)))
+        file.flush()
+        place = Path(file.name).as_uri()
+        # some are waited for until they end
+        threading.Thread(target=webbrowser.open, args=(place,), daemon=True).start()
+        yield
 
 
 async def _first(*awaited: asyncio.Event | asyncio.Task[None]) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import asyncio
 import secrets
+import socket
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from itertools import count
@@ -24,6 +25,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 from websockets.frames import Frame
+from websockets.protocol import State
 
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.answers import Answer, packed
@@ -40,9 +42,15 @@ LARGEST_MESSAGE = 65_536
 MOST_FRAGMENTS = 1024
 # Bytes of answers that wait for a page to read them.
 MOST_UNREAD = 2**25
-# Connections over which files are fetched, and how long each may take, in seconds.
+# Connections that have not shown the key, and how long each may take, in seconds.
 MOST_VISITS = 64
 LONGEST_VISIT = 20.0
+# Connections accepted at a time, few, so that each is read before newer ones make it go; and those
+# that may wait to be accepted.
+MOST_AT_ONCE = MOST_VISITS // 4
+MOST_WAITING = 1024
+# Bytes that are kept of a request that has not come whole.
+LARGEST_HEADERS = 65_536
 # Seconds that a page has to end when it is sent away.
 GRACE = 1.0
 HEADERS = {
@@ -184,14 +192,15 @@ class _Visit(H11Protocol):
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         super().connection_made(transport)
-        visits = [each for each in self.connections if isinstance(each, _Visit)]
-        self._since = self.loop.time()
+        self.since = self.loop.time()
         self._end = self.loop.call_later(LONGEST_VISIT, transport.abort)
-        if len(visits) > MOST_VISITS:
-            # those who have asked for nothing yet go first, and of them the oldest
-            first = min(visits, key=lambda each: (each.headers is not None, each._since))
-            self.connections.discard(first)
-            first.transport.abort()
+        # The oldest make room, whatever they have asked or read: none keeps a newcomer out.
+        visits = [
+            each for each in self.connections
+            if isinstance(each, _Visit) or (isinstance(each, _Talk) and not each.is_open())
+        ]  # fmt: skip
+        for each in sorted(visits, key=lambda each: each.since)[:-MOST_VISITS]:
+            each.transport.abort()
 
     def data_received(self, data: bytes) -> None:
         try:
@@ -200,7 +209,9 @@ class _Visit(H11Protocol):
             self.transport.abort()
 
     def handle_websocket_upgrade(self, event: h11.Request) -> None:
-        if not all(value.isascii() for _, value in event.headers):
+        # The page has no cookies: these are other programs', of any size and in any letters.
+        self.headers = [(name, value) for name, value in self.headers if name != b"cookie"]
+        if not all(value.isascii() for _, value in self.headers):
             self.send_400_response("no page sends such headers")
             return
         self._end.cancel()
@@ -215,6 +226,29 @@ class _Talk(WebSocketsSansIOProtocol):
     """A connection over which a page asks; it ends even if the page reads nothing any more."""
 
     _fragments = 0
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        super().connection_made(transport)
+        self.since = self.loop.time()
+        self._end = self.loop.call_later(LONGEST_VISIT, self._end_unless_open)
+
+    def is_open(self) -> bool:
+        """Return whether it has shown the key."""
+        return self.conn.state is not State.CONNECTING
+
+    def _end_unless_open(self) -> None:
+        if not self.is_open():
+            self.transport.abort()
+
+    def data_received(self, data: bytes) -> None:
+        super().data_received(data)
+        if self.conn.handshake_exc is not None:  # uvicorn sends no answer to excessive headers
+            self.transport.write(b"".join(self.conn.data_to_send()))
+            self.transport.close()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._end.cancel()
+        super().connection_lost(exc)
 
     async def run_asgi(self) -> None:
         await super().run_asgi()
@@ -239,6 +273,12 @@ class _Talk(WebSocketsSansIOProtocol):
 class Server(uvicorn.Server):
     """A server whose owner decides about signals."""
 
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Begin to serve; more may wait than are accepted at a time."""
+        await super().startup(sockets)
+        for each in sockets or []:
+            each.listen(MOST_WAITING)
+
     @contextmanager
     def capture_signals(self) -> Iterator[None]:
         """Leave them alone."""
@@ -250,7 +290,7 @@ def server_of(app: ASGIApp) -> Server:
     config = uvicorn.Config(
         app, http=_Visit, ws=_Talk, lifespan="off", log_config=None, log_level="critical",
         access_log=False, server_header=False, date_header=False, ws_max_size=LARGEST_MESSAGE,
-        ws_per_message_deflate=False, h11_max_incomplete_event_size=16384,
-        backlog=MOST_VISITS, timeout_keep_alive=5, timeout_graceful_shutdown=1,
+        ws_per_message_deflate=False, h11_max_incomplete_event_size=LARGEST_HEADERS,
+        backlog=MOST_AT_ONCE, timeout_keep_alive=5, timeout_graceful_shutdown=1,
     )  # fmt: skip
     return Server(config)

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import socket
+import stat
 import subprocess
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from html import escape
 from pathlib import Path
 from urllib.parse import parse_qs, urlsplit
 
@@ -151,6 +154,7 @@ SIGNALS = {
     "Ctrl-C": lambda pid: os.killpg(pid, signal.SIGINT),
     "SIGINT": lambda pid: os.kill(pid, signal.SIGINT),
     "SIGTERM": lambda pid: os.kill(pid, signal.SIGTERM),
+    "a terminal that closes": lambda pid: os.killpg(pid, signal.SIGHUP),
 }
 
 
@@ -192,28 +196,90 @@ def test_a_file_gives_rotor_start_and_revolutions_and_a_killed_program_takes_all
     wait_until(lambda: not any(map(is_alive, children)), "the end of all processes")
 
 
-@posix
-def test_it_ends_though_the_browser_does_not(
-    start: Start, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
+@pytest.fixture
+def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return a folder for temporary files; a browser writes beside it what it is to open."""
     browser = tmp_path / "browser"
     browser.write_text(
-        f'#!/bin/sh\necho "$1" > {tmp_path}/opened\nexec sleep 300 >/dev/null 2>&1\n'
+        f'#!/bin/sh\necho "$@" > {tmp_path}/opened\nexec sleep 300 >/dev/null 2>&1\n'
     )
     browser.chmod(0o755)
+    (tmp_path / "place").mkdir()
     monkeypatch.setenv("BROWSER", f"{browser} %s")
     monkeypatch.setenv("DISPLAY", ":77")
-    program = start(browser=True)
+    monkeypatch.setenv("TMPDIR", str(tmp_path / "place"))
+    return tmp_path / "place"
+
+
+@pytest.fixture
+def shown(start: Start, place: Path) -> Iterator[tuple[Program, str]]:
+    """Return a program, and what it has told a browser to open that does not end."""
+    program, opened = start(browser=True), place.with_name("opened")
     program.wait_until_ready()
-    opened = tmp_path / "opened"
-    wait_until(lambda: opened.exists() and bool(opened.read_text()), "a browser")
-    assert opened.read_text().strip() == program.address
+    wait_until(lambda: opened.exists() and opened.read_text().endswith("\n"), "a browser")
     (slept,) = set(program.children()) - set(workers_of(program))
-    try:
-        os.kill(program.process.pid, signal.SIGTERM)
-        assert program.ended() == 0
-    finally:
-        os.kill(slept, signal.SIGKILL)
+    yield program, opened.read_text().strip()
+    os.kill(slept, signal.SIGKILL)
+
+
+@posix
+def test_only_the_user_can_read_the_key_and_only_while_the_program_lives(
+    shown: tuple[Program, str], place: Path
+):
+    program, told = shown
+    (file,) = place.glob("*.html")
+    assert told == file.as_uri()
+    assert stat.S_IMODE(file.stat().st_mode) == 0o600
+    assert file.read_text().count(f'url={escape(program.address)}"') == 1
+    for pid in (program.process.pid, *program.children()):
+        assert program.key.encode() not in Path(f"/proc/{pid}/cmdline").read_bytes()
+    os.kill(program.process.pid, signal.SIGTERM)
+    assert program.ended() == 0
+    assert not file.exists()
+
+
+@posix
+def test_without_a_browser_the_printed_address_has_the_key_and_no_file_is_written(
+    start: Start, place: Path
+):
+    program = start()
+    program.wait_until_ready()
+    assert not list(place.glob("*.html"))
+    with program.talk() as talk:
+        talk.send(json.dumps(asked()))
+        assert talk.recv(PATIENCE)
+
+
+@posix
+def test_the_page_comes_up_from_the_file_and_does_not_know_of_it(
+    shown: tuple[Program, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    _, told = shown
+    monkeypatch.delenv("TMPDIR")  # its name is too long for Chromium's own sockets
+    webdriver = pytest.importorskip("selenium.webdriver", reason="there is no selenium")
+    driver, chromium = shutil.which("chromedriver"), shutil.which("chromium")
+    if not (driver and chromium):
+        pytest.skip("there is no Chromium with its driver")
+    options = webdriver.ChromeOptions()
+    options.binary_location = chromium
+    for word in ("headless=new", "no-sandbox", "disable-gpu", "disable-dev-shm-usage"):
+        options.add_argument(f"--{word}")
+    with webdriver.Chrome(options=options, service=webdriver.ChromeService(driver)) as browser:
+        browser.get(told)
+        wait_until(lambda: browser.execute_script(DRAWN), "a page that has an answer")
+        assert browser.execute_script("return document.referrer") == ""
+        seen = browser.execute_script(SEEN)
+    assert "http://127.0.0.1:" in seen
+    assert "file:" not in seen
+    assert tmp_path.name not in seen
+
+
+# What a page knows of where it comes from, and whether it has an answer.
+SEEN = """return JSON.stringify([document.documentElement.outerHTML, navigation.entries(),
+  navigation.entries().map((each) => each.url), performance.getEntries(), window.name,
+  {...localStorage}, {...sessionStorage}])"""
+DRAWN = """return Array.from(document.querySelectorAll("canvas")).some((canvas) => canvas.width &&
+  canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data.some(Boolean))"""
 
 
 def workers_of(program: Program) -> list[int]:

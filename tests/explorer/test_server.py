@@ -32,9 +32,26 @@ def memory(program: Program) -> float:
     return float(line.split()[1]) * 1024.0
 
 
+def sockets(program: Program) -> int:
+    """Return how many files and connections the server holds."""
+    return len(os.listdir(f"/proc/{program.process.pid}/fd"))
+
+
 def opened(program: Program, sent: bytes = b"") -> socket.socket:
     connection = socket.create_connection(("127.0.0.1", program.port), timeout=PATIENCE)
     connection.sendall(sent)
+    return connection
+
+
+def unread(program: Program, sent: bytes) -> socket.socket:
+    """Open a connection that takes in but one byte of what it has asked for."""
+    connection = socket.socket()
+    connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 2048)
+    connection.settimeout(PATIENCE)
+    connection.connect(("127.0.0.1", program.port))
+    with contextlib.suppress(OSError):  # it may have had to make room by now
+        connection.sendall(sent)
+        connection.recv(1)
     return connection
 
 
@@ -202,6 +219,35 @@ def test_a_key_of_odd_letters_is_refused(served: Program):
         assert reply(served, sent)[0] in {400, 403}
 
 
+EXCESSIVE = {
+    "a long key": (b"rotor-ida.", b"x" * 9000 + b".", 431),
+    "a long header": (b"Upgrade: ", b"X: " + b"x" * 9000 + b"\r\nUpgrade: ", 431),
+    "many headers": (b"Upgrade: ", b"X: y\r\n" * 200 + b"Upgrade: ", 431),
+    "a long path": (b"/ask", b"/ask" + b"x" * 9000, 414),
+    "a body": (b"Upgrade: ", b"Content-Length: 1\r\nUpgrade: ", 0),
+}
+
+
+@pytest.mark.parametrize("name", EXCESSIVE)
+@pytest.mark.parametrize("origin", ["127.0.0.1", "example.org"])
+@pytest.mark.usefixtures("unharmed")
+def test_a_talk_that_asks_with_too_much_is_refused_at_once(served: Program, name: str, origin: str):
+    usual, excessive, status = EXCESSIVE[name]
+    sent = handshake(served).replace(b"http://127.0.0.1", f"http://{origin}".encode())
+    since = time.monotonic()
+    assert reply(served, sent.replace(usual, excessive, 1))[0] in {0, status}
+    assert time.monotonic() - since < server.LONGEST_VISIT
+
+
+@pytest.mark.parametrize("cookie", ["a=" + "x" * 9000, "a=" + "x" * 40_000, "a=é"])
+def test_cookies_of_other_programs_keep_no_page_out(served: Program, cookie: str):
+    line = f"Cookie: {cookie}\r\n"
+    assert fetched(served, extra=line)[0] == 200
+    sent = handshake(served).replace(b"Upgrade: ", line.encode() + b"Upgrade: ", 1)
+    with opened(served, sent) as connection:
+        assert connection.recv(65536).startswith(b"HTTP/1.1 101")
+
+
 def test_a_page_at_a_forwarded_port_may_talk(served: Program):
     here = f"127.0.0.1:{served.port}".encode()
     sent = handshake(served).replace(here, b"localhost:9000")
@@ -332,8 +378,7 @@ def test_1000_connections_that_say_nothing_make_room(served: Program, unharmed: 
         for _ in range(1000):
             open_ones.enter_context(opened(served))
         unharmed()
-        held = len(os.listdir(f"/proc/{served.process.pid}/fd"))
-        assert held < 2 * server.MOST_VISITS
+        assert sockets(served) < 2 * server.MOST_VISITS
 
 
 def test_1000_talks_that_do_not_begin_make_room(served: Program, unharmed: Callable[[], None]):
@@ -342,6 +387,36 @@ def test_1000_talks_that_do_not_begin_make_room(served: Program, unharmed: Calla
         for number in range(1000):
             open_ones.enter_context(opened(served, wrong if number % 2 else wrong[:-2]))
         unharmed()
+
+
+@pytest.mark.parametrize("number", [server.MOST_VISITS, 1000])
+def test_connections_that_never_read_keep_nobody_out(
+    served: Program, unharmed: Callable[[], None], number: int
+):
+    with contextlib.ExitStack() as open_ones:
+        for _ in range(number):
+            open_ones.enter_context(unread(served, 40 * large_file(served)))
+        unharmed()
+        assert sockets(served) < 2 * server.MOST_VISITS
+
+
+def test_a_talk_refused_behind_a_file_that_nobody_reads_is_closed(start: Callable[..., Program]):
+    program = start()
+    program.wait_until_ready()
+    wrong = handshake(program).replace(b"Version: 13", b"Version: 7")
+    before = sockets(program)
+    with contextlib.ExitStack() as open_ones:
+        for files in range(40):  # one of them ends where the system itself keeps no more
+            open_ones.enter_context(unread(program, files * large_file(program) + wrong))
+        since = time.monotonic()
+        wait_until(lambda: sockets(program) <= before, "connections that are closed")
+        assert time.monotonic() - since > server.LONGEST_VISIT / 2  # some had to be
+
+
+def large_file(program: Program) -> bytes:
+    """Return the question for the largest file of the page."""
+    host = f"127.0.0.1:{program.port}"
+    return f"GET /uplot/uPlot.esm.js HTTP/1.1\r\nHost: {host}\r\n\r\n".encode()
 
 
 @pytest.mark.usefixtures("unharmed")
