@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field, fields
 
 import numpy as np
+import numpy.typing as npt
 
 from rotor_ida.arrays import Values
 from rotor_ida.atlas.resilience import Resilience, Search, Subject, resilience_of
@@ -56,6 +57,8 @@ class Cell:
     undecided: int = 0  # number of starts, as the next one
     not_computed: int = 0
     entropies: tuple[float, float] = (math.nan, math.nan)  # of the basins and of their boundary
+    # number of starts labelled again with a smaller error, and of those with the same label
+    rechecked: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(2, dtype=np.int64))
     # the largest change of velocity and of place that was tried [1]
     largest_shocks: tuple[float, float] = (math.nan, math.nan)
 
@@ -77,6 +80,7 @@ def fill_cell(job: CellJob, stop: Stop) -> Cell:
     cell, attractors = Cell(job.rotor), attractors_of(found)
     cell.undecided = int((found.labels == UNDECIDED).sum())
     cell.not_computed = int((found.labels == NOT_COMPUTED).sum())
+    cell.rechecked = found.rechecked
     cell.entropies = sample_entropy(job.states, found.labels, family_of(attractors))
     for number, attractor in enumerate(attractors):
         own = found.labels == number
@@ -134,6 +138,7 @@ def _as_arrays(cell: Cell) -> Arrays:
         "settling": np.array([each.settling for each in members]),
         "state": np.array([each.state for each in members]),
         "entropies": np.array(cell.entropies),
+        "rechecked": cell.rechecked,
         "largest_shocks": np.array(cell.largest_shocks),
     }
     told = [each.resilience for each in members if each.resilience is not None]
@@ -147,6 +152,7 @@ def _from_arrays(arrays: Arrays) -> Cell:
     cell = Cell(Rotor(omega=omega, zeta=zeta, delta0=delta0))
     cell.undecided, cell.not_computed = arrays["left"].tolist()
     cell.entropies = tuple(arrays["entropies"].tolist())
+    cell.rechecked = arrays.get("rechecked", cell.rechecked)  # not told before
     cell.largest_shocks = tuple(arrays["largest_shocks"].tolist())
     for place, (kind, trapping, count) in enumerate(
         zip(*(arrays[name].tolist() for name in ("kind", "trapping", "count")), strict=True)

@@ -13,7 +13,7 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.atlas.cells import FORM, Cell, CellJob, fill_cell
-from rotor_ida.atlas.dataset import atlas_dataset
+from rotor_ida.atlas.dataset import atlas_dataset, how_computed
 from rotor_ida.atlas.identities import identify
 from rotor_ida.basins.following import RTOL
 from rotor_ida.basins.fractions import box_of, drawn_from, range_of
@@ -151,7 +151,7 @@ def continue_attractors(
     lines = _lines([values.size for values in axes.values()])
     interruptible(lambda stop: identify(cells, lines, stop))
     told = {f"range_{each}" if each in COMPONENTS else each: drawn[each] for each in drawn}
-    attributes = {"labelling_rtol": tolerance, "shocks": tried, **told}
+    attributes = {**how_computed(tolerance, tried), **told}
     if reason:
         attributes["not_computed_reason"] = reason
     return atlas_dataset(axes, cells, states.shape[1], attributes)

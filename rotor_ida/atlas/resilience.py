@@ -1,7 +1,8 @@
 """Resilience: how far each attractor of a rotor is from being left, by a knock or by drifting.
 
-For each attractor the smallest shock found to each other one, confirmed by CVODE; the size up to
-which no shock throws the rotor off; and the extents of its parameters.
+For each attractor the smallest shock found to each other one that CVODE, too, follows there; the
+size up to which no shock throws the rotor off, proven or estimated; and the extents of its
+parameters.
 """
 
 from __future__ import annotations
@@ -95,9 +96,11 @@ class Resilience:
     before, after : ndarray, shape (2, m, 4)
         States on the rotating axes just before and after it [1].
     scatter : ndarray, shape (2, m)
-        How much larger than that the best is that another draw led to, as a part of it [1].
+        How much larger the best is than the smallest that another draw led to, as a part of it,
+        before CVODE has looked [1].
     bounds : ndarray, shape (2,)
-        The size below which no shock throws the rotor off [1].
+        The size below which no shock throws the rotor off: of whirls proven, of limit cycles
+        estimated [1].
     extents : ndarray, shape (3, 2)
         The lowest and the highest omega, zeta and delta0 at which the attractor exists [1].
     ends : ndarray of int8, shape (3, 2)
@@ -163,6 +166,11 @@ class Search:
         return labels
 
 
+def witness_options() -> Options:
+    """Return with what the smallest shocks are followed to their end."""
+    return Options()
+
+
 def resilience_of(search: Search) -> list[Resilience]:
     """Return how far each attractor of a rotor is from being left, in their order."""
     found: dict[int, Resilience] = {}
@@ -202,13 +210,13 @@ def _keep_smallest(
     search: Search, found: Resilience, place: tuple[int, int], tried: Shocks
 ) -> None:
     """Keep the smallest shock to an attractor that CVODE follows there."""
-    target = search.subjects[place[1]]
+    target, options = search.subjects[place[1]], witness_options()
     for number in tried.smallest(target.label, LARGER):
         if search.stop[0]:
             return
         after = tried.after[:, number]
         if leads_to(
-            search.known.rotor, target.attractor, after, Options(), family=True, stop=search.stop
+            search.known.rotor, target.attractor, after, options, family=True, stop=search.stop
         ):
             found.sizes[place] = tried.sizes[number]
             found.before[place], found.after[place] = tried.before[:, number], after

@@ -10,9 +10,9 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.atlas.cells import Cell, CellJob, Member, fill_cell
-from rotor_ida.atlas.dataset import column_of, member_row, missed_fraction
+from rotor_ida.atlas.dataset import column_of, how_computed, member_row, missed_fraction
 from rotor_ida.atlas.shocks import KINDS
-from rotor_ida.basins.dataset import ENTROPIES
+from rotor_ida.basins.dataset import ENTROPIES, agreement_of
 from rotor_ida.basins.following import RTOL
 from rotor_ida.basins.fractions import box_of, drawn_from
 from rotor_ida.basins.labelling import LOOSEST, TIGHTEST, check_rotor
@@ -32,11 +32,10 @@ from rotor_ida.equations.contact import contact_force
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import interruptible
 from rotor_ida.parameters import PARAMETERS, DimensionalRotor, Rotor
-from rotor_ida.provenance import provenance
 from rotor_ida.schema import WHIRL_DIRECTION, Column, labelled_dataset
 from rotor_ida.si_units import dimensional
 from rotor_ida.simulation.dataset import parameter_coordinates
-from rotor_ida.simulation.options import LARGEST, Options
+from rotor_ida.simulation.options import LARGEST
 from rotor_ida.stability.orbit import Shot
 from rotor_ida.steady_state import response
 
@@ -150,7 +149,7 @@ def touchdown_report(
     tried = check_count("shocks", shocks, minimum=0, maximum=MOST_SHOCKS)
     job = CellJob(rotor, drawn_from(scaled, chosen, 0, count), tolerance, tried)
     cell = interruptible(lambda stop: fill_cell(job, stop))
-    told = {"starts": count, "seed": chosen, "labelling_rtol": tolerance, "shocks": tried}
+    told = {**how_computed(tolerance, tried), "starts": count, "seed": chosen}
     ranges = {f"range_{name}": ends for name, ends in zip(COMPONENTS, box, strict=True)}
     report = _dataset(cell, count, {**told, **ranges})
     return dimensional(report, machine) if isinstance(machine, DimensionalRotor) else report
@@ -170,6 +169,7 @@ def _dataset(cell: Cell, starts: int, attributes: Mapping[str, object]) -> xr.Da
         variables[name] = ("attractor", column)
     variables |= (tried := _shocks(cell))
     variables |= {name: ((), one) for name, one in zip(ENTROPIES, cell.entropies, strict=True)}
+    variables |= {name: ((), one) for name, one in agreement_of(cell.rechecked).items()}
     variables["undecided_fraction"] = ((), cell.undecided / starts)
     variables["missed_fraction"] = ((), missed_fraction(starts))
     coordinates = parameter_coordinates(cell.rotor)
@@ -177,8 +177,7 @@ def _dataset(cell: Cell, starts: int, attributes: Mapping[str, object]) -> xr.Da
     coordinates["attractor"] = ("attractor", numbers)
     if tried:
         coordinates["target"] = ("target", numbers)
-    told = {**provenance(Options().attributes()), **attributes}
-    told |= {name: getattr(cell.rotor, name) for name in PARAMETERS}
+    told = {**attributes, **{name: getattr(cell.rotor, name) for name in PARAMETERS}}
     return labelled_dataset("What touching the ring does", variables, coordinates, told)
 
 

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Values
+from rotor_ida.basins.agreement import count_agreeing, rechecked_of_batch, rechecked_of_rotor
 from rotor_ida.basins.batches import CHAOS, CYCLE, BatchResult
 from rotor_ida.basins.fates import Batch, decide
 from rotor_ida.basins.kernel import CHAOTIC, NOT_COMPUTED
@@ -70,6 +71,8 @@ class FollowedStarts:
         Why starts were not computed, other than by an interrupt; empty if there are none.
     tolerance : float
         Error allowed in a step [1].
+    rechecked : ndarray of int64, shape (2,)
+        Number of starts labelled again with a smaller error, and of those with the same label.
     """
 
     known: Known
@@ -83,16 +86,21 @@ class FollowedStarts:
     interrupted: bool = False
     not_computed_reason: str = ""
     tolerance: float = RTOL
+    rechecked: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(2, dtype=np.int64))
 
 
 @dataclass(frozen=True, slots=True)
 class _Job:
-    """A stretch of the starts, (4, n) from number `first` on, with all that a process needs."""
+    """A stretch of the starts, (4, n) from number `first` on, with all that a process needs.
+
+    So many of them are labelled again, with a smaller error.
+    """
 
     known: Known
     first: int
     states: Values
     tolerance: float
+    rechecked: int
 
 
 def follow_starts(
@@ -106,7 +114,7 @@ def follow_starts(
     executor: str,
     progress: Progress | None,
 ) -> FollowedStarts:
-    """Follow so many starts until the attractor of each is certain, or for the time allowed.
+    """Follow so many starts until the attractor of each is decided, or for the time allowed.
 
     Batches that are kept already are not followed again; a tolerance of None is chosen.
     """
@@ -120,9 +128,12 @@ def follow_starts(
         if due and (count > size or tolerance is None):
             scout = partial(_scouted, known, starts, count, tolerance)
             known, tolerance = interruptible(scout)
-        edges = ((number * size, min((number + 1) * size, count)) for number in due)
-        each = tolerance or RTOL  # of the last batch, if there is one
-        jobs = (_Job(known, first, starts(first, last), each) for first, last in edges)
+        edges = ((each, each * size, min((each + 1) * size, count)) for each in due)
+        allowed = tolerance or RTOL  # of the last batch, if there is one
+        jobs = (
+            _Job(known, first, starts(first, last), allowed, rechecked_of_batch(each, last - first))
+            for each, first, last in edges
+        )
         if due:  # else no cluster need be started
             with closing(run_all(_follow, jobs, workers=workers, executor=executor)) as followed:
                 for turn, batch in followed:
@@ -145,7 +156,8 @@ def follow_here(known: Known, states: Values, tolerance: float, stop: Stop) -> F
     """Follow starts of shape (4, n) in this process, the first of them before the others."""
     known = decide(Batch(known, states[:, :SCOUTS], tolerance, stop)).known
     kept: Results[BatchResult] = Results()
-    kept.keep(0, _follow(_Job(known, 0, states, tolerance), stop), states.shape[1])
+    job = _Job(known, 0, states, tolerance, rechecked_of_rotor(states.shape[1]))
+    kept.keep(0, _follow(job, stop), states.shape[1])
     return _gathered(known, states.shape[1], kept)
 
 
@@ -187,6 +199,9 @@ def _spread(starts: Starts, count: int, most: int) -> Values:
 def _follow(job: _Job, stop: Stop) -> BatchResult:
     """Follow a batch of starts until what becomes of them is decided."""
     batch = decide(Batch(job.known, job.states, job.tolerance, stop))
+    rechecked = count_agreeing(
+        batch.known, job.states, batch.labels, batch.times, job.tolerance, job.rechecked, stop
+    )
     batch.times[batch.labels == NOT_COMPUTED] = np.nan
     cycles = [[*each.cycle.state, each.cycle.period, each.exists] for each in batch.known.cycles]
     chaos = np.empty((0, CHAOS))
@@ -195,7 +210,7 @@ def _follow(job: _Job, stop: Stop) -> BatchResult:
         chaos = np.array([[seen.amplitude, seen.phase_lag, seen.radius_min, seen.radius_max]])
     return BatchResult(
         job.first, batch.labels, batch.times, np.array(cycles).reshape(-1, CYCLE), chaos,
-        np.array([batch.left, batch.watched]), np.array(job.tolerance),
+        np.array([batch.left, batch.watched]), np.array(job.tolerance), rechecked,
     )  # fmt: skip
 
 
@@ -216,6 +231,7 @@ def _gathered(known: Known, count: int, kept: Results[BatchResult]) -> FollowedS
         found.left += float(batch.watched[0])
         found.watched += float(batch.watched[1])
         found.tolerance = float(batch.tolerance)
+        found.rechecked = found.rechecked + batch.rechecked
     _put_in_order(found)
     return found
 

@@ -34,7 +34,7 @@ WHIRL = ("amplitude", *PARAMETERS, "branch", "phase_lag", "stability", "growth_r
 FOLD = ("fold_omega", "fold_amplitude", "zeta", "delta0", "fold")
 ATTRACTOR = (
     *("kind", "attractor", "amplitude", "phase_lag", "radius_min", "radius_max"),
-    *("confirmed", "count", "fraction", "fraction_error"),
+    *("trapping", "confirmed", "count", "fraction", "fraction_error"),
 )
 DONE_TO_MACHINE = (
     *("fraction", "fraction_error", "settling_median", "settling_95"),
@@ -45,7 +45,10 @@ DONE_TO_MACHINE = (
 )
 SHOCK = ("velocity_shock", "displacement_shock")
 ENDS = {"low": "from", "high": "to"}
-OF_MACHINE = (*PARAMETERS, "undecided_fraction", "missed_fraction", "basin_entropy")
+OF_MACHINE = (
+    *(*PARAMETERS, "undecided_fraction", "missed_fraction", "basin_entropy"),
+    *("agreement", "agreement_count"),
+)
 SHARE = ("response", "response_count", "response_fraction", "response_fraction_error")
 STARTS = ("start_x", "start_y", "start_vx", "start_vy")
 POINT = (
@@ -197,7 +200,8 @@ def _kinds(dataset: xr.Dataset) -> list[Record]:
 
 
 def _attractors(dataset: xr.Dataset, most: int | None) -> Description:
-    attractors = rows_of(dataset, ATTRACTOR)
+    columns = [name for name in ATTRACTOR if name in dataset]
+    attractors = rows_of(dataset, columns)
     counts = {name: value_of(dataset, name) for name in names_on(dataset)}
     record: Record = {
         "kind": kind_of(dataset),
@@ -205,7 +209,7 @@ def _attractors(dataset: xr.Dataset, most: int | None) -> Description:
         "attractors": attractors,
         **counts,
     }
-    parts = _rows("Attractors", attractors, ATTRACTOR, most, digits=6)
+    parts = _rows("Attractors", attractors, columns, most, digits=6)
     if "response_fraction" in dataset:
         record["responses"] = rows_of(dataset, SHARE)
         parts += _rows("Kinds of response", rows_of(dataset, SHARE), SHARE, most, digits=6)
