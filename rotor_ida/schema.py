@@ -210,7 +210,7 @@ QUANTITIES: dict[str, Quantity] = {
         "mean time after which the motion is left, infinite where that was not seen", scale="time"
     ),
     "lifetime_low": Quantity("least such time that is likely at 95 %", scale="time"),
-    "confirmed": Quantity("whether CVODE has followed one of its starts to it", flags=NO_YES),
+    "confirmed": Quantity("whether CVODE has followed a start to the attractor", flags=NO_YES),
     "count": Quantity("number of starts that end on the attractor"),
     "fraction": Quantity("part of the computed starts that end on the attractor"),
     "fraction_error": Quantity(

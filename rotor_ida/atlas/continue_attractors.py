@@ -92,7 +92,8 @@ def continue_attractors(
         ``fraction``, ``fraction_error`` and ``count``; ``amplitude``, ``phase_lag``,
         ``radius_min``, ``radius_max``, ``period``, ``lifetime``, ``lifetime_low``,
         ``settling_median`` and ``settling_95`` [1]; ``kind`` and ``trapping`` as flags. On the
-        parameters ``undecided_fraction``, ``not_computed_count``, ``basin_entropy`` and
+        parameters ``undecided_fraction``, ``not_computed_count``, ``agreement`` and
+        ``agreement_count`` as `rotor_ida.basin` has them, ``basin_entropy`` and
         ``boundary_entropy``. With `shocks` on ``attractor`` and ``target`` ``velocity_shock`` and
         ``displacement_shock``, on ``attractor`` their bounds and the extents of the attractor, as
         `rotor_ida.touchdown_report` has them. The scalar
@@ -108,7 +109,9 @@ def continue_attractors(
 
     Notes
     -----
-    Every rotor is labelled as by `rotor_ida.basin_fractions`, all from the same starts. An
+    Every rotor is labelled as by `rotor_ida.basin_fractions`, all from the same starts; but `rtol`
+    is not chosen by them, and CVODE confirms no attractor. With `shocks` it follows the smallest
+    ones, as the attributes ``witness_method``, ``witness_rtol`` and so on say. An
     attractor has one number throughout: a limit cycle is followed from rotor to rotor along its
     branch, a whirl along the exact response curve. One that comes to a rotor where no start ended
     on it is listed there with the fraction 0: its basin is smaller than the sample can tell. Where

@@ -5,10 +5,10 @@ step in two of the four coordinates, from any state of the attractor and in any 
 are drawn over states, directions and sizes and followed all together, as starts of a basin are;
 then smaller and smaller ones, half of them close to the smallest found, half anywhere. From the
 best of these the search goes down along the edge of the basin until no neighbour is smaller. What
-is found is a witness: a shock that does throw the rotor there, the smallest of those beside it.
-That no smaller one does anywhere is proven up to the bound, which for a stable whirl is the largest
-circle of shocks within its trapping region; for a limit cycle that circle is found by following
-shocks of it, up to the set on its section.
+is found is a witness: a shock that throws the rotor there, the smallest of those beside it that
+were tried. None below the bound does. Of a stable whirl that is proven: the bound is the largest
+circle of shocks within its trapping region. Of a limit cycle it is estimated, by following shocks
+into the set on its section.
 """
 
 from __future__ import annotations

@@ -91,7 +91,9 @@ def touchdown_report(
         energy that damping takes [J]; ``whirl_ratio`` and ``whirl_direction`` of the strongest
         whirl beside the spin; ``radius_min``, ``radius_max``, ``period`` [m], [s]; ``excursion``,
         the largest distance from the bearing axis over the clearance; the scalars
-        ``basin_entropy`` and ``boundary_entropy``. Of chaos what needs a period is NaN.
+        ``basin_entropy`` and ``boundary_entropy``, and ``agreement``, the part of the labels that
+        come out the same with a smaller error in a step, of ``agreement_count`` that were found
+        again. Of chaos what needs a period is NaN.
 
         With `shocks`, on ``(attractor, target)``: ``velocity_shock`` and ``displacement_shock``
         [m/s], [m], NaN where none was found up to ``velocity_shock_largest`` and
@@ -101,7 +103,7 @@ def touchdown_report(
         ``velocity_shock_before_x`` and so on: divided by the attributes ``length_scale`` and
         ``velocity_scale``, starts of `rotor_ida.simulate`; on ``attractor`` the
         sizes below which no shock throws it off, ``velocity_shock_bound`` and
-        ``displacement_shock_bound``, as sure as ``trapping`` says; and ``omega_low``,
+        ``displacement_shock_bound``, proven or estimated as ``trapping`` says; and ``omega_low``,
         ``omega_high`` and so on [1], the values of each parameter between which the attractor
         exists, with the way it ends there, ``omega_low_end`` and so on, as a flag.
 
@@ -115,8 +117,12 @@ def touchdown_report(
     Energy comes from the drive and leaves through damping alone, ``2 zeta |z'|**2``: the Hertz
     contact gives back all that it takes.
 
+    Starts are labelled as by `rotor_ida.basin_fractions`, with the same `rtol` for any machine;
+    CVODE confirms no attractor.
+
     A shock strikes at any phase and in any direction. The smallest one found has been followed by
-    CVODE to its end: it is a witness, and a smaller one may exist, down to the bound. All whirls
+    CVODE to its end, with what the attributes ``witness_method``, ``witness_rtol`` and so on say:
+    it is a witness, and a smaller one may exist, down to the bound. All whirls
     that stay inside the clearance, with the touches that fade towards them, are one attractor
     here: of its outermost whirls, which just reach the ring, no bound is known but 0.
 

@@ -29,7 +29,7 @@ from rotor_ida.storage.studies.arrays import stretches
 WITNESSES = 3
 # What CVODE finds agrees with the attractor to this part of its largest radius.
 AGREEMENT = 1e-5
-# How the starts on an attractor are held: see `rotor_ida.schema.TRAPPING`.
+# What the region of an attractor rests on: see `rotor_ida.schema.TRAPPING`.
 PROVEN, ESTIMATED, NOTHING = "proven", "estimated", "none"
 # Whirls that stay inside the clearance; the outermost of them is reached by touches that fade.
 CONTACT_FREE_FAMILY = (response.CONTACT_FREE, response.TOUCHING)
@@ -54,13 +54,14 @@ class Attractor:
     period : float
         On the rotating axes, of a limit cycle [1]; else NaN.
     trapping : {"proven", "estimated", "none"}
-        What says that starts end on it: a region that no orbit leaves, proven or found by following
-        orbits that begin in it; or only that they last.
+        What the region rests on that holds its starts: a proof that no orbit leaves it, or orbits
+        that begin in it and were followed; or there is none, and they were followed alone.
     lifetime, lifetime_low : float
         Mean time after which a chaotic motion is left, infinite where none was, and the least one
         that is likely at 95 % [1]; infinite for all others.
     confirmed : bool
-        Whether CVODE has followed a start to it.
+        Whether CVODE has followed one of its starts to it, or for contact-free whirls, touches and
+        chaos to one of its kind; False where that was not tried.
     """
 
     kind: str

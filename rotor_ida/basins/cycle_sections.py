@@ -1,4 +1,4 @@
-"""A set on a section of a stable limit cycle that returns into itself: what passes it is sure.
+"""A set on a section of a stable limit cycle that returns into itself: it holds what passes it.
 
 The section is the plane across the field at the state c of the cycle where its radius is largest.
 Near c an orbit comes back to it by ``s - c -> Pi (s - c)``, with the monodromy matrix seen on the

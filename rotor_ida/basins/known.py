@@ -1,6 +1,7 @@
 """What is known of the attractors of a rotor while starts are followed, and what holds the starts.
 
-Whirls in contact have trapping regions, limit cycles sections; contact-free whirls hold exactly.
+Whirls in contact have trapping regions and contact-free whirls room, which are proven to hold an
+orbit; limit cycles have sections, and fading touches a rim of that room, which are estimated.
 """
 
 from __future__ import annotations
