@@ -244,12 +244,21 @@ def _atlas(dataset: xr.Dataset, most: int | None) -> Description:
         "largest_undecided_fraction": float(dataset["undecided_fraction"].max()),
     }
     scalars = {name: record[name] for name in ("missed_fraction", "largest_undecided_fraction")}
+    if "agreement" in dataset:
+        scalars |= _agreement(dataset)
     told = _about(dataset)
     if isinstance(given := told.get("starts"), list):  # the archive holds them, row after row
         told["starts"] = len(given) // len(COMPONENTS)
     columns = list(rows[0]) if rows else []
     parts = _rows("Attractors", rows, columns, most, digits=6)
-    return record | told, [*parts, pairs("Starts", scalars)]
+    return record | scalars | told, [*parts, pairs("Starts", scalars)]
+
+
+def _agreement(dataset: xr.Dataset) -> Record:
+    """Return how many labels of all rotors were found again, and the part that are the same."""
+    count = int(dataset["agreement_count"].sum())
+    alike = float((dataset["agreement"] * dataset["agreement_count"]).sum())
+    return {"agreement": alike / count if count else math.nan, "agreement_count": count}
 
 
 def _touchdown(dataset: xr.Dataset, most: int | None) -> Description:
