@@ -4,13 +4,20 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, fields
+from operator import attrgetter
 
 import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Values
 from rotor_ida.atlas.resilience import Resilience, Search, Subject, resilience_of
-from rotor_ida.basins.attractors import CONTACT_FREE_FAMILY, Attractor, attractors_of, family_of
+from rotor_ida.basins.attractors import (
+    CONTACT_FREE_FAMILY,
+    NUMBERS,
+    Attractor,
+    attractors_of,
+    family_of,
+)
 from rotor_ida.basins.entropy import sample_entropy
 from rotor_ida.basins.following import FollowedStarts, follow_here
 from rotor_ida.basins.kernel import CHAOTIC, NOT_COMPUTED, UNDECIDED
@@ -23,12 +30,11 @@ from rotor_ida.steady_state import response
 from rotor_ida.storage.studies.arrays import Arrays
 from rotor_ida.storage.studies.results import Form
 
-# Numbers of an attractor as they are kept.
-NUMBERS = (
-    *("amplitude", "phase_lag", "radius_min", "radius_max", "period", "lifetime", "lifetime_low"),
-)
+# Of one rotor, so that its labels fit into memory many times.
+MOST_STARTS = 1_000_000
 # Of the times after which starts are decided: the median, and that of 95 of 100.
 QUANTILES = (0.5, 0.95)
+# What these are where no start is.
 NEVER = np.full(2, np.nan)
 RESILIENCE = tuple(each.name for each in fields(Resilience))
 _KIND = {number: word for word, number in RESPONSE.items()}
@@ -102,7 +108,7 @@ def _search_among(
 ) -> Search:
     """Return the attractors of a rotor with what is needed to look for shocks."""
     known, subjects = found.known, []
-    for cycle in found.cycles:
+    for cycle in sorted(found.cycles, key=attrgetter("radius_max")):
         if known.label_of_cycle(cycle) is None:
             known = with_cycle(known, cycle, stop)
     for number, attractor in enumerate(attractors):

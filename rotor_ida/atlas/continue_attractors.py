@@ -12,7 +12,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.atlas.cells import FORM, Cell, CellJob, fill_cell
+from rotor_ida.atlas.cells import FORM, MOST_STARTS, Cell, CellJob, fill_cell
 from rotor_ida.atlas.dataset import atlas_dataset, how_computed
 from rotor_ida.atlas.identities import identify
 from rotor_ida.basins.following import RTOL
@@ -39,9 +39,9 @@ from rotor_ida.provenance import computing
 from rotor_ida.simulation.options import LARGEST
 from rotor_ida.storage.studies.results import Results, open_results
 
-# Of one rotor, so that its labels fit into memory many times.
-MOST_STARTS = 1_000_000
+# The atlas is drawn over a line or a plane.
 MOST_AXES = 2
+# All rotors with their attractors are in memory at the end.
 MOST_ROTORS = 100_000
 
 

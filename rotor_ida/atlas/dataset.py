@@ -10,9 +10,10 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.atlas.cells import NUMBERS, Cell, Member
+from rotor_ida.atlas.cells import Cell, Member
 from rotor_ida.atlas.resilience import Resilience, witness_options
 from rotor_ida.atlas.shocks import KINDS
+from rotor_ida.basins.attractors import NUMBERS
 from rotor_ida.basins.dataset import ENTROPIES, agreement_of, followed_by, labelled_how
 from rotor_ida.parameters import PARAMETERS
 from rotor_ida.provenance import provenance
@@ -35,19 +36,7 @@ FLAGS = {
 def atlas_dataset(
     axes: Mapping[str, Values], cells: Sequence[Cell], starts: int, attributes: Mapping[str, object]
 ) -> xr.Dataset:
-    """Return the attractors over the parameters.
-
-    Parameters
-    ----------
-    axes : mapping of str to ndarray
-        omega, zeta and delta0 [1].
-    cells : sequence of Cell
-        The rotors in their order, each with its attractors numbered.
-    starts : int
-        Number of starts of each.
-    attributes : mapping
-        How they were drawn and followed.
-    """
+    """Return the attractors over the parameters, of rotors that have so many starts each."""
     members = [each for cell in cells for each in cell.members]
     count = 1 + max((each.identity for each in members), default=-1)
     columns = _columns(cells, count, starts)

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.atlas.cells import Cell, CellJob, Member, fill_cell
+from rotor_ida.atlas.cells import MOST_STARTS, Cell, CellJob, Member, fill_cell
 from rotor_ida.atlas.dataset import column_of, how_computed, member_row, missed_fraction
 from rotor_ida.atlas.shocks import KINDS
 from rotor_ida.basins.dataset import ENTROPIES, agreement_of
@@ -39,10 +39,11 @@ from rotor_ida.simulation.options import LARGEST
 from rotor_ida.stability.orbit import Shot
 from rotor_ida.steady_state import response
 
+# Samples of one period of a limit cycle, for its mean force, its power and its whirl.
 SAMPLES = 2048
-MOST_STARTS = 1_000_000
 # Of the numbers of an attractor, these say nothing more.
 LEFT_OUT = ("count", "phase_lag")
+# What an attractor does, in numbers that it may lack.
 NUMBERS = (
     "largest_force", "mean_force", "contacts_per_revolution", "contact_fraction",
     "dissipation_per_revolution", "whirl_ratio", "excursion",

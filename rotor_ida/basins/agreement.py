@@ -18,15 +18,22 @@ from rotor_ida.basins.kernel import Labels, Times
 from rotor_ida.basins.known import Known
 from rotor_ida.parallel import Stop
 
-# Of one of so many batches, one of so many starts is followed again: less than a twentieth of the
-# time; fewer at a time would leave lanes of the kernel idle.
-ONE_BATCH_OF, ONE_START_OF = 8, 12
-# Of a rotor of an atlas one start of so many, and so many at most.
-ONE_OF_ROTOR, MOST_OF_ROTOR = 32, 32
-# With this part of the error that was allowed in a step, but never with less than doubles hold.
-TIGHTER, TIGHTEST = 1e-4, 1e-13
+# One of so many batches is looked at,
+ONE_BATCH_OF = 8
+# and one of so many of its starts is followed again: less than a twentieth of the time; fewer at a
+# time would leave lanes of the kernel idle.
+ONE_START_OF = 12
+# Of a rotor of an atlas one start of so many is,
+ONE_OF_ROTOR = 32
+# but no more than so many.
+MOST_OF_ROTOR = 32
+# They are followed with this part of the error that was allowed in a step,
+TIGHTER = 1e-4
+# but never with less than doubles hold.
+TIGHTEST = 1e-13
 # Not for longer [1]: who is held later is told by neither.
 LONGEST = 4000.0
+# Parts of it lie evenly, and in step with no grid.
 GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 
 
@@ -57,22 +64,8 @@ def count_agreeing(
 ) -> npt.NDArray[np.int64]:  # fmt: skip
     """Return how many starts were labelled again, and how many of them got the same label.
 
-    Parameters
-    ----------
-    known : Known
-        The rotor and its attractors, which labels number.
-    states : ndarray, shape (4, n)
-        Starts [1].
-    labels : ndarray of int16, shape (n,)
-        Their labels; those without an attractor are left out.
-    times : ndarray of float32, shape (n,)
-        How long each was followed [1]: none is followed for longer again than the longest.
-    tolerance : float
-        Error that was allowed in a step [1].
-    rechecked : int
-        How many to follow again.
-    stop : ndarray of uint8, shape (1,)
-        Set to 1 to end early.
+    So many are chosen of the n starts, shape (4, n), but those without an attractor are left out.
+    None is followed for longer again than the longest of them was.
     """
     chosen = _spread(labels.size, rechecked)
     chosen = chosen[labels[chosen] >= 0]

@@ -7,13 +7,12 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 from scipy.special import gammaincinv
 
 from rotor_ida.arrays import Values
 from rotor_ida.basins.contact_free_whirls import ContactFree
 from rotor_ida.basins.following import FollowedStarts, Starts
-from rotor_ida.basins.kernel import CHAOTIC
+from rotor_ida.basins.kernel import CHAOTIC, Labels
 from rotor_ida.checks import State
 from rotor_ida.cycles.limit_cycle import follow
 from rotor_ida.cycles.shooting import Cycle
@@ -29,6 +28,10 @@ from rotor_ida.storage.studies.arrays import stretches
 WITNESSES = 3
 # What CVODE finds agrees with the attractor to this part of its largest radius.
 AGREEMENT = 1e-5
+# The numbers of an attractor, as they are told and kept.
+NUMBERS = (
+    *("amplitude", "phase_lag", "radius_min", "radius_max", "period", "lifetime", "lifetime_low"),
+)
 # What the region of an attractor rests on: see `rotor_ida.schema.TRAPPING`.
 PROVEN, ESTIMATED, NOTHING = "proven", "estimated", "none"
 # Whirls that stay inside the clearance; the outermost of them is reached by touches that fade.
@@ -96,9 +99,9 @@ def attractors_of(found: FollowedStarts) -> list[Attractor]:
         if known.fading_label in present:
             rows.append((known.fading_label, _fading(known.free, known.rotor.delta0)))
     stop = np.zeros(1, np.uint8)
-    for place, (cycle, held) in enumerate(zip(found.cycles, found.held, strict=True)):
+    for place in np.argsort([each.radius_max for each in found.cycles], kind="stable").tolist():
         if (number := known.first_cycle + place) in present:
-            rows.append((number, attractor_of_cycle(cycle, held, stop)))
+            rows.append((number, attractor_of_cycle(found.cycles[place], found.held[place], stop)))
     if CHAOTIC in present:
         rows.append((CHAOTIC, _chaos(found)))
     _renumber(found.labels, [label for label, _ in rows])
@@ -208,7 +211,7 @@ def _chaos(found: FollowedStarts) -> Attractor:
     )  # fmt: skip
 
 
-def _present(labels: npt.NDArray[np.int16]) -> set[int]:
+def _present(labels: Labels) -> set[int]:
     """Return the labels that occur."""
     present: set[int] = set()
     for stretch in stretches(labels.size):
@@ -216,7 +219,7 @@ def _present(labels: npt.NDArray[np.int16]) -> set[int]:
     return present
 
 
-def _renumber(labels: npt.NDArray[np.int16], kept: list[int]) -> None:
+def _renumber(labels: Labels, kept: list[int]) -> None:
     """Replace labels by their places in a list; those of fates stay."""
     table = np.arange(max([*kept, 0]) + 1 - CHAOTIC, dtype=np.int16)
     table[CHAOTIC:] = np.arange(CHAOTIC, 0)

@@ -12,10 +12,11 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.basins.agreement import tighter_than
-from rotor_ida.basins.attractors import Attractor, family_of
+from rotor_ida.basins.attractors import NUMBERS, Attractor, family_of
 from rotor_ida.basins.entropy import grid_entropy, sample_entropy
 from rotor_ida.basins.fates import ALONE
 from rotor_ida.basins.following import Starts
+from rotor_ida.basins.kernel import Labels
 from rotor_ida.basins.labelling import Labelled
 from rotor_ida.parameters import PARAMETERS
 from rotor_ida.provenance import provenance
@@ -35,10 +36,6 @@ LABELLING_METHOD = "dop853"
 ENTROPIES = ("basin_entropy", "boundary_entropy")
 # Of a larger sample the first so many starts tell the entropies.
 MOST_IN_ENTROPY = 1_000_000
-# The numbers of an attractor that are told, in this order.
-TABLE = (
-    "amplitude", "phase_lag", "radius_min", "radius_max", "period", "lifetime", "lifetime_low",
-)  # fmt: skip
 
 
 def basin_dataset(
@@ -139,7 +136,7 @@ def _attributes(found: Labelled, drawn: Mapping[str, object] | None = None) -> d
     return told
 
 
-def _labels(labels: npt.NDArray[np.int16], dims: tuple[str, ...], count: int) -> xr.Variable:
+def _labels(labels: Labels, dims: tuple[str, ...], count: int) -> xr.Variable:
     variable = labelled("label", dims, labels)
     variable.attrs["flag_values"] = np.array([*FATE.values(), *range(count)], dtype=np.int16)
     numbered = [f"attractor_{number}" for number in range(count)]
@@ -148,7 +145,7 @@ def _labels(labels: npt.NDArray[np.int16], dims: tuple[str, ...], count: int) ->
 
 
 def _responses(
-    labels: npt.NDArray[np.int16],
+    labels: Labels,
     dims: tuple[str, ...],
     attractors: Sequence[Attractor],
     folder: Path | None,
@@ -168,15 +165,13 @@ def _responses(
     return variable
 
 
-def _attractor_table(
-    labels: npt.NDArray[np.int16], attractors: Sequence[Attractor]
-) -> dict[str, xr.Variable]:
+def _attractor_table(labels: Labels, attractors: Sequence[Attractor]) -> dict[str, xr.Variable]:
     missing, undecided, *ends = _counts(labels, len(attractors)).tolist()
     counts = np.array(ends, dtype=np.int64)
     fraction, error = _fractions(np.array([*counts, undecided]), labels.size - missing)
     columns: dict[str, npt.ArrayLike] = {
         "kind": np.array([RESPONSE[each.kind] for each in attractors], dtype=np.int8),
-        **{name: np.array([getattr(each, name) for each in attractors], float) for name in TABLE},
+        **{name: np.array([getattr(each, name) for each in attractors], float) for name in NUMBERS},
         "trapping": np.array([TRAPPING[each.trapping] for each in attractors], dtype=np.int8),
         "confirmed": np.array([each.confirmed for each in attractors], dtype=np.int8),
         "count": counts,
@@ -190,7 +185,7 @@ def _attractor_table(
     return table
 
 
-def _counts(labels: npt.NDArray[np.int16], attractors: int) -> npt.NDArray[np.int64]:
+def _counts(labels: Labels, attractors: int) -> npt.NDArray[np.int64]:
     """Return how many starts were not computed, are undecided, and end on each attractor."""
     flat, first = labels.reshape(-1), min(FATE.values())
     counts = np.zeros(attractors - first, dtype=np.int64)

@@ -15,12 +15,12 @@ from rotor_ida.arrays import Values
 from rotor_ida.basins.agreement import count_agreeing, rechecked_of_batch, rechecked_of_rotor
 from rotor_ida.basins.batches import CHAOS, CYCLE, BatchResult
 from rotor_ida.basins.fates import Batch, decide
-from rotor_ida.basins.kernel import CHAOTIC, NOT_COMPUTED
+from rotor_ida.basins.kernel import NOT_COMPUTED, Labels, Times
 from rotor_ida.basins.known import Known, known_from_closed_forms, same_cycle
 from rotor_ida.cycles.shooting import Cycle, close_orbit
 from rotor_ida.parallel import FailedJob, Progress, Stop, interruptible, run_all
 from rotor_ida.parameters import Rotor
-from rotor_ida.storage.studies.arrays import scratch, stretches
+from rotor_ida.storage.studies.arrays import scratch
 from rotor_ida.storage.studies.results import Results
 
 Starts = Callable[[int, int], Values]
@@ -45,47 +45,22 @@ RTOL_OF_FIRST_LOOK = 1e-4
 
 @dataclass(slots=True)
 class FollowedStarts:
-    """Results of many starts.
+    """Results of many starts, n of them."""
 
-    Parameters
-    ----------
-    known : Known
-        The rotor, and its whirls.
-    labels : ndarray of int16, shape (n,)
-        Number of the attractor, by `first_cycle` from `known` and `cycles`; CHAOTIC, UNDECIDED or
-        NOT_COMPUTED.
-    times : ndarray of float32, shape (n,)
-        Time at which the start was decided, or given up [1]; NaN where not computed.
-    cycles : list of Cycle
-        The limit cycles that starts ended on, by rising largest radius.
-    held : list of bool
-        Whether a section of each holds starts.
-    chaos : ndarray, shape (k, 4)
-        Amplitude, phase lag and extreme radii of chaotic motions [1].
-    left, watched : float
-        Number of orbits that left a chaotic motion while this was watched, and for how long all of
-        them together were watched [1].
-    interrupted : bool
-        Whether the user stopped it.
-    not_computed_reason : str
-        Why starts were not computed, other than by an interrupt; empty if there are none.
-    tolerance : float
-        Error allowed in a step [1].
-    rechecked : ndarray of int64, shape (2,)
-        Number of starts labelled again with a smaller error, and of those with the same label.
-    """
-
-    known: Known
-    labels: npt.NDArray[np.int16]
-    times: npt.NDArray[np.float32]
+    known: Known  # the rotor, and its whirls
+    labels: Labels  # number of the attractor, by `first_cycle` from `known` and `cycles`, or a fate
+    times: Times  # when each was decided, or given up [1]; NaN where not computed
+    # those that starts end on, in the order in which batches met them
     cycles: list[Cycle] = field(default_factory=list)
-    held: list[bool] = field(default_factory=list)
+    held: list[bool] = field(default_factory=list)  # whether a section of each holds starts
+    # amplitude, phase lag and extreme radii of chaotic motions, shape (k, 4) [1]
     chaos: Values = field(default_factory=lambda: np.empty((0, CHAOS)))
-    left: float = 0.0
-    watched: float = 0.0
-    interrupted: bool = False
-    not_computed_reason: str = ""
-    tolerance: float = RTOL
+    left: float = 0.0  # number of orbits that left a chaotic motion while this was watched,
+    watched: float = 0.0  # and for how long all of them together were watched [1]
+    interrupted: bool = False  # by the user
+    not_computed_reason: str = ""  # why starts were not computed, other than by an interrupt
+    tolerance: float = RTOL  # error allowed in a step [1]
+    # number of starts labelled again with a smaller error, and of those with the same label
     rechecked: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(2, dtype=np.int64))
 
 
@@ -232,13 +207,12 @@ def _gathered(known: Known, count: int, kept: Results[BatchResult]) -> FollowedS
         found.watched += float(batch.watched[1])
         found.tolerance = float(batch.tolerance)
         found.rechecked = found.rechecked + batch.rechecked
-    _put_in_order(found)
     return found
 
 
 def _renumbered(
     batch: BatchResult, found: FollowedStarts, numbers: dict[tuple[float, ...], int]
-) -> npt.NDArray[np.int16]:
+) -> Labels:
     """Return the labels of a batch with its limit cycles numbered as those of all batches."""
     first, stop = found.known.first_cycle, np.zeros(1, np.uint8)
     labels = batch.labels.copy()
@@ -253,17 +227,3 @@ def _renumbered(
                 found.held.append(bool(row[5]))
         labels[batch.labels == first + number] = first + numbers[key]
     return labels
-
-
-def _put_in_order(found: FollowedStarts) -> None:
-    """Sort the limit cycles by rising largest radius, and number the labels anew."""
-    order = np.argsort([each.radius_max for each in found.cycles], kind="stable")
-    found.cycles = [found.cycles[place] for place in order]
-    found.held = [found.held[place] for place in order]
-    first = found.known.first_cycle
-    # negative labels stand at the end of the table, where they find themselves
-    table = np.arange(first + len(order) - CHAOTIC, dtype=np.int16)
-    table[CHAOTIC:] = np.arange(CHAOTIC, 0)
-    table[first + order] = first + np.arange(len(order))
-    for stretch in stretches(found.labels.size):
-        found.labels[stretch] = table[found.labels[stretch]]

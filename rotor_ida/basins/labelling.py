@@ -7,12 +7,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-import numpy.typing as npt
-
 from rotor_ida.basins.attractors import Attractor, attractors_of, confirmed
 from rotor_ida.basins.batches import FORM
 from rotor_ida.basins.following import FollowedStarts, Starts, follow_starts
+from rotor_ida.basins.kernel import Labels
 from rotor_ida.basins.known import known_from_closed_forms
 from rotor_ida.checks import MOST_POINTS_OF_STUDY, check_between, check_instance, check_progress
 from rotor_ida.errors import InputError
@@ -48,7 +46,7 @@ class Labelled:
         return self.followed.known.rotor
 
     @property
-    def labels(self) -> npt.NDArray[np.int16]:
+    def labels(self) -> Labels:
         """Number of the attractor of each start, or a fate."""
         return self.followed.labels
 
