@@ -32,7 +32,8 @@ MOST_STARTS = 100_000_000
 class Labelled:
     """Starts as they were followed, and the attractors that their labels number.
 
-    The attractors were confirmed with `options`; what is large can go to `folder`.
+    If nothing was interrupted, starts were followed to the attractors by CVODE with `options`; what
+    is large can go to `folder`.
     """
 
     followed: FollowedStarts
