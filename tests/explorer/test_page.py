@@ -305,6 +305,8 @@ def test_a_second_clearance_that_is_refused_leaves_the_first_rotor_as_it_is(page
     page.until("rotorIda.shown[0].motion.number === rotorIda.asked")
     stale = "Array.from(document.querySelectorAll('.side'), (each) => each.matches('.stale'))"
     page.until(f"String({stale}) === 'false,true'")
+    keys = "Array.from(document.querySelectorAll('[data-panel=starts] [data-key]'))"
+    assert page.run(f"return {keys}[1].textContent") == "no basin of what was asked"
     assert page.find("#trouble").is_displayed()
 
 
@@ -446,6 +448,7 @@ def test_a_start_and_a_length_are_typed(page):
 
 def test_time_is_scrubbed_and_played(page):
     page.settle("settled", "section")
+    page.until("rotorIda.shown[0].basin?.facts.finest")
     before = page.pictures_at_rest()
     slider = page.find("[data-time]")
     slider.send_keys(Keys.HOME)

@@ -159,6 +159,7 @@ function refused({ part, about, side, number: asked = number, facts: { message }
 function lose(asked) {
   lost = asked;
   showStale();
+  for (const side of sides) if (side.element.matches(".stale") && !side.basin) side.noBasin("no basin of what was asked");
 }
 let lost = 0; // number of the newest question that was refused
 
