@@ -16,12 +16,15 @@ const FLIGHT = [4, 3];
 // The picture of a basin has at least so many pixels along a side, so that it can be hatched.
 const PICTURE = 432;
 // Which pixels of a region are darker, so that it is told by more than its colour; others are plain.
+const TILE = 18;
+const tile = (isDark) => Uint8Array.from({ length: TILE * TILE }, (_, i) => isDark(i % TILE, Math.floor(i / TILE)));
 const HATCHED = {
-  bouncing: (column, row) => (column + row) % 18 < 3,
-  full_contact: (column, row) => (column - row + 18 * PICTURE) % 18 < 3,
-  synchronous: (column) => column % 18 < 3,
-  chaotic: (column, row) => column % 9 < 3 && row % 9 < 3,
+  bouncing: tile((column, row) => (column + row) % TILE < 3),
+  full_contact: tile((column, row) => (column - row + TILE) % TILE < 3),
+  synchronous: tile((column) => column < 3),
+  chaotic: tile((column, row) => column % 9 < 3 && row % 9 < 3),
 };
+const PLAIN = new Uint8Array(TILE * TILE);
 const DARKER = 0.78;
 // Revolutions a second, when the motion is played.
 const PLAYED = 1;
@@ -141,21 +144,21 @@ export class Side {
     const palette = this.colours.map(channels);
     const none = channels(colour("undecided"));
     // the first pictures come while a slider may still move, and are plain
-    const hatches = attractors.map(({ kind }) => (finest ? HATCHED[kind] : undefined));
+    const hatches = attractors.map(({ kind }) => (finest && HATCHED[kind]) || PLAIN);
     const each = finest ? Math.ceil(PICTURE / count) : 1;
     const size = count * each;
     const image = new ImageData(size, size);
     const pixels = new Uint32Array(image.data.buffer);
-    const plain = [none, ...palette].map((parts) => packed(parts, 1));
-    const dark = [none, ...palette].map((parts) => packed(parts, DARKER));
-    const { label: labels } = answer.arrays;
-    for (let row = 0, i = 0; row < size; row++) {
-      const y = count - 1 - Math.floor(row / each);
-      for (let column = 0; column < size; column++, i++) {
-        const label = Math.max(labels[Math.floor(column / each) * count + y], -1); // x, then y
-        pixels[i] = hatches[label]?.(column, row) ? dark[label + 1] : plain[label + 1];
+    const fills = palette.map((parts) => [packed(parts, 1), packed(parts, DARKER)]);
+    const undecided = [packed(none, 1)];
+    answer.arrays.label.forEach((label, place) => {
+      const [left, top] = [each * Math.floor(place / count), each * (count - 1 - (place % count))]; // x, then y
+      const [fill, hatch] = [fills[label] ?? undecided, hatches[label] ?? PLAIN];
+      for (let row = top; row < top + each; row++) {
+        const line = (row % TILE) * TILE;
+        for (let column = left; column < left + each; column++) pixels[row * size + column] = fill[hatch[line + (column % TILE)]];
       }
-    }
+    });
     const picture = new OffscreenCanvas(size, size);
     picture.getContext("2d").putImageData(image, 0, 0);
     this.basin = answer;
