@@ -53,8 +53,8 @@ RESPONSE = {
 EVENT_KIND = {"exit": -1, "entry": 1}
 # What became of a start, besides the numbers of the attractors and the kinds of response.
 FATE = {"not_computed": -2, "undecided": -1}
-# What says that starts end on an attractor: a region that no orbit leaves, proven or found by
-# following orbits that begin in it; or only that they last.
+# What the region of an attractor rests on, which holds starts that end there: a proof that no orbit
+# leaves it, or orbits that begin in it and were followed; or there is none.
 TRAPPING = {"none": 0, "estimated": 1, "proven": 2}
 STATUS = {"done": 0, "failed": 1}
 DIRECTION = {"down": -1, "from_start": 0, "up": 1}
@@ -200,10 +200,12 @@ QUANTITIES: dict[str, Quantity] = {
     "attractor": Quantity("number of the attractor"),
     "label": Quantity("number of the attractor on which the start ends"),
     "settling_time": Quantity(
-        "time after which the end is certain, or at which following ended", scale="time"
+        "time at which a region held the orbit, or else at which following ended", scale="time"
     ),
     "kind": Quantity("kind of response on the attractor", flags=RESPONSE),
-    "trapping": Quantity("what holds the starts that end on the attractor", flags=TRAPPING),
+    "trapping": Quantity(
+        "what the region rests on that holds starts on the attractor", flags=TRAPPING
+    ),
     "lifetime": Quantity(
         "mean time after which the motion is left, infinite where that was not seen", scale="time"
     ),
@@ -215,10 +217,10 @@ QUANTITIES: dict[str, Quantity] = {
         "standard error of the fraction, if the starts were drawn at random from their range"
     ),
     "settling_median": Quantity(
-        "median of the times after which the end of starts on the attractor is certain",
+        "median of the times at which starts on the attractor were decided",
         scale="time",
     ),
-    "settling_95": Quantity("time after which it is certain for 95 % of them", scale="time"),
+    "settling_95": Quantity("time by which 95 % of them were decided", scale="time"),
     "mean_force": Quantity("mean contact force: the impulse in a unit of time", scale="force"),
     "dissipation_per_revolution": Quantity(
         "energy that damping takes in one revolution", scale="energy"
@@ -271,6 +273,8 @@ QUANTITIES: dict[str, Quantity] = {
     },
     "undecided_count": Quantity("number of starts whose end is not known"),
     "undecided_fraction": Quantity("part of the computed starts whose end is not known"),
+    "agreement": Quantity("part of the labels found again with a smaller error that are the same"),
+    "agreement_count": Quantity("number of labels found again with a smaller error in a step"),
     "not_computed_count": Quantity("number of starts that were not followed to the end"),
     "response_count": Quantity("number of starts that end on a response of the kind"),
     "response_fraction": Quantity("part of the computed starts that end on a response of the kind"),

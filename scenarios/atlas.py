@@ -74,7 +74,7 @@ def curves_of_the_cycle(points: int) -> list[xr.Dataset]:
 
 
 def in_lasting_contact(found: xr.Dataset) -> xr.DataArray:
-    """Return the share of starts that end in contact for good, over speed and clearance."""
+    """Return the share of starts that end in lasting contact, over speed and clearance."""
     kinds = ("synchronous", "bouncing", "full_contact", "chaotic")
     hard = found.kind.isin([RESPONSE[kind] for kind in kinds])
     return found.fraction.where(hard, 0.0).sum("attractor").squeeze()

@@ -4,12 +4,20 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, fields
+from operator import attrgetter
 
 import numpy as np
+import numpy.typing as npt
 
 from rotor_ida.arrays import Values
 from rotor_ida.atlas.resilience import Resilience, Search, Subject, resilience_of
-from rotor_ida.basins.attractors import CONTACT_FREE_FAMILY, Attractor, attractors_of, family_of
+from rotor_ida.basins.attractors import (
+    CONTACT_FREE_FAMILY,
+    NUMBERS,
+    Attractor,
+    attractors_of,
+    family_of,
+)
 from rotor_ida.basins.entropy import sample_entropy
 from rotor_ida.basins.following import FollowedStarts, follow_here
 from rotor_ida.basins.kernel import CHAOTIC, NOT_COMPUTED, UNDECIDED
@@ -22,12 +30,11 @@ from rotor_ida.steady_state import response
 from rotor_ida.storage.studies.arrays import Arrays
 from rotor_ida.storage.studies.results import Form
 
-# Numbers of an attractor as they are kept.
-NUMBERS = (
-    *("amplitude", "phase_lag", "radius_min", "radius_max", "period", "lifetime", "lifetime_low"),
-)
+# Of one rotor, so that its labels fit into memory many times.
+MOST_STARTS = 1_000_000
 # Of the times after which starts are decided: the median, and that of 95 of 100.
 QUANTILES = (0.5, 0.95)
+# What these are where no start is.
 NEVER = np.full(2, np.nan)
 RESILIENCE = tuple(each.name for each in fields(Resilience))
 _KIND = {number: word for word, number in RESPONSE.items()}
@@ -56,6 +63,8 @@ class Cell:
     undecided: int = 0  # number of starts, as the next one
     not_computed: int = 0
     entropies: tuple[float, float] = (math.nan, math.nan)  # of the basins and of their boundary
+    # number of starts labelled again with a smaller error, and of those with the same label
+    rechecked: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(2, dtype=np.int64))
     # the largest change of velocity and of place that was tried [1]
     largest_shocks: tuple[float, float] = (math.nan, math.nan)
 
@@ -77,6 +86,7 @@ def fill_cell(job: CellJob, stop: Stop) -> Cell:
     cell, attractors = Cell(job.rotor), attractors_of(found)
     cell.undecided = int((found.labels == UNDECIDED).sum())
     cell.not_computed = int((found.labels == NOT_COMPUTED).sum())
+    cell.rechecked = found.rechecked
     cell.entropies = sample_entropy(job.states, found.labels, family_of(attractors))
     for number, attractor in enumerate(attractors):
         own = found.labels == number
@@ -98,7 +108,7 @@ def _search_among(
 ) -> Search:
     """Return the attractors of a rotor with what is needed to look for shocks."""
     known, subjects = found.known, []
-    for cycle in found.cycles:
+    for cycle in sorted(found.cycles, key=attrgetter("radius_max")):
         if known.label_of_cycle(cycle) is None:
             known = with_cycle(known, cycle, stop)
     for number, attractor in enumerate(attractors):
@@ -134,6 +144,7 @@ def _as_arrays(cell: Cell) -> Arrays:
         "settling": np.array([each.settling for each in members]),
         "state": np.array([each.state for each in members]),
         "entropies": np.array(cell.entropies),
+        "rechecked": cell.rechecked,
         "largest_shocks": np.array(cell.largest_shocks),
     }
     told = [each.resilience for each in members if each.resilience is not None]
@@ -147,6 +158,7 @@ def _from_arrays(arrays: Arrays) -> Cell:
     cell = Cell(Rotor(omega=omega, zeta=zeta, delta0=delta0))
     cell.undecided, cell.not_computed = arrays["left"].tolist()
     cell.entropies = tuple(arrays["entropies"].tolist())
+    cell.rechecked = arrays.get("rechecked", cell.rechecked)  # not told before
     cell.largest_shocks = tuple(arrays["largest_shocks"].tolist())
     for place, (kind, trapping, count) in enumerate(
         zip(*(arrays[name].tolist() for name in ("kind", "trapping", "count")), strict=True)

@@ -12,8 +12,8 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.atlas.cells import FORM, Cell, CellJob, fill_cell
-from rotor_ida.atlas.dataset import atlas_dataset
+from rotor_ida.atlas.cells import FORM, MOST_STARTS, Cell, CellJob, fill_cell
+from rotor_ida.atlas.dataset import atlas_dataset, how_computed
 from rotor_ida.atlas.identities import identify
 from rotor_ida.basins.following import RTOL
 from rotor_ida.basins.fractions import box_of, drawn_from, range_of
@@ -39,9 +39,9 @@ from rotor_ida.provenance import computing
 from rotor_ida.simulation.options import LARGEST
 from rotor_ida.storage.studies.results import Results, open_results
 
-# Of one rotor, so that its labels fit into memory many times.
-MOST_STARTS = 1_000_000
+# The atlas is drawn over a line or a plane.
 MOST_AXES = 2
+# All rotors with their attractors are in memory at the end.
 MOST_ROTORS = 100_000
 
 
@@ -92,7 +92,8 @@ def continue_attractors(
         ``fraction``, ``fraction_error`` and ``count``; ``amplitude``, ``phase_lag``,
         ``radius_min``, ``radius_max``, ``period``, ``lifetime``, ``lifetime_low``,
         ``settling_median`` and ``settling_95`` [1]; ``kind`` and ``trapping`` as flags. On the
-        parameters ``undecided_fraction``, ``not_computed_count``, ``basin_entropy`` and
+        parameters ``undecided_fraction``, ``not_computed_count``, ``agreement`` and
+        ``agreement_count`` as `rotor_ida.basin` has them, ``basin_entropy`` and
         ``boundary_entropy``. With `shocks` on ``attractor`` and ``target`` ``velocity_shock`` and
         ``displacement_shock``, on ``attractor`` their bounds and the extents of the attractor, as
         `rotor_ida.touchdown_report` has them. The scalar
@@ -108,7 +109,9 @@ def continue_attractors(
 
     Notes
     -----
-    Every rotor is labelled as by `rotor_ida.basin_fractions`, all from the same starts. An
+    Every rotor is labelled as by `rotor_ida.basin_fractions`, all from the same starts; but `rtol`
+    is not chosen by them, and CVODE confirms no attractor. With `shocks` it follows the smallest
+    ones, as the attributes ``witness_method``, ``witness_rtol`` and so on say. An
     attractor has one number throughout: a limit cycle is followed from rotor to rotor along its
     branch, a whirl along the exact response curve. One that comes to a rotor where no start ended
     on it is listed there with the fraction 0: its basin is smaller than the sample can tell. Where
@@ -151,7 +154,7 @@ def continue_attractors(
     lines = _lines([values.size for values in axes.values()])
     interruptible(lambda stop: identify(cells, lines, stop))
     told = {f"range_{each}" if each in COMPONENTS else each: drawn[each] for each in drawn}
-    attributes = {"labelling_rtol": tolerance, "shocks": tried, **told}
+    attributes = {**how_computed(tolerance, tried), **told}
     if reason:
         attributes["not_computed_reason"] = reason
     return atlas_dataset(axes, cells, states.shape[1], attributes)

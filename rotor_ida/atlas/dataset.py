@@ -10,14 +10,14 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.atlas.cells import NUMBERS, Cell, Member
-from rotor_ida.atlas.resilience import Resilience
+from rotor_ida.atlas.cells import Cell, Member
+from rotor_ida.atlas.resilience import Resilience, witness_options
 from rotor_ida.atlas.shocks import KINDS
-from rotor_ida.basins.dataset import ENTROPIES, LABELLING
+from rotor_ida.basins.attractors import NUMBERS
+from rotor_ida.basins.dataset import ENTROPIES, agreement_of, followed_by, labelled_how
 from rotor_ida.parameters import PARAMETERS
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import END, RESPONSE, TRAPPING, WHIRL_DIRECTION, Column, labelled_dataset
-from rotor_ida.simulation.options import Options
 
 # The sample misses an attractor that has more than `missed_fraction` with this probability at most.
 RISK = 0.05
@@ -36,19 +36,7 @@ FLAGS = {
 def atlas_dataset(
     axes: Mapping[str, Values], cells: Sequence[Cell], starts: int, attributes: Mapping[str, object]
 ) -> xr.Dataset:
-    """Return the attractors over the parameters.
-
-    Parameters
-    ----------
-    axes : mapping of str to ndarray
-        omega, zeta and delta0 [1].
-    cells : sequence of Cell
-        The rotors in their order, each with its attractors numbered.
-    starts : int
-        Number of starts of each.
-    attributes : mapping
-        How they were drawn and followed.
-    """
+    """Return the attractors over the parameters, of rotors that have so many starts each."""
     members = [each for cell in cells for each in cell.members]
     count = 1 + max((each.identity for each in members), default=-1)
     columns = _columns(cells, count, starts)
@@ -67,6 +55,8 @@ def atlas_dataset(
     }
     for place, name in enumerate(ENTROPIES):
         of_cell[name] = [each.entropies[place] for each in cells]
+    agreement = [agreement_of(each.rechecked) for each in cells]
+    of_cell |= {name: [each[name] for each in agreement] for name in agreement[0]}
     variables: dict[str, Column] = {
         name: (over[: 2 + values.ndim], values.reshape(*sizes, *values.shape[1:]))
         for name, values in {
@@ -75,8 +65,15 @@ def atlas_dataset(
     }  # fmt: skip
     variables["missed_fraction"] = ((), missed_fraction(starts))
     title = "Rotor in a clearance: attractors and the fractions of starts on each"
-    told = {**provenance(Options().attributes()), "labelling": LABELLING}
-    return labelled_dataset(title, variables, coordinates, told | _flat(attributes))
+    return labelled_dataset(title, variables, coordinates, _flat(attributes))
+
+
+def how_computed(tolerance: float, shocks: int) -> dict[str, object]:
+    """Return as attributes what labelled starts and, if any were tried, followed shocks."""
+    how = labelled_how(tolerance)
+    if shocks:
+        how |= followed_by("witness", witness_options())
+    return {**provenance(how), "shocks": shocks}
 
 
 def missed_fraction(starts: int) -> float:

@@ -52,18 +52,10 @@ MOST_POINTS = 300
 
 @dataclass(frozen=True, slots=True)
 class End:
-    """Where an attractor ends, one way.
+    """Where an attractor ends, one way."""
 
-    Parameters
-    ----------
-    value : float
-        Of the parameter [1]; 0 or infinite where it goes on, NaN where that is not known.
-    kind : str
-        One of `rotor_ida.schema.END`.
-    """
-
-    value: float
-    kind: str
+    value: float  # of the parameter [1]; 0 or infinite where it goes on, NaN if that is not known
+    kind: str  # one of `rotor_ida.schema.END`
 
 
 UNKNOWN = End(math.nan, "not_found")

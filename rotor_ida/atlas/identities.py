@@ -31,10 +31,14 @@ from rotor_ida.steady_state import response
 
 # From one rotor to the next a branch of limit cycles has at most so many points.
 MOST_POINTS = 400
-# A whirl is followed in so many parts of a step; its amplitude may change by this part in each.
-PARTS, MOST_CHANGE = 64, 0.1
-# A whirl is the same as one of the neighbour when their amplitudes agree to this part.
+# From one rotor to the next a whirl is followed in so many steps,
+STEPS = 64
+# in each of which its amplitude may change by this part: a twentyfold change in all has been met.
+MOST_CHANGE = 0.1
+# A whirl is the same as one of the neighbour when their amplitudes agree to this part: both are
+# exact but for rounding.
 SAME_WHIRL = 1e-9
+# Of these kinds a rotor has one attractor at most, the same as its neighbour's.
 SHARED = (response.CONTACT_FREE, response.TOUCHING, response.CHAOTIC)
 # Attractors are numbered in this order of their kinds.
 KINDS = (
@@ -50,14 +54,8 @@ KINDS = (
 def identify(cells: Sequence[Cell], lines: Sequence[Sequence[int]], stop: Stop) -> int:
     """Give the attractors of all cells their numbers; return how many there are.
 
-    Parameters
-    ----------
-    cells : sequence of Cell
-        The rotors; attractors that are found by following others are added.
-    lines : sequence of sequence of int
-        Numbers of the cells along each line of the grid, one parameter rising.
-    stop : ndarray, shape (1,)
-        Anything but 0 asks to stop.
+    `lines` has the numbers of the cells along each line of the grid, one parameter rising.
+    Attractors that are found by following others are added to the cells.
     """
     links: list[tuple[Member, Member]] = []
     joined: set[tuple[int, int]] = set()  # an attractor, and the neighbour that it was found in
@@ -134,7 +132,7 @@ def followed_whirl(amplitude: float, here: Rotor, there: Rotor) -> float:
     begin, end = getattr(here, name), getattr(there, name)
     # amplitudes are powers of a small speed
     spread = np.geomspace if begin > 0.0 and end > 0.0 else np.linspace
-    parameters[name] = spread(begin, end, PARTS + 1)
+    parameters[name] = spread(begin, end, STEPS + 1)
     whirls = synchronous_response(**parameters).squeeze(
         [each for each in PARAMETERS if each != name]
     )

@@ -1,7 +1,8 @@
 """Resilience: how far each attractor of a rotor is from being left, by a knock or by drifting.
 
-For each attractor the smallest shock found to each other one, confirmed by CVODE; the size up to
-which no shock throws the rotor off; and the extents of its parameters.
+For each attractor the smallest shock found to each other one that CVODE, too, follows there; the
+size up to which no shock throws the rotor off, proven or estimated; and the extents of its
+parameters.
 """
 
 from __future__ import annotations
@@ -46,37 +47,30 @@ from rotor_ida.steady_state import response
 
 Flags = npt.NDArray[np.int8]
 
-# Shocks are tried up to so many times the largest attractor or the clearance; the speed of a whirl
-# of that size for velocities; and down to this part of that.
-LARGEST, SMALLEST = 4.0, 1e-4
+# Shocks are tried up to so many times the largest attractor or the clearance; of velocity, up to
+# the speed of a whirl of that size.
+LARGEST = 4.0
+# The search begins with sizes down to this part of that.
+SMALLEST = 1e-4
 # CVODE follows the smallest shock to its end, and where it comes elsewhere, larger ones by these
 # parts of it: a basin's border is known to an error, and may be finely folded.
 LARGER = (0.0, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0)
-# A limit cycle is shocked at any of so many of its states, chaos at so many a time unit apart that
-# come after so many more, if it is not left before so few of them.
-SAMPLES, CHAOS_BEGINS, FEWEST = 1024, 2000, 128
+# A limit cycle is shocked at any of so many states; chaos at so many, a unit of time apart.
+SAMPLES = 1024
+# States of chaos are taken after so many time units: till then the motion comes to it.
+CHAOS_BEGINS = 2000
+# Chaos that is left before so few of them is not shocked.
+FEWEST = 128
 
 
 @dataclass(frozen=True, slots=True)
 class Subject:
-    """An attractor as the search for shocks needs it.
-
-    Parameters
-    ----------
-    attractor : Attractor
-        The attractor.
-    label : int
-        Its label, as in `rotor_ida.basins.kernel`.
-    cycle : Cycle or None
-        Of a limit cycle.
-    start : ndarray, shape (4,)
-        A start that ends on it [1]; NaN where there is none.
-    """
+    """An attractor as the search for shocks needs it."""
 
     attractor: Attractor
-    label: int
-    cycle: Cycle | None
-    start: Values
+    label: int  # as in `rotor_ida.basins.kernel`
+    cycle: Cycle | None  # where it is one
+    start: Values  # one that ends on it, shape (4,) [1]; NaN where there is none
 
     @property
     def is_whirl(self) -> bool:
@@ -86,30 +80,20 @@ class Subject:
 
 @dataclass(slots=True)
 class Resilience:
-    """How far an attractor is from being left; of shocks first those of velocity, then of place.
+    """How far an attractor is from being left; of shocks first those of velocity, then of place."""
 
-    Parameters
-    ----------
-    sizes : ndarray, shape (2, m)
-        The smallest shock found to each attractor that CVODE follows there [1]; NaN where none was.
-    before, after : ndarray, shape (2, m, 4)
-        States on the rotating axes just before and after it [1].
-    scatter : ndarray, shape (2, m)
-        How much larger than that the best is that another draw led to, as a part of it [1].
-    bounds : ndarray, shape (2,)
-        The size below which no shock throws the rotor off [1].
-    extents : ndarray, shape (3, 2)
-        The lowest and the highest omega, zeta and delta0 at which the attractor exists [1].
-    ends : ndarray of int8, shape (3, 2)
-        How it ends there: numbers of `rotor_ida.schema.END`.
-    """
-
+    # the smallest shock found to each of m attractors that CVODE follows there, or NaN: (2, m) [1]
     sizes: Values
-    before: Values
-    after: Values
+    before: Values  # states on the rotating axes just before it, shape (2, m, 4) [1]
+    after: Values  # and just after
+    # how much larger the best is than the smallest that another draw led to, as a part of it,
+    # before CVODE has looked, shape (2, m) [1]
     scatter: Values
+    # the size below which no shock throws the rotor off: of whirls proven, of cycles estimated [1]
     bounds: Values = field(default_factory=lambda: np.zeros(2))
+    # the lowest and the highest omega, zeta and delta0 at which the attractor exists [1],
     extents: Values = field(default_factory=lambda: np.full((3, 2), np.nan))
+    # and how it ends there: numbers of `rotor_ida.schema.END`
     ends: Flags = field(default_factory=lambda: np.full((3, 2), END["not_found"], dtype=np.int8))
 
     @classmethod
@@ -123,26 +107,12 @@ class Resilience:
 
 @dataclass(frozen=True, slots=True)
 class Search:
-    """A rotor with all that is needed to look for shocks.
-
-    Parameters
-    ----------
-    known : Known
-        The rotor and its attractors.
-    subjects : list of Subject
-        The attractors, in their order.
-    shocks : int
-        So many of each kind are tried for each attractor.
-    tolerance : float
-        Error allowed in a step [1].
-    stop : ndarray, shape (1,)
-        Anything but 0 asks to stop.
-    """
+    """A rotor with all that is needed to look for shocks."""
 
     known: Known
-    subjects: list[Subject]
-    shocks: int
-    tolerance: float
+    subjects: list[Subject]  # its attractors, in their order
+    shocks: int  # so many of each kind are tried for each attractor
+    tolerance: float  # of a step [1]
     stop: Stop
 
     def largest(self) -> tuple[float, float]:
@@ -161,6 +131,11 @@ class Search:
         if any(each.label == CHAOTIC for each in self.subjects):
             labels[labels == UNDECIDED] = CHAOTIC
         return labels
+
+
+def witness_options() -> Options:
+    """Return with what the smallest shocks are followed to their end."""
+    return Options()
 
 
 def resilience_of(search: Search) -> list[Resilience]:
@@ -202,13 +177,13 @@ def _keep_smallest(
     search: Search, found: Resilience, place: tuple[int, int], tried: Shocks
 ) -> None:
     """Keep the smallest shock to an attractor that CVODE follows there."""
-    target = search.subjects[place[1]]
+    target, options = search.subjects[place[1]], witness_options()
     for number in tried.smallest(target.label, LARGER):
         if search.stop[0]:
             return
         after = tried.after[:, number]
         if leads_to(
-            search.known.rotor, target.attractor, after, Options(), family=True, stop=search.stop
+            search.known.rotor, target.attractor, after, options, family=True, stop=search.stop
         ):
             found.sizes[place] = tried.sizes[number]
             found.before[place], found.after[place] = tried.before[:, number], after

@@ -5,10 +5,10 @@ step in two of the four coordinates, from any state of the attractor and in any 
 are drawn over states, directions and sizes and followed all together, as starts of a basin are;
 then smaller and smaller ones, half of them close to the smallest found, half anywhere. From the
 best of these the search goes down along the edge of the basin until no neighbour is smaller. What
-is found is a witness: a shock that does throw the rotor there, the smallest of those beside it.
-That no smaller one does anywhere is proven up to the bound, which for a stable whirl is the largest
-circle of shocks within its trapping region; for a limit cycle that circle is found by following
-shocks of it, up to the set on its section.
+is found is a witness: a shock that throws the rotor there, the smallest of those beside it that
+were tried. None below the bound does. Of a stable whirl that is proven: the bound is the largest
+circle of shocks within its trapping region. Of a limit cycle it is estimated, by following shocks
+into the set on its section.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ import numpy as np
 from scipy.stats import qmc
 
 from rotor_ida.arrays import Values
-from rotor_ida.basins.cycle_sections import CycleSection
+from rotor_ida.basins.cycle_sections import LAST_RETURN, CycleSection
 from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED, Labels, measure_returns
 from rotor_ida.basins.known import Known
 from rotor_ida.basins.trapping_regions import TrappingRegion
@@ -30,23 +30,44 @@ from rotor_ida.parallel import Stop
 
 # Kinds of shock, with the first of the two coordinates that it changes.
 KINDS = {"velocity": 2, "displacement": 0}
-# Shocks are drawn in so many rounds, the first of them, as large as so many, evenly.
-ROUNDS, EXPLORING = 16, 4
-# Near the smallest shocks to an attractor, so many that lie apart, others are sought in this part
-# of all states and directions, less by this factor in each round.
-LEADING, AROUND, CLOSER = 8, 0.1, 0.7
+# Shocks are divided among so many rounds.
+ROUNDS = 16
+# The first takes the share of so many: its shocks lie evenly over all states, directions and sizes.
+EXPLORING = 4
+# The search goes on from so many of the smallest shocks to an attractor, which lie apart.
+LEADING = 8
+# Others are sought round these in this part of all states and directions,
+AROUND = 0.1
+# less by this factor in each round: in the last in a thousandth.
+CLOSER = 0.7
 # They are smaller by such parts, spread evenly on a logarithmic scale.
 LESS_BY = (1e-4, 0.5)
-# Downhill so many neighbours of each are tried at a time, with sizes less by parts as above, first
-# within this part of all states and directions; where none is smaller, nearer ones, by this factor,
-# down to where the edge, which is smooth there, has fallen by less than a part of 1e-5.
-NEIGHBOURS, BESIDE, NEARER, NEAREST = 32, 0.1, 0.6, 1e-3
+
+# Downhill so many neighbours of each are tried at a time, with sizes less by parts as above,
+NEIGHBOURS = 32
+# first within this part of all states and directions;
+BESIDE = 0.1
+# where none is smaller, within this part of that,
+NEARER = 0.6
+# down to this part of all, where the edge, which is smooth, has fallen by less than a part of 1e-5.
+NEAREST = 1e-3
+# No search goes down for longer than so many turns.
 MOST_TURNS = 60
-# A limit cycle is shocked for its bound at so many states in so many directions, by sizes that are
-# these parts of it. The bound is the largest of so many, each less by a factor, from which all of
-# them come back to its section, and this much less for those that were not tried.
-PHASES, DIRECTIONS, SHELLS = 32, 24, (1.0, 0.7, 0.4)
-TIGHT, SIZES, LESS, CAUTION = 1e-8, 127, 0.93, 0.8
+
+# A limit cycle is shocked for its bound at so many states,
+PHASES = 32
+# in so many directions,
+DIRECTIONS = 24
+# by these parts of a size: all up to it should come back.
+SHELLS = (1.0, 0.7, 0.4)
+# What they do is followed with this error of a step.
+TOLERANCE = 1e-8
+# The bound is sought among sizes each of which is this part of the one before:
+LESS = 0.93
+# so many, down to 1e-4 of the largest, as small as shocks are tried.
+SIZES = 127
+# It is this much less than where all shocks come back, for those that were not tried.
+CAUTION = 0.8
 
 # States of an attractor, shape (4, n), at places in the unit square, shape (2, n).
 Source = Callable[[Values], Values]
@@ -54,22 +75,12 @@ Source = Callable[[Values], Values]
 
 @dataclass(frozen=True, slots=True)
 class Shocks:
-    """Shocks that were followed.
-
-    Parameters
-    ----------
-    sizes : ndarray, shape (n,)
-        Their sizes [1].
-    before, after : ndarray, shape (4, n)
-        States on the rotating axes just before and after them [1].
-    labels : ndarray of int16, shape (n,)
-        Labels of what they throw the rotor to, as in `rotor_ida.basins.kernel`.
-    """
+    """Shocks that were followed, n of them."""
 
     sizes: Values
-    before: Values
-    after: Values
-    labels: Labels
+    before: Values  # states on the rotating axes just before them, shape (4, n) [1]
+    after: Values  # and just after
+    labels: Labels  # of what they throw the rotor to
 
     def smallest(self, label: int, larger: Sequence[float]) -> list[int]:
         """Return the numbers of shocks with a label, in order of size from the smallest on.
@@ -118,32 +129,11 @@ def try_shocks(
     source: Source, own: int, kind: str, sizes: tuple[float, float], count: int,
     ends: Callable[[Values], Labels], seed: int,
 ) -> tuple[Shocks, dict[int, float]]:  # fmt: skip
-    """Return shocks that were followed, ever smaller ones to each other attractor.
+    """Return shocks of one kind that were followed, ever smaller ones to each other attractor.
 
-    Parameters
-    ----------
-    source : callable
-        Gives states of the attractor.
-    own : int
-        The label of the attractor itself.
-    kind : {"velocity", "displacement"}
-        What the shock changes.
-    sizes : tuple of float
-        The smallest and the largest size at the start [1].
-    count : int
-        How many shocks to follow.
-    ends : callable
-        Gives the labels of states.
-    seed : int
-        Seed of the random numbers.
-
-    Returns
-    -------
-    tried : Shocks
-        All shocks that were followed.
-    scatter : dict of int to float
-        By label, how much larger than the smallest shock the best is that was come to from another
-        draw, as a part of it; NaN where there was but one draw.
+    They strike states of the attractor with the label `own`, and begin with sizes between two.
+    Beside them, by label, how much larger than the smallest shock the best is that another draw
+    led to, as a part of it: its scatter; NaN where there was but one draw.
     """
     random = np.random.default_rng(seed)
     each = max(count // ROUNDS, 8)
@@ -293,18 +283,7 @@ def bound_of_cycle(
 ) -> float:  # fmt: skip
     """Return the size up to which shocks of a limit cycle come back to its section: estimated.
 
-    Parameters
-    ----------
-    section : CycleSection
-        The section, with a set that returns into itself.
-    source : callable
-        Gives states of the cycle.
-    kind : {"velocity", "displacement"}
-        What the shock changes.
-    most : float
-        The bound is not sought above this [1].
-    stop : ndarray, shape (1,)
-        Anything but 0 asks to stop.
+    It is not sought above `most`.
     """
     if not section.exists:
         return 0.0
@@ -315,7 +294,7 @@ def bound_of_cycle(
         values = np.empty(states.shape[1])
         measure_returns(
             np.ascontiguousarray(states), section.cycle.rotor, section.numbers,
-            (0.0, 1.6 * section.cycle.period), TIGHT, values, stop,
+            (0.0, LAST_RETURN * section.cycle.period), TOLERANCE, values, stop,
         )  # fmt: skip
         return (values <= 1.0).astype(np.int16)
 

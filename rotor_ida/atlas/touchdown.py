@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.atlas.cells import Cell, CellJob, Member, fill_cell
-from rotor_ida.atlas.dataset import column_of, member_row, missed_fraction
+from rotor_ida.atlas.cells import MOST_STARTS, Cell, CellJob, Member, fill_cell
+from rotor_ida.atlas.dataset import column_of, how_computed, member_row, missed_fraction
 from rotor_ida.atlas.shocks import KINDS
-from rotor_ida.basins.dataset import ENTROPIES
+from rotor_ida.basins.dataset import ENTROPIES, agreement_of
 from rotor_ida.basins.following import RTOL
 from rotor_ida.basins.fractions import box_of, drawn_from
 from rotor_ida.basins.labelling import LOOSEST, TIGHTEST, check_rotor
@@ -32,18 +32,18 @@ from rotor_ida.equations.contact import contact_force
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import interruptible
 from rotor_ida.parameters import PARAMETERS, DimensionalRotor, Rotor
-from rotor_ida.provenance import provenance
 from rotor_ida.schema import WHIRL_DIRECTION, Column, labelled_dataset
 from rotor_ida.si_units import dimensional
 from rotor_ida.simulation.dataset import parameter_coordinates
-from rotor_ida.simulation.options import LARGEST, Options
+from rotor_ida.simulation.options import LARGEST
 from rotor_ida.stability.orbit import Shot
 from rotor_ida.steady_state import response
 
+# Samples of one period of a limit cycle, for its mean force, its power and its whirl.
 SAMPLES = 2048
-MOST_STARTS = 1_000_000
 # Of the numbers of an attractor, these say nothing more.
 LEFT_OUT = ("count", "phase_lag")
+# What an attractor does, in numbers that it may lack.
 NUMBERS = (
     "largest_force", "mean_force", "contacts_per_revolution", "contact_fraction",
     "dissipation_per_revolution", "whirl_ratio", "excursion",
@@ -92,7 +92,9 @@ def touchdown_report(
         energy that damping takes [J]; ``whirl_ratio`` and ``whirl_direction`` of the strongest
         whirl beside the spin; ``radius_min``, ``radius_max``, ``period`` [m], [s]; ``excursion``,
         the largest distance from the bearing axis over the clearance; the scalars
-        ``basin_entropy`` and ``boundary_entropy``. Of chaos what needs a period is NaN.
+        ``basin_entropy`` and ``boundary_entropy``, and ``agreement``, the part of the labels that
+        come out the same with a smaller error in a step, of ``agreement_count`` that were found
+        again. Of chaos what needs a period is NaN.
 
         With `shocks`, on ``(attractor, target)``: ``velocity_shock`` and ``displacement_shock``
         [m/s], [m], NaN where none was found up to ``velocity_shock_largest`` and
@@ -102,7 +104,7 @@ def touchdown_report(
         ``velocity_shock_before_x`` and so on: divided by the attributes ``length_scale`` and
         ``velocity_scale``, starts of `rotor_ida.simulate`; on ``attractor`` the
         sizes below which no shock throws it off, ``velocity_shock_bound`` and
-        ``displacement_shock_bound``, as sure as ``trapping`` says; and ``omega_low``,
+        ``displacement_shock_bound``, proven or estimated as ``trapping`` says; and ``omega_low``,
         ``omega_high`` and so on [1], the values of each parameter between which the attractor
         exists, with the way it ends there, ``omega_low_end`` and so on, as a flag.
 
@@ -116,8 +118,12 @@ def touchdown_report(
     Energy comes from the drive and leaves through damping alone, ``2 zeta |z'|**2``: the Hertz
     contact gives back all that it takes.
 
+    Starts are labelled as by `rotor_ida.basin_fractions`, with the same `rtol` for any machine;
+    CVODE confirms no attractor.
+
     A shock strikes at any phase and in any direction. The smallest one found has been followed by
-    CVODE to its end: it is a witness, and a smaller one may exist, down to the bound. All whirls
+    CVODE to its end, with what the attributes ``witness_method``, ``witness_rtol`` and so on say:
+    it is a witness, and a smaller one may exist, down to the bound. All whirls
     that stay inside the clearance, with the touches that fade towards them, are one attractor
     here: of its outermost whirls, which just reach the ring, no bound is known but 0.
 
@@ -150,7 +156,7 @@ def touchdown_report(
     tried = check_count("shocks", shocks, minimum=0, maximum=MOST_SHOCKS)
     job = CellJob(rotor, drawn_from(scaled, chosen, 0, count), tolerance, tried)
     cell = interruptible(lambda stop: fill_cell(job, stop))
-    told = {"starts": count, "seed": chosen, "labelling_rtol": tolerance, "shocks": tried}
+    told = {**how_computed(tolerance, tried), "starts": count, "seed": chosen}
     ranges = {f"range_{name}": ends for name, ends in zip(COMPONENTS, box, strict=True)}
     report = _dataset(cell, count, {**told, **ranges})
     return dimensional(report, machine) if isinstance(machine, DimensionalRotor) else report
@@ -170,6 +176,7 @@ def _dataset(cell: Cell, starts: int, attributes: Mapping[str, object]) -> xr.Da
         variables[name] = ("attractor", column)
     variables |= (tried := _shocks(cell))
     variables |= {name: ((), one) for name, one in zip(ENTROPIES, cell.entropies, strict=True)}
+    variables |= {name: ((), one) for name, one in agreement_of(cell.rechecked).items()}
     variables["undecided_fraction"] = ((), cell.undecided / starts)
     variables["missed_fraction"] = ((), missed_fraction(starts))
     coordinates = parameter_coordinates(cell.rotor)
@@ -177,8 +184,7 @@ def _dataset(cell: Cell, starts: int, attributes: Mapping[str, object]) -> xr.Da
     coordinates["attractor"] = ("attractor", numbers)
     if tried:
         coordinates["target"] = ("target", numbers)
-    told = {**provenance(Options().attributes()), **attributes}
-    told |= {name: getattr(cell.rotor, name) for name in PARAMETERS}
+    told = {**attributes, **{name: getattr(cell.rotor, name) for name in PARAMETERS}}
     return labelled_dataset("What touching the ring does", variables, coordinates, told)
 
 

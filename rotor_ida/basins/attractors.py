@@ -7,13 +7,12 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 from scipy.special import gammaincinv
 
 from rotor_ida.arrays import Values
 from rotor_ida.basins.contact_free_whirls import ContactFree
 from rotor_ida.basins.following import FollowedStarts, Starts
-from rotor_ida.basins.kernel import CHAOTIC
+from rotor_ida.basins.kernel import CHAOTIC, Labels
 from rotor_ida.checks import State
 from rotor_ida.cycles.limit_cycle import follow
 from rotor_ida.cycles.shooting import Cycle
@@ -30,7 +29,11 @@ WITNESSES = 3
 # What CVODE finds agrees with the attractor to this part: radii of its largest one, its period of
 # the period.
 AGREEMENT = 1e-5
-# How the starts on an attractor are held: see `rotor_ida.schema.TRAPPING`.
+# The numbers of an attractor, as they are told and kept.
+NUMBERS = (
+    *("amplitude", "phase_lag", "radius_min", "radius_max", "period", "lifetime", "lifetime_low"),
+)
+# What the region of an attractor rests on: see `rotor_ida.schema.TRAPPING`.
 PROVEN, ESTIMATED, NOTHING = "proven", "estimated", "none"
 # Whirls that stay inside the clearance; the outermost of them is reached by touches that fade.
 CONTACT_FREE_FAMILY = (response.CONTACT_FREE, response.TOUCHING)
@@ -55,13 +58,14 @@ class Attractor:
     period : float
         On the rotating axes, of a limit cycle [1]; else NaN.
     trapping : {"proven", "estimated", "none"}
-        What says that starts end on it: a region that no orbit leaves, proven or found by following
-        orbits that begin in it; or only that they last.
+        What the region rests on that holds its starts: a proof that no orbit leaves it, or orbits
+        that begin in it and were followed; or there is none, and they were followed alone.
     lifetime, lifetime_low : float
         Mean time after which a chaotic motion is left, infinite where none was, and the least one
         that is likely at 95 % [1]; infinite for all others.
     confirmed : bool
-        Whether CVODE has followed a start to it.
+        Whether CVODE has followed one of its starts to it, or for contact-free whirls, touches and
+        chaos to one of its kind; False where that was not tried.
     """
 
     kind: str
@@ -96,9 +100,9 @@ def attractors_of(found: FollowedStarts) -> list[Attractor]:
         if known.fading_label in present:
             rows.append((known.fading_label, _fading(known.free, known.rotor.delta0)))
     stop = np.zeros(1, np.uint8)
-    for place, (cycle, held) in enumerate(zip(found.cycles, found.held, strict=True)):
+    for place in np.argsort([each.radius_max for each in found.cycles], kind="stable").tolist():
         if (number := known.first_cycle + place) in present:
-            rows.append((number, attractor_of_cycle(cycle, held, stop)))
+            rows.append((number, attractor_of_cycle(found.cycles[place], found.held[place], stop)))
     if CHAOTIC in present:
         rows.append((CHAOTIC, _chaos(found)))
     _renumber(found.labels, [label for label, _ in rows])
@@ -208,7 +212,7 @@ def _chaos(found: FollowedStarts) -> Attractor:
     )  # fmt: skip
 
 
-def _present(labels: npt.NDArray[np.int16]) -> set[int]:
+def _present(labels: Labels) -> set[int]:
     """Return the labels that occur."""
     present: set[int] = set()
     for stretch in stretches(labels.size):
@@ -216,7 +220,7 @@ def _present(labels: npt.NDArray[np.int16]) -> set[int]:
     return present
 
 
-def _renumber(labels: npt.NDArray[np.int16], kept: list[int]) -> None:
+def _renumber(labels: Labels, kept: list[int]) -> None:
     """Replace labels by their places in a list; those of fates stay."""
     table = np.arange(max([*kept, 0]) + 1 - CHAOTIC, dtype=np.int16)
     table[CHAOTIC:] = np.arange(CHAOTIC, 0)

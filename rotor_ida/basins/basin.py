@@ -61,9 +61,12 @@ def basin(
         On the two components that vary: ``label``, the number of the attractor, -1 where the end
         is not known, -2 where it was not computed; ``response``, its kind as a flag;
         ``settling_time`` [1]. On ``attractor``: ``kind``, ``amplitude``, ``phase_lag``,
-        ``radius_min``, ``radius_max`` (NaN where they depend on the start), ``confirmed``,
-        ``count``, ``fraction`` and ``fraction_error``. Scalars: ``undecided_count``,
-        ``undecided_fraction``, ``not_computed_count``; ``basin_entropy``, how uncertain the end of
+        ``radius_min``, ``radius_max`` (NaN where they depend on the start); ``trapping``, whether
+        the region that holds starts is proven or estimated; ``confirmed``, whether CVODE has
+        followed one of its starts to it; ``count``, ``fraction`` and ``fraction_error``. Scalars:
+        ``undecided_count``, ``undecided_fraction``, ``not_computed_count``; ``agreement``, the part
+        of the labels that come out the same with the error ``agreement_rtol`` in a step, of
+        ``agreement_count`` that were found again; ``basin_entropy``, how uncertain the end of
         a start is within a small box, and ``boundary_entropy``, the same over the boxes in which
         starts end differently: on a fine grid more than log 2 says that the boundary is fractal.
 
@@ -81,8 +84,14 @@ def basin(
     dying, with the attribute ``not_computed_reason``. Stable whirls in contact are listed even
     where no start ends on them. ``fraction_error`` is ``sqrt(p (1 - p)/n)``, the standard error
     that n random starts would have; the error of a grid, whose cells are wrong only along the
-    borders of the basins, is smaller. ``settling_time`` is the time at which a start is known to
-    be on its attractor for good, or else that at which the final window ends.
+    borders of the basins, is smaller. ``settling_time`` is the time at which a region
+    held the orbit, or else that at which the final window of an orbit followed alone ends.
+
+    A label is proven only where the start itself lies in a region that is. Any other rests on the
+    integration up to there, of which `agreement` is a sample. The attributes say what did what:
+    ``labelling_method`` and ``labelling_rtol`` the labels, ``left_over_method`` and
+    ``left_over_rtol`` the orbits that no region held, ``confirmation_method`` and so on what
+    `confirmed` tells, if an interrupt did not prevent it.
 
     Examples
     --------

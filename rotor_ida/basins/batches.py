@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 import numpy.typing as npt
@@ -39,6 +39,8 @@ class BatchResult:
         them together were watched [1].
     tolerance : ndarray, shape ()
         Error allowed in a step [1].
+    rechecked : ndarray of int64, shape (2,)
+        Number of starts labelled again with a smaller error, and of those with the same label.
     """
 
     first: int
@@ -48,6 +50,7 @@ class BatchResult:
     chaos: Values
     watched: Values
     tolerance: Values
+    rechecked: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(2, dtype=np.int64))
 
 
 def _as_arrays(batch: BatchResult) -> Arrays:

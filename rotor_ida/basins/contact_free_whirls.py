@@ -57,21 +57,11 @@ LIKE_THE_LAW = 0.25
 
 @dataclass(frozen=True, slots=True)
 class ContactFree:
-    """The whirls that stay inside the clearance, and those beside them whose touches fade.
+    """The whirls that stay inside the clearance, and those beside them whose touches fade."""
 
-    Parameters
-    ----------
-    whirl : complex
-        Displacement on the rotating axes from the centre of the whirl [1].
-    room : float
-        How far the centre may lie from the bearing axis [1].
-    excess : float
-        How much farther out it may come to rest for touches to fade [1]; 0 where none are known to.
-    """
-
-    whirl: complex
-    room: float
-    excess: float
+    whirl: complex  # displacement from its centre, on the rotating axes [1]
+    room: float  # how far the centre may lie from the bearing axis [1]
+    excess: float  # how much farther out touches still fade [1]; 0 where none are known to
 
     @property
     def numbers(self) -> Values:

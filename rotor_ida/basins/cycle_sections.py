@@ -1,4 +1,4 @@
-"""A set on a section of a stable limit cycle that returns into itself: what passes it is sure.
+"""A set on a section of a stable limit cycle that returns into itself: it holds what passes it.
 
 The section is the plane across the field at the state c of the cycle where its radius is largest.
 Near c an orbit comes back to it by ``s - c -> Pi (s - c)``, with the monodromy matrix seen on the
@@ -22,7 +22,7 @@ import numpy as np
 
 from rotor_ida.arrays import Values
 from rotor_ida.basins.kernel import SECTION, measure_returns
-from rotor_ida.core.interface import RADIUS, TIME
+from rotor_ida.core.interface import KIND, RADIUS, TIME
 from rotor_ida.cycles.multipliers import multipliers_of
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.errors import SimulationError
@@ -99,7 +99,7 @@ def cycle_section(cycle: Cycle, stop: Stop) -> CycleSection:
 def _widest_section(cycle: Cycle, stop: Stop) -> CycleSection:
     """Return the section with the largest set among those that the modes suggest."""
     shot = cycle.shot
-    maxima = shot.extrema[shot.extrema[:, 2] == MAXIMUM]
+    maxima = shot.extrema[shot.extrema[:, KIND] == MAXIMUM]
     time = float(maxima[np.argmax(maxima[:, RADIUS]), TIME])
     centre = shoot(cycle.rotor, cycle.state, time, stop).end if time > 0.0 else cycle.state
     round_ = shoot(cycle.rotor, centre, cycle.period, stop)

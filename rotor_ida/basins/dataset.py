@@ -11,28 +11,32 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.basins.attractors import Attractor, family_of
+from rotor_ida.basins.agreement import tighter_than
+from rotor_ida.basins.attractors import NUMBERS, Attractor, family_of
 from rotor_ida.basins.entropy import grid_entropy, sample_entropy
+from rotor_ida.basins.fates import ALONE
 from rotor_ida.basins.following import Starts
+from rotor_ida.basins.kernel import Labels
 from rotor_ida.basins.labelling import Labelled
 from rotor_ida.parameters import PARAMETERS
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import FATE, RESPONSE, TRAPPING, Column, labelled, labelled_dataset
 from rotor_ida.simulation.dataset import parameter_coordinates
+from rotor_ida.simulation.options import Options
 from rotor_ida.storage.studies.arrays import scratch, stretches
 
 LABELLING = (
-    "every start followed in lockstep lanes by DOP853 on the rotating axes until a trapping region "
-    "holds it; those left over followed by Taylor series, and their limit cycles found by Newton's "
-    "method; attractors confirmed by CVODE"
+    "every start followed beside others by DOP853 on the rotating axes, with the error "
+    "labelling_rtol in a step, until a region holds it; where some are left over, limit cycles "
+    "found by Newton's method, some orbits followed one by one by Taylor series, as in a sweep with "
+    "left_over_rtol, and what lasts told to be chaotic by an exponent of its own, or followed on; "
+    "some starts labelled again with the error agreement_rtol"
 )
+# What follows starts side by side, in the core.
+LABELLING_METHOD = "dop853"
 ENTROPIES = ("basin_entropy", "boundary_entropy")
 # Of a larger sample the first so many starts tell the entropies.
 MOST_IN_ENTROPY = 1_000_000
-# The numbers of an attractor that are told, in this order.
-TABLE = (
-    "amplitude", "phase_lag", "radius_min", "radius_max", "period", "lifetime", "lifetime_low",
-)  # fmt: skip
 
 
 def basin_dataset(
@@ -48,6 +52,7 @@ def basin_dataset(
         "settling_time": labelled("settling_time", dims, times),
         **_attractor_table(labels, attractors),
         **_entropies(grid_entropy(labels, family_of(attractors))),
+        **_agreement(found),
     }
     coordinates = parameter_coordinates(found.rotor)
     coordinates |= {name: (name, values) for name, values in axes.items()}
@@ -72,6 +77,7 @@ def fractions_dataset(starts: Starts, found: Labelled, drawn: Mapping[str, objec
     variables: dict[str, Column | xr.Variable] = {
         **_attractor_table(labels, attractors),
         **_entropies(sample_entropy(starts(0, first), labels[:first], family_of(attractors))),
+        **_agreement(found),
         "response_count": ("response", counts),
         "response_fraction": ("response", fraction),
         "response_fraction_error": ("response", error),
@@ -83,18 +89,47 @@ def fractions_dataset(starts: Starts, found: Labelled, drawn: Mapping[str, objec
     return labelled_dataset(title, variables, coordinates, _attributes(found, drawn))
 
 
+def _agreement(found: Labelled) -> dict[str, xr.Variable]:
+    told = agreement_of(found.followed.rechecked)
+    return {name: labelled(name, (), value) for name, value in told.items()}
+
+
 def _entropies(values: tuple[float, float]) -> dict[str, xr.Variable]:
     return {name: labelled(name, (), one) for name, one in zip(ENTROPIES, values, strict=True)}
 
 
+def labelled_how(tolerance: float) -> dict[str, object]:
+    """Return as attributes what labelled starts, where a step might have such an error [1]."""
+    return {
+        "labelling": LABELLING,
+        "labelling_method": LABELLING_METHOD,
+        "labelling_rtol": tolerance,
+        "left_over_method": ALONE.method,
+        "left_over_rtol": ALONE.rtol,
+        "agreement_rtol": tighter_than(tolerance),
+    }
+
+
+def followed_by(purpose: str, options: Options) -> dict[str, object]:
+    """Return as attributes the method and tolerances with which orbits were followed to an end."""
+    return {f"{purpose}_{name}": value for name, value in options.attributes().items()}
+
+
+def agreement_of(rechecked: npt.NDArray[np.int64]) -> dict[str, float]:
+    """Return how many labels were found again, and the part of them that came out the same."""
+    count, alike = rechecked.tolist()
+    return {"agreement": alike / count if count else math.nan, "agreement_count": count}
+
+
 def _attributes(found: Labelled, drawn: Mapping[str, object] | None = None) -> dict[str, object]:
     followed = found.followed
+    how = labelled_how(followed.tolerance)
+    if not followed.interrupted:
+        how |= followed_by("confirmation", found.options)
     told = {
-        **provenance(found.options.attributes()),
-        "labelling": LABELLING,
+        **provenance(how),
         **{name: getattr(found.rotor, name) for name in PARAMETERS},
         **(drawn or {}),
-        "labelling_rtol": followed.tolerance,
         "interrupted": int(followed.interrupted),
     }
     if followed.not_computed_reason:
@@ -102,7 +137,7 @@ def _attributes(found: Labelled, drawn: Mapping[str, object] | None = None) -> d
     return told
 
 
-def _labels(labels: npt.NDArray[np.int16], dims: tuple[str, ...], count: int) -> xr.Variable:
+def _labels(labels: Labels, dims: tuple[str, ...], count: int) -> xr.Variable:
     variable = labelled("label", dims, labels)
     variable.attrs["flag_values"] = np.array([*FATE.values(), *range(count)], dtype=np.int16)
     numbered = [f"attractor_{number}" for number in range(count)]
@@ -111,7 +146,7 @@ def _labels(labels: npt.NDArray[np.int16], dims: tuple[str, ...], count: int) ->
 
 
 def _responses(
-    labels: npt.NDArray[np.int16],
+    labels: Labels,
     dims: tuple[str, ...],
     attractors: Sequence[Attractor],
     folder: Path | None,
@@ -131,15 +166,13 @@ def _responses(
     return variable
 
 
-def _attractor_table(
-    labels: npt.NDArray[np.int16], attractors: Sequence[Attractor]
-) -> dict[str, xr.Variable]:
+def _attractor_table(labels: Labels, attractors: Sequence[Attractor]) -> dict[str, xr.Variable]:
     missing, undecided, *ends = _counts(labels, len(attractors)).tolist()
     counts = np.array(ends, dtype=np.int64)
     fraction, error = _fractions(np.array([*counts, undecided]), labels.size - missing)
     columns: dict[str, npt.ArrayLike] = {
         "kind": np.array([RESPONSE[each.kind] for each in attractors], dtype=np.int8),
-        **{name: np.array([getattr(each, name) for each in attractors], float) for name in TABLE},
+        **{name: np.array([getattr(each, name) for each in attractors], float) for name in NUMBERS},
         "trapping": np.array([TRAPPING[each.trapping] for each in attractors], dtype=np.int8),
         "confirmed": np.array([each.confirmed for each in attractors], dtype=np.int8),
         "count": counts,
@@ -153,7 +186,7 @@ def _attractor_table(
     return table
 
 
-def _counts(labels: npt.NDArray[np.int16], attractors: int) -> npt.NDArray[np.int64]:
+def _counts(labels: Labels, attractors: int) -> npt.NDArray[np.int64]:
     """Return how many starts were not computed, are undecided, and end on each attractor."""
     flat, first = labels.reshape(-1), min(FATE.values())
     counts = np.zeros(attractors - first, dtype=np.int64)

@@ -12,12 +12,9 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from rotor_ida.arrays import Values
-from rotor_ida.basins.kernel import NOT_COMPUTED
-
-Labels = npt.NDArray[np.int16]
+from rotor_ida.basins.kernel import NOT_COMPUTED, Labels
 
 # A box of a grid is so many starts wide.
 WIDTH = 5

@@ -87,44 +87,18 @@ ASIDE = (1e-3, 3e-3, 1e-2, 3e-2, 1e-1)
 
 @dataclass(slots=True)
 class Batch:
-    """Starts under way, with what is decided of them.
+    """Starts under way, n of them, with what is decided of each."""
 
-    Parameters
-    ----------
-    known : Known
-        The rotor and its attractors; those that are found are added.
-    states : ndarray, shape (4, n)
-        Starts on the rotating axes [1]: of a copy, overwritten as they are followed.
-    tolerance : float
-        Of a step [1].
-    stop : ndarray of uint8, shape (1,)
-        Set to 1 to end early.
-
-    Attributes
-    ----------
-    labels : ndarray of int16, shape (n,)
-        Label of the attractor, CHAOTIC, UNDECIDED or NOT_COMPUTED.
-    times : ndarray of float32, shape (n,)
-        For how long each was followed [1].
-    left, watched : int and float
-        Number of orbits that left a chaotic motion while this was watched, and for how long all of
-        them together were watched [1].
-    chaotic : SettledResponse or None
-        A chaotic motion.
-    matched : Known or None
-        What was known when orbits were last followed together.
-    """
-
-    known: Known
-    states: Values
-    tolerance: float
+    known: Known  # the rotor and its attractors; those that are found are added
+    states: Values  # on the rotating axes, shape (4, n): of a copy, overwritten as they move [1]
+    tolerance: float  # of a step [1]
     stop: Stop
     labels: Labels = field(init=False)
-    times: Times = field(init=False)
-    left: int = 0
-    watched: float = 0.0
-    chaotic: SettledResponse | None = None
-    matched: Known | None = field(default=None, init=False)
+    times: Times = field(init=False)  # for how long each was followed [1]
+    left: int = 0  # number of orbits that left a chaotic motion while this was watched,
+    watched: float = 0.0  # and for how long all of them together were watched [1]
+    chaotic: SettledResponse | None = None  # a chaotic motion, if one was met
+    matched: Known | None = None  # what was known when orbits were last followed together
 
     def __post_init__(self) -> None:
         self.states = np.array(self.states, order="C")

@@ -12,14 +12,15 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Values
+from rotor_ida.basins.agreement import count_agreeing, rechecked_of_batch, rechecked_of_rotor
 from rotor_ida.basins.batches import CHAOS, CYCLE, BatchResult
 from rotor_ida.basins.fates import Batch, decide
-from rotor_ida.basins.kernel import CHAOTIC, NOT_COMPUTED
+from rotor_ida.basins.kernel import NOT_COMPUTED, Labels, Times
 from rotor_ida.basins.known import Known, known_from_closed_forms, same_cycle
 from rotor_ida.cycles.shooting import Cycle, close_orbit
 from rotor_ida.parallel import FailedJob, Progress, Stop, interruptible, run_all
 from rotor_ida.parameters import Rotor
-from rotor_ida.storage.studies.arrays import scratch, stretches
+from rotor_ida.storage.studies.arrays import scratch
 from rotor_ida.storage.studies.results import Results
 
 Starts = Callable[[int, int], Values]
@@ -44,55 +45,37 @@ RTOL_OF_FIRST_LOOK = 1e-4
 
 @dataclass(slots=True)
 class FollowedStarts:
-    """Results of many starts.
+    """Results of many starts, n of them."""
 
-    Parameters
-    ----------
-    known : Known
-        The rotor, and its whirls.
-    labels : ndarray of int16, shape (n,)
-        Number of the attractor, by `first_cycle` from `known` and `cycles`; CHAOTIC, UNDECIDED or
-        NOT_COMPUTED.
-    times : ndarray of float32, shape (n,)
-        Time at which the start was decided, or given up [1]; NaN where not computed.
-    cycles : list of Cycle
-        The limit cycles that starts ended on, by rising largest radius.
-    held : list of bool
-        Whether a section of each holds starts.
-    chaos : ndarray, shape (k, 4)
-        Amplitude, phase lag and extreme radii of chaotic motions [1].
-    left, watched : float
-        Number of orbits that left a chaotic motion while this was watched, and for how long all of
-        them together were watched [1].
-    interrupted : bool
-        Whether the user stopped it.
-    not_computed_reason : str
-        Why starts were not computed, other than by an interrupt; empty if there are none.
-    tolerance : float
-        Error allowed in a step [1].
-    """
-
-    known: Known
-    labels: npt.NDArray[np.int16]
-    times: npt.NDArray[np.float32]
+    known: Known  # the rotor, and its whirls
+    labels: Labels  # number of the attractor, by `first_cycle` from `known` and `cycles`, or a fate
+    times: Times  # when each was decided, or given up [1]; NaN where not computed
+    # those that starts end on, in the order in which batches met them
     cycles: list[Cycle] = field(default_factory=list)
-    held: list[bool] = field(default_factory=list)
+    held: list[bool] = field(default_factory=list)  # whether a section of each holds starts
+    # amplitude, phase lag and extreme radii of chaotic motions, shape (k, 4) [1]
     chaos: Values = field(default_factory=lambda: np.empty((0, CHAOS)))
-    left: float = 0.0
-    watched: float = 0.0
-    interrupted: bool = False
-    not_computed_reason: str = ""
-    tolerance: float = RTOL
+    left: float = 0.0  # number of orbits that left a chaotic motion while this was watched,
+    watched: float = 0.0  # and for how long all of them together were watched [1]
+    interrupted: bool = False  # by the user
+    not_computed_reason: str = ""  # why starts were not computed, other than by an interrupt
+    tolerance: float = RTOL  # error allowed in a step [1]
+    # number of starts labelled again with a smaller error, and of those with the same label
+    rechecked: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(2, dtype=np.int64))
 
 
 @dataclass(frozen=True, slots=True)
 class _Job:
-    """A stretch of the starts, (4, n) from number `first` on, with all that a process needs."""
+    """A stretch of the starts, (4, n) from number `first` on, with all that a process needs.
+
+    So many of them are labelled again, with a smaller error.
+    """
 
     known: Known
     first: int
     states: Values
     tolerance: float
+    rechecked: int
 
 
 def follow_starts(
@@ -105,10 +88,12 @@ def follow_starts(
     workers: int | None,
     executor: str,
     progress: Progress | None,
+    drawn: bool = False,
 ) -> FollowedStarts:
-    """Follow so many starts until the attractor of each is certain, or for the time allowed.
+    """Follow so many starts until the attractor of each is decided, or for the time allowed.
 
-    Batches that are kept already are not followed again; a tolerance of None is chosen.
+    Batches that are kept already are not followed again; a tolerance of None is chosen, by the
+    first starts where they are `drawn`, which are the same however many follow.
     """
     size = min(max(math.ceil(count / FEWEST_BATCHES), SMALLEST_BATCH), LARGEST_BATCH)
     due = [number for number in range(math.ceil(count / size)) if number not in kept.done]
@@ -118,11 +103,14 @@ def follow_starts(
     try:
         # whichever are left: the same cycles are known to all
         if due and (count > size or tolerance is None):
-            scout = partial(_scouted, known, starts, count, tolerance)
+            scout = partial(_scouted, known, starts, count, tolerance, drawn)
             known, tolerance = interruptible(scout)
-        edges = ((number * size, min((number + 1) * size, count)) for number in due)
-        each = tolerance or RTOL  # of the last batch, if there is one
-        jobs = (_Job(known, first, starts(first, last), each) for first, last in edges)
+        edges = ((each, each * size, min((each + 1) * size, count)) for each in due)
+        allowed = tolerance or RTOL  # of the last batch, if there is one
+        jobs = (
+            _Job(known, first, starts(first, last), allowed, rechecked_of_batch(each, last - first))
+            for each, first, last in edges
+        )
         if due:  # else no cluster need be started
             with closing(run_all(_follow, jobs, workers=workers, executor=executor)) as followed:
                 for turn, batch in followed:
@@ -145,7 +133,8 @@ def follow_here(known: Known, states: Values, tolerance: float, stop: Stop) -> F
     """Follow starts of shape (4, n) in this process, the first of them before the others."""
     known = decide(Batch(known, states[:, :SCOUTS], tolerance, stop)).known
     kept: Results[BatchResult] = Results()
-    kept.keep(0, _follow(_Job(known, 0, states, tolerance), stop), states.shape[1])
+    job = _Job(known, 0, states, tolerance, rechecked_of_rotor(states.shape[1]))
+    kept.keep(0, _follow(job, stop), states.shape[1])
     return _gathered(known, states.shape[1], kept)
 
 
@@ -162,14 +151,14 @@ def first_look(rotor: Rotor, states: Values, duration: float, stop: Stop) -> Fol
 
 
 def _scouted(
-    known: Known, starts: Starts, count: int, tolerance: float | None, stop: Stop
+    known: Known, starts: Starts, count: int, tolerance: float | None, drawn: bool, stop: Stop
 ) -> tuple[Known, float]:
     """Return what is known once a few starts have been followed, and the error to allow."""
-    scouts = _spread(starts, count, SCOUTS)
+    scouts = _few(starts, count, SCOUTS, drawn)
     known = decide(Batch(known, scouts, tolerance or RTOL, stop)).known
     if tolerance is not None:
         return known, tolerance
-    sample = _spread(starts, count, CHECKED)
+    sample = _few(starts, count, CHECKED, drawn)
     roughly, closely = (
         known.follow(sample.copy(), known.first_wait, rtol, stop)[0] for rtol in (RTOL, SMALL_RTOL)
     )
@@ -178,8 +167,13 @@ def _scouted(
     return known, RTOL if alike else SMALL_RTOL
 
 
-def _spread(starts: Starts, count: int, most: int) -> Values:
-    """Return a few starts, spread over all, shape (4, n)."""
+def _few(starts: Starts, count: int, most: int, drawn: bool) -> Values:
+    """Return a few starts, shape (4, n): spread over all, or where they were drawn the first.
+
+    So what is chosen by these does not hang on how many more were drawn.
+    """
+    if drawn:
+        return starts(0, min(most, count))
     numbers = np.unique(np.linspace(0, count - 1, min(most, count)).astype(np.int64))
     return np.concatenate([starts(number, number + 1) for number in numbers.tolist()], axis=1)
 
@@ -187,6 +181,9 @@ def _spread(starts: Starts, count: int, most: int) -> Values:
 def _follow(job: _Job, stop: Stop) -> BatchResult:
     """Follow a batch of starts until what becomes of them is decided."""
     batch = decide(Batch(job.known, job.states, job.tolerance, stop))
+    rechecked = count_agreeing(
+        batch.known, job.states, batch.labels, batch.times, job.tolerance, job.rechecked, stop
+    )
     batch.times[batch.labels == NOT_COMPUTED] = np.nan
     cycles = [[*each.cycle.state, each.cycle.period, each.exists] for each in batch.known.cycles]
     chaos = np.empty((0, CHAOS))
@@ -195,7 +192,7 @@ def _follow(job: _Job, stop: Stop) -> BatchResult:
         chaos = np.array([[seen.amplitude, seen.phase_lag, seen.radius_min, seen.radius_max]])
     return BatchResult(
         job.first, batch.labels, batch.times, np.array(cycles).reshape(-1, CYCLE), chaos,
-        np.array([batch.left, batch.watched]), np.array(job.tolerance),
+        np.array([batch.left, batch.watched]), np.array(job.tolerance), rechecked,
     )  # fmt: skip
 
 
@@ -216,13 +213,13 @@ def _gathered(known: Known, count: int, kept: Results[BatchResult]) -> FollowedS
         found.left += float(batch.watched[0])
         found.watched += float(batch.watched[1])
         found.tolerance = float(batch.tolerance)
-    _put_in_order(found)
+        found.rechecked = found.rechecked + batch.rechecked
     return found
 
 
 def _renumbered(
     batch: BatchResult, found: FollowedStarts, numbers: dict[tuple[float, ...], int]
-) -> npt.NDArray[np.int16]:
+) -> Labels:
     """Return the labels of a batch with its limit cycles numbered as those of all batches."""
     first, stop = found.known.first_cycle, np.zeros(1, np.uint8)
     labels = batch.labels.copy()
@@ -237,17 +234,3 @@ def _renumbered(
                 found.held.append(bool(row[5]))
         labels[batch.labels == first + number] = first + numbers[key]
     return labels
-
-
-def _put_in_order(found: FollowedStarts) -> None:
-    """Sort the limit cycles by rising largest radius, and number the labels anew."""
-    order = np.argsort([each.radius_max for each in found.cycles], kind="stable")
-    found.cycles = [found.cycles[place] for place in order]
-    found.held = [found.held[place] for place in order]
-    first = found.known.first_cycle
-    # negative labels stand at the end of the table, where they find themselves
-    table = np.arange(first + len(order) - CHAOTIC, dtype=np.int16)
-    table[CHAOTIC:] = np.arange(CHAOTIC, 0)
-    table[first + order] = first + np.arange(len(order))
-    for stretch in stretches(found.labels.size):
-        found.labels[stretch] = table[found.labels[stretch]]

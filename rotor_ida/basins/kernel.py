@@ -1,4 +1,4 @@
-"""Many starts followed side by side, each until its attractor is certain or its time is up.
+"""Many starts followed side by side, each until a region holds it or its time is up.
 
 The core does it, on the rotating axes: ``core/lanes.c``. What it is called with is checked here.
 

@@ -1,6 +1,7 @@
 """What is known of the attractors of a rotor while starts are followed, and what holds the starts.
 
-Whirls in contact have trapping regions, limit cycles sections; contact-free whirls hold exactly.
+Whirls in contact have trapping regions and contact-free whirls room, which are proven to hold an
+orbit; limit cycles have sections, and fading touches a rim of that room, which are estimated.
 """
 
 from __future__ import annotations
@@ -27,23 +28,12 @@ NO_FREE = np.array([0.0, 0.0, -1.0, -1.0])
 
 @dataclass(slots=True)
 class Known:
-    """A rotor with what is known of its attractors.
-
-    Parameters
-    ----------
-    rotor : Rotor
-        The rotor.
-    whirls : list of TrappingRegion
-        Of each stable whirl in contact, in order of amplitude.
-    free : ContactFree or None
-        The contact-free whirls, if they fit into the clearance.
-    cycles : list of CycleSection
-        Of each stable limit cycle, in the order in which they were found.
-    """
+    """A rotor with what is known of its attractors."""
 
     rotor: Rotor
-    whirls: list[TrappingRegion]
-    free: ContactFree | None
+    whirls: list[TrappingRegion]  # of each stable whirl in contact, in order of amplitude
+    free: ContactFree | None  # the contact-free whirls, if they fit into the clearance
+    # of each stable limit cycle, in the order in which they were found
     cycles: list[CycleSection] = field(default_factory=list)
 
     @property

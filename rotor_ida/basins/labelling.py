@@ -7,12 +7,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-import numpy.typing as npt
-
 from rotor_ida.basins.attractors import Attractor, attractors_of, confirmed
 from rotor_ida.basins.batches import FORM
 from rotor_ida.basins.following import FollowedStarts, Starts, follow_starts
+from rotor_ida.basins.kernel import Labels
 from rotor_ida.basins.known import known_from_closed_forms
 from rotor_ida.checks import MOST_POINTS_OF_STUDY, check_between, check_instance, check_progress
 from rotor_ida.errors import InputError
@@ -34,7 +32,8 @@ MOST_STARTS = 100_000_000
 class Labelled:
     """Starts as they were followed, and the attractors that their labels number.
 
-    The attractors were confirmed with `options`; what is large can go to `folder`.
+    If nothing was interrupted, starts were followed to the attractors by CVODE with `options`; what
+    is large can go to `folder`.
     """
 
     followed: FollowedStarts
@@ -48,7 +47,7 @@ class Labelled:
         return self.followed.known.rotor
 
     @property
-    def labels(self) -> npt.NDArray[np.int16]:
+    def labels(self) -> Labels:
         """Number of the attractor of each start, or a fate."""
         return self.followed.labels
 
@@ -76,11 +75,12 @@ def label(
     executor: str,
     study: str | os.PathLike[str] | None,
     progress: Progress | None,
+    drawn: bool = False,
 ) -> Labelled:
     """Follow so many starts of a rotor, each to its attractor.
 
-    `starts` gives those from one number up to another, as (4, n); `design` says for a study what
-    they are.
+    `starts` gives those from one number up to another, as (4, n), of `drawn` ones the same however
+    many there are; `design` says for a study what they are.
     """
     check_rotor(rotor)
     most = MOST_STARTS if study is None else MOST_POINTS_OF_STUDY
@@ -94,7 +94,7 @@ def label(
         known = interruptible(lambda stop: known_from_closed_forms(rotor, stop))
         found = follow_starts(
             known, starts, count, kept,
-            tolerance=tolerance, workers=several, executor=place, progress=progress,
+            tolerance=tolerance, workers=several, executor=place, progress=progress, drawn=drawn,
         )  # fmt: skip
         attractors = attractors_of(found)
         if not found.interrupted:

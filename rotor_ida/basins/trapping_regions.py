@@ -1,4 +1,4 @@
-"""Trapping regions: ellipsoids round a stable whirl that no orbit leaves: starts inside are sure.
+"""Trapping regions: ellipsoids round a stable whirl that no orbit leaves, proven.
 
 On the rotating axes a synchronous whirl is an equilibrium. A quadratic Lyapunov function ``V`` of
 the distance to it in state space falls along every orbit on the ellipsoid ``V <= 1``: no orbit
@@ -45,7 +45,8 @@ from rotor_ida.equations.contact import contact_stiffness, secant_stiffness
 from rotor_ida.equations.model import rotating_jacobian
 from rotor_ida.parameters import PARAMETERS, Rotor
 
-# V must fall at this fraction of the fastest possible rate or faster: rounding cannot matter.
+# V must fall at this fraction of the fastest possible rate or faster: far more than the rounding of
+# matrices, which is not bounded by interval arithmetic.
 MARGIN = 1e-6
 # The largest level of a form is sought until it is known to this part,
 LEVEL_RTOL = 1e-3

@@ -34,7 +34,7 @@ WHIRL = ("amplitude", *PARAMETERS, "branch", "phase_lag", "stability", "growth_r
 FOLD = ("fold_omega", "fold_amplitude", "zeta", "delta0", "fold")
 ATTRACTOR = (
     *("kind", "attractor", "amplitude", "phase_lag", "radius_min", "radius_max"),
-    *("confirmed", "count", "fraction", "fraction_error"),
+    *("trapping", "confirmed", "count", "fraction", "fraction_error"),
 )
 DONE_TO_MACHINE = (
     *("fraction", "fraction_error", "settling_median", "settling_95"),
@@ -45,7 +45,10 @@ DONE_TO_MACHINE = (
 )
 SHOCK = ("velocity_shock", "displacement_shock")
 ENDS = {"low": "from", "high": "to"}
-OF_MACHINE = (*PARAMETERS, "undecided_fraction", "missed_fraction", "basin_entropy")
+OF_MACHINE = (
+    *(*PARAMETERS, "undecided_fraction", "missed_fraction", "basin_entropy"),
+    *("agreement", "agreement_count"),
+)
 SHARE = ("response", "response_count", "response_fraction", "response_fraction_error")
 STARTS = ("start_x", "start_y", "start_vx", "start_vy")
 POINT = (
@@ -197,7 +200,8 @@ def _kinds(dataset: xr.Dataset) -> list[Record]:
 
 
 def _attractors(dataset: xr.Dataset, most: int | None) -> Description:
-    attractors = rows_of(dataset, ATTRACTOR)
+    columns = [name for name in ATTRACTOR if name in dataset]
+    attractors = rows_of(dataset, columns)
     counts = {name: value_of(dataset, name) for name in names_on(dataset)}
     record: Record = {
         "kind": kind_of(dataset),
@@ -205,7 +209,7 @@ def _attractors(dataset: xr.Dataset, most: int | None) -> Description:
         "attractors": attractors,
         **counts,
     }
-    parts = _rows("Attractors", attractors, ATTRACTOR, most, digits=6)
+    parts = _rows("Attractors", attractors, columns, most, digits=6)
     if "response_fraction" in dataset:
         record["responses"] = rows_of(dataset, SHARE)
         parts += _rows("Kinds of response", rows_of(dataset, SHARE), SHARE, most, digits=6)
@@ -240,12 +244,21 @@ def _atlas(dataset: xr.Dataset, most: int | None) -> Description:
         "largest_undecided_fraction": float(dataset["undecided_fraction"].max()),
     }
     scalars = {name: record[name] for name in ("missed_fraction", "largest_undecided_fraction")}
+    if "agreement" in dataset:
+        scalars |= _agreement(dataset)
     told = _about(dataset)
     if isinstance(given := told.get("starts"), list):  # the archive holds them, row after row
         told["starts"] = len(given) // len(COMPONENTS)
     columns = list(rows[0]) if rows else []
     parts = _rows("Attractors", rows, columns, most, digits=6)
-    return record | told, [*parts, pairs("Starts", scalars)]
+    return record | scalars | told, [*parts, pairs("Starts", scalars)]
+
+
+def _agreement(dataset: xr.Dataset) -> Record:
+    """Return how many labels of all rotors were found again, and the part that are the same."""
+    count = int(dataset["agreement_count"].sum())
+    alike = float((dataset["agreement"] * dataset["agreement_count"]).sum())
+    return {"agreement": alike / count if count else math.nan, "agreement_count": count}
 
 
 def _touchdown(dataset: xr.Dataset, most: int | None) -> Description:

@@ -21,10 +21,11 @@ from rotor_ida.errors import InputError
 from rotor_ida.parameters import DimensionalRotor, Rotor
 from rotor_ida.simulation.options import LARGEST, check_can_be_followed
 
-About = Literal["motion", "responses", "starts", "nc", "png", "svg", "py"]
+About = Literal["motion", "responses", "starts", "nc", "png", "svg", "py", "sh", "html"]
 
-# Files to keep of a run: the archive, two figures, and the lines that make it again.
-FILES: tuple[About, ...] = ("nc", "png", "svg", "py")
+# Files to keep of a run: the archive, two figures, the lines of Python and the command that make
+# them again, and the page with all it shows over the speed.
+FILES: tuple[About, ...] = ("nc", "png", "svg", "py", "sh", "html")
 
 # Characters of a question; what a page asks has some three hundred.
 LONGEST_QUESTION = 4096
@@ -41,7 +42,7 @@ class Question:
 
     Parameters
     ----------
-    about : {"motion", "responses", "starts", "nc", "png", "svg", "py"}
+    about : {"motion", "responses", "starts", "nc", "png", "svg", "py", "sh", "html"}
         The panels to fill: one run; the response curve and what is settled on; the basin. Or the
         file to make of the run.
     number : int

@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import json
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import asdict, replace
 
 import numpy as np
@@ -67,6 +67,20 @@ def record(
     progress : callable, optional
         Called with the number of runs done and their total.
     """
+    steps = recording(machine, start=start, revolutions=revolutions, speeds=speeds)
+    while True:
+        try:
+            done, total = next(steps)
+        except StopIteration as end:
+            return str(end.value)
+        if progress is not None:
+            progress(done, total)
+
+
+def recording(
+    machine: Rotor | DimensionalRotor, *, start: State, revolutions: int, speeds: Sequence[float]
+) -> Generator[tuple[int, int], None, str]:
+    """Yield the number of runs done and their total after each run, and return the page."""
     beginning = Question(
         about="motion", number=0, side=0, machine=machine, start=start,
         revolutions=revolutions, speeds=SHOWN, reach=1.0,
@@ -84,9 +98,8 @@ def record(
             common |= {_name(each): packed(each) for each in answers if each not in own}
             if course != "start":
                 here = _end(own)
-            if progress is not None:
-                done = sum(map(bool, frames)) + len(courses) * len(speeds)
-                progress(done, len(COURSES) * len(speeds))
+            done = sum(map(bool, frames)) + len(courses) * len(speeds)
+            yield done, len(COURSES) * len(speeds)
         courses[course] = frames
     told = {
         "speeds": list(speeds), "speed": _speed(machine), "courses": courses,

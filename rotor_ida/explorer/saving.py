@@ -1,8 +1,8 @@
-"""What one keeps of a run that the page shows: the archive, its figure, and the lines of Python."""
+"""What one keeps of what the page shows: archive, figure, the lines to make them, the page."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from dataclasses import fields
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -13,6 +13,7 @@ import xarray as xr
 from rotor_ida.explorer.answers import Answer
 from rotor_ida.explorer.motion import METHOD, duration_of, run_of, samples_of
 from rotor_ida.explorer.questions import Question
+from rotor_ida.explorer.recording import SHOWN, check_speeds, recording
 from rotor_ida.parameters import DimensionalRotor
 from rotor_ida.plot import plot_machine, plot_run, save_figure
 from rotor_ida.si_units import dimensional
@@ -39,10 +40,51 @@ save_figure({plot}({shown}), "{name}", overwrite=True)
 
 
 def show_file(question: Question) -> Iterator[Answer]:
-    """Yield a file, whole, with its name."""
+    """Yield a file, whole, with its name; before a page how much of it is recorded."""
+    contents = b""
+    if question.about == "html":
+        steps = _recording(question)
+        while not contents:
+            try:
+                done, total = next(steps)
+            except StopIteration as end:
+                contents = str(end.value).encode()
+            else:
+                yield Answer("progress", {"done": done, "total": total})
+    else:
+        contents = _contents(question)
     name = f"{NAME}.{question.about}"
-    contents = np.frombuffer(_contents(question), dtype=np.int8)
-    yield Answer("file", {"name": name}, {"contents": contents})
+    yield Answer("file", {"name": name}, {"contents": np.frombuffer(contents, dtype=np.int8)})
+
+
+def _recording(question: Question) -> Generator[tuple[int, int], None, str]:
+    """Record the page over the usual speeds, and at the one that is shown."""
+    machine = question.machine
+    speed, rate = question.rotor.omega, 1.0
+    if isinstance(machine, DimensionalRotor):
+        speed, rate = machine.speed, machine.reference_frequency
+    low, high = (limit * rate for limit in SHOWN)
+    own = {speed} if low <= speed <= high else set()
+    speeds = sorted({*check_speeds(machine, None), *own})
+    return recording(machine, start=question.start, revolutions=question.revolutions, speeds=speeds)
+
+
+def command_of(question: Question) -> str:
+    """Return the command line that makes archive and figure again, without dimensions.
+
+    Examples
+    --------
+    >>> from rotor_ida.explorer.workers import example
+    >>> command_of(example("sh", (1.7, 0.07, 0.5))).partition(" --start")[0]
+    'rotor-ida simulate --omega 1.7 --zeta 0.07 --delta0 0.5'
+    """
+    rotor = question.rotor
+    start = " ".join(repr(float(each)) for each in question.start)
+    return (
+        f"rotor-ida simulate --omega {rotor.omega!r} --zeta {rotor.zeta!r} "
+        f"--delta0 {rotor.delta0!r} --start {start} --duration {duration_of(question)!r} "
+        f"--samples {samples_of(question)} --method {METHOD} --out {NAME}.nc --figure {NAME}"
+    )
 
 
 def lines_of(question: Question) -> str:
@@ -74,6 +116,8 @@ def lines_of(question: Question) -> str:
 def _contents(question: Question) -> bytes:
     if question.about == "py":
         return lines_of(question).encode()
+    if question.about == "sh":
+        return f"{command_of(question)}\n".encode()
     run = run_of(question)
     with TemporaryDirectory() as folder:
         place = Path(folder) / NAME

@@ -10,10 +10,13 @@ from rotor_ida import (
     InputError,
     Rotor,
     contact_summary,
+    continue_attractors,
     simulate,
     synchronous_response,
     touchdown_report,
 )
+from rotor_ida.atlas.cells import FORM, Cell
+from rotor_ida.basins import attractors, known
 from rotor_ida.schema import RESPONSE, WHIRL_DIRECTION
 
 MACHINE = DimensionalRotor(
@@ -119,3 +122,56 @@ def test_bad_input_gets_one_clear_line(changes, message):
     with pytest.raises(InputError, match=message) as caught:
         touchdown_report(**{"machine": BOUNCER, **BOX, **changes})
     assert "\n" not in str(caught.value)
+
+
+def test_only_what_followed_its_starts_and_shocks_is_told(monkeypatch):
+    """No attractor is confirmed; CVODE follows shocks, and is told where there were any."""
+    seen, follow = [], attractors.follow_to_steady_state
+
+    def watched(rotor, start, options, **how):
+        seen.append(options.attributes())
+        return follow(rotor, start, options, **how)
+
+    monkeypatch.setattr(attractors, "follow_to_steady_state", watched)
+    plain = touchdown_report(BOUNCER, **BOX, starts=100, shocks=0, rtol=1e-7)
+    atlas = continue_attractors(
+        omega=[2.0, 2.1], zeta=0.07, delta0=2.0, **BOX, starts=40, rtol=1e-7, workers=1
+    )
+    for found in (plain, atlas):
+        told = set(found.attrs)
+        assert not {"method", "flight", "backend", "rtol", "atol", "witness_method"} & told
+        assert not {name for name in told if name.startswith("confirm")}
+        assert found.attrs["labelling_rtol"] == 1e-7
+        assert found.attrs["agreement_rtol"] == pytest.approx(1e-11)
+        assert (found.agreement == 1.0).all()
+    assert int(plain.agreement_count) == 4  # one of 32
+    assert atlas.agreement_count.values.ravel().tolist() == [2, 2]
+    assert not seen
+    shaken = touchdown_report(BOUNCER, **BOX, starts=40, shocks=64)
+    told = {
+        name.removeprefix("witness_"): value
+        for name, value in shaken.attrs.items()
+        if name.startswith("witness_")
+    }
+    assert seen
+    assert all(each == told for each in seen)
+
+
+def test_the_tolerances_told_are_those_of_the_kernel(monkeypatch):
+    seen, follow = set(), known.follow
+
+    def watched(*given):
+        seen.add(given[-2])
+        follow(*given)
+
+    monkeypatch.setattr(known, "follow", watched)
+    report = touchdown_report(BOUNCER, **BOX, starts=64, shocks=64, rtol=1e-7)
+    assert seen == {report.attrs["labelling_rtol"], report.attrs["agreement_rtol"]}
+
+
+def test_a_rotor_kept_before_is_read():
+    """It was not told how many labels were found again."""
+    here = Cell(BOUNCER)
+    arrays = FORM.as_arrays(here)
+    del arrays["rechecked"]
+    assert FORM.from_arrays(arrays).rechecked.tolist() == [0, 0]

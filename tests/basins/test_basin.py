@@ -216,7 +216,7 @@ def test_every_variable_is_labelled(figure_7):
     for name, variable in figure_7.variables.items():
         assert variable.attrs["long_name"], name
         assert variable.attrs["units"], name
-    for name in ("labelling", "labelling_rtol", "omega", "rtol", "sundials_version", "interrupted"):
+    for name in ("labelling", "labelling_rtol", "omega", "sundials_version", "interrupted"):
         assert name in figure_7.attrs
     assert figure_7.attrs["labelling"] == basin_dataset_module.LABELLING
     assert figure_7.attrs["labelling_rtol"] == following.RTOL

@@ -36,6 +36,9 @@ def test_basin_answers_as_the_library_does(program: Program):
     assert (record["kind"], record["grid"]) == ("basin", {"x": 12, "y": 9})
     assert [row["count"] for row in record["attractors"]] == expected["count"].values.tolist()
     assert [row["confirmed"] for row in record["attractors"]] == [True, True]
+    assert [row["trapping"] for row in record["attractors"]] == ["proven", "proven"]
+    assert (record["agreement"], record["agreement_count"]) == (1.0, 9)  # one of 12
+    assert (record["labelling_rtol"], record["confirmation_rtol"]) == (1e-6, 1e-10)
     assert "synchronous" in program(*FIGURE_7, *GRID).out
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -349,6 +350,7 @@ def test_touchdown_is_a_table_with_units(program: Program):
     assert (answer.status, answer.err) == (0, "")
     for words in ("largest force [N]", "velocity shock [m s-1]", "omega from", "basin entropy"):
         assert words in answer.out
+    assert re.search(r"agreement +1\b", answer.out)
     without = program("touchdown", *MACHINE, *NEAR, "--shocks", 0)
     assert "shock" not in without.out
     record = json.loads(program("touchdown", *MACHINE, *NEAR, "--shocks", 0, "--json").out)

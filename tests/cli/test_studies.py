@@ -153,6 +153,8 @@ def test_an_atlas_goes_on_and_is_drawn(program: Program):
     assert program(*atlas, "--study", "study").status == 0
     assert program("resume", "study", "--out", "atlas.nc", "--figure", "atlas").status == 0
     assert Path("atlas.png").exists()
+    told = json.loads(program("show", "atlas.nc", "--json").out)
+    assert (told["agreement"], told["agreement_count"]) == (1.0, 14)
     shown = program("show", "atlas.nc")
     assert shown.status == 0
     assert "synchronous" in shown.out

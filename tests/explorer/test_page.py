@@ -547,6 +547,44 @@ def test_the_response_reaches_as_far_as_the_rotor(page, omega):
     assert np.nanmin(curve) < omega < np.nanmax(curve)
 
 
+@pytest.mark.parametrize(
+    ("button", "told", "beginning"),
+    [
+        ('[data-copy="sh"]', "command line", "rotor-ida simulate --omega 2.0 --zeta 0.07"),
+        ('[data-copy="py"]', "lines of Python", '"""The run that the explorer showed'),
+        ("#share", "address", "http://127.0.0.1:"),
+    ],
+)
+def test_what_makes_the_run_again_is_copied(page, button, told, beginning):
+    origin = page.run("return location.origin")
+    both = ["clipboardReadWrite", "clipboardSanitizedWrite"]
+    allowed = {"permissions": both, "origin": origin}
+    page.driver.execute_cdp_cmd("Browser.grantPermissions", allowed)
+    page.find(button).click()
+    page.until(f"document.getElementById('connection').textContent === 'The {told} is copied.'")
+    text = page.driver.execute_async_script(
+        "navigator.clipboard.readText().then(arguments[arguments.length - 1])"
+    )
+    assert text.startswith(beginning)
+
+
+def test_the_page_is_recorded_at_the_press_of_a_button(page):
+    page.type("#revolutions", 5)
+    page.settle()
+    page.find('[data-file="html"]').click()
+    page.until("document.getElementById('connection').textContent.startsWith('Recording')")
+    page.find("#slider-delta0").send_keys(Keys.ARROW_RIGHT)
+    page.settle("settled")  # the sliders are answered meanwhile
+    place = page.driver.folder / "run.html"
+    deadline = time.monotonic() + 5 * PATIENCE
+    while not place.exists():
+        assert time.monotonic() < deadline
+        time.sleep(0.2)
+    other = Page(page.driver, place.as_uri())
+    rotor = other.facts("motion")["rotor"]
+    assert rotor == {"omega": 2.0, "zeta": 0.07, "delta0": 2.0}
+
+
 def hovered(page, panel, value, *, pointer=None):
     """Move the pointer to values in a plot; return what is told of the place."""
     script = """

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
+import re
 import runpy
+import shlex
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -11,6 +14,7 @@ import pytest
 
 import rotor_ida
 from rotor_ida.cli import main
+from rotor_ida.explorer import recording
 from tests.explorer.asking import MACHINE, ROTOR, answer_to, question
 
 START = [2.6, 0.75, 0.66, -1.65]
@@ -40,6 +44,38 @@ def test_the_archive_is_of_the_run_that_was_shown_and_verified(
             np.testing.assert_array_equal(run[name].values, values, err_msg=name)
     assert main(["verify", str(place)]) == 0
     capsys.readouterr()
+
+
+@pytest.mark.parametrize("machine", [ROTOR, MACHINE, ROTOR | {"omega": 0.0}])
+def test_the_command_makes_the_run_and_its_figure_again(
+    machine: dict[str, float], tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+):  # fmt: skip
+    program, *words = shlex.split(contents_of("sh", machine=machine, revolutions=20).decode())
+    assert program == "rotor-ida"
+    monkeypatch.chdir(tmp_path)
+    assert main(words) == 0
+    capsys.readouterr()
+    run = rotor_ida.load("run.nc")
+    shown = shown_run(machine=machine, revolutions=20)
+    for name in SHOWN:
+        np.testing.assert_array_equal(run[name].values, shown[name], err_msg=name)
+    assert Path("run.png").exists()
+
+
+@pytest.mark.parametrize(("machine", "rate"), [(ROTOR, 1.0), (MACHINE, None)])
+def test_the_page_is_recorded_step_by_step_and_has_the_speed_that_is_shown(
+    machine: dict[str, float], rate: float | None, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(recording, "SPEEDS", np.array([1.9, 2.1]))
+    *steps, file = answer_to(question("html", machine=machine, revolutions=5))
+    assert [each.facts for each in steps] == [{"done": n, "total": 9} for n in range(1, 10)]
+    page = file.arrays["contents"].tobytes().decode()
+    told = json.loads(re.search(r'id="recorded">(.*?)</script>', page)[1])
+    rate = rate or question(machine=machine).machine.reference_frequency
+    own = machine.get("omega", machine.get("speed"))
+    assert told["speeds"] == sorted([1.9 * rate, 2.1 * rate, own])
+    assert told["speed"] == own
 
 
 @pytest.mark.parametrize("machine", [ROTOR, MACHINE])

@@ -11,7 +11,7 @@ import { SPEED_UNITS, roundUp, told, withUnit } from "./units.js";
 
 const $ = (id) => document.getElementById(id);
 const PANELS = ["motion", "responses", "starts"];
-const FILES = { nc: "application/x-netcdf", png: "image/png", svg: "image/svg+xml", py: "text/x-python" };
+const FILES = { nc: "application/x-netcdf", png: "image/png", svg: "image/svg+xml", py: "text/x-python", html: "text/html" };
 const NAMES = {
   zeta: "damping ζ", delta0: "clearance δ₀", mass: "mass [kg]", contact_stiffness: "contact stiffness [N/m¹·⁵]",
   damping: "damping [N s/m]", eccentricity: "eccentricity [m]", clearance: "clearance [m]",
@@ -117,6 +117,11 @@ function reach(side) {
 function answered(answer) {
   if (answer.part === "mistake" || answer.part === "trouble") {
     refused(answer);
+    return;
+  }
+  if (answer.part === "progress") {
+    const { done, total } = answer.facts;
+    say(`Recording the page: ${done} of ${total} runs.`);
     return;
   }
   if (answer.part === "file") {
@@ -336,8 +341,31 @@ function showUndo() {
   $("redo").disabled = depth() >= newest;
 }
 
+// What a text that is asked for is told to when it comes, by its kind.
+const copying = new Map();
+
+/** Copy a text that is here, or one that the program is asked for. */
+async function copy(name, text) {
+  try {
+    await navigator.clipboard.write([new ClipboardItem({ "text/plain": text })]);
+    say(`The ${name} is copied.`);
+  } catch (error) {
+    say(`The ${name} could not be copied: ${error.message}`);
+  }
+}
+
+function say(text) {
+  $("connection").textContent = text;
+}
+
 function keepFile(answer) {
   const kind = answer.facts.name.split(".").pop();
+  if (copying.has(kind)) {
+    copying.get(kind)(new Blob([answer.arrays.contents], { type: "text/plain" }));
+    copying.delete(kind);
+    return;
+  }
+  if (kind === "html") say("The page is recorded.");
   keep(new Blob([answer.arrays.contents], { type: FILES[kind] }), answer.facts.name);
 }
 
@@ -495,10 +523,16 @@ function listen() {
   for (const button of document.querySelectorAll("[data-file]")) {
     button.addEventListener("click", () => connection.ask(question(0), [button.dataset.file]));
   }
-  $("share").addEventListener("click", async () => {
-    await navigator.clipboard.writeText(location.origin + location.pathname + address(starts));
-    $("connection").textContent = "The address is copied.";
+  $("share").addEventListener("click", () => {
+    copy("address", new Blob([location.origin + location.pathname + address(starts)], { type: "text/plain" }));
   });
+  for (const button of document.querySelectorAll("[data-copy]")) {
+    const kind = button.dataset.copy;
+    button.addEventListener("click", () => {
+      copy(button.dataset.name, new Promise((resolve) => copying.set(kind, resolve)));
+      connection.ask(question(0), [kind]);
+    });
+  }
 }
 
 // the theme
@@ -556,7 +590,7 @@ function showState() {
 
 /** Say how the connection is; without one, nothing is answered any more. */
 function said(text) {
-  $("connection").textContent = text;
+  say(text);
   if (text && number) lose(number + 1);
 }
 

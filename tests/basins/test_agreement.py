@@ -1,0 +1,155 @@
+"""What a basin and fractions say of how they were labelled is what was done."""
+
+import numpy as np
+import pytest
+
+from rotor_ida import Rotor, basin, basin_fractions, load, save
+from rotor_ida.analysis.verification import differences, rerun
+from rotor_ida.basins import attractors, fates, known
+from rotor_ida.basins.agreement import count_agreeing, tighter_than
+from rotor_ida.basins.batches import FORM
+from rotor_ida.basins.following import RTOL, follow_here
+from rotor_ida.basins.known import known_from_closed_forms
+from rotor_ida.cli.describe import describe
+
+FIGURE_7 = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
+FOLDED = Rotor(omega=1.7, zeta=0.07, delta0=2.0)
+BOX = {"x": (-15, 15), "y": (-15, 15)}
+AXIS = np.linspace(-15.0, 15.0, 24)
+GOING = np.zeros(1, np.uint8)
+
+
+def told_by(found, prefix):
+    return {
+        name.removeprefix(prefix): value
+        for name, value in found.attrs.items()
+        if name.startswith(prefix)
+    }
+
+
+@pytest.mark.parametrize("rtol", [1e-6, 1e-9])
+def test_the_tolerances_told_are_those_of_the_kernel(monkeypatch, rtol):
+    """First the labels, then some of them again."""
+    seen, follow = [], known.follow
+
+    def watched(*given):
+        seen.append(given[-2])
+        follow(*given)
+
+    monkeypatch.setattr(known, "follow", watched)
+    found = basin(FIGURE_7, x=AXIS, y=AXIS, rtol=rtol, workers=1)
+    told = [found.attrs["labelling_rtol"], found.attrs["agreement_rtol"]]
+    assert told == [rtol, tighter_than(rtol)]
+    assert list(dict.fromkeys(seen)) == told
+    assert found.attrs["labelling_method"] == "dop853"
+
+
+def test_the_confirmation_told_is_the_one_that_was_made(monkeypatch):
+    seen, follow = [], attractors.follow_to_steady_state
+
+    def watched(rotor, start, options, **how):
+        seen.append(options.attributes())
+        return follow(rotor, start, options, **how)
+
+    monkeypatch.setattr(attractors, "follow_to_steady_state", watched)
+    found = basin_fractions(FIGURE_7, **BOX, starts=50)
+    assert seen
+    assert all(each == told_by(found, "confirmation_") for each in seen)
+    assert found.confirmed.values.tolist() == [1, 1]
+    assert not {"method", "flight", "backend", "rtol", "atol"} & set(found.attrs)
+
+
+def test_no_confirmation_is_told_where_none_was_made(monkeypatch):
+    def interrupt(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(attractors, "follow_to_steady_state", interrupt)
+    found = basin(FIGURE_7, x=AXIS, y=AXIS)
+    assert not told_by(found, "confirmation_")
+    assert found.confirmed.values.tolist() == [0, 0]
+
+
+def test_orbits_left_over_are_followed_as_told(monkeypatch):
+    seen, follow = [], fates.follow_to_steady_state
+
+    def watched(rotor, start, options, **how):
+        seen.append((options.method, options.rtol))
+        return follow(rotor, start, options, **how)
+
+    monkeypatch.setattr(fates, "follow_to_steady_state", watched)
+    states = np.array([[3.0], [1.0], [0.0], [0.0]])
+    batch = fates.Batch(known_from_closed_forms(FIGURE_7, GOING), states, RTOL, GOING)
+    fates.fate_of(batch, 0)
+    found = basin(FIGURE_7, x=[0.0, 1.0], y=[0.0, 1.0])
+    assert seen == [(found.attrs["left_over_method"], found.attrs["left_over_rtol"])]
+
+
+def test_labels_of_a_loose_tolerance_do_not_all_agree():
+    """Where basins are folded; with a small error they do, and the part is about that of all."""
+    loosely, closely = (
+        basin_fractions(FOLDED, **BOX, starts=4000, rtol=rtol) for rtol in (1e-4, 1e-11)
+    )
+    assert float(closely.agreement) == 1.0
+    count = int(loosely.agreement_count)
+    assert count == int(closely.agreement_count) == 43  # one of 12 of one batch of eight
+    states = np.zeros((4, 1000))
+    states[:2] = np.random.default_rng(0).uniform(-15.0, 15.0, (2, 1000))
+    known_ = follow_here(known_from_closed_forms(FOLDED, GOING), states, 1e-8, GOING).known
+    labels = [known_.follow(states.copy(), 350.0, rtol, GOING)[0] for rtol in (1e-4, 1e-8)]
+    held = (labels[0] >= 0) & (labels[1] >= 0)
+    part = float((labels[0] == labels[1])[held].mean())
+    assert part < 0.9
+    error = np.sqrt(part * (1.0 - part) / count)
+    assert abs(float(loosely.agreement) - part) < 3.0 * error
+
+
+def test_a_wrong_label_is_counted_as_one():
+    """And starts without an attractor are left out."""
+    states = np.zeros((4, 64))
+    states[0] = np.linspace(0.0, 15.0, 64)
+    here = known_from_closed_forms(FIGURE_7, GOING)
+    labels, times = here.follow(states.copy(), here.first_wait, RTOL, GOING)
+    assert set(labels) == {0, 1}
+
+    def counted(labels):
+        return count_agreeing(here, states, labels, times, RTOL, 64, GOING).tolist()
+
+    every = counted(labels)
+    assert every[0] == every[1] > 30
+    assert counted((1 - labels).astype(np.int16)) == [every[0], 0]
+    assert counted(np.full_like(labels, -1)) == [0, 0]
+
+
+def test_who_follows_the_starts_has_no_say(tmp_path):
+    one, two = (
+        basin_fractions(FIGURE_7, **BOX, starts=9 * 512, workers=workers) for workers in (1, 2)
+    )
+    assert int(one.agreement_count) == 2 * 43  # of batches 0 and 8
+    assert one.identical(two)
+
+
+def test_results_of_before_are_read_told_and_verified(tmp_path):
+    """They told the method of the confirmation as their own, and nothing of agreement."""
+    new = {"agreement", "agreement_count"}
+    found = basin(FIGURE_7, x=AXIS, y=AXIS)
+    old = found.drop_vars(new)
+    old.attrs = {
+        name.removeprefix("confirmation_"): value
+        for name, value in found.attrs.items()
+        if name not in {"labelling_method", "left_over_method", "left_over_rtol", "agreement_rtol"}
+    }
+    read = load(save(old, tmp_path / "old.nc"))
+    assert differences(rerun(read), read)["agrees"]
+    record, _ = describe(read)
+    assert record["method"]["rtol"] == 1e-10
+    assert not new & set(record)
+    arrays = FORM.as_arrays(
+        FORM.from_arrays(
+            {
+                "first": np.array(0), "labels": np.zeros(2, np.int16), "times": np.zeros(2),
+                "cycles": np.empty((0, 6)), "chaos": np.empty((0, 4)), "watched": np.zeros(2),
+                "tolerance": np.array(1e-6),
+            }
+        )
+    )  # fmt: skip
+    assert arrays["rechecked"].tolist() == [0, 0]
