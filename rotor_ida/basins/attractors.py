@@ -26,7 +26,8 @@ from rotor_ida.storage.studies.arrays import stretches
 
 # CVODE follows so many starts of an attractor before the attractor counts as unconfirmed.
 WITNESSES = 3
-# What CVODE finds agrees with the attractor to this part of its largest radius.
+# What CVODE finds agrees with the attractor to this part: radii of its largest one, its period of
+# the period.
 AGREEMENT = 1e-5
 # The numbers of an attractor, as they are told and kept.
 NUMBERS = (
@@ -155,14 +156,14 @@ def leads_to(
 
 
 def _agrees(settled: SettledResponse, attractor: Attractor) -> bool:
-    seen = settled.features
+    seen, size = settled.features, attractor.radius_max
     pairs = (
-        (seen.radius_min, attractor.radius_min),
-        (seen.radius_max, attractor.radius_max),
-        (seen.period, attractor.period),
+        (seen.radius_min, attractor.radius_min, size),
+        (seen.radius_max, attractor.radius_max, size),
+        (seen.period, attractor.period, attractor.period),
     )
-    known = [(one, other) for one, other in pairs if not math.isnan(other)]
-    return all(abs(one - other) <= AGREEMENT * attractor.radius_max for one, other in known)
+    known = [pair for pair in pairs if not math.isnan(pair[1])]
+    return all(abs(one - other) <= AGREEMENT * scale for one, other, scale in known)
 
 
 def _contact_free(free: ContactFree) -> Attractor:

@@ -3,8 +3,11 @@
 *Match* all against the regions that hold starts. *Seed* a limit cycle where one that is left over
 comes back to where it is: Newton's method finds it, it is known then, with a region of its own.
 *Label* one that does not come back by following it alone to its attractor, as in a sweep. After
-each, match the others again. Chaos is told by the largest exponent of some orbits; those that last
-as long are taken to be on it.
+each, match the others again. Where that one does not settle, all that last as long are looked at
+each by itself: chaos is told by the exponent of each orbit; the others are followed on.
+
+The label of a start hangs on the rotor and on the start alone: what else is in the batch, or is
+known by then, decides when it is found, and at what cost.
 """
 
 from __future__ import annotations
@@ -15,11 +18,11 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import ROUNDING, Values
 from rotor_ida.basins.kernel import CHAOTIC, NOT_COMPUTED, UNDECIDED, Labels, Times
 from rotor_ida.basins.known import Known, with_cycle
 from rotor_ida.cycles.limit_cycle import returns
-from rotor_ida.cycles.multipliers import is_stable
+from rotor_ida.cycles.multipliers import doubling_test, is_stable
 from rotor_ida.cycles.shooting import Cycle, close_orbit, once_round
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
@@ -27,6 +30,7 @@ from rotor_ida.simulation.options import Options
 from rotor_ida.steady_state import response
 from rotor_ida.steady_state.follow import (
     LATE,
+    LONGEST,
     PATIENCE,
     SettledResponse,
     follow_to_steady_state,
@@ -41,8 +45,6 @@ FEW = 0.05
 LONGEST_TOGETHER = 4000.0
 # Beside a cycle that attracts them slowly they are, for as long as a sweep follows a motion.
 LONGEST_BESIDE_CYCLE = 40_000.0
-# Where so many in turn do not settle, the others that are left are taken not to either.
-MOST_UNDECIDED = 3
 
 # A limit cycle is sought where an orbit comes back within so many revolutions: where omega is 1.7
 # and delta0 2, one takes 17.4.
@@ -59,12 +61,28 @@ BESIDE = 0.1
 # contact-free family, which is no limit cycle.
 SLIGHT = 1e-3
 
+# A period is twice another to this part: doubled cycles leave with exactly that, and drift from it.
+TWICE = 0.2
+
 # How an orbit is followed alone: as in a sweep.
 ALONE = Options(method="taylor", rtol=1e-10)
 # A whirl on which an orbit has settled has the amplitude of a known one, to this part of it.
 SAME_AMPLITUDE = 1e-5
-# Of orbits that last as long as chaos, so many are followed alone before the others count as it.
-CHECKED = 2
+# An orbit's exponent is told by a neighbour this far off, in parts of the size of its state,
+NEIGHBOUR = 1e-7
+# put back to there after each of these spans, in which even strong chaos leaves it close,
+SPAN, SPANS = 120.0, 50
+# and again so often, if that is not clear of 0 yet, but by so many errors,
+MAYBE_ERRORS, MOST_SPANS = 2.0, 200
+# while it turns to the direction that grows most in the first ones.
+FIRST_SPANS = 10
+# Both are followed this closely: what steps leave must not be taken for growth.
+CLOSELY = 1e-11
+# The exponent is clear of 0 where it exceeds so many errors, and neighbours part by exp(20) in all.
+CLEAR_ERRORS, CLEAR_STRETCH = 5.0, 20.0
+# Beside an unstable cycle whose period has just doubled, the doubled one is sought aside at these
+# parts of the size of the state.
+ASIDE = (1e-3, 3e-3, 1e-2, 3e-2, 1e-1)
 
 
 @dataclass(slots=True)
@@ -80,7 +98,6 @@ class Batch:
     left: int = 0  # number of orbits that left a chaotic motion while this was watched,
     watched: float = 0.0  # and for how long all of them together were watched [1]
     chaotic: SettledResponse | None = None  # a chaotic motion, if one was met
-    undecided_in_turn: int = 0  # number of the last orbits followed alone that have not settled
     matched: Known | None = None  # what was known when orbits were last followed together
 
     def __post_init__(self) -> None:
@@ -122,7 +139,7 @@ class Batch:
 def decide(batch: Batch) -> Batch:
     """Follow all starts of a batch until what becomes of them is decided; return it."""
     waiting = match_all(batch)
-    while waiting.size and batch.undecided_in_turn < MOST_UNDECIDED and not batch.stop[0]:
+    while waiting.size and not batch.stop[0]:
         if seed(batch, waiting):
             waiting = match(batch, waiting, LONGEST_BESIDE_CYCLE)
         else:
@@ -134,17 +151,13 @@ def decide(batch: Batch) -> Batch:
 
 def match_all(batch: Batch) -> Numbers:
     """Follow all orbits until a region holds them, the last few for longer; return those left."""
-    count = batch.labels.size
+    count, longest = batch.labels.size, min(LONGEST_TOGETHER, _late(batch))
     waiting = batch.follow(np.arange(count), batch.known.first_wait)
     if batch.known.rotor.omega == 0.0:  # energy only falls: all comes to rest
         batch.labels[waiting] = 0
         return waiting[:0]
-    while (
-        0 < waiting.size <= FEW * count
-        and batch.passed(waiting) < LONGEST_TOGETHER
-        and not batch.stop[0]
-    ):
-        waiting = match(batch, waiting, LONGEST_TOGETHER)
+    while 0 < waiting.size <= FEW * count and batch.passed(waiting) < longest and not batch.stop[0]:
+        waiting = match(batch, waiting, longest)
     return waiting
 
 
@@ -167,12 +180,16 @@ def seed(batch: Batch, waiting: Numbers) -> bool:
 
 
 def label(batch: Batch, waiting: Numbers) -> Numbers:
-    """Label the first orbit by following it alone; return the others that are left over then."""
+    """Label the first orbit by following it alone; return the others that are left over then.
+
+    Where it does not settle, all are labelled by what each does that lasts as long.
+    """
     first, others = int(waiting[0]), waiting[1:]
-    batch.labels[first] = fate = fate_of(batch, first)
-    batch.undecided_in_turn = batch.undecided_in_turn + 1 if fate == UNDECIDED else 0
-    if fate == CHAOTIC:
-        return label_chaos(batch, others)
+    fate = fate_of(batch, first)
+    if fate in (CHAOTIC, UNDECIDED):
+        label_lasting(batch, waiting)
+        return waiting[:0]
+    batch.labels[first] = fate
     # touches take long to fade, and to follow one by one: others may do so together
     took = float(batch.times[first]) if fate == batch.known.fading_label else 0.0
     return match(batch, others, LONGEST_TOGETHER, until=min(took, LONGEST_TOGETHER))
@@ -211,26 +228,44 @@ def _closest(times: Values, misses: Values, apart: float) -> list[float]:
 
 def _stable_cycle(batch: Batch, state: Values, period: float) -> Cycle | None:
     """Return the stable limit cycle near a state and a period, followed once round."""
+    rotor, stop = batch.known.rotor, batch.stop
     try:
-        cycle = close_orbit(batch.known.rotor, state, period, batch.stop)
-        cycle = once_round(cycle, batch.stop)
+        cycle = once_round(close_orbit(rotor, state, period, stop), stop)
     except SimulationError:
         return None
-    return cycle if is_stable(cycle.shot) else None
+    if is_stable(cycle.shot):
+        return cycle
+    return _doubled(cycle, stop) if doubling_test(cycle.shot) < 0.0 else None
 
 
-def fate_of(batch: Batch, number: int) -> int:
+def _doubled(cycle: Cycle, stop: Stop) -> Cycle | None:
+    """Return the stable cycle of twice the period beside one whose period has just doubled."""
+    multipliers, vectors = np.linalg.eig(cycle.shot.monodromy)
+    aside = np.real(vectors[:, np.argmin(multipliers.real)])
+    aside *= np.linalg.norm(cycle.state) / np.linalg.norm(aside)
+    for part in ASIDE:
+        try:
+            found = close_orbit(cycle.rotor, cycle.state + part * aside, 2.0 * cycle.period, stop)
+            found = once_round(found, stop)
+        except SimulationError:
+            continue
+        if is_stable(found.shot) and abs(found.period / cycle.period - 2.0) < TWICE:
+            return found
+    return None
+
+
+def fate_of(batch: Batch, number: int, longest: float = LONGEST) -> int:
     """Return the label of one orbit, followed alone to its attractor; a new limit cycle is added.
 
     UNDECIDED where it has none after the time that a sweep gives it.
     """
     known = batch.known
     x, y, vx, vy = batch.states[:, number].tolist()
-    settled = follow_to_steady_state(known.rotor, (x, y, vx, vy), ALONE, stop=batch.stop)
-    batch.times[number] += np.float32(settled.window_end)
+    settled = follow_to_steady_state(
+        known.rotor, (x, y, vx, vy), ALONE, longest=longest, stop=batch.stop
+    )
     match settled.response:
         case response.CHAOTIC:
-            batch.chaotic = settled
             return CHAOTIC
         case response.CONTACT_FREE if known.free is not None:
             return known.free_label
@@ -252,23 +287,80 @@ def _whirl_of(known: Known, amplitude: float) -> int:
     return nearest if apart and apart[nearest] <= SAME_AMPLITUDE else UNDECIDED
 
 
-def label_chaos(batch: Batch, waiting: Numbers) -> Numbers:
-    """Label the orbits that last as long as chaos, beside one that is chaotic; return the others.
+def label_lasting(batch: Batch, waiting: Numbers) -> None:
+    """Label orbits that have not settled after so long, each by what it does itself.
 
-    They are followed until they would have settled, and as long again, in which those that leave
-    are counted.
+    Those that are chaotic are watched for as long again, and those that leave are counted. The
+    others are followed for as long as a sweep follows a motion, and then one by one.
     """
-    late = max(LATE, PATIENCE / batch.known.rotor.zeta)
+    late = _late(batch)
     waiting = batch.follow(waiting, late - batch.passed(waiting))
-    before = float(batch.times[waiting].sum())
-    last = batch.follow(waiting, late)
-    batch.left += waiting.size - last.size
-    batch.watched += float(batch.times[waiting].sum()) - before
-    looked_at = last[:: max(1, last.size // CHECKED)][:CHECKED]
-    for number in looked_at.tolist():
-        batch.labels[number] = fate_of(batch, number)
-    rest = np.setdiff1d(last, looked_at)
-    if (batch.labels[looked_at] == CHAOTIC).all():
-        batch.labels[rest] = CHAOTIC
-        return rest[:0]
-    return batch.follow(rest, batch.known.first_wait) if batch.cycle_found else rest
+    chaotic = are_chaotic(batch, waiting)
+    before, watched = float(batch.times[waiting[chaotic]].sum()), waiting[chaotic]
+    last = batch.follow(watched, late)
+    batch.left += watched.size - last.size
+    batch.watched += float(batch.times[watched].sum()) - before
+    batch.labels[last] = CHAOTIC
+    if last.size and batch.chaotic is None:
+        batch.chaotic = _motion_of(batch, int(last[0]))
+    rest = waiting[~chaotic]
+    for number in batch.follow(rest, LONGEST_BESIDE_CYCLE - batch.passed(rest)).tolist():
+        if batch.stop[0]:
+            return
+        batch.labels[number] = fate_of(batch, number, longest=batch.known.first_wait)
+
+
+def are_chaotic(batch: Batch, numbers: Numbers) -> npt.NDArray[np.bool_]:
+    """Return which orbits part from a neighbour at a rate that is clear of 0.
+
+    Those of which it may be, but is not yet, are looked at for longer.
+    """
+    states = np.ascontiguousarray(batch.states[:, numbers])
+    beside = states.copy()
+    beside[0] += NEIGHBOUR * np.linalg.norm(states, axis=0)
+    clear, unclear = np.zeros(numbers.size, dtype=np.bool_), np.arange(numbers.size)
+    rates = np.empty((0, numbers.size))
+    while unclear.size and len(rates) < MOST_SPANS and not batch.stop[0]:
+        states, beside, more = _parting(batch, states, beside, SPANS)
+        rates = np.concatenate([rates, more])
+        settled = rates[FIRST_SPANS:]
+        mean = settled.mean(axis=0)
+        error = settled.std(axis=0, ddof=1) / math.sqrt(len(settled))
+        sure = (mean > CLEAR_ERRORS * error) & (mean * SPAN * len(settled) > CLEAR_STRETCH)
+        clear[unclear[sure]] = True
+        kept = ~sure & (mean > MAYBE_ERRORS * error)
+        unclear, rates = unclear[kept], rates[:, kept]
+        states, beside = (np.ascontiguousarray(each[:, kept]) for each in (states, beside))
+    return clear
+
+
+def _parting(
+    batch: Batch, states: Values, beside: Values, spans: int
+) -> tuple[Values, Values, Values]:
+    """Follow orbits and their neighbours; return both at the end, and how fast they part.
+
+    The rates are a row for each span.
+    """
+    bare, rates = Known(batch.known.rotor, [], None), np.zeros((spans, states.shape[1]))
+    for span in range(spans):
+        for each in (states, beside):
+            bare.follow(each, SPAN, CLOSELY, batch.stop)
+        size = np.linalg.norm(states, axis=0)
+        distance = np.maximum(np.linalg.norm(beside - states, axis=0), ROUNDING * size)
+        stretch = distance / (NEIGHBOUR * size)
+        rates[span] = np.log(stretch) / SPAN
+        beside = np.ascontiguousarray(states + (beside - states) / stretch)
+    return states, beside, rates
+
+
+def _motion_of(batch: Batch, number: int) -> SettledResponse:
+    """Return what a chaotic motion does over a window."""
+    x, y, vx, vy = batch.states[:, number].tolist()
+    rotor = batch.known.rotor
+    return follow_to_steady_state(rotor, (x, y, vx, vy), ALONE, longest=0.0, stop=batch.stop)
+
+
+def _late(batch: Batch) -> float:
+    """Return the time after which a motion that has not settled may be chaos [1]."""
+    zeta = batch.known.rotor.zeta
+    return max(LATE, PATIENCE / zeta) if zeta > 0.0 else LONGEST_BESIDE_CYCLE

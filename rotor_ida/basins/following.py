@@ -88,10 +88,12 @@ def follow_starts(
     workers: int | None,
     executor: str,
     progress: Progress | None,
+    drawn: bool = False,
 ) -> FollowedStarts:
     """Follow so many starts until the attractor of each is decided, or for the time allowed.
 
-    Batches that are kept already are not followed again; a tolerance of None is chosen.
+    Batches that are kept already are not followed again; a tolerance of None is chosen, by the
+    first starts where they are `drawn`, which are the same however many follow.
     """
     size = min(max(math.ceil(count / FEWEST_BATCHES), SMALLEST_BATCH), LARGEST_BATCH)
     due = [number for number in range(math.ceil(count / size)) if number not in kept.done]
@@ -101,7 +103,7 @@ def follow_starts(
     try:
         # whichever are left: the same cycles are known to all
         if due and (count > size or tolerance is None):
-            scout = partial(_scouted, known, starts, count, tolerance)
+            scout = partial(_scouted, known, starts, count, tolerance, drawn)
             known, tolerance = interruptible(scout)
         edges = ((each, each * size, min((each + 1) * size, count)) for each in due)
         allowed = tolerance or RTOL  # of the last batch, if there is one
@@ -149,14 +151,14 @@ def first_look(rotor: Rotor, states: Values, duration: float, stop: Stop) -> Fol
 
 
 def _scouted(
-    known: Known, starts: Starts, count: int, tolerance: float | None, stop: Stop
+    known: Known, starts: Starts, count: int, tolerance: float | None, drawn: bool, stop: Stop
 ) -> tuple[Known, float]:
     """Return what is known once a few starts have been followed, and the error to allow."""
-    scouts = _spread(starts, count, SCOUTS)
+    scouts = _few(starts, count, SCOUTS, drawn)
     known = decide(Batch(known, scouts, tolerance or RTOL, stop)).known
     if tolerance is not None:
         return known, tolerance
-    sample = _spread(starts, count, CHECKED)
+    sample = _few(starts, count, CHECKED, drawn)
     roughly, closely = (
         known.follow(sample.copy(), known.first_wait, rtol, stop)[0] for rtol in (RTOL, SMALL_RTOL)
     )
@@ -165,8 +167,13 @@ def _scouted(
     return known, RTOL if alike else SMALL_RTOL
 
 
-def _spread(starts: Starts, count: int, most: int) -> Values:
-    """Return a few starts, spread over all, shape (4, n)."""
+def _few(starts: Starts, count: int, most: int, drawn: bool) -> Values:
+    """Return a few starts, shape (4, n): spread over all, or where they were drawn the first.
+
+    So what is chosen by these does not hang on how many more were drawn.
+    """
+    if drawn:
+        return starts(0, min(most, count))
     numbers = np.unique(np.linspace(0, count - 1, min(most, count)).astype(np.int64))
     return np.concatenate([starts(number, number + 1) for number in numbers.tolist()], axis=1)
 

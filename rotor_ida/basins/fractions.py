@@ -97,7 +97,7 @@ def basin_fractions(
     design = {"kind": "basin_fractions", "starts": count, "seed": chosen, **ranges}
     found = label(
         rotor, drawn, count, design,
-        rtol=rtol, workers=workers, executor=executor, study=study, progress=progress,
+        rtol=rtol, workers=workers, executor=executor, study=study, progress=progress, drawn=True,
     )  # fmt: skip
     attributes = {"starts": count, "seed": chosen}
     attributes |= {f"range_{name}": limits for name, limits in zip(COMPONENTS, box, strict=True)}

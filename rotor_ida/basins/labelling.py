@@ -75,11 +75,12 @@ def label(
     executor: str,
     study: str | os.PathLike[str] | None,
     progress: Progress | None,
+    drawn: bool = False,
 ) -> Labelled:
     """Follow so many starts of a rotor, each to its attractor.
 
-    `starts` gives those from one number up to another, as (4, n); `design` says for a study what
-    they are.
+    `starts` gives those from one number up to another, as (4, n), of `drawn` ones the same however
+    many there are; `design` says for a study what they are.
     """
     check_rotor(rotor)
     most = MOST_STARTS if study is None else MOST_POINTS_OF_STUDY
@@ -93,7 +94,7 @@ def label(
         known = interruptible(lambda stop: known_from_closed_forms(rotor, stop))
         found = follow_starts(
             known, starts, count, kept,
-            tolerance=tolerance, workers=several, executor=place, progress=progress,
+            tolerance=tolerance, workers=several, executor=place, progress=progress, drawn=drawn,
         )  # fmt: skip
         attractors = attractors_of(found)
         if not found.interrupted:

@@ -411,6 +411,13 @@ static struct state state_at(const double *states, int64_t count, int64_t number
     return (struct state){x[0], x[count], x[2 * count], x[3 * count]};
 }
 
+/* Let no step pass the end of the time: orbits are left at the same moment. */
+static void end_in_time(struct lanes *lanes, double duration)
+{
+    for (int i = 0; i < LANES; i++)
+        lanes->step[i] = smaller(lanes->step[i], duration - lanes->now.time[i]);
+}
+
 /* Put a start into a lane and return its number; without one, leave the lane at rest. */
 static int64_t load_start(struct lanes *lanes, int i, const struct starts *starts, int64_t number)
 {
@@ -475,6 +482,7 @@ int core_follow_lanes(const struct rotor *rotor, double *states, int16_t *labels
         }
         if (section_count > 0)
             lanes.was = lanes.now;
+        end_in_time(&lanes, duration);
         step_lanes(&lanes, *rotor, tolerance);
     }
     return DONE;

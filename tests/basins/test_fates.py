@@ -1,12 +1,15 @@
 """What no region holds is followed to its attractor, which then is known; chaos says how long."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from rotor_ida import Rotor, basin_fractions, continue_cycle, limit_cycle
 from rotor_ida.basins import fates
+from rotor_ida.basins import known as known_module
+from rotor_ida.basins.cycle_sections import cycle_section
 from rotor_ida.basins.fates import Batch, decide
 from rotor_ida.basins.kernel import CHAOTIC, NOT_COMPUTED, UNDECIDED
 from rotor_ida.basins.known import known_from_closed_forms
@@ -119,6 +122,51 @@ def test_chaos_that_is_a_transient_says_how_long_it_lasts():
     # some ten of them leave while they are watched; were it none, the bound would be 46,000
     assert 3e3 < float(chaos.lifetime_low) < 1e5
     assert float(chaos.lifetime) > float(chaos.lifetime_low)
+
+
+NARROW = {
+    "beside a doubling": (Rotor(omega=1.8036, zeta=0.07, delta0=2.0), 24),
+    "chaos in a narrow window": (Rotor(omega=1.38, zeta=0.07, delta0=1.0), 60),
+    "weak chaos": (Rotor(omega=1.69, zeta=0.07, delta0=2.0), 24),
+    "chaos that is left": (Rotor(omega=1.5, zeta=0.01, delta0=2.0), 60),
+}
+
+
+def names_of(batch):
+    """What each label means, whatever its number: cycles by their periods."""
+    first, cycles = batch.known.first_cycle, batch.known.cycles
+    return [
+        round(cycles[number - first].cycle.period, 6) if number >= first else number
+        for number in batch.labels.tolist()
+    ]
+
+
+@pytest.mark.parametrize("name", NARROW)
+@pytest.mark.parametrize("sections", [True, False])
+def test_no_label_hangs_on_what_else_is_in_the_batch(name, sections, monkeypatch):
+    """The first of some starts, alone and with as many more, with sections of cycles or without."""
+    if not sections:
+        monkeypatch.setattr(known_module, "cycle_section", without_a_set)
+    rotor, count = NARROW[name]
+    count = count if sections else count // 4
+    states = random_states(2 * count, seed=1)
+    alone, together = decide(batch_of(rotor, states[:, :count])), decide(batch_of(rotor, states))
+    assert names_of(alone) == names_of(together)[:count]
+
+
+def without_a_set(cycle, stop):
+    """A section of a cycle that holds nothing."""
+    return replace(cycle_section(cycle, stop), form=np.full((3, 4), np.inf))
+
+
+def test_all_that_are_left_over_are_followed(monkeypatch):
+    """However many in turn are not decided, each is, for as long as the others."""
+    monkeypatch.setattr(fates, "fate_of", lambda batch, number, longest=0.0: UNDECIDED)
+    monkeypatch.setattr(fates, "beside_cycle", lambda batch, number: False)
+    batch = decide(batch_of(Rotor(omega=1.8034, zeta=0.07, delta0=2.0), random_states(40)))
+    left = batch.labels == UNDECIDED
+    assert left.sum() > 10
+    assert (batch.times[left] >= fates.LONGEST_BESIDE_CYCLE).all()
 
 
 def test_a_batch_that_is_stopped_is_not_computed():

@@ -6,10 +6,9 @@ import pytest
 
 from rotor_ida.atlas import shocks
 from rotor_ida.basins import agreement, attractors, contact_free_whirls, cycle_sections, fates
-from rotor_ida.steady_state import follow
 
 PAGE = (Path(__file__).parents[2] / "docs" / "basins.md").read_text("utf-8")
-WORDS = {2: "two", 3: "three", 5: "five", 8: "eighth", 12: "twelve"}
+WORDS = {2: "two", 3: "three", 5: "five", 8: "eighth", 12: "twelve", 50: "fifty"}
 
 
 @pytest.mark.parametrize(
@@ -21,9 +20,11 @@ WORDS = {2: "two", 3: "three", 5: "five", 8: "eighth", 12: "twelve"}
         f"the set is {cycle_sections.CAUTION:g} as wide",
         f"{shocks.PHASES} phases, {shocks.DIRECTIONS} directions and {WORDS[len(shocks.SHELLS)]}",
         f"came back into the set; {shocks.CAUTION:g} of that",
-        f"{WORDS[int(follow.CLEAR_ERRORS)]} of its errors above zero",
-        f"beside the first, {WORDS[fates.CHECKED]} of them are followed",
-        f"once {WORDS[fates.MOST_UNDECIDED]} in turn have not settled",
+        f"{WORDS[int(fates.CLEAR_ERRORS)]} of its errors above zero",
+        f"put back to there every {fates.SPAN:g} time units, {WORDS[fates.SPANS]} times at least",
+        f"and {fates.MOST_SPANS} times at most",
+        f"at an error of {fates.CLOSELY:g} in a step",
+        f"until {fates.LONGEST_BESIDE_CYCLE:,.0f}",
         f"{WORDS[attractors.WITNESSES]} at most, until one comes to the same attractor",
         f"one in {WORDS[agreement.ONE_START_OF]} of every {WORDS[agreement.ONE_BATCH_OF]} batch",
         f"one in {agreement.ONE_OF_ROTOR}, and {agreement.MOST_OF_ROTOR} at most",

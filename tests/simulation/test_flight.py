@@ -296,8 +296,8 @@ def test_every_extremum_of_a_flight_is_found_and_none_invented():
 def test_two_extrema_that_nearly_meet_are_both_found(apart):
     """Without damping z' = v + omega**2 (t + i omega t**2/2 + ...), and again a revolution later.
 
-    With v = -i omega**3 apart**2/4 and z = i y there, ``r r' = y (Im v + omega**3 t**2/2 + ...)``: a
-    maximum and a minimum at about ``t = -+apart/sqrt(2)``.
+    With v = -i omega**3 apart**2/4 and z = i y there, ``r r' = y (Im v + omega**3 t**2/2 + ...)``:
+    a maximum and a minimum at about ``t = -+apart/sqrt(2)``.
     """
     omega, revolution = 2.0, np.pi
     start = (0.0, 1.0, 0.0, -0.25 * omega**3 * apart**2)
