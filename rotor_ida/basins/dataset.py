@@ -28,9 +28,9 @@ from rotor_ida.storage.studies.arrays import scratch, stretches
 LABELLING = (
     "every start followed beside others by DOP853 on the rotating axes, with the error "
     "labelling_rtol in a step, until a region holds it; where some are left over, limit cycles "
-    "found by Newton's method, some orbits followed one by one by Taylor series, as in a sweep with "
-    "left_over_rtol, and what lasts told to be chaotic by an exponent of its own, or followed on; "
-    "some starts labelled again with the error agreement_rtol"
+    "found by Newton's method, some orbits followed one by one by Taylor series, as in a sweep "
+    "with left_over_rtol, and what lasts told to be chaotic by an exponent of its own, or followed "
+    "on; some starts labelled again with the error agreement_rtol"
 )
 # What follows starts side by side, in the core.
 LABELLING_METHOD = "dop853"

@@ -1,4 +1,4 @@
-/* Many starts followed side by side, each until its attractor is certain or its time is up.
+/* Many starts followed side by side, each until a region holds it or its time is up.
  *
  * One orbit in each lane, on the rotating axes, with a time and a step of its own. Every quantity
  * is a row of LANES numbers; loops over the lanes have no branches, so that they become vector
