@@ -35,7 +35,7 @@ def main(settings: Settings) -> None:
     settings.keep(found, "atlas")
     with progress_bar("shocks") as progress:
         shocked = continue_attractors(
-            omega=speeds[1::2], zeta=ZETA, delta0=clearances[::2], **BOX,
+            omega=speeds[1::3], zeta=ZETA, delta0=clearances[::2], **BOX,
             workers=settings.workers, starts=20 if settings.quick else 200,
             shocks=64 if settings.quick else 512, progress=progress,
         )  # fmt: skip

@@ -69,7 +69,7 @@ def simulate(
         series it is solved, with ``backend="python"`` it is integrated.
     backend : {"auto", "python", "compiled"}
         The plain-Python reference, which restarts the solvers of scikit-sundae at each root of
-        ``|z| = delta0``, or the compiled core, some hundred times as fast. ``"auto"`` is ``"compiled"``
+        ``|z| = delta0``, or the compiled core, many times as fast. ``"auto"`` is ``"compiled"``
         wherever it can be had; IDA is the reference's alone.
 
     Returns
