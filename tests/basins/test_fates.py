@@ -148,7 +148,7 @@ def test_no_label_hangs_on_what_else_is_in_the_batch(name, sections, monkeypatch
     if not sections:
         monkeypatch.setattr(known_module, "cycle_section", without_a_set)
     rotor, count = NARROW[name]
-    count = count if sections else count // 4
+    count = count if sections else count // 6
     states = random_states(2 * count, seed=1)
     alone, together = decide(batch_of(rotor, states[:, :count])), decide(batch_of(rotor, states))
     assert names_of(alone) == names_of(together)[:count]

@@ -74,7 +74,7 @@ def test_it_agrees_with_the_core_on_300_random_rotors(part):
     for number in range(30):
         rotor, start = random_rotor(draw, number)
         own, core = (
-            simulate(rotor, start=start, duration=30.0, samples=101, **how)
+            simulate(rotor, start=start, duration=15.0, samples=51, **how)
             for how in (
                 {"method": ("adams", "bdf", "ida")[number % 3], "rtol": 1e-8, "backend": "python"},
                 TIGHT,
@@ -87,7 +87,7 @@ def test_it_agrees_with_the_core_on_300_random_rotors(part):
         apart = np.abs(own.event_time.values - core.event_time.values)
         assert (apart <= own.event_time_error.values).all(), (rotor, start)
         compared += apart.size
-    assert compared > 50
+    assert compared > 30
 
 
 def first_peak(start, omega, zeta):
