@@ -337,7 +337,7 @@ const struct mode contact_mode = {
     .expand_differences = contact_expand_differences,
 };
 
-/* The rates of change of x, y, vx, vy, drawn back to where they belong. */
+/* The rates of change of x, y, vx, vy. */
 static void cartesian_field(const struct parameters *m,
     const double *state, double *rate)
 {

@@ -156,6 +156,7 @@ def write_values(derived: Derived) -> list[str]:
     """Return field, Jacobian, growth and what parameters add, as functions of the state."""
     mode, size = derived.mode, len(derived.mode.state)
     rates = zip(mode.state, derived.drawn_rates, strict=True)
+    drawn = "" if derived.drawn_rates == derived.rates else ", drawn back to where they belong"
     matrix = [
         (f"matrix[{size * column + row}]", derived.jacobian[row][column])
         for column in range(size)
@@ -169,7 +170,7 @@ def write_values(derived: Derived) -> list[str]:
         *_function(
             f"{mode.name}_field",
             "const double *state, double *rate",
-            f"The rates of change of {', '.join(mode.state)}, drawn back to where they belong.",
+            f"The rates of change of {', '.join(mode.state)}{drawn}.",
             _values([(f"rate[{_place(mode, name)}]", rate) for name, rate in rates], mode),
         ),
         *_function(

@@ -282,7 +282,7 @@ def _follow_mode(
     run.evaluations += motion.evaluations
     state = motion.at(end).copy()
     if crossed:
-        state[: X + 2] *= run.rotor.delta0 / radius_of(state)
+        state[:VX] *= run.rotor.delta0 / radius_of(state)
     if in_contact:
         _record_contact(run, entry, end if crossed else math.nan, peak, float(state[IMPULSE]))
     state[IMPULSE] = 0.0

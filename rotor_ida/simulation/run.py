@@ -16,7 +16,7 @@ from rotor_ida.core.interface import (
     message_of,
 )
 from rotor_ida.core.runs import Asked, follow
-from rotor_ida.errors import SimulationError
+from rotor_ida.errors import InstallationError, SimulationError
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.options import Options
@@ -68,7 +68,12 @@ def run(
     """
     tolerances = scale * options.step_rtol, scale * options.step_atol
     if options.backend == "python":
-        from rotor_ida.simulation.reference import run_reference  # noqa: PLC0415 - its solver
+        try:
+            from rotor_ida.simulation.reference import run_reference  # noqa: PLC0415 - its solver
+        except ImportError as error:
+            raise InstallationError(
+                f"backend 'python' needs scikit-sundae: pip install scikit-sundae ({error})"
+            ) from error
 
         orbit = run_reference(
             rotor, start, duration, sample_times, options,

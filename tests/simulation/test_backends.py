@@ -6,7 +6,7 @@ import threading
 import numpy as np
 import pytest
 
-from rotor_ida import InputError, Rotor, SimulationError, simulate
+from rotor_ida import InputError, InstallationError, Rotor, SimulationError, simulate
 from rotor_ida.core import sundials
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
@@ -81,6 +81,15 @@ def test_without_scikit_sundae_taylor_series_work(monkeypatch, asked_anew):
     assert sundials.why_not() == "scikit-sundae is not installed"
     assert sundials.version() == ""
     assert simulate(BOUNCING, start=REST, duration=20.0, method="taylor").sizes["event"] > 2
+
+
+def test_without_scikit_sundae_the_reference_says_so(monkeypatch, asked_anew):
+    for name in [name for name in sys.modules if name.startswith("sksundae")]:
+        monkeypatch.setitem(sys.modules, name, None)
+    monkeypatch.setitem(sys.modules, "sksundae", None)
+    monkeypatch.delitem(sys.modules, "rotor_ida.simulation.reference", raising=False)
+    with pytest.raises(InstallationError, match=r"^backend 'python' needs scikit-sundae: pip inst"):
+        simulate(BOUNCING, start=REST, duration=1.0, backend="python")
 
 
 @pytest.mark.parametrize("name", ["libsundials_core.7.9.0.dylib", "sundials_core-db7c109a.dll"])
