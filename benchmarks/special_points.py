@@ -41,9 +41,9 @@ def random_cycle(rng):
 
 def specials_of(rotor, cycle, parameter, finer):
     """Return kind and value of each special point, and the ends of the branch."""
-    lengths = continuation.FIRST_STEP, continuation.LONGEST_STEP
+    longest = continuation.LONGEST_STEP
     try:
-        continuation.FIRST_STEP, continuation.LONGEST_STEP = (each / finer for each in lengths)
+        continuation.LONGEST_STEP = longest / finer
         here = getattr(rotor, parameter)
         found = continue_cycle(
             rotor,
@@ -53,7 +53,7 @@ def specials_of(rotor, cycle, parameter, finer):
             points=int(MOST_POINTS * finer),
         )
     finally:
-        continuation.FIRST_STEP, continuation.LONGEST_STEP = lengths
+        continuation.LONGEST_STEP = longest
     kinds, values = found["special_kind"].values.tolist(), found["special_value"].values.tolist()
     return list(zip(kinds, values, strict=True)), (
         found.attrs["first_end"],

@@ -12,7 +12,7 @@ ROTOR, START = Rotor(omega=3.0, zeta=0.07, delta0=0.5), (3.0, 1.0, 0.0, 0.0)
 LARGEST = 3.0002221257862
 
 
-# Without it, the errors of the radius after 6,000 time units are 1.6e-6, 2e-5 and 9e-5.
+# Before it was, these errors were 9.4e-7, 2.1e-5 and 1.2e-4 after 6,000 time units.
 @pytest.mark.parametrize(("method", "most"), [("taylor", 2e-8), ("adams", 5e-6), ("bdf", 1e-5)])
 def test_a_cycle_keeps_its_radius_however_long_it_is_followed(method, most):
     options = Options(method=method, rtol=1e-6, atol=1e-8)
