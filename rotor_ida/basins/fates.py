@@ -72,10 +72,10 @@ SAME_AMPLITUDE = 1e-5
 NEIGHBOUR = 1e-7
 # put back to there after each of these spans, in which even strong chaos leaves it close,
 SPAN, SPANS = 120.0, 50
-# and again so often, if that is not clear of 0 yet, but by so many errors,
-MAYBE_ERRORS, MOST_SPANS = 2.0, 200
-# while it turns to the direction that grows most in the first ones.
+# of which the first ones, in which it turns to the direction that grows most, do not count.
 FIRST_SPANS = 10
+# Where it exceeds so many errors but is not clear of 0, it is followed on, for so many in all.
+MAYBE_ERRORS, MOST_SPANS = 2.0, 200
 # Both are followed this closely: what steps leave must not be taken for growth.
 CLOSELY = 1e-11
 # The exponent is clear of 0 where it exceeds so many errors, and neighbours part by exp(20) in all.
@@ -257,13 +257,21 @@ def _doubled(cycle: Cycle, stop: Stop) -> Cycle | None:
 def fate_of(batch: Batch, number: int, longest: float = LONGEST) -> int:
     """Return the label of one orbit, followed alone to its attractor; a new limit cycle is added.
 
-    UNDECIDED where it has none after the time that a sweep gives it.
+    UNDECIDED where it has none after the time that a sweep gives it. The time that it took is
+    added where it has one.
     """
-    known = batch.known
     x, y, vx, vy = batch.states[:, number].tolist()
     settled = follow_to_steady_state(
-        known.rotor, (x, y, vx, vy), ALONE, longest=longest, stop=batch.stop
+        batch.known.rotor, (x, y, vx, vy), ALONE, longest=longest, stop=batch.stop
     )
+    fate = _label_of(batch, settled)
+    if fate not in (CHAOTIC, UNDECIDED):
+        batch.times[number] += np.float32(settled.window_end)
+    return fate
+
+
+def _label_of(batch: Batch, settled: SettledResponse) -> int:
+    known = batch.known
     match settled.response:
         case response.CHAOTIC:
             return CHAOTIC

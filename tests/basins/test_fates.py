@@ -169,6 +169,16 @@ def test_all_that_are_left_over_are_followed(monkeypatch):
     assert (batch.times[left] >= fates.LONGEST_BESIDE_CYCLE).all()
 
 
+def test_the_time_of_an_orbit_followed_alone_counts():
+    """What it took from where the others left it is part of the time after which it was decided."""
+    batch = batch_of(BOUNCER, np.array([[0.0], [0.0], [0.0], [0.0]]))
+    batch.follow(np.arange(1), 10.0)
+    passed = float(batch.times[0])
+    label = fates.fate_of(batch, 0)
+    assert label == batch.known.first_cycle
+    assert float(batch.times[0]) > passed + 300.0
+
+
 def test_a_batch_that_is_stopped_is_not_computed():
     batch = batch_of(BOUNCER, random_states(100), np.ones(1, np.uint8))
     decide(batch)
