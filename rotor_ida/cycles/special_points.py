@@ -221,16 +221,14 @@ def _turn_near_zero(
     inside = sorted(place for place in nodes if place >= begin)
     for low, high in pairwise(inside):
         side = math.copysign(1.0, nodes[low])
-        turns = _turns_between(nodes, low, high)
-        if nodes[low] * nodes[high] < 0.0 and len(turns) < 2:
+        turns, crosses = _turns_between(nodes, low, high), nodes[low] * nodes[high] < 0.0
+        if crosses and len(turns) < 2:
             continue  # it passes 0 once
+        nearer = min(side * nodes[low], side * nodes[high])
         for place, value in turns:
-            bends_back = side * value < min(side * nodes[low], side * nodes[high])
-            if nodes[low] * nodes[high] < 0.0:
-                bends_back = True
-            if not bends_back or side * value > unsure:
-                continue
-            if min(abs(place - each) for each in inside) > known:
+            towards = crosses or side * value < nearer
+            new = min(abs(place - each) for each in inside) > known
+            if towards and new and side * value <= unsure:
                 return place, value
     return None
 
