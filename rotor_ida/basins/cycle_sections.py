@@ -10,6 +10,9 @@ the squared amplitudes of its modes falls from return to return,
 by the largest ``|mu_i|**2`` at least. How large the set ``V <= 1`` can be is found by following
 states of it: the largest is sought of which every one of many states, spread over it, comes back
 with a smaller V. So it is an estimate, not a proof as for the whirls (`trapping_regions`).
+
+Where the largest multiplier is near -1, a return adds to V what the next one takes away again: the
+square of a state off the cycle, ``x -> -x + b x**2``. There states are followed twice round.
 """
 
 from __future__ import annotations
@@ -105,10 +108,12 @@ def _widest_section(cycle: Cycle, stop: Stop) -> CycleSection:
     round_ = shoot(cycle.rotor, centre, cycle.period, stop)
     normal = round_.start_rate / np.linalg.norm(round_.start_rate)
     section = CycleSection(cycle, centre, normal, np.full((3, 4), np.inf))
-    slowest = float(np.abs(multipliers_of(cycle.shot)[1]))
+    slowest = complex(multipliers_of(cycle.shot)[1])
+    rounds = 2 if slowest.real < 0.0 and slowest.imag == 0.0 else 1
+    allowed = 1.0 - FALLS * (1.0 - abs(slowest) ** (2 * rounds))
     best, volume = section, 0.0
     for form in _forms(round_.monodromy, normal):
-        width = _width(section, form, slowest, stop)
+        width = _width(section, form, rounds, allowed, stop)
         if width > 0.0 and width**3 / _density(form) > volume:
             volume = width**3 / _density(form)
             best = CycleSection(cycle, centre, normal, form / (CAUTION * width))
@@ -137,12 +142,15 @@ def _density(form: Values) -> float:
     return float(np.prod(np.linalg.svd(form, compute_uv=False)))
 
 
-def _width(section: CycleSection, form: Values, slowest: float, stop: Stop) -> float:
-    """Return about the largest width at which all states come back nearer; 0 if there is none."""
+def _width(section: CycleSection, form: Values, rounds: int, allowed: float, stop: Stop) -> float:
+    """Return about the largest width at which all states come back nearer; 0 if there is none.
+
+    They are followed for so many rounds, after which so much of V is allowed.
+    """
     cycle = section.cycle
-    times = FIRST_RETURN * cycle.period, LAST_RETURN * cycle.period
+    before = (rounds - 1) * cycle.period
+    times = before + FIRST_RETURN * cycle.period, before + LAST_RETURN * cycle.period
     directions = np.linalg.pinv(form) @ _sphere(STATES)
-    allowed = 1.0 - FALLS * (1.0 - slowest**2)
 
     def all_nearer(width: float) -> bool:
         here = CycleSection(cycle, section.centre, section.normal, form / width)

@@ -70,12 +70,14 @@ ALONE = Options(method="taylor", rtol=1e-10)
 SAME_AMPLITUDE = 1e-5
 # An orbit's exponent is told by a neighbour this far off, in parts of the size of its state,
 NEIGHBOUR = 1e-7
-# put back to there after each of these spans, in which even strong chaos leaves it close,
-SPAN, SPANS = 120.0, 50
+# put back to there after each span, in which even strong chaos leaves it close. It is told anew
+# after so many of them,
+SPAN, SPANS = 120.0, 20
 # of which the first ones, in which it turns to the direction that grows most, do not count.
 FIRST_SPANS = 10
-# Where it exceeds so many errors but is not clear of 0, it is followed on, for so many in all.
-MAYBE_ERRORS, MOST_SPANS = 2.0, 200
+# It is no chaos if it does not exceed so many errors after some spans; where it does but is not
+# clear of 0, it is followed on, for so many in all.
+MAYBE_ERRORS, SOME_SPANS, MOST_SPANS = 2.0, 60, 200
 # Both are followed this closely: what steps leave must not be taken for growth.
 CLOSELY = 1e-11
 # The exponent is clear of 0 where it exceeds so many errors, and neighbours part by exp(20) in all.
@@ -312,14 +314,15 @@ def label_lasting(batch: Batch, waiting: Numbers) -> None:
     if last.size and batch.chaotic is None:
         batch.chaotic = _motion_of(batch, int(last[0]))
     rest = waiting[~chaotic]
-    for number in batch.follow(rest, LONGEST_BESIDE_CYCLE - batch.passed(rest)).tolist():
+    least = float(batch.times[rest].min(initial=LONGEST_BESIDE_CYCLE))
+    for number in batch.follow(rest, LONGEST_BESIDE_CYCLE - least).tolist():
         if batch.stop[0]:
             return
         batch.labels[number] = fate_of(batch, number, longest=batch.known.first_wait)
 
 
 def are_chaotic(batch: Batch, numbers: Numbers) -> npt.NDArray[np.bool_]:
-    """Return which orbits part from a neighbour at a rate that is clear of 0.
+    """Follow orbits on; return which part from a neighbour at a rate that is clear of 0.
 
     Those of which it may be, but is not yet, are looked at for longer.
     """
@@ -330,13 +333,15 @@ def are_chaotic(batch: Batch, numbers: Numbers) -> npt.NDArray[np.bool_]:
     rates = np.empty((0, numbers.size))
     while unclear.size and len(rates) < MOST_SPANS and not batch.stop[0]:
         states, beside, more = _parting(batch, states, beside, SPANS)
+        batch.states[:, numbers[unclear]] = states
+        batch.times[numbers[unclear]] += np.float32(SPANS * SPAN)
         rates = np.concatenate([rates, more])
         settled = rates[FIRST_SPANS:]
         mean = settled.mean(axis=0)
         error = settled.std(axis=0, ddof=1) / math.sqrt(len(settled))
         sure = (mean > CLEAR_ERRORS * error) & (mean * SPAN * len(settled) > CLEAR_STRETCH)
         clear[unclear[sure]] = True
-        kept = ~sure & (mean > MAYBE_ERRORS * error)
+        kept = ~sure & ((mean > MAYBE_ERRORS * error) | (len(rates) < SOME_SPANS))
         unclear, rates = unclear[kept], rates[:, kept]
         states, beside = (np.ascontiguousarray(each[:, kept]) for each in (states, beside))
     return clear

@@ -168,12 +168,12 @@ def _scouted(
 
 
 def _few(starts: Starts, count: int, most: int, drawn: bool) -> Values:
-    """Return a few starts, shape (4, n): spread over all, or where they were drawn the first.
+    """Return a few starts, shape (4, n): spread over all, or where they are drawn the first.
 
-    So what is chosen by these does not hang on how many more were drawn.
+    So what is chosen by these does not hang on how many are drawn, even where that is fewer.
     """
     if drawn:
-        return starts(0, min(most, count))
+        return starts(0, most)
     numbers = np.unique(np.linspace(0, count - 1, min(most, count)).astype(np.int64))
     return np.concatenate([starts(number, number + 1) for number in numbers.tolist()], axis=1)
 

@@ -18,6 +18,8 @@
 /* So many keep the vector units busy while the rows stay in the innermost cache. */
 enum { LANES = 64 };
 enum { NO_ATTRACTOR = -1, NO_START = -1, MOST_STEPS = 200000 };
+/* So many steps are allowed, and as many again for each such time that is asked for. */
+static const double TIME_OF_STEPS = 5000.0;
 static const double FIRST_STEP = 0.02, SHRINK = 0.2, GROW = 5.0;
 static const float CAUTION = 0.9F;
 /* An error below this is not seen of a step over the ring. In the time h after the ring is crossed
@@ -379,10 +381,11 @@ static void find_on_cycle(struct lanes *lanes, struct rotor rotor, const double 
  * up; return whether there is one. */
 static bool find_ended(struct lanes *lanes, double duration, int64_t ended[LANES])
 {
+    const int64_t most_steps = (int64_t)(MOST_STEPS * (1.0 + duration / TIME_OF_STEPS));
     int64_t any = 0;
     for (int i = 0; i < LANES; i++) {
         lanes->steps[i]++;
-        const int64_t late = lanes->steps[i] >= MOST_STEPS;
+        const int64_t late = lanes->steps[i] >= most_steps;
         const int64_t held = lanes->inside[i] > 0.0 ? 1 : late;
         ended[i] = lanes->now.time[i] < duration ? held : 1;
         any |= ended[i];

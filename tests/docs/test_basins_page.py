@@ -8,7 +8,7 @@ from rotor_ida.atlas import shocks
 from rotor_ida.basins import agreement, attractors, contact_free_whirls, cycle_sections, fates
 
 PAGE = (Path(__file__).parents[2] / "docs" / "basins.md").read_text("utf-8")
-WORDS = {2: "two", 3: "three", 5: "five", 8: "eighth", 12: "twelve", 50: "fifty"}
+WORDS = {2: "two", 3: "three", 5: "five", 8: "eighth", 12: "twelve", 20: "twenty"}
 
 
 @pytest.mark.parametrize(
