@@ -5,17 +5,26 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from rotor_ida.checks import check_nonnegative, check_positive
+from rotor_ida.checks import check_nonnegative, check_positive, shown
 from rotor_ida.errors import InputError
 
 PARAMETERS = ("omega", "zeta", "delta0")
+# What a machine has beside them, and the value of each with which it is the paper's rotor.
+DEFAULTS = {
+    "shaft_stiffness": 0.0,
+    "contact_exponent": 1.5,
+    "contact_damping": 0.0,
+    "load": 0.0,
+}
+ALL_PARAMETERS = (*PARAMETERS, *DEFAULTS)
+EXPONENTS = (1.5, 1.0)
 # Quotients and products of smaller or larger scales leave the range of doubles.
 SMALLEST_SCALE = 1e-100
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, kw_only=True, slots=True, repr=False)
 class Rotor:
-    """A rotor with Hertz contact and clearance, in dimensionless form.
+    """A rotor with contact and clearance, in dimensionless form.
 
     Parameters
     ----------
@@ -25,24 +34,44 @@ class Rotor:
         Damping ratio [1].
     delta0 : float
         Radial clearance over eccentricity [1]; 0 means always in contact.
+    shaft_stiffness : float
+        Stiffness kappa of the shaft, which springs back to the bearing axis [1].
+    contact_exponent : {1.5, 1.0}
+        Exponent n of the contact force: 3/2 by Hertz, or 1, a linear spring.
+    contact_damping : float
+        Coefficient c by which an approach adds to the contact force [1].
+    load : float
+        Static load gamma, downwards [1].
+    friction : float
+        Coefficient of friction [1]: not there yet, it must be 0.
+    disc_radius : float, optional
+        Radius of the disc over eccentricity [1]: not there yet, as friction is not.
 
     Raises
     ------
     InputError
-        If a value is not a finite real number that is zero or positive.
+        If a value is not a finite real number that is zero or positive; if the exponent is
+        another; if there is contact damping without clearance.
 
     Notes
     -----
+    ``z'' + 2 zeta z' + kappa z + N z/|z| = omega**2 exp(i omega t) - i gamma``, with
+    ``N = max(0, d**n (1 + c d'))`` where ``d = |z| - delta0`` is positive, or else 0: never
+    tensile [2]_. With the defaults it is the paper's rotor,
     ``z'' + 2 zeta z' + max(|z| - delta0, 0)**1.5 z/|z| = omega**2 exp(i omega t)``.
 
     References
     ----------
-    Eq. (10) of the paper, Mechanika 25(6), 2019.
+    .. [1] Eq. (10) of the paper, Mechanika 25(6), 2019.
+    .. [2] K. H. Hunt and F. R. E. Crossley, "Coefficient of restitution interpreted as damping in
+       vibroimpact", Journal of Applied Mechanics 42, 1975.
 
     Examples
     --------
     >>> Rotor(omega=1.7, zeta=0.07, delta0=0.5)
     Rotor(omega=1.7, zeta=0.07, delta0=0.5)
+    >>> Rotor(omega=1.7, zeta=0.07, delta0=0.5, shaft_stiffness=0.25)
+    Rotor(omega=1.7, zeta=0.07, delta0=0.5, shaft_stiffness=0.25)
     >>> Rotor(omega=1.7, zeta=-0.07, delta0=0.5)
     Traceback (most recent call last):
     ...
@@ -52,10 +81,58 @@ class Rotor:
     omega: float
     zeta: float
     delta0: float
+    shaft_stiffness: float = 0.0
+    contact_exponent: float = 1.5
+    contact_damping: float = 0.0
+    load: float = 0.0
+    friction: float = 0.0
+    disc_radius: float | None = None
 
     def __post_init__(self) -> None:
-        for name in PARAMETERS:
+        for name in ALL_PARAMETERS:
             object.__setattr__(self, name, check_nonnegative(name, getattr(self, name)))
+        check_exponent(self.contact_exponent)
+        check_no_friction(self.friction, self.disc_radius)
+        object.__setattr__(self, "friction", 0.0)
+        if self.contact_damping > 0.0 and self.delta0 == 0.0:
+            raise InputError(
+                "contact_damping must be 0 without clearance, where the radius may vanish in "
+                f"contact, got {self.contact_damping!r} with delta0 0.0"
+            )
+
+    def __repr__(self) -> str:
+        given = {name: getattr(self, name) for name in PARAMETERS} | self.beyond
+        return f"Rotor({', '.join(f'{name}={value!r}' for name, value in given.items())})"
+
+    @property
+    def beyond(self) -> dict[str, float]:
+        """What it has beyond the paper's rotor: the parameters that are not the default."""
+        values = {name: getattr(self, name) for name in DEFAULTS}
+        return {name: value for name, value in values.items() if value != DEFAULTS[name]}
+
+
+def check_exponent(exponent: float) -> None:
+    """Raise `InputError` for an exponent of the contact force that is not known."""
+    if exponent not in EXPONENTS:
+        allowed = " or ".join(f"{each:g}" for each in EXPONENTS)
+        raise InputError(f"contact_exponent must be {allowed}, got {exponent!r}")
+
+
+def check_no_friction(friction: object, disc_radius: object) -> None:
+    """Raise `InputError` where there is friction."""
+    if check_nonnegative("friction", friction) != 0.0:
+        raise InputError(f"friction must be 0, as there is none yet, got {shown(friction)}")
+    if disc_radius is not None:
+        raise InputError(
+            f"disc_radius must be None, as there is no friction yet, got {shown(disc_radius)}"
+        )
+
+
+def check_papers(rotor: Rotor, what: str) -> None:
+    """Raise `InputError` for a rotor with more than the paper's where that is not known yet."""
+    if rotor.beyond:
+        given = ", ".join(f"{name} {value!r}" for name, value in rotor.beyond.items())
+        raise InputError(f"the rotor of {what} must be the paper's, without {given}")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -67,7 +144,7 @@ class DimensionalRotor:
     mass : float
         Mass of the disc, m [kg].
     contact_stiffness : float
-        Hertz stiffness of the ring, k [N/m^1.5].
+        Stiffness of the contact, k [N/m^n]: N/m^1.5 by Hertz, N/m for a linear spring.
     damping : float
         Viscous damping coefficient, n [N s/m].
     eccentricity : float
@@ -76,6 +153,17 @@ class DimensionalRotor:
         Radial clearance, d [m].
     speed : float
         Spin speed, W [rad/s].
+    shaft_stiffness : float
+        Stiffness of the shaft at the disc, k_s [N/m].
+    contact_exponent : {1.5, 1.0}
+        Exponent n of the contact force: 3/2 by Hertz, or 1, a linear spring.
+    contact_damping : float
+        Coefficient lambda of Hunt and Crossley, by which a speed of approach adds to the contact
+        force [s/m].
+    load : float
+        Static load, downwards, L [N]; the weight is mass times 9.80665 m/s^2.
+    friction, disc_radius
+        As for `Rotor`: not there yet.
 
     Raises
     ------
@@ -86,8 +174,9 @@ class DimensionalRotor:
 
     Notes
     -----
-    Lengths scale with D, times with 1/omega_0, where ``omega_0**2 = k sqrt(D)/m``; the paper
-    prints ``k/m``, which has the wrong dimension for a Hertz contact.
+    Lengths scale with D, times with 1/omega_0, where ``omega_0**2 = k D**(n - 1)/m``; the paper
+    prints ``k/m``, which has the wrong dimension for a Hertz contact. Then
+    ``kappa = k_s/(m omega_0**2)``, ``c = lambda D omega_0`` and ``gamma = L/(m D omega_0**2)``.
 
     References
     ----------
@@ -107,12 +196,20 @@ class DimensionalRotor:
     eccentricity: float
     clearance: float
     speed: float
+    shaft_stiffness: float = 0.0
+    contact_exponent: float = 1.5
+    contact_damping: float = 0.0
+    load: float = 0.0
+    friction: float = 0.0
+    disc_radius: float | None = None
 
     def __post_init__(self) -> None:
         for name in ("mass", "contact_stiffness", "eccentricity"):
             object.__setattr__(self, name, check_positive(name, getattr(self, name)))
-        for name in ("damping", "clearance", "speed"):
+        for name in ("damping", "clearance", "speed", *DEFAULTS):
             object.__setattr__(self, name, check_nonnegative(name, getattr(self, name)))
+        check_exponent(self.contact_exponent)
+        check_no_friction(self.friction, self.disc_radius)
         scales = (self.reference_frequency, self.velocity_scale, self.force_scale)
         if not all(SMALLEST_SCALE < scale < 1.0 / SMALLEST_SCALE for scale in scales):
             raise InputError(
@@ -123,8 +220,11 @@ class DimensionalRotor:
 
     @property
     def reference_frequency(self) -> float:
-        """``omega_0 = sqrt(k sqrt(D) / m)`` [rad/s]."""
-        return math.sqrt(self.contact_stiffness * math.sqrt(self.eccentricity) / self.mass)
+        """``omega_0 = sqrt(k D**(n - 1) / m)`` [rad/s]."""
+        stiffness = self.contact_stiffness
+        if self.contact_exponent > 1.0:
+            stiffness *= math.sqrt(self.eccentricity)
+        return math.sqrt(stiffness / self.mass)
 
     @property
     def length_scale(self) -> float:
@@ -143,8 +243,9 @@ class DimensionalRotor:
 
     @property
     def force_scale(self) -> float:
-        """Newtons in one dimensionless unit of force: ``k D**1.5`` [N]."""
-        return self.contact_stiffness * self.eccentricity * math.sqrt(self.eccentricity)
+        """Newtons in one dimensionless unit of force: ``k D**n`` [N]."""
+        linear = self.contact_stiffness * self.eccentricity
+        return linear * math.sqrt(self.eccentricity) if self.contact_exponent > 1.0 else linear
 
     def rotor(self) -> Rotor:
         """Return the dimensionless rotor that moves like this machine."""
@@ -153,4 +254,8 @@ class DimensionalRotor:
             omega=self.speed / frequency,
             zeta=self.damping / (2.0 * self.mass * frequency),
             delta0=self.clearance / self.eccentricity,
+            shaft_stiffness=self.shaft_stiffness / (self.mass * frequency**2),
+            contact_exponent=self.contact_exponent,
+            contact_damping=self.contact_damping * self.velocity_scale,
+            load=self.load / self.force_scale,
         )
