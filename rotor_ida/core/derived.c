@@ -1,5 +1,6 @@
 /* Derived from rotor_ida/equations/modes.py by `python -m rotor_ida.equations.writing`. */
 /* clang-format off */
+#ifndef WHOLE_MODEL
 #include "motion.h"
 
 /* The rates of change of q, p, h, c, s, t, j, drawn back to where they belong. */
@@ -348,10 +349,10 @@ static void cartesian_field(const struct parameters *m,
     const double w0 = x * x;
     const double w1 = y * y;
     const double square = w0 + w1;
-    const double root = sqrt(sqrt(square));
-    const double w4 = root * x;
+    const double w3 = sqrt(sqrt(square));
+    const double w4 = w3 * x;
     const double ax = m->omega * m->omega - 2.0 * m->zeta * vx - m->felt * w4;
-    const double w6 = root * y;
+    const double w6 = w3 * y;
     const double ay = -2.0 * m->zeta * vy - m->felt * w6;
     rate[CARTESIAN_X] = vx + m->omega * y;
     rate[CARTESIAN_Y] = vy - m->omega * x;
@@ -370,11 +371,11 @@ static void cartesian_jacobian(const struct parameters *m,
     const double w0 = x * x;
     const double w1 = y * y;
     const double square = w0 + w1;
-    const double root = sqrt(sqrt(square));
-    const double w4 = ratio(root, square);
+    const double w3 = sqrt(sqrt(square));
+    const double w4 = ratio(w3, square);
     const double w5 = w4 * x;
     const double w6 = w5 * x;
-    const double push = m->felt * root;
+    const double push = m->felt * w3;
     const double w8 = w5 * y;
     const double w9 = w4 * y;
     const double w10 = w9 * x;
@@ -402,11 +403,11 @@ static void cartesian_growth(const struct parameters *m,
     const double w0 = x * x;
     const double w1 = y * y;
     const double square = w0 + w1;
-    const double root = sqrt(sqrt(square));
-    const double w4 = ratio(root, square);
+    const double w3 = sqrt(sqrt(square));
+    const double w4 = ratio(w3, square);
     const double w5 = w4 * x;
     const double w6 = w5 * x;
-    const double push = m->felt * root;
+    const double push = m->felt * w3;
     const double w8 = w4 * y;
     const double w9 = w8 * x;
     const double w10 = w5 * y;
@@ -458,7 +459,7 @@ static void cartesian_expand(const struct parameters *m,
     _Static_assert(4 <= WIDTH && 6 <= LANES && 0 <= FACTORS, "series.h has no room for this mode");
     const double x_first = series->terms[0][CARTESIAN_X];
     const double y_first = series->terms[0][CARTESIAN_Y];
-    const double first_root = sqrt(sqrt(x_first * x_first + y_first * y_first));
+    const double first_w3 = sqrt(sqrt(x_first * x_first + y_first * y_first));
     const double inverse_square = inverse(x_first * x_first + y_first * y_first);
     double one = 1.0; /* coefficient n of 1 */
     begin_lanes(series);
@@ -475,10 +476,10 @@ static void cartesian_expand(const struct parameters *m,
         const double w1 = times(series, 1, n, y, y); /* y * y */
         const double square = w0 + w1;
         /* square**0.25 */
-        const double root = raised(series, 2, n, square, 0.25, one * first_root, inverse_square);
-        const double w4 = times(series, 4, n, root, x); /* root * x */
+        const double w3 = raised(series, 2, n, square, 0.25, one * first_w3, inverse_square);
+        const double w4 = times(series, 4, n, w3, x); /* w3 * x */
         const double ax = one * (m->omega * m->omega) - 2.0 * m->zeta * vx - m->felt * w4;
-        const double w6 = times(series, 5, n, root, y); /* root * y */
+        const double w6 = times(series, 5, n, w3, y); /* w3 * y */
         const double ay = -2.0 * m->zeta * vy - m->felt * w6;
         terms[CARTESIAN_X] = (vx + m->omega * y) * share;
         terms[CARTESIAN_Y] = (vy - m->omega * x) * share;
@@ -495,7 +496,7 @@ static void cartesian_expand_with_factors(const struct parameters *m,
     _Static_assert(4 <= WIDTH && 13 <= LANES && 4 <= FACTORS, "series.h has no room for this mode");
     const double x_first = series->terms[0][CARTESIAN_X];
     const double y_first = series->terms[0][CARTESIAN_Y];
-    const double first_root = sqrt(sqrt(x_first * x_first + y_first * y_first));
+    const double first_w3 = sqrt(sqrt(x_first * x_first + y_first * y_first));
     const double inverse_square = inverse(x_first * x_first + y_first * y_first);
     double one = 1.0; /* coefficient n of 1 */
     begin_lanes(series);
@@ -512,15 +513,15 @@ static void cartesian_expand_with_factors(const struct parameters *m,
         const double w1 = times(series, 1, n, y, y); /* y * y */
         const double square = w0 + w1;
         /* square**0.25 */
-        const double root = raised(series, 2, n, square, 0.25, one * first_root, inverse_square);
-        const double w4 = times(series, 4, n, root, x); /* root * x */
+        const double w3 = raised(series, 2, n, square, 0.25, one * first_w3, inverse_square);
+        const double w4 = times(series, 4, n, w3, x); /* w3 * x */
         const double ax = one * (m->omega * m->omega) - 2.0 * m->zeta * vx - m->felt * w4;
-        const double w6 = times(series, 5, n, root, y); /* root * y */
+        const double w6 = times(series, 5, n, w3, y); /* w3 * y */
         const double ay = -2.0 * m->zeta * vy - m->felt * w6;
-        const double w8 = over(series, 6, n, root, square, inverse_square); /* root / square */
+        const double w8 = over(series, 6, n, w3, square, inverse_square); /* w3 / square */
         const double w9 = times(series, 7, n, w8, x); /* w8 * x */
         const double w10 = times(series, 8, n, w9, x); /* w9 * x */
-        const double push = m->felt * root;
+        const double push = m->felt * w3;
         const double w12 = times(series, 9, n, w8, y); /* w8 * y */
         const double w13 = times(series, 10, n, w12, x); /* w12 * x */
         const double w14 = times(series, 11, n, w9, y); /* w9 * y */
@@ -580,3 +581,5 @@ const struct mode cartesian_mode = {
     .expand_with_factors = cartesian_expand_with_factors,
     .expand_differences = cartesian_expand_differences,
 };
+
+#endif

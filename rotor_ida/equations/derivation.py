@@ -12,12 +12,8 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from rotor_ida import parameters
-from rotor_ida.equations.modes import Mode, turned_rates
+from rotor_ida.equations.modes import Mode, Model, turned_rates
 from rotor_ida.equations.symbols import Dual, Graph, Symbol, named_as_in, split, variables
-
-# Those of a rotor; and whether the force without clearance is felt.
-PARAMETERS = (*parameters.PARAMETERS, "felt")
 
 Matrix = list[list[Symbol]]
 
@@ -63,10 +59,11 @@ class Place:
     negative: bool
 
 
-def derive(mode: Mode) -> Derived:
-    """Run a mode over symbols."""
+def derive(mode: Mode, model: Model) -> Derived:
+    """Run a mode of a model over symbols."""
     graph = Graph()
-    rotor = SimpleNamespace(**{name: graph.parameter(name) for name in PARAMETERS})
+    parameters = {name: graph.parameter(name) for name in model.parameters}
+    rotor = SimpleNamespace(**parameters, **model.constants)
     state = [graph.state(name) for name in mode.state]
     pace = graph.of(mode.pace(state))
     with named_as_in(str(Path(__file__).with_name("modes"))):

@@ -9,6 +9,12 @@ Jacobians, Taylor series, the growth of small differences, and what the paramete
 A force is stated by one component, along any direction that is given: the same lines serve on
 the rotating axes and in the polar basis of a contact.
 
+All is derived twice: for the paper's rotor, of which shaft, contact damping and load are the number
+0 and vanish from what is derived, and for the whole model, whose states hold the direction of the
+load and the energy that a contact has lost as well. There the contact has two ways: pressed, and
+loose, while damping would make the force tensile; `rotor.pressed` is 1 or 0. The exponent of the
+force is 3/2 where `rotor.hertz` is 1, or 1 where `rotor.linear` is.
+
 References
 ----------
 .. [1] "Analytical Nonlinear Response for a Rotor with the Hertz Contact and Clearance",
@@ -18,10 +24,10 @@ References
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
-from rotor_ida.equations.contact import force_of_root, secant_of_square, stiffness_of_root
+from rotor_ida.equations.contact import HERTZ_EXPONENT, secant_of_square
 
 # How fast a direction is drawn back to the unit circle, in parts of the spin: a pull as fast as the
 # motion cost Adams a sixth more steps, and this one cost none.
@@ -42,12 +48,15 @@ class Along(NamedTuple):
         Of the direction from the bearing axis to the disc's centre [1].
     unbalance : number
         Of the direction of the unbalance [1].
+    down : number
+        Of the direction of the load [1].
     """
 
     position: Number
     velocity: Number
     normal: Number
     unbalance: Number
+    down: Number = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,16 +120,38 @@ class Neighbour(NamedTuple):
 
 
 def acceleration(along: Along, push: Number, rotor: Any) -> Number:
-    """Return one component of ``z'' = omega**2 e - 2 zeta z' - f z/|z|`` [1].
+    """Return one component of ``z'' = omega**2 e - 2 zeta z' - kappa z - N z/|z| + gamma g`` [1].
 
-    `push` is the normal force f, and ``along.normal`` the component of ``z/|z|``; or f/|z| and that
-    of z, where |z| may vanish.
+    `push` is the normal force N, and ``along.normal`` the component of ``z/|z|``; or N/|z| and that
+    of z, where |z| may vanish. e and g are the directions of unbalance and load.
     """
     return (
         rotor.omega * rotor.omega * along.unbalance
         - 2.0 * rotor.zeta * along.velocity
         - push * along.normal
+        - rotor.shaft_stiffness * along.position
+        + rotor.load * along.down
     )
+
+
+def spring_of_root(q: Number, rotor: Any) -> Number:
+    """Return ``(|z| - delta0)**n``: analytic in ``q = sqrt(|z| - delta0)`` through q = 0 [1]."""
+    return q * q * (rotor.hertz * q + rotor.linear)
+
+
+def slope_of_root(q: Number, rotor: Any) -> Number:
+    """Return the slope of the spring's force, by q [1]."""
+    return HERTZ_EXPONENT * rotor.hertz * q + rotor.linear
+
+
+def damped(push: Number, approach: Number, rotor: Any) -> Number:
+    """Return the normal force ``d**n (1 + c d')``, or 0 where the contact is loose [1]."""
+    return rotor.pressed * push * (1.0 + rotor.contact_damping * approach)
+
+
+def secant(square: Number, rotor: Any) -> Number:
+    """Return force over distance without clearance, by ``|z|**2`` [1]."""
+    return rotor.felt * (rotor.hertz * secant_of_square(square) + rotor.linear)
 
 
 def turned_rates(
@@ -140,46 +171,65 @@ def contact_rates(state: Numbers, rotor: Any) -> list[Number]:
 
     The Hertz force has a kink of order 1.5 at |z| = delta0. In ``q = sqrt(|z| - delta0)`` and u the
     motion is analytic through entry and exit; p is the radial velocity, h the angular momentum, c
-    and s the direction on the rotating axes, t the time and j the impulse of the force.
+    and s the direction on the rotating axes, t the time and j the impulse of the force. Of the
+    whole model there are the components of the load's direction along the radius and across it,
+    and the energy that the contact has lost.
     """
-    q, p, h, c, s, _t, _j = state
+    q, p, h, c, s, *rest = state
+    whole = len(state) > len(CONTACT_STATE)
+    down_r, down_t = rest[:2] if whole else (0.0, 0.0)
     square = q * q
     r = rotor.delta0 + square
     around = h / r
     spin = around / r
-    force = force_of_root(q)
+    spring = spring_of_root(q, rotor)
+    force = damped(spring, p, rotor)
     centrifugal = around * spin
-    outwards = acceleration(Along(r, p, 1.0, c), force, rotor) + centrifugal
-    sideways = acceleration(Along(0.0, around, 0.0, -s), force, rotor)
+    outwards = acceleration(Along(r, p, 1.0, c, down_r), force, rotor) + centrifugal
+    sideways = acceleration(Along(0.0, around, 0.0, -s, down_t), force, rotor)
     moment = r * sideways
     turned = q * spin
     turn = turned - rotor.omega * q
-    return [0.5 * p, q * outwards, q * moment, -(s * turn), c * turn, q, q * force]
+    of_q, of_p, of_h = 0.5 * p, q * outwards, q * moment
+    of_c, of_s, of_j = -(s * turn), c * turn, q * force
+    if not whole:
+        return [of_q, of_p, of_h, of_c, of_s, q, of_j]
+    of_down_r, of_down_t = turned * down_t, -(turned * down_r)
+    # (N - d**n) d', without cancellation where there is little damping
+    loss = spring * (rotor.pressed * rotor.contact_damping * p + (rotor.pressed - 1.0)) * p
+    return [of_q, of_p, of_h, of_c, of_s, of_down_r, of_down_t, q, of_j, q * loss]
 
 
 def drawn_contact_rates(state: Numbers, rotor: Any) -> list[Number]:
-    """Return the rates of a contact, with c and s drawn back to the unit circle.
+    """Return the rates of a contact, with its directions drawn back to the unit circle.
 
     Errors of single steps would carry them off it in a long contact, and with their length the
     unbalance would change. What is left of ``c**2 + s**2 - 1`` falls like ``exp(-0.2 omega t)``.
     """
-    q, _p, _h, c, s, _t, _j = state
-    pull = PULL * rotor.omega * q * (1.0 - (c * c + s * s))
-    of_q, of_p, of_h, of_c, of_s, of_t, of_j = contact_rates(state, rotor)
-    return [of_q, of_p, of_h, of_c + pull * c, of_s + pull * s, of_t, of_j]
+    rates = contact_rates(state, rotor)
+    firsts = (3, 5) if len(state) > len(CONTACT_STATE) else (3,)
+    for first in firsts:
+        c, s = state[first : first + 2]
+        pull = PULL * rotor.omega * state[0] * (1.0 - (c * c + s * s))
+        rates[first] = rates[first] + pull * c
+        rates[first + 1] = rates[first + 1] + pull * s
+    return rates
 
 
 def contact_neighbour(state: Numbers, apart: Numbers, deeper: Number, rotor: Any) -> Neighbour:
     """Return a rotor a little apart from one in contact, in the polar basis of the latter."""
-    q, p, h, c, s, _t, _j = state
+    q, p, h, c, s, *rest = state
+    down_r, down_t = rest[:2] if len(state) > len(CONTACT_STATE) else (0.0, 0.0)
     r = rotor.delta0 + q * q
     around = h / r
     spin = around / r
     position = (r + apart[0], apart[1])
     velocity = (p + apart[2], around + apart[3])
-    push = force_of_root(q) + stiffness_of_root(q) * deeper
-    radial = Along(position[0], velocity[0], 1.0, c)
-    tangential = Along(position[1], velocity[1], apart[1] / r, -s)
+    aside = apart[1] / r
+    push = spring_of_root(q, rotor) + slope_of_root(q, rotor) * deeper
+    push = damped(push, velocity[0] + around * aside, rotor)
+    radial = Along(position[0], velocity[0], 1.0, c, down_r)
+    tangential = Along(position[1], velocity[1], aside, -s, down_t)
     forces = (acceleration(radial, push, rotor), acceleration(tangential, push, rotor))
     return Neighbour(position, velocity, forces, spin)
 
@@ -188,29 +238,33 @@ def cartesian_rates(state: Numbers, rotor: Any) -> list[Number]:
     """Return the rates by time of displacement and velocity, read on the rotating axes.
 
     The force is that without clearance where `rotor.felt` is 1. Where it is 0 there is none: in
-    flight, or so close to the centre that it cannot be felt.
+    flight, or so close to the centre that it cannot be felt. Of the whole model there is the
+    direction of the load, which turns backwards on these axes.
     """
-    x, y, vx, vy = state
-    square = x * x + y * y
-    root = secant_of_square(square)
-    secant = rotor.felt * root
-    ax = acceleration(Along(x, vx, x, 1.0), secant, rotor)
-    ay = acceleration(Along(y, vy, y, 0.0), secant, rotor)
-    return turned_rates((x, y), (vx, vy), (ax, ay), rotor.omega)
+    x, y, vx, vy, *down = state
+    down_x, down_y = down or (0.0, 0.0)
+    push = secant(x * x + y * y, rotor)
+    ax = acceleration(Along(x, vx, x, 1.0, down_x), push, rotor)
+    ay = acceleration(Along(y, vy, y, 0.0, down_y), push, rotor)
+    rates = turned_rates((x, y), (vx, vy), (ax, ay), rotor.omega)
+    return [*rates, rotor.omega * down_y, -(rotor.omega * down_x)] if down else rates
 
 
 def cartesian_neighbour(state: Numbers, apart: Numbers, _deeper: Number, rotor: Any) -> Neighbour:
     """Return a rotor a little apart, on the rotating axes; without clearance none is deeper."""
-    x, y, vx, vy = (here + more for here, more in zip(state, apart, strict=True))
-    secant = rotor.felt * secant_of_square(x * x + y * y)
-    ax = acceleration(Along(x, vx, x, 1.0), secant, rotor)
-    ay = acceleration(Along(y, vy, y, 0.0), secant, rotor)
+    x, y, vx, vy = (here + more for here, more in zip(state[:4], apart, strict=True))
+    down_x, down_y = state[4:] or (0.0, 0.0)
+    push = secant(x * x + y * y, rotor)
+    ax = acceleration(Along(x, vx, x, 1.0, down_x), push, rotor)
+    ay = acceleration(Along(y, vy, y, 0.0, down_y), push, rotor)
     return Neighbour((x, y), (vx, vy), (ax, ay), rotor.omega)
 
 
+CONTACT_STATE = ("q", "p", "h", "c", "s", "t", "j")
+CARTESIAN_STATE = ("x", "y", "vx", "vy")
 CONTACT = Mode(
     name="contact",
-    state=("q", "p", "h", "c", "s", "t", "j"),
+    state=CONTACT_STATE,
     rates=contact_rates,
     neighbour=contact_neighbour,
     pace=lambda state: state[0],
@@ -222,11 +276,58 @@ CONTACT = Mode(
 )
 CARTESIAN = Mode(
     name="cartesian",
-    state=("x", "y", "vx", "vy"),
+    state=CARTESIAN_STATE,
     rates=cartesian_rates,
     neighbour=cartesian_neighbour,
     pace=lambda _state: 1.0,
     guards=(),
     drawn_rates=cartesian_rates,
 )
-MODES = (CONTACT, CARTESIAN)
+WHOLE_CONTACT = replace(
+    CONTACT, state=(*CONTACT_STATE[:5], "down_r", "down_t", "t", "j", "lost")
+)
+WHOLE_CARTESIAN = replace(CARTESIAN, state=(*CARTESIAN_STATE, "down_x", "down_y"))
+
+
+@dataclass(frozen=True, slots=True)
+class Model:
+    """A rotor whose core is derived.
+
+    Parameters
+    ----------
+    name : str
+        What its files are called by.
+    modes : tuple of Mode
+        The ways to move.
+    parameters : tuple of str
+        Those that are not constant: of a rotor, and of a mode.
+    constants : dict
+        What is a number in it.
+    """
+
+    name: str
+    modes: tuple[Mode, ...]
+    parameters: tuple[str, ...]
+    constants: dict[str, float]
+
+
+OF_ROTOR = ("omega", "zeta", "delta0")
+PAPER = Model(
+    name="paper",
+    modes=(CONTACT, CARTESIAN),
+    parameters=(*OF_ROTOR, "felt"),
+    constants={
+        **dict.fromkeys(("shaft_stiffness", "contact_damping", "load", "linear"), 0.0),
+        **dict.fromkeys(("hertz", "pressed"), 1.0),
+    },
+)
+WHOLE = Model(
+    name="whole",
+    modes=(WHOLE_CONTACT, WHOLE_CARTESIAN),
+    parameters=(
+        *OF_ROTOR,
+        *("shaft_stiffness", "contact_damping", "load", "hertz", "linear", "felt", "pressed"),
+    ),
+    constants={},
+)
+MODELS = (PAPER, WHOLE)

@@ -22,7 +22,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from rotor_ida.equations.derivation import (
-    PARAMETERS,
     Derived,
     derive,
     factors_of,
@@ -32,7 +31,7 @@ from rotor_ida.equations.derivation import (
     needs_convolution,
     operands,
 )
-from rotor_ida.equations.modes import MODES, Mode
+from rotor_ida.equations.modes import MODELS, PAPER, Mode, Model
 from rotor_ida.equations.symbols import Symbol, split
 
 COMMAND = "python -m rotor_ida.equations.writing"
@@ -278,7 +277,7 @@ def _recurrences(
         line = f"const double {names[node.number]} = {said};"
         comment = f"/* {end} */".replace("m->", "") if end else ""
         fits = len(line) + len(comment) < WIDEST
-        lines += [f"{line} {comment}".rstrip()] if fits else [comment, line]
+        lines += [f"{line} {comment}".rstrip()] if fits else [*filter(None, [comment]), line]
         lane += lanes_of(node) if needs_convolution(node) else 0
     return before, lines
 
@@ -360,33 +359,49 @@ def write_table(derived: Derived) -> list[str]:
     ]
 
 
-def _parameters() -> list[str]:
+def _parameters(model: Model) -> list[str]:
     """Return the structure of all parameters of a mode, and how it is made of a rotor."""
     head = "static inline struct parameters parameters_of(const struct rotor *rotor, double felt)"
-    of_rotor = ", ".join(f"rotor->{name}" for name in PARAMETERS[:-1])
+    special = {
+        "felt": "felt",
+        "pressed": "1.0",
+        "hertz": "rotor->contact_exponent > 1.0 ? 1.0 : 0.0",
+        "linear": "rotor->contact_exponent > 1.0 ? 0.0 : 1.0",
+    }
+    of_rotor = [special.get(name, f"rotor->{name}") for name in model.parameters]
     return [
         "struct parameters {",
-        f"    double {', '.join(PARAMETERS)};",
+        f"    double {', '.join(model.parameters)};",
         "};",
         "",
         head,
         "{",
-        f"    return (struct parameters){{{of_rotor}, felt}};",
+        f"    return (struct parameters){{{', '.join(of_rotor)}}};",
         "}",
     ]
 
 
 def sources() -> dict[str, str]:
     """Return the names and contents of all derived files."""
+    return {name: text for model in MODELS for name, text in sources_of(model).items()}
+
+
+def sources_of(model: Model) -> dict[str, str]:
+    """Return the names and contents of the files that are derived from a model.
+
+    A library is compiled for one model: what belongs to the other is empty then.
+    """
     head = [
         f"/* Derived from rotor_ida/equations/modes.py by `{COMMAND}`. */",
         "/* clang-format off */",
     ]
-    body = [*head, '#include "motion.h"', ""]
-    declared = [*head, "#ifndef ROTOR_IDA_DERIVED_H", "#define ROTOR_IDA_DERIVED_H", ""]
-    declared += ['#include "core.h"', "", *_parameters(), ""]
-    for mode in MODES:
-        derived = derive(mode)
+    stem, other = ("derived", "ifndef") if model is PAPER else (f"derived_{model.name}", "ifdef")
+    marker = f"ROTOR_IDA_{stem.upper()}_H"
+    body = [*head, f"#{other} WHOLE_MODEL", '#include "motion.h"', ""]
+    declared = [*head, f"#ifndef {marker}", f"#define {marker}", ""]
+    declared += ['#include "core.h"', "", *_parameters(model), ""]
+    for mode in model.modes:
+        derived = derive(mode, model)
         factors, _ = factors_of(derived)
         names = ", ".join([*(_place(mode, name) for name in mode.state), _place(mode, "size")])
         declared.append(f"enum {{ {names} }};")
@@ -401,8 +416,8 @@ def sources() -> dict[str, str]:
             *write_differences(derived),
             *write_table(derived),
         ]
-    text = "\n".join(body).replace("\nvoid ", "\nstatic void ")
-    return {"derived.c": text, "derived.h": "\n".join([*declared, "", "#endif", ""])}
+    text = "\n".join([*body, "#endif", ""]).replace("\nvoid ", "\nstatic void ")
+    return {f"{stem}.c": text, f"{stem}.h": "\n".join([*declared, "", "#endif", ""])}
 
 
 def main() -> None:
