@@ -381,11 +381,11 @@ static void find_on_cycle(struct lanes *lanes, struct rotor rotor, const double 
  * up; return whether there is one. */
 static bool find_ended(struct lanes *lanes, double duration, int64_t ended[LANES])
 {
-    const int64_t most_steps = (int64_t)(MOST_STEPS * (1.0 + duration / TIME_OF_STEPS));
+    const double most_steps = MOST_STEPS * (1.0 + duration / TIME_OF_STEPS);
     int64_t any = 0;
     for (int i = 0; i < LANES; i++) {
         lanes->steps[i]++;
-        const int64_t late = lanes->steps[i] >= most_steps;
+        const int64_t late = (double)lanes->steps[i] >= most_steps;
         const int64_t held = lanes->inside[i] > 0.0 ? 1 : late;
         ended[i] = lanes->now.time[i] < duration ? held : 1;
         any |= ended[i];
