@@ -27,6 +27,7 @@ import tomllib
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
+from itertools import product
 from pathlib import Path
 from runpy import run_path
 from typing import Any
@@ -107,11 +108,12 @@ def levels() -> tuple[str, ...]:
 
 
 def flags(
-    compiler: Sequence[str], level: str, *, warnings: bool = False, sanitize: bool = False
-) -> list[str]:
-    """Return the flags with which the sources are compiled for a level."""
+    compiler: Sequence[str], level: str, *, model: str = "paper", warnings: bool = False,
+    sanitize: bool = False,
+) -> list[str]:  # fmt: skip
+    """Return the flags with which the sources are compiled for a level and a model."""
     zig, machine = is_zig(compiler), platform.machine()
-    found = [*FLAGS]
+    found = [*FLAGS, *(["-DWHOLE_MODEL"] if model == "whole" else [])]
     if zig and platform.libc_ver()[0] == "glibc":
         found += ["-target", f"{machine}-linux-gnu.2.17"]
     if machine == "x86_64":
@@ -128,11 +130,11 @@ def build(
     version = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["version"]
     digest, told = identity["sources_digest"](CORE), described(compiler)
     wanted = {}
-    for level in levels():
-        given = flags(compiler, level, warnings=warnings, sanitize=sanitize)
+    for level, model in product(levels(), identity["MODELS"]):
+        given = flags(compiler, level, model=model, warnings=warnings, sanitize=sanitize)
         shown = {"compiler": told, "flags": " ".join(given), "level": level}
         shown |= {"sources": digest, "version": version}
-        path = identity["library_path"](out, level)
+        path = identity["library_path"](out, level, model)
         if sanitize or _stated(path) != shown:
             wanted[path] = (given, shown)
     if not wanted:
@@ -145,7 +147,7 @@ def build(
             macros = [f"-DCORE_{key.upper()}={json.dumps(text)}" for key, text in shown.items()]
             objects = []
             for source in sorted(CORE.glob("*.c")):
-                objects.append(str(folder / f"{source.stem}_{shown['level']}.o"))
+                objects.append(str(folder / f"{source.stem}_{path.stem}.o"))
                 # build.c alone says what is built
                 more = macros if source.stem == "build" else []
                 commands.append([*given, *more, "-c", source.name, "-o", objects[-1]])
@@ -223,7 +225,10 @@ class CustomBuildHook(BuildHookInterface):
             build(compiler)
         except (BuildError, OSError) as error:
             self.app.abort(f"rotor-ida: {error}")
-        made = [identity["library_path"](CORE, level) for level in levels()]
+        made = [
+            identity["library_path"](CORE, level, model)
+            for level, model in product(levels(), identity["MODELS"])
+        ]
         build_data["pure_python"] = False
         build_data["tag"] = f"py3-none-{platform_tag(made)}"
         build_data["artifacts"] += [f"/{path.relative_to(ROOT).as_posix()}" for path in made]

@@ -108,8 +108,7 @@ int core_stretch(struct run *run, int64_t spans, double *stretches, int64_t *don
 
 int core_starts_in_contact(const struct rotor *rotor, const double state[4])
 {
-    return decide_mode((struct motion_of_centre){{state[0], state[1]}, {state[2], state[3]}}, rotor)
-           == IN_CONTACT;
+    return decide_mode(motion_at(state, 0.0, rotor), rotor) == IN_CONTACT;
 }
 
 void core_fly(const struct rotor *rotor, const double *states, const double *spans, double *reached,
@@ -117,8 +116,7 @@ void core_fly(const struct rotor *rotor, const double *states, const double *spa
 {
     for (int64_t i = 0; i < count; i++) {
         const double *s = &states[4 * i];
-        const struct motion_of_centre start = {{s[0], s[1]}, {s[2], s[3]}};
-        const struct motion_of_centre there = fly(start, spans[i], rotor);
+        const struct motion_of_centre there = fly(motion_at(s, 0.0, rotor), spans[i], rotor);
         const double row[4] = {there.z.x, there.z.y, there.w.x, there.w.y};
         memcpy(&reached[4 * i], row, sizeof row);
     }
@@ -127,8 +125,7 @@ void core_fly(const struct rotor *rotor, const double *states, const double *spa
 double core_first_touch(const struct rotor *rotor, const double state[4], double limit,
                         const uint8_t *stop)
 {
-    const struct motion_of_centre start = {{state[0], state[1]}, {state[2], state[3]}};
-    return first_touch(start, rotor, limit, stop);
+    return first_touch(motion_at(state, 0.0, rotor), rotor, limit, stop);
 }
 
 void core_rotate(double *states, const double *times, double omega, int64_t count)
@@ -153,17 +150,30 @@ static double radius_at(const double *state) { return length((struct vector){sta
 static enum fault fault_of_events(const struct run *run, int64_t *row)
 {
     const double delta0 = run->rotor.delta0;
-    int expected = run->began == IN_CONTACT ? EXIT : ENTRY;
-    for (*row = 0; *row < run->events; ++*row, expected = -expected) {
+    /* a contact that was entered begins pressed */
+    int in_contact = run->began == IN_CONTACT, entered = 0, last = 0; /* of press and release */
+    for (*row = 0; *row < run->events; ++*row) {
         const double *time = &run->event_times[*row], *state = &run->event_states[4 * *row];
         if (!is_finite(state))
             return EVENT_NOT_FINITE;
         if (*row > 0 && !(time[0] > time[-1]))
             return BACKWARDS;
-        if (run->event_kinds[*row] != expected)
+        const int kind = run->event_kinds[*row];
+        if (kind == PRESS || kind == RELEASE) {
+            if (!in_contact || kind == last || (last == 0 && kind == PRESS && entered))
+                return NOT_IN_TURN;
+            last = kind;
+            if (!(radius_at(state) >= delta0 * (1.0 - ON_THE_RING)))
+                return OFF_THE_RING;
+            continue;
+        }
+        if (kind != (in_contact ? EXIT : ENTRY))
             return NOT_IN_TURN;
         if (!(fabs(radius_at(state) - delta0) <= ON_THE_RING * delta0))
             return OFF_THE_RING;
+        in_contact = !in_contact;
+        entered = 1;
+        last = 0;
     }
     return SOUND;
 }
@@ -177,8 +187,10 @@ static enum fault fault_of_samples(const struct run *run, double allowed, int64_
         if (!is_finite(state))
             return SAMPLE_NOT_FINITE;
         for (; passed < run->events && run->event_times[passed] <= run->sample_times[*row];
-             passed++)
-            outwards = -outwards;
+             passed++) {
+            const int kind = run->event_kinds[passed];
+            outwards = kind == ENTRY || kind == EXIT ? -outwards : outwards;
+        }
         if (outwards * (radius_at(state) - run->rotor.delta0) < -allowed && run->rotor.delta0 > 0.0)
             return WRONG_SIDE_OF_THE_RING;
     }

@@ -19,12 +19,20 @@ enum status {
     STUCK = 1003,
     STOPPED = 1004,
     FULL = 1005,
-    NO_SOLVER = 1006
+    NO_SOLVER = 1006,
+    FULL_INSIDE = 1007
 };
 
 struct rotor {
-    double omega, zeta, delta0;
+    double omega, zeta, delta0, shaft_stiffness, contact_exponent, contact_damping, load;
 };
+
+/* A library knows one model: the paper's rotor, or the whole. */
+#ifdef WHOLE_MODEL
+enum { WHOLE = 1 };
+#else
+enum { WHOLE = 0 };
+#endif
 
 /* Who compiled this library, with which flags, for which processors, from which sources, for
  * which version of the package. */
@@ -69,7 +77,7 @@ struct sundials {
 
 enum method { TAYLOR = 0, ADAMS = 1, BDF = 2 };
 enum where { UNDECIDED = -1, IN_FLIGHT = 0, IN_CONTACT = 1 };
-enum event { ENTRY = 1, EXIT = -1 };
+enum event { ENTRY = 1, EXIT = -1, PRESS = 4, RELEASE = -4 };
 
 /* One run: what is asked, where it stands, and what is recorded of it.
  *
@@ -98,7 +106,8 @@ struct run {
     double *event_times, *event_states; /* rows of 4 */
     int8_t *event_kinds;
     int64_t event_room, events;
-    double *contacts; /* rows of entry, exit, time of the peak, its root q, impulse, momentum */
+    double *contacts; /* rows of entry, exit, time of the peak, its root q, impulse, momentum,
+                         energy lost by contact damping, largest force */
     int64_t contact_room, contact_count;
     double *extrema; /* of the radius: rows of time, radius, -1 or 1, state */
     int64_t extremum_room, extremum_count;
@@ -108,7 +117,8 @@ struct run {
 /* Follow a run from where it stands to its end.
  *
  * FULL: a table has no room for what may come. With more room in the tables of events and contacts
- * the run goes on from where it stands; where that of extrema is full it must begin anew. */
+ * the run goes on from where it stands; where that of extrema is full, or that of events inside a
+ * contact (FULL_INSIDE), it must begin anew. */
 CORE_API int core_run(struct run *run);
 
 /* Follow a run over many spans of its duration, each from where the one before ended, and write

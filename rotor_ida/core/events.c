@@ -4,10 +4,19 @@
  * for a crossing that the step hid; polish the event; record it; restart in the other mode. */
 #include "events.h"
 
+struct motion_of_centre motion_at(const double *state, double time, const struct rotor *rotor)
+{
+    struct motion_of_centre centre = {.z = {state[0], state[1]}, .w = {state[2], state[3]}};
+    if (WHOLE) { /* -i exp(-i omega t) */
+        const double angle = rotor->omega * time;
+        centre.down = (struct vector){-sin(angle), -cos(angle)};
+    }
+    return centre;
+}
+
 struct motion_of_centre where_it_is(const struct run *run)
 {
-    return (struct motion_of_centre){{run->state[0], run->state[1]},
-                                     {run->state[2], run->state[3]}};
+    return motion_at(run->state, run->time, &run->rotor);
 }
 
 int is_finite(const double *state) { return isfinite(state[0] + state[1] + state[2] + state[3]); }
@@ -25,7 +34,7 @@ void advance_run(struct run *run, double span, struct motion_of_centre centre)
 /* ---- Contacts ---- */
 
 static void add_contact(struct run *run, double entry, double leaving, double peak_time,
-                        double root, double impulse, double momentum)
+                        double root, double impulse, double momentum, double lost, double force)
 {
     if (run->contact_room == 0)
         return;
@@ -36,6 +45,8 @@ static void add_contact(struct run *run, double entry, double leaving, double pe
     row[3] = root;
     row[4] = impulse;
     row[5] = momentum;
+    row[6] = lost;
+    row[7] = force;
     run->contact_count++;
 }
 
@@ -46,7 +57,7 @@ static int follow_contact(struct run *run, struct motion *motion, double entry)
     const struct motion_of_centre here = where_it_is(run);
     run->where = IN_CONTACT;
     if (left <= 0.0) {
-        add_contact(run, entry, NAN, began, 0.0, NAN, cross(here.z, here.w));
+        add_contact(run, entry, NAN, began, 0.0, NAN, cross(here.z, here.w), 0.0, 0.0);
         return DONE;
     }
     double start[MOST_VALUES] = {0.0}, atol[MOST_VALUES] = {0.0}, reached[MOST_VALUES];
@@ -56,11 +67,12 @@ static int follow_contact(struct run *run, struct motion *motion, double entry)
     if (run->differences > 0 && start[CONTACT_T] > 0.0)
         fly_differences(run->bundle, run->differences, start[CONTACT_T], &run->rotor);
     copy_values(motion, start, reached);
-    struct peak peak;
+    struct peak peak = {.force = 0.0};
     memcpy(peak.values, start, sizeof peak.values);
+    begin_pressed(motion, start);
     int leaves = 0, status = motion->restart(motion, start, atol);
     if (status == DONE)
-        status = integrate_contact(run, motion, start, reached, &peak, &leaves);
+        status = integrate_contact(run, motion, start, atol, reached, &peak, &leaves);
     run->evaluations += motion->evaluations(motion);
     advance_run(run, reached[CONTACT_T], centre_of(motion, reached));
     if (status != DONE)
@@ -72,7 +84,7 @@ static int follow_contact(struct run *run, struct motion *motion, double entry)
     }
     add_contact(run, entry, leaves ? run->time : NAN,
                 smaller(began + peak.values[CONTACT_T], run->time), peak.values[CONTACT_Q],
-                reached[CONTACT_J], peak.values[CONTACT_H]);
+                reached[CONTACT_J], peak.values[CONTACT_H], lost_of(reached), peak.force);
     return DONE;
 }
 
@@ -85,7 +97,7 @@ static int stay_in_contact(struct run *run, struct motion *motion)
     const int status = follow_freely(run, motion, &peak, &touched);
     const struct motion_of_centre at_peak = centre_of(motion, peak.values);
     add_contact(run, NAN, NAN, began + peak.time, sqrt(length(at_peak.z)), NAN,
-                cross(at_peak.z, at_peak.w));
+                cross(at_peak.z, at_peak.w), 0.0, NAN);
     return status;
 }
 

@@ -15,6 +15,7 @@ struct motions {
 struct peak {
     double values[MOST_VALUES];
     double time;
+    double force; /* of a contact with damping the largest, which is not there */
 };
 
 enum where decide_mode(struct motion_of_centre start, const struct rotor *rotor);
@@ -25,10 +26,15 @@ void contact_tolerances(const double *start, double rtol, double absolute, doubl
 /* Put the unit matrix behind the values with which a motion begins, if it has tangents. */
 void begin_differences(const struct motion *motion, double *start, double *atol);
 
-int integrate_contact(struct run *run, struct motion *motion, const double *start, double *reached,
-                      struct peak *peak, int *left);
+/* Whether a contact of the whole model begins pressed or loose; and what it has lost. */
+void begin_pressed(struct motion *motion, const double *start);
+double lost_of(const double *values);
+int integrate_contact(struct run *run, struct motion *motion, const double *start,
+                      const double *atol, double *reached, struct peak *peak, int *left);
 int follow_freely(struct run *run, struct motion *motion, struct peak *peak, int *touched);
 
+/* A state on the rotating axes of a time. */
+struct motion_of_centre motion_at(const double *state, double time, const struct rotor *rotor);
 struct motion_of_centre where_it_is(const struct run *run);
 int is_finite(const double *state);
 void advance_run(struct run *run, double span, struct motion_of_centre centre);

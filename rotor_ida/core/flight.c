@@ -10,6 +10,7 @@
  *
  * The first touch is the first root of g = |z|**2 - delta0**2. The search steps only as far as a
  * bound on g''' guarantees that g has no root, so no touch can hide between two steps. */
+#ifndef WHOLE_MODEL
 #include "flight.h"
 
 static const double NEVER = INFINITY;
@@ -55,7 +56,8 @@ struct motion_of_centre fly(struct motion_of_centre start, double tau, const str
                                      product(a, turn_less_one(angle)));
     const struct vector spun = scaled(omega, quarter_turned(product(a, turn)));
     const struct vector velocity = plus(scaled(exp(-2.0 * rotor->zeta * tau), w), spun);
-    return (struct motion_of_centre){product(plus(start.z, moved), back), product(velocity, back)};
+    return (struct motion_of_centre){.z = product(plus(start.z, moved), back),
+                                     .w = product(velocity, back)};
 }
 
 /* The derivative of phi by zeta, without cancellation. */
@@ -106,8 +108,8 @@ void fly_by_parameters(struct motion_of_centre start, double tau, const struct r
         product(a_zeta, less_one));
     const struct vector v_zeta = plus(plus(scaled(decay, w_zeta), scaled(-2.0 * tau * decay, w)),
                                       product(a_zeta, spin));
-    added[0] = (struct motion_of_centre){product(z_omega, back), product(v_omega, back)};
-    added[1] = (struct motion_of_centre){product(z_zeta, back), product(v_zeta, back)};
+    added[0] = (struct motion_of_centre){.z = product(z_omega, back), .w = product(v_omega, back)};
+    added[1] = (struct motion_of_centre){.z = product(z_zeta, back), .w = product(v_zeta, back)};
 }
 
 void fly_differences(double *rows, int count, double tau, const struct rotor *rotor)
@@ -362,3 +364,5 @@ double next_turn(struct motion_of_centre start, const struct rotor *rotor, doubl
         tau = next;
     }
 }
+
+#endif

@@ -1,4 +1,4 @@
-/* Flight inside the clearance, in closed form; see flight.c. */
+/* Flight inside the clearance, in closed form; see flight.c, and sprung_flight.c for a machine. */
 #ifndef ROTOR_IDA_FLIGHT_H
 #define ROTOR_IDA_FLIGHT_H
 
@@ -43,6 +43,7 @@ static inline double length(struct vector a) { return sqrt(a.x * a.x + a.y * a.y
 /* Displacement and velocity, read on the rotating axes of the moment. */
 struct motion_of_centre {
     struct vector z, w;
+    struct vector down; /* where the load points; looked at in the whole model alone */
 };
 
 /* The larger and the smaller of two numbers, the second where one is NaN. */

@@ -11,12 +11,14 @@ from pathlib import Path
 
 # Levels of x86-64, each with wider vectors than the one before; other machines know the first.
 LEVELS = ("baseline", "v3", "v4")
+# A library knows one model: the paper's rotor, or the whole.
+MODELS = ("paper", "whole")
 STATED = ("compiler", "flags", "level", "sources", "version")
 
 
-def library_path(folder: Path, level: str) -> Path:
-    """Return where the library of a level lies."""
-    return folder / f"librotor_{level}.so"
+def library_path(folder: Path, level: str, model: str = "paper") -> Path:
+    """Return where the library of a level lies that knows a model."""
+    return folder / (f"librotor_{level}.so" if model == "paper" else f"librotor_{model}_{level}.so")
 
 
 def core_sources(folder: Path) -> list[Path]:

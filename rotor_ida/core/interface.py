@@ -15,11 +15,11 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.core import library as found
-from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.parameters import ALL_PARAMETERS, Rotor
 
 # How a call ended; the flags of SUNDIALS are negative.
 DONE = 0
-NOT_FINITE, NO_ROOT, STUCK, STOPPED, FULL, NO_SOLVER = range(1001, 1007)
+NOT_FINITE, NO_ROOT, STUCK, STOPPED, FULL, NO_SOLVER, FULL_INSIDE = range(1001, 1008)
 MESSAGES = {
     NOT_FINITE: "the state is no longer finite",
     NO_ROOT: "a step holds no root",
@@ -38,8 +38,8 @@ FAULTS = (
     "",
     "the state is not finite",
     "event times do not increase",
-    "entry and exit do not alternate",
-    "an event does not lie at |z| = delta0",
+    "entry and exit, or press and release, do not alternate",
+    "an event does not lie at |z| = delta0, or lies off the ring",
     "the state is not finite",
     "a sample lies on the wrong side of the ring",
     "a contact peaks outside its own span",
@@ -49,20 +49,20 @@ FIRST_OF_SAMPLES, OF_CONTACTS = 5, 7
 METHODS = {"taylor": 0, "adams": 1, "bdf": 2}
 UNDECIDED, IN_FLIGHT, IN_CONTACT = -1, 0, 1
 # Columns of the table of contacts, and of that of the extrema of the radius.
-ENTRY_TIME, EXIT_TIME, PEAK_TIME, PEAK_ROOT, IMPULSE = range(5)
+ENTRY_TIME, EXIT_TIME, PEAK_TIME, PEAK_ROOT, IMPULSE, MOMENTUM, LOST, LARGEST_FORCE = range(8)
 TIME, RADIUS, KIND, STATE = range(4)
-CONTACT_COLUMNS, EXTREMUM_COLUMNS = 6, 7
+CONTACT_COLUMNS, EXTREMUM_COLUMNS = 8, 7
 
 
 class RotorStruct(Structure):
     """``struct rotor``."""
 
-    _fields_ = [(name, c_double) for name in PARAMETERS]
+    _fields_ = [(name, c_double) for name in ALL_PARAMETERS]
 
     @classmethod
     def of(cls, rotor: Rotor) -> RotorStruct:
         """Return a rotor as the core takes it."""
-        return cls(*(getattr(rotor, name) for name in PARAMETERS))
+        return cls(*(getattr(rotor, name) for name in ALL_PARAMETERS))
 
 
 class RunStruct(Structure):
@@ -119,15 +119,24 @@ _SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
     ),
 }
 
+# What the core of the paper's rotor alone has: lanes.
+OF_PAPER = {"core_follow_lanes", "core_measure_returns"}
+
 
 @cache
-def library() -> ctypes.CDLL:
-    """Return the core, every function of which knows the types of its arguments."""
-    core = found.library()
+def library(model: str = "paper") -> ctypes.CDLL:
+    """Return the core of a model, every function of which knows the types of its arguments."""
+    core = found.library(model)
     for name, (result, arguments) in _SIGNATURES.items():
-        function = getattr(core, name)
-        function.restype, function.argtypes = result, arguments
+        if model == "paper" or name not in OF_PAPER:
+            function = getattr(core, name)
+            function.restype, function.argtypes = result, arguments
     return core
+
+
+def library_of(rotor: Rotor) -> ctypes.CDLL:
+    """Return the core of the model that a rotor needs."""
+    return library("whole" if rotor.beyond else "paper")
 
 
 def pointer(array: npt.NDArray[Any], dtype: npt.DTypeLike, *, writeable: bool = False) -> c_void_p:

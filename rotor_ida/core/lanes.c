@@ -9,6 +9,7 @@
  *
  * The model is written by hand here; tests/basins/test_lanes.py holds it against
  * equations/modes.py. */
+#ifndef WHOLE_MODEL
 #include <math.h>
 #include <stdbool.h>
 #include <string.h>
@@ -524,3 +525,5 @@ int core_measure_returns(const struct rotor *rotor, const double *states, int64_
     }
     return DONE;
 }
+
+#endif

@@ -22,8 +22,10 @@ _ELSEWHERE = "pip install --force-reinstall, from where rotor-ida came"
 
 
 @cache
-def library() -> ctypes.CDLL:
+def library(model: str = "paper") -> ctypes.CDLL:
     """Return the library of the level that $ROTOR_IDA_CPU names, by default the widest.
+
+    It knows one model, ``"paper"`` or ``"whole"``.
 
     Raises
     ------
@@ -39,7 +41,7 @@ def library() -> ctypes.CDLL:
         raise InputError(f"{CHOICE} must be one of {allowed}, got {level!r}")
     if level not in offered():
         raise InputError(f"{CHOICE} must be at most {widest} on this processor, got {level!r}")
-    return _load(level)
+    return _load(level, model)
 
 
 @cache
@@ -63,9 +65,9 @@ def build_info() -> dict[str, str]:
 
 
 @cache
-def _load(level: str) -> ctypes.CDLL:
-    """Return the library of a level, if it is what it should be."""
-    path = identity.library_path(FOLDER, level)
+def _load(level: str, model: str = "paper") -> ctypes.CDLL:
+    """Return the library of a level and a model, if it is what it should be."""
+    path = identity.library_path(FOLDER, level, model)
     if not path.is_file():
         raise InstallationError(f"the compiled core {path} is missing; run: {_cure()}")
     try:

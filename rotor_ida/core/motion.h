@@ -6,7 +6,11 @@
 #define ROTOR_IDA_MOTION_H
 
 #include "core.h"
+#ifdef WHOLE_MODEL
+#include "derived_whole.h"
+#else
 #include "derived.h"
+#endif
 #include "flight.h"
 #include "series.h"
 

@@ -31,12 +31,13 @@ static int is_contact(const struct motion *motion) { return motion->mode == &con
 struct motion_of_centre centre_of(const struct motion *motion, const double *values)
 {
     if (!is_contact(motion))
-        return (struct motion_of_centre){{values[0], values[1]}, {values[2], values[3]}};
+        return (struct motion_of_centre){.z = {values[0], values[1]}, .w = {values[2], values[3]}};
     const struct vector direction = {values[CONTACT_C], values[CONTACT_S]};
     const struct vector outwards = scaled(1.0 / length(direction), direction);
     const double radius = motion->model.delta0 + values[CONTACT_Q] * values[CONTACT_Q];
     const struct vector velocity = {values[CONTACT_P], values[CONTACT_H] / radius};
-    return (struct motion_of_centre){scaled(radius, outwards), product(velocity, outwards)};
+    return (struct motion_of_centre){.z = scaled(radius, outwards),
+                                     .w = product(velocity, outwards)};
 }
 
 static void write_state(double *row, struct motion_of_centre centre)
@@ -52,6 +53,15 @@ void record_event(struct run *run, enum event kind)
     run->event_times[run->events] = run->time;
     run->event_kinds[run->events] = (int8_t)kind;
     memcpy(&run->event_states[4 * run->events], run->state, sizeof run->state);
+    run->events++;
+}
+
+void record_event_inside(struct run *run, enum event kind, double since,
+                         struct motion_of_centre centre)
+{
+    run->event_times[run->events] = run->time + since;
+    run->event_kinds[run->events] = (int8_t)kind;
+    write_state(&run->event_states[4 * run->events], centre);
     run->events++;
 }
 
@@ -396,7 +406,7 @@ void observe_flight(struct run *run, const struct flight *flight)
     if (run->differences == 0)
         return;
     fly_differences(run->bundle, run->differences, flight->span, &run->rotor);
-    if (run->differences > DIFFERENCES) {
+    if (!WHOLE && run->differences > DIFFERENCES) {
         struct motion_of_centre added[2];
         fly_by_parameters(flight->start, flight->span, &run->rotor, added);
         for (int i = 0; i < 2; i++) {

@@ -4,7 +4,7 @@
 
 #include "motion.h"
 
-enum { EVENTS_A_CONTACT = 2, CONTACT_COLUMNS = 6, EXTREMUM_COLUMNS = 7 };
+enum { EVENTS_A_CONTACT = 2, CONTACT_COLUMNS = 8, EXTREMUM_COLUMNS = 7 };
 
 /* A stretch of flight: from where, and for how long. */
 struct flight {
@@ -33,6 +33,9 @@ void observe_phase(struct run *run, struct motion *motion, const double *start,
                    const double *reached);
 
 void record_event(struct run *run, enum event kind);
+/* The same inside a phase, at a time since its beginning. */
+void record_event_inside(struct run *run, enum event kind, double since,
+                         struct motion_of_centre centre);
 
 /* Displacement and velocity on the rotating axes of the state of a motion. */
 struct motion_of_centre centre_of(const struct motion *motion, const double *values);

@@ -18,6 +18,136 @@ void begin_differences(const struct motion *motion, double *start, double *atol)
 
 /* ---- A contact, in its regularised variables ---- */
 
+#ifdef WHOLE_MODEL
+/* Looks a step by CVODE is given for a release or a press; one by Taylor series is cut so that it
+ * has one at most. And those for the largest force. */
+enum { LOOKS_FOR_RELEASE = 4, LOOKS_FOR_FORCE = 6, MOST_NARROWING = 60 };
+
+/* The radial velocity at which 1 + c d' vanishes. */
+static double release_velocity(const struct motion *motion)
+{
+    return -1.0 / motion->model.contact_damping;
+}
+
+/* How far the radial velocity is inside the mode: above that of release where the contact is
+ * pressed, below it where that is loose. */
+static double within_mode(const struct motion *motion, const double *values)
+{
+    const double above = values[CONTACT_P] - release_velocity(motion);
+    return motion->model.pressed > 0.0 ? above : -above;
+}
+
+void begin_pressed(struct motion *motion, const double *start)
+{
+    motion->model.pressed = 1.0;
+    if (motion->model.contact_damping == 0.0 || start[CONTACT_Q] == 0.0)
+        return;
+    double above = start[CONTACT_P] - release_velocity(motion);
+    if (above == 0.0) { /* then the force is 0 either way, and the field the same */
+        double rate[MOST_VALUES];
+        motion->mode->field(&motion->model, start, rate);
+        above = rate[CONTACT_P];
+    }
+    motion->model.pressed = above > 0.0 ? 1.0 : 0.0;
+}
+
+double lost_of(const double *values) { return values[CONTACT_LOST]; }
+
+/* Where in the last step, up to `end`, the force falls to 0 or comes back; infinite where it does
+ * not, NaN where it cannot be found. */
+static double release_in_step(struct motion *motion, double end)
+{
+    if (motion->model.contact_damping == 0.0)
+        return INFINITY;
+    const int looks = motion->begins_anew ? 1 : LOOKS_FOR_RELEASE;
+    const double low = motion->low, level = release_velocity(motion);
+    double from = low;
+    for (int look = 1; look <= looks; look++) {
+        const double to = look < looks ? low + (end - low) * look / looks : end;
+        if (within_mode(motion, motion->at(motion, to)) < 0.0) {
+            /* the mode begins where it ended last: a point inside it must be found first */
+            double reach = to - from;
+            double point = from;
+            while (within_mode(motion, motion->at(motion, point)) <= 0.0 && reach > 1e-14 * to) {
+                reach *= 0.125;
+                point = from + reach;
+            }
+            if (within_mode(motion, motion->at(motion, point)) <= 0.0)
+                return to;
+            return root_in_step(motion, radial_velocity_of, level, point, to);
+        }
+        from = to;
+    }
+    return INFINITY;
+}
+
+static double force_at(struct motion *motion, double point)
+{
+    const struct parameters *m = &motion->model;
+    const double *values = motion->at(motion, point), q = values[CONTACT_Q];
+    const double spring = q * q * (m->hertz * q + m->linear);
+    return larger(m->pressed * spring * (1.0 + m->contact_damping * values[CONTACT_P]), 0.0);
+}
+
+/* Keep the largest force: with damping it comes before the largest indentation. */
+static void raise_force(struct peak *peak, struct motion *motion, double end)
+{
+    if (motion->model.pressed == 0.0)
+        return;
+    const double low = motion->low, apart = (end - low) / LOOKS_FOR_FORCE;
+    double best = low, largest = force_at(motion, low);
+    for (int look = 1; look <= LOOKS_FOR_FORCE; look++) {
+        const double force = force_at(motion, low + apart * look);
+        if (force > largest) {
+            largest = force;
+            best = low + apart * look;
+        }
+    }
+    if (largest <= 0.5 * peak->force)
+        return;
+    double reach = apart;
+    for (int i = 0; i < MOST_NARROWING && reach > 1e-9 * (end - low); i++) {
+        const double before = larger(best - reach, low), after = smaller(best + reach, end);
+        const double early = force_at(motion, before), late = force_at(motion, after);
+        if (early > largest) {
+            largest = early;
+            best = before;
+        } else if (late > largest) {
+            largest = late;
+            best = after;
+        } else {
+            reach *= 0.5;
+        }
+    }
+    peak->force = larger(peak->force, largest);
+}
+
+/* Record that the contact becomes loose, or is pressed again, and begin the other mode there. */
+static int change_mode(struct run *run, struct motion *motion, double *start, const double *atol,
+                       double *reached)
+{
+    const int pressed = motion->model.pressed > 0.0;
+    reached[CONTACT_P] = release_velocity(motion);
+    if (run->event_room > 0) {
+        if (run->events + EVENTS_A_CONTACT > run->event_room)
+            return FULL_INSIDE;
+        record_event_inside(run, pressed ? RELEASE : PRESS, reached[CONTACT_T],
+                            centre_of(motion, reached));
+    }
+    observe_phase(run, motion, start, reached);
+    run->evaluations += motion->evaluations(motion);
+    motion->model.pressed = pressed ? 0.0 : 1.0;
+    copy_values(motion, reached, start);
+    double unused[MOST_VALUES];
+    begin_differences(motion, start, unused);
+    return motion->restart(motion, start, atol);
+}
+#else
+void begin_pressed(struct motion *motion, const double *start) { (void)motion, (void)start; }
+
+double lost_of(const double *values) { return (void)values, 0.0; }
+#endif
+
 /* A point of the last step at which the rotor is in contact. */
 static double inside(struct motion *motion)
 {
@@ -75,15 +205,27 @@ static void raise_peak_of_contact(struct peak *peak, struct motion *motion, doub
 }
 
 /* Integrate one contact until q falls through 0 or the run is at its end. */
-int integrate_contact(struct run *run, struct motion *motion, const double *start, double *reached,
-                      struct peak *peak, int *left)
+int integrate_contact(struct run *run, struct motion *motion, const double *begun,
+                      const double *atol, double *reached, struct peak *peak, int *left)
 {
     int idle = 0;
+    double start[MOST_VALUES];
+    copy_values(motion, begun, start);
+    (void)atol;
     while (!asked_to_stop(run->stop)) {
         int status = motion->advance(motion);
         if (status != DONE)
             return status;
-        const double end = end_of_step(run, motion, reached, left);
+        double end = end_of_step(run, motion, reached, left);
+#ifdef WHOLE_MODEL
+        const double turn = isnan(end) ? NAN : release_in_step(motion, end);
+        const int changes = turn < end;
+        end = isnan(turn) ? NAN : smaller(turn, end);
+        if (changes) {
+            copy_values(motion, motion->at(motion, turn), reached);
+            *left = 0;
+        }
+#endif
         if (isnan(end)) {
             copy_values(motion, motion->before, reached);
             return NO_ROOT;
@@ -93,6 +235,16 @@ int integrate_contact(struct run *run, struct motion *motion, const double *star
         status = observe_step(run, &step);
         if (status != DONE)
             return status;
+#ifdef WHOLE_MODEL
+        if (motion->model.contact_damping > 0.0)
+            raise_force(peak, motion, end);
+        if (changes) {
+            status = change_mode(run, motion, start, atol, reached);
+            if (status != DONE)
+                return status;
+            continue;
+        }
+#endif
         if (*left || reached[CONTACT_T] >= time_left(run)) {
             observe_phase(run, motion, start, reached);
             return DONE;
@@ -159,6 +311,12 @@ int follow_freely(struct run *run, struct motion *motion, struct peak *peak, int
     const double duration = time_left(run);
     double start[MOST_VALUES] = {run->state[0], run->state[1], run->state[2], run->state[3]};
     double atol[MOST_VALUES] = {run->atol, run->atol, run->atol, run->atol};
+#ifdef WHOLE_MODEL
+    const struct vector down = where_it_is(run).down;
+    start[CARTESIAN_DOWN_X] = down.x;
+    start[CARTESIAN_DOWN_Y] = down.y;
+    atol[CARTESIAN_DOWN_X] = atol[CARTESIAN_DOWN_Y] = run->atol;
+#endif
     double reached[MOST_VALUES];
     begin_differences(motion, start, atol);
     memcpy(peak->values, start, sizeof peak->values);

@@ -16,12 +16,14 @@ from rotor_ida.core.interface import (
     CONTACT_COLUMNS,
     EXTREMUM_COLUMNS,
     FULL,
+    FULL_INSIDE,
     METHODS,
     UNDECIDED,
     RotorStruct,
     RunStruct,
     address,
     library,
+    library_of,
     pointer,
 )
 from rotor_ida.parameters import Rotor
@@ -101,9 +103,10 @@ class Seen:
         States at the sample times, as far as it came.
     event_times, event_kinds, event_states : ndarray
         The events.
-    contacts : ndarray, shape (k, 6)
-        Entry, exit and time of the peak, root of the largest indentation, impulse, and angular
-        momentum at the peak, of each contact; NaN where it has none within the run [1].
+    contacts : ndarray, shape (k, 8)
+        Entry, exit and time of the peak, root of the largest indentation, impulse, angular momentum
+        at the peak, energy lost by contact damping, and with that the largest force, of each
+        contact; NaN where it has none within the run [1].
     extrema : ndarray, shape (m, 7)
         Time, radius, kind (-1 or 1) and state of each extremum of the radius.
     evaluations : int
@@ -185,12 +188,13 @@ class _Tables:
 
 def follow(asked: Asked) -> Seen:
     """Follow a run from its start to its end; the status says if it could be followed."""
-    core, room = library(), FIRST_ROOM
+    core, room = library_of(asked.rotor), FIRST_ROOM
     tables, before = _Tables(asked, room), None if asked.bundle is None else asked.bundle.copy()
     status = core.core_run(byref(tables.run))
-    while status == FULL:
+    while status in {FULL, FULL_INSIDE}:
         room *= 4
-        if tables.run.extremum_count == tables.run.extremum_room > 0:
+        full = tables.run.extremum_count == tables.run.extremum_room > 0
+        if full or status == FULL_INSIDE:
             if asked.bundle is not None and before is not None:
                 asked.bundle[:] = before
             tables = _Tables(asked, room)
@@ -215,7 +219,7 @@ def stretch(asked: Asked, spans: int) -> tuple[Values, Seen]:
         raise ValueError("a stretching must have a bundle, got none")
     run, stretches, done = _struct_of(asked), np.empty((spans, 4)), c_int64(0)
     written = pointer(stretches, np.float64, writeable=True)
-    status = library().core_stretch(byref(run), spans, written, byref(done))
+    status = library_of(asked.rotor).core_stretch(byref(run), spans, written, byref(done))
     x, y, vx, vy = run.state
     seen = Seen(
         status, run.time, (x, y, vx, vy), run.began, run.where, _NO_STATES, _NO_TIMES, _NO_KINDS,
@@ -302,7 +306,7 @@ def fault_of(
         Times and states of the samples, in either frame [1].
     events : tuple of ndarray
         Times, kinds and states of the events [1].
-    contacts : ndarray, shape (k, 6)
+    contacts : ndarray, shape (k, 8)
         Entry, exit and time of the peak of each contact, and what follows these [1].
     allowed : float
         How far a sample may lie on the wrong side of the ring [1].
@@ -326,7 +330,7 @@ def fault_of(
         run.contacts,
     ) = (address(table) for table in tables)
     run.sampled, run.events, run.contact_count = len(samples[0]), len(events[0]), len(contacts)
-    return int(library().core_fault(byref(run), allowed, byref(row))), row.value
+    return int(library_of(rotor).core_fault(byref(run), allowed, byref(row))), row.value
 
 
 def starts_in_contact(rotor: Rotor, state: npt.ArrayLike) -> bool:
@@ -335,7 +339,7 @@ def starts_in_contact(rotor: Rotor, state: npt.ArrayLike) -> bool:
     On the ring the first of radial velocity, acceleration and jerk that is not zero decides.
     """
     given, held = _four_numbers(state), RotorStruct.of(rotor)
-    return bool(library().core_starts_in_contact(byref(held), pointer(given, np.float64)))
+    return bool(library_of(rotor).core_starts_in_contact(byref(held), pointer(given, np.float64)))
 
 
 def _four_numbers(state: npt.ArrayLike) -> Values:
@@ -355,7 +359,7 @@ def fly(rotor: Rotor, states: npt.ArrayLike, spans: npt.ArrayLike) -> Values:
     begun[:] = states
     times, reached = np.ascontiguousarray(times), np.empty((times.size, 4))
     held = RotorStruct.of(rotor)
-    library().core_fly(
+    library_of(rotor).core_fly(
         byref(held),
         pointer(begun, np.float64),
         pointer(times, np.float64),
@@ -374,7 +378,8 @@ def first_touch(
     """
     given, held = _four_numbers(state), RotorStruct.of(rotor)
     asked = pointer(NO_STOP if stop is None else stop, np.uint8)
-    return float(library().core_first_touch(byref(held), pointer(given, np.float64), limit, asked))
+    core = library_of(rotor)
+    return float(core.core_first_touch(byref(held), pointer(given, np.float64), limit, asked))
 
 
 def rotate(states: Values, times: Values, omega: float) -> None:

@@ -17,8 +17,13 @@ enum {
     LOWEST_ORDER = 6,
     HIGHEST_ORDER = 24,
     ORDERS = HIGHEST_ORDER + 1,
-    WIDTH = 8,       /* columns of a state, with room to spare */
-    LANES = 16,      /* products at most */
+#ifdef WHOLE_MODEL
+    WIDTH = 12, /* columns of a state, with room to spare */
+    LANES = 28, /* products at most */
+#else
+    WIDTH = 8,
+    LANES = 16,
+#endif
     FACTORS = 8,     /* series at most that differences are multiplied by */
     DIFFERENCES = 4, /* followed beside a motion, four components each */
     APART = 16

@@ -21,17 +21,27 @@ static double radial_acceleration(struct motion_of_centre start, const struct ro
 {
     const double radius = length(start.z), around = cross(start.z, start.w) / radius;
     const double centrifugal = around * around / radius, unbalance = rotor->omega * rotor->omega;
-    const double total = centrifugal + unbalance * (start.z.x / radius);
-    return fabs(total) > 16.0 * ROUNDING * (centrifugal + unbalance) ? total : 0.0;
+    double total = centrifugal + unbalance * (start.z.x / radius), size = centrifugal + unbalance;
+    if (WHOLE) {
+        const double spring = rotor->shaft_stiffness * radius;
+        total += rotor->load * dot(start.z, start.down) / radius - spring;
+        size += rotor->load + spring;
+    }
+    return fabs(total) > 16.0 * ROUNDING * size ? total : 0.0;
 }
 
 /* The radial jerk where velocity and acceleration vanish; 0 where rounding hides it. */
 static double radial_jerk(struct motion_of_centre start, const struct rotor *rotor)
 {
     const double omega = rotor->omega, damping = 2.0 * rotor->zeta, radius = length(start.z);
-    const struct vector acceleration = {omega * omega - damping * start.w.x, -damping * start.w.y};
-    const struct vector jerk = {-damping * acceleration.x,
-                                omega * omega * omega - damping * acceleration.y};
+    struct vector acceleration = {omega * omega - damping * start.w.x, -damping * start.w.y};
+    if (WHOLE)
+        acceleration = plus(acceleration, plus(scaled(-rotor->shaft_stiffness, start.z),
+                                               scaled(rotor->load, start.down)));
+    struct vector jerk = {-damping * acceleration.x,
+                          omega * omega * omega - damping * acceleration.y};
+    if (WHOLE)
+        jerk = plus(jerk, scaled(-rotor->shaft_stiffness, start.w));
     const double by_velocity = 3.0 * dot(start.w, acceleration), by_position = dot(start.z, jerk);
     const double size = 3.0 * length(start.w) * length(acceleration)
                         + length(start.z) * length(jerk);
@@ -68,6 +78,11 @@ static void regularise(struct motion_of_centre start, double root, double *value
     values[CONTACT_C] = direction.x;
     values[CONTACT_S] = direction.y;
     values[CONTACT_T] = values[CONTACT_J] = 0.0;
+#ifdef WHOLE_MODEL
+    values[CONTACT_DOWN_R] = dot(direction, start.down);
+    values[CONTACT_DOWN_T] = cross(direction, start.down);
+    values[CONTACT_LOST] = 0.0;
+#endif
 }
 
 /* The values a moment after a start at radial rest that is drawn outwards.
@@ -116,4 +131,7 @@ void contact_tolerances(const double *start, double rtol, double absolute, doubl
         atol[i] = absolute;
     atol[CONTACT_Q] = atol[CONTACT_P] = larger(rtol * fastest, BELOW_ROUNDING);
     atol[CONTACT_T] = atol[CONTACT_J] = larger(rtol * least, TIGHTEST_ATOL);
+#ifdef WHOLE_MODEL
+    atol[CONTACT_LOST] = larger(rtol * fastest * fastest, TIGHTEST_ATOL);
+#endif
 }

@@ -145,13 +145,44 @@ static double with_one_root(struct taylor *taylor, int component, double size, d
     return step;
 }
 
-/* How far the series of a contact may be followed. */
-static double contact_step(struct taylor *taylor)
+/* The fastest motion or decay of which a contact is capable, by u. */
+static double rate_of_contact(const struct taylor *taylor)
 {
     const struct parameters *model = &taylor->motion.model;
     const double q = fabs(taylor->series.terms[0][CONTACT_Q]);
-    const double rate = q * (model->omega + 2.0 * model->zeta + sqrt(1.5 * q));
-    double step = longest_step(taylor, CONTACT_S + 1, rate);
+#ifdef WHOLE_MODEL
+    const double slope = 1.5 * model->hertz * q + model->linear;
+    const double damping = model->contact_damping;
+    const double stiffening = 1.0 + damping * fabs(taylor->series.terms[0][CONTACT_P]);
+    const double force = q * q * (model->hertz * q + model->linear);
+    return q * (model->omega + 2.0 * model->zeta + damping * force
+                + sqrt(model->shaft_stiffness + slope * stiffening));
+#else
+    return q * (model->omega + 2.0 * model->zeta + sqrt(1.5 * q));
+#endif
+}
+
+#ifdef WHOLE_MODEL
+/* A step, cut so that the contact is released, or pressed again, inside it at most once. */
+static double with_one_release(struct taylor *taylor, double step)
+{
+    const double damping = taylor->motion.model.contact_damping;
+    if (damping == 0.0)
+        return step;
+    double *first = &taylor->series.terms[0][CONTACT_P];
+    const double velocity = *first, rest = taylor->sizes[CONTACT_P] - fabs(velocity);
+    *first = velocity + 1.0 / damping;
+    step = with_one_root(taylor, CONTACT_P, rest + fabs(*first), step);
+    *first = velocity;
+    return step;
+}
+#endif
+
+/* How far the series of a contact may be followed. */
+static double contact_step(struct taylor *taylor)
+{
+    const double q = fabs(taylor->series.terms[0][CONTACT_Q]);
+    double step = longest_step(taylor, CONTACT_T, rate_of_contact(taylor));
     evaluate(taylor->series.terms[0], WIDTH, taylor->order, step, 1, taylor->sizes);
     /* on a whirl of constant radius p is rounding, and what a step leaves open */
     const double noise = larger(NOISE, taylor->motion.rtol) * q / step;
@@ -159,6 +190,9 @@ static double contact_step(struct taylor *taylor)
     if (taylor->sizes[CONTACT_EXTREMUM_GUARD] > noise)
         step = with_one_root(taylor, CONTACT_EXTREMUM_GUARD, taylor->sizes[CONTACT_EXTREMUM_GUARD],
                              step);
+#ifdef WHOLE_MODEL
+    step = with_one_release(taylor, step);
+#endif
     return step;
 }
 
@@ -181,10 +215,16 @@ static double cartesian_step(struct taylor *taylor, double inner)
     const struct parameters *model = &taylor->motion.model;
     const double radius = length((struct vector){state[CARTESIAN_X], state[CARTESIAN_Y]});
     const double speed = length((struct vector){state[CARTESIAN_VX], state[CARTESIAN_VY]});
-    const double rate = model->omega + 2.0 * model->zeta + sqrt(1.5 * sqrt(radius));
+#ifdef WHOLE_MODEL
+    const double slope = 1.5 * model->hertz * sqrt(radius) + model->linear;
+    const double rate = model->omega + 2.0 * model->zeta + sqrt(model->shaft_stiffness + slope);
+    const double more = model->load + model->shaft_stiffness * radius;
+#else
+    const double rate = model->omega + 2.0 * model->zeta + sqrt(1.5 * sqrt(radius)), more = 0.0;
+#endif
     double step = longest_step(taylor, CARTESIAN_SIZE, rate);
     if (radius <= inner && inner > 0.0) {
-        const double push = model->omega * model->omega + 2.0 * model->zeta * speed;
+        const double push = model->omega * model->omega + 2.0 * model->zeta * speed + more;
         step = smaller(step, 2.0 * inner / (speed + sqrt(speed * speed + 2.0 * push * inner)));
     }
     return step;
@@ -260,12 +300,12 @@ static void begin_step(struct taylor *taylor)
 
 /* Put the direction of a contact back on the unit circle, off which each step carries it a little:
  * with its length the unbalance would change. What is left is the square of how far it was. */
-static void put_on_circle(double *values)
+static void put_on_circle(double *direction)
 {
-    const double c = values[CONTACT_C], s = values[CONTACT_S];
+    const double c = direction[0], s = direction[1];
     const double nearer = 1.5 - 0.5 * (c * c + s * s);
-    values[CONTACT_C] = nearer * c;
-    values[CONTACT_S] = nearer * s;
+    direction[0] = nearer * c;
+    direction[1] = nearer * s;
 }
 
 static int advance(struct motion *motion)
@@ -295,7 +335,10 @@ static int advance(struct motion *motion)
         return STUCK;
     read(taylor, motion->point - motion->low, motion->values);
     if (mode == &contact_mode)
-        put_on_circle(motion->values);
+        put_on_circle(&motion->values[CONTACT_C]);
+#ifdef WHOLE_MODEL
+    put_on_circle(&motion->values[mode == &contact_mode ? CONTACT_DOWN_R : CARTESIAN_DOWN_X]);
+#endif
     double total = 0.0;
     for (int i = 0; i < values_of(motion); i++)
         total += motion->values[i];

@@ -46,18 +46,22 @@ def indentation(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
     return np.maximum(np.subtract(radius, delta0, dtype=np.float64), 0.0)
 
 
-def contact_force(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
-    """Hertz force towards the centre [1].
+def contact_force(
+    radius: npt.ArrayLike, delta0: npt.ArrayLike, exponent: float = HERTZ_EXPONENT
+) -> Values:
+    """Force of the contact towards the centre, without damping [1].
 
     Parameters
     ----------
     radius, delta0 : array_like
         Distance of the rotor from the bearing axis and radial clearance [1]; broadcast.
+    exponent : float
+        3/2 by Hertz, or 1, a linear spring.
 
     Returns
     -------
     ndarray
-        ``f(r) = max(r - delta0, 0)**1.5`` [1].
+        ``f(r) = max(r - delta0, 0)**n`` [1].
 
     References
     ----------
@@ -68,7 +72,7 @@ def contact_force(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
     >>> contact_force([0.5, 1.5], 0.5)
     array([0., 1.])
     """
-    return indentation(radius, delta0) ** HERTZ_EXPONENT
+    return indentation(radius, delta0) ** exponent
 
 
 def contact_stiffness(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
@@ -111,28 +115,15 @@ def contact_potential(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
     return indentation(radius, delta0) ** exponent / exponent
 
 
-def force_over_radius(radius: float, delta0: float) -> float:
+def force_over_radius(radius: float, delta0: float, exponent: float = HERTZ_EXPONENT) -> float:
     """Scalar ``f(r)/r``; zero at r = 0."""
     depth = radius - delta0
-    return depth**HERTZ_EXPONENT / radius if depth > 0.0 else 0.0
+    return depth**exponent / radius if depth > 0.0 else 0.0
 
 
 def stiffness(radius: float, delta0: float) -> float:
     """Scalar ``f'(r)``."""
     return float(HERTZ_EXPONENT * max(radius - delta0, 0.0) ** (HERTZ_EXPONENT - 1.0))
-
-
-def force_of_root(q: Any) -> Any:
-    """Force in terms of the contact root ``q = sqrt(r - delta0)``: ``q**3``.
-
-    It is analytic through q = 0, which is what makes the regularised contact phase smooth.
-    """
-    return q * q * q
-
-
-def stiffness_of_root(q: Any) -> Any:
-    """Slope ``f'(r)`` in terms of the contact root q: ``1.5 q``."""
-    return HERTZ_EXPONENT * q
 
 
 def secant_of_square(square: Any) -> Any:

@@ -23,7 +23,8 @@ NO_WHIRL = 1e-12
 def contact_columns(orbit: Orbit) -> dict[str, Column]:
     """Return the contacts of an orbit as columns on the dimension ``contact``."""
     contacts = np.ascontiguousarray(orbit.contacts.T)
-    entry, leaving, peak_time, indentation, impulse, moment = contacts
+    entry, leaving, peak_time, indentation, impulse, moment, lost, largest = contacts
+    rotor = orbit.rotor
     at_entry = _states_at(orbit, entry, ENTRY)
     at_exit = _states_at(orbit, leaving, EXIT)
     speed = np.hypot(at_entry[:, 2], at_entry[:, 3])
@@ -33,7 +34,10 @@ def contact_columns(orbit: Orbit) -> dict[str, Column]:
         "exit_time": leaving,
         "peak_time": peak_time,
         "peak_indentation": indentation,
-        "peak_force": contact_force(indentation, 0.0),
+        # with damping the largest force comes before the largest indentation
+        "peak_force": largest
+        if rotor.contact_damping > 0.0
+        else contact_force(indentation, 0.0, rotor.contact_exponent),
         "contact_duration": leaving - entry,
         "impulse": impulse,
         "entry_speed": speed,
@@ -41,6 +45,8 @@ def contact_columns(orbit: Orbit) -> dict[str, Column]:
         "energy_lost": 0.5 * (speed**2 - left_with**2),
         "whirl_direction": _whirl_direction(orbit, moment, indentation),
     }
+    if rotor.contact_damping > 0.0:
+        columns["contact_loss"] = lost
     return {name: ("contact", column) for name, column in columns.items()}
 
 

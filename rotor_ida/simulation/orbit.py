@@ -16,6 +16,7 @@ from rotor_ida.simulation.options import Options
 
 ENTRY = 1
 EXIT = -1
+PRESS, RELEASE = 4, -4
 # How far, in tolerances, a sample may lie on the wrong side of the ring.
 WRONG_SIDE = 1e3
 
@@ -39,13 +40,14 @@ class Orbit:
     starts_in_contact : bool
         Whether it starts in contact.
     event_times, event_kinds : ndarray, shape (m,)
-        When contact begins (1) and ends (-1) [1].
+        When contact begins (1) and ends (-1), and with contact damping when the surfaces in it
+        come loose (-4) and press again (4) [1].
     event_states : ndarray, shape (m, 4)
         ``(x, y, vx, vy)`` at the events, fixed frame [1].
-    contacts : ndarray, shape (k, 6)
-        Entry, exit and peak time, peak indentation, impulse, and angular momentum at the peak
-        of each contact [1]; entry or exit, and the impulse, are NaN where the run began or
-        ended inside the contact.
+    contacts : ndarray, shape (k, 8)
+        Entry, exit and peak time, peak indentation, impulse, angular momentum at the peak, energy
+        lost by contact damping, and with that the largest force, of each contact [1]; entry or
+        exit, and the impulse, are NaN where the run began or ended inside the contact.
     end : ndarray, shape (4,)
         State at the end, fixed frame [1].
     evaluations : int

@@ -1,0 +1,393 @@
+/* Flight of a machine with a shaft and a load: exact motion, and the first touch of the ring.
+ *
+ * Out of contact the machine is linear. Measured from a moment at which displacement and velocity,
+ * read on the rotating axes, are z0 and w0, and the load points along g, its motion on axes that
+ * stand still from then on is
+ *
+ *     z = C z0 + S w0 + omega**2 P + gamma Q g,
+ *
+ * with S the answer to a unit impulse, C = S' + 2 zeta S to a unit displacement, Q = int S to a
+ * unit step, and P to exp(i omega tau). Each is written so that nothing cancels: as kappa tends to
+ * zeta**2 or to 0, near resonance, and where zeta, kappa or omega vanish.
+ *
+ * The first touch is looked for as in flight.c. Inside the ring |z| is at most delta0, which bounds
+ * force, acceleration and jerk over a step, whatever the machine. */
+#ifdef WHOLE_MODEL
+#include "flight.h"
+
+static const double NEVER = INFINITY;
+enum { TERMS = 28, MOST_POLISHING = 80 };
+
+/* C, S, Q and P, and the rates of change of C, S and P. */
+struct answers {
+    double c, c_rate, s, s_rate, q;
+    struct vector p, p_rate;
+};
+
+static struct vector complex_ratio(struct vector a, struct vector b)
+{
+    const struct vector whole = product(a, mirrored(b));
+    return scaled(1.0 / (b.x * b.x + b.y * b.y), whole);
+}
+
+/* Q and P by their series about 0: of y'' + 2 zeta y' + kappa y = 1, and = exp(i omega tau). */
+static void answers_by_series(const struct rotor *rotor, double tau, struct answers *found)
+{
+    const double damping = 2.0 * rotor->zeta * tau, spring = rotor->shaft_stiffness * tau * tau;
+    double q[3] = {0.0, 0.0, 0.5 * tau * tau}; /* terms n - 2, n - 1 and n */
+    struct vector p[3] = {{0.0, 0.0}, {0.0, 0.0}, {q[2], 0.0}};
+    struct vector forcing = {0.5 * tau * tau, 0.0}; /* (i omega tau)**(n - 2) tau**2/n! */
+    found->q = q[2];
+    found->p = p[2];
+    for (int n = 3; n < TERMS; n++) {
+        const double by_rate = -damping / n, by_place = -spring / (n * (n - 1.0));
+        forcing = scaled(rotor->omega * tau / n, quarter_turned(forcing));
+        const double next_q = by_rate * q[2] + by_place * q[1];
+        const struct vector next_p = plus(plus(scaled(by_rate, p[2]), scaled(by_place, p[1])),
+                                          forcing);
+        q[1] = q[2];
+        q[2] = next_q;
+        p[1] = p[2];
+        p[2] = next_p;
+        found->q += next_q;
+        found->p = plus(found->p, next_p);
+    }
+}
+
+/* (1 - exp(-rate tau))/rate. */
+static double settled(double rate, double tau)
+{
+    const double exponent = rate * tau;
+    return exponent < 1e-300 ? tau : -expm1(-exponent) / rate;
+}
+
+static double step_answer(const struct rotor *rotor, double tau, double split, double c)
+{
+    const double zeta = rotor->zeta, kappa = rotor->shaft_stiffness;
+    if (2.0 * kappa >= zeta * zeta)
+        return (1.0 - c) / kappa;
+    const double fast = zeta + split;
+    return (settled(kappa / fast, tau) - settled(fast, tau)) / (2.0 * split);
+}
+
+/* P where the free vibration, exp(s tau) with s = -zeta + i nu, is nearly as fast as the spin: by
+ * differences of exponentials over those of their rates. */
+static struct vector answer_near_resonance(const struct rotor *rotor, double tau, double nu)
+{
+    const double zeta = rotor->zeta, omega = rotor->omega, decay = exp(-zeta * tau);
+    const struct vector apart = {zeta, omega - nu}, vibration = {cos(nu * tau), sin(nu * tau)};
+    const double half = sin(0.5 * apart.y * tau);
+    const struct vector less_one = {expm1(zeta * tau) * cos(apart.y * tau) - 2.0 * half * half,
+                                    exp(zeta * tau) * sin(apart.y * tau)};
+    const int same = apart.x == 0.0 && apart.y == 0.0;
+    const struct vector near = product(
+        scaled(decay, vibration),
+        same ? (struct vector){tau, 0.0} : complex_ratio(less_one, apart));
+    const struct vector spun = {cos(omega * tau), sin(omega * tau)};
+    const struct vector other = plus(spun, scaled(-decay, mirrored(vibration)));
+    const struct vector far = complex_ratio(other, (struct vector){zeta, omega + nu});
+    /* over 2 i nu */
+    return scaled(-0.5 / nu, quarter_turned(plus(near, scaled(-1.0, far))));
+}
+
+/* The unbalance whirl over omega**2: 1/(kappa - omega**2 + 2 i zeta omega). */
+static struct vector compliance(const struct rotor *rotor)
+{
+    const struct vector stiffness = {rotor->shaft_stiffness - rotor->omega * rotor->omega,
+                                     2.0 * rotor->zeta * rotor->omega};
+    return complex_ratio((struct vector){1.0, 0.0}, stiffness);
+}
+
+static struct answers answers_after(const struct rotor *rotor, double tau)
+{
+    const double zeta = rotor->zeta, kappa = rotor->shaft_stiffness, omega = rotor->omega;
+    const double square = zeta * zeta - kappa, split = sqrt(fabs(square));
+    struct answers found;
+    if (square < 0.0) {
+        const double decay = exp(-zeta * tau), cosine = cos(split * tau);
+        const double sine = sin(split * tau) / split;
+        found.s = decay * sine;
+        found.c = decay * (cosine + zeta * sine);
+        found.s_rate = decay * (cosine - zeta * sine);
+    } else {
+        const double fast = zeta + split, slow = fast > 0.0 ? kappa / fast : 0.0;
+        found.s = exp(-slow * tau) * settled(2.0 * split, tau);
+        found.c = exp(-slow * tau) + slow * found.s;
+        found.s_rate = exp(-fast * tau) - slow * found.s;
+    }
+    found.c_rate = -kappa * found.s;
+    const double free = larger(zeta, sqrt(kappa)) * tau;
+    if (larger(free, omega * tau) <= 1.0) {
+        answers_by_series(rotor, tau, &found);
+    } else {
+        if (free <= 1.0)
+            answers_by_series(rotor, tau, &found);
+        else
+            found.q = step_answer(rotor, tau, split, found.c);
+        if (omega == 0.0)
+            found.p = (struct vector){found.q, 0.0};
+        else if (square < 0.0 && split > 0.5 * omega && split < 2.0 * omega && zeta < 0.25 * omega)
+            found.p = answer_near_resonance(rotor, tau, split);
+        else {
+            const struct vector rest = {cos(omega * tau) - found.c,
+                                        sin(omega * tau) - omega * found.s};
+            found.p = product(compliance(rotor), rest);
+        }
+    }
+    found.p_rate = plus((struct vector){found.s, 0.0}, scaled(omega, quarter_turned(found.p)));
+    return found;
+}
+
+/* Displacement, velocity and acceleration on axes that stand still. */
+struct place {
+    struct vector z, v, b;
+};
+
+static struct place place_after(const struct motion_of_centre *start, const struct rotor *rotor,
+                                double tau)
+{
+    const struct answers by = answers_after(rotor, tau);
+    const double push = rotor->omega * rotor->omega, load = rotor->load;
+    const struct vector spun = {cos(rotor->omega * tau), sin(rotor->omega * tau)};
+    struct place there;
+    there.z = plus(plus(scaled(by.c, start->z), scaled(by.s, start->w)),
+                   plus(scaled(push, by.p), scaled(load * by.q, start->down)));
+    there.v = plus(plus(scaled(by.c_rate, start->z), scaled(by.s_rate, start->w)),
+                   plus(scaled(push, by.p_rate), scaled(load * by.s, start->down)));
+    there.b = plus(plus(scaled(push, spun), scaled(load, start->down)),
+                   plus(scaled(-2.0 * rotor->zeta, there.v),
+                        scaled(-rotor->shaft_stiffness, there.z)));
+    return there;
+}
+
+struct motion_of_centre fly(struct motion_of_centre start, double tau, const struct rotor *rotor)
+{
+    const struct place there = place_after(&start, rotor, tau);
+    const struct vector back = {cos(rotor->omega * tau), -sin(rotor->omega * tau)};
+    return (struct motion_of_centre){product(there.z, back), product(there.v, back),
+                                     product(start.down, back)};
+}
+
+void fly_differences(double *rows, int count, double tau, const struct rotor *rotor)
+{
+    const struct answers by = answers_after(rotor, tau);
+    const struct vector back = {cos(rotor->omega * tau), -sin(rotor->omega * tau)};
+    for (double *row = rows; row < rows + 4 * count; row += 4) {
+        const struct vector z = {row[0], row[1]}, w = {row[2], row[3]};
+        const struct vector there = product(plus(scaled(by.c, z), scaled(by.s, w)), back);
+        const struct vector then = product(plus(scaled(by.c_rate, z), scaled(by.s_rate, w)), back);
+        row[0] = there.x;
+        row[1] = there.y;
+        row[2] = then.x;
+        row[3] = then.y;
+    }
+}
+
+/* g = |z|**2 - delta0**2 and its first two derivatives. */
+struct gap {
+    double value, slope, bend;
+};
+
+static struct gap gap_of(const struct place *at, double delta0)
+{
+    const double radius = length(at->z);
+    return (struct gap){(radius - delta0) * (radius + delta0), 2.0 * dot(at->z, at->v),
+                        2.0 * (dot(at->v, at->v) + dot(at->z, at->b))};
+}
+
+/* A bound on |g'''| = |6 Re(conj(z') z'') + 2 Re(conj(z) z''')| over a step inside the ring. */
+static double jerk_bound(const struct rotor *rotor, double speed, double reach)
+{
+    const double omega = rotor->omega, damping = 2.0 * rotor->zeta;
+    const double kappa = rotor->shaft_stiffness, delta0 = rotor->delta0;
+    const double force = omega * omega + rotor->load + kappa * delta0;
+    double fastest = speed + force * reach;
+    if (damping > 0.0)
+        fastest = smaller(fastest, larger(speed, force / damping));
+    const double acceleration = force + damping * fastest;
+    const double jerk = omega * omega * omega + damping * acceleration + kappa * fastest;
+    return 6.0 * fastest * acceleration + 2.0 * delta0 * jerk;
+}
+
+/* The first s > 0 with value + slope s + curvature s**2/2 = 0, value < 0. */
+static double first_root_of_majorant(double value, double slope, double curvature)
+{
+    const double discriminant = slope * slope - 2.0 * curvature * value;
+    if (discriminant < 0.0)
+        return NEVER;
+    const double root = sqrt(discriminant);
+    if (slope >= 0.0)
+        return slope + root > 0.0 ? -2.0 * value / (slope + root) : NEVER;
+    return curvature > 0.0 ? (root - slope) / curvature : NEVER;
+}
+
+/* A step over which g stays below 0: its parabola, of curvature `bend` and the bound on what that
+ * can grow to, allows it. */
+static double safe_step(struct gap g, const struct rotor *rotor, double speed, double reach)
+{
+    for (int i = 0; i < 60; i++) {
+        const double curvature = g.bend + jerk_bound(rotor, speed, reach) * reach;
+        const double allowed = first_root_of_majorant(g.value, g.slope, curvature);
+        if (allowed >= reach)
+            return reach;
+        if (allowed >= 0.5 * reach)
+            return allowed;
+        reach *= 0.5;
+    }
+    return reach;
+}
+
+/* The root of g between `low` (g <= 0) and `high` (g > 0): Newton's method in a bracket. */
+static double polish(const struct motion_of_centre *start, const struct rotor *rotor, double low,
+                     double high)
+{
+    double tau = high;
+    for (int i = 0; i < MOST_POLISHING; i++) {
+        const struct place at = place_after(start, rotor, tau);
+        const struct gap g = gap_of(&at, rotor->delta0);
+        if (g.value > 0.0)
+            high = tau;
+        else
+            low = tau;
+        double new = tau - (g.slope > 0.0 ? g.value / g.slope : NEVER);
+        if (!(low < new && new < high))
+            new = 0.5 * (low + high);
+        if (fabs(new - tau) <= ROUNDING * tau || high - low <= ROUNDING * high)
+            return new;
+        tau = new;
+    }
+    return tau;
+}
+
+/* How far from the axis the flight can come at most from now on; infinite where that is not known.
+ *
+ * Without shaft and load the whirl's centre drifts along a straight line, and is farthest out at an
+ * end. With a shaft the energy of what is not yet settled only falls. */
+static double farthest(const struct motion_of_centre *start, const struct rotor *rotor,
+                       const struct place *at, double tau, double limit)
+{
+    const double omega = rotor->omega, kappa = rotor->shaft_stiffness;
+    const struct vector turn = {cos(omega * tau), sin(omega * tau)};
+    const struct vector settled_whirl = scaled(omega * omega, compliance(rotor));
+    const double whirl = omega > 0.0 ? length(settled_whirl) : 0.0;
+    if (!isfinite(whirl))
+        return INFINITY;
+    const struct vector now = omega > 0.0 ? product(settled_whirl, turn)
+                                          : (struct vector){0.0, 0.0};
+    const struct vector moving = plus(at->v, scaled(-omega, quarter_turned(now)));
+    const struct vector centre = plus(at->z, scaled(-1.0, now));
+    if (kappa == 0.0) {
+        if (rotor->load > 0.0)
+            return INFINITY;
+        (void)start;
+        const double reach = settled(2.0 * rotor->zeta, limit - tau);
+        return whirl + larger(length(centre), length(plus(centre, scaled(reach, moving))));
+    }
+    const struct vector rest = scaled(rotor->load / kappa, start->down);
+    const struct vector off = plus(centre, scaled(-1.0, rest));
+    return whirl + length(rest) + sqrt(dot(off, off) + dot(moving, moving) / kappa);
+}
+
+/* The rate of the fastest motion that a flight inside the ring is capable of. */
+static double rate_of(const struct rotor *rotor, double speed)
+{
+    const double force = rotor->omega * rotor->omega + rotor->load;
+    return rotor->omega + 2.0 * rotor->zeta + sqrt(rotor->shaft_stiffness)
+           + sqrt(force / rotor->delta0) + speed / rotor->delta0;
+}
+
+double first_touch(struct motion_of_centre start, const struct rotor *rotor, double limit,
+                   const uint8_t *stop)
+{
+    const double delta0 = rotor->delta0;
+    const double whirl = rotor->omega * rotor->omega * length(compliance(rotor));
+    /* the smallest |z|**2 - delta0**2 that stands clear of rounding */
+    const double floor = 64.0 * ROUNDING * delta0 * (delta0 + smaller(whirl, delta0 + 1.0));
+    double tau = 0.0, outside = 0.0, step = 1.0 / rate_of(rotor, length(start.w));
+    while (tau < limit && !asked_to_stop(stop)) {
+        const struct place at = place_after(&start, rotor, tau);
+        struct gap g = gap_of(&at, delta0);
+        if (g.value <= 0.0)
+            outside = tau;
+        if (g.value - floor >= -0.25 * floor) {
+            const double root = polish(&start, rotor, outside, tau);
+            const struct place there = place_after(&start, rotor, root);
+            if (gap_of(&there, delta0).slope > 0.0)
+                return root;
+            /* a flight that began, within rounding, in a hollow of the gap on the ring is over */
+            if (g.slope > 0.0 && g.bend > 0.0)
+                return tau;
+            /* a touch that rounding cannot tell from a miss: pass over its summit */
+            step = 2.0 * sqrt(2.0 * floor / larger(fabs(g.bend), floor)) + ROUNDING * tau;
+        } else {
+            const double reach = farthest(&start, rotor, &at, tau, limit);
+            if ((reach - delta0) * 2.0 * delta0 <= 0.5 * floor)
+                return NEVER;
+            g.value -= floor;
+            step = safe_step(g, rotor, length(at.v), smaller(4.0 * step, limit - tau));
+        }
+        const double next = tau + larger(step, ROUNDING * tau);
+        if (!(next > tau))
+            return NAN;
+        tau = next;
+    }
+    return NEVER;
+}
+
+/* ---- Where the radius turns ---- */
+
+/* The root of r r' between `low`, where it has the sign `rising`, and `high`, where it has the
+ * other. */
+static double turn_between(const struct motion_of_centre *start, const struct rotor *rotor,
+                           double low, double high, double rising)
+{
+    double point = 0.5 * (low + high);
+    for (int i = 0; i < MOST_POLISHING; i++) {
+        const struct place at = place_after(start, rotor, point);
+        const struct gap here = gap_of(&at, rotor->delta0);
+        if (here.slope * rising > 0.0)
+            low = point;
+        else
+            high = point;
+        double new = here.bend != 0.0 ? point - here.slope / here.bend : low;
+        if (!(low < new && new < high))
+            new = 0.5 * (low + high);
+        if (fabs(new - point) <= ROUNDING * high || high - low <= ROUNDING * high)
+            return new;
+        point = new;
+    }
+    return point;
+}
+
+double next_turn(struct motion_of_centre start, const struct rotor *rotor, double from,
+                 double limit, double *rising, const uint8_t *stop)
+{
+    double low = from, tau = from, reach = 1.0 / rate_of(rotor, length(start.w));
+    for (;;) {
+        const struct place at = place_after(&start, rotor, tau);
+        const struct gap here = gap_of(&at, rotor->delta0);
+        const double speed = length(at.v);
+        const double noise = 32.0 * ROUNDING * (rotor->delta0 + speed * (tau + 1.0))
+                             * (speed + rotor->omega * rotor->delta0);
+        if (fabs(here.slope) > noise) {
+            if (here.slope * *rising < 0.0 && tau > from)
+                return turn_between(&start, rotor, low, tau, *rising);
+            if (*rising == 0.0 || tau > from)
+                *rising = here.slope > 0.0 ? 1.0 : -1.0;
+            low = tau;
+        }
+        if (tau >= limit || asked_to_stop(stop))
+            return NEVER;
+        const double bound = jerk_bound(rotor, speed, reach);
+        const double towards = here.slope > 0.0 ? here.bend : -here.bend;
+        const double clear = first_root_of_majorant(-fabs(here.slope), -towards, bound);
+        const double least = sqrt(2.0 * noise / bound) + ROUNDING * tau;
+        const double step = smaller(larger(larger(clear, fabs(here.bend) / bound), least), reach);
+        const double next = tau + smaller(step, limit - tau);
+        if (!(next > tau))
+            return NEVER;
+        tau = next;
+    }
+}
+
+#endif
