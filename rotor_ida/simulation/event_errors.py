@@ -25,11 +25,12 @@ import numpy.typing as npt
 
 from rotor_ida.arrays import ROUNDING, Values
 from rotor_ida.checks import State
+from rotor_ida.equations.modes import Along, acceleration
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.options import LOOSEST_RTOL_OF_TAYLOR, Options
-from rotor_ida.simulation.orbit import Orbit
+from rotor_ida.simulation.orbit import PRESS, Orbit
 from rotor_ida.simulation.run import run
 
 Event = tuple[int, float, float]
@@ -117,11 +118,15 @@ def estimate_event_errors(
 
 def _fastest(orbit: Orbit) -> float:
     """Return the rate of the fastest motion or decay: spin, damping, vibration at the peak."""
-    omega, zeta, delta0 = orbit.rotor.omega, orbit.rotor.zeta, orbit.rotor.delta0
+    rotor = orbit.rotor
+    omega, zeta, delta0 = rotor.omega, rotor.zeta, rotor.delta0
     squares = orbit.states[:, 0] ** 2 + orbit.states[:, 1] ** 2
     farthest = float(np.sqrt(squares.max(initial=delta0**2)))
     depth = max(farthest - delta0, float(orbit.contacts[:, 3].max(initial=0.0)))
-    return float(omega + 2.0 * zeta + np.sqrt(1.5 * np.sqrt(depth)))
+    exponent = rotor.contact_exponent
+    stiffness = exponent * depth ** (exponent - 1.0) + rotor.shaft_stiffness
+    decay = 2.0 * zeta + rotor.contact_damping * depth**exponent
+    return float(omega + decay + np.sqrt(stiffness))
 
 
 def _nearest(rotor: Rotor) -> Rotor:
@@ -199,12 +204,25 @@ def _rounding(orbit: Orbit) -> Values:
     x, y, vx, vy = orbit.event_states.T
     delta0 = orbit.rotor.delta0
     rate = np.abs(x * vx + y * vy) / delta0 if delta0 > 0.0 else np.ones_like(x)
+    loose = np.abs(orbit.event_kinds) == PRESS
+    if loose.any():
+        rate[loose] = np.abs(_radial_acceleration(orbit)[loose])
     turned = orbit.rotor.omega * orbit.event_times
     moved = np.hypot(vx, vy) * orbit.event_times
     radius = 4.0 * ROUNDING * (2.0 + 2.0 * delta0 + turned + moved)
     spans = np.sqrt(1.0 + np.arange(orbit.event_times.size))
     with np.errstate(divide="ignore"):
         return np.asarray(4.0 * np.spacing(orbit.event_times) * spans + radius / rate)
+
+
+def _radial_acceleration(orbit: Orbit) -> Values:
+    """Return the rate of the radial velocity at each event, where the normal force is 0."""
+    x, y, vx, vy = orbit.event_states.T
+    rotor, radius, angle = orbit.rotor, np.hypot(x, y), orbit.rotor.omega * orbit.event_times
+    ax = acceleration(Along(x, vx, x, np.cos(angle)), 0.0, rotor)
+    ay = acceleration(Along(y, vy, y, np.sin(angle), -1.0), 0.0, rotor)
+    around = (x * vy - y * vx) / radius
+    return np.asarray((x * ax + y * ay + around**2) / radius)
 
 
 def _horizon(orbit: Orbit, other: Orbit, partners: npt.NDArray[np.intp]) -> float:
