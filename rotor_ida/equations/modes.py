@@ -283,9 +283,7 @@ CARTESIAN = Mode(
     guards=(),
     drawn_rates=cartesian_rates,
 )
-WHOLE_CONTACT = replace(
-    CONTACT, state=(*CONTACT_STATE[:5], "down_r", "down_t", "t", "j", "lost")
-)
+WHOLE_CONTACT = replace(CONTACT, state=(*CONTACT_STATE[:5], "down_r", "down_t", "t", "j", "lost"))
 WHOLE_CARTESIAN = replace(CARTESIAN, state=(*CARTESIAN_STATE, "down_x", "down_y"))
 
 

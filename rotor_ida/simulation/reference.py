@@ -146,7 +146,7 @@ def hold_of(rotor: Rotor, state: Values) -> float:
 def force_of(rotor: Rotor, state: Values) -> float:
     """Return the normal force of a pressed contact."""
     depth = max(radius_of(state) - rotor.delta0, 0.0)
-    return depth**rotor.contact_exponent * max(hold_of(rotor, state), 0.0)
+    return float(depth**rotor.contact_exponent * max(hold_of(rotor, state), 0.0))
 
 
 # ---- The solver ----
