@@ -30,7 +30,9 @@ def test_it_moves_by_the_equation():
             push = rotor.omega**2 * cmath.exp(1j * rotor.omega * time)
             a = push - 2.0 * rotor.zeta * v - force * z / abs(z)
             state = np.array([x, y, vx, vy, 0.0])
-            reference.rates_of(rotor, in_contact=in_contact)(time, state, rate)
+            reference.rates_of(rotor, reference.PRESSED if in_contact else reference.FLIGHT)(
+                time, state, rate
+            )
             assert rate == pytest.approx([vx, vy, a.real, a.imag, force], rel=1e-14, abs=1e-14)
 
 
