@@ -50,7 +50,7 @@ RESPONSE = {
     "not_found": 7,
     "failed": -1,
 }
-EVENT_KIND = {"release": -4, "exit": -1, "entry": 1, "press": 4}
+EVENT_KIND = {"exit": -1, "entry": 1}
 # What became of a start, besides the numbers of the attractors and the kinds of response.
 FATE = {"not_computed": -2, "undecided": -1}
 # What the region of an attractor rests on, which holds starts that end there: a proof that no orbit
@@ -96,7 +96,6 @@ QUANTITIES: dict[str, Quantity] = {
     "entry_speed": Quantity("speed at entry", scale="velocity"),
     "entry_angle": Quantity("angle from the ring's normal to the velocity at entry", "radian"),
     "energy_lost": Quantity("kinetic energy at entry less that at exit", scale="energy"),
-    "contact_loss": Quantity("energy lost in the contact by its damping", scale="energy"),
     "whirl_direction": Quantity(
         "sense of the motion round the bearing axis at the peak", flags=WHIRL_DIRECTION
     ),
