@@ -25,7 +25,7 @@ from rotor_ida.cycles.guess import Guess
 from rotor_ida.cycles.limit_cycle import limit_cycle
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress
-from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.parameters import ALL_PARAMETERS, PARAMETERS, Rotor
 from rotor_ida.schema import RESPONSE, SPECIAL, words_of
 from rotor_ida.simulation.options import Method
 from rotor_ida.simulation.simulate import simulate
@@ -250,7 +250,10 @@ def _drawn(dataset: xr.Dataset) -> dict[str, Any]:
 
 
 def _rotor(dataset: xr.Dataset, prefix: str = "") -> Rotor:
-    return Rotor(**{name: dataset.attrs[f"{prefix}{name}"] for name in PARAMETERS})
+    """Return the rotor that the attributes tell; what they do not tell is the default."""
+    attributes = {name: f"{prefix}{name}" for name in ALL_PARAMETERS}
+    given = dataset.attrs
+    return Rotor(**{name: given[each] for name, each in attributes.items() if each in given})
 
 
 def _events(again: xr.Dataset, archived: xr.Dataset) -> Verdict:
