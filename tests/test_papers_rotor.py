@@ -9,8 +9,10 @@ import xarray as xr
 
 import rotor_ida
 from rotor_ida import DimensionalRotor, InputError, Rotor
+from rotor_ida.analysis.verification import rerun
 from rotor_ida.explorer.questions import machine_of
 from rotor_ida.explorer.recording import record
+from rotor_ida.paper.errata.scaling import check_scaling
 
 REST = (0.0, 0.0, 0.0, 0.0)
 PLAIN = {"omega": 1.2, "zeta": 0.5, "delta0": 0.5}
@@ -52,6 +54,8 @@ def test_a_rotor_with_more_is_refused(what: str, name: str):
 
 def test_a_machine_with_more_is_refused():
     machine = DimensionalRotor(**MACHINE, load=39.2)
+    with pytest.raises(InputError, match=r"^the rotor of check_scaling must be the paper's"):
+        check_scaling(machine, duration=10.0)
     with pytest.raises(InputError, match=r"^the rotor of touchdown_report must be the paper's"):
         rotor_ida.touchdown_report(machine, x=0.0, y=0.0, starts=2)
 
@@ -71,8 +75,9 @@ def with_load(dataset: xr.Dataset) -> xr.Dataset:
 def test_a_result_of_a_rotor_with_more_is_refused():
     swept = with_load(rotor_ida.sweep(**PLAIN))
     message = r"^{} must be of the paper's rotor, without load 0.125$"
-    with pytest.raises(InputError, match=message.format("dataset")):
-        rotor_ida.compare(swept)
+    for function in (rotor_ida.compare, rerun):
+        with pytest.raises(InputError, match=message.format("dataset")):
+            function(swept)
     compared = with_load(rotor_ida.compare(swept.drop_vars("load")))
     with pytest.raises(InputError, match=message.format("compared")):
         rotor_ida.branches_through(compared, limits=(1.0, 2.0))
