@@ -17,6 +17,10 @@ DEFAULTS = {
     "load": 0.0,
 }
 ALL_PARAMETERS = (*PARAMETERS, *DEFAULTS)
+# By what the paper's rotor is given in SI units; what is in DEFAULTS comes beside it.
+MACHINE_PARAMETERS = (
+    "mass", "contact_stiffness", "damping", "eccentricity", "clearance", "speed",
+)  # fmt: skip
 EXPONENTS = (1.5, 1.0)
 # Quotients and products of smaller or larger scales leave the range of doubles.
 SMALLEST_SCALE = 1e-100
@@ -101,14 +105,18 @@ class Rotor:
             )
 
     def __repr__(self) -> str:
-        given = {name: getattr(self, name) for name in PARAMETERS} | self.beyond
-        return f"Rotor({', '.join(f'{name}={value!r}' for name, value in given.items())})"
+        return f"Rotor({', '.join(f'{name}={value!r}' for name, value in self.given.items())})"
 
     @property
     def beyond(self) -> dict[str, float]:
         """What it has beyond the paper's rotor: the parameters that are not the default."""
         values = {name: getattr(self, name) for name in DEFAULTS}
         return {name: value for name, value in values.items() if value != DEFAULTS[name]}
+
+    @property
+    def given(self) -> dict[str, float]:
+        """What it takes to make the same rotor: those of the paper's, and what is beyond it."""
+        return {name: getattr(self, name) for name in PARAMETERS} | self.beyond
 
 
 def check_exponent(exponent: float) -> None:
@@ -246,6 +254,13 @@ class DimensionalRotor:
         """Newtons in one dimensionless unit of force: ``k D**n`` [N]."""
         linear = self.contact_stiffness * self.eccentricity
         return linear * math.sqrt(self.eccentricity) if self.contact_exponent > 1.0 else linear
+
+    @property
+    def given(self) -> dict[str, float]:
+        """What it takes to make the same machine: those of the paper's, and what is beyond it."""
+        values = {name: getattr(self, name) for name in DEFAULTS}
+        beyond = {name: value for name, value in values.items() if value != DEFAULTS[name]}
+        return {name: getattr(self, name) for name in MACHINE_PARAMETERS} | beyond
 
     def rotor(self) -> Rotor:
         """Return the dimensionless rotor that moves like this machine."""

@@ -15,7 +15,7 @@ from rotor_ida.cycles.continue_cycle import branch_from
 from rotor_ida.cycles.guess import Guess
 from rotor_ida.errors import ArchiveError
 from rotor_ida.parallel import Progress
-from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.parameters import ALL_PARAMETERS, PARAMETERS, Rotor
 from rotor_ida.provenance import computing
 from rotor_ida.storage.studies import design_of, program_of
 from rotor_ida.sweeps.sweep import sweep
@@ -90,7 +90,7 @@ def _call(design: dict[str, Any]) -> tuple[Callable[..., xr.Dataset], dict[str, 
     if kind == "continue_attractors":
         drawn = {name: design[name] for name in _DRAWN if name in design}
         return continue_attractors, {**given, **drawn}
-    rotor = Rotor(**{name: design[name] for name in PARAMETERS})
+    rotor = Rotor(**{name: design[name] for name in ALL_PARAMETERS if name in design})
     if kind == "branch":
         guess = {name: design[name] for name in ("period", "special", "slope")}
         given["guess"] = Guess(rotor, np.array(design["state"], dtype=np.float64), **guess)

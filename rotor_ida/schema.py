@@ -10,6 +10,10 @@ import numpy.typing as npt
 import xarray as xr
 from xarray.indexes import Index, PandasIndex
 
+from rotor_ida.checks import shown
+from rotor_ida.errors import InputError
+from rotor_ida.parameters import DEFAULTS
+
 CONVENTIONS = "CF-1.11"
 
 # Dimensions and values of a variable.
@@ -51,6 +55,8 @@ RESPONSE = {
     "failed": -1,
 }
 EVENT_KIND = {"exit": -1, "entry": 1}
+# What contact damping adds: the force falls to zero inside the ring, or rises from it again.
+DAMPED_EVENT_KIND = EVENT_KIND | {"press": 4, "release": -4}
 # What became of a start, besides the numbers of the attractors and the kinds of response.
 FATE = {"not_computed": -2, "undecided": -1}
 # What the region of an attractor rests on, which holds starts that end there: a proof that no orbit
@@ -71,6 +77,12 @@ QUANTITIES: dict[str, Quantity] = {
     "omega": Quantity("spin speed over the reference frequency"),
     "zeta": Quantity("damping ratio"),
     "delta0": Quantity("radial clearance over eccentricity"),
+    "shaft_stiffness": Quantity(
+        "stiffness of the shaft over mass times reference frequency squared"
+    ),
+    "contact_exponent": Quantity("exponent of the contact force"),
+    "contact_damping": Quantity("relative rise of the contact force at a speed of approach of 1"),
+    "load": Quantity("static load, downwards, over the contact force at an indentation of 1"),
     # a run
     "t": Quantity("time", scale="time"),
     "x": Quantity("horizontal displacement", scale="length"),
@@ -96,6 +108,7 @@ QUANTITIES: dict[str, Quantity] = {
     "entry_speed": Quantity("speed at entry", scale="velocity"),
     "entry_angle": Quantity("angle from the ring's normal to the velocity at entry", "radian"),
     "energy_lost": Quantity("kinetic energy at entry less that at exit", scale="energy"),
+    "contact_loss": Quantity("energy lost in the contact by its damping", scale="energy"),
     "whirl_direction": Quantity(
         "sense of the motion round the bearing axis at the peak", flags=WHIRL_DIRECTION
     ),
@@ -410,6 +423,26 @@ def labelled_dataset(
 def origin_of(dataset: xr.Dataset) -> dict[str, object]:
     """Return the attributes of a dataset that a result made from it inherits: all but the title."""
     return {str(name): value for name, value in dataset.attrs.items() if name != "title"}
+
+
+def check_papers_result(
+    name: str, dataset: xr.Dataset, unknown: Sequence[str] = tuple(DEFAULTS)
+) -> None:
+    """Raise `InputError` for a result of a rotor with parameters that are not known yet.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument, for the message.
+    dataset : Dataset
+        The result.
+    unknown : sequence of str
+        The parameters that are not known: by default all that the paper's rotor does not have.
+    """
+    found = {each: dataset[each].values.tolist() for each in unknown if each in dataset.variables}
+    if found:
+        given = ", ".join(f"{each} {shown(value)}" for each, value in found.items())
+        raise InputError(f"{name} must be of the paper's rotor, without {given}")
 
 
 def flags_of(variable: xr.DataArray) -> dict[str, int]:

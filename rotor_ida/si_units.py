@@ -54,7 +54,8 @@ def dimensional(
 
     Notes
     -----
-    ``Z = D z``, ``T = t/omega_0``, force ``k D**1.5 f``, with ``omega_0**2 = k sqrt(D)/m``.
+    ``Z = D z``, ``T = t/omega_0``, force ``k D**n f``, with ``omega_0**2 = k D**(n - 1)/m`` and
+    the exponent n of the contact force: ``k D**1.5 f`` and ``omega_0**2 = k sqrt(D)/m`` by Hertz.
 
     References
     ----------

@@ -28,6 +28,13 @@ def a_run(delta0: float = 2.0) -> xr.Dataset:
     return rotor_ida.simulate(rotor, start=REST, duration=20.0, samples=41)
 
 
+def a_run_with_more() -> xr.Dataset:
+    """Return a run of a rotor with all that the paper's does not have."""
+    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0, shaft_stiffness=0.25, contact_exponent=1.0,
+                  contact_damping=0.5, load=0.125)  # fmt: skip
+    return rotor_ida.simulate(rotor, start=REST, duration=20.0, samples=41)
+
+
 def a_cycle() -> xr.Dataset:
     rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
     return rotor_ida.limit_cycle(rotor, start=(2.6, 0.75, 0.66, -1.65), period=4.5)
@@ -52,6 +59,7 @@ def a_sweep(direction: str = "up") -> xr.Dataset:
 KINDS: dict[str, Callable[[], xr.Dataset]] = {
     "run": a_run,
     "run_without_contact": lambda: a_run(delta0=9.0),
+    "run_with_more": a_run_with_more,
     "run_without_times": lambda: a_run().drop_vars("t"),
     "runs_by_name": lambda: xr.concat([a_run(), a_run()], xr.Variable("machine", ["a", "b"])),
     "run_in_si_units": lambda: rotor_ida.dimensional(a_run(), MACHINE),

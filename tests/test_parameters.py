@@ -8,6 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from rotor_ida import DimensionalRotor, InputError, Rotor, dimensional, simulate
+from rotor_ida.parameters import DEFAULTS, MACHINE_PARAMETERS
 
 MACHINE = DimensionalRotor(
     mass=3.0,
@@ -63,6 +64,97 @@ def test_a_machine_needs_mass_stiffness_and_eccentricity(name):
     values = {**dataclasses.asdict(MACHINE), name: 0.0}
     with pytest.raises(InputError, match=rf"^{name} must be positive, got 0.0$"):
         DimensionalRotor(**values)
+
+
+def whole_machine(exponent):
+    """Return a machine with a shaft, a load and a damped contact, whose speeds are of size 1."""
+    return DimensionalRotor(
+        mass=3.0,
+        contact_stiffness=5e6 * 4e-6 ** (1.0 - exponent),
+        damping=40.0,
+        eccentricity=4e-6,
+        clearance=3e-6,
+        speed=1500.0,
+        shaft_stiffness=2e6,
+        contact_exponent=exponent,
+        contact_damping=150.0,
+        load=3.0 * 9.80665,
+    )
+
+
+@pytest.mark.parametrize("exponent", [1.5, 1.0])
+def test_a_machine_gives_the_right_dimensionless_numbers_and_these_lead_back(exponent):
+    machine = whole_machine(exponent)
+    rotor, mass, eccentricity = machine.rotor(), machine.mass, machine.eccentricity
+    frequency = math.sqrt(machine.contact_stiffness * eccentricity ** (exponent - 1.0) / mass)
+    assert machine.reference_frequency == pytest.approx(frequency, rel=1e-14)
+    expected = {
+        "omega": 1500.0 / frequency,
+        "zeta": 40.0 / (2.0 * mass * frequency),
+        "delta0": 0.75,
+        "shaft_stiffness": 2e6 / (mass * frequency**2),
+        "contact_exponent": exponent,
+        "contact_damping": 150.0 * eccentricity * frequency,
+        "load": 3.0 * 9.80665 / (mass * eccentricity * frequency**2),
+    }
+    assert {name: getattr(rotor, name) for name in expected} == pytest.approx(expected, rel=1e-14)
+    assert rotor.shaft_stiffness == pytest.approx(0.4, rel=1e-12)  # k_s over 5e6 N/m
+    back = {
+        "shaft_stiffness": rotor.shaft_stiffness * machine.force_scale / machine.length_scale,
+        "contact_damping": rotor.contact_damping / machine.velocity_scale,
+        "load": rotor.load * machine.force_scale,
+        "speed": rotor.omega / machine.time_scale,
+        "clearance": rotor.delta0 * machine.length_scale,
+    }
+    assert back == pytest.approx({name: getattr(machine, name) for name in back}, rel=1e-14)
+
+
+@pytest.mark.parametrize("exponent", [1.5, 1.0])
+def test_the_whole_equation_is_the_same_in_both_units(exponent):
+    """At one state in contact, newtons over m D omega_0**2 are the dimensionless forces."""
+    machine = whole_machine(exponent)
+    rotor, frequency = machine.rotor(), machine.reference_frequency
+    place, velocity, time = 1.1 + 0.4j, -0.3 + 0.8j, 0.7
+
+    def pull(stiffness, exponent, damping, clearance, place, velocity):
+        radius = abs(place)
+        depth, rate = radius - clearance, (velocity * place.conjugate()).real / radius
+        return stiffness * depth**exponent * (1.0 + damping * rate) * place / radius
+
+    there, moving = place * machine.eccentricity, velocity * machine.velocity_scale
+    newtons = (
+        machine.mass * machine.eccentricity * machine.speed**2
+        * np.exp(1j * machine.speed * time / frequency)
+        - 1j * machine.load - machine.damping * moving - machine.shaft_stiffness * there
+        - pull(machine.contact_stiffness, exponent, machine.contact_damping, machine.clearance,
+               there, moving)
+    )  # fmt: skip
+    without = (
+        rotor.omega**2 * np.exp(1j * rotor.omega * time) - 1j * rotor.load
+        - 2.0 * rotor.zeta * velocity - rotor.shaft_stiffness * place
+        - pull(1.0, exponent, rotor.contact_damping, rotor.delta0, place, velocity)
+    )  # fmt: skip
+    scale = machine.mass * machine.eccentricity * frequency**2
+    assert machine.force_scale == pytest.approx(scale, rel=1e-14)
+    assert newtons / scale == pytest.approx(without, rel=1e-12)
+
+
+def test_what_is_given_makes_the_same_rotor_and_machine():
+    plain = Rotor(omega=1.2, zeta=0.07, delta0=0.5)
+    assert plain.given == {"omega": 1.2, "zeta": 0.07, "delta0": 0.5}
+    for machine in (MACHINE, whole_machine(1.0)):
+        assert DimensionalRotor(**machine.given) == machine
+        assert Rotor(**machine.rotor().given) == machine.rotor()
+    assert list(MACHINE.given) == list(MACHINE_PARAMETERS)
+
+
+@pytest.mark.parametrize("name", DEFAULTS)
+@pytest.mark.parametrize("value", [math.nan, True, "1", None, -0.5])
+def test_what_is_beyond_the_papers_must_be_a_number_too(name, value):
+    with pytest.raises(InputError, match=rf"^{name} must be (a finite real number|zero or pos)"):
+        Rotor(omega=1.0, zeta=0.1, delta0=0.5, **{name: value})
+    with pytest.raises(InputError, match=rf"^{name} must be (a finite real number|zero or pos)"):
+        DimensionalRotor(**MACHINE.given | {name: value})
 
 
 def test_scaling_with_k_sqrt_D_over_m_reproduces_the_dimensional_equation():

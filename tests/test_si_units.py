@@ -10,7 +10,7 @@ from rotor_ida import (
     lyapunov_exponent,
     simulate,
 )
-from rotor_ida.schema import QUANTITIES
+from rotor_ida.schema import QUANTITIES, labelled
 from rotor_ida.si_units import UNITS
 
 REST = (0.0, 0.0, 0.0, 0.0)
@@ -78,6 +78,23 @@ def test_rates_are_per_second():
     shown = dimensional(found, MACHINE, units={"rate": "1/s", "time": "ms"})
     assert shown.running_exponent.attrs["units"] == "s-1"
     assert shown.attrs["rate_scale"] == MACHINE.reference_frequency
+
+
+def test_parameters_beyond_the_papers_stay_and_forces_follow_the_contact_law():
+    """A linear spring of k newtons a metre: forces in units of k D, times of sqrt(m/k)."""
+    machine = DimensionalRotor(mass=4.0, contact_stiffness=4e6, damping=400.0, eccentricity=5e-6,
+                               clearance=1e-5, speed=1200.0, contact_exponent=1.0,
+                               shaft_stiffness=1e6, load=39.2, contact_damping=20.0)  # fmt: skip
+    run = simulate(machine.rotor(), start=REST, duration=10.0, samples=21)
+    run = run.assign(contact_loss=labelled("contact_loss", "contact", run.peak_force.values))
+    shown = dimensional(run, machine, units={"force": "kN"})
+    for name, value in machine.rotor().beyond.items():
+        assert shown[name].item() == run[name].item() == value
+        assert (shown[name].attrs["units"], shown.attrs[name]) == ("1", value)
+    assert shown.attrs["force_scale"] == pytest.approx(4e6 * 5e-6 / 1e3, rel=1e-15)
+    assert shown.attrs["time_scale"] == pytest.approx(1e-3, rel=1e-15)
+    assert shown.contact_loss.attrs["units"] == "J"
+    assert shown.attrs["energy_scale"] == pytest.approx(4e6 * 5e-6**2, rel=1e-15)
 
 
 @pytest.mark.parametrize(

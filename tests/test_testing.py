@@ -44,6 +44,14 @@ def test_a_missing_event_and_a_wrong_kind_are_named():
         assert_events_close(other, THREE, atol=1.0)
 
 
+def test_events_inside_the_ring_are_named():
+    within = events([1.0, 1.5, 2.0], [1, -4, 4])
+    with pytest.raises(AssertionError, match="event 1, release instead of exit"):
+        assert_events_close(within, events([1.0, 1.5, 2.0], [1, -1, 4]), atol=1.0)
+    with pytest.raises(AssertionError, match=r"First surplus event: actual press at 2\.0"):
+        assert_events_close(within, within.isel(event=slice(2)), atol=1.0)
+
+
 def test_nothing_is_close_to_nan():
     with pytest.raises(AssertionError):
         assert_events_close(events([np.nan], [1]), events([1.0], [1]), atol=1.0)

@@ -7,8 +7,10 @@ from docutils import nodes
 from latex2mathml.converter import convert
 from sphinx import addnodes
 
-# Words of the field that are names of functions too; as links they need their brackets.
-WORDS = {"basin", "cusp", "flight", "folds", "jumps", "peaks", "rotating", "spectrum", "status"}
+# Words of the field that are names of functions too; as links they need their brackets or module.
+WORDS = {
+    "basin", "cusp", "flight", "folds", "jumps", "load", "peaks", "rotating", "spectrum", "status",
+}  # fmt: skip
 # Where a name in single backticks is looked for.
 HOMES = ("rotor_ida", "rotor_ida.closed_forms", "rotor_ida.plot", "rotor_ida.testing")
 

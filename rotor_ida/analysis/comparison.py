@@ -19,7 +19,15 @@ from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.parallel import interruptible
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import PARAMETERS, Rotor
-from rotor_ida.schema import EXACT, RESPONSE, STABILITY, labelled, labelled_dataset, origin_of
+from rotor_ida.schema import (
+    EXACT,
+    RESPONSE,
+    STABILITY,
+    check_papers_result,
+    labelled,
+    labelled_dataset,
+    origin_of,
+)
 
 NEEDED = ("response", "amplitude", "phase_lag")
 # A settled whirl lies on a branch when it is this near, as a part of its amplitude: far above
@@ -173,6 +181,7 @@ def _check_is_sweep(dataset: xr.Dataset) -> None:
     if missing:
         names = ", ".join(missing)
         raise InputError(f"compare needs a sweep over omega, zeta and delta0; it lacks {names}")
+    check_papers_result("dataset", dataset)
 
 
 def _relative_distance(

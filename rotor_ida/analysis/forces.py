@@ -7,7 +7,7 @@ import xarray as xr
 from scipy.stats import rankdata
 
 from rotor_ida.equations.contact import contact_force, secant_stiffness
-from rotor_ida.schema import Column, labelled_dataset, origin_of
+from rotor_ida.schema import Column, check_papers_result, labelled_dataset, origin_of
 from rotor_ida.simulation.dataset import check_run, parameter_coordinates, rotor_of
 
 
@@ -31,11 +31,12 @@ def contact_forces(run: xr.Dataset) -> xr.Dataset:
     Raises
     ------
     InputError
-        If the dataset is no run.
+        If the dataset is no run, or of a rotor whose contact is not Hertz's, or damped.
 
     Notes
     -----
-    ``F = -f(|z|) z/|z|`` with ``f(r) = max(r - delta0, 0)**1.5``.
+    ``F = -f(|z|) z/|z|`` with ``f(r) = max(r - delta0, 0)**1.5``. The shaft and the load push
+    too: neither is a force of the ring.
 
     References
     ----------
@@ -50,6 +51,7 @@ def contact_forces(run: xr.Dataset) -> xr.Dataset:
     array([3.338337, 3.263644, 3.889012, 4.715582])
     """
     run = check_run(run, ("t", "x", "y", "entry_time", "exit_time", "peak_time", "peak_force"))
+    check_papers_result("run", run, ("contact_exponent", "contact_damping"))
     x, y, delta0 = run["x"].values, run["y"].values, float(run["delta0"])
     radius = np.hypot(x, y)
     stiffness = secant_stiffness(radius, delta0)

@@ -22,7 +22,7 @@ from rotor_ida.checks import (
 from rotor_ida.equations.model import rotated
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Stop, interruptible
-from rotor_ida.parameters import Rotor
+from rotor_ida.parameters import Rotor, check_papers
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import Column, labelled_dataset
 from rotor_ida.simulation.dataset import parameter_coordinates
@@ -102,6 +102,7 @@ def poincare_section(
     array([-1.40959, -1.40959, -1.40959, -1.40959])
     """
     check_instance("rotor", rotor, Rotor)
+    check_papers(rotor, "poincare_section")
     first = check_state("start", start)
     check_can_be_followed(rotor, first)
     if rotor.omega == 0.0:

@@ -25,8 +25,8 @@ from rotor_ida.cycles.guess import Guess
 from rotor_ida.cycles.limit_cycle import limit_cycle
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress
-from rotor_ida.parameters import PARAMETERS, Rotor
-from rotor_ida.schema import RESPONSE, SPECIAL, words_of
+from rotor_ida.parameters import ALL_PARAMETERS, PARAMETERS, Rotor
+from rotor_ida.schema import RESPONSE, SPECIAL, check_papers_result, words_of
 from rotor_ida.simulation.options import Method
 from rotor_ida.simulation.simulate import simulate
 from rotor_ida.steady_state.response import BOUNCING, CONTACT_FREE, FULL_CONTACT, SYNCHRONOUS
@@ -109,6 +109,8 @@ def rerun(
         dataset = _by(dataset, kind, method)
     if "time_scale" in dataset.attrs:
         raise InputError("a result in SI units cannot be verified: verify the dimensionless one")
+    if kind != "run":
+        check_papers_result("dataset", dataset)
     return KINDS[kind].again(dataset, workers, progress)
 
 
@@ -250,7 +252,10 @@ def _drawn(dataset: xr.Dataset) -> dict[str, Any]:
 
 
 def _rotor(dataset: xr.Dataset, prefix: str = "") -> Rotor:
-    return Rotor(**{name: dataset.attrs[f"{prefix}{name}"] for name in PARAMETERS})
+    """Return the rotor that the attributes tell; what they do not tell is the default."""
+    attributes = {name: f"{prefix}{name}" for name in ALL_PARAMETERS}
+    given = dataset.attrs
+    return Rotor(**{name: given[each] for name, each in attributes.items() if each in given})
 
 
 def _events(again: xr.Dataset, archived: xr.Dataset) -> Verdict:

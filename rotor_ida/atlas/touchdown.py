@@ -31,7 +31,7 @@ from rotor_ida.cycles.shooting import close_orbit
 from rotor_ida.equations.contact import contact_force
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import interruptible
-from rotor_ida.parameters import PARAMETERS, DimensionalRotor, Rotor
+from rotor_ida.parameters import PARAMETERS, DimensionalRotor, Rotor, check_papers
 from rotor_ida.schema import WHIRL_DIRECTION, Column, labelled_dataset
 from rotor_ida.si_units import dimensional
 from rotor_ida.simulation.dataset import parameter_coordinates
@@ -145,6 +145,7 @@ def touchdown_report(
     True
     """
     rotor, length, velocity = _scales(machine)
+    check_papers(rotor, "touchdown_report")
     check_rotor(rotor)
     if rotor.omega == 0.0:
         raise InputError("speed must be above 0 for a report on touching, got 0.0")

@@ -14,7 +14,7 @@ from rich.console import RenderableType
 from rotor_ida.analysis.branch_course import parameters_of, stable_ranges
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.cli.report import pairs, table
-from rotor_ida.parameters import PARAMETERS
+from rotor_ida.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.schema import NO_YES, RESPONSE, flags_of, words_of
 
 Record = dict[str, object]
@@ -134,7 +134,8 @@ def origin(dataset: xr.Dataset) -> RenderableType:
 
 def _run(dataset: xr.Dataset, most: int | None) -> Description:
     about = _about(dataset)
-    parameters: Record = {name: float(dataset[name]) for name in PARAMETERS}
+    told = [name for name in ALL_PARAMETERS if name in dataset.variables]
+    parameters: Record = {name: float(dataset[name]) for name in told}
     parameters |= {name: about.pop(name) for name in ("start", "duration") if name in about}
     scalars = {name: value_of(dataset, name) for name in names_on(dataset)}
     events = rows_of(dataset, names_on(dataset, "event"))
@@ -536,7 +537,7 @@ def attributes_of(dataset: xr.Dataset) -> Record:
 def _about(dataset: xr.Dataset) -> Record:
     """Return what the attributes of a dataset say beside its parameters."""
     attributes = attributes_of(dataset)
-    return {name: entry for name, entry in attributes.items() if name not in PARAMETERS}
+    return {name: entry for name, entry in attributes.items() if name not in ALL_PARAMETERS}
 
 
 def _spread(dataset: xr.Dataset, name: str, other: xr.DataArray) -> xr.DataArray:

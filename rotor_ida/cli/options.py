@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -13,7 +13,13 @@ from cyclopts.validators import Number
 from rotor_ida.checks import LARGEST_SEED, MOST_NUMBERS, MOST_SHOCKS, MOST_WORKERS, State
 from rotor_ida.cli import parsing
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import DimensionalRotor, Rotor
+from rotor_ida.parameters import (
+    DEFAULTS,
+    MACHINE_PARAMETERS,
+    PARAMETERS,
+    DimensionalRotor,
+    Rotor,
+)
 from rotor_ida.simulation.options import Backend, Flight, Method
 
 # A figure with more cannot be read.
@@ -228,6 +234,27 @@ class RotorOptions:
 
 @Parameter(name="*")
 @dataclass(frozen=True, kw_only=True)
+class BeyondOptions:
+    """What a rotor has beyond the paper's."""
+
+    shaft_stiffness: Annotated[
+        float, _number("Stiffness of the shaft over mass times reference frequency squared.")
+    ] = DEFAULTS["shaft_stiffness"]
+    contact_exponent: Annotated[
+        float, _number("Exponent of the contact force: 1.5 by Hertz, or 1.")
+    ] = DEFAULTS["contact_exponent"]
+    contact_damping: Annotated[
+        float, _number("Relative rise of the contact force at a speed of approach of 1.")
+    ] = DEFAULTS["contact_damping"]
+    load: Annotated[float, _number("Static load, downwards.")] = DEFAULTS["load"]
+
+    def of(self, rotor: Rotor) -> Rotor:
+        """Return the rotor with it."""
+        return replace(rotor, **asdict(self))
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
 class MachineOptions:
     """One rotor, without dimensions or in SI units."""
 
@@ -248,14 +275,14 @@ class MachineOptions:
     def machine(self) -> Rotor | DimensionalRotor:
         """Return the rotor or the machine, whichever is given whole."""
         given = {name: value for name, value in asdict(self).items() if value is not None}
-        ways = [[field.name for field in fields(kind)] for kind in (Rotor, DimensionalRotor)]
-        if sorted(given) == sorted(ways[0]):
+        needed = given.keys() - DEFAULTS.keys()
+        if needed == set(PARAMETERS):
             return Rotor(**given)
-        if sorted(given) == sorted(ways[1]):
+        if needed == set(MACHINE_PARAMETERS):
             return DimensionalRotor(**given)
         raise InputError(
-            f"a rotor must be given by {', '.join(ways[0])}, or by {', '.join(ways[1])}, got "
-            f"{', '.join(given) or 'none of them'}"
+            f"a rotor must be given by {', '.join(PARAMETERS)}, or by "
+            f"{', '.join(MACHINE_PARAMETERS)}, got {', '.join(given) or 'none of them'}"
         )
 
 

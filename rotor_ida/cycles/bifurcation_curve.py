@@ -47,7 +47,7 @@ from rotor_ida.cycles.shooting import checked_cycle, contacts_of
 from rotor_ida.cycles.special_points import Count
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress, Stop
-from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.parameters import PARAMETERS, Rotor, check_papers
 from rotor_ida.provenance import provenance
 from rotor_ida.stability.orbit import Shot
 
@@ -129,7 +129,7 @@ def bifurcation_curve(
     >>> curve.omega.values[curve.delta0 == 0.5].round(8).item()
     2.53041892
     """
-    check_instance("rotor", rotor, Rotor)
+    check_papers(check_instance("rotor", rotor, Rotor), "bifurcation_curve")
     check_choice("kind", kind, KINDS)
     first, second = _checked_parameters(parameters)
     count = check_count("points", points, minimum=2, maximum=MOST_NUMBERS)

@@ -18,7 +18,7 @@ from rotor_ida.cycles.shooting import close_orbit
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.parallel import Progress
 from rotor_ida.parameters import PARAMETERS, Rotor
-from rotor_ida.schema import EXACT
+from rotor_ida.schema import EXACT, check_papers_result
 
 NEEDED = ("lies_on", "exact_period", "exact_radius_max", *(f"end_{name}" for name in COMPONENTS))
 # Two cycles of one rotor are the same when period and largest radius differ by less than this.
@@ -72,6 +72,7 @@ def branches_through(
     missing = [name for name in (*NEEDED, *PARAMETERS) if name not in compared.variables]
     if missing:
         raise InputError(f"compared must be a comparison of a sweep; it lacks {', '.join(missing)}")
+    check_papers_result("compared", compared)
     lies_on = compared["lies_on"]
     spread = {
         name: compared[name].broadcast_like(lies_on).transpose(*lies_on.dims).values

@@ -36,7 +36,7 @@ from rotor_ida.cycles.shooting import checked_cycle
 from rotor_ida.cycles.special_points import Special
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress
-from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.parameters import PARAMETERS, Rotor, check_papers
 from rotor_ida.provenance import computing, provenance
 from rotor_ida.schema import SPECIAL, labelled, labelled_dataset
 from rotor_ida.stability.orbit import Shot
@@ -138,7 +138,7 @@ def continue_cycle(
     >>> branch.special_value.values.round(6), branch.attrs["first_end"]
     (array([2.530419, 2.681874]), 'limits')
     """
-    check_instance("rotor", rotor, Rotor)
+    check_papers(check_instance("rotor", rotor, Rotor), "continue_cycle")
     check_choice("parameter", parameter, PARAMETERS)
     check_choice("direction", direction, tuple(WAYS))
     count = check_count("points", points, minimum=2, maximum=MOST_NUMBERS)
@@ -180,6 +180,7 @@ def branch_from(
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Return the branch through a guess of a cycle with its period, as `continue_cycle` does."""
+    check_papers(guess.rotor, "continue_cycle")
     course = course_from(guess, parameter, limits, points, np.zeros(1, np.uint8))
     design = {
         "kind": "branch",

@@ -20,7 +20,7 @@ from rotor_ida.cycles.shooting import Cycle, close_orbit, once_round
 from rotor_ida.equations.contact import contact_force
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.parallel import Stop, interruptible
-from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.parameters import PARAMETERS, Rotor, check_papers
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import (
     LINE_KIND,
@@ -122,7 +122,8 @@ def limit_cycle(
     >>> cycle.multiplier_real.values.round(8)
     array([ 1.        , -0.51147221, -0.51147221,  0.52784725])
     """
-    check_turns_and_settles(check_instance("rotor", rotor, Rotor))
+    check_papers(check_instance("rotor", rotor, Rotor), "limit_cycle")
+    check_turns_and_settles(rotor)
     guess = guess_of(rotor, start, period)
     if isinstance(start, xr.Dataset) and guess.rotor != rotor:
         guess = Guess(rotor, guess.state, guess.period)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -99,7 +98,7 @@ def facts_of(question: Question) -> dict[str, object]:
             "velocity": machine.velocity_scale, "force": machine.force_scale,
             "rate": machine.reference_frequency,
         }  # fmt: skip
-    return {"rotor": asdict(question.rotor), "scales": scales, "start": question.start}
+    return {"rotor": question.rotor.given, "scales": scales, "start": question.start}
 
 
 def values_of(run: xr.Dataset) -> Values:

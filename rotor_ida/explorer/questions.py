@@ -18,7 +18,7 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import DimensionalRotor, Rotor
+from rotor_ida.parameters import MACHINE_PARAMETERS, PARAMETERS, DimensionalRotor, Rotor
 from rotor_ida.simulation.options import LARGEST, check_can_be_followed
 
 About = Literal["motion", "responses", "starts", "nc", "png", "svg", "py", "sh", "html"]
@@ -119,9 +119,10 @@ def read_question(text: str) -> Question:
 def machine_of(given: object) -> Rotor | DimensionalRotor:
     """Return the machine that a mapping of names to numbers is."""
     if isinstance(given, Mapping):
-        for kind in (Rotor, DimensionalRotor):
-            if sorted(given) == sorted(kind.__dataclass_fields__):
-                return kind(**given)
+        if sorted(given) == sorted(PARAMETERS):
+            return Rotor(**given)
+        if sorted(given) == sorted(MACHINE_PARAMETERS):
+            return DimensionalRotor(**given)
     raise InputError(
         "machine must have omega, zeta and delta0, or mass, contact_stiffness, damping, "
         f"eccentricity, clearance and speed, got {shown(given)}"

@@ -6,7 +6,7 @@ import base64
 import json
 import re
 from collections.abc import Generator, Iterator, Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -19,7 +19,7 @@ from rotor_ida.explorer.page import page_files
 from rotor_ida.explorer.questions import Question
 from rotor_ida.explorer.responses import show_responses
 from rotor_ida.parallel import Progress
-from rotor_ida.parameters import DimensionalRotor, Rotor
+from rotor_ida.parameters import DimensionalRotor, Rotor, check_papers
 
 Arrays = dict[str, npt.NDArray[np.float64]]
 
@@ -85,6 +85,7 @@ def recording(
         about="motion", number=0, side=0, machine=machine, start=start,
         revolutions=revolutions, speeds=SHOWN, reach=1.0,
     )  # fmt: skip
+    check_papers(beginning.rotor, "the explorer")
     common: dict[str, bytes] = {}
     courses: dict[str, list[list[str]]] = {}
     for course in COURSES:
@@ -105,7 +106,7 @@ def recording(
         "speeds": list(speeds), "speed": _speed(machine), "courses": courses,
         "common": [base64.b64encode(each).decode() for each in common.values()],
         "unit": "rad/s" if isinstance(machine, DimensionalRotor) else "",
-        "state": {**asdict(machine), **dict(zip(("x", "y", "vx", "vy"), start, strict=True))},
+        "state": {**machine.given, **dict(zip(("x", "y", "vx", "vy"), start, strict=True))},
     }  # fmt: skip
     return _page(json.dumps(told))
 

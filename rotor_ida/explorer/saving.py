@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator
-from dataclasses import fields
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -98,7 +97,7 @@ def lines_of(question: Question) -> str:
     """
     machine = question.machine
     in_si = isinstance(machine, DimensionalRotor)
-    given = ", ".join(f"{each.name}={getattr(machine, each.name)!r}" for each in fields(machine))
+    given = ", ".join(f"{name}={value!r}" for name, value in machine.given.items())
     return LINES.format(
         names="DimensionalRotor, dimensional, save, simulate" if in_si else "Rotor, save, simulate",
         plot="plot_machine" if in_si else "plot_run",

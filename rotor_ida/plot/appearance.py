@@ -18,7 +18,7 @@ from matplotlib.transforms import ScaledTranslation
 
 from rotor_ida.checks import check_count
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import PARAMETERS
+from rotor_ida.parameters import DEFAULTS, PARAMETERS
 from rotor_ida.plot.labels import KIND_WORDS, parameter_text
 
 # From matplotlib's petroff10, chosen so that the greys differ too.
@@ -333,7 +333,8 @@ def one_value(name: str, dataset: xr.Dataset, parameter: str) -> float:
 
 def title_of(name: str, dataset: xr.Dataset, parameters: Sequence[str] = PARAMETERS) -> str:
     """Return the parameters of a dataset, which holds one value of each, as a title."""
-    return parameter_text({each: one_value(name, dataset, each) for each in parameters})
+    beyond = [each for each in DEFAULTS if each in dataset.variables]
+    return parameter_text({each: one_value(name, dataset, each) for each in (*parameters, *beyond)})
 
 
 def _entries(axes: Sequence[Axes]) -> tuple[list[Artist], list[str]]:

@@ -50,7 +50,10 @@ LABELS = {
     "multiplier_real": r"multiplier $\operatorname{Re}\,\mu$",
     "multiplier_imag": r"$\operatorname{Im}\,\mu$",
 }
-SYMBOLS = {"omega": r"\omega", "zeta": r"\zeta", "delta0": r"\delta_0"}
+SYMBOLS = {
+    "omega": r"\omega", "zeta": r"\zeta", "delta0": r"\delta_0", "shaft_stiffness": r"\kappa",
+    "contact_exponent": "n", "contact_damping": "c", "load": r"\gamma",
+}  # fmt: skip
 
 # What is written with a capital where it has a unit, as in eqs (1)-(9).
 IN_UNITS = {

@@ -36,7 +36,7 @@ from rotor_ida.plot.appearance import (
     title_of,
 )
 from rotor_ida.plot.labels import LABELS, label_axis, label_of, scale_of, unit_of
-from rotor_ida.schema import flags_of
+from rotor_ida.schema import check_papers_result, flags_of
 
 NEEDED = (*PARAMETERS, "t", "x", "y", "vx", "vy", "starts_in_contact", "event_time",
           "event_kind", "event_x", "event_y", "event_vx", "event_vy", "entry_time",
@@ -243,6 +243,7 @@ def plot_machine(run: xr.Dataset) -> Figure:
     run = check_dataset("run", run, (*NEEDED, "peak_time", "peak_force"))
     if "length_scale" not in run.attrs:
         raise InputError("run must be in SI units: rotor_ida.dimensional makes it so")
+    check_papers_result("run", run, ("contact_exponent", "contact_damping"))
     delta0, ring, path = one_value("run", run, "delta0"), clearance_of(run), path_of(run)
     with style():
         figure = Figure(figsize=(7.2, 3.9), layout="constrained")
@@ -396,8 +397,8 @@ def _cubic(part: Values, step: Values, before: Values, after: Values) -> Values:
 def _in_contact(run: xr.Dataset, time: Values) -> npt.NDArray[np.bool_]:
     """Return whether the stretch that begins at each time is in contact."""
     passed = np.searchsorted(run["event_time"].values, time, side="right")
-    entry = flags_of(run["event_kind"])["entry"]
-    after = np.append(bool(run["starts_in_contact"].values), run["event_kind"].values == entry)
+    leaving = flags_of(run["event_kind"])["exit"]
+    after = np.append(bool(run["starts_in_contact"].values), run["event_kind"].values != leaving)
     return np.asarray(after[passed], dtype=bool)
 
 

@@ -10,9 +10,9 @@ import xarray as xr
 
 from rotor_ida.checks import COMPONENTS, State, check_instance
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.parameters import ALL_PARAMETERS, DEFAULTS, PARAMETERS, Rotor
 from rotor_ida.provenance import provenance
-from rotor_ida.schema import Column, labelled_dataset
+from rotor_ida.schema import DAMPED_EVENT_KIND, Column, Quantity, labelled, labelled_dataset
 from rotor_ida.simulation.contact_table import contact_columns
 from rotor_ida.simulation.event_errors import EventErrors
 from rotor_ida.simulation.orbit import Orbit
@@ -30,12 +30,10 @@ def run_dataset(orbit: Orbit, start: State, errors: EventErrors) -> xr.Dataset:
     errors : EventErrors
         What is known of the errors of its events.
     """
-    parameters = {name: getattr(orbit.rotor, name) for name in PARAMETERS}
-    variables: dict[str, Column] = {
+    variables: dict[str, Column | xr.Variable] = {
         **_columns("", "t", orbit.states),
         "starts_in_contact": ((), np.int8(orbit.starts_in_contact)),
-        "event_time": ("event", orbit.event_times),
-        "event_kind": ("event", orbit.event_kinds),
+        **_events(orbit),
         **_columns("event_", "event", orbit.event_states),
         "event_time_error": ("event", errors.event_time_errors),
         "horizon": ((), errors.horizon),
@@ -43,7 +41,7 @@ def run_dataset(orbit: Orbit, start: State, errors: EventErrors) -> xr.Dataset:
     }
     coordinates = parameter_coordinates(orbit.rotor) | {"t": ("t", orbit.times)}
     attributes = provenance(orbit.options.attributes()) | {
-        **parameters,
+        **orbit.rotor.given,
         "start": np.array(start),
         "duration": orbit.duration,
         "evaluations": orbit.evaluations,
@@ -60,19 +58,36 @@ def check_run(run: object, needed: Sequence[str]) -> xr.Dataset:
         raise InputError(f"run must be a run of simulate; it lacks {', '.join(missing)}")
     if any(run[name].ndim for name in PARAMETERS):
         raise InputError("run must be one run; its omega, zeta and delta0 must be scalars")
+    several = [name for name in DEFAULTS if name in run.variables and run[name].ndim]
+    if several:
+        raise InputError(f"run must be one run; its {several[0]} must be a scalar")
     if "length_scale" in run.attrs:
         raise InputError("run must be dimensionless, got one in SI units: convert the result")
     return run
 
 
 def rotor_of(run: xr.Dataset) -> Rotor:
-    """Return the rotor of a run."""
-    return Rotor(**{name: float(run[name]) for name in PARAMETERS})
+    """Return the rotor of a run: a parameter that it does not have is the default."""
+    return Rotor(**{name: float(run[name]) for name in ALL_PARAMETERS if name in run.variables})
 
 
 def parameter_coordinates(rotor: Rotor) -> dict[str, Column]:
-    """Return the parameters of a rotor as scalar coordinates."""
-    return {name: ((), getattr(rotor, name)) for name in PARAMETERS}
+    """Return the parameters of a rotor as scalar coordinates, beyond the paper's if not default."""
+    return {name: ((), value) for name, value in rotor.given.items()}
+
+
+def _events(orbit: Orbit) -> dict[str, Column | xr.Variable]:
+    """Return times and kinds of the events; with contact damping there may be more kinds."""
+    if not orbit.rotor.contact_damping:
+        return {
+            "event_time": ("event", orbit.event_times),
+            "event_kind": ("event", orbit.event_kinds),
+        }
+    times = labelled("event_time", "event", orbit.event_times)
+    kinds = labelled("event_kind", "event", orbit.event_kinds)
+    times.attrs["long_name"] = "time of the contact event"
+    kinds.attrs = Quantity(kinds.attrs["long_name"], flags=DAMPED_EVENT_KIND).attributes()
+    return {"event_time": times, "event_kind": kinds}
 
 
 def _columns(prefix: str, dim: str, table: npt.NDArray[np.float64]) -> dict[str, Column]:

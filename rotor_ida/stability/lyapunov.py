@@ -26,7 +26,7 @@ from rotor_ida.core.runs import Asked, stretch
 from rotor_ida.equations.model import rotated
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.parallel import Stop, interruptible
-from rotor_ida.parameters import Rotor
+from rotor_ida.parameters import Rotor, check_papers
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import Column, labelled_dataset
 from rotor_ida.simulation.dataset import parameter_coordinates
@@ -139,6 +139,7 @@ def lyapunov_exponent(
     array([-0.07, -0.07, -0.07, -0.07])
     """
     check_instance("rotor", rotor, Rotor)
+    check_papers(rotor, "lyapunov_exponent")
     first = check_state("start", start)
     check_can_be_followed(rotor, first)
     lead = check_positive("transient", transient, LONGEST)

@@ -46,6 +46,28 @@ def test_another_method_is_a_witness_of_a_run(flight):
     assert differences(again, run)["agrees"] is True
 
 
+def test_a_run_is_made_again_of_the_whole_rotor(tmp_path, monkeypatch):
+    rotor = Rotor(**ROTOR.given, shaft_stiffness=0.25, contact_exponent=1.0, contact_damping=0.5,
+                  load=0.125)  # fmt: skip
+    run = simulate(rotor, start=(0.1, 0, 0, 0), duration=20.0, samples=7)
+    asked = []
+
+    def spy(rotor, **given):
+        asked.append(rotor)
+        return simulate(rotor, **given)
+
+    monkeypatch.setattr("rotor_ida.analysis.verification.simulate", spy)
+    archived = load(save(run, tmp_path / "run.nc"))
+    assert differences(rerun(archived), archived)["agrees"] is True
+    assert asked == [rotor]
+
+
+def test_a_result_that_knows_the_papers_rotor_alone_is_not_made_again_of_another():
+    archived = RESULTS["basin"]().assign_attrs(shaft_stiffness=0.25)
+    with pytest.raises(InputError, match=r"must be the paper's, without shaft_stiffness 0\.25$"):
+        rerun(archived)
+
+
 def test_another_method_comes_to_the_same_responses():
     archived = RESULTS["sweep"]()
     assert differences(rerun(archived, method="taylor"), archived)["agrees"] is True

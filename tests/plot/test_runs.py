@@ -179,3 +179,33 @@ def test_short_contact_parts_the_flight(run):
     x, time = path.stretches(~in_contact, path.x, path.time)
     np.testing.assert_array_equal(time[:6], [*path.time[:4], np.nan, path.time[4]])
     np.testing.assert_array_equal(np.isnan(x), np.isnan(time))
+
+
+def test_what_is_beyond_the_papers_rotor_stands_in_the_title():
+    rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5, shaft_stiffness=0.25, load=0.125)
+    ax = plot_orbit(simulate(rotor, start=(0, 0, 0, 0), duration=10.0))
+    assert ax.get_title().endswith(r"$\delta_0 = 0.5$,  $\kappa = 0.25$,  $\gamma = 0.125$")
+
+
+def test_the_rotor_is_in_contact_until_it_leaves_the_ring():
+    """A force that ends inside the ring, and begins again there, does not end the contact."""
+    rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5, contact_damping=0.5)
+    run = simulate(rotor, start=(0, 0, 0, 0), duration=10.0)
+    kinds, times = np.array([1, -4, 4, -1], dtype=np.int8), np.array([1.0, 2.0, 3.0, 4.0])
+    inside = {f"event_{name}": ("event", np.zeros(4)) for name in ("x", "y", "vx", "vy")}
+    run = run.drop_dims("event").assign(
+        event_time=("event", times),
+        event_kind=("event", kinds, dict(run["event_kind"].attrs)),
+        **inside,
+    )
+    path = path_of(run)
+    assert (path.in_contact == ((path.time >= 1.0) & (path.time < 4.0))).all()
+    assert "exit" in labels(plot_orbit(run))
+
+
+def test_a_force_that_is_not_hertzs_is_not_drawn_as_if_it_were():
+    machine = DimensionalRotor(**{**MACHINE.given, "contact_exponent": 1.0})
+    run = simulate(machine.rotor(), start=(0, 0, 0, 0), duration=10.0)
+    message = r"^run must be of the paper's rotor, without contact_exponent 1.0$"
+    with pytest.raises(InputError, match=message):
+        plot_machine(dimensional(run, machine))

@@ -22,6 +22,7 @@ def simulate(
     duration: options.Duration,
     start: options.Start = options.REST,
     samples: options.Samples = 1001,
+    beyond: options.BeyondOptions = options.BeyondOptions(),
     solver: options.SolverOptions = options.SolverOptions(),
     output: Output = Output(),
 ) -> Report:
@@ -39,7 +40,11 @@ def simulate(
     """
     output.check()
     run = rotor_ida.simulate(
-        rotor.rotor(), start=start, duration=duration, samples=samples, **asdict(solver)
+        beyond.of(rotor.rotor()),
+        start=start,
+        duration=duration,
+        samples=samples,
+        **asdict(solver),
     )
     return answer(run, output, most=FIRST_ROWS)
 

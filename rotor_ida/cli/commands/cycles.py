@@ -180,6 +180,7 @@ def _in_archive(
 ) -> tuple[Rotor, xr.Dataset]:
     """Return the cycle in an archive, or that at one point of a branch or curve, and its rotor."""
     from rotor_ida.cli.describe import kind_of  # noqa: PLC0415 - heavy, and not for --help
+    from rotor_ida.schema import check_papers_result  # noqa: PLC0415
 
     dataset = read(file)
     kind = kind_of(dataset)
@@ -189,6 +190,7 @@ def _in_archive(
         )
     if "time_scale" in dataset.attrs:
         raise InputError(f"from must be dimensionless, got {shown(file)} in SI units")
+    check_papers_result("from", dataset)
     if kind != "cycle":
         dataset = _at(dataset, kind, point, special)
     elif point is not None or special is not None:

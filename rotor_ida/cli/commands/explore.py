@@ -79,11 +79,14 @@ def _beginning(
         return chosen, begun, REVOLUTIONS
     if given or start is not None:
         raise InputError("file must be given alone: it has a rotor and a start of its own")
+    from rotor_ida.schema import check_papers_result  # noqa: PLC0415 - heavy, and not for --help
+
     run = read(file)
     if "event_time" not in run or "duration" not in run.attrs or "length_scale" in run.attrs:
         raise InputError(
             f"file must be a run that simulate wrote, dimensionless, got {shown(file)}"
         )
+    check_papers_result("file", run)
     rotor = Rotor(**{name: float(run[name]) for name in PARAMETERS})
     x, y, vx, vy = map(float, run.attrs["start"])
     turns = float(run.attrs["duration"]) * (rotor.omega or 1.0) / (2.0 * math.pi)
@@ -104,7 +107,7 @@ def _state(
 ) -> Mapping[str, object]:
     """Return the state of the page as its address has it."""
     from_start = dict(zip(COMPONENTS, start, strict=True))
-    return {**asdict(machine), **from_start, "revolutions": revolutions}
+    return {**machine.given, **from_start, "revolutions": revolutions}
 
 
 def _export(

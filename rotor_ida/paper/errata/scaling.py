@@ -12,7 +12,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import check_positive
 from rotor_ida.errors import SimulationError
 from rotor_ida.paper.printed import reference_frequency
-from rotor_ida.parameters import DimensionalRotor, Rotor
+from rotor_ida.parameters import DimensionalRotor, Rotor, check_papers
 from rotor_ida.simulation.simulate import simulate
 
 RIGHT, PRINTED = "k sqrt(D)/m", "k/m"
@@ -40,7 +40,7 @@ def check_scaling(machine: DimensionalRotor, *, duration: float) -> xr.Dataset:
     Raises
     ------
     InputError
-        If `duration` is not a positive finite number.
+        If `duration` is not a positive finite number, or the machine has more than the paper's.
     SimulationError
         If SciPy gave up.
 
@@ -56,6 +56,7 @@ def check_scaling(machine: DimensionalRotor, *, duration: float) -> xr.Dataset:
     >>> apart["k sqrt(D)/m"] < 5e-12, apart["k/m"] > 0.5
     (True, True)
     """
+    check_papers(machine.rotor(), "check_scaling")
     frequencies = {RIGHT: machine.reference_frequency, PRINTED: reference_frequency(machine)}
     D = machine.eccentricity
     times = np.linspace(0.0, check_positive("duration", duration) * machine.time_scale, _POINTS)

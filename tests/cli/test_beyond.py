@@ -1,0 +1,118 @@
+"""A rotor with more than the paper's on the command line: simulate alone knows it."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import rotor_ida
+from rotor_ida.cli.options import MachineOptions
+from rotor_ida.parameters import DEFAULTS, DimensionalRotor, Rotor
+
+Program = Callable[..., Any]
+
+ROTOR = {"omega": 1.2, "zeta": 0.07, "delta0": 0.5}
+BEYOND = {
+    "shaft_stiffness": 0.25, "contact_exponent": 1.0, "contact_damping": 0.5, "load": 0.125,
+}  # fmt: skip
+MACHINE = {
+    "mass": 4.0, "contact_stiffness": 1e9, "damping": 280.0, "eccentricity": 1e-6,
+    "clearance": 2e-6, "speed": 600.0,
+}  # fmt: skip
+
+
+def words(**given: float) -> list[str]:
+    """Return parameters as the options of their names."""
+    pairs = ((f"--{name.replace('_', '-')}", repr(value)) for name, value in given.items())
+    return [word for pair in pairs for word in pair]
+
+
+SIMULATE = ["simulate", *words(**ROTOR), "--duration", "10"]
+
+
+def test_simulate_takes_the_whole_rotor_and_says_so(program: Program):
+    answer = program(*SIMULATE, *words(**BEYOND), "--out", "run.nc", "--json")
+    assert (answer.status, answer.err) == (0, "")
+    told = json.loads(answer.out)["parameters"]
+    assert told == {**ROTOR, **BEYOND, "start": [0, 0, 0, 0], "duration": 10.0}
+    run = rotor_ida.load("run.nc")
+    assert {name: run[name].item() for name in DEFAULTS} == BEYOND
+
+
+def test_an_archive_of_the_whole_rotor_is_shown_and_verifies(program: Program):
+    made = program(*SIMULATE, *words(**BEYOND), "--out", "run.nc", "--figure", "run")
+    answer = program("show", "run.nc")
+    for each in (made, answer):
+        assert (each.status, each.err) == (0, "")
+        for name, value in BEYOND.items():
+            assert re.search(rf"{name.replace('_', '.')} +{value:g}\b", each.out), name
+    assert json.loads(program("show", "run.nc", "--json").out)["parameters"]["load"] == 0.125
+    answer = program("verify", "run.nc", "--json")
+    assert (answer.status, answer.err) == (0, "")
+    assert json.loads(answer.out)["agrees"] is True
+
+
+def test_the_defaults_are_not_told(program: Program):
+    plain = program(*SIMULATE, "--json")
+    assert program(*SIMULATE, *words(**DEFAULTS), "--json").out == plain.out
+    assert not set(DEFAULTS) & set(json.loads(plain.out)["parameters"])
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"contact_exponent": 2.0}, "contact_exponent must be 1.5 or 1, got 2.0"),
+        ({"load": -1.0}, "load must be zero or positive, got -1.0"),
+        ({"shaft_stiffness": float("nan")}, "shaft-stiffness must be a finite real number, got"),
+        ({"contact_damping": 0.5, "delta0": 0.0}, "contact_damping must be 0 without clearance"),
+    ],
+)
+def test_a_mistake_gets_one_line(program: Program, given: dict[str, float], message: str):
+    answer = program("simulate", *words(**ROTOR | given), "--duration", "10")
+    assert (answer.status, answer.out) == (2, "")
+    assert re.fullmatch(rf"rotor-ida: {re.escape(message)}[^\n]*\n", answer.err)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "basin --omega 1 --zeta 0.1 --delta0 1 --x=-1:1:3 --y=-1:1:3",
+        "fractions --omega 1 --zeta 0.1 --delta0 1 --x=-1:1 --y=-1:1",
+        "cycle --omega 1 --zeta 0.1 --delta0 1",
+        "continue --omega 1 --zeta 0.1 --delta0 1 --limits 0.5 1.5",
+        "sweep --omega 1 --zeta 0.1 --delta0 1",
+        "response --omega 1 --zeta 0.1 --delta0 1",
+        "atlas --omega 1 --zeta 0.1 --delta0 1",
+        "touchdown --omega 1 --zeta 0.1 --delta0 1",
+        "explore --omega 1 --zeta 0.1 --delta0 1",
+    ],
+)
+def test_commands_that_do_not_know_it_do_not_offer_it(program: Program, line: str):
+    answer = program(*line.split(), "--shaft-stiffness", "0.25")
+    assert (answer.status, answer.out) == (2, "")
+    assert re.fullmatch(r"rotor-ida: unknown option '--shaft-stiffness'[^\n]*\n", answer.err)
+
+
+def test_what_reads_a_run_of_another_rotor_refuses_it(program: Program):
+    assert program(*SIMULATE, "--load", "0.125", "--out", "run.nc").status == 0
+    answer = program("explore", "--no-browser", "--file", "run.nc")
+    assert (answer.status, answer.out) == (2, "")
+    assert answer.err == "rotor-ida: file must be of the paper's rotor, without load 0.125\n"
+
+
+def test_a_cycle_of_another_rotor_is_not_followed(program: Program, archives: Path):
+    cycle = rotor_ida.load(archives / "cycle.nc").assign_coords(load=0.125)
+    rotor_ida.save(cycle, "cycle.nc")
+    answer = program("continue", "--from", "cycle.nc", "--limits", "1.5", "2.5")
+    assert (answer.status, answer.out) == (2, "")
+    assert answer.err == "rotor-ida: from must be of the paper's rotor, without load 0.125\n"
+
+
+def test_a_machine_is_given_whole_in_one_of_two_ways():
+    assert MachineOptions(**ROTOR).machine() == Rotor(**ROTOR)
+    assert MachineOptions(**MACHINE).machine() == DimensionalRotor(**MACHINE)

@@ -1,0 +1,103 @@
+"""A run says which rotor it is of: the paper's, or one with more, and is read as that one."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from rotor_ida import InputError, Rotor, load, rotating, save, simulate, spectrum
+from rotor_ida.analysis.forces import contact_forces
+from rotor_ida.parameters import DEFAULTS
+from rotor_ida.schema import DAMPED_EVENT_KIND, EVENT_KIND, QUANTITIES, flags_of, labelled
+from rotor_ida.simulation.dataset import check_run, rotor_of
+
+REST = (0.0, 0.0, 0.0, 0.0)
+PLAIN = Rotor(omega=1.2, zeta=0.07, delta0=0.5)
+WHOLE = Rotor(omega=1.2, zeta=0.07, delta0=0.5, shaft_stiffness=0.25, contact_exponent=1.0,
+              contact_damping=0.5, load=0.125)  # fmt: skip
+
+
+def run_of(rotor: Rotor) -> xr.Dataset:
+    return simulate(rotor, start=REST, duration=10.0, samples=41)
+
+
+@pytest.fixture(scope="module")
+def whole() -> xr.Dataset:
+    return run_of(WHOLE)
+
+
+def test_a_run_of_the_papers_rotor_has_no_more_than_its_three_parameters():
+    run = run_of(PLAIN)
+    assert set(run.coords) == {"omega", "zeta", "delta0", "t"}
+    assert not set(DEFAULTS) & (set(run.variables) | set(run.attrs))
+    assert flags_of(run["event_kind"]) == EVENT_KIND == {"exit": -1, "entry": 1}
+    assert run["event_time"].attrs["long_name"] == "time of contact entry or exit"
+
+
+def test_what_is_beyond_the_papers_rotor_is_told(whole: xr.Dataset):
+    for name, value in WHOLE.beyond.items():
+        assert whole.coords[name].ndim == 0
+        assert whole[name].item() == whole.attrs[name] == value
+        assert whole[name].attrs == QUANTITIES[name].attributes()
+    assert rotor_of(whole) == WHOLE
+
+
+def test_what_is_the_default_is_not(whole: xr.Dataset):
+    run = run_of(Rotor(**{**PLAIN.given, "load": 0.125}))
+    assert set(DEFAULTS) & set(run.variables) == {"load"}
+    assert rotor_of(run).beyond == {"load": 0.125}
+    assert whole.sizes["t"] == run.sizes["t"]
+
+
+def test_with_contact_damping_the_force_may_end_and_begin_inside_the_ring(whole: xr.Dataset):
+    assert flags_of(whole["event_kind"]) == DAMPED_EVENT_KIND
+    assert DAMPED_EVENT_KIND == {"exit": -1, "entry": 1, "press": 4, "release": -4}
+    assert whole["event_time"].attrs == {
+        "long_name": "time of the contact event", "units": "1"
+    }  # fmt: skip
+
+
+def test_an_archive_keeps_the_whole_rotor(whole: xr.Dataset, tmp_path):
+    again = load(save(whole, tmp_path / "run.nc"))
+    assert rotor_of(again) == WHOLE
+    assert again.equals(whole)
+    assert {name: float(again.attrs[name]) for name in DEFAULTS} == WHOLE.beyond
+
+
+def test_an_archive_keeps_the_loss_of_each_contact_and_its_kinds_of_events(
+    whole: xr.Dataset, tmp_path
+):
+    """As of a run with all kinds of events, whatever those of this one are."""
+    kinds = np.array([1, -4, 4, -4, -1], dtype=np.int8)
+    times = np.arange(1.0, 6.0)
+    flags = dict(whole["event_kind"].attrs)
+    made = whole.drop_dims(("event", "contact")).assign(
+        event_kind=xr.Variable("event", kinds, flags),
+        event_time=labelled("event_time", "event", times),
+        contact_loss=labelled("contact_loss", "contact", [0.25]),
+    )
+    again = load(save(made, tmp_path / "run.nc"))
+    assert again["event_kind"].identical(made["event_kind"])
+    assert again["contact_loss"].item() == 0.25
+    assert again["contact_loss"].attrs["long_name"] == "energy lost in the contact by its damping"
+
+
+def test_a_run_has_one_value_of_each_parameter(whole: xr.Dataset):
+    several = whole.drop_vars("load").expand_dims(load=[0.0, 0.125])
+    with pytest.raises(InputError, match=r"^run must be one run; its load must be a scalar$"):
+        check_run(several, ("t",))
+
+
+def test_what_only_reads_the_motion_passes_the_rotor_on(whole: xr.Dataset):
+    assert rotor_of(rotating(whole)) == WHOLE
+    assert rotor_of(spectrum(whole)) == WHOLE
+
+
+def test_contact_forces_know_shaft_and_load_but_no_other_contact(whole: xr.Dataset):
+    run = run_of(Rotor(**{**PLAIN.given, "load": 0.125, "shaft_stiffness": 0.25}))
+    forces = contact_forces(run)
+    depth = np.maximum(np.hypot(run.x, run.y) - 0.5, 0.0)
+    np.testing.assert_allclose(forces.force.values, depth.values**1.5, rtol=1e-12)
+    assert rotor_of(forces) == rotor_of(run)
+    message = "run must be of the paper's rotor, without contact_exponent 1.0, contact_damping 0.5"
+    with pytest.raises(InputError, match=f"^{message}$"):
+        contact_forces(whole)

@@ -1,0 +1,93 @@
+"""What knows the paper's rotor alone refuses any other in one line, and leaves nothing out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+import xarray as xr
+
+import rotor_ida
+from rotor_ida import DimensionalRotor, InputError, Rotor
+from rotor_ida.analysis.verification import rerun
+from rotor_ida.explorer.questions import machine_of
+from rotor_ida.explorer.recording import record
+from rotor_ida.paper.errata.scaling import check_scaling
+
+REST = (0.0, 0.0, 0.0, 0.0)
+PLAIN = {"omega": 1.2, "zeta": 0.5, "delta0": 0.5}
+BEYOND = {
+    "shaft_stiffness": 0.25, "contact_exponent": 1.0, "contact_damping": 0.5, "load": 0.125,
+}  # fmt: skip
+MACHINE = {
+    "mass": 4.0, "contact_stiffness": 1e9, "damping": 280.0, "eccentricity": 1e-6,
+    "clearance": 2e-6, "speed": 600.0,
+}  # fmt: skip
+
+OF_A_ROTOR: dict[str, Callable[[Rotor], object]] = {
+    "basin": lambda rotor: rotor_ida.basin(rotor, x=[0.0, 1.0], y=[0.0, 1.0]),
+    "basin_fractions": lambda rotor: rotor_ida.basin_fractions(rotor, x=(0, 1), y=0.0, starts=2),
+    "limit_cycle": lambda rotor: rotor_ida.limit_cycle(rotor, start=REST),
+    "limit_cycle of a period": lambda rotor: rotor_ida.limit_cycle(rotor, start=REST, period=3.0),
+    "continue_cycle": lambda rotor: rotor_ida.continue_cycle(rotor, start=REST, limits=(1, 2)),
+    "bifurcation_curve": lambda rotor: rotor_ida.bifurcation_curve(
+        rotor, start=REST, kind="fold", limits=((1.0, 2.0), (0.1, 1.0))
+    ),
+    "lyapunov_exponent": lambda rotor: rotor_ida.lyapunov_exponent(rotor, start=REST),
+    "poincare_section": lambda rotor: rotor_ida.poincare_section(rotor, start=REST, revolutions=1),
+    "touchdown_report": lambda rotor: rotor_ida.touchdown_report(rotor, x=0.0, y=0.0, starts=2),
+    "record": lambda rotor: record(rotor, start=REST, revolutions=1, speeds=[1.0]),
+}
+
+
+@pytest.mark.parametrize("what", OF_A_ROTOR)
+@pytest.mark.parametrize("name", BEYOND)
+def test_a_rotor_with_more_is_refused(what: str, name: str):
+    rotor = Rotor(**PLAIN, **{name: BEYOND[name]})
+    with pytest.raises(InputError) as refused:
+        OF_A_ROTOR[what](rotor)
+    message = str(refused.value)
+    assert message.startswith("the rotor of ")
+    assert message.endswith(f" must be the paper's, without {name} {BEYOND[name]!r}")
+    assert "\n" not in message
+
+
+def test_a_machine_with_more_is_refused():
+    machine = DimensionalRotor(**MACHINE, load=39.2)
+    with pytest.raises(InputError, match=r"^the rotor of check_scaling must be the paper's"):
+        check_scaling(machine, duration=10.0)
+    with pytest.raises(InputError, match=r"^the rotor of touchdown_report must be the paper's"):
+        rotor_ida.touchdown_report(machine, x=0.0, y=0.0, starts=2)
+
+
+@pytest.mark.parametrize("given", [PLAIN, MACHINE])
+def test_the_explorer_knows_no_more(given: dict[str, float]):
+    assert machine_of(given).given == given
+    with pytest.raises(InputError, match=r"^machine must have omega, zeta and delta0, or mass"):
+        machine_of({**given, "load": 0.125})
+
+
+def with_load(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a result as one of a rotor with a load would be."""
+    return dataset.assign_coords(load=0.125)
+
+
+def test_a_result_of_a_rotor_with_more_is_refused():
+    swept = with_load(rotor_ida.sweep(**PLAIN))
+    message = r"^{} must be of the paper's rotor, without load 0.125$"
+    for function in (rotor_ida.compare, rerun):
+        with pytest.raises(InputError, match=message.format("dataset")):
+            function(swept)
+    compared = with_load(rotor_ida.compare(swept.drop_vars("load")))
+    with pytest.raises(InputError, match=message.format("compared")):
+        rotor_ida.branches_through(compared, limits=(1.0, 2.0))
+
+
+def test_a_cycle_of_a_rotor_with_more_is_no_start():
+    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+    cycle = rotor_ida.limit_cycle(rotor, start=(2.6, 0.75, 0.66, -1.65), period=4.5)
+    message = r"^start must be of the paper's rotor, without load 0.125$"
+    with pytest.raises(InputError, match=message):
+        rotor_ida.limit_cycle(rotor, start=with_load(cycle))
+    with pytest.raises(InputError, match=message):
+        rotor_ida.continue_cycle(rotor, start=with_load(cycle), limits=(1.5, 2.5))
