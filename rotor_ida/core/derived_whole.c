@@ -3,7 +3,7 @@
 #ifdef WHOLE_MODEL
 #include "motion.h"
 
-/* The rates of change of q, p, h, c, s, down_r, down_t, t, j, lost, drawn back to where they belong. */
+/* The rates of change of q, p, h, c, s, down_r, down_t, t, j, work, drawn back to where they belong. */
 static void contact_field(const struct parameters *m,
     const double *state, double *rate)
 {
@@ -48,9 +48,7 @@ static void contact_field(const struct parameters *m,
     const double w31 = w27 * down_t;
     const double w32 = w3 * q;
     const double of_j = m->pressed * w32;
-    const double w34 = push * (m->pressed * m->contact_damping * p + (m->pressed - 1.0));
-    const double loss = w34 * p;
-    const double w36 = loss * q;
+    const double w34 = w32 * p;
     rate[CONTACT_Q] = of_q;
     rate[CONTACT_P] = of_p;
     rate[CONTACT_H] = of_h;
@@ -60,7 +58,7 @@ static void contact_field(const struct parameters *m,
     rate[CONTACT_DOWN_T] = of_down_t + 0.1 * m->omega * w31;
     rate[CONTACT_T] = q;
     rate[CONTACT_J] = of_j;
-    rate[CONTACT_LOST] = w36;
+    rate[CONTACT_WORK] = m->pressed * w34;
 }
 
 /* Their derivatives by each of these, column by column. */
@@ -87,109 +85,103 @@ static void contact_jacobian(const struct parameters *m,
     const double w8 = ratio(w7, w6);
     const double w9 = w8 * w7;
     const double w10 = w0 * q;
-    const double w11 = 2.0 * w10 + m->hertz * square;
-    const double w12 = w11 * w3;
-    const double w13 = w7 * q;
-    const double w14 = ratio(w13, w6);
-    const double w15 = w14 * w8;
-    const double w16 = w8 * q;
-    const double w17 = ratio(-2.0 * w14 - 2.0 * w16, w6);
-    const double w18 = w17 * w7;
-    const double w19 = (-m->pressed * w12 - 2.0 * m->shaft_stiffness * q + (-2.0 * w15 + w18)) * q;
-    const double w20 = -(m->omega * m->omega) * s - 2.0 * m->zeta * w7 + m->load * down_t;
-    const double w21 = w20 * w6;
-    const double w22 = w20 * q;
-    const double w23 = w14 * w6;
-    const double w24 = (2.0 * w22 + 4.0 * m->zeta * w23) * q;
-    const double w25 = w17 * q;
-    const double w26 = w8 + w25;
-    const double w27 = w26 - m->omega;
-    const double w28 = w27 * s;
-    const double w29 = c * c;
-    const double w30 = s * s;
-    const double w31 = -(w29 + w30) + 1.0;
-    const double w32 = w31 * c;
-    const double w33 = w27 * c;
-    const double w34 = w31 * s;
-    const double w35 = w26 * down_t;
-    const double w36 = down_r * down_r;
-    const double w37 = down_t * down_t;
-    const double w38 = -(w36 + w37) + 1.0;
-    const double w39 = w38 * down_r;
-    const double w40 = w26 * down_r;
-    const double w41 = w38 * down_t;
-    const double w42 = w12 * q;
-    const double w43 = m->pressed * m->contact_damping * p + (m->pressed - 1.0);
-    const double w44 = push * w43;
-    const double loss = w44 * p;
-    const double w46 = w11 * w43;
-    const double w47 = w46 * p;
-    const double w48 = w47 * q;
-    const double w49 = (-2.0 * m->zeta - m->pressed * m->contact_damping * push) * q;
-    const double w50 = push * q;
-    const double w51 = push * p;
-    const double w52 = (m->pressed * m->contact_damping * w51 + w44) * q;
-    const double w53 = ratio(1.0, w6);
-    const double w54 = w8 * w53;
-    const double w55 = ratio(w53, w6);
-    const double w56 = w55 * w7;
-    const double w57 = (w54 + w56) * q;
-    const double w58 = w53 * w6;
-    const double w59 = w58 * q;
-    const double w60 = w55 * q;
-    const double w61 = w60 * s;
-    const double w62 = w60 * c;
-    const double w63 = w60 * down_t;
-    const double w64 = w60 * down_r;
-    const double w65 = q * c;
-    const double w66 = w65 * c;
-    const double w67 = w31 * q;
-    const double w68 = 0.1 * m->omega * w67;
-    const double w69 = w16 - m->omega * q;
-    const double w70 = w65 * s;
-    const double w71 = w6 * q;
-    const double w72 = q * s;
-    const double w73 = w72 * c;
-    const double w74 = w72 * s;
-    const double w75 = q * down_r;
-    const double w76 = w75 * down_r;
-    const double w77 = w38 * q;
-    const double w78 = 0.1 * m->omega * w77;
-    const double w79 = w75 * down_t;
-    const double w80 = q * down_t;
-    const double w81 = w80 * down_r;
-    const double w82 = w80 * down_t;
-    matrix[1] = m->omega * m->omega * c - 2.0 * m->zeta * p - w5 - m->shaft_stiffness * w6 + m->load * down_r + w9 + w19;
-    matrix[2] = w21 + w24;
-    matrix[3] = -w28 + 0.1 * m->omega * w32;
-    matrix[4] = w33 + 0.1 * m->omega * w34;
-    matrix[5] = w35 + 0.1 * m->omega * w39;
-    matrix[6] = -w40 + 0.1 * m->omega * w41;
+    const double w11 = (2.0 * w10 + m->hertz * square) * w3;
+    const double w12 = w7 * q;
+    const double w13 = ratio(w12, w6);
+    const double w14 = w13 * w8;
+    const double w15 = w8 * q;
+    const double w16 = ratio(-2.0 * w13 - 2.0 * w15, w6);
+    const double w17 = w16 * w7;
+    const double w18 = (-m->pressed * w11 - 2.0 * m->shaft_stiffness * q + (-2.0 * w14 + w17)) * q;
+    const double w19 = -(m->omega * m->omega) * s - 2.0 * m->zeta * w7 + m->load * down_t;
+    const double w20 = w19 * w6;
+    const double w21 = w19 * q;
+    const double w22 = w13 * w6;
+    const double w23 = (2.0 * w21 + 4.0 * m->zeta * w22) * q;
+    const double w24 = w16 * q;
+    const double w25 = w8 + w24;
+    const double w26 = w25 - m->omega;
+    const double w27 = w26 * s;
+    const double w28 = c * c;
+    const double w29 = s * s;
+    const double w30 = -(w28 + w29) + 1.0;
+    const double w31 = w30 * c;
+    const double w32 = w26 * c;
+    const double w33 = w30 * s;
+    const double w34 = w25 * down_t;
+    const double w35 = down_r * down_r;
+    const double w36 = down_t * down_t;
+    const double w37 = -(w35 + w36) + 1.0;
+    const double w38 = w37 * down_r;
+    const double w39 = w25 * down_r;
+    const double w40 = w37 * down_t;
+    const double w41 = w11 * q;
+    const double w42 = (w5 + m->pressed * w41) * p;
+    const double w43 = (-2.0 * m->zeta - m->pressed * m->contact_damping * push) * q;
+    const double w44 = push * q;
+    const double w45 = w44 * p;
+    const double w46 = w4 * q;
+    const double w47 = ratio(1.0, w6);
+    const double w48 = w8 * w47;
+    const double w49 = ratio(w47, w6);
+    const double w50 = w49 * w7;
+    const double w51 = (w48 + w50) * q;
+    const double w52 = w47 * w6;
+    const double w53 = w52 * q;
+    const double w54 = w49 * q;
+    const double w55 = w54 * s;
+    const double w56 = w54 * c;
+    const double w57 = w54 * down_t;
+    const double w58 = w54 * down_r;
+    const double w59 = q * c;
+    const double w60 = w59 * c;
+    const double w61 = w30 * q;
+    const double w62 = 0.1 * m->omega * w61;
+    const double w63 = w15 - m->omega * q;
+    const double w64 = w59 * s;
+    const double w65 = w6 * q;
+    const double w66 = q * s;
+    const double w67 = w66 * c;
+    const double w68 = w66 * s;
+    const double w69 = q * down_r;
+    const double w70 = w69 * down_r;
+    const double w71 = w37 * q;
+    const double w72 = 0.1 * m->omega * w71;
+    const double w73 = w69 * down_t;
+    const double w74 = q * down_t;
+    const double w75 = w74 * down_r;
+    const double w76 = w74 * down_t;
+    matrix[1] = m->omega * m->omega * c - 2.0 * m->zeta * p - w5 - m->shaft_stiffness * w6 + m->load * down_r + w9 + w18;
+    matrix[2] = w20 + w23;
+    matrix[3] = -w27 + 0.1 * m->omega * w31;
+    matrix[4] = w32 + 0.1 * m->omega * w33;
+    matrix[5] = w34 + 0.1 * m->omega * w38;
+    matrix[6] = -w39 + 0.1 * m->omega * w40;
     matrix[7] = 1.0;
-    matrix[8] = w5 + m->pressed * w42;
-    matrix[9] = loss + w48;
+    matrix[8] = w5 + m->pressed * w41;
+    matrix[9] = w42;
     matrix[10] = 0.5;
-    matrix[11] = w49;
-    matrix[18] = m->pressed * m->contact_damping * w50;
-    matrix[19] = w52;
-    matrix[21] = w57;
-    matrix[22] = -2.0 * m->zeta * w59;
-    matrix[23] = -w61;
-    matrix[24] = w62;
-    matrix[25] = w63;
-    matrix[26] = -w64;
+    matrix[11] = w43;
+    matrix[18] = m->pressed * m->contact_damping * w44;
+    matrix[19] = m->pressed * m->contact_damping * w45 + m->pressed * w46;
+    matrix[21] = w51;
+    matrix[22] = -2.0 * m->zeta * w53;
+    matrix[23] = -w55;
+    matrix[24] = w56;
+    matrix[25] = w57;
+    matrix[26] = -w58;
     matrix[31] = m->omega * m->omega * q;
-    matrix[33] = -0.2 * m->omega * w66 + w68;
-    matrix[34] = w69 - 0.2 * m->omega * w70;
-    matrix[42] = -(m->omega * m->omega) * w71;
-    matrix[43] = -w69 - 0.2 * m->omega * w73;
-    matrix[44] = -0.2 * m->omega * w74 + w68;
+    matrix[33] = -0.2 * m->omega * w60 + w62;
+    matrix[34] = w63 - 0.2 * m->omega * w64;
+    matrix[42] = -(m->omega * m->omega) * w65;
+    matrix[43] = -w63 - 0.2 * m->omega * w67;
+    matrix[44] = -0.2 * m->omega * w68 + w62;
     matrix[51] = m->load * q;
-    matrix[55] = -0.2 * m->omega * w76 + w78;
-    matrix[56] = -w16 - 0.2 * m->omega * w79;
-    matrix[62] = m->load * w71;
-    matrix[65] = w16 - 0.2 * m->omega * w81;
-    matrix[66] = -0.2 * m->omega * w82 + w78;
+    matrix[55] = -0.2 * m->omega * w70 + w72;
+    matrix[56] = -w15 - 0.2 * m->omega * w73;
+    matrix[62] = m->load * w65;
+    matrix[65] = w15 - 0.2 * m->omega * w75;
+    matrix[66] = -0.2 * m->omega * w76 + w72;
 }
 
 /* The rates of a small difference are this matrix times it. */
@@ -261,17 +253,17 @@ static void contact_by_parameters(const struct parameters *m,
     added[2][3] = 0.0;
 }
 
-/* The Taylor series of the state: 18 lanes. */
+/* The Taylor series of the state: 16 lanes. */
 static void contact_expand(const struct parameters *m,
     struct series *series, int order)
 {
-    _Static_assert(10 <= WIDTH && 18 <= LANES && 0 <= FACTORS, "series.h has no room for this mode");
+    _Static_assert(10 <= WIDTH && 16 <= LANES && 0 <= FACTORS, "series.h has no room for this mode");
     const double q_first = series->terms[0][CONTACT_Q];
     const double inverse_r = inverse(m->delta0 + q_first * q_first);
     double one = 1.0; /* coefficient n of 1 */
     begin_lanes(series);
     for (int n = 0; n < order; n++) {
-        sum_known(series, n, 5);
+        sum_known(series, n, 4);
         const double *here = series->terms[n];
         double *terms = series->terms[n + 1];
         const double share = 1.0 / (n + 1);
@@ -308,10 +300,7 @@ static void contact_expand(const struct parameters *m,
         const double of_down_t = -w20;
         const double w22 = times(series, 14, n, w3, q); /* w3 * q */
         const double of_j = m->pressed * w22;
-        /* push * (pressed * contact_damping * p + (pressed - 1.0)) */
-        const double w24 = times(series, 15, n, push, m->pressed * m->contact_damping * p + one * (m->pressed - 1.0));
-        const double loss = times(series, 16, n, w24, p); /* w24 * p */
-        const double w26 = times(series, 17, n, loss, q); /* loss * q */
+        const double w24 = times(series, 15, n, w22, p); /* w22 * p */
         terms[CONTACT_Q] = of_q * share;
         terms[CONTACT_P] = of_p * share;
         terms[CONTACT_H] = of_h * share;
@@ -321,16 +310,16 @@ static void contact_expand(const struct parameters *m,
         terms[CONTACT_DOWN_T] = of_down_t * share;
         terms[CONTACT_T] = q * share;
         terms[CONTACT_J] = of_j * share;
-        terms[CONTACT_LOST] = w26 * share;
+        terms[CONTACT_WORK] = m->pressed * w24 * share;
         one = 0.0;
     }
 }
 
-/* The Taylor series of the state, and the factors of differences: 28 lanes. */
+/* The Taylor series of the state, and the factors of differences: 26 lanes. */
 static void contact_expand_with_factors(const struct parameters *m,
     struct series *series, int order)
 {
-    _Static_assert(10 <= WIDTH && 28 <= LANES && 6 <= FACTORS, "series.h has no room for this mode");
+    _Static_assert(10 <= WIDTH && 26 <= LANES && 6 <= FACTORS, "series.h has no room for this mode");
     const double q_first = series->terms[0][CONTACT_Q];
     const double inverse_r = inverse(m->delta0 + q_first * q_first);
     double one = 1.0; /* coefficient n of 1 */
@@ -373,25 +362,22 @@ static void contact_expand_with_factors(const struct parameters *m,
         const double of_down_t = -w21;
         const double w23 = times(series, 14, n, w4, q); /* w4 * q */
         const double of_j = m->pressed * w23;
-        /* push * (pressed * contact_damping * p + (pressed - 1.0)) */
-        const double w25 = times(series, 15, n, push, m->pressed * m->contact_damping * p + one * (m->pressed - 1.0));
-        const double loss = times(series, 16, n, w25, p); /* w25 * p */
-        const double w27 = times(series, 17, n, loss, q); /* loss * q */
-        const double w28 = w3 + one * 1.0;
-        /* (1.5 * hertz * q + linear) * w28 */
-        const double w29 = times(series, 18, n, 1.5 * m->hertz * q + one * m->linear, w28);
-        /* (-pressed * w29 - shaft_stiffness) * q */
-        const double w30 = times(series, 19, n, -m->pressed * w29 - one * m->shaft_stiffness, q);
-        const double w31 = over(series, 20, n, one * 1.0, r, inverse_r); /* 1.0 / r */
-        const double w32 = times(series, 21, n, around, w31); /* around * w31 */
-        const double w33 = times(series, 22, n, w32, push); /* w32 * push */
-        const double w34 = times(series, 23, n, w33, q); /* w33 * q */
+        const double w25 = times(series, 15, n, w23, p); /* w23 * p */
+        const double w26 = w3 + one * 1.0;
+        /* (1.5 * hertz * q + linear) * w26 */
+        const double w27 = times(series, 16, n, 1.5 * m->hertz * q + one * m->linear, w26);
+        /* (-pressed * w27 - shaft_stiffness) * q */
+        const double w28 = times(series, 17, n, -m->pressed * w27 - one * m->shaft_stiffness, q);
+        const double w29 = over(series, 18, n, one * 1.0, r, inverse_r); /* 1.0 / r */
+        const double w30 = times(series, 19, n, around, w29); /* around * w29 */
+        const double w31 = times(series, 20, n, w30, push); /* w30 * push */
+        const double w32 = times(series, 21, n, w31, q); /* w31 * q */
         /* (-2.0 * zeta - pressed * contact_damping * push) * q */
-        const double w35 = times(series, 24, n, one * (-2.0 * m->zeta) - m->pressed * m->contact_damping * push, q);
-        const double w36 = times(series, 25, n, push, w28); /* push * w28 */
-        const double w37 = times(series, 26, n, w36, w31); /* w36 * w31 */
-        /* (-pressed * w37 - shaft_stiffness) * q */
-        const double w38 = times(series, 27, n, -m->pressed * w37 - one * m->shaft_stiffness, q);
+        const double w33 = times(series, 22, n, one * (-2.0 * m->zeta) - m->pressed * m->contact_damping * push, q);
+        const double w34 = times(series, 23, n, push, w26); /* push * w26 */
+        const double w35 = times(series, 24, n, w34, w29); /* w34 * w29 */
+        /* (-pressed * w35 - shaft_stiffness) * q */
+        const double w36 = times(series, 25, n, -m->pressed * w35 - one * m->shaft_stiffness, q);
         terms[CONTACT_Q] = of_q * share;
         terms[CONTACT_P] = of_p * share;
         terms[CONTACT_H] = of_h * share;
@@ -401,13 +387,13 @@ static void contact_expand_with_factors(const struct parameters *m,
         terms[CONTACT_DOWN_T] = of_down_t * share;
         terms[CONTACT_T] = q * share;
         terms[CONTACT_J] = of_j * share;
-        terms[CONTACT_LOST] = w27 * share;
+        terms[CONTACT_WORK] = m->pressed * w25 * share;
         series->factors[0][n] = q;
         series->factors[1][n] = turned;
-        series->factors[2][n] = w30;
-        series->factors[3][n] = -(m->pressed * m->contact_damping) * w34;
-        series->factors[4][n] = w35;
-        series->factors[5][n] = w38;
+        series->factors[2][n] = w28;
+        series->factors[3][n] = -(m->pressed * m->contact_damping) * w32;
+        series->factors[4][n] = w33;
+        series->factors[5][n] = w36;
         one = 0.0;
     }
 }

@@ -28,7 +28,7 @@ void begin_differences(const struct motion *motion, double *start, double *atol)
 
 /* Whether a contact of the whole model begins pressed or loose; and what it has lost. */
 void begin_pressed(struct motion *motion, const double *start);
-double lost_of(const double *values);
+double lost_of(const struct motion *motion, const double *start, const double *values);
 int integrate_contact(struct run *run, struct motion *motion, const double *start,
                       const double *atol, double *reached, struct peak *peak, int *left);
 int follow_freely(struct run *run, struct motion *motion, struct peak *peak, int *touched);

@@ -20,8 +20,8 @@ void begin_differences(const struct motion *motion, double *start, double *atol)
 
 #ifdef WHOLE_MODEL
 /* Looks a step by CVODE is given for a release or a press; one by Taylor series is cut so that it
- * has one at most. And those for the largest force. */
-enum { LOOKS_FOR_RELEASE = 4, LOOKS_FOR_FORCE = 6, MOST_NARROWING = 60 };
+ * has one at most. And most points at which the largest force is sought. */
+enum { LOOKS_FOR_RELEASE = 4, MOST_NARROWING = 60 };
 
 /* The radial velocity at which 1 + c d' vanishes. */
 static double release_velocity(const struct motion *motion)
@@ -51,7 +51,59 @@ void begin_pressed(struct motion *motion, const double *start)
     motion->model.pressed = above > 0.0 ? 1.0 : 0.0;
 }
 
-double lost_of(const double *values) { return values[CONTACT_LOST]; }
+/* What the spring of the contact holds. */
+static double held_by(const struct parameters *m, double q)
+{
+    const double square = q * q;
+    return square * square * (m->hertz * q * 0.4 + m->linear * 0.5);
+}
+
+double lost_of(const struct motion *motion, const double *start, const double *values)
+{
+    const struct parameters *m = &motion->model;
+    if (m->contact_damping == 0.0)
+        return 0.0;
+    return values[CONTACT_WORK] - held_by(m, values[CONTACT_Q]) + held_by(m, start[CONTACT_Q]);
+}
+
+/* How far inside its mode a contact is at a point of the last step; and how fast that grows, which
+ * is not asked of Taylor series. */
+struct margin {
+    double point, value, growth;
+};
+
+static struct margin margin_at(struct motion *motion, double point)
+{
+    double rate[MOST_VALUES] = {0.0};
+    const double *values = motion->at(motion, point);
+    if (!motion->begins_anew)
+        motion->mode->field(&motion->model, values, rate);
+    const double side = motion->model.pressed > 0.0 ? 1.0 : -1.0;
+    return (struct margin){point, within_mode(motion, values), side * rate[CONTACT_P]};
+}
+
+/* A point between two at which the contact is outside its mode, or the second of the two: where the
+ * margin falls and rises between them, its least is looked at as long as it may be below 0. */
+static struct margin point_outside(struct motion *motion, struct margin left, struct margin right)
+{
+    const struct margin last = right;
+    for (int i = 0; left.growth < 0.0 && 0.0 < right.growth && i < MOST_NARROWING; i++) {
+        const double reach = right.point - left.point;
+        const double least = larger(left.value + left.growth * reach,
+                                    right.value - right.growth * reach);
+        if (!(least < 0.0) || reach <= ROUNDING * right.point)
+            break;
+        const double part = i % 4 == 3 ? 0.5 : left.growth / (left.growth - right.growth);
+        const struct margin here = margin_at(motion, left.point + part * reach);
+        if (here.value < 0.0)
+            return here;
+        if (here.growth < 0.0)
+            left = here;
+        else
+            right = here;
+    }
+    return last;
+}
 
 /* Where in the last step, up to `end`, the force falls to 0 or comes back; infinite where it does
  * not, NaN where it cannot be found. */
@@ -61,65 +113,73 @@ static double release_in_step(struct motion *motion, double end)
         return INFINITY;
     const int looks = motion->begins_anew ? 1 : LOOKS_FOR_RELEASE;
     const double low = motion->low, level = release_velocity(motion);
-    double from = low;
+    struct margin from = margin_at(motion, low);
     for (int look = 1; look <= looks; look++) {
-        const double to = look < looks ? low + (end - low) * look / looks : end;
-        if (within_mode(motion, motion->at(motion, to)) < 0.0) {
-            /* the mode begins where it ended last: a point inside it must be found first */
-            double reach = to - from;
-            double point = from;
-            while (within_mode(motion, motion->at(motion, point)) <= 0.0 && reach > 1e-14 * to) {
+        const double next = look < looks ? low + (end - low) * look / looks : end;
+        const struct margin to = margin_at(motion, next);
+        const struct margin outside = to.value < 0.0 ? to : point_outside(motion, from, to);
+        if (outside.value < 0.0) {
+            /* the mode begins where another ended: a point inside it must be found first */
+            double reach = outside.point - from.point, point = from.point;
+            while (within_mode(motion, motion->at(motion, point)) <= 0.0
+                   && reach > 1e-14 * outside.point) {
                 reach *= 0.125;
-                point = from + reach;
+                point = from.point + reach;
             }
             if (within_mode(motion, motion->at(motion, point)) <= 0.0)
-                return to;
-            return root_in_step(motion, radial_velocity_of, level, point, to);
+                return outside.point;
+            return root_in_step(motion, radial_velocity_of, level, point, outside.point);
         }
         from = to;
     }
     return INFINITY;
 }
 
-static double force_at(struct motion *motion, double point)
+/* The normal force of a pressed contact at values, and how fast it grows. */
+struct push {
+    double force, growth;
+};
+
+static struct push push_of(const struct motion *motion, const double *values)
 {
     const struct parameters *m = &motion->model;
-    const double *values = motion->at(motion, point), q = values[CONTACT_Q];
-    const double spring = q * q * (m->hertz * q + m->linear);
-    return larger(m->pressed * spring * (1.0 + m->contact_damping * values[CONTACT_P]), 0.0);
+    const double q = values[CONTACT_Q], spring = q * q * (m->hertz * q + m->linear);
+    const double held = 1.0 + m->contact_damping * values[CONTACT_P];
+    double rate[MOST_VALUES];
+    motion->mode->field(m, values, rate);
+    const double stiffening = q * (3.0 * m->hertz * q + 2.0 * m->linear) * rate[CONTACT_Q];
+    return (struct push){larger(spring * held, 0.0),
+                         stiffening * held + spring * m->contact_damping * rate[CONTACT_P]};
 }
 
-/* Keep the largest force: with damping it comes before the largest indentation. */
-static void raise_force(struct peak *peak, struct motion *motion, double end)
+/* Keep the largest force of a step up to `end`: with damping it comes before the largest
+ * indentation. It is sought where the force grows at the beginning and falls at the end. */
+static void raise_force(struct peak *peak, struct motion *motion, double end, const double *reached)
 {
     if (motion->model.pressed == 0.0)
         return;
-    const double low = motion->low, apart = (end - low) / LOOKS_FOR_FORCE;
-    double best = low, largest = force_at(motion, low);
-    for (int look = 1; look <= LOOKS_FOR_FORCE; look++) {
-        const double force = force_at(motion, low + apart * look);
-        if (force > largest) {
-            largest = force;
-            best = low + apart * look;
-        }
-    }
-    if (largest <= 0.5 * peak->force)
-        return;
-    double reach = apart;
-    for (int i = 0; i < MOST_NARROWING && reach > 1e-9 * (end - low); i++) {
-        const double before = larger(best - reach, low), after = smaller(best + reach, end);
-        const double early = force_at(motion, before), late = force_at(motion, after);
-        if (early > largest) {
-            largest = early;
-            best = before;
-        } else if (late > largest) {
-            largest = late;
-            best = after;
+    struct push left = push_of(motion, motion->before), right = push_of(motion, reached);
+    double low = motion->low, high = end;
+    peak->force = larger(peak->force, larger(left.force, right.force));
+    for (int i = 0; left.growth > 0.0 && 0.0 > right.growth && i < MOST_NARROWING; i++) {
+        /* no more than what it grows from either end is to be had */
+        const double most = smaller(left.force + left.growth * (high - low),
+                                    right.force - right.growth * (high - low));
+        if (most <= peak->force * (1.0 + NOISE))
+            break;
+        /* by the secant of the growth, or halves where that gets nowhere */
+        const double part = i % 4 == 3 ? 0.5 : left.growth / (left.growth - right.growth);
+        const double point = low + part * (high - low);
+        const struct push here = push_of(motion, motion->at(motion, point));
+        peak->force = larger(peak->force, here.force);
+        if (here.growth > 0.0) {
+            low = point;
+            left = here;
         } else {
-            reach *= 0.5;
+            high = point;
+            right = here;
         }
     }
-    peak->force = larger(peak->force, largest);
 }
 
 /* Record that the contact becomes loose, or is pressed again, and begin the other mode there. */
@@ -145,7 +205,11 @@ static int change_mode(struct run *run, struct motion *motion, double *start, co
 #else
 void begin_pressed(struct motion *motion, const double *start) { (void)motion, (void)start; }
 
-double lost_of(const double *values) { return (void)values, 0.0; }
+double lost_of(const struct motion *motion, const double *start, const double *values)
+{
+    (void)motion, (void)start, (void)values;
+    return 0.0;
+}
 #endif
 
 /* A point of the last step at which the rotor is in contact. */
@@ -237,7 +301,7 @@ int integrate_contact(struct run *run, struct motion *motion, const double *begu
             return status;
 #ifdef WHOLE_MODEL
         if (motion->model.contact_damping > 0.0)
-            raise_force(peak, motion, end);
+            raise_force(peak, motion, end, reached);
         if (changes) {
             status = change_mode(run, motion, start, atol, reached);
             if (status != DONE)

@@ -16,6 +16,8 @@
 #include "flight.h"
 
 static const double NEVER = INFINITY;
+/* Two terms below this part of a sum end it. */
+static const double NEGLIGIBLE = 1e-18;
 enum { TERMS = 28, MOST_POLISHING = 80 };
 
 /* C, S, Q and P, and the rates of change of C, S and P. */
@@ -51,6 +53,9 @@ static void answers_by_series(const struct rotor *rotor, double tau, struct answ
         p[2] = next_p;
         found->q += next_q;
         found->p = plus(found->p, next_p);
+        if (fabs(next_q) + fabs(next_p.x) + fabs(next_p.y) + fabs(q[1]) + fabs(p[1].x)
+                + fabs(p[1].y) < NEGLIGIBLE * found->q)
+            return;
     }
 }
 

@@ -81,7 +81,7 @@ static void regularise(struct motion_of_centre start, double root, double *value
 #ifdef WHOLE_MODEL
     values[CONTACT_DOWN_R] = dot(direction, start.down);
     values[CONTACT_DOWN_T] = cross(direction, start.down);
-    values[CONTACT_LOST] = 0.0;
+    values[CONTACT_WORK] = 0.0;
 #endif
 }
 
@@ -132,6 +132,6 @@ void contact_tolerances(const double *start, double rtol, double absolute, doubl
     atol[CONTACT_Q] = atol[CONTACT_P] = larger(rtol * fastest, BELOW_ROUNDING);
     atol[CONTACT_T] = atol[CONTACT_J] = larger(rtol * least, TIGHTEST_ATOL);
 #ifdef WHOLE_MODEL
-    atol[CONTACT_LOST] = larger(rtol * fastest * fastest, TIGHTEST_ATOL);
+    atol[CONTACT_WORK] = larger(rtol * fastest * fastest, TIGHTEST_ATOL);
 #endif
 }

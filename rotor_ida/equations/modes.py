@@ -11,7 +11,7 @@ the rotating axes and in the polar basis of a contact.
 
 All is derived twice: for the paper's rotor, of which shaft, contact damping and load are the number
 0 and vanish from what is derived, and for the whole model, whose states hold the direction of the
-load and the energy that a contact has lost as well. There the contact has two ways: pressed, and
+load and the work of a contact as well. There the contact has two ways: pressed, and
 loose, while damping would make the force tensile; `rotor.pressed` is 1 or 0. The exponent of the
 force is 3/2 where `rotor.hertz` is 1, or 1 where `rotor.linear` is.
 
@@ -173,7 +173,7 @@ def contact_rates(state: Numbers, rotor: Any) -> list[Number]:
     motion is analytic through entry and exit; p is the radial velocity, h the angular momentum, c
     and s the direction on the rotating axes, t the time and j the impulse of the force. Of the
     whole model there are the components of the load's direction along the radius and across it,
-    and the energy that the contact has lost.
+    and the work of the rotor on the ring: the energy that the ring holds, and what it has lost.
     """
     q, p, h, c, s, *rest = state
     whole = len(state) > len(CONTACT_STATE)
@@ -195,9 +195,7 @@ def contact_rates(state: Numbers, rotor: Any) -> list[Number]:
     if not whole:
         return [of_q, of_p, of_h, of_c, of_s, q, of_j]
     of_down_r, of_down_t = turned * down_t, -(turned * down_r)
-    # (N - d**n) d', without cancellation where there is little damping
-    loss = spring * (rotor.pressed * rotor.contact_damping * p + (rotor.pressed - 1.0)) * p
-    return [of_q, of_p, of_h, of_c, of_s, of_down_r, of_down_t, q, of_j, q * loss]
+    return [of_q, of_p, of_h, of_c, of_s, of_down_r, of_down_t, q, of_j, of_j * p]
 
 
 def drawn_contact_rates(state: Numbers, rotor: Any) -> list[Number]:
@@ -283,7 +281,7 @@ CARTESIAN = Mode(
     guards=(),
     drawn_rates=cartesian_rates,
 )
-WHOLE_CONTACT = replace(CONTACT, state=(*CONTACT_STATE[:5], "down_r", "down_t", "t", "j", "lost"))
+WHOLE_CONTACT = replace(CONTACT, state=(*CONTACT_STATE[:5], "down_r", "down_t", "t", "j", "work"))
 WHOLE_CARTESIAN = replace(CARTESIAN, state=(*CARTESIAN_STATE, "down_x", "down_y"))
 
 

@@ -12,7 +12,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import check_instance
 from rotor_ida.equations.contact import contact_force
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import PARAMETERS
+from rotor_ida.parameters import ALL_PARAMETERS
 from rotor_ida.schema import WHIRL_DIRECTION, Column, labelled_dataset, origin_of
 from rotor_ida.simulation.orbit import ENTRY, EXIT, Orbit
 
@@ -104,7 +104,11 @@ def contact_summary(run: xr.Dataset) -> xr.Dataset:
         "forward_fraction": float(forward.mean()) if force.size else math.nan,
     }
     columns: dict[str, Column] = {name: ((), value) for name, value in values.items()}
-    coordinates = {name: run[name].variable for name in PARAMETERS}
+    if "contact_loss" in run:
+        values["total_contact_loss"] = float(run["contact_loss"].sum())
+        values["mean_contact_loss"] = values["total_contact_loss"] / force.size
+        columns = {name: ((), value) for name, value in values.items()}
+    coordinates = {name: run[name].variable for name in ALL_PARAMETERS if name in run.variables}
     title = "Contacts of one simulated run, summarised"
     return labelled_dataset(title, columns, coordinates, origin_of(run))
 
