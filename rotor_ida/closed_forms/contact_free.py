@@ -134,7 +134,9 @@ def touch_fading(rotor: Rotor) -> float:
         h - h' = C h**2,   C = (3 pi/(16 zeta)) sqrt(2/kappa)
 
     so 1/h grows by C from touch to touch, and the n-th has ``h = 1/(C n)``, to leading order in
-    h: the touches never end, and the limit is the whirl that just reaches the ring.
+    h: the touches never end, and the limit is the whirl that just reaches the ring. A linear
+    contact gives the impulse ``(4/3) h**1.5 sqrt(2/kappa)``; there ``1/sqrt(h)`` grows, by
+    ``C = sqrt(2/kappa)/(3 zeta)``. Contact damping does not count to leading order.
 
     Examples
     --------
@@ -148,6 +150,8 @@ def touch_fading(rotor: Rotor) -> float:
         return math.nan
     # a product of these would underflow at the smallest speeds
     width = math.sqrt(2.0 / amplitude) * math.sqrt(rotor.delta0 / room) / rotor.omega
+    if rotor.contact_exponent == 1.0:
+        return width / (3.0 * rotor.zeta)
     return 3.0 * math.pi / (16.0 * rotor.zeta) * width
 
 

@@ -264,6 +264,36 @@ static double polish(const struct motion_of_centre *start, const struct rotor *r
     return tau;
 }
 
+/* What a flight is made of: the whirl with the unbalance, and what is not yet settled about the
+ * place at which the load holds the rotor. */
+struct parts {
+    double whirl; /* radius of the whirl; infinite where there is none */
+    double rest;  /* distance of that place from the axis */
+    struct vector centre, moving; /* displacement and velocity without the whirl */
+    struct vector off;            /* displacement without the whirl, from that place */
+};
+
+static struct parts parts_of(const struct motion_of_centre *start, const struct rotor *rotor,
+                             const struct place *at, double tau)
+{
+    const double omega = rotor->omega, kappa = rotor->shaft_stiffness;
+    struct parts found = {.whirl = 0.0, .rest = 0.0, .centre = at->z, .moving = at->v};
+    if (omega > 0.0) {
+        const struct vector turn = {cos(omega * tau), sin(omega * tau)};
+        const struct vector whirl = product(scaled(omega * omega, compliance(rotor)), turn);
+        found.whirl = isfinite(whirl.x + whirl.y) ? length(whirl) : INFINITY;
+        found.centre = plus(at->z, scaled(-1.0, whirl));
+        found.moving = plus(at->v, scaled(-omega, quarter_turned(whirl)));
+    }
+    found.off = found.centre;
+    if (rotor->load > 0.0) {
+        const struct vector rest = scaled(rotor->load / kappa, start->down);
+        found.rest = kappa > 0.0 ? length(rest) : INFINITY;
+        found.off = plus(found.centre, scaled(-1.0, rest));
+    }
+    return found;
+}
+
 /* How far from the axis the flight can come at most from now on; infinite where that is not known.
  *
  * Without shaft and load the whirl's centre drifts along a straight line, and is farthest out at an
@@ -271,26 +301,42 @@ static double polish(const struct motion_of_centre *start, const struct rotor *r
 static double farthest(const struct motion_of_centre *start, const struct rotor *rotor,
                        const struct place *at, double tau, double limit)
 {
-    const double omega = rotor->omega, kappa = rotor->shaft_stiffness;
-    const struct vector turn = {cos(omega * tau), sin(omega * tau)};
-    const struct vector settled_whirl = scaled(omega * omega, compliance(rotor));
-    const double whirl = omega > 0.0 ? length(settled_whirl) : 0.0;
-    if (!isfinite(whirl))
+    const struct parts now = parts_of(start, rotor, at, tau);
+    const double kappa = rotor->shaft_stiffness;
+    if (!isfinite(now.whirl + now.rest))
         return INFINITY;
-    const struct vector now = omega > 0.0 ? product(settled_whirl, turn)
-                                          : (struct vector){0.0, 0.0};
-    const struct vector moving = plus(at->v, scaled(-omega, quarter_turned(now)));
-    const struct vector centre = plus(at->z, scaled(-1.0, now));
     if (kappa == 0.0) {
-        if (rotor->load > 0.0)
-            return INFINITY;
-        (void)start;
         const double reach = settled(2.0 * rotor->zeta, limit - tau);
-        return whirl + larger(length(centre), length(plus(centre, scaled(reach, moving))));
+        const struct vector then = plus(now.centre, scaled(reach, now.moving));
+        return now.whirl + larger(length(now.centre), length(then));
     }
-    const struct vector rest = scaled(rotor->load / kappa, start->down);
-    const struct vector off = plus(centre, scaled(-1.0, rest));
-    return whirl + length(rest) + sqrt(dot(off, off) + dot(moving, moving) / kappa);
+    return now.whirl + now.rest
+           + sqrt(dot(now.off, now.off) + dot(now.moving, now.moving) / kappa);
+}
+
+/* A bound on |g'''| over a step, as the unbalance whirl keeps its radius: of
+ *
+ *     2 Re(conj(c) e) + |c|**2,    e the whirl, c all else,
+ *
+ * by bounds on c and its derivatives. It falls as the motion settles; infinite where none is known. */
+static double settling_bound(const struct motion_of_centre *start, const struct rotor *rotor,
+                             const struct place *at, double tau, double reach)
+{
+    const struct parts now = parts_of(start, rotor, at, tau);
+    const double omega = rotor->omega, damping = 2.0 * rotor->zeta, kappa = rotor->shaft_stiffness;
+    if (!isfinite(now.whirl + now.rest))
+        return INFINITY;
+    const double moving = length(now.moving);
+    double place = length(now.centre) + moving * reach, first = moving;
+    if (kappa > 0.0) {
+        first = sqrt(dot(now.moving, now.moving) + kappa * dot(now.off, now.off));
+        place = now.rest + first / sqrt(kappa);
+    }
+    const double second = (damping + sqrt(kappa)) * first;
+    const double third = damping * second + kappa * first;
+    const double with_whirl = third
+                              + omega * (3.0 * second + omega * (3.0 * first + omega * place));
+    return 2.0 * (now.whirl * with_whirl + 3.0 * first * second + place * third);
 }
 
 /* The rate of the fastest motion that a flight inside the ring is capable of. */
@@ -383,7 +429,8 @@ double next_turn(struct motion_of_centre start, const struct rotor *rotor, doubl
         }
         if (tau >= limit || asked_to_stop(stop))
             return NEVER;
-        const double bound = jerk_bound(rotor, speed, reach);
+        const double bound = smaller(settling_bound(&start, rotor, &at, tau, reach),
+                                     jerk_bound(rotor, speed, reach));
         const double towards = here.slope > 0.0 ? here.bend : -here.bend;
         const double clear = first_root_of_majorant(-fabs(here.slope), -towards, bound);
         const double least = sqrt(2.0 * noise / bound) + ROUNDING * tau;

@@ -86,7 +86,9 @@ def contact_stiffness(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
     return HERTZ_EXPONENT * indentation(radius, delta0) ** (HERTZ_EXPONENT - 1.0)
 
 
-def secant_stiffness(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
+def secant_stiffness(
+    radius: npt.ArrayLike, delta0: npt.ArrayLike, exponent: float = HERTZ_EXPONENT
+) -> Values:
     """Force over radius, ``s(r) = f(r) / r`` [1]; zero, its limit, at r = 0.
 
     Examples
@@ -95,7 +97,7 @@ def secant_stiffness(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
     array([0., 2.])
     """
     radii = np.asarray(radius, dtype=np.float64)
-    force = contact_force(radii, delta0)
+    force = contact_force(radii, delta0, exponent)
     return np.divide(force, radii, out=np.zeros_like(force), where=force > 0.0)
 
 
@@ -121,9 +123,11 @@ def force_over_radius(radius: float, delta0: float, exponent: float = HERTZ_EXPO
     return depth**exponent / radius if depth > 0.0 else 0.0
 
 
-def stiffness(radius: float, delta0: float) -> float:
-    """Scalar ``f'(r)``."""
-    return float(HERTZ_EXPONENT * max(radius - delta0, 0.0) ** (HERTZ_EXPONENT - 1.0))
+def stiffness(radius: float, delta0: float, exponent: float = HERTZ_EXPONENT) -> float:
+    """Scalar ``f'(r)``; a linear spring has it in contact alone."""
+    if exponent == 1.0:
+        return 1.0 if radius > delta0 else 0.0
+    return float(exponent * max(radius - delta0, 0.0) ** (exponent - 1.0))
 
 
 def secant_of_square(square: Any) -> Any:

@@ -46,8 +46,8 @@ def field(time: float, state: npt.ArrayLike, rotor: Rotor) -> Values:
 
     Notes
     -----
-    ``z'' = omega**2 exp(i omega t) - 2 zeta z' - f(|z|) z/|z|``. The force is zero at
-    ``z = 0``, its limit.
+    ``z'' = omega**2 exp(i omega t) - i gamma - 2 zeta z' - kappa z - N z/|z|``, of which a paper's
+    rotor has neither load nor shaft, and ``N = f(|z|)``. The force is zero at ``z = 0``, its limit.
 
     References
     ----------
@@ -59,10 +59,27 @@ def field(time: float, state: npt.ArrayLike, rotor: Rotor) -> Values:
     array([0., 0., 3., 0.])
     """
     x, y, vx, vy = np.asarray(state, dtype=np.float64).tolist()
-    secant, angle = force_over_radius(math.hypot(x, y), rotor.delta0), rotor.omega * time
+    secant, angle = push_over_radius((x, y, vx, vy), rotor), rotor.omega * time
     ax = acceleration(Along(x, vx, x, math.cos(angle)), secant, rotor)
-    ay = acceleration(Along(y, vy, y, math.sin(angle)), secant, rotor)
+    ay = acceleration(Along(y, vy, y, math.sin(angle), -1.0), secant, rotor)
     return np.array([vx, vy, ax, ay])
+
+
+def push_over_radius(state: Sequence[float], rotor: Rotor) -> float:
+    """Return the normal force over the radius, ``N/|z|`` [1], in either frame; never tensile.
+
+    Examples
+    --------
+    >>> machine = Rotor(omega=2.0, zeta=0.1, delta0=0.5, contact_damping=0.5)
+    >>> push_over_radius((1.5, 0.0, 1.0, 0.0), machine), push_over_radius((1.5, 0, -3, 0), machine)
+    (1.0, 0.0)
+    """
+    x, y, vx, vy = state
+    radius = math.hypot(x, y)
+    secant = force_over_radius(radius, rotor.delta0, rotor.contact_exponent)
+    if rotor.contact_damping == 0.0 or secant == 0.0:
+        return secant
+    return secant * max(0.0, 1.0 + rotor.contact_damping * (x * vx + y * vy) / radius)
 
 
 def jacobian(state: npt.ArrayLike, rotor: Rotor) -> Values:
@@ -80,6 +97,8 @@ def jacobian(state: npt.ArrayLike, rotor: Rotor) -> Values:
 def rotating_field(state: npt.ArrayLike, rotor: Rotor) -> Values:
     """Rate of change of the state read on the rotating axes, shape (4,) [1].
 
+    A load, which turns on these axes, is where it is at time 0.
+
     Notes
     -----
     ``Z' = W - i omega Z`` and ``W' = omega**2 - (2 zeta + i omega) W - f(|Z|) Z/|Z|``,
@@ -93,7 +112,7 @@ def rotating_field(state: npt.ArrayLike, rotor: Rotor) -> Values:
     array([0., 0., 0., 0.])
     """
     x, y, vx, vy = np.asarray(state, dtype=np.float64).tolist()
-    secant = force_over_radius(math.hypot(x, y), rotor.delta0)
+    secant = push_over_radius((x, y, vx, vy), rotor)
     return np.array(_rates((x, y, vx, vy), secant, rotor, rotor.omega))
 
 
@@ -114,21 +133,26 @@ def _rates(state: Sequence[Any], secant: Any, rotor: Rotor, turning: float) -> l
     """Return the rates of a state read on axes that turn; `secant` is f/|z|."""
     x, y, vx, vy = state
     ax = acceleration(Along(x, vx, x, 1.0), secant, rotor)
-    ay = acceleration(Along(y, vy, y, 0.0), secant, rotor)
+    ay = acceleration(Along(y, vy, y, 0.0, -1.0), secant, rotor)
     return turned_rates((x, y), (vx, vy), (ax, ay), turning)
 
 
 def _jacobian(state: npt.ArrayLike, rotor: Rotor, turning: float) -> Values:
     """Return the derivative of the rates of a state read on axes that turn."""
     values = np.asarray(state, dtype=np.float64).tolist()
-    radius = math.hypot(values[0], values[1])
-    secant, slope = force_over_radius(radius, rotor.delta0), (0.0, 0.0)
+    radius, exponent = math.hypot(values[0], values[1]), rotor.contact_exponent
+    secant, slope = force_over_radius(radius, rotor.delta0, exponent), (0.0, 0.0)
     if radius > 0.0:
         # not over radius**2, which may be 0
-        more = (stiffness(radius, rotor.delta0) - secant) / radius
+        more = (stiffness(radius, rotor.delta0, exponent) - secant) / radius
         slope = more * (values[0] / radius), more * (values[1] / radius)
     restoring = Dual(secant, (*slope, 0.0, 0.0))
-    return np.array([rate.parts for rate in _rates(variables(values), restoring, rotor, turning)])
+    given = variables(values)
+    if rotor.contact_damping > 0.0 and secant > 0.0:
+        x, y, vx, vy = given
+        held = rotor.contact_damping * (x * vx + y * vy) / (x * x + y * y) ** 0.5 + 1.0
+        restoring = restoring * held if held.value > 0.0 else restoring * 0.0
+    return np.array([rate.parts for rate in _rates(given, restoring, rotor, turning)])
 
 
 def rotated(states: npt.ArrayLike, angle: npt.ArrayLike) -> Values:

@@ -139,7 +139,6 @@ def lyapunov_exponent(
     array([-0.07, -0.07, -0.07, -0.07])
     """
     check_instance("rotor", rotor, Rotor)
-    check_papers(rotor, "lyapunov_exponent")
     first = check_state("start", start)
     check_can_be_followed(rotor, first)
     lead = check_positive("transient", transient, LONGEST)
@@ -161,7 +160,8 @@ def lyapunov_exponent(
     stretches = interruptible(
         lambda stop: _stretches(rotor, first, *spans, span, tolerance, stop, method)
     )
-    exponents, errors = _means(stretches / span, count, -4.0 * rotor.zeta)
+    divergence = _divergence(rotor)
+    exponents, errors = _means(stretches / span, count, divergence)
     order = np.argsort(-exponents, kind="stable")
     shown = np.unique(np.linspace(1, count * each, min(POINTS_SHOWN, count * each)).astype(int))
     running = np.cumsum(stretches, axis=0)[shown - 1] / (span * shown[:, None])
@@ -169,7 +169,7 @@ def lyapunov_exponent(
         "lyapunov_exponent": ("exponent", exponents[order]),
         "lyapunov_error": ("exponent", errors[order]),
         "exponent_sum": ((), exponents.sum()),
-        "divergence": ((), -4.0 * rotor.zeta),
+        "divergence": ((), divergence),
         "running_exponent": (("t", "exponent"), running[:, order]),
     }
     coordinates = parameter_coordinates(rotor)
@@ -191,7 +191,7 @@ def largest_exponent(
     """
     spans = (math.ceil(TURNING_TIME / SPAN), BATCHES * math.ceil(duration / (BATCHES * SPAN)))
     stretches = _stretches(rotor, start, *spans, SPAN, rtol, stop, "taylor")
-    exponents, errors = _means(stretches / SPAN, BATCHES, -4.0 * rotor.zeta)
+    exponents, errors = _means(stretches / SPAN, BATCHES, _divergence(rotor))
     largest = int(np.argmax(exponents))
     return float(exponents[largest]), float(errors[largest])
 
@@ -219,6 +219,11 @@ def _stretches(
     return stretches[lead:]
 
 
+def _divergence(rotor: Rotor) -> float:
+    """Return the divergence of the flow; NaN where it is not the same all along an orbit."""
+    return math.nan if rotor.contact_damping > 0.0 else -4.0 * rotor.zeta
+
+
 def _means(rates: Values, count: int, divergence: float) -> tuple[Values, Values]:
     """Return the mean of rates, shape (n, 4), and its standard error from `count` batches."""
     means = _weighted(rates.reshape(count, -1, 4))
@@ -230,7 +235,7 @@ def _means(rates: Values, count: int, divergence: float) -> tuple[Values, Values
     widening = np.sqrt(np.maximum((1.0 + correlation) / (1.0 - correlation), 1.0))
     scatter = widening * np.sqrt(variance / (count - 1) / count)
     exponents = _weighted(rates)
-    defect = abs(float(exponents.sum()) - divergence)
+    defect = 0.0 if math.isnan(divergence) else abs(float(exponents.sum()) - divergence)
     return exponents, np.maximum(scatter, np.abs(exponents - means.mean(axis=0))) + defect
 
 

@@ -15,7 +15,7 @@ from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.options import Options
-from rotor_ida.simulation.orbit import Orbit
+from rotor_ida.simulation.orbit import ENTRY, Orbit
 from rotor_ida.simulation.run import run
 from rotor_ida.stability.lyapunov import largest_exponent
 from rotor_ida.steady_state.periods import (
@@ -142,13 +142,14 @@ class _Trajectory:
         times = np.linspace(0.0, length, samples)
         orbit = self._extend(length, times, extrema=True)
         self.extrema = orbit.extrema
+        touches = int((np.abs(orbit.event_kinds) == ENTRY).sum())
         return Window(
             rotor=self.rotor,
             times=times,
             states=rotated(orbit.states, -self.rotor.omega * times),
             contacts=orbit.contacts,
-            touches=orbit.event_times.size,
-            ends_in_contact=orbit.starts_in_contact != bool(orbit.event_times.size % 2),
+            touches=touches,
+            ends_in_contact=orbit.starts_in_contact != bool(touches % 2),
             steady=max(STEADY, STEADY_TOLERANCES * self.options.rtol),
         )
 
@@ -331,7 +332,10 @@ def failed(rotor: Rotor, start: State, options: Options, reason: str) -> Settled
 
 def durations(rotor: Rotor) -> tuple[float, float, int]:
     """Return the first wait, the length of the window and its number of samples."""
-    decay = DECAY_TIMES * max(1.0 / rotor.zeta, rotor.zeta) if rotor.zeta > 0.0 else math.inf
+    zeta, kappa = rotor.zeta, rotor.shaft_stiffness
+    decay = DECAY_TIMES * max(1.0 / zeta, zeta) if zeta > 0.0 else math.inf
+    if 0.0 < kappa < zeta * zeta:  # in flight what the shaft draws back comes slowly
+        decay = max(decay, DECAY_TIMES * (zeta + math.sqrt(zeta * zeta - kappa)) / kappa)
     wait = min(decay, LONGEST_FIRST_WAIT)
     if rotor.omega == 0.0:
         return wait, WINDOW_TIME, int(WINDOW_TIME * SAMPLES_PER_TIME) + 1

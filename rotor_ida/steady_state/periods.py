@@ -128,7 +128,8 @@ def slowest_multiplier(rotor: Rotor, state: State, period: float, stop: Stop) ->
     Notes
     -----
     Damping is uniform, so the multipliers are 1, ``q = exp(-2 zeta period)``, mu and ``q/mu``:
-    the sum of all four, the trace of the monodromy matrix, gives mu.
+    the sum of all four, the trace of the monodromy matrix, gives mu. With contact damping they come
+    in no pairs.
 
     References
     ----------
@@ -146,6 +147,10 @@ def slowest_multiplier(rotor: Rotor, state: State, period: float, stop: Stop) ->
         raise SimulationError(
             f"a cycle could not be followed round: {message_of(seen.status)}", time=0.0, state=state
         )
+    if rotor.contact_damping > 0.0:  # no pairs: without the trivial one, that nearest 1
+        multipliers = np.linalg.eigvals(bundle)
+        rest = np.delete(multipliers, np.argmin(np.abs(multipliers - 1.0)))
+        return complex(rest[np.argmax(np.abs(rest))])
     product = math.exp(-2.0 * rotor.zeta * period)
     both = float(np.trace(bundle)) - 1.0 - product
     apart = cmath.sqrt(both * both - 4.0 * product)

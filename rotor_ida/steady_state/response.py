@@ -62,10 +62,10 @@ class Window:
         Equally spaced times from the start of the window, 0, to its end [1].
     states : ndarray, shape (n, 4)
         ``(x, y, vx, vy)`` at those times, on the rotating axes [1].
-    contacts : ndarray, shape (k, 6)
+    contacts : ndarray, shape (k, 8)
         The contacts, as in `rotor_ida.simulation.orbit.Orbit`.
     touches : int
-        Number of contact events.
+        Number of entries and exits.
     ends_in_contact : bool
         Whether it ends in contact.
     steady : float
@@ -127,9 +127,10 @@ def whirls_steadily(window: Window) -> bool:
 
 
 def _obeys_the_equation(rotor: Rotor, whirl: complex, steady: float) -> bool:
-    """Return whether ``(s - omega**2 + 2 i zeta omega) Z = omega**2``."""
+    """Return whether ``(s + kappa - omega**2 + 2 i zeta omega) Z = omega**2``."""
     omega = rotor.omega
-    stiffness = float(secant_stiffness(abs(whirl), rotor.delta0))
+    stiffness = float(secant_stiffness(abs(whirl), rotor.delta0, rotor.contact_exponent))
+    stiffness += rotor.shaft_stiffness
     terms = (stiffness * whirl, -(omega**2) * whirl, 2j * rotor.zeta * omega * whirl, -(omega**2))
     return abs(sum(terms)) <= max(RESIDUAL, steady) * max(map(abs, terms))
 
@@ -147,8 +148,19 @@ def stays_free(window: Window) -> bool:
 
 
 def _future_if_free(rotor: Rotor, position: complex, velocity: complex) -> tuple[float, float]:
-    """Return how far a free whirl's centre would still drift, and how far out it would go."""
+    """Return how far a free whirl's centre would still drift, and how far out it would go.
+
+    With a shaft the energy of what is not yet settled only falls: by that both are bounded.
+    """
     omega, zeta = rotor.omega, rotor.zeta
+    if rotor.shaft_stiffness > 0.0:
+        resistance = complex(rotor.shaft_stiffness - omega**2, 2.0 * zeta * omega)
+        if resistance == 0.0:
+            return math.inf, math.inf
+        whirl = omega**2 / resistance
+        off, surplus = position - whirl, velocity - 1j * omega * whirl
+        unsettled = math.hypot(abs(off), abs(surplus) / math.sqrt(rotor.shaft_stiffness))
+        return unsettled, abs(whirl) + unsettled
     whirl = complex(complex_amplitude(omega, zeta))
     surplus = velocity - 1j * omega * whirl
     if surplus != 0.0 and zeta == 0.0:
@@ -165,7 +177,7 @@ def touches_fade(window: Window) -> bool:
     less. A motion that touches more or less often is not near it, and is not decided here.
     """
     growth = _growth_from_touch_to_touch(window)
-    if growth is None:
+    if growth is None or window.rotor.shaft_stiffness > 0.0:
         return False
     return bool((np.abs(growth / touch_fading(window.rotor) - 1.0) <= LIKE_THE_LAW).all())
 
@@ -180,7 +192,10 @@ def touches_grow_slighter(window: Window) -> bool:
 
 
 def _growth_from_touch_to_touch(window: Window) -> Values | None:
-    """Return by how much 1/h grows, h the indentation; None unless it touches once a revolution."""
+    """Return by how much 1/h grows, h the indentation; None unless it touches once a revolution.
+
+    With a linear contact that is ``1/sqrt(h)``.
+    """
     entry, leaving, peak, depth = window.contacts[:, :4].T
     whole = np.isfinite(entry) & np.isfinite(leaving) & (depth > 0.0)
     if whole.sum() < FEWEST_TOUCHES:
@@ -188,7 +203,7 @@ def _growth_from_touch_to_touch(window: Window) -> Values | None:
     revolutions = np.diff(peak[whole]) * window.rotor.omega / (2.0 * math.pi)
     if (np.abs(revolutions - 1.0) > ONCE_A_REVOLUTION).any():
         return None
-    growth: Values = np.diff(1.0 / depth[whole])
+    growth: Values = np.diff(depth[whole] ** (0.5 - window.rotor.contact_exponent))
     return growth
 
 

@@ -14,7 +14,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.checks import COMPONENTS
-from rotor_ida.parameters import PARAMETERS
+from rotor_ida.parameters import ALL_PARAMETERS, DEFAULTS, PARAMETERS
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import RESPONSE, STATUS, Column, labelled, labelled_dataset
 from rotor_ida.steady_state.follow import FAILED, SettledResponse
@@ -25,7 +25,7 @@ from rotor_ida.sweeps.ramps import Ramps
 
 Array = npt.NDArray[np.generic]
 
-DIMS = (*PARAMETERS, "start", "direction")
+DIMS = (*ALL_PARAMETERS, "start", "direction")
 FEATURES = tuple(each.name for each in fields(Features))
 ENDS = ("end_x", "end_y", "end_vx", "end_vy")
 EVENT_STATES = ("event_x", "event_y", "event_vx", "event_vy")
@@ -70,7 +70,14 @@ def sweep_dataset(ramps: Ramps, pieces: Pieces, folder: Path | None = None) -> x
     `DIMS`, and their rows. Columns that may be larger than memory go to `folder`.
     """
     starts = ramps.starts
-    coordinates: dict[str, Column] = {name: (name, ramps.axes[name]) for name in PARAMETERS}
+    numbers = {name: ramps.axes[name][0] for name in DEFAULTS if name in ramps.numbers}
+    dims = [name for name in DIMS if name not in numbers]
+    shape = [size for name, size in zip(DIMS, ramps.shape, strict=True) if name not in numbers]
+    coordinates: dict[str, Column] = {
+        name: ((), numbers[name]) if name in numbers else (name, ramps.axes[name])
+        for name in ALL_PARAMETERS
+        if name in PARAMETERS or name not in numbers or numbers[name] != DEFAULTS[name]
+    }
     coordinates["start"] = ("start", np.arange(len(starts)))
     coordinates["direction"] = ("direction", np.array(ramps.directions, dtype=np.int8))
     for name, column in zip(COMPONENTS, np.array(starts).T, strict=True):
@@ -78,7 +85,7 @@ def sweep_dataset(ramps: Ramps, pieces: Pieces, folder: Path | None = None) -> x
     points = _point_columns(pieces, ramps.points, folder)
     events = _event_columns(pieces, points["event_count"], folder)
     variables = {
-        name: labelled(name, DIMS, column.reshape(ramps.shape)) for name, column in points.items()
+        name: labelled(name, dims, column.reshape(shape)) for name, column in points.items()
     }
     variables["event_count"].attrs["sample_dimension"] = "event"
     variables |= {name: labelled(name, "event", column) for name, column in events.items()}

@@ -15,7 +15,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import State
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
-from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.parameters import ALL_PARAMETERS, Rotor
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady_state.follow import FAILED, SettledResponse, failed, follow_to_steady_state
 
@@ -41,24 +41,27 @@ class Ramps:
     Parameters
     ----------
     axes : mapping of str to ndarray
-        The values of ``omega``, ``zeta`` and ``delta0`` [1].
+        The values of ``omega``, ``zeta``, ``delta0`` and of all else that a machine has [1].
     starts : sequence of tuple of float
         The starts ``(x, y, vx, vy)`` [1].
     directions : sequence of int
         1 up, -1 down; 0 where each speed begins anew, in a ramp of one point.
     options : Options
         How to simulate.
+    numbers : frozenset of str
+        Parameters beyond the paper's that were given as a number: they are no dimension.
     """
 
     axes: Mapping[str, Values]
     starts: Sequence[State]
     directions: Sequence[int]
     options: Options
+    numbers: frozenset[str] = frozenset()
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Numbers of speeds, dampings, clearances, starts and directions."""
-        sizes = (self.axes[name].size for name in PARAMETERS)
+        """Numbers of values of each parameter, of starts and of directions."""
+        sizes = (self.axes[name].size for name in ALL_PARAMETERS)
         return (*sizes, len(self.starts), len(self.directions))
 
     @property
@@ -76,20 +79,17 @@ class Ramps:
 
     def places(self, number: int) -> Places:
         """Return where the points of a ramp stand among all, in the order of the dimensions."""
-        omega, (zeta, delta0, start, direction) = self._indices(number)
-        others = np.ravel_multi_index((zeta, delta0, start, direction), self.shape[1:])
+        omega, others_at = self._indices(number)
+        others = np.ravel_multi_index(others_at, self.shape[1:])
         return np.asarray(omega * (self.points // self.shape[0]) + others, dtype=np.int64)
 
     def job(self, number: int) -> Job:
         """Return what a worker needs to follow a ramp."""
-        omegas, (zeta, delta0, start, _) = self._indices(number)
+        omegas, (*places, start, _) = self._indices(number)
+        names = zip(ALL_PARAMETERS[1:], places, strict=True)
+        others = {name: float(self.axes[name][place]) for name, place in names}
         rotors = [
-            Rotor(
-                omega=float(self.axes["omega"][omega]),
-                zeta=float(self.axes["zeta"][zeta]),
-                delta0=float(self.axes["delta0"][delta0]),
-            )
-            for omega in omegas.tolist()
+            Rotor(omega=float(self.axes["omega"][omega]), **others) for omega in omegas.tolist()
         ]
         return Job(rotors, self.starts[start], self.options)
 
@@ -98,30 +98,22 @@ class Ramps:
 
         Those with much clearance take longest: there the rotor bounces.
         """
-        clearances = self.axes["delta0"][np.arange(len(self)) // self._strides[1] % self.shape[2]]
+        within = np.unravel_index(np.arange(len(self)), self._order)
+        clearances = self.axes["delta0"][within[ALL_PARAMETERS.index("delta0")]]
         return np.argsort(-clearances, kind="stable")
 
     @property
-    def _strides(self) -> tuple[int, int, int, int]:
-        """Ramps from one zeta, delta0, start and direction to the next."""
-        within = self.shape[0] // self.length
-        start = within
-        delta0 = start * self.shape[3]
-        zeta = delta0 * self.shape[2]
-        return zeta, delta0, start, zeta * self.shape[1]
+    def _order(self) -> tuple[int, ...]:
+        """Numbers of directions, of values of all parameters but the speed, of starts, and of the
+        speeds at which a ramp begins: in this order ramps are counted."""
+        return (self.shape[-1], *self.shape[1:-1], self.shape[0] // self.length)
 
-    def _indices(self, number: int) -> tuple[Places, tuple[int, int, int, int]]:
+    def _indices(self, number: int) -> tuple[Places, tuple[int, ...]]:
         """Return the speeds of a ramp, by number, and its other indices."""
-        zeta, delta0, start, direction = (
-            number // stride % size
-            for stride, size in zip(self._strides, self.shape[1:], strict=True)
-        )
+        direction, *others, first = (int(each) for each in np.unravel_index(number, self._order))
         turn = self.directions[direction]
-        if turn == 0:
-            omega = np.array([number % self.shape[0]])
-        else:
-            omega = np.arange(self.shape[0])[::turn]
-        return omega, (zeta, delta0, start, direction)
+        omega = np.arange(self.shape[0])[::turn] if turn else np.array([first])
+        return omega, (*others, direction)
 
 
 def follow(job: Job, stop: Stop) -> list[SettledResponse]:

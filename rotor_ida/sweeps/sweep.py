@@ -18,12 +18,16 @@ from rotor_ida.checks import (
     check_axis,
     check_choice,
     check_increasing,
+    check_nonnegative,
     check_points,
     check_progress,
     check_states,
+    is_scalar,
+    shown,
 )
+from rotor_ida.errors import InputError
 from rotor_ida.parallel import FailedJob, Progress, choose, run_all
-from rotor_ida.parameters import Rotor
+from rotor_ida.parameters import DEFAULTS, PARAMETERS, Rotor
 from rotor_ida.provenance import computing
 from rotor_ida.simulation.options import Backend, Flight, Method, Options, check_can_be_followed
 from rotor_ida.steady_state.follow import FAILED, failed
@@ -49,6 +53,10 @@ def sweep(
     omega: npt.ArrayLike,
     zeta: npt.ArrayLike,
     delta0: npt.ArrayLike,
+    shaft_stiffness: npt.ArrayLike = 0.0,
+    contact_exponent: npt.ArrayLike = 1.5,
+    contact_damping: npt.ArrayLike = 0.0,
+    load: npt.ArrayLike = 0.0,
     starts: npt.ArrayLike = (REST,),
     direction: Direction | None = None,
     rtol: float = 1e-10,
@@ -67,6 +75,11 @@ def sweep(
     ----------
     omega, zeta, delta0 : array_like, shape (n,) or scalar
         The parameters to combine [1].
+    shaft_stiffness, contact_exponent, contact_damping : array_like, shape (n,) or scalar
+        What a machine has beyond the paper's rotor [1]: more to combine, a dimension where an axis
+        is given, a coordinate where a number is given that is not the default.
+    load : float
+        Must be 0: under a load nothing stands still on the turning axes.
     starts : array_like, shape (n, 4)
         Starts ``(x, y, vx, vy)`` [1].
     direction : {"up", "down", "both"}, optional
@@ -139,10 +152,18 @@ def sweep(
     >>> responses.amplitude.squeeze().values.round(8)
     array([0.84973087, 0.93446294])
     """
-    axes = {
-        name: check_axis(name, values)
-        for name, values in (("omega", omega), ("zeta", zeta), ("delta0", delta0))
-    }
+    if not is_scalar("load", load) or check_nonnegative("load", load) != 0.0:
+        raise InputError(
+            "load must be 0 in a sweep, as under a load nothing stands still on the turning axes; "
+            f"simulate takes one, got {shown(load)}"
+        )
+    beyond = {
+        "shaft_stiffness": shaft_stiffness, "contact_exponent": contact_exponent,
+        "contact_damping": contact_damping, "load": 0.0,
+    }  # fmt: skip
+    given = {"omega": omega, "zeta": zeta, "delta0": delta0, **beyond}
+    axes = {name: check_axis(name, values) for name, values in given.items()}
+    numbers = frozenset(name for name, values in beyond.items() if is_scalar(name, values))
     checked = check_states("starts", starts)
     if direction is not None:
         check_choice("direction", direction, ("up", "down", "both"))
@@ -150,7 +171,7 @@ def sweep(
     options = Options(rtol=rtol, atol=atol, method=method, flight=flight, backend=backend)
     check_progress(progress)
     place, count = choose(executor, workers, compiled=options.backend != "python")
-    ramps = Ramps(axes, checked, DIRECTIONS[direction], options)
+    ramps = Ramps(axes, checked, DIRECTIONS[direction], options, numbers)
     most = MOST_NUMBERS if study is None else MOST_POINTS_OF_STUDY
     check_points(*axes.values(), checked, ramps.directions, most=most)
     _check_can_be_followed(axes, checked)
@@ -168,7 +189,11 @@ def _design(ramps: Ramps, direction: Direction | None) -> dict[str, object]:
     options = ramps.options
     return {
         "kind": "sweep",
-        **{name: values.tolist() for name, values in ramps.axes.items()},
+        **{
+            name: values.tolist()
+            for name, values in ramps.axes.items()
+            if name in PARAMETERS or values.tolist() != [DEFAULTS[name]]
+        },
         "starts": [list(start) for start in ramps.starts],
         "direction": direction,
         **{name: getattr(options, name) for name in ("rtol", "atol", "method", "flight")},
@@ -214,11 +239,14 @@ def _check_can_be_followed(
     axes: Mapping[str, npt.NDArray[np.float64]], starts: Sequence[State]
 ) -> None:
     """Check each speed, each clearance and each start once, and the largest damping."""
-    zeta, delta0 = (float(axes[name].max()) for name in ("zeta", "delta0"))
-    rotors = [Rotor(omega=omega, zeta=zeta, delta0=delta0) for omega in axes["omega"].tolist()]
-    omega = rotors[0].omega
-    others = (Rotor(omega=omega, zeta=zeta, delta0=each) for each in axes["delta0"].tolist())
-    for rotor in (*rotors, *others):
+    largest = {name: float(values.max()) for name, values in axes.items()}
+    rotors = [
+        Rotor(**largest | {name: value})
+        for name in axes
+        if name not in {"zeta", "shaft_stiffness"}
+        for value in axes[name].tolist()
+    ]
+    for rotor in rotors:
         check_can_be_followed(rotor, starts[0], settling=True)
     for start in starts[1:]:
         check_can_be_followed(rotors[0], start, settling=True)
