@@ -92,6 +92,7 @@ static int stretch(struct run *run, const struct motions *motions, void *more)
         status = follow_events(run, motions);
         if (status == DONE) {
             orthonormalise(run->bundle, &asked->stretches[4 * *asked->done]);
+            run->shift += run->duration;
             ++*asked->done;
         }
     }

@@ -16,7 +16,7 @@ struct motion_of_centre motion_at(const double *state, double time, const struct
 
 struct motion_of_centre where_it_is(const struct run *run)
 {
-    return motion_at(run->state, run->time, &run->rotor);
+    return motion_at(run->state, run->shift + run->time, &run->rotor);
 }
 
 int is_finite(const double *state) { return isfinite(state[0] + state[1] + state[2] + state[3]); }

@@ -76,6 +76,7 @@ class RunStruct(Structure):
         ("sundials", c_void_p),
         ("time", c_double),
         ("state", 4 * c_double),
+        ("shift", c_double),
         ("where", c_int32),
         ("differences", c_int32),
         *((name, c_void_p) for name in ("bundle", "sample_times", "samples")),

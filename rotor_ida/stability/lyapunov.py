@@ -26,7 +26,7 @@ from rotor_ida.core.runs import Asked, stretch
 from rotor_ida.equations.model import rotated
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.parallel import Stop, interruptible
-from rotor_ida.parameters import Rotor, check_papers
+from rotor_ida.parameters import Rotor
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import Column, labelled_dataset
 from rotor_ida.simulation.dataset import parameter_coordinates
@@ -115,8 +115,8 @@ def lyapunov_exponent(
     the sum of the exponents misses the divergence is added. A transient that was left too short
     is not covered.
 
-    Witnesses: the four exponents add up to the divergence of the flow, ``-4 zeta``, the first
-    and the last, like the two between them, to ``-2 zeta``; on a motion that is no synchronous
+    Witnesses: the four exponents add up to the divergence of the flow, ``-4 zeta`` (with contact
+    damping it is another from place to place, and NaN is stated), the first and the last, like the two between them, to ``-2 zeta``; on a motion that is no synchronous
     whirl one exponent is zero, that of a shift in time; on a synchronous whirl they are the
     real parts of its eigenvalues. A chaotic motion may be a long transient: a run that leaves
     it half way shows by a large error.

@@ -104,8 +104,7 @@ class Ramps:
 
     @property
     def _order(self) -> tuple[int, ...]:
-        """Numbers of directions, of values of all parameters but the speed, of starts, and of the
-        speeds at which a ramp begins: in this order ramps are counted."""
+        """In which order ramps are counted: directions, parameters but the speed, starts, speeds."""
         return (self.shape[-1], *self.shape[1:-1], self.shape[0] // self.length)
 
     def _indices(self, number: int) -> tuple[Places, tuple[int, ...]]:
