@@ -136,6 +136,15 @@ def check_no_friction(friction: object, disc_radius: object) -> None:
         )
 
 
+def check_no_load(rotor: Rotor, what: str) -> None:
+    """Raise `InputError` for a rotor with a load, where the turning axes must not see one."""
+    if rotor.load > 0.0:
+        raise InputError(
+            f"load must be 0 for {what}, as under a load nothing stands still on the turning axes, "
+            f"got {rotor.load!r}"
+        )
+
+
 def check_papers(rotor: Rotor, what: str) -> None:
     """Raise `InputError` for a rotor with more than the paper's where that is not known yet."""
     if rotor.beyond:

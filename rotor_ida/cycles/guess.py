@@ -10,8 +10,8 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS, check_between, check_state, shown
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import PARAMETERS, Rotor
-from rotor_ida.schema import SPECIAL, check_papers_result
+from rotor_ida.parameters import ALL_PARAMETERS, PARAMETERS, Rotor
+from rotor_ida.schema import SPECIAL
 
 DOUBLING = "period_doubling"
 NO_CYCLE = "start must be a limit cycle, got a result without one"
@@ -61,7 +61,6 @@ def guess_of(rotor: Rotor, start: object, period: object = None) -> Guess:
         raise InputError("period must be left out with a start that has one")
     if "length_scale" in start.attrs:
         raise InputError("start must be dimensionless, got one in SI units")
-    check_papers_result("start", start)
     if "special_value" in start and start["special_value"].ndim == 0:
         return _of_special(rotor, start)
     needed = ("period", *COMPONENTS, *PARAMETERS)
@@ -98,8 +97,8 @@ def _continued(start: xr.Dataset) -> list[str]:
 
 def _rotor_of(rotor: Rotor, start: xr.Dataset) -> Rotor:
     """Return the rotor of a start, which may differ from `rotor` in what was continued."""
-    found = Rotor(**{name: float(start[name]) for name in PARAMETERS})
-    for name in PARAMETERS:
+    found = Rotor(**{name: float(start[name]) for name in ALL_PARAMETERS if name in start})
+    for name in ALL_PARAMETERS:
         here, given = getattr(found, name), getattr(rotor, name)
         if name not in _continued(start) and here != given:
             raise InputError(

@@ -20,7 +20,7 @@ from rotor_ida.cycles.shooting import Cycle, close_orbit, once_round
 from rotor_ida.equations.contact import contact_force
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.parallel import Stop, interruptible
-from rotor_ida.parameters import PARAMETERS, Rotor, check_papers
+from rotor_ida.parameters import Rotor, check_no_load
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import (
     LINE_KIND,
@@ -122,8 +122,8 @@ def limit_cycle(
     >>> cycle.multiplier_real.values.round(8)
     array([ 1.        , -0.51147221, -0.51147221,  0.52784725])
     """
-    check_papers(check_instance("rotor", rotor, Rotor), "limit_cycle")
-    check_turns_and_settles(rotor)
+    check_turns_and_settles(check_instance("rotor", rotor, Rotor))
+    check_no_load(rotor, "limit_cycle")
     guess = guess_of(rotor, start, period)
     if isinstance(start, xr.Dataset) and guess.rotor != rotor:
         guess = Guess(rotor, guess.state, guess.period)
@@ -239,10 +239,10 @@ def _state_of(state: Values) -> tuple[float, float, float, float]:
 
 def _dataset(rotor: Rotor, guess: Guess, cycle: Cycle | None, response: str) -> xr.Dataset:
     """Return a limit cycle, or what there is instead, as a labelled dataset."""
-    coordinates: dict[str, Column] = {name: ((), getattr(rotor, name)) for name in PARAMETERS}
+    coordinates: dict[str, Column] = {name: ((), value) for name, value in rotor.given.items()}
     coordinates["multiplier"] = ("multiplier", np.arange(4))
     attributes = provenance({"method": "taylor", "flight": "exact", "rtol": RTOL}) | {
-        **{name: getattr(rotor, name) for name in PARAMETERS},
+        **rotor.given,
         "start": guess.state,
     }
     if guess.period is not None:
@@ -273,7 +273,8 @@ def _columns(cycle: Cycle) -> dict[str, xr.Variable]:
     columns["period_error"] = of_cycle("period_error", (), period_error)
     columns["multiplier_error"] = of_cycle("multiplier_error", "multiplier", errors)
     if cycle.rotor.delta0 == 0.0:  # the integral of a smooth periodic function
-        force = contact_force(np.hypot(states[:-1, 0], states[:-1, 1]), 0.0)
+        radii = np.hypot(states[:-1, 0], states[:-1, 1])
+        force = contact_force(radii, 0.0, cycle.rotor.contact_exponent)
         impulse = float(force.mean()) * cycle.period
         columns["impulse_per_period"] = of_cycle("impulse_per_period", (), impulse)
     times = np.linspace(0.0, cycle.period, SAMPLES + 1)

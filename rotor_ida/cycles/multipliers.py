@@ -13,6 +13,11 @@ a fold is where ``tr M = 2 (1 + q)``, a period doubling where ``tr M = 0``, and 
 exactly between. A pair cannot cross the unit circle, as its modulus is ``sqrt(q) < 1``: no torus is
 born from a cycle.
 
+So it is with a shaft, too. Contact damping is not uniform, and there are no pairs: there the three
+multipliers beside the trivial one are the eigenvalues of what M leaves of the space across the
+field, a fold is where ``(1 - mu_1) (1 - mu_2) (1 - mu_3)`` vanishes, a doubling where
+``(1 + mu_1) (1 + mu_2) (1 + mu_3)`` does, and a torus may be born.
+
 References
 ----------
 .. [1] R. C. Calleja, A. Celletti, R. de la Llave, "A KAM theory for conformally symplectic
@@ -47,22 +52,49 @@ def contraction(zeta: float, period: float) -> float:
 
 
 def fold_test(shot: Shot) -> float:
-    """Return ``2 (1 + q) - tr M``: 0 at a fold, and below 0 where a real multiplier is above 1."""
+    """Return ``2 (1 + q) - tr M``: 0 at a fold, and below 0 where a real multiplier is above 1.
+
+    With contact damping ``(1 - mu_1) (1 - mu_2) (1 - mu_3)``.
+    """
+    if not has_pairs(shot):
+        return float(np.prod(1.0 - _others_of(shot)).real)
     return 2.0 * (1.0 + _contraction_of(shot)) - float(shot.monodromy.trace())
 
 
 def doubling_test(shot: Shot) -> float:
-    """Return ``tr M``: 0 at a period doubling, and below 0 where a real multiplier is below -1."""
+    """Return ``tr M``: 0 at a period doubling, and below 0 where a real multiplier is below -1.
+
+    With contact damping ``(1 + mu_1) (1 + mu_2) (1 + mu_3)``.
+    """
+    if not has_pairs(shot):
+        return float(np.prod(1.0 + _others_of(shot)).real)
     return float(shot.monodromy.trace())
 
 
 def is_stable(shot: Shot) -> bool:
     """Return whether all multipliers but the trivial one lie inside the unit circle."""
+    if not has_pairs(shot):
+        return bool((np.abs(_others_of(shot)) < 1.0).all())
     return fold_test(shot) > 0.0 and doubling_test(shot) > 0.0
+
+
+def has_pairs(shot: Shot) -> bool:
+    """Return whether the multipliers come in pairs: all damping is uniform."""
+    return shot.rotor.contact_damping == 0.0
+
+
+def _others_of(shot: Shot) -> Complex:
+    """Return the multipliers beside the trivial one: of M across the field at the start."""
+    along = shot.start_rate / np.linalg.norm(shot.start_rate)
+    across = np.linalg.svd(along[None])[2][1:]
+    return np.asarray(np.linalg.eigvals(across @ shot.monodromy @ across.T), dtype=np.complex128)
 
 
 def multipliers_of(shot: Shot) -> Complex:
     """Return the four multipliers of a closed orbit, by falling modulus."""
+    if not has_pairs(shot):
+        found = np.append(1.0, _others_of(shot))
+        return np.asarray(found[np.argsort(-np.abs(found), kind="stable")])
     q = _contraction_of(shot)
     half = 0.5 * (float(shot.monodromy.trace()) - 1.0 - q)
     rest = half * half - q
@@ -86,10 +118,13 @@ def defects_of(shot: Shot) -> tuple[float, float]:
         ``|M f - f|/|f|``, with f the rate of change at the start: 0 if 1 is a multiplier [1].
     symplectic : float
         The largest element of ``M^T S M - q S``, as a part of that of ``M^T S M`` with all signs
-        positive: what rounding can do at most is of the order 1e-15 [1].
+        positive: what rounding can do at most is of the order 1e-15 [1]. NaN with contact damping,
+        where there is no such structure.
     """
     rate, matrix = shot.start_rate, shot.monodromy
     trivial = np.linalg.norm(matrix @ rate - shot.end_rate) / np.linalg.norm(rate)
+    if not has_pairs(shot):
+        return float(trivial), math.nan
     defect = np.abs(matrix.T @ FORM @ matrix - _contraction_of(shot) * FORM).max()
     size = (np.abs(matrix).T @ np.abs(FORM) @ np.abs(matrix)).max()
     # both are zero where a period damps all velocities to nothing

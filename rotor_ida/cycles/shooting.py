@@ -17,7 +17,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from rotor_ida.arrays import Values
-from rotor_ida.core.interface import ENTRY_TIME, EXIT_TIME, IMPULSE, KIND, RADIUS
+from rotor_ida.core.interface import (
+    ENTRY_TIME,
+    EXIT_TIME,
+    IMPULSE,
+    KIND,
+    LARGEST_FORCE,
+    RADIUS,
+)
 from rotor_ida.equations.contact import contact_force
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel.jobs import Stop
@@ -105,7 +112,10 @@ class Cycle:
     @property
     def largest_force(self) -> float:
         """Largest contact force [1]."""
-        return float(contact_force(self.radius_max, self.rotor.delta0))
+        if self.rotor.contact_damping > 0.0:
+            return float(np.nanmax(self.shot.contacts[:, LARGEST_FORCE]))
+        exponent = self.rotor.contact_exponent
+        return float(contact_force(self.radius_max, self.rotor.delta0, exponent))
 
     @property
     def impulse(self) -> float:

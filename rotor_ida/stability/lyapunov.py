@@ -115,11 +115,12 @@ def lyapunov_exponent(
     the sum of the exponents misses the divergence is added. A transient that was left too short
     is not covered.
 
-    Witnesses: the four exponents add up to the divergence of the flow, ``-4 zeta`` (with contact
-    damping it is another from place to place, and NaN is stated), the first and the last, like the two between them, to ``-2 zeta``; on a motion that is no synchronous
-    whirl one exponent is zero, that of a shift in time; on a synchronous whirl they are the
-    real parts of its eigenvalues. A chaotic motion may be a long transient: a run that leaves
-    it half way shows by a large error.
+    Witnesses: the four exponents add up to the divergence of the flow, ``-4 zeta``, the first
+    and the last, like the two between them, to ``-2 zeta`` (not so with contact damping, where
+    the divergence differs from place to place: NaN is stated); on a motion that is no synchronous
+    whirl one exponent is zero, that of a shift in time (but under a load there is none); on a
+    synchronous whirl they are the real parts of its eigenvalues. A chaotic motion may be a long
+    transient: a run that leaves it half way shows by a large error.
 
     References
     ----------

@@ -42,9 +42,11 @@ class Shot:
         Derivative of the end by the start [1].
     by_parameter : ndarray, shape (4, 3)
         Derivatives of the end by omega, zeta and delta0 [1]; that by delta0 is 0 without clearance.
-    contacts : ndarray, shape (n, 6)
-        Entry, exit and peak time, root of the largest indentation, impulse, and angular momentum at
-        the peak of each contact [1]; NaN where it begins before the start, or ends after the end.
+        NaN of a machine with more than the paper's rotor.
+    contacts : ndarray, shape (n, 8)
+        Entry, exit and peak time, root of the largest indentation, impulse, angular momentum at the
+        peak, energy lost and largest force of each contact, as `rotor_ida.core.runs.Seen` has them;
+        NaN where it begins before the start, or ends after the end.
     extrema : ndarray, shape (m, 7)
         Time, radius, kind, -1 or 1, and state of each minimum and maximum of the radius between
         them [1].
@@ -85,7 +87,7 @@ def shoot(rotor: Rotor, start: Values, duration: float, stop: Stop, rtol: float 
     SimulationError
         If it could not be followed.
     """
-    bundle = np.eye(WITH_PARAMETERS, 4)
+    bundle = np.eye(DIFFERENCES if rotor.beyond else WITH_PARAMETERS, 4)
     seen = follow(
         Asked(
             rotor=rotor,
@@ -107,7 +109,9 @@ def shoot(rotor: Rotor, start: Values, duration: float, stop: Stop, rtol: float 
         x, y, vx, vy = start.tolist()
         reason = f"an orbit could not be followed round: {message_of(status)}"
         raise SimulationError(reason, time=0.0, state=(x, y, vx, vy))
+    unknown = np.full((WITH_PARAMETERS - DIFFERENCES, 4), np.nan)
+    added = unknown if rotor.beyond else bundle[DIFFERENCES:]
     return Shot(
-        rotor, start, end, duration, bundle[:DIFFERENCES].T, bundle[DIFFERENCES:].T,
+        rotor, start, end, duration, bundle[:DIFFERENCES].T, added.T,
         seen.contacts, seen.extrema, rotating_field(start, rotor), rotating_field(end, rotor),
     )  # fmt: skip

@@ -104,7 +104,7 @@ class Ramps:
 
     @property
     def _order(self) -> tuple[int, ...]:
-        """In which order ramps are counted: directions, parameters but the speed, starts, speeds."""
+        """The order in which ramps are counted: directions, other parameters, starts, speeds."""
         return (self.shape[-1], *self.shape[1:-1], self.shape[0] // self.length)
 
     def _indices(self, number: int) -> tuple[Places, tuple[int, ...]]:
