@@ -14,7 +14,6 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.checks import COMPONENTS
-from rotor_ida.parameters import ALL_PARAMETERS, DEFAULTS, PARAMETERS
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import RESPONSE, STATUS, Column, labelled, labelled_dataset
 from rotor_ida.steady_state.follow import FAILED, SettledResponse
@@ -25,7 +24,6 @@ from rotor_ida.sweeps.ramps import Ramps
 
 Array = npt.NDArray[np.generic]
 
-DIMS = (*ALL_PARAMETERS, "start", "direction")
 FEATURES = tuple(each.name for each in fields(Features))
 ENDS = ("end_x", "end_y", "end_vx", "end_vy")
 EVENT_STATES = ("event_x", "event_y", "event_vx", "event_vy")
@@ -67,16 +65,16 @@ def sweep_dataset(ramps: Ramps, pieces: Pieces, folder: Path | None = None) -> x
     """Return the points of a sweep as a labelled dataset.
 
     `pieces` yields, each time it is called, all points in pieces: their places, counted along
-    `DIMS`, and their rows. Columns that may be larger than memory go to `folder`.
+    their dimensions, and their rows. Columns that may be larger than memory go to `folder`.
     """
     starts = ramps.starts
-    numbers = {name: ramps.axes[name][0] for name in DEFAULTS if name in ramps.numbers}
-    dims = [name for name in DIMS if name not in numbers]
-    shape = [size for name, size in zip(DIMS, ramps.shape, strict=True) if name not in numbers]
+    numbers = {name: ramps.axes[name][0] for name in ramps.numbers}
+    every = (*ramps.axes, "start", "direction")
+    dims = [name for name in every if name not in numbers]
+    shape = [size for name, size in zip(every, ramps.shape, strict=True) if name not in numbers]
     coordinates: dict[str, Column] = {
-        name: ((), numbers[name]) if name in numbers else (name, ramps.axes[name])
-        for name in ALL_PARAMETERS
-        if name in PARAMETERS or name not in numbers or numbers[name] != DEFAULTS[name]
+        name: ((), axis[0]) if name in numbers else (name, axis)
+        for name, axis in ramps.axes.items()
     }
     coordinates["start"] = ("start", np.arange(len(starts)))
     coordinates["direction"] = ("direction", np.array(ramps.directions, dtype=np.int8))

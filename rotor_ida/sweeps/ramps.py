@@ -15,7 +15,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import State
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
-from rotor_ida.parameters import ALL_PARAMETERS, Rotor
+from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady_state.follow import FAILED, SettledResponse, failed, follow_to_steady_state
 
@@ -41,7 +41,7 @@ class Ramps:
     Parameters
     ----------
     axes : mapping of str to ndarray
-        The values of ``omega``, ``zeta``, ``delta0`` and of all else that a machine has [1].
+        The values of ``omega``, ``zeta``, ``delta0``, and of what else is not the default [1].
     starts : sequence of tuple of float
         The starts ``(x, y, vx, vy)`` [1].
     directions : sequence of int
@@ -61,7 +61,7 @@ class Ramps:
     @property
     def shape(self) -> tuple[int, ...]:
         """Numbers of values of each parameter, of starts and of directions."""
-        sizes = (self.axes[name].size for name in ALL_PARAMETERS)
+        sizes = (axis.size for axis in self.axes.values())
         return (*sizes, len(self.starts), len(self.directions))
 
     @property
@@ -86,7 +86,7 @@ class Ramps:
     def job(self, number: int) -> Job:
         """Return what a worker needs to follow a ramp."""
         omegas, (*places, start, _) = self._indices(number)
-        names = zip(ALL_PARAMETERS[1:], places, strict=True)
+        names = zip([*self.axes][1:], places, strict=True)
         others = {name: float(self.axes[name][place]) for name, place in names}
         rotors = [
             Rotor(omega=float(self.axes["omega"][omega]), **others) for omega in omegas.tolist()
@@ -99,7 +99,7 @@ class Ramps:
         Those with much clearance take longest: there the rotor bounces.
         """
         within = np.unravel_index(np.arange(len(self)), self._order)
-        clearances = self.axes["delta0"][within[ALL_PARAMETERS.index("delta0")]]
+        clearances = self.axes["delta0"][within[PARAMETERS.index("delta0")]]
         return np.argsort(-clearances, kind="stable")
 
     @property

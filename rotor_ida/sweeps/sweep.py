@@ -27,7 +27,7 @@ from rotor_ida.checks import (
 )
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import FailedJob, Progress, choose, run_all
-from rotor_ida.parameters import DEFAULTS, PARAMETERS, Rotor
+from rotor_ida.parameters import DEFAULTS, Rotor
 from rotor_ida.provenance import computing
 from rotor_ida.simulation.options import Backend, Flight, Method, Options, check_can_be_followed
 from rotor_ida.steady_state.follow import FAILED, failed
@@ -163,7 +163,9 @@ def sweep(
     }  # fmt: skip
     given = {"omega": omega, "zeta": zeta, "delta0": delta0, **beyond}
     axes = {name: check_axis(name, values) for name, values in given.items()}
-    numbers = frozenset(name for name, values in beyond.items() if is_scalar(name, values))
+    numbers = {name for name, values in beyond.items() if is_scalar(name, values)}
+    absent = {name for name in numbers if axes[name].tolist() == [DEFAULTS[name]]}
+    axes = {name: axis for name, axis in axes.items() if name not in absent}
     checked = check_states("starts", starts)
     if direction is not None:
         check_choice("direction", direction, ("up", "down", "both"))
@@ -171,7 +173,7 @@ def sweep(
     options = Options(rtol=rtol, atol=atol, method=method, flight=flight, backend=backend)
     check_progress(progress)
     place, count = choose(executor, workers, compiled=options.backend != "python")
-    ramps = Ramps(axes, checked, DIRECTIONS[direction], options, numbers)
+    ramps = Ramps(axes, checked, DIRECTIONS[direction], options, frozenset(numbers - absent))
     most = MOST_NUMBERS if study is None else MOST_POINTS_OF_STUDY
     check_points(*axes.values(), checked, ramps.directions, most=most)
     _check_can_be_followed(axes, checked)
@@ -189,11 +191,7 @@ def _design(ramps: Ramps, direction: Direction | None) -> dict[str, object]:
     options = ramps.options
     return {
         "kind": "sweep",
-        **{
-            name: values.tolist()
-            for name, values in ramps.axes.items()
-            if name in PARAMETERS or values.tolist() != [DEFAULTS[name]]
-        },
+        **{name: values.tolist() for name, values in ramps.axes.items()},
         "starts": [list(start) for start in ramps.starts],
         "direction": direction,
         **{name: getattr(options, name) for name in ("rtol", "atol", "method", "flight")},
