@@ -71,6 +71,9 @@ QUANTITIES: dict[str, Quantity] = {
     "omega": Quantity("spin speed over the reference frequency"),
     "zeta": Quantity("damping ratio"),
     "delta0": Quantity("radial clearance over eccentricity"),
+    "shaft_stiffness": Quantity("stiffness of the shaft"),
+    "contact_exponent": Quantity("exponent of the contact force over the indentation"),
+    "contact_damping": Quantity("share of the contact force that a unit speed of approach adds"),
     # a run
     "t": Quantity("time", scale="time"),
     "x": Quantity("horizontal displacement", scale="length"),

@@ -50,16 +50,24 @@ class ContactFreeWhirl:
         return not math.isnan(self.largest_centre_offset)
 
 
-def complex_amplitude(omega: npt.ArrayLike, zeta: npt.ArrayLike) -> ComplexValues:
+def complex_amplitude(
+    omega: npt.ArrayLike, zeta: npt.ArrayLike, shaft_stiffness: npt.ArrayLike | None = None
+) -> ComplexValues:
     """Return ``a = -omega/(omega - 2 i zeta)`` of the contact-free whirl ``c + a exp(i omega t)``.
 
-    Its modulus is A_f, its angle minus the phase lag; 0 at rest. See `contact_free_whirl`.
+    Its modulus is A_f, its angle minus the phase lag; 0 at rest. See `contact_free_whirl`. With a
+    shaft of stiffness kappa it is ``omega**2/(kappa - omega**2 + 2 i zeta omega)``, and the
+    centre c is 0.
 
     Examples
     --------
     >>> round(abs(complex(complex_amplitude(3.0, 2.0))), 12)
     0.6
+    >>> complex(complex_amplitude(1.0, 0.0, 3.0))
+    (0.5+0j)
     """
+    if shaft_stiffness is not None:
+        return _held_amplitude(*np.broadcast_arrays(omega, zeta, shaft_stiffness))
     speed, resistance = np.broadcast_arrays(
         np.asarray(omega, dtype=np.float64), 2.0 * np.asarray(zeta, dtype=np.float64)
     )
@@ -68,6 +76,22 @@ def complex_amplitude(omega: npt.ArrayLike, zeta: npt.ArrayLike) -> ComplexValue
     cosine = np.divide(speed, size, out=np.zeros_like(size), where=turning)
     sine = np.divide(resistance, size, out=np.zeros_like(size), where=turning)
     return np.asarray(0.0 - cosine * (cosine + 1j * sine))
+
+
+def _held_amplitude(omega: Values, zeta: Values, kappa: Values) -> ComplexValues:
+    """Return the complex amplitude with a shaft; the largest double where it would be infinite."""
+    q = DoubleDouble.of(omega) * DoubleDouble.of(omega)
+    restoring = (DoubleDouble.of(kappa) - q).high + 0.0
+    resistance = 2.0 * zeta * omega
+    size = np.hypot(restoring, resistance)
+    moving = size > 0.0
+    cosine = np.divide(restoring, size, out=np.ones_like(size), where=moving)
+    sine = np.divide(resistance, size, out=np.zeros_like(size), where=moving)
+    largest = np.finfo(np.float64).max
+    still = np.where(q.high > 0.0, largest, 0.0)
+    with np.errstate(over="ignore"):
+        amplitude = np.minimum(np.divide(q.high, size, out=still, where=moving), largest)
+    return np.asarray(amplitude * cosine - 1j * (amplitude * sine) + 0.0)
 
 
 def contact_free_whirl(rotor: Rotor) -> ContactFreeWhirl:
