@@ -8,7 +8,10 @@ from latex2mathml.converter import convert
 from sphinx import addnodes
 
 # Words of the field that are names of functions too; as links they need their brackets.
-WORDS = {"basin", "cusp", "flight", "folds", "jumps", "peaks", "rotating", "spectrum", "status"}
+WORDS = {
+    *("basin", "cusp", "flight", "folds", "impact", "jumps", "peaks"),
+    *("rest", "rotating", "spectrum", "status"),
+}
 # Where a name in single backticks is looked for.
 HOMES = ("rotor_ida", "rotor_ida.closed_forms", "rotor_ida.plot", "rotor_ida.testing")
 

@@ -84,10 +84,17 @@ def further_axes(
 
 def check_law(exponent: Values, contact_damping: Values, delta0: Values) -> None:
     """Refuse exponents that are not known, and contact damping without clearance."""
-    for each in np.unique(exponent).tolist():
-        check_exponent(each)
+    check_exponents(np.unique(exponent))
     if (contact_damping > 0.0).any() and (delta0 == 0.0).any():
         raise InputError(
             "contact_damping must be 0 without clearance, where the radius may vanish in "
             f"contact, got {float(contact_damping.max())!r} with delta0 0.0"
         )
+
+
+def check_exponents(values: object) -> Values:
+    """Return exponents of the contact force, a number or a vector, as a 1-D array."""
+    exponents = check_axis("contact_exponent", values)
+    for each in np.unique(exponents).tolist():
+        check_exponent(each)
+    return exponents
