@@ -38,6 +38,7 @@ def stiffnesses(radius: Values, delta0: Values, exponent: Values) -> tuple[Value
     """
     hertz = exponent == HERTZ_EXPONENT
     slope = np.where(hertz, contact_stiffness(radius, delta0), np.where(radius < delta0, 0.0, 1.0))
-    start = np.where(delta0 > 0.0, 0.0, 1.0)
-    secant = np.divide(indentation(radius, delta0), radius, out=start, where=radius > 0.0)
+    depth = indentation(radius, delta0)
+    start = np.broadcast_to(np.where(delta0 > 0.0, 0.0, 1.0), depth.shape).copy()
+    secant = np.divide(depth, radius, out=start, where=radius > 0.0)
     return slope, np.where(hertz, secant_stiffness(radius, delta0), secant)

@@ -48,6 +48,12 @@ class Ring:
             return A, square * u + self.shaft_stiffness * A, 0.5 * u * (A + 2.0 * self.delta0)
         return A, square + self.shaft_stiffness * A, self.delta0 + 0.0 * u
 
+    def stiffness(self, A: Values) -> Values:
+        """Return ``g/A`` at amplitudes."""
+        depth = np.maximum(A - self.delta0, 0.0)
+        force = depth * np.sqrt(depth) if self.hertz else depth
+        return force / A + self.shaft_stiffness
+
     def slopes(self, u: Values) -> tuple[Values, Values]:
         """Return the derivatives of g and W by A."""
         if self.hertz:
@@ -126,7 +132,7 @@ def _reach(ring: Ring, least: float) -> tuple[float, float]:
 def _meeting_points(ring: Ring) -> Values:
     """Return the u > 0 where the two sides meet: ``A**2 W = 4 g``."""
     A, force, W = _polynomials(ring)
-    return _positive_roots(A * A * W - 8.0 * force)
+    return positive_roots(A * A * W - 8.0 * force)
 
 
 def undamped_roots(ring: Ring) -> Values:
@@ -134,7 +140,7 @@ def undamped_roots(ring: Ring) -> Values:
     if not ring.hertz:
         return np.empty(0)
     A, force, W = _polynomials(ring)
-    found = _positive_roots((A - 1.0) * W - 2.0 * force)
+    found = positive_roots((A - 1.0) * W - 2.0 * force)
     return found[ring.delta0 + found * found > 1.0]
 
 
@@ -147,7 +153,7 @@ def _polynomials(ring: Ring) -> tuple[np.poly1d, np.poly1d, np.poly1d]:
     return A, u * u + ring.shaft_stiffness * A, np.poly1d([2.0 * ring.delta0])
 
 
-def _positive_roots(polynomial: np.poly1d) -> Values:
+def positive_roots(polynomial: np.poly1d) -> Values:
     """Return the positive roots, each once."""
     roots = np.asarray(polynomial.roots, dtype=np.complex128)
     points = roots.real[(np.abs(roots.imag) < _REAL * np.abs(roots)) & (roots.real > 0.0)]

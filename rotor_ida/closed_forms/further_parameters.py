@@ -84,7 +84,8 @@ def further_axes(
 
 def check_law(exponent: Values, contact_damping: Values, delta0: Values) -> None:
     """Refuse exponents that are not known, and contact damping without clearance."""
-    check_exponents(np.unique(exponent))
+    for each in np.unique(exponent).tolist():
+        check_exponent(each)
     if (contact_damping > 0.0).any() and (delta0 == 0.0).any():
         raise InputError(
             "contact_damping must be 0 without clearance, where the radius may vanish in "

@@ -129,7 +129,7 @@ def _branches(
     """Return every variable of a flat list of rotors, shape (n, 6), in order of amplitude."""
     turning = omega > 0.0
     further = Further(*beyond) if beyond else None
-    contacting = _contacting(np.where(turning, omega, 1.0), zeta, delta0, further)
+    contacting = whirls_in_contact(np.where(turning, omega, 1.0), zeta, delta0, further)
     contact_free = contacting.contact_free | ~turning
     free = complex_amplitude(omega, zeta, *beyond[:1])
 
@@ -174,7 +174,7 @@ def _branches(
     }
 
 
-def _contacting(
+def whirls_in_contact(
     omega: Values, zeta: Values, delta0: Values, further: Further | None
 ) -> ContactingWhirls:
     """Return the contacting whirls under either contact law."""
