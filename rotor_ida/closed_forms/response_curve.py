@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import groupby, pairwise
 from operator import itemgetter
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -142,7 +142,14 @@ def response_curve(
 
 
 def clearance_curve(
-    *, omega: object, zeta: object, limits: tuple[float, float], points: int = 200
+    *,
+    omega: object,
+    zeta: object,
+    limits: tuple[float, float],
+    points: int = 200,
+    shaft_stiffness: object = 0.0,
+    contact_exponent: object = 1.5,
+    contact_damping: object = 0.0,
 ) -> xr.Dataset:
     """Return every synchronous whirl over the clearance, in order along the curve.
 
@@ -154,17 +161,21 @@ def clearance_curve(
         Smallest and largest clearance [1].
     points : int
         Number of points between one fold, tip, first touch or limit and the next.
+    shaft_stiffness, contact_exponent, contact_damping : float or sequence of float
+        As for `folds`, numbers or axes [1].
 
     Returns
     -------
     Dataset
-        On (omega, zeta, point): ``delta0`` and the other variables of `response_curve`.
+        On (omega, zeta, point), with further dimensions as `folds` has them before ``point``:
+        ``delta0`` and the other variables of `response_curve`.
 
     Raises
     ------
     InputError
         If `limits` are not two clearances, the smaller one first, a damping ratio is above zero
-        and below 1e-20, or a value is none that `synchronous_response` takes.
+        and below 1e-20, or 0 in a linear contact, or a value is none that `synchronous_response`
+        takes.
 
     Notes
     -----
@@ -183,6 +194,9 @@ def clearance_curve(
     by theta, with ``w = -tan(theta + arctan(1/R))``. Without damping the fold is at
     ``A = 1 + (8/27) q**2``.
 
+    A shaft takes its stiffness kappa from s. Below its resonance, ``q <= kappa``, all whirls in
+    contact lie on the stiffer flank. In a linear contact the clearance is ``A - s A``.
+
     References
     ----------
     Eqs (21)-(23) and section 4.2.1 of the paper, Mechanika 25(6), 2019, with the force
@@ -199,6 +213,16 @@ def clearance_curve(
         check_positive("omega", float(speed))
     dampings = check_axis("zeta", zeta, smallest=SMALLEST_DAMPING, largest=LARGEST_NUMBER)
     span, count = _checked_limits(limits), check_count("points", points, 2, MOST_POINTS)
+    further = further_axes(
+        shaft_stiffness=shaft_stiffness,
+        contact_exponent=contact_exponent,
+        contact_damping=contact_damping,
+        delta0=np.array(span),
+    )
+    if not further.default:
+        _check_damped(dampings, further)
+        axes = {"omega": speeds, "zeta": dampings} | further.axes
+        return _labelled("delta0", _curves_over_clearance(axes, span, count), axes, further)
     curves = [
         _over_clearance(float(speed), float(damping), span, count)
         for speed in speeds
@@ -297,11 +321,7 @@ def _further_curve(
     zeta: Values, delta0: Values, further: FurtherAxes, span: _Place, count: int
 ) -> xr.Dataset:
     """Return the curves with a shaft, either contact law and contact damping."""
-    if (zeta == 0.0).any() and (further.axes["contact_exponent"] != HERTZ_EXPONENT).any():
-        raise InputError(
-            "zeta must be positive for the curve of a linear contact, which is infinite in "
-            "resonance without damping, got 0.0"
-        )
+    _check_damped(zeta, further)
     axes = {"zeta": zeta, "delta0": delta0} | further.axes
     found = folds(
         zeta=zeta,
@@ -319,7 +339,7 @@ def _further_curve(
         pieces = pieces_with_ring(damping, ring, turns[place], span, count)
         if at["contact_damping"] > 0.0:
             for piece in pieces:
-                _drive(piece, damping, at)
+                _drive(piece, piece[0], at | {"zeta": damping})
         curves.append(pieces)
     return _labelled("omega", curves, axes, further)
 
@@ -438,15 +458,117 @@ def _contact_free_piece(zeta: float, ring: Ring, ends: _Place, points: int) -> V
     return np.concatenate([arcs[0], *(arc[:, 1:] for arc in arcs[1:])], axis=1)
 
 
-def _drive(piece: Values, zeta: float, ring: Mapping[str, float]) -> None:
+def _check_damped(zeta: Values, further: FurtherAxes) -> None:
+    """Refuse curves of a linear contact without damping, which run to infinity."""
+    if (zeta == 0.0).any() and (further.axes["contact_exponent"] != HERTZ_EXPONENT).any():
+        raise InputError(
+            "zeta must be positive for the curve of a linear contact, which is infinite in "
+            "resonance without damping, got 0.0"
+        )
+
+
+def _curves_over_clearance(
+    axes: Mapping[str, Values], limits: _Place, points: int
+) -> list[list[Values]]:
+    """Return the curves over the clearance with a shaft, either law and contact damping."""
+    curves = []
+    for place in np.ndindex(*(axis.size for axis in axes.values())):
+        at = {name: float(axis[k]) for (name, axis), k in zip(axes.items(), place, strict=True)}
+        hertz = at["contact_exponent"] == HERTZ_EXPONENT
+        rotor = at["omega"], at["zeta"], at["shaft_stiffness"], hertz
+        pieces = _ring_over_clearance(*rotor, limits, points)
+        if at["contact_damping"] > 0.0:
+            for piece in pieces:
+                _drive(piece, 0.0 * piece[0] + at["omega"], at | {"delta0": piece[0]})
+        curves.append(pieces)
+    return curves
+
+
+def _ring_over_clearance(
+    omega: float, zeta: float, kappa: float, hertz: bool, limits: _Place, points: int
+) -> list[Values]:
+    """Return the pieces of the curve over the clearance, as `_over_clearance` does."""
+    q = omega * omega
+    p, power = q - kappa, 2.0 / 3.0 if hertz else 1.0
+    largest = omega / (2.0 * zeta) if zeta > 0.0 else math.inf
+    free = complex_amplitude(omega, zeta, kappa if kappa > 0.0 else None)
+    touch = min(float(np.abs(free)), largest)
+    pieces = []
+    if touch < limits[1]:
+        ends = np.array([max(limits[0], touch), limits[1]])
+        word = "stable" if zeta > 0.0 and kappa > 0.0 else "neutral"
+        pieces.append(_points(ends, np.full(2, touch), STABILITY[word], in_contact=0))
+
+    def clearance(flank: int, A: Values) -> Values:
+        sine = A / largest
+        cosine = flank * np.sqrt(np.maximum((1.0 - sine) * (1.0 + sine), 0.0))
+        return np.asarray(A - np.maximum(p * A + q * cosine, 0.0) ** power)
+
+    def lag(A: Values, d: Values) -> Values:
+        depth = np.maximum(A - d, 0.0)
+        force = depth * np.sqrt(depth) if hertz else depth
+        return np.asarray(np.arctan2(2.0 * zeta * omega * A, force - p * A))
+
+    top = (touch, touch)  # below the resonance of the shaft
+    if p > 0.0:
+        top = (
+            (math.inf, math.inf)
+            if zeta == 0.0
+            else (largest, float(clearance(1, np.array(largest))))
+        )
+    chain = _Chain(-1, (touch, touch), top, (0.0, -(q**power)))
+
+    at_limits = np.array(limits)
+    like = 0.0 * at_limits
+    beyond = Further(like + kappa, like + (HERTZ_EXPONENT if hertz else 1.0), like)
+    whirls = whirls_in_contact(like + omega, like + zeta, at_limits, beyond)
+    rows, columns = np.nonzero(np.isfinite(whirls.amplitude))
+    cosine = np.cos(whirls.phase_lag[rows, columns])
+    marks = _marks(cosine, whirls.amplitude[rows, columns], at_limits[rows])
+    if p > 0.0:
+        turns = _ring_turns(q, p, largest, touch, hertz)
+        marks += _marks(np.full(turns.size, -1.0), turns, clearance(-1, turns))
+    law = _Law(clearance, lag, limits, points, zeta > 0.0)
+    return pieces + _traced([chain], marks, law)
+
+
+def _ring_turns(q: float, p: float, largest: float, touch: float, hertz: bool) -> Values:
+    """Return the amplitudes of the folds over the clearance, on the softer flank.
+
+    With ``A = R sin(t)`` the clearance is stationary where ``p + (q/R) tan(t)`` is 1 in a linear
+    contact, and by Hertz 3/2 of the cube root of the force ``p A - q cos(t)``.
+    """
+    if math.isinf(largest):
+        return np.array([(q + (8.0 / 27.0) * p**3) / p])
+    first, last = math.asin(min(touch / largest, 1.0)), 0.5 * math.pi
+    if not hertz:
+        turn = math.atan2((1.0 - p) * largest, q)
+        return np.array([largest * math.sin(turn)]) if first < turn < last else np.empty(0)
+
+    def excess(turn: float) -> float:
+        force = p * largest * math.sin(turn) - q * math.cos(turn)
+        slope = p * math.cos(turn) + q / largest * math.sin(turn)
+        return math.cbrt(max(force, 0.0)) * math.cos(turn) - (2.0 / 3.0) * slope
+
+    nodes = first + (last - first) * (0.5 - 0.5 * np.cos(np.linspace(0.0, math.pi, 2001)))
+    signs = np.array([excess(node) > 0.0 for node in nodes.tolist()])
+    changes = np.nonzero(signs[:-1] != signs[1:])[0]
+    brackets = [(float(nodes[k]), float(nodes[k + 1])) for k in changes]
+    found = [brentq(excess, *ends, xtol=1e-300, rtol=1e-15) for ends in brackets]
+    return np.asarray(largest * np.sin(np.array(found)))
+
+
+def _drive(piece: Values, omega: Values, rotor: dict[str, Any]) -> None:
     """Mark the contacting whirls of a piece that contact damping drives as unstable."""
-    omega, amplitude, stability, in_contact = piece
+    _, amplitude, stability, in_contact = piece
     unstable = STABILITY["unstable"]
     chosen = np.nonzero((in_contact == 1) & (stability != unstable) & (omega > 0.0))[0]
-    rates = eigenvalues(amplitude[chosen], omega=omega[chosen], zeta=zeta, **ring).real.max(axis=-1)
+    given = rotor | {"omega": omega}
+    here = {name: each[chosen] if np.ndim(each) else each for name, each in given.items()}
+    rates = eigenvalues(amplitude[chosen], **here).real.max(axis=-1)
     # at a fold one eigenvalue is 0, up to rounding
-    size = omega[chosen] * 1e-10
-    stability[chosen] = np.where(rates > size, unstable, STABILITY["stable"])
+    driven = rates > 1e-10 * omega[chosen]
+    stability[chosen] = np.where(driven, unstable, STABILITY["stable"])
 
 
 def _over_clearance(omega: float, zeta: float, limits: _Place, points: int) -> list[Values]:
