@@ -9,6 +9,8 @@ from .atlas import touchdown_report as touchdown_report
 from .basins import basin as basin
 from .basins import basin_fractions as basin_fractions
 from .closed_forms import folds as folds
+from .closed_forms import impact as impact
+from .closed_forms import rest as rest
 from .closed_forms import synchronous_response as synchronous_response
 from .cycles.bifurcation_curve import bifurcation_curve as bifurcation_curve
 from .cycles.branches import branches_through as branches_through

@@ -9,8 +9,9 @@ from sphinx import addnodes
 
 # Words of the field that are names of functions too; as links they need their brackets or module.
 WORDS = {
-    "basin", "cusp", "flight", "folds", "jumps", "load", "peaks", "rotating", "spectrum", "status",
-}  # fmt: skip
+    *("basin", "cusp", "flight", "folds", "impact", "jumps", "load", "peaks"),
+    *("rest", "rotating", "spectrum", "status"),
+}
 # Where a name in single backticks is looked for.
 HOMES = ("rotor_ida", "rotor_ida.closed_forms", "rotor_ida.plot", "rotor_ida.testing")
 

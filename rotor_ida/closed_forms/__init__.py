@@ -9,6 +9,7 @@ from rotor_ida.closed_forms.contact_free import (
     contact_free_whirl,
     flight,
     touch_fading,
+    touch_speeds,
 )
 from rotor_ida.closed_forms.folds import cusp, cusp_zeta, folds, jumps
 from rotor_ida.closed_forms.free_vibration import (
@@ -18,8 +19,10 @@ from rotor_ida.closed_forms.free_vibration import (
     free_periods,
     planar_period,
 )
+from rotor_ida.closed_forms.impact import impact
 from rotor_ida.closed_forms.peaks import backbone, peak_amplitude, peaks, speeds_at_amplitude
 from rotor_ida.closed_forms.response_curve import clearance_curve, response_curve
+from rotor_ida.closed_forms.rest import rest
 from rotor_ida.closed_forms.restoring import restoring_field
 from rotor_ida.closed_forms.stability import eigenvalues, stability_determinant
 from rotor_ida.closed_forms.synchronous import synchronous_response
@@ -38,14 +41,17 @@ __all__ = [
     "flight",
     "folds",
     "free_periods",
+    "impact",
     "jumps",
     "peak_amplitude",
     "peaks",
     "planar_period",
     "response_curve",
+    "rest",
     "restoring_field",
     "speeds_at_amplitude",
     "stability_determinant",
     "synchronous_response",
     "touch_fading",
+    "touch_speeds",
 ]

@@ -5,15 +5,23 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass
+from fractions import Fraction
 
 import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_array, check_instance, check_real, check_state
+from rotor_ida.checks import (
+    LARGEST_NUMBER,
+    check_array,
+    check_instance,
+    check_nonnegative,
+    check_real,
+    check_state,
+)
 from rotor_ida.closed_forms.double_double import DoubleDouble
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import Rotor
+from rotor_ida.parameters import Rotor, check_papers
 
 ComplexValues = npt.NDArray[np.complex128]
 
@@ -50,16 +58,24 @@ class ContactFreeWhirl:
         return not math.isnan(self.largest_centre_offset)
 
 
-def complex_amplitude(omega: npt.ArrayLike, zeta: npt.ArrayLike) -> ComplexValues:
+def complex_amplitude(
+    omega: npt.ArrayLike, zeta: npt.ArrayLike, shaft_stiffness: npt.ArrayLike | None = None
+) -> ComplexValues:
     """Return ``a = -omega/(omega - 2 i zeta)`` of the contact-free whirl ``c + a exp(i omega t)``.
 
-    Its modulus is A_f, its angle minus the phase lag; 0 at rest. See `contact_free_whirl`.
+    Its modulus is A_f, its angle minus the phase lag; 0 at rest. See `contact_free_whirl`. With a
+    shaft of stiffness kappa it is ``omega**2/(kappa - omega**2 + 2 i zeta omega)``, and the
+    centre c is 0.
 
     Examples
     --------
     >>> round(abs(complex(complex_amplitude(3.0, 2.0))), 12)
     0.6
+    >>> complex(complex_amplitude(1.0, 0.0, 3.0))
+    (0.5+0j)
     """
+    if shaft_stiffness is not None:
+        return _held_amplitude(*np.broadcast_arrays(omega, zeta, shaft_stiffness))
     speed, resistance = np.broadcast_arrays(
         np.asarray(omega, dtype=np.float64), 2.0 * np.asarray(zeta, dtype=np.float64)
     )
@@ -70,24 +86,50 @@ def complex_amplitude(omega: npt.ArrayLike, zeta: npt.ArrayLike) -> ComplexValue
     return np.asarray(0.0 - cosine * (cosine + 1j * sine))
 
 
+def _held_amplitude(omega: Values, zeta: Values, kappa: Values) -> ComplexValues:
+    """Return the complex amplitude with a shaft; the largest double where it would be infinite."""
+    q = DoubleDouble.of(omega) * DoubleDouble.of(omega)
+    restoring = (DoubleDouble.of(kappa) - q).high + 0.0
+    resistance = 2.0 * zeta * omega
+    size = np.hypot(restoring, resistance)
+    moving = size > 0.0
+    cosine = np.divide(restoring, size, out=np.ones_like(size), where=moving)
+    sine = np.divide(resistance, size, out=np.zeros_like(size), where=moving)
+    largest = np.finfo(np.float64).max
+    still = np.where(q.high > 0.0, largest, 0.0)
+    with np.errstate(over="ignore"):
+        amplitude = np.minimum(np.divide(q.high, size, out=still, where=moving), largest)
+    return np.asarray(amplitude * cosine - 1j * (amplitude * sine) + 0.0)
+
+
 def contact_free_whirl(rotor: Rotor) -> ContactFreeWhirl:
-    """Return the neutral family of contact-free whirls.
+    """Return the neutral family of contact-free whirls, or the one that a shaft leaves.
 
     Parameters
     ----------
     rotor : Rotor
-        Parameters of the rotor.
+        Parameters of the rotor, without a load.
 
     Returns
     -------
     ContactFreeWhirl
         Its amplitude, phase lag and the largest offset of its centre.
 
+    Raises
+    ------
+    InputError
+        If the rotor has a load.
+
     Notes
     -----
     ``z = c + A_f exp(i (omega t - theta))`` for every ``|c| + A_f <= delta0``, with
     ``A_f = omega/sqrt(omega**2 + 4 zeta**2)`` and ``theta = atan2(2 zeta, -omega)``. At
     omega = 0 the rotor rests: amplitude and phase lag are 0.
+
+    A shaft of stiffness kappa leaves one whirl, ``z = A_f exp(i (omega t - theta))`` with
+    ``A_f = omega**2/sqrt((kappa - omega**2)**2 + 4 zeta**2 omega**2)`` and
+    ``theta = atan2(2 zeta omega, kappa - omega**2)``; it attracts all motion that stays free of
+    contact, if there is damping. `touch_speeds` says where it fits into the clearance.
 
     References
     ----------
@@ -100,13 +142,73 @@ def contact_free_whirl(rotor: Rotor) -> ContactFreeWhirl:
     (0.6, 0.4)
     """
     check_instance("rotor", rotor, Rotor)
-    whirl = complex(complex_amplitude(rotor.omega, rotor.zeta))
+    if rotor.load > 0.0:
+        raise InputError(f"load must be 0 for a whirl about the bearing axis, got {rotor.load!r}")
+    kappa = rotor.shaft_stiffness
+    whirl = complex(complex_amplitude(rotor.omega, rotor.zeta, kappa if kappa > 0.0 else None))
     room = rotor.delta0 - abs(whirl)
+    offset = room if kappa == 0.0 else 0.0
     return ContactFreeWhirl(
         amplitude=abs(whirl),
         phase_lag=abs(cmath.phase(whirl)),
-        largest_centre_offset=room if room >= 0.0 else math.nan,
+        largest_centre_offset=offset if room >= 0.0 else math.nan,
     )
+
+
+def touch_speeds(*, zeta: float, delta0: float, shaft_stiffness: float = 0.0) -> Values:
+    """Return the speeds at which the contact-free whirl just reaches the ring.
+
+    Parameters
+    ----------
+    zeta, delta0, shaft_stiffness : float
+        Damping ratio, clearance and stiffness of the shaft [1].
+
+    Returns
+    -------
+    ndarray, shape (2,)
+        Speeds [1]: from the first on the whirl is too large for the clearance, from the second
+        on it fits again; NaN where there is none. Without a second one it does not fit again.
+
+    Raises
+    ------
+    InputError
+        If a value is not a finite real number that is zero or positive, or is above 1e15.
+
+    Notes
+    -----
+    ``omega**4 = delta0**2 ((kappa - q)**2 + 4 zeta**2 q)`` is a quadratic in ``q = omega**2``,
+    ``(1 - delta0**2) q**2 + 2 delta0**2 (kappa - 2 zeta**2) q - delta0**2 kappa**2 = 0``, with
+    the discriminant ``4 delta0**2 (kappa**2 - 4 zeta**2 delta0**2 (kappa - zeta**2))``. At high
+    speed the whirl approaches 1: below that clearance there is one speed, above it two or none,
+    none where the largest whirl fits, too.
+
+    References
+    ----------
+    Eq. (10) of the paper, Mechanika 25(6), 2019, with f = 0 and a shaft.
+
+    Examples
+    --------
+    >>> touch_speeds(zeta=0.1, delta0=2.0, shaft_stiffness=1.0).round(6)
+    array([0.833712, 1.385012])
+    >>> touch_speeds(zeta=0.6, delta0=0.6).round(6)
+    array([0.9, nan])
+    """
+    z = check_nonnegative("zeta", zeta, LARGEST_NUMBER)
+    d = check_nonnegative("delta0", delta0, LARGEST_NUMBER)
+    kappa = check_nonnegative("shaft_stiffness", shaft_stiffness, LARGEST_NUMBER)
+    # exactly, as two speeds may nearly be one
+    z2, d2, k = (Fraction(z) ** 2, Fraction(d) ** 2, Fraction(kappa))
+    inside = k * k - 4 * z2 * d2 * (k - z2)
+    sum_, lead = d2 * (2 * z2 - k), 1 - d2
+    if inside < 0 or (lead <= 0 and sum_ >= 0):
+        return np.array([math.nan, math.nan])
+    root = Fraction(d * math.sqrt(inside))
+    larger = abs(sum_) + root
+    first = Fraction(0)
+    if larger > 0:  # the smaller q, or the only positive one
+        first = larger / lead if sum_ > 0 else d2 * k * k / larger
+    second = math.sqrt(larger / -lead) if lead < 0 else math.nan
+    return np.array([math.sqrt(first), second])
 
 
 def touch_fading(rotor: Rotor) -> float:
@@ -144,6 +246,8 @@ def touch_fading(rotor: Rotor) -> float:
     33.68
     """
     check_instance("rotor", rotor, Rotor)
+    if rotor.shaft_stiffness > 0.0 or rotor.load > 0.0:  # there is one whirl, or none
+        return math.nan
     amplitude = abs(complex(complex_amplitude(rotor.omega, rotor.zeta)))
     room = rotor.delta0 - amplitude
     if rotor.zeta == 0.0 or amplitude == 0.0 or room <= 0.0:
@@ -205,6 +309,7 @@ def flight(time: npt.ArrayLike, *, rotor: Rotor, start: object, start_time: floa
            [0.  , 0.  ]])
     """
     check_instance("rotor", rotor, Rotor)
+    check_papers(rotor, "this flight")
     began = check_real("start_time", start_time)
     x, y, vx, vy = check_state("start", start)
     times = check_array("time", time)

@@ -2,14 +2,14 @@
 
 With ``u = sqrt(A - delta0)`` and ``q = omega**2`` a contacting whirl is a root u > 0 of
 
-    P(u) = F**2 - q**2 + 4 zeta**2 q A**2,    A = delta0 + u**2,    F = u**3 - q A.
+    P(u) = F**2 - q**2 + 4 zeta**2 q A**2,    A = delta0 + u**2,    F = u**3 - p A,
 
-It is a polynomial because the Hertz exponent is 3/2, which makes the force u**3.
-Between two neighbouring extrema of P there is at most one root, so the extrema are found
-first, from those of the derivative, and so on down to a quadratic. What decides whether a
-root exists is the sign of P at an extremum, and that is computed with 32 digits. As
-``dP/du = 4 u A D``, where D is the determinant that decides stability, a whirl is stable
-exactly where P rises through zero.
+where ``p = q - kappa`` with a shaft of stiffness kappa, and q without. It is a polynomial because
+the Hertz exponent is 3/2, which makes the force u**3. Between two neighbouring extrema of P there
+is at most one root, so the extrema are found first, from those of the derivative, and so on down
+to a quadratic. What decides whether a root exists is the sign of P at an extremum, and that is
+computed with 32 digits. As ``dP/du = 4 u A D``, where D is the determinant that decides stability,
+a whirl is stable exactly where P rises through zero.
 """
 
 from __future__ import annotations
@@ -54,37 +54,42 @@ class _Equation:
     """The polynomial P of many rotors, with its parameters to 32 digits."""
 
     q: DoubleDouble
+    p: DoubleDouble  # q, less the stiffness of the shaft
     damping: DoubleDouble  # 4 zeta**2 q
     delta0: DoubleDouble
 
     def precise(self, u: DoubleDouble, rows: Rows) -> tuple[Values, Values, Values]:
         """Return P, its slope and F at `u`; P and F come from 32-digit arithmetic."""
-        q, damping = self.q[rows], self.damping[rows]
+        q, p, damping = self.q[rows], self.p[rows], self.damping[rows]
         square = u * u
         amplitude = self.delta0[rows] + square
-        force_excess = square * u - q * amplitude
+        force_excess = square * u - p * amplitude
         value = (force_excess * force_excess - q * q) + damping * (amplitude * amplitude)
-        slope = 2.0 * force_excess.high * (3.0 * u.high - 2.0 * q.high) * u.high
+        slope = 2.0 * force_excess.high * (3.0 * u.high - 2.0 * p.high) * u.high
         slope += 4.0 * damping.high * amplitude.high * u.high
         return value.high, slope, force_excess.high
 
     def plain(self, u: Values, rows: Rows) -> tuple[Values, Values]:
         """Return P and its slope in plain doubles."""
-        q, damping = self.q.high[rows], self.damping.high[rows]
+        q, p, damping = self.q.high[rows], self.p.high[rows], self.damping.high[rows]
         amplitude = self.delta0.high[rows] + u * u
-        force_excess = u * u * u - q * amplitude
+        force_excess = u * u * u - p * amplitude
         value = force_excess * force_excess - q * q + damping * amplitude * amplitude
-        slope = 2.0 * force_excess * (3.0 * u - 2.0 * q) * u + 4.0 * damping * amplitude * u
+        slope = 2.0 * force_excess * (3.0 * u - 2.0 * p) * u + 4.0 * damping * amplitude * u
         return value, slope
 
 
-def contacting_whirls(omega: Values, zeta: Values, delta0: Values) -> ContactingWhirls:
+def contacting_whirls(
+    omega: Values, zeta: Values, delta0: Values, shaft_stiffness: Values | None = None
+) -> ContactingWhirls:
     """Return all whirls in contact of rotors with ``omega > 0``.
 
     Parameters
     ----------
     omega, zeta, delta0 : ndarray, shape (n,)
         Spin speed, damping ratio and clearance [1].
+    shaft_stiffness : ndarray, shape (n,), optional
+        Stiffness kappa of the shaft [1]; none by default.
 
     Returns
     -------
@@ -93,8 +98,8 @@ def contacting_whirls(omega: Values, zeta: Values, delta0: Values) -> Contacting
 
     Notes
     -----
-    ``P(0) = q**2 ((delta0/A_f)**2 - 1)``: its sign says whether the contact-free whirl of
-    amplitude A_f fits into the clearance, so that exactly one of the two kinds appears or
+    ``P(0) = q**2 ((delta0/A_f)**2 - 1)``, with a shaft too: its sign says whether the contact-free
+    whirl of amplitude A_f fits into the clearance, so that exactly one of the two kinds appears or
     vanishes there.
 
     References
@@ -111,10 +116,18 @@ def contacting_whirls(omega: Values, zeta: Values, delta0: Values) -> Contacting
     q = DoubleDouble.of(omega) * DoubleDouble.of(omega)
     four_zeta_squared = DoubleDouble.of(2.0 * zeta) * DoubleDouble.of(2.0 * zeta)
     clearance = DoubleDouble.of(delta0)
-    equation = _Equation(q, four_zeta_squared * q, clearance)
-    contact_free = (clearance * clearance * (q + four_zeta_squared) - q).high >= 0.0
+    damping = four_zeta_squared * q
+    if shaft_stiffness is None:
+        p, stiffness = q, q.high * (q.high + four_zeta_squared.high)
+        contact_free = (clearance * clearance * (q + four_zeta_squared) - q).high >= 0.0
+    else:
+        p = q - DoubleDouble.of(shaft_stiffness)
+        impedance = p * p + damping
+        stiffness = impedance.high
+        contact_free = (clearance * clearance * impedance - q * q).high >= 0.0
+    equation = _Equation(q, p, damping, clearance)
 
-    breakpoints = _extrema(q.high, q.high * (q.high + four_zeta_squared.high), delta0)
+    breakpoints = _extrema(q.high, p.high, stiffness, delta0)
     signs = _signs(equation, breakpoints, contact_free)
     estimate, rising = _roots_between(equation.plain, breakpoints, signs)
     u = _polished(equation, breakpoints, estimate, rising)
@@ -135,18 +148,21 @@ def contacting_whirls(omega: Values, zeta: Values, delta0: Values) -> Contacting
     )
 
 
-def _extrema(q: Values, stiffness: Values, delta0: Values) -> Values:
+def _extrema(q: Values, p: Values, stiffness: Values, delta0: Values) -> Values:
     """Return 0, the extrema of P in ascending order and a bound on its roots, shape (n, 6).
 
-    ``stiffness`` is ``q (q + 4 zeta**2)``. Extrema that do not exist repeat the bound.
+    ``stiffness`` is ``p**2 + 4 zeta**2 q``. Extrema that do not exist repeat the bound. For
+    ``p <= 0`` none does: no term of the slope of P is negative then.
     """
-    bound = 1.000001 * (q + np.cbrt(q * (delta0 + 1.0)))
+    softens = p > 0.0
+    bound = 1.000001 * (np.maximum(p, 0.0) + np.cbrt(q * (delta0 + 1.0)))
+    p = np.where(softens, p, 1.0)
     quartic = (
         2.0 * delta0 * stiffness,
-        -3.0 * q * delta0,
+        -3.0 * p * delta0,
         2.0 * stiffness,
-        -5.0 * q,
-        3.0 + 0.0 * q,
+        -5.0 * p,
+        3.0 + 0.0 * p,
     )
     cubic = _derivative(quartic)
     quadratic = _derivative(cubic)
@@ -156,7 +172,7 @@ def _extrema(q: Values, stiffness: Values, delta0: Values) -> Values:
     points = np.stack([smaller, larger / (2.0 * quadratic[2])], axis=1)
     for polynomial in (cubic, quartic):
         points = _roots_of(polynomial, _bounded(points, bound))
-    return _bounded(points, bound)
+    return _bounded(np.where(softens[:, None], points, np.nan), bound)
 
 
 def _bounded(points: Values, bound: Values) -> Values:

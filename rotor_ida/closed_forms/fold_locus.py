@@ -131,7 +131,7 @@ def _side(nodes: Values, delta0: float, side: int) -> LocusSide:
     slope = locus_points(nodes, delta0, side).slope
     before = np.nonzero(slope[:-1] * slope[1:] < 0.0)[0]
     rising = slope[before] > 0.0
-    turning = _last_before(
+    turning = last_before(
         nodes[before],
         nodes[before + 1],
         lambda u: (locus_points(u, delta0, side).slope > 0.0) == rising,
@@ -155,7 +155,7 @@ def folds_on_side(locus: LocusSide, zeta: Values) -> tuple[npt.NDArray[np.int_],
     exists = np.isfinite(locus.damping[:-1] + locus.damping[1:])
     row, node = np.nonzero((above[:, :-1] != above[:, 1:]) & exists)
     bounds, falling = (locus.u[node], locus.u[node + 1]), above[row, node]
-    low = _last_before(
+    low = last_before(
         *bounds,
         lambda u: (locus_points(u, locus.delta0, locus.side).damping > damping[row]) == falling,
     )
@@ -167,7 +167,7 @@ def folds_on_side(locus: LocusSide, zeta: Values) -> tuple[npt.NDArray[np.int_],
     return row, np.sqrt(u**3 / b), amplitude
 
 
-def _last_before(low: Values, high: Values, before: Callable[[Values], Flags]) -> Values:
+def last_before(low: Values, high: Values, before: Callable[[Values], Flags]) -> Values:
     """Return, cut down to neighbouring doubles, where `before` holds for the last time.
 
     Each round asks for many places between `low` and `high` at once, on a new first axis.

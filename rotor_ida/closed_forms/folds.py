@@ -3,43 +3,71 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 from scipy.optimize import minimize_scalar
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import check_axis, check_points, check_real
 from rotor_ida.closed_forms.fold_locus import LocusSide, fold_locus, folds_on_side, locus_points
+from rotor_ida.closed_forms.fold_locus_further import (
+    FurtherSide,
+    Ring,
+    further_folds,
+    further_locus,
+    points_on_side,
+    undamped_folds,
+)
+from rotor_ida.closed_forms.further_parameters import FurtherAxes, further_axes
 from rotor_ida.closed_forms.synchronous import synchronous_response
+from rotor_ida.equations.contact import HERTZ_EXPONENT
+from rotor_ida.errors import InputError
+from rotor_ida.parameters import check_exponent
 from rotor_ida.schema import STABILITY, labelled, labelled_dataset
 
 # At a fold two whirls are one, up to the root of rounding.
 _SAME = 1e-5
+# More than there are: up to four without a shaft.
+_MOST_FOLDS = 12
 # Between these clearances the damping of the cusp rises to its one maximum and falls again.
 _HUMP = (0.5, 0.8)
 
 
-def folds(*, zeta: object, delta0: object) -> xr.Dataset:
+def folds(
+    *,
+    zeta: object,
+    delta0: object,
+    shaft_stiffness: object = 0.0,
+    contact_exponent: object = 1.5,
+    contact_damping: object = 0.0,
+) -> xr.Dataset:
     """Return every fold of the contacting whirls.
 
     Parameters
     ----------
     zeta, delta0 : float or sequence of float, shapes (m,) and (k,)
         Damping ratios and clearances [1].
+    shaft_stiffness, contact_exponent, contact_damping : float or sequence of float
+        As for `Rotor`, numbers or axes [1]. Contact damping moves no fold.
 
     Returns
     -------
     Dataset
         ``fold_omega`` and ``fold_amplitude`` [1] on the dimensions (zeta, delta0, fold), in
-        order of speed; NaN where there are fewer folds than the dimension is long.
+        order of speed; NaN where there are fewer folds than the dimension is long. Each of the last
+        three parameters that is given as a sequence is a dimension before ``fold``, as a number
+        that is not the default a coordinate.
 
     Raises
     ------
     InputError
         If a value is not a finite real number that is zero or positive, or is above 1e6, or is
-        a damping ratio or clearance above zero and below 1e-20.
+        above zero and below 1e-20; if an exponent is neither 1.5 nor 1; if there is contact damping
+        without clearance.
 
     Notes
     -----
@@ -51,7 +79,9 @@ def folds(*, zeta: object, delta0: object) -> xr.Dataset:
     never close at large amplitude, and only one fold is left, at ``A = 3 - 2 delta0`` if
     ``delta0 < 1``.
 
-    The point where a branch first touches the ring, at A = delta0, is not a fold.
+    The point where a branch first touches the ring, at A = delta0, is not a fold. With a shaft or a
+    linear contact the locus is that of `fold_locus_further`; a linear contact has folds only with
+    clearance and damping.
 
     References
     ----------
@@ -66,16 +96,29 @@ def folds(*, zeta: object, delta0: object) -> xr.Dataset:
     0
     """
     dampings, clearances = _checked("zeta", zeta), _checked("delta0", delta0)
-    check_points(dampings, clearances)
-    table = fold_table(dampings, clearances)
-    dims = ("zeta", "delta0", "fold")
+    further = further_axes(
+        shaft_stiffness=shaft_stiffness,
+        contact_exponent=contact_exponent,
+        contact_damping=contact_damping,
+        delta0=clearances,
+    )
+    _checked("shaft_stiffness", further.axes["shaft_stiffness"])
+    check_points(dampings, clearances, *further.axes.values())
+    if further.default:
+        table = fold_table(dampings, clearances)
+    else:
+        table = _further_table(dampings, clearances, further)
+    dims = ("zeta", "delta0", *further.dims, "fold")
     return labelled_dataset(
-        "Folds of the synchronous whirls of a rotor with Hertz contact and clearance",
+        "Folds of the synchronous whirls of a rotor with Hertz contact and clearance"
+        if further.default
+        else "Folds of the synchronous whirls of a rotor with contact and clearance",
         {"fold_omega": (dims, table[..., 0]), "fold_amplitude": (dims, table[..., 1])},
         {
             "zeta": ("zeta", dampings),
             "delta0": ("delta0", clearances),
-            "fold": ("fold", np.arange(table.shape[2])),
+            **further.coordinates,
+            "fold": ("fold", np.arange(table.shape[-2])),
         },
         {
             "source": "rotor_ida closed forms: crossings of the damping along the locus of folds",
@@ -84,20 +127,29 @@ def folds(*, zeta: object, delta0: object) -> xr.Dataset:
     )
 
 
-def jumps(*, zeta: object, delta0: object) -> xr.Dataset:
+def jumps(
+    *,
+    zeta: object,
+    delta0: object,
+    shaft_stiffness: object = 0.0,
+    contact_exponent: object = 1.5,
+    contact_damping: object = 0.0,
+) -> xr.Dataset:
     """Return every fold with the whirl that is left there to jump to.
 
     Parameters
     ----------
     zeta, delta0 : float or sequence of float, shapes (m,) and (k,)
         Damping ratios and clearances [1].
+    shaft_stiffness, contact_exponent, contact_damping : float or sequence of float
+        As for `folds`.
 
     Returns
     -------
     Dataset
-        On (zeta, delta0, fold): ``fold_omega`` and ``fold_amplitude`` [1] of `folds`, and
-        ``landing_amplitude`` [1], the amplitude of the one other whirl at that speed that is not
-        unstable; NaN where there is none, or a choice.
+        On (zeta, delta0, fold), or the dimensions of `folds`: ``fold_omega`` and
+        ``fold_amplitude`` [1] of `folds`, and ``landing_amplitude`` [1], the amplitude of the one
+        other whirl at that speed that is not unstable; NaN where there is none, or a choice.
 
     Raises
     ------
@@ -118,42 +170,55 @@ def jumps(*, zeta: object, delta0: object) -> xr.Dataset:
     >>> jumps(zeta=0.07, delta0=0.0).landing_amplitude.values.ravel().round(4)
     array([7.7963, 1.4727])
     """
-    found = folds(zeta=zeta, delta0=delta0)
+    found = folds(
+        zeta=zeta,
+        delta0=delta0,
+        shaft_stiffness=shaft_stiffness,
+        contact_exponent=contact_exponent,
+        contact_damping=contact_damping,
+    )
     dims, speeds = found["fold_omega"].dims, found["fold_omega"].values
+    names = [str(name) for name in found.coords if name != "fold"]
     landing = np.full(speeds.shape, np.nan)
-    for row, column, number in zip(*np.nonzero(np.isfinite(speeds)), strict=True):
-        here = synchronous_response(
-            omega=speeds[row, column, number],
-            zeta=found["zeta"].values[row],
-            delta0=found["delta0"].values[column],
-        )
+    for place in zip(*np.nonzero(np.isfinite(speeds)), strict=True):
+        at = dict(zip(dims, place, strict=True))
+        parameters = {
+            name: found[name].values[at[name]] if name in at else found[name].item()
+            for name in names
+        }
+        here = synchronous_response(omega=speeds[place], **parameters)
         amplitude = here["amplitude"].values.ravel()
-        fold = found["fold_amplitude"].values[row, column, number]
+        fold = found["fold_amplitude"].values[place]
         lasting = np.isin(here["stability"], (STABILITY["stable"], STABILITY["neutral"]))
         others = amplitude[lasting.ravel() & (np.abs(amplitude - fold) > _SAME * fold)]
         if others.size == 1:
-            landing[row, column, number] = others[0]
+            landing[place] = others[0]
     return found.assign(landing_amplitude=labelled("landing_amplitude", dims, landing))
 
 
-def cusp_zeta(delta0: float) -> float:
+def cusp_zeta(
+    delta0: float, *, shaft_stiffness: float = 0.0, contact_exponent: float = 1.5
+) -> float:
     """Return the damping ratio of the cusp: above it the response curve has no fold.
 
     Parameters
     ----------
     delta0 : float
         Clearance [1].
+    shaft_stiffness, contact_exponent : float
+        As for `Rotor` [1].
 
     Returns
     -------
     float
-        Largest damping ratio with a fold [1].
+        Largest damping ratio with a fold [1]; NaN where none has: in a linear contact without
+        clearance, or with too little.
 
     Raises
     ------
     InputError
-        If `delta0` is not a finite real number, is negative or above 1e6, or lies between 0
-        and 1e-20.
+        If `delta0` or the stiffness is not a finite real number, is negative or above 1e6, or lies
+        between 0 and 1e-20; if the exponent is neither 1.5 nor 1.
 
     Notes
     -----
@@ -168,30 +233,44 @@ def cusp_zeta(delta0: float) -> float:
     >>> round(cusp_zeta(0.0), 8)
     0.15604517
     """
-    return _cusp(_checked("delta0", check_real("delta0", delta0)).item())[0]
+    clearance = _checked("delta0", check_real("delta0", delta0)).item()
+    stiffness = _checked("shaft_stiffness", check_real("shaft_stiffness", shaft_stiffness)).item()
+    exponent = check_real("contact_exponent", contact_exponent)
+    check_exponent(exponent)
+    if stiffness == 0.0 and exponent == HERTZ_EXPONENT:
+        return _cusp(clearance)[0]
+    return _further_cusp(Ring(clearance, stiffness, exponent == HERTZ_EXPONENT))[0]
 
 
-def cusp(*, delta0: object = None) -> xr.Dataset:
+def cusp(
+    *,
+    delta0: object = None,
+    shaft_stiffness: object = 0.0,
+    contact_exponent: object = 1.5,
+    contact_damping: object = 0.0,
+) -> xr.Dataset:
     """Return the cusp of each clearance: damping above which the response curve has no fold.
 
     Parameters
     ----------
     delta0 : float or sequence of float, shape (k,), optional
         Clearances [1]. By default the one whose cusp has the largest damping: above that no
-        rotor jumps, whatever its clearance.
+        rotor jumps, whatever its clearance; this is known of the paper's rotor alone.
+    shaft_stiffness, contact_exponent, contact_damping : float or sequence of float
+        As for `folds`.
 
     Returns
     -------
     Dataset
-        On delta0: ``cusp_zeta``, the supremum of the damping ratios at which the response
-        curve has any fold, and ``cusp_omega`` and ``cusp_amplitude``, where the last
-        two folds merge [1].
+        On delta0, and further dimensions as `folds` has them: ``cusp_zeta``, the supremum of the
+        damping ratios at which the response curve has any fold, and ``cusp_omega`` and
+        ``cusp_amplitude``, where the last two folds merge [1]; NaN where there is no fold.
 
     Raises
     ------
     InputError
-        If a clearance is not a finite real number that is zero or positive, is above 1e6, or
-        lies between 0 and 1e-20.
+        If a value is none that `folds` takes, or `delta0` is left out with a shaft, another contact
+        law or contact damping.
 
     Notes
     -----
@@ -212,12 +291,26 @@ def cusp(*, delta0: object = None) -> xr.Dataset:
     (0.25100303, 0.7009)
     """
     clearances = _checked("delta0", _worst_clearance() if delta0 is None else delta0)
-    rows = np.array([_cusp(float(clearance)) for clearance in clearances])
+    further = further_axes(
+        shaft_stiffness=shaft_stiffness,
+        contact_exponent=contact_exponent,
+        contact_damping=contact_damping,
+        delta0=clearances,
+    )
+    _checked("shaft_stiffness", further.axes["shaft_stiffness"])
+    if further.default:
+        table = np.array([_cusp(float(clearance)) for clearance in clearances])
+    elif delta0 is None:
+        raise InputError(f"delta0 must be given with {', '.join(further.coordinates)}, got None")
+    else:
+        check_points(clearances, *further.axes.values())
+        table = _over_rings(_further_cusp, clearances, further)
     names = ("cusp_zeta", "cusp_omega", "cusp_amplitude")
+    dims = ("delta0", *further.dims)
     return labelled_dataset(
         "Cusps: damping above which the response curve has no fold",
-        {name: ("delta0", column) for name, column in zip(names, rows.T, strict=True)},
-        {"delta0": ("delta0", clearances)},
+        {name: (dims, table[..., k]) for k, name in enumerate(names)},
+        {"delta0": ("delta0", clearances), **further.coordinates},
     )
 
 
@@ -239,6 +332,78 @@ def _cusp(delta0: float) -> tuple[float, float, float]:
             best, place, where = float(damping[largest]), float(locus.u[largest]), locus.side
     b = float(locus_points(place, delta0, where).b)
     return 0.5 * math.sqrt(best), math.sqrt(place**3 / b), delta0 + place**2
+
+
+def _further_cusp(ring: Ring) -> tuple[float, float, float]:
+    """Return the cusp with a shaft or a linear contact."""
+    best, place, where = 0.0, math.nan, 0
+    for locus in further_locus(ring, 1e-3):
+        damping = np.where(np.isfinite(locus.damping), locus.damping, -1.0)
+        largest = int(damping.argmax())
+        if damping[largest] > best:
+            best, place, where = float(damping[largest]), float(locus.u[largest]), locus.side
+    if best == 0.0:
+        return math.nan, math.nan, math.nan
+    u = np.array([place])
+    amplitude, force, _ = ring.forces(u)
+    b = points_on_side(u, ring, where).b
+    return 0.5 * math.sqrt(best), math.sqrt((force / b).item()), amplitude.item()
+
+
+def _over_rings(
+    of_ring: Callable[[Ring], npt.ArrayLike], delta0: Values, further: FurtherAxes
+) -> Values:
+    """Return what depends on the ring alone, on (delta0, the dimensions of `further`, ...)."""
+    axes = further.axes
+    rings = [
+        of_ring(Ring(clearance, stiffness, exponent == HERTZ_EXPONENT))
+        for clearance in delta0.tolist()
+        for stiffness in axes["shaft_stiffness"].tolist()
+        for exponent in axes["contact_exponent"].tolist()
+    ]
+    found = np.array(rings)
+    found = np.repeat(found[:, None], axes["contact_damping"].size, axis=1)
+    return found.reshape(delta0.size, *further.sizes, *found.shape[2:])
+
+
+def _further_table(zeta: Values, delta0: Values, further: FurtherAxes) -> Values:
+    """Return speed and amplitude of every fold, shape (m, k, ..., most, 2)."""
+    dampings = tuple(zeta.tolist())
+
+    def of_ring(ring: Ring) -> Values:
+        table = np.full((zeta.size, _MOST_FOLDS, 2), np.nan)
+        found = _folds_of_ring(dampings, ring)
+        table[:, : found.shape[1]] = found
+        return table
+
+    table = np.moveaxis(_over_rings(of_ring, delta0, further), -3, 0)
+    most = max(1, int(np.isfinite(table[..., 0]).sum(axis=-1).max()))
+    return table[..., :most, :]
+
+
+@lru_cache(maxsize=16)
+def _further_locus(ring: Ring, power: int) -> tuple[FurtherSide, ...]:
+    return tuple(further_locus(ring, 10.0**power))
+
+
+@lru_cache(maxsize=16)
+def _folds_of_ring(dampings: tuple[float, ...], ring: Ring) -> Values:
+    """Return speed and amplitude of the folds with one shaft and contact, shape (m, most, 2)."""
+    zeta = np.array(dampings)
+    found: list[list[tuple[float, float]]] = [[] for _ in zeta]
+    damped = np.nonzero(zeta > 0.0)[0]
+    if damped.size:
+        smallest = math.floor(math.log10(4.0 * float(zeta[damped].min()) ** 2))
+        for side in _further_locus(ring, smallest):
+            rows, omega, amplitude = further_folds(side, zeta[damped])
+            for number, *fold in zip(damped[rows], omega, amplitude, strict=True):
+                found[number].append((float(fold[0]), float(fold[1])))
+    for number in np.nonzero(zeta == 0.0)[0]:
+        found[number] += undamped_folds(ring)
+    table = np.full((zeta.size, max(len(each) for each in found), 2), np.nan)
+    for number, each in enumerate(found):
+        table[number, : len(each)] = np.reshape(sorted(each), (-1, 2))
+    return table
 
 
 def _checked(name: str, values: object) -> Values:

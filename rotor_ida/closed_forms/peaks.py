@@ -119,7 +119,11 @@ def _discriminant(A: Values, s: Values, m: float) -> Values:
 
 def flank_speeds(A: Values, m: float, delta0: float) -> tuple[Values, Values]:
     """Return the slower and the faster speed at amplitudes that the curve has."""
-    s = secant_stiffness(A, delta0)
+    return speeds_of_stiffness(A, m, secant_stiffness(A, delta0))
+
+
+def speeds_of_stiffness(A: Values, m: float, s: Values) -> tuple[Values, Values]:
+    """Return the same where force over radius is `s`, of ring and shaft together."""
     middle = 2.0 * s - m
     root = np.sqrt(np.maximum(_discriminant(A, s, m), 0.0))
     # the slower speed is 2 s**2/(middle + root); written so that nothing cancels

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import groupby, pairwise
 from operator import itemgetter
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -23,14 +23,25 @@ from scipy.optimize import brentq
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_count, check_positive, shown
-from rotor_ida.closed_forms.contact_free import complex_amplitude
+from rotor_ida.closed_forms.contact_free import complex_amplitude, touch_speeds
+from rotor_ida.closed_forms.contact_laws import stiffnesses
 from rotor_ida.closed_forms.contacting_whirls import contacting_whirls
-from rotor_ida.closed_forms.folds import fold_table
-from rotor_ida.closed_forms.peaks import SMALLEST_DAMPING, flank_speeds, tip_speed, tips
-from rotor_ida.closed_forms.synchronous import SMALLEST_SPEED
-from rotor_ida.equations.contact import secant_stiffness
+from rotor_ida.closed_forms.fold_locus_further import Ring, positive_roots
+from rotor_ida.closed_forms.folds import fold_table, folds
+from rotor_ida.closed_forms.further_parameters import Further, FurtherAxes, further_axes
+from rotor_ida.closed_forms.peaks import (
+    SMALLEST_DAMPING,
+    flank_speeds,
+    speeds_of_stiffness,
+    tip_speed,
+    tips,
+)
+from rotor_ida.closed_forms.stability import eigenvalues
+from rotor_ida.closed_forms.synchronous import SMALLEST_SPEED, whirls_in_contact
+from rotor_ida.equations.contact import HERTZ_EXPONENT, secant_stiffness
 from rotor_ida.errors import InputError
-from rotor_ida.schema import STABILITY, labelled_dataset
+from rotor_ida.parameters import DEFAULTS
+from rotor_ida.schema import STABILITY, Column, labelled_dataset
 
 # Amplitude and the speed or clearance at which a whirl has it.
 _Place = tuple[float, float]
@@ -44,7 +55,14 @@ MOST_POINTS = 100_000
 
 
 def response_curve(
-    *, zeta: object, delta0: object, limits: tuple[float, float], points: int = 200
+    *,
+    zeta: object,
+    delta0: object,
+    limits: tuple[float, float],
+    points: int = 200,
+    shaft_stiffness: object = 0.0,
+    contact_exponent: object = 1.5,
+    contact_damping: object = 0.0,
 ) -> xr.Dataset:
     """Return every synchronous whirl over the spin speed, in order along the curve.
 
@@ -56,11 +74,14 @@ def response_curve(
         Lowest and highest speed [1].
     points : int
         Number of points between one fold, tip, first touch or limit and the next.
+    shaft_stiffness, contact_exponent, contact_damping : float or sequence of float
+        As for `folds`, numbers or axes [1].
 
     Returns
     -------
     Dataset
-        On (zeta, delta0, point): ``omega``, ``amplitude`` [1], ``phase_lag`` [rad],
+        On (zeta, delta0, point), with further dimensions as `folds` has them before ``point``:
+        ``omega``, ``amplitude`` [1], ``phase_lag`` [rad],
         ``stability`` and ``in_contact`` (flags), and ``piece``, the number of the connected
         piece: first the contact-free whirl, then those in contact. An isola ends with the point
         that it begins with. A curve with fewer points than another ends in NaN, the flag
@@ -70,7 +91,7 @@ def response_curve(
     ------
     InputError
         If `limits` are not two speeds, the lower one first and the higher one at most 1e15, or
-        a value is none that `folds` takes.
+        a value is none that `folds` takes, or `zeta` is 0 in a linear contact.
 
     Notes
     -----
@@ -83,6 +104,10 @@ def response_curve(
     here where it falls, and stability changes at folds alone. A fold has the stability of what
     comes before it on the curve. Without damping the flanks of ``delta0 >= 1`` meet at rest; they
     count as two pieces.
+
+    A shaft adds its stiffness kappa to s. The contact-free whirl then has a resonance of its own,
+    and for ``delta0 > 1`` two pieces where that reaches the ring: see `touch_speeds`. Contact
+    damping may make a whirl unstable away from folds, which is told point by point.
 
     References
     ----------
@@ -99,6 +124,14 @@ def response_curve(
     dampings, clearances = check_axis("zeta", zeta), check_axis("delta0", delta0)
     span = _checked_limits(limits, smallest=SMALLEST_SPEED)
     count = check_count("points", points, 2, MOST_POINTS)
+    further = further_axes(
+        shaft_stiffness=shaft_stiffness,
+        contact_exponent=contact_exponent,
+        contact_damping=contact_damping,
+        delta0=clearances,
+    )
+    if not further.default:
+        return _further_curve(dampings, clearances, further, span, count)
     turns = fold_table(dampings, clearances)
     curves = [
         pieces_over_speed(float(damping), float(clearance), turns[i, k], span, count)
@@ -109,7 +142,14 @@ def response_curve(
 
 
 def clearance_curve(
-    *, omega: object, zeta: object, limits: tuple[float, float], points: int = 200
+    *,
+    omega: object,
+    zeta: object,
+    limits: tuple[float, float],
+    points: int = 200,
+    shaft_stiffness: object = 0.0,
+    contact_exponent: object = 1.5,
+    contact_damping: object = 0.0,
 ) -> xr.Dataset:
     """Return every synchronous whirl over the clearance, in order along the curve.
 
@@ -121,17 +161,21 @@ def clearance_curve(
         Smallest and largest clearance [1].
     points : int
         Number of points between one fold, tip, first touch or limit and the next.
+    shaft_stiffness, contact_exponent, contact_damping : float or sequence of float
+        As for `folds`, numbers or axes [1].
 
     Returns
     -------
     Dataset
-        On (omega, zeta, point): ``delta0`` and the other variables of `response_curve`.
+        On (omega, zeta, point), with further dimensions as `folds` has them before ``point``:
+        ``delta0`` and the other variables of `response_curve`.
 
     Raises
     ------
     InputError
         If `limits` are not two clearances, the smaller one first, a damping ratio is above zero
-        and below 1e-20, or a value is none that `synchronous_response` takes.
+        and below 1e-20, or 0 in a linear contact, or a value is none that `synchronous_response`
+        takes.
 
     Notes
     -----
@@ -150,6 +194,9 @@ def clearance_curve(
     by theta, with ``w = -tan(theta + arctan(1/R))``. Without damping the fold is at
     ``A = 1 + (8/27) q**2``.
 
+    A shaft takes its stiffness kappa from s. Below its resonance, ``q <= kappa``, all whirls in
+    contact lie on the stiffer flank. In a linear contact the clearance is ``A - s A``.
+
     References
     ----------
     Eqs (21)-(23) and section 4.2.1 of the paper, Mechanika 25(6), 2019, with the force
@@ -166,6 +213,16 @@ def clearance_curve(
         check_positive("omega", float(speed))
     dampings = check_axis("zeta", zeta, smallest=SMALLEST_DAMPING, largest=LARGEST_NUMBER)
     span, count = _checked_limits(limits), check_count("points", points, 2, MOST_POINTS)
+    further = further_axes(
+        shaft_stiffness=shaft_stiffness,
+        contact_exponent=contact_exponent,
+        contact_damping=contact_damping,
+        delta0=np.array(span),
+    )
+    if not further.default:
+        _check_damped(dampings, further)
+        axes = {"omega": speeds, "zeta": dampings} | further.axes
+        return _labelled("delta0", _curves_over_clearance(axes, span, count), axes, further)
     curves = [
         _over_clearance(float(speed), float(damping), span, count)
         for speed in speeds
@@ -258,6 +315,260 @@ def pieces_over_speed(
     return pieces + _traced(
         chains, _marks(slope, amplitude, omega), _Law(speed, lag, limits, points, zeta > 0.0)
     )
+
+
+def _further_curve(
+    zeta: Values, delta0: Values, further: FurtherAxes, span: _Place, count: int
+) -> xr.Dataset:
+    """Return the curves with a shaft, either contact law and contact damping."""
+    _check_damped(zeta, further)
+    axes = {"zeta": zeta, "delta0": delta0} | further.axes
+    found = folds(
+        zeta=zeta,
+        delta0=delta0,
+        shaft_stiffness=axes["shaft_stiffness"],
+        contact_exponent=axes["contact_exponent"],
+        contact_damping=axes["contact_damping"],
+    )
+    turns = np.stack([found["fold_omega"].values, found["fold_amplitude"].values], axis=-1)
+    curves = []
+    for place in np.ndindex(*(axis.size for axis in axes.values())):
+        at = {name: float(axis[k]) for (name, axis), k in zip(axes.items(), place, strict=True)}
+        damping, hertz = at.pop("zeta"), at["contact_exponent"] == HERTZ_EXPONENT
+        ring = Ring(at["delta0"], at["shaft_stiffness"], hertz)
+        pieces = pieces_with_ring(damping, ring, turns[place], span, count)
+        if at["contact_damping"] > 0.0:
+            for piece in pieces:
+                _drive(piece, piece[0], at | {"zeta": damping})
+        curves.append(pieces)
+    return _labelled("omega", curves, axes, further)
+
+
+def pieces_with_ring(
+    zeta: float, ring: Ring, turns: Values, limits: _Place, points: int
+) -> list[Values]:
+    """Return the pieces of the curve over the speed, as `pieces_over_speed` does, of any ring."""
+    d = ring.delta0
+
+    def speed(flank: int, A: Values) -> Values:
+        return speeds_of_stiffness(A, 4.0 * zeta * zeta, ring.stiffness(A))[0 if flank == 1 else 1]
+
+    def lag(A: Values, omega: Values) -> Values:
+        return np.asarray(np.arctan2(2.0 * zeta * omega, ring.stiffness(A) - omega * omega))
+
+    first, second = (
+        each if math.isfinite(each) else math.inf
+        for each in touch_speeds(zeta=zeta, delta0=d, shaft_stiffness=ring.shaft_stiffness).tolist()
+    )
+    pieces = [
+        _contact_free_piece(zeta, ring, (max(limits[0], low), min(limits[1], high)), points)
+        for low, high in ((0.0, first), (second, math.inf))
+        if max(limits[0], low) < min(limits[1], high)
+    ]
+
+    ends: list[_Place] = [
+        (
+            A,
+            math.sqrt(
+                A * A * (float(ring.stiffness(np.array(A))) - 2.0 * zeta * zeta) / (A * A - 1.0)
+            ),
+        )
+        for A in _tips_of_ring(zeta, ring)
+    ]
+    chains = []
+    if math.isfinite(first):
+        far = (math.inf if zeta == 0.0 else 1.0, math.inf)
+        top = ends.pop(0) if len(ends) % 2 else far
+        chains.append(_Chain(1, (d, first), top, (d, second) if d > 1.0 else (1.0, math.inf)))
+    elif zeta == 0.0:
+        chains.append(_Chain(1, (d, 0.0), (math.inf, math.inf), (d, 0.0)))
+    chains += [_Chain(1, *pair, pair[0]) for pair in zip(ends[::2], ends[1::2], strict=True)]
+
+    at_limits = np.array([omega for omega in limits if omega > 0.0])
+    beyond = Further(
+        0.0 * at_limits + ring.shaft_stiffness,
+        0.0 * at_limits + (HERTZ_EXPONENT if ring.hertz else 1.0),
+        0.0 * at_limits,
+    )
+    whirls = whirls_in_contact(at_limits, 0.0 * at_limits + zeta, 0.0 * at_limits + d, beyond)
+    rows, columns = np.nonzero(np.isfinite(whirls.amplitude))
+    turns = turns[np.isfinite(turns[:, 0])]
+    # at a fold the phase lag is beyond a quarter turn
+    sine = np.minimum(2.0 * zeta * turns[:, 1] / turns[:, 0], 1.0)
+    lags = np.append(whirls.phase_lag[rows, columns], math.pi - np.arcsin(sine))
+    amplitude = np.append(whirls.amplitude[rows, columns], turns[:, 1])
+    slope = 1.0 + np.cos(lags) ** 2 + 2.0 * amplitude * np.cos(lags)
+    marks = _marks(slope, amplitude, np.append(at_limits[rows], turns[:, 0]))
+    return pieces + _traced(chains, marks, _Law(speed, lag, limits, points, zeta > 0.0))
+
+
+def _tips_of_ring(zeta: float, ring: Ring) -> list[float]:
+    """Return the amplitudes above 1 at which the flanks meet, ascending; none without damping.
+
+    There ``g/(A**2 (A + sqrt(A**2 - 1))) = 2 zeta**2``, where g is the force of ring and shaft.
+    Between two neighbouring extrema of the left-hand side, ``(A g' - 2 g) sqrt(A**2 - 1) = A g``,
+    is at most one tip.
+    """
+    if zeta == 0.0:
+        return []
+
+    def excess(u: float) -> float:
+        A, force, _ = ring.forces(np.array(u))
+        decay = A * A * (A + np.sqrt(np.maximum((A - 1.0) * (A + 1.0), 0.0)))
+        return float(force / decay) - 2.0 * zeta * zeta
+
+    u = np.poly1d([1.0, 0.0])
+    A, d, kappa = u * u + ring.delta0, ring.delta0, ring.shaft_stiffness
+    force = (u * u * u if ring.hertz else u * u) + kappa * A
+    slope = (1.5 * u if ring.hertz else np.poly1d([1.0])) + kappa
+    lead = A * slope - 2.0 * force
+    turns = positive_roots(lead * lead * (A * A - 1.0) - A * A * force * force)
+    lowest = math.sqrt(max(1.0 - d, 0.0))
+    least = 2.0 * zeta * zeta
+    highest = 10.0 * (1.0 + math.sqrt(d) + math.cbrt(1.0 / least) + ((1.0 + kappa) / least) ** 0.25)
+    edges = [lowest, *np.sort(turns[(turns > lowest) & (turns < highest)]).tolist(), highest]
+    return [
+        d + float(brentq(excess, low, high, xtol=1e-300, rtol=4.0 * np.finfo(float).eps)) ** 2
+        for low, high in pairwise(edges)
+        if (excess(low) >= 0.0) != (excess(high) >= 0.0)
+    ]
+
+
+def _contact_free_piece(zeta: float, ring: Ring, ends: _Place, points: int) -> Values:
+    """Return the contact-free whirl between two speeds, monotone on either side of its largest."""
+    kappa = ring.shaft_stiffness
+
+    def amplitude(omega: Values) -> Values:
+        free = np.abs(complex_amplitude(omega, zeta, kappa if kappa > 0.0 else None))
+        return np.minimum(free, ring.delta0)
+
+    def lag(omega: Values, _: Values) -> Values:
+        return np.asarray(np.arctan2(2.0 * zeta * omega, kappa - omega * omega))
+
+    softening = kappa - 2.0 * zeta * zeta
+    largest = kappa / math.sqrt(softening) if softening > 0.0 else math.inf
+    cuts = [ends[0], largest, ends[1]] if ends[0] < largest < ends[1] else list(ends)
+    held = zeta > 0.0 and kappa > 0.0
+    arcs = []
+    for low, high in pairwise(cuts):
+        places = [(omega, float(amplitude(np.array(omega)))) for omega in (low, high)]
+        speeds, radius = _spread(amplitude, lag, (places[0], places[1]), points)
+        flag = STABILITY["stable" if held else "neutral"]
+        arcs.append(_points(speeds, radius, flag, in_contact=0))
+    return np.concatenate([arcs[0], *(arc[:, 1:] for arc in arcs[1:])], axis=1)
+
+
+def _check_damped(zeta: Values, further: FurtherAxes) -> None:
+    """Refuse curves of a linear contact without damping, which run to infinity."""
+    if (zeta == 0.0).any() and (further.axes["contact_exponent"] != HERTZ_EXPONENT).any():
+        raise InputError(
+            "zeta must be positive for the curve of a linear contact, which is infinite in "
+            "resonance without damping, got 0.0"
+        )
+
+
+def _curves_over_clearance(
+    axes: Mapping[str, Values], limits: _Place, points: int
+) -> list[list[Values]]:
+    """Return the curves over the clearance with a shaft, either law and contact damping."""
+    curves = []
+    for place in np.ndindex(*(axis.size for axis in axes.values())):
+        at = {name: float(axis[k]) for (name, axis), k in zip(axes.items(), place, strict=True)}
+        hertz = at["contact_exponent"] == HERTZ_EXPONENT
+        rotor = at["omega"], at["zeta"], at["shaft_stiffness"], hertz
+        pieces = _ring_over_clearance(*rotor, limits, points)
+        if at["contact_damping"] > 0.0:
+            for piece in pieces:
+                _drive(piece, 0.0 * piece[0] + at["omega"], at | {"delta0": piece[0]})
+        curves.append(pieces)
+    return curves
+
+
+def _ring_over_clearance(
+    omega: float, zeta: float, kappa: float, hertz: bool, limits: _Place, points: int
+) -> list[Values]:
+    """Return the pieces of the curve over the clearance, as `_over_clearance` does."""
+    q = omega * omega
+    p, power = q - kappa, 2.0 / 3.0 if hertz else 1.0
+    largest = omega / (2.0 * zeta) if zeta > 0.0 else math.inf
+    free = complex_amplitude(omega, zeta, kappa if kappa > 0.0 else None)
+    touch = min(float(np.abs(free)), largest)
+    pieces = []
+    if touch < limits[1]:
+        ends = np.array([max(limits[0], touch), limits[1]])
+        word = "stable" if zeta > 0.0 and kappa > 0.0 else "neutral"
+        pieces.append(_points(ends, np.full(2, touch), STABILITY[word], in_contact=0))
+
+    def clearance(flank: int, A: Values) -> Values:
+        sine = A / largest
+        cosine = flank * np.sqrt(np.maximum((1.0 - sine) * (1.0 + sine), 0.0))
+        return np.asarray(A - np.maximum(p * A + q * cosine, 0.0) ** power)
+
+    def lag(A: Values, d: Values) -> Values:
+        depth = np.maximum(A - d, 0.0)
+        force = depth * np.sqrt(depth) if hertz else depth
+        return np.asarray(np.arctan2(2.0 * zeta * omega * A, force - p * A))
+
+    top = (touch, touch)  # below the resonance of the shaft
+    if p > 0.0:
+        top = (
+            (math.inf, math.inf)
+            if zeta == 0.0
+            else (largest, float(clearance(1, np.array(largest))))
+        )
+    chain = _Chain(-1, (touch, touch), top, (0.0, -(q**power)))
+
+    at_limits = np.array(limits)
+    like = 0.0 * at_limits
+    beyond = Further(like + kappa, like + (HERTZ_EXPONENT if hertz else 1.0), like)
+    whirls = whirls_in_contact(like + omega, like + zeta, at_limits, beyond)
+    rows, columns = np.nonzero(np.isfinite(whirls.amplitude))
+    cosine = np.cos(whirls.phase_lag[rows, columns])
+    marks = _marks(cosine, whirls.amplitude[rows, columns], at_limits[rows])
+    if p > 0.0:
+        turns = _ring_turns(q, p, largest, touch, hertz)
+        marks += _marks(np.full(turns.size, -1.0), turns, clearance(-1, turns))
+    law = _Law(clearance, lag, limits, points, zeta > 0.0)
+    return pieces + _traced([chain], marks, law)
+
+
+def _ring_turns(q: float, p: float, largest: float, touch: float, hertz: bool) -> Values:
+    """Return the amplitudes of the folds over the clearance, on the softer flank.
+
+    With ``A = R sin(t)`` the clearance is stationary where ``p + (q/R) tan(t)`` is 1 in a linear
+    contact, and by Hertz 3/2 of the cube root of the force ``p A - q cos(t)``.
+    """
+    if math.isinf(largest):
+        return np.array([(q + (8.0 / 27.0) * p**3) / p])
+    first, last = math.asin(min(touch / largest, 1.0)), 0.5 * math.pi
+    if not hertz:
+        turn = math.atan2((1.0 - p) * largest, q)
+        return np.array([largest * math.sin(turn)]) if first < turn < last else np.empty(0)
+
+    def excess(turn: float) -> float:
+        force = p * largest * math.sin(turn) - q * math.cos(turn)
+        slope = p * math.cos(turn) + q / largest * math.sin(turn)
+        return math.cbrt(max(force, 0.0)) * math.cos(turn) - (2.0 / 3.0) * slope
+
+    nodes = first + (last - first) * (0.5 - 0.5 * np.cos(np.linspace(0.0, math.pi, 2001)))
+    signs = np.array([excess(node) > 0.0 for node in nodes.tolist()])
+    changes = np.nonzero(signs[:-1] != signs[1:])[0]
+    brackets = [(float(nodes[k]), float(nodes[k + 1])) for k in changes]
+    found = [brentq(excess, *ends, xtol=1e-300, rtol=1e-15) for ends in brackets]
+    return np.asarray(largest * np.sin(np.array(found)))
+
+
+def _drive(piece: Values, omega: Values, rotor: dict[str, Any]) -> None:
+    """Mark the contacting whirls of a piece that contact damping drives as unstable."""
+    _, amplitude, stability, in_contact = piece
+    unstable = STABILITY["unstable"]
+    chosen = np.nonzero((in_contact == 1) & (stability != unstable) & (omega > 0.0))[0]
+    given = rotor | {"omega": omega}
+    here = {name: each[chosen] if np.ndim(each) else each for name, each in given.items()}
+    rates = eigenvalues(amplitude[chosen], **here).real.max(axis=-1)
+    # at a fold one eigenvalue is 0, up to rounding
+    driven = rates > 1e-10 * omega[chosen]
+    stability[chosen] = np.where(driven, unstable, STABILITY["stable"])
 
 
 def _over_clearance(omega: float, zeta: float, limits: _Place, points: int) -> list[Values]:
@@ -408,9 +719,12 @@ def _spread(
 
 
 def _labelled(
-    varied: str, curves: Sequence[Sequence[Values]], axes: Mapping[str, Values]
+    varied: str,
+    curves: Sequence[Sequence[Values]],
+    axes: Mapping[str, Values],
+    further: FurtherAxes | None = None,
 ) -> xr.Dataset:
-    """Return the dataset of curves, one for each point of the grid of the two axes."""
+    """Return the dataset of curves, one for each point of the grid of the axes."""
     longest = max(sum(piece.shape[1] for piece in pieces) for pieces in curves)
     beyond = [np.nan, np.nan, STABILITY["absent"], 0, -1]
     table = np.tile(np.reshape(beyond, (5, 1, 1)), (len(curves), longest))
@@ -428,21 +742,39 @@ def _labelled(
         "amplitude": amplitude,
         "phase_lag": _phase_lag(amplitude, **parameters),
     }
+    coordinates: dict[str, Column] = {
+        name: (name, axis) for name, axis in axes.items() if name not in DEFAULTS
+    }
+    if further is not None:  # single numbers are no dimensions
+        coordinates |= further.coordinates
+    dims = (*(name for name, (dim, _) in coordinates.items() if dim), "point")
+    sizes = (*(axes[str(name)].size for name in dims[:-1]), longest)
     names = ("stability", "in_contact", "piece")
     columns |= {name: flag.astype(np.int8) for name, flag in zip(names, flags, strict=True)}
     return labelled_dataset(
-        "Response curve of a rotor with Hertz contact and clearance",
-        {name: ((*axes, "point"), column) for name, column in columns.items()},
-        {name: (name, axis) for name, axis in axes.items()}
-        | {"point": ("point", np.arange(longest))},
+        "Response curve of a rotor with Hertz contact and clearance"
+        if further is None
+        else "Response curve of a rotor with contact and clearance",
+        {name: (dims, column.reshape(sizes)) for name, column in columns.items()},
+        coordinates | {"point": ("point", np.arange(longest))},
         {"source": _SOURCE, "references": _REFERENCES},
     )
 
 
 def _phase_lag(
-    amplitude: Values, omega: float | Values, zeta: float | Values, delta0: float | Values
+    amplitude: Values,
+    omega: float | Values,
+    zeta: float | Values,
+    delta0: float | Values,
+    shaft_stiffness: Values | None = None,
+    contact_exponent: Values | None = None,
+    contact_damping: Values | None = None,  # noqa: ARG001
 ) -> Values:
     stiffness = secant_stiffness(amplitude, delta0)
+    if shaft_stiffness is not None and contact_exponent is not None:
+        clearance = np.asarray(delta0)
+        _, stiffness = stiffnesses(amplitude, clearance, contact_exponent)
+        stiffness = stiffness + shaft_stiffness
     return np.asarray(np.arctan2(2.0 * zeta * omega, stiffness - omega * omega))
 
 

@@ -1,7 +1,8 @@
 """Stability of a synchronous whirl, in closed form.
 
 Seen in the frame that turns with the unbalance, a whirl is an equilibrium, and its four
-eigenvalues follow from two quadratic equations, one inside the other.
+eigenvalues follow from two quadratic equations, one inside the other. Contact damping acts along
+the radius alone, and then they are roots of a polynomial of degree 4.
 """
 
 from __future__ import annotations
@@ -10,39 +11,53 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import LARGEST_NUMBER, check_array
-from rotor_ida.equations.contact import contact_stiffness, secant_stiffness
+from rotor_ida.checks import LARGEST_NUMBER, check_array, check_axis
+from rotor_ida.closed_forms.contact_laws import force, stiffnesses
+from rotor_ida.closed_forms.further_parameters import Further, check_law
+from rotor_ida.equations.contact import HERTZ_EXPONENT, contact_stiffness, secant_stiffness
 from rotor_ida.errors import InputError
+from rotor_ida.parameters import DEFAULTS
 
 ComplexValues = npt.NDArray[np.complex128]
 
 
 def stability_determinant(
-    amplitude: npt.ArrayLike, *, omega: npt.ArrayLike, zeta: npt.ArrayLike, delta0: npt.ArrayLike
+    amplitude: npt.ArrayLike,
+    *,
+    omega: npt.ArrayLike,
+    zeta: npt.ArrayLike,
+    delta0: npt.ArrayLike,
+    shaft_stiffness: npt.ArrayLike = 0.0,
+    contact_exponent: npt.ArrayLike = 1.5,
+    contact_damping: npt.ArrayLike = 0.0,
 ) -> Values:
-    """Return the determinant that decides whether a contacting whirl is stable.
+    """Return the determinant whose sign changes at the folds of contacting whirls.
 
     Parameters
     ----------
     amplitude : array_like
         Amplitude A of the whirl [1].
     omega, zeta, delta0 : array_like
-        Spin speed, damping ratio and clearance [1]; all four broadcast.
+        Spin speed, damping ratio and clearance [1]; all broadcast.
+    shaft_stiffness, contact_exponent, contact_damping : array_like
+        As for `Rotor` [1]. The contact damping does not matter here.
 
     Returns
     -------
     ndarray
-        D [1]: positive for a stable whirl, negative for an unstable one, zero at a fold.
+        D [1]: positive for a stable whirl, negative for an unstable one, zero at a fold. With
+        contact damping a whirl may be unstable where D is positive, too: see `eigenvalues`.
 
     Raises
     ------
     InputError
-        If a value is not a finite real number within 1e15 of zero, or shapes do not broadcast.
+        If a value is not a finite real number within 1e15 of zero, or shapes do not broadcast; if
+        stiffness or contact damping is negative or the exponent is neither 1.5 nor 1.
 
     Notes
     -----
-    ``D = (f'(A) - q)(s(A) - q) + 4 zeta**2 q`` with ``q = omega**2`` and ``s(A) = f(A)/A``. It
-    is the determinant of the stiffness matrix in the rotating frame.
+    ``D = a b + 4 zeta**2 q`` with ``a = kappa + f'(A) - q``, ``b = kappa + f(A)/A - q`` and
+    ``q = omega**2``. It is the determinant of the stiffness matrix in the rotating frame.
 
     References
     ----------
@@ -53,20 +68,47 @@ def stability_determinant(
     >>> round(float(stability_determinant(4.0, omega=1.0, zeta=0.5, delta0=0.0)), 12)
     3.0
     """
-    A, speed, damping, clearance = _checked(amplitude, omega, zeta, delta0)
-    q = np.square(speed)
-    tangent, secant = contact_stiffness(A, clearance), secant_stiffness(A, clearance)
-    return np.asarray((tangent - q) * (secant - q) + 4.0 * np.square(damping) * q)
+    place = _checked(
+        {
+            "amplitude": amplitude,
+            "omega": omega,
+            "zeta": zeta,
+            "delta0": delta0,
+            "shaft_stiffness": shaft_stiffness,
+            "contact_exponent": contact_exponent,
+            "contact_damping": contact_damping,
+        }
+    )
+    return _determinant(*place)
+
+
+def _determinant(
+    A: Values, omega: Values, zeta: Values, delta0: Values, further: Further | None
+) -> Values:
+    q = np.square(omega)
+    tangent, secant = _stiffnesses(A, delta0, further)
+    loss = 4.0 * np.square(zeta) * q
+    if further is None:
+        return np.asarray((tangent - q) * (secant - q) + loss)
+    excess = q - further.shaft_stiffness
+    return np.asarray((tangent - excess) * (secant - excess) + loss)
 
 
 def eigenvalues(
-    amplitude: npt.ArrayLike, *, omega: npt.ArrayLike, zeta: npt.ArrayLike, delta0: npt.ArrayLike
+    amplitude: npt.ArrayLike,
+    *,
+    omega: npt.ArrayLike,
+    zeta: npt.ArrayLike,
+    delta0: npt.ArrayLike,
+    shaft_stiffness: npt.ArrayLike = 0.0,
+    contact_exponent: npt.ArrayLike = 1.5,
+    contact_damping: npt.ArrayLike = 0.0,
 ) -> ComplexValues:
     """Return the four eigenvalues of a synchronous whirl in the rotating frame.
 
     Parameters
     ----------
-    amplitude, omega, zeta, delta0 : array_like
+    amplitude, omega, zeta, delta0, shaft_stiffness, contact_exponent, contact_damping : array_like
         As for `stability_determinant`.
 
     Returns
@@ -82,7 +124,11 @@ def eigenvalues(
     Notes
     -----
     ``lambda = -zeta +- sqrt(zeta**2 + sigma)`` with
-    ``sigma**2 + (f' + s + 2 q) sigma + D = 0``.
+    ``sigma**2 + (f' + s + 2 q + 2 kappa) sigma + D = 0`` and ``s = f/A``. With contact damping c,
+    which acts along the radius alone, with a and b as for `stability_determinant`, they are the
+    roots of ``(L**2 + (2 zeta + c f) L + a)(L**2 + 2 zeta L + b) + 4 q (L + zeta)**2``. There b may
+    be negative, so that contact damping drives the whirl: it may lose its stability at a Hopf
+    point, which it cannot without.
 
     References
     ----------
@@ -94,43 +140,78 @@ def eigenvalues(
     >>> round(float(rates.max()), 5)
     0.0983
     """
-    determinant = stability_determinant(amplitude, omega=omega, zeta=zeta, delta0=delta0)
-    return _eigenvalues(determinant, *_checked(amplitude, omega, zeta, delta0))
+    place = _checked(
+        {
+            "amplitude": amplitude,
+            "omega": omega,
+            "zeta": zeta,
+            "delta0": delta0,
+            "shaft_stiffness": shaft_stiffness,
+            "contact_exponent": contact_exponent,
+            "contact_damping": contact_damping,
+        }
+    )
+    return _eigenvalues(_determinant(*place), *place)
 
 
 def growth_rate(
-    amplitude: Values, determinant: Values, omega: Values, zeta: Values, delta0: Values
+    amplitude: Values,
+    determinant: Values,
+    omega: Values,
+    zeta: Values,
+    delta0: Values,
+    further: Further | None = None,
 ) -> Values:
     """Return the largest real part of the eigenvalues of whirls whose D is known already."""
-    rates = _eigenvalues(determinant, amplitude, omega, zeta, delta0).real
+    rates = _eigenvalues(determinant, amplitude, omega, zeta, delta0, further).real
     return np.asarray(rates.max(axis=-1))
 
 
 def _checked(
-    amplitude: npt.ArrayLike, omega: npt.ArrayLike, zeta: npt.ArrayLike, delta0: npt.ArrayLike
-) -> tuple[Values, ...]:
-    """Return amplitudes, speeds, dampings and clearances that broadcast."""
-    given = {"amplitude": amplitude, "omega": omega, "zeta": zeta, "delta0": delta0}
+    given: dict[str, npt.ArrayLike],
+) -> tuple[Values, Values, Values, Values, Further | None]:
+    """Return amplitudes, speeds, dampings and clearances that broadcast, and what is beyond."""
     arrays = [check_array(name, each, largest=LARGEST_NUMBER) for name, each in given.items()]
     try:
-        return np.broadcast_arrays(*arrays)
+        A, omega, zeta, delta0, kappa, exponent, drag = np.broadcast_arrays(*arrays)
     except ValueError:
-        shapes = ", ".join(str(array.shape) for array in arrays)
+        shapes = ", ".join(str(array.shape) for array in arrays if array.shape)
         raise InputError(
             f"{', '.join(given)} must broadcast, got arrays of shapes {shapes}"
         ) from None
+    for name in DEFAULTS.keys() & given.keys():
+        check_axis(name, np.ravel(given[name]))
+    check_law(exponent, drag, delta0)
+    beyond = kappa.any() or drag.any() or (exponent != HERTZ_EXPONENT).any()
+    return A, omega, zeta, delta0, Further(kappa, exponent, drag) if beyond else None
+
+
+def _stiffnesses(A: Values, delta0: Values, further: Further | None) -> tuple[Values, Values]:
+    """Return slope and secant of the contact force."""
+    if further is None:
+        return contact_stiffness(A, delta0), secant_stiffness(A, delta0)
+    return stiffnesses(A, delta0, further.contact_exponent)
 
 
 def _eigenvalues(
-    determinant: Values, amplitude: Values, omega: Values, zeta: Values, delta0: Values
+    determinant: Values,
+    amplitude: Values,
+    omega: Values,
+    zeta: Values,
+    delta0: Values,
+    further: Further | None,
 ) -> ComplexValues:
     """Return the eigenvalues in forms that keep the small ones accurate."""
     q, damping = np.square(omega), zeta
-    tangent, secant = contact_stiffness(amplitude, delta0), secant_stiffness(amplitude, delta0)
+    tangent, secant = _stiffnesses(amplitude, delta0, further)
     # (f' + s + 2 q)**2 - 4 D, with the large terms cancelled by hand
     discriminant = (tangent - secant) ** 2 + 8.0 * q * (tangent + secant)
     discriminant = discriminant - 16.0 * damping**2 * q
-    total = tangent + secant + 2.0 * q + np.sqrt(discriminant.astype(np.complex128))
+    both = tangent + secant + 2.0 * q
+    if further is not None:
+        discriminant = discriminant + 16.0 * q * further.shaft_stiffness
+        both = both + 2.0 * further.shaft_stiffness
+    total = both + np.sqrt(discriminant.astype(np.complex128))
     zero = np.zeros_like(total)
     sigmas = (
         np.divide(-2.0 * determinant, total, out=zero.copy(), where=total != 0.0),
@@ -141,4 +222,45 @@ def _eigenvalues(
         root = np.sqrt(damping**2 + sigma)
         sum_ = damping + root
         found += [np.divide(sigma, sum_, out=zero.copy(), where=sum_ != 0.0), -damping - root]
-    return np.stack(found, axis=-1)
+    eigenvalues = np.stack(found, axis=-1)
+    if further is None:
+        return eigenvalues
+    drag = further.contact_damping * force(amplitude, delta0, further.contact_exponent)
+    dragged = drag > 0.0
+    if dragged.any():
+        b = secant + further.shaft_stiffness - q
+        terms = np.broadcast_arrays(determinant, both, b, damping, drag)
+        eigenvalues[dragged] = _dragged(*(each[dragged] for each in terms))
+    return eigenvalues
+
+
+def _dragged(
+    determinant: Values, both: Values, b: Values, zeta: Values, drag: Values
+) -> ComplexValues:
+    """Return the eigenvalues where contact damping adds ``drag = c f`` along the radius.
+
+    ``both`` is ``a + b + 4 q``. The roots of the characteristic polynomial, from its companion
+    matrix, are improved by Newton's method.
+    """
+    terms = (
+        determinant,
+        2.0 * zeta * both + drag * b,
+        2.0 * zeta * (2.0 * zeta + drag) + both,
+        4.0 * zeta + drag,
+    )
+    # lengths of time in which all roots are of order 1 or less
+    sizes = [np.abs(term) ** (1.0 / (4 - order)) for order, term in enumerate(terms)]
+    scale = np.max(sizes, axis=0)
+    scaled = [term / scale ** (4 - order) for order, term in enumerate(terms)]
+    companion = np.zeros((determinant.size, 4, 4))
+    companion[:, [1, 2, 3], [0, 1, 2]] = 1.0
+    companion[:, :, 3] = -np.stack(scaled, axis=-1)
+    roots = np.linalg.eigvals(companion).astype(np.complex128)
+    c0, c1, c2, c3 = (each[:, None] for each in scaled)
+    for _ in range(2):
+        value = c0 + roots * (c1 + roots * (c2 + roots * (c3 + roots)))
+        slope = c1 + roots * (2.0 * c2 + roots * (3.0 * c3 + 4.0 * roots))
+        step = np.divide(value, slope, out=np.zeros_like(roots), where=slope != 0.0)
+        # two roots that nearly coincide would be thrown far
+        roots = roots - np.where(np.abs(step) < 1e-6, step, 0.0)
+    return np.asarray(roots * scale[:, None])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import mpmath
@@ -15,6 +16,7 @@ from rotor_ida.closed_forms import (
     flight,
     synchronous_response,
     touch_fading,
+    touch_speeds,
 )
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import Rotor
@@ -153,3 +155,72 @@ def test_touches_do_not_fade_without_damping_speed_or_room(omega, zeta, delta0):
 
 def test_touches_fade_at_the_smallest_speeds_too():
     assert touch_fading(Rotor(omega=1e-200, zeta=0.1, delta0=1.0)) > 0.0
+
+
+def amplitude_with_shaft(omega, zeta, kappa) -> mpmath.mpf:
+    q = mpmath.mpf(omega) ** 2
+    return q / abs(mpmath.mpc(mpmath.mpf(kappa) - q, 2 * mpmath.mpf(zeta) * mpmath.mpf(omega)))
+
+
+def test_a_shaft_leaves_one_whirl_about_the_bearing_axis():
+    for omega, zeta, kappa in itertools.product([0.3, 0.5, 2.0], [0.0, 0.07], [0.09, 0.25, 3.0]):
+        if zeta == 0.0 and omega**2 == kappa:
+            continue
+        rotor = Rotor(omega=omega, zeta=zeta, delta0=1e3, shaft_stiffness=kappa)
+        whirl = contact_free_whirl(rotor)
+        with mpmath.workdps(40):
+            q = mpmath.mpf(omega) ** 2
+            lag = mpmath.atan2(2 * mpmath.mpf(zeta) * mpmath.mpf(omega), mpmath.mpf(kappa) - q)
+            if abs(amplitude_with_shaft(omega, zeta, kappa)) > 1e3:
+                assert not whirl.exists
+            else:
+                assert whirl.largest_centre_offset == 0.0
+            assert abs(whirl.amplitude / amplitude_with_shaft(omega, zeta, kappa) - 1) < 1e-15
+            assert whirl.phase_lag == pytest.approx(float(lag), rel=1e-15)
+
+
+@pytest.mark.parametrize("delta0", [0.3, 1.0, np.nextafter(1.0, 2.0), 1.2, 4.0])
+@pytest.mark.parametrize("kappa", [1e-3, 0.25, 2.0])
+@pytest.mark.parametrize("zeta", [0.0, 1e-3, 0.07])
+def test_at_the_touch_speeds_the_whirl_is_as_large_as_the_clearance(delta0, kappa, zeta):
+    first, second = touch_speeds(zeta=zeta, delta0=delta0, shaft_stiffness=kappa)
+    found = [omega for omega in (first, second) if np.isfinite(omega)]
+    with mpmath.workdps(40):
+        # the slope of the amplitude makes more or less of a rounded speed
+        for omega in found:
+            amplitude = amplitude_with_shaft(omega, zeta, kappa)
+            slope = mpmath.diff(lambda w: amplitude_with_shaft(w, zeta, kappa), omega)
+            assert abs(amplitude - delta0) < 4e-16 * abs(slope) * omega
+        # too large for the clearance from the first to the second, and nowhere else
+        for omega in np.geomspace(1e-3, 1e3, 200):
+            too_large = amplitude_with_shaft(omega, zeta, kappa) > delta0
+            assert too_large == (first < omega and not omega > second)
+
+
+def test_touch_speeds_that_are_nearly_one_are_told_apart():
+    # the largest whirl is kappa/(2 zeta sqrt(kappa - zeta**2))
+    zeta, kappa = 0.125, 1.0
+    largest = kappa / (2.0 * zeta * np.sqrt(kappa - zeta**2))
+    below = touch_speeds(zeta=zeta, delta0=largest * (1.0 - 1e-13), shaft_stiffness=kappa)
+    above = touch_speeds(zeta=zeta, delta0=largest * (1.0 + 1e-13), shaft_stiffness=kappa)
+    assert np.isfinite(below).all()
+    assert 0.0 < below[1] - below[0] < 1e-5
+    assert np.isnan(above).all()
+
+
+def test_without_a_shaft_there_is_one_touch_speed_as_in_the_paper():
+    expected = 2.0 * 0.07 * 0.5 / np.sqrt(1.0 - 0.5**2)
+    found = touch_speeds(zeta=0.07, delta0=0.5)
+    assert found[0] == pytest.approx(expected, rel=1e-15)
+    assert np.isnan(found[1])
+    assert np.isnan(touch_speeds(zeta=0.07, delta0=1.0)).all()
+
+
+def test_what_is_not_known_with_a_shaft_or_a_load_is_refused():
+    shaft = Rotor(omega=1.0, zeta=0.1, delta0=2.0, shaft_stiffness=0.25)
+    with pytest.raises(InputError, match=r"the paper's, without shaft_stiffness 0\.25"):
+        touch_fading(shaft)
+    with pytest.raises(InputError, match=r"the paper's, without shaft_stiffness 0\.25"):
+        flight(1.0, rotor=shaft, start=(0.0, 0.0, 0.0, 0.0))
+    with pytest.raises(InputError, match=r"load must be 0 .*, got 0\.5"):
+        contact_free_whirl(Rotor(omega=1.0, zeta=0.1, delta0=2.0, load=0.5))

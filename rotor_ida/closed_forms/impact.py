@@ -1,0 +1,142 @@
+"""A radial impact on the ring with contact damping, solved exactly: what the ring gives back."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from rotor_ida.arrays import Values
+from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_points, is_scalar
+from rotor_ida.closed_forms.further_parameters import check_exponents
+from rotor_ida.schema import Column, labelled_dataset
+
+# Powers of smaller ones leave the range of doubles.
+SMALLEST = 1e-100
+# From here on the bound of `restitution` is the root, to rounding.
+_FAST = 30.0
+_TERMS = 20
+
+
+def impact(
+    *, entry_speed: object, contact_damping: object, contact_exponent: object = 1.5
+) -> xr.Dataset:
+    """Return what a radial impact on the ring gives back, and how deep it goes.
+
+    Parameters
+    ----------
+    entry_speed : float or sequence of float, shape (n,)
+        Speeds v at which the rotor reaches the ring, straight outwards [1].
+    contact_damping : float or sequence of float, shape (m,)
+        Contact damping c of `Rotor` [1].
+    contact_exponent : float or sequence of float
+        Exponent of the contact force, 1.5 or 1 [1].
+
+    Returns
+    -------
+    Dataset
+        On (entry_speed, contact_damping): ``restitution``, the speed at exit over that at entry,
+        and ``peak_indentation`` [1]. An exponent that is given as a sequence is a dimension behind
+        them; as a number that is not the default it is a coordinate.
+
+    Raises
+    ------
+    InputError
+        If a value is not a finite real number that is zero or positive, is above 1e15, or above
+        zero and below 1e-100; if an exponent is neither 1.5 nor 1.
+
+    Notes
+    -----
+    In the contact alone, without shaft, unbalance or damping, the indentation d obeys
+    ``d'' = -d**n (1 + c d')``. With the speed as a function of the depth,
+    ``d' dd'/(1 + c d') = -d**n dd`` integrates to ``phi(c d')/c**2 + d**(n + 1)/(n + 1)``, a
+    constant, where ``phi(x) = x - ln(1 + x)``. Hence with x = c v and the exit speed e v
+
+        ``phi(x) = phi(-e x)``, that is ``x (1 + e) = ln((1 + x)/(1 - e x))``,
+
+    whatever the exponent, and the largest indentation is
+    ``((n + 1) phi(x)/c**2)**(1/(n + 1))``: for c = 0 ``((n + 1) v**2/2)**(1/(n + 1))``.
+    For small x, ``e = 1 - 2 x/3``. The force stays positive to the end, as ``e x < 1``.
+
+    References
+    ----------
+    K. H. Hunt and F. R. E. Crossley, "Coefficient of restitution interpreted as damping in
+    vibroimpact", Journal of Applied Mechanics 42, 1975.
+
+    Examples
+    --------
+    >>> hit = impact(entry_speed=[1.0, 3.0], contact_damping=1.0)
+    >>> hit.restitution.values.ravel().round(9)
+    array([0.59362426, 0.3068968 ])
+    >>> round(impact(entry_speed=2.0, contact_damping=0.0).peak_indentation.item(), 6)
+    1.903654
+    """
+    speeds = check_axis("entry_speed", entry_speed, smallest=SMALLEST, largest=LARGEST_NUMBER)
+    dampings = check_axis(
+        "contact_damping", contact_damping, smallest=SMALLEST, largest=LARGEST_NUMBER
+    )
+    exponents = check_exponents(contact_exponent)
+    check_points(speeds, dampings, exponents)
+    v, c, n = np.meshgrid(speeds, dampings, exponents, indexing="ij")
+    x = c * v
+    lasting = n + 1.0
+    indentation = (v * np.sqrt(lasting * _loss(x))) ** (2.0 / lasting)
+    given: dict[str, Column] = {
+        "entry_speed": ("entry_speed", speeds),
+        "contact_damping": ("contact_damping", dampings),
+    }
+    dims: tuple[str, ...] = tuple(given)
+    if not is_scalar("contact_exponent", contact_exponent):
+        given["contact_exponent"] = ("contact_exponent", exponents)
+        dims = tuple(given)
+    elif exponents[0] != 1.5:
+        given["contact_exponent"] = ((), exponents[0])
+    shape = tuple(each.size for each in (speeds, dampings, exponents))[: len(dims)]
+    return labelled_dataset(
+        "Radial impacts on a ring with contact damping",
+        {
+            "restitution": (dims, restitution(x).reshape(shape)),
+            "peak_indentation": (dims, indentation.reshape(shape)),
+        },
+        given,
+    )
+
+
+def restitution(x: Values) -> Values:
+    """Return the coefficient of restitution e at contact damping times speed: see `impact`.
+
+    It is sought by Newton's method in ``e**2 g(-e x) = g(x)`` with ``g(x) = phi(x)/x**2``, which
+    is convex in e, from a bound above the root: ``phi(-y) > y**2/2`` and
+    ``phi(-y) > -1 - ln(1 - y)``.
+
+    Examples
+    --------
+    >>> restitution(np.array([0.0, 1.0, 1e6]))
+    array([1.0000000e+00, 5.9362426e-01, 1.0000000e-06])
+    """
+    lost = _loss(x)
+    remains = np.exp(-1.0 - lost * x * x)
+    e = np.divide(1.0 - remains, x, out=np.ones_like(x), where=x > 1.0)
+    slow = x < _FAST
+    product, lost = x[slow], lost[slow]
+    found = np.minimum(np.sqrt(2.0 * lost), e[slow])
+    for _ in range(12):
+        y = found * product
+        found = found - (found * found * _loss(-y) - lost) * (1.0 - y) / found
+    e[slow] = found
+    return e
+
+
+def _loss(x: Values) -> Values:
+    """Return ``(x - ln(1 + x))/x**2`` for x > -1, without cancellation; 1/2 at 0.
+
+    With ``t = x/(2 + x)``, ``ln(1 + x) = 2 (t + t**3/3 + ...)`` and ``x - 2 t = x t``.
+    """
+    t = x / (2.0 + x)
+    square = t * t
+    series = np.zeros_like(x)
+    for order in range(_TERMS, 0, -1):
+        series = series * square + 1.0 / (2 * order + 1)
+    near = (1.0 - 2.0 * t * series / (2.0 + x)) / (2.0 + x)
+    far = np.abs(t) > 1.0 / 3.0
+    safe = np.where(far, x, 1.0)
+    return np.where(far, (1.0 - np.log1p(safe) / safe) / safe, near)

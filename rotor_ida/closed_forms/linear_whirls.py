@@ -1,0 +1,108 @@
+"""Every synchronous whirl that touches a ring which springs back linearly.
+
+With the exponent 1, ``q = omega**2``, a shaft of stiffness kappa, ``k = 1 + kappa - q`` and
+``G = k**2 + 4 zeta**2 q`` a contacting whirl is a root A > delta0 of the quadratic
+
+    P(A) = F**2 - q**2 + 4 zeta**2 q A**2 = G A**2 - 2 k delta0 A + delta0**2 - q**2,
+    F = k A - delta0,    dP/dA = 2 A D,
+
+where D is the determinant that decides stability. The roots are
+``(k delta0 +- sqrt(S))/G`` with ``S = q**2 G - 4 zeta**2 q delta0**2``.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.arrays import Values
+from rotor_ida.closed_forms.contacting_whirls import ContactingWhirls
+from rotor_ida.closed_forms.double_double import DoubleDouble
+
+_COLUMNS = 5  # as many as with a Hertz contact, beside which these stand
+_LARGEST = 1e100  # squares of larger amplitudes leave the range of doubles
+
+
+def linear_whirls(
+    omega: Values, zeta: Values, delta0: Values, shaft_stiffness: Values
+) -> ContactingWhirls:
+    """Return all whirls in contact of rotors with ``omega > 0`` and the exponent 1.
+
+    Parameters
+    ----------
+    omega, zeta, delta0, shaft_stiffness : ndarray, shape (n,)
+        Spin speed, damping ratio, clearance and stiffness of the shaft [1].
+
+    Returns
+    -------
+    ContactingWhirls
+        Up to two for each rotor.
+
+    Notes
+    -----
+    There is one where the contact-free whirl does not fit into the clearance, ``P(delta0) < 0``;
+    otherwise two or none: two where ``S > 0`` and ``k > G``. In resonance without damping
+    (G = 0) there is none, and beside it none with an amplitude above 1e100.
+
+    Examples
+    --------
+    >>> at = linear_whirls(*(np.array([each]) for each in (0.5, 0.5, 0.25, 0.0)))
+    >>> at.amplitude[0, :1].round(6), at.contact_free
+    (array([0.461538]), array([False]))
+    """
+    one = DoubleDouble.of(np.ones_like(omega))
+    q = DoubleDouble.of(omega) * DoubleDouble.of(omega)
+    resistance = DoubleDouble.of(2.0 * zeta) * DoubleDouble.of(2.0 * zeta) * q
+    d = DoubleDouble.of(delta0)
+    p = q - DoubleDouble.of(shaft_stiffness)
+    k = one - p
+    G = k * k + resistance
+    inside = q * q * G - resistance * d * d
+    contact_free = (d * d * (p * p + resistance) - q * q).high >= 0.0
+    pair = contact_free & (inside.high > 0.0) & ((k - G).high > 0.0)
+    exists = np.stack([pair, (pair | ~contact_free) & (G.high > 0.0)], axis=1)
+
+    root = np.sqrt(np.maximum(inside.high, 0.0))
+    product = (d * d - q * q).high
+    with_root = np.abs(k.high) * delta0 + root
+    outer = np.where(k.high >= 0.0, with_root, -product), np.where(k.high >= 0.0, G.high, with_root)
+    estimate = np.stack([_ratio(product, with_root), _ratio(*outer)], axis=1)
+    exists &= estimate < _LARGEST
+    estimate = np.where(exists, estimate, 1.0)
+    amplitude, force_excess = _polished(estimate, (k, G, d, q), root)
+    size = np.maximum(root[:, None] / estimate, np.finfo(np.float64).tiny)
+    columns = {
+        "amplitude": np.maximum(amplitude, delta0[:, None]),
+        "phase_lag": np.arctan2((2.0 * zeta * omega)[:, None] * amplitude, force_excess),
+        "determinant": size * np.array([-1.0, 1.0]),
+    }
+    placed = {name: _packed(column, exists) for name, column in columns.items()}
+    return ContactingWhirls(**placed, contact_free=contact_free)
+
+
+def _ratio(above: Values, below: Values) -> Values:
+    with np.errstate(over="ignore"):
+        return np.divide(above, below, out=np.full_like(above, np.nan), where=below > 0.0)
+
+
+def _polished(
+    estimate: Values, terms: tuple[DoubleDouble, ...], root: Values
+) -> tuple[Values, Values]:
+    """Return amplitude and F after one Newton step with a 32-digit residual, shape (n, 2)."""
+    k, G, d, q = (DoubleDouble(each.high[:, None], each.low[:, None]) for each in terms)
+    A = DoubleDouble.of(estimate)
+    residual = (G * (A * A) - k * d * (A + A) + (d * d - q * q)).high
+    slope = 2.0 * root[:, None] * np.array([-1.0, 1.0])
+    step = np.divide(-residual, slope, out=np.zeros_like(residual), where=slope != 0.0)
+    A = A + DoubleDouble.of(np.where(np.abs(step) < 1e-6 * estimate, step, 0.0))
+    return A.high, (k * A - d).high
+
+
+def _packed(values: Values, exists: npt.NDArray[np.bool_]) -> Values:
+    """Return the columns that exist, moved to the front; NaN behind them, shape (n, 5)."""
+    packed = np.full((len(values), _COLUMNS), np.nan)
+    packed[:, 0] = np.where(
+        exists[:, 0], values[:, 0], np.where(exists[:, 1], values[:, 1], np.nan)
+    )
+    packed[:, 1] = np.where(exists[:, 0], values[:, 1], np.nan)
+    return packed

@@ -1,0 +1,127 @@
+"""Where a rotor that does not turn rests under its load, and how it vibrates there."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+import xarray as xr
+
+from rotor_ida.checks import LARGEST_NUMBER, check_instance, check_nonnegative
+from rotor_ida.equations.contact import HERTZ_EXPONENT
+from rotor_ida.parameters import Rotor
+from rotor_ida.schema import STABILITY, labelled, labelled_dataset
+
+
+def rest(rotor: Rotor) -> xr.Dataset:
+    """Return where the rotor rests under its load while it does not turn.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        Parameters of the rotor; the speed is not used.
+
+    Returns
+    -------
+    Dataset
+        ``x`` and ``y`` of the place of rest and the ``indentation`` there [1], its ``stability``
+        (flags), the undamped circular frequencies ``radial_frequency`` and
+        ``tangential_frequency`` of small vibration [1] and the ``growth_rate``, the largest real
+        part of the eigenvalues [1].
+
+    Raises
+    ------
+    InputError
+        If `rotor` is no `Rotor`, or a parameter is above 1e15.
+
+    Notes
+    -----
+    With a shaft the rotor hangs at ``z = -i gamma/kappa`` if that is inside the clearance, else
+    at ``z = -i r`` with ``kappa r + (r - delta0)**n = gamma``; without one it lies on the ring at
+    the depth ``gamma**(1/n)``. Along the radius the stiffness is ``kappa + f'(r)`` and the damping
+    ``2 zeta + c f(r)``, across it ``kappa + f(r)/r`` and ``2 zeta``. Without load and shaft it
+    rests wherever it is put inside the clearance, and is told to be at the centre: neutral. So
+    is every place without damping.
+
+    References
+    ----------
+    The equation of `Rotor`, with omega = 0.
+
+    Examples
+    --------
+    >>> lying = rest(Rotor(omega=0.0, zeta=0.1, delta0=1.0, load=8.0))
+    >>> lying.y.item(), round(lying.radial_frequency.item() ** 2, 12)
+    (-5.0, 3.0)
+    >>> rest(Rotor(omega=0.0, zeta=0.1, delta0=1.0, load=0.5, shaft_stiffness=2.0)).y.item()
+    -0.25
+    """
+    check_instance("rotor", rotor, Rotor)
+    for name in ("zeta", "delta0", "shaft_stiffness", "contact_damping", "load"):
+        check_nonnegative(name, getattr(rotor, name), LARGEST_NUMBER)
+    kappa, depth = rotor.shaft_stiffness, _depth(rotor)
+    force, slope = _contact(depth, rotor)
+    if depth > 0.0:
+        radius = rotor.delta0 + depth
+        secant = force / radius
+    else:
+        radius = rotor.load / kappa if rotor.load > 0.0 else 0.0
+        secant = slope
+    growth = max(
+        _slowest(rotor.zeta + 0.5 * rotor.contact_damping * force, kappa + slope),
+        _slowest(rotor.zeta, kappa + secant),
+    )
+    word = "stable" if growth < 0.0 else "neutral"
+    values = {
+        "x": 0.0,
+        "y": 0.0 - radius,
+        "indentation": depth,
+        "radial_frequency": math.sqrt(kappa + slope),
+        "tangential_frequency": math.sqrt(kappa + secant),
+    }
+    return labelled_dataset(
+        "Rest of a rotor under its load",
+        {name: ((), value) for name, value in values.items()}
+        | {
+            "stability": labelled("rest_stability", (), STABILITY[word]),
+            "growth_rate": labelled("rest_growth_rate", (), growth),
+        },
+        {},
+    )
+
+
+def _depth(rotor: Rotor) -> float:
+    """Return the indentation h at rest: ``kappa h + h**n = gamma - kappa delta0``."""
+    kappa = rotor.shaft_stiffness
+    # exactly, as the two may nearly cancel
+    load = float(Fraction(rotor.load) - Fraction(kappa) * Fraction(rotor.delta0))
+    if load <= 0.0:
+        return 0.0
+    if rotor.contact_exponent != HERTZ_EXPONENT:
+        return load / (1.0 + kappa)
+    # u**3 + kappa u**2 is convex: Newton's method comes down to the root from above
+    u = math.cbrt(load)
+    if kappa * u * u > load:
+        u = math.sqrt(load / kappa)
+    for _ in range(60):
+        lower = u - (u * u * (u + kappa) - load) / (u * (3.0 * u + 2.0 * kappa))
+        if lower >= u:
+            break
+        u = lower
+    return u * u
+
+
+def _contact(depth: float, rotor: Rotor) -> tuple[float, float]:
+    """Return force and slope of the contact at a depth."""
+    if rotor.contact_exponent == HERTZ_EXPONENT:
+        root = math.sqrt(depth)
+        return depth * root, HERTZ_EXPONENT * root
+    begun = depth > 0.0 or rotor.delta0 == 0.0
+    return depth, 1.0 if begun else 0.0
+
+
+def _slowest(damping: float, stiffness: float) -> float:
+    """Return the largest real part of the roots of ``L**2 + 2 damping L + stiffness``."""
+    frequency = math.sqrt(stiffness)
+    if damping <= frequency:
+        return 0.0 - damping
+    return -stiffness / (damping + math.sqrt((damping - frequency) * (damping + frequency)))

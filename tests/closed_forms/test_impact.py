@@ -1,0 +1,106 @@
+"""Radial impacts against Lambert's function with 60 digits, and against an integration."""
+
+from __future__ import annotations
+
+import mpmath
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from rotor_ida import impact
+from rotor_ida.errors import InputError
+
+
+def reference(x: float) -> mpmath.mpf:
+    """``1 - e x = -W(-exp(-1 - phi))`` with ``phi = x - ln(1 + x)``."""
+    with mpmath.workdps(80):
+        product = mpmath.mpf(x)
+        phi = product - mpmath.log(1 + product)
+        rest = -mpmath.lambertw(-mpmath.exp(-1 - phi)) if phi < 150 else mpmath.mpf(0)
+        return (1 - mpmath.re(rest)) / product
+
+
+def test_restitution_holds_to_rounding_from_1e_12_to_1e_6():
+    products = np.concatenate([np.geomspace(1e-12, 1e6, 200), [0.999, 1.0, 1.001, 29.9, 30.1]])
+    found = impact(entry_speed=products, contact_damping=1.0).restitution.values.ravel()
+    for x, e in zip(products, found, strict=True):
+        assert abs(e / reference(float(x)) - 1) < 1e-15, x
+
+
+def test_restitution_of_the_design():
+    found = impact(entry_speed=[1.0, 3.0], contact_damping=1.0).restitution.values.ravel()
+    assert found.round(9).tolist() == [0.593624260, 0.306896798]
+
+
+def test_restitution_falls_by_two_thirds_of_a_small_product():
+    for x in (1e-3, 1e-4, 1e-5):
+        e = impact(entry_speed=x, contact_damping=1.0).restitution.item()
+        # the next term is 4 x**2/9
+        assert 1.0 - e == pytest.approx(2.0 * x / 3.0 - 4.0 * x * x / 9.0, abs=x**3 + 1e-15)
+
+
+def test_peak_indentation_holds_to_rounding_for_every_product():
+    speeds, dampings = [1e-6, 0.3, 7.0], [0.0, 1e-12, 1e-7, 1e-3, 1.0, 50.0]
+    found = impact(entry_speed=speeds, contact_damping=dampings, contact_exponent=[1.5, 1.0])
+    for place in np.ndindex(found.peak_indentation.shape):
+        here = found.isel(dict(zip(found.peak_indentation.dims, place, strict=True)))
+        with mpmath.workdps(80):
+            v, c, n = (mpmath.mpf(here[name].item()) for name in found.peak_indentation.dims)
+            half = (c * v - mpmath.log(1 + c * v)) / c**2 if c else v**2 / 2
+            expected = ((n + 1) * half) ** (1 / (n + 1))
+            assert abs(here.peak_indentation.item() / expected - 1) < 2e-15, place
+
+
+@pytest.mark.parametrize("exponent", [1.5, 1.0])
+@pytest.mark.parametrize(("speed", "damping"), [(0.7, 0.0), (0.7, 0.9), (2.5, 3.0)])
+def test_an_integrated_impact_rebounds_as_told(exponent, speed, damping):
+    def motion(_, state):
+        depth, rate = state
+        return [rate, -(max(depth, 0.0) ** exponent) * (1.0 + damping * rate)]
+
+    def leaves(t, state):
+        return state[0] if t > 1e-3 else 1.0
+
+    def turns(_, state):
+        return state[1]
+
+    leaves.terminal, leaves.direction = True, -1.0
+    run = solve_ivp(
+        motion, (0.0, 100.0), [0.0, speed],
+        method="DOP853", events=(leaves, turns), rtol=1e-11, atol=1e-13,
+    )  # fmt: skip
+    found = impact(entry_speed=speed, contact_damping=damping, contact_exponent=exponent)
+    # the force is not smooth at the ring, where the step control works hardest
+    assert -run.y_events[0][0][1] / speed == pytest.approx(found.restitution.item(), rel=1e-7)
+    assert run.y_events[1][0][0] == pytest.approx(found.peak_indentation.item(), rel=1e-7)
+
+
+def test_an_exponent_is_a_coordinate_where_it_is_not_the_default():
+    plain = impact(entry_speed=[1.0, 2.0], contact_damping=0.5)
+    linear = impact(entry_speed=[1.0, 2.0], contact_damping=0.5, contact_exponent=1)
+    assert plain.restitution.dims == linear.restitution.dims == ("entry_speed", "contact_damping")
+    assert "contact_exponent" not in plain.coords
+    assert linear.contact_exponent.item() == 1.0
+    assert linear.restitution.values.tolist() == plain.restitution.values.tolist()
+    both = impact(entry_speed=[1.0, 2.0], contact_damping=0.5, contact_exponent=[1.5, 1.0])
+    assert both.restitution.dims == ("entry_speed", "contact_damping", "contact_exponent")
+
+
+def test_extreme_impacts_raise_no_warning():
+    found = impact(entry_speed=[0.0, 1e-100, 1e15], contact_damping=[0.0, 1e-100, 1e15])
+    assert ((found.restitution > 0.0) & (found.restitution <= 1.0)).all()
+    assert (np.isfinite(found.peak_indentation)).all()
+
+
+@pytest.mark.parametrize(
+    ("given_values", "message"),
+    [
+        ({"entry_speed": -1.0}, "entry_speed must be zero or positive, got -1.0"),
+        ({"contact_damping": np.nan}, "contact_damping must be a finite real number, got nan"),
+        ({"contact_exponent": [1.5, 2.0]}, "contact_exponent must be 1.5 or 1, got 2.0"),
+        ({"entry_speed": 1e-200}, "entry_speed must be 0 or between 1e-100 and 1e\\+15"),
+    ],
+)
+def test_impacts_out_of_range_are_refused(given_values, message):
+    with pytest.raises(InputError, match=message):
+        impact(**{"entry_speed": 1.0, "contact_damping": 0.5, **given_values})
