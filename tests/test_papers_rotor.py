@@ -27,13 +27,10 @@ MACHINE = {
 OF_A_ROTOR: dict[str, Callable[[Rotor], object]] = {
     "basin": lambda rotor: rotor_ida.basin(rotor, x=[0.0, 1.0], y=[0.0, 1.0]),
     "basin_fractions": lambda rotor: rotor_ida.basin_fractions(rotor, x=(0, 1), y=0.0, starts=2),
-    "limit_cycle": lambda rotor: rotor_ida.limit_cycle(rotor, start=REST),
-    "limit_cycle of a period": lambda rotor: rotor_ida.limit_cycle(rotor, start=REST, period=3.0),
     "continue_cycle": lambda rotor: rotor_ida.continue_cycle(rotor, start=REST, limits=(1, 2)),
     "bifurcation_curve": lambda rotor: rotor_ida.bifurcation_curve(
         rotor, start=REST, kind="fold", limits=((1.0, 2.0), (0.1, 1.0))
     ),
-    "lyapunov_exponent": lambda rotor: rotor_ida.lyapunov_exponent(rotor, start=REST),
     "poincare_section": lambda rotor: rotor_ida.poincare_section(rotor, start=REST, revolutions=1),
     "touchdown_report": lambda rotor: rotor_ida.touchdown_report(rotor, x=0.0, y=0.0, starts=2),
     "record": lambda rotor: record(rotor, start=REST, revolutions=1, speeds=[1.0]),
@@ -86,8 +83,20 @@ def test_a_result_of_a_rotor_with_more_is_refused():
 def test_a_cycle_of_a_rotor_with_more_is_no_start():
     rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
     cycle = rotor_ida.limit_cycle(rotor, start=(2.6, 0.75, 0.66, -1.65), period=4.5)
-    message = r"^start must be of the paper's rotor, without load 0.125$"
+    message = r"^start must be of the same rotor: its load is 0.125, that of the rotor 0.0$"
     with pytest.raises(InputError, match=message):
         rotor_ida.limit_cycle(rotor, start=with_load(cycle))
     with pytest.raises(InputError, match=message):
         rotor_ida.continue_cycle(rotor, start=with_load(cycle), limits=(1.5, 2.5))
+
+
+def test_where_the_axes_turn_there_is_no_load():
+    message = r"load must be 0 .*, as under a load nothing stands still on the turning axes"
+    rotor = Rotor(**PLAIN, load=0.125)
+    for start in ({"start": REST}, {"start": REST, "period": 3.0}):
+        with pytest.raises(InputError, match=message):
+            rotor_ida.limit_cycle(rotor, **start)
+    with pytest.raises(InputError, match=message):
+        rotor_ida.sweep(**PLAIN, load=0.125)
+    with pytest.raises(InputError, match=message):
+        rotor_ida.sweep(**PLAIN, load=[0.0, 0.125])
