@@ -11,9 +11,9 @@
 #include <sys/time.h>
 
 #include "core.h"
-#include "motion.h"
+#include "observers.h"
 
-enum { CONTACT_COLUMNS = 6, EXTREMUM_COLUMNS = 7, LANES_OF_KERNEL = 64, REGION = 14, SECTION = 21 };
+enum { LANES_OF_KERNEL = 64, REGION = 14, SECTION = 21 };
 
 static volatile uint8_t stop;
 
