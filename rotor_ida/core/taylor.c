@@ -155,8 +155,9 @@ static double rate_of_contact(const struct taylor *taylor)
     const double damping = model->contact_damping;
     const double stiffening = 1.0 + damping * fabs(taylor->series.terms[0][CONTACT_P]);
     const double force = q * q * (model->hertz * q + model->linear);
-    return q * (model->omega + 2.0 * model->zeta + damping * force
-                + sqrt(model->shaft_stiffness + slope * stiffening));
+    return q
+           * (model->omega + 2.0 * model->zeta + damping * force
+              + sqrt(model->shaft_stiffness + slope * stiffening));
 #else
     return q * (model->omega + 2.0 * model->zeta + sqrt(1.5 * q));
 #endif
@@ -205,7 +206,13 @@ static double unfelt(const struct taylor *taylor)
     const double square = state[CARTESIAN_VX] * state[CARTESIAN_VX]
                           + state[CARTESIAN_VY] * state[CARTESIAN_VY];
     const double omega = taylor->motion.model.omega;
-    return larger(pow(part * square, 0.4), pow(part * omega * omega, 2.0 / 3.0));
+    double push = part * omega * omega;
+#ifdef WHOLE_MODEL
+    push += part * taylor->motion.model.load;
+    if (taylor->motion.model.linear > 0.0) /* a force of r is felt farther in */
+        return larger(sqrt(part * square), push);
+#endif
+    return larger(pow(part * square, 0.4), pow(push, 2.0 / 3.0));
 }
 
 /* How far the series of a rotor without clearance may be followed. */
@@ -218,14 +225,22 @@ static double cartesian_step(struct taylor *taylor, double inner)
 #ifdef WHOLE_MODEL
     const double slope = 1.5 * model->hertz * sqrt(radius) + model->linear;
     const double rate = model->omega + 2.0 * model->zeta + sqrt(model->shaft_stiffness + slope);
-    const double more = model->load + model->shaft_stiffness * radius;
+    const double more = model->load + model->shaft_stiffness * radius
+                        + (radius > inner ? slope * radius : 0.0);
 #else
     const double rate = model->omega + 2.0 * model->zeta + sqrt(1.5 * sqrt(radius)), more = 0.0;
 #endif
     double step = longest_step(taylor, CARTESIAN_SIZE, rate);
-    if (radius <= inner && inner > 0.0) {
+    double within = radius <= inner ? inner : 0.0;
+#ifdef WHOLE_MODEL
+    /* nor beyond the axis: where the rotor comes to rest there, under a load, its series goes on
+     * through it, but as if the force repelled */
+    if (model->hertz > 0.0 && radius > inner)
+        within = radius;
+#endif
+    if (within > 0.0) {
         const double push = model->omega * model->omega + 2.0 * model->zeta * speed + more;
-        step = smaller(step, 2.0 * inner / (speed + sqrt(speed * speed + 2.0 * push * inner)));
+        step = smaller(step, 2.0 * within / (speed + sqrt(speed * speed + 2.0 * push * within)));
     }
     return step;
 }
