@@ -67,3 +67,79 @@ def test_columns_of_parameters_are_those_of_the_paper_s_rotor_alone():
     asked = Asked(rotor=rotor, start=(0.0,) * 4, duration=1.0, bundle=np.zeros((7, 4)), **HOW)
     with pytest.raises(ValueError, match="must be that of the paper's rotor, got Rotor"):
         follow(asked)
+
+
+@pytest.mark.parametrize("method", ["taylor", "adams"])
+def test_a_start_between_pressed_and_loose_is_decided_by_what_follows(method):
+    """1 + c d' and its rate of change vanish there, and then it grows: pressed, without an event.
+
+    Of z = -1 with omega = 1, h = 1 and d' = -1, radial acceleration 0 and radial jerk 3.
+    """
+    rotor = Rotor(omega=1.0, zeta=0.0, delta0=0.75, contact_damping=1.0)
+    start = np.array((-1.0, 0.0, 1.0, -1.0))
+    beside = start - (0.0, 0.0, 1e-9, 0.0)
+    seen, near = (
+        follow(
+            Asked(rotor=rotor, start=tuple(begun), duration=6.0, events=True, method=method,
+                  rtol=1e-10, atol=1e-12)
+        )
+        for begun in (start, beside)
+    )  # fmt: skip
+    assert seen.event_kinds.tolist() == near.event_kinds.tolist()
+    assert seen.event_times[0] > 1e-3
+    np.testing.assert_allclose(seen.event_times, near.event_times, rtol=0, atol=1e-7)
+    np.testing.assert_allclose(seen.state, near.state, rtol=0, atol=1e-7)
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.5])
+@pytest.mark.parametrize(("x", "restitution"), [(1.0, 0.593624260), (3.0, 0.306896798)])
+def test_a_radial_impact_with_contact_damping_rebounds_as_known(x, restitution, exponent):
+    """x (1 + e) = ln((1 + x)/(1 - e x)) with x = c v, whatever the exponent; the rest is lost."""
+    speed, n = 0.7, exponent
+    rotor = Rotor(omega=0.0, zeta=0.0, delta0=2.0, contact_damping=x / speed,
+                  contact_exponent=exponent)  # fmt: skip
+    asked = Asked(rotor=rotor, start=(0.0, 0.0, speed, 0.0), duration=8.0, events=True, **HOW)
+    seen = follow(asked)
+    _, _, _, root, impulse, _, lost, force = seen.contacts[0]
+    assert seen.event_kinds[:2].tolist() == [1, -1]
+    rebound = -seen.event_states[1, 2] / speed
+    assert rebound == pytest.approx(restitution, abs=1e-9)
+    assert x * (1.0 + rebound) == pytest.approx(np.log((1.0 + x) / (1.0 - rebound * x)), rel=1e-11)
+    assert lost == pytest.approx(0.5 * speed**2 * (1.0 - rebound**2), rel=1e-10)
+    assert impulse == pytest.approx(speed * (1.0 + rebound), rel=1e-11)
+    depth = ((n + 1.0) * (x - np.log1p(x)) / rotor.contact_damping**2) ** (1.0 / (n + 1.0))
+    assert root**2 == pytest.approx(depth, rel=1e-11)
+    # v of the way in: c**2 d**(n + 1)/(n + 1) = x - c v - ln((1 + x)/(1 + c v))
+    c, v = rotor.contact_damping, np.linspace(0.0, speed, 200_001)
+    way = (n + 1.0) / c**2 * (x - c * v - np.log((1.0 + x) / (1.0 + c * v)))
+    forces = np.maximum(way, 0.0) ** (n / (n + 1.0)) * (1.0 + c * v)
+    assert force == pytest.approx(forces.max(), rel=1e-9)
+
+
+def energy(rotor, state):
+    """Of disc and shaft, on the ring, where the spring of the contact is at rest."""
+    x, y, vx, vy = state
+    return 0.5 * (vx * vx + vy * vy + rotor.shaft_stiffness * (x * x + y * y))
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.5])
+def test_what_contacts_have_lost_is_missing_from_the_energy(exponent):
+    """Through release and press, where a stiff shaft and much damping pull the rotor loose."""
+    released = 0
+    for number in range(12):
+        draw = np.random.default_rng(number)
+        rotor = Rotor(omega=0.0, zeta=0.0, delta0=0.5, contact_damping=draw.uniform(0.5, 8.0),
+                      contact_exponent=exponent, shaft_stiffness=draw.uniform(1.0, 9.0))  # fmt: skip
+        asked = Asked(rotor=rotor, start=tuple(draw.normal(size=4)), duration=20.0, events=True,
+                      **HOW)  # fmt: skip
+        seen = follow(asked)
+        kinds, states = seen.event_kinds, seen.event_states
+        entries, exits = (states[kinds == kind] for kind in (1, -1))
+        released += np.count_nonzero(kinds == -4)
+        first = int(seen.began == 1)  # a contact without an entry
+        for contact, entry, left in zip(
+            seen.contacts[first:], entries, exits[first:], strict=False
+        ):
+            missing = energy(rotor, entry) - energy(rotor, left)
+            assert contact[6] == pytest.approx(missing, rel=1e-9, abs=1e-11)
+    assert released > 20
