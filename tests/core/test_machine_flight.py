@@ -224,6 +224,12 @@ def test_a_whirl_on_the_ring_or_just_inside_it_is_decided_at_once(kappa):
             assert touch == NEVER or (load and not room)
 
 
+def radial_rates(rotor, start, times):
+    """``r r'`` of a flight."""
+    x, y, vx, vy = runs.fly(rotor, start, times).T
+    return x * vx + y * vy
+
+
 @pytest.mark.parametrize("delta0", [5.0, 1e3, 1e6])
 def test_every_extremum_of_a_flight_is_found_and_none_invented(delta0):
     """Each is a change of sign of r r', in the right sense, however far the ring is."""
@@ -233,21 +239,17 @@ def test_every_extremum_of_a_flight_is_found_and_none_invented(delta0):
         parameters, z0, w0 = random_flight(rng, place)
         rotor = machine(*parameters, delta0=delta0)
 
-        def rates(times, rotor=rotor, start=row(z0, w0)):
-            x, y, vx, vy = runs.fly(rotor, start, times).T
-            return x * vx + y * vy
-
         end = min(10.0, 0.99 * runs.first_touch(rotor, row(z0, w0), 10.0))
         asked = runs.Asked(
             rotor=rotor, start=row(z0, w0), duration=end, extrema=True, events=True, **HOW
         )
         found = runs.follow(asked).extrema
         for time, radius, kind, x, y, *_ in found:
-            before, after = rates(time + 1e-6 * np.array([-1.0, 1.0]))
+            before, after = radial_rates(rotor, row(z0, w0), time + 1e-6 * np.array([-1.0, 1.0]))
             assert kind * before > 0.0 > kind * after
             assert radius == pytest.approx(math.hypot(x, y), rel=1e-15)
         assert (np.diff(found[:, 2]) != 0.0).all()
-        seen = rates(times[times <= end])
+        seen = radial_rates(rotor, row(z0, w0), times[times <= end])
         assert (seen[:-1] * seen[1:] < 0.0).sum() <= len(found)
         found_in_all += len(found)
     assert found_in_all > 100

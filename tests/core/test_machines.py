@@ -128,10 +128,10 @@ def test_what_contacts_have_lost_is_missing_from_the_energy(exponent):
     released = 0
     for number in range(12):
         draw = np.random.default_rng(number)
-        rotor = Rotor(omega=0.0, zeta=0.0, delta0=0.5, contact_damping=draw.uniform(0.5, 8.0),
-                      contact_exponent=exponent, shaft_stiffness=draw.uniform(1.0, 9.0))  # fmt: skip
-        asked = Asked(rotor=rotor, start=tuple(draw.normal(size=4)), duration=20.0, events=True,
-                      **HOW)  # fmt: skip
+        more = dict(zip(("contact_damping", "shaft_stiffness"), draw.uniform(0.5, 8.0, 2)))
+        rotor = Rotor(omega=0.0, zeta=0.0, delta0=0.5, contact_exponent=exponent, **more)
+        start = tuple(draw.normal(size=4))
+        asked = Asked(rotor=rotor, start=start, duration=20.0, events=True, **HOW)
         seen = follow(asked)
         kinds, states = seen.event_kinds, seen.event_states
         entries, exits = (states[kinds == kind] for kind in (1, -1))
