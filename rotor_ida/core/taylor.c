@@ -323,6 +323,32 @@ static void put_on_circle(double *direction)
     direction[1] = nearer * s;
 }
 
+#ifdef WHOLE_MODEL
+/* Put the load's direction where it points by time and by the direction of the contact: by its own
+ * rate alone it would turn away from the unbalance in a long phase, a tolerance a step. */
+static void put_load_right(struct motion *motion)
+{
+    const double *before = motion->before;
+    double *after = motion->values;
+    const int contact = motion->mode == &contact_mode;
+    double *load = &after[contact ? CONTACT_DOWN_R : CARTESIAN_DOWN_X];
+    const double *last = &before[contact ? CONTACT_DOWN_R : CARTESIAN_DOWN_X];
+    const double span = contact ? after[CONTACT_T] - before[CONTACT_T]
+                                : motion->point - motion->low;
+    const double angle = motion->model.omega * span;
+    struct vector down = product((struct vector){last[0], last[1]},
+                                 (struct vector){cos(angle), -sin(angle)});
+    if (contact) {
+        const struct vector from = {before[CONTACT_C], before[CONTACT_S]};
+        const struct vector to = {after[CONTACT_C], after[CONTACT_S]};
+        down = product(product(down, from), mirrored(to));
+    }
+    load[0] = down.x;
+    load[1] = down.y;
+    put_on_circle(load);
+}
+#endif
+
 static int advance(struct motion *motion)
 {
     struct taylor *taylor = taylor_of(motion);
@@ -352,7 +378,7 @@ static int advance(struct motion *motion)
     if (mode == &contact_mode)
         put_on_circle(&motion->values[CONTACT_C]);
 #ifdef WHOLE_MODEL
-    put_on_circle(&motion->values[mode == &contact_mode ? CONTACT_DOWN_R : CARTESIAN_DOWN_X]);
+    put_load_right(motion);
 #endif
     double total = 0.0;
     for (int i = 0; i < values_of(motion); i++)

@@ -48,6 +48,26 @@ def test_a_linear_contact_without_clearance_is_felt_through_the_centre(start, rt
         np.testing.assert_allclose(seen.state, expected, rtol=0, atol=40.0 * rtol + 1e-13)
 
 
+@pytest.mark.parametrize("delta0", [0.0, 1.0])
+def test_the_load_points_down_however_long_a_phase_lasts(delta0):
+    """Damped, errors of single steps are forgotten; a direction that went astray would not be.
+
+    With clearance the load holds the rotor in contact; then a tighter tolerance is the witness.
+    """
+    rotor = Rotor(omega=2.0, zeta=0.1, delta0=delta0, contact_exponent=1.0, load=20.0)
+    start, time, errors = (0.0, -20.0 - delta0, 0.0, 0.0), 1000.0, []
+    for rtol in (1e-7, 1e-8, 1e-9):
+        states = [
+            follow(Asked(rotor=rotor, start=start, duration=time, rtol=each, atol=1e-2 * each,
+                         events=True))
+            for each in (rtol, 1e-14)
+        ]  # fmt: skip
+        assert not states[0].event_times.size
+        exact = states[1].state if delta0 else linear_state(rotor, start, time)
+        errors.append(np.abs(np.subtract(states[0].state, exact)).max() / rtol)
+    assert max(errors) < 5.0
+
+
 @pytest.mark.parametrize("exponent", [1.0, 1.5])
 def test_a_load_alone_leads_from_rest_at_the_axis(exponent):
     """It swings between there and the depth h at which load times h is the energy of the contact:
@@ -128,7 +148,9 @@ def test_what_contacts_have_lost_is_missing_from_the_energy(exponent):
     released = 0
     for number in range(12):
         draw = np.random.default_rng(number)
-        more = dict(zip(("contact_damping", "shaft_stiffness"), draw.uniform(0.5, 8.0, 2)))
+        more = dict(
+            zip(("contact_damping", "shaft_stiffness"), draw.uniform(0.5, 8.0, 2), strict=True)
+        )
         rotor = Rotor(omega=0.0, zeta=0.0, delta0=0.5, contact_exponent=exponent, **more)
         start = tuple(draw.normal(size=4))
         asked = Asked(rotor=rotor, start=start, duration=20.0, events=True, **HOW)
