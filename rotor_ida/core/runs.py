@@ -241,9 +241,12 @@ def _struct_of(asked: Asked) -> RunStruct:
         fixed_axes=asked.fixed_axes,
         exact_flight=asked.exact_flight,
         stop=pointer(NO_STOP if asked.stop is None else asked.stop, np.uint8),
-        state=(x, y, vx, vy),
         where=UNDECIDED,
     )
+    try:
+        run.state = (x, y, vx, vy)
+    except RuntimeError as error:  # by which ctypes tells of a type that is none of a number's
+        raise TypeError(f"start must be four real numbers, got {asked.start!r}") from error
     if asked.method != "taylor":
         run.sundials = ctypes.cast(ctypes.pointer(sundials.functions()), c_void_p)
     if asked.bundle is not None:

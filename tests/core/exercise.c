@@ -13,7 +13,6 @@
 #include "core.h"
 #include "observers.h"
 
-
 static volatile uint8_t stop;
 
 static void ask_to_stop(int signal)
@@ -270,10 +269,10 @@ static int evaluations(void *memory, long *count)
 }
 
 static const struct sundials made_up = {
-    context_new, forget,      handlers_clear, vector_over, vector_fuse, discard,
-    vector_data, matrix_new,  matrix_free,    vector_data, linear_new,  linear_free,
-    create,      solver_free, init,           reinit,      tolerances,  user_data,
-    linear_use,  jacobian_use, solve,         derivative,  last_order,  evaluations,
+    context_new, forget,       handlers_clear, vector_over, vector_fuse, discard,
+    vector_data, matrix_new,   matrix_free,    vector_data, linear_new,  linear_free,
+    create,      solver_free,  init,           reinit,      tolerances,  user_data,
+    linear_use,  jacobian_use, solve,          derivative,  last_order,  evaluations,
 };
 
 /* ---- Runs ---- */
@@ -321,9 +320,14 @@ static void furnish(struct run *run, struct room room)
 
 static void clear(struct run *run)
 {
-    void *tables[] = {(void *)(uintptr_t)run->sample_times, run->samples,  run->event_times,
-                      run->event_states,                    run->event_kinds, run->contacts,
-                      run->extrema,                         run->bundle};
+    void *tables[] = {(void *)(uintptr_t)run->sample_times,
+                      run->samples,
+                      run->event_times,
+                      run->event_states,
+                      run->event_kinds,
+                      run->contacts,
+                      run->extrema,
+                      run->bundle};
     for (size_t i = 0; i < sizeof tables / sizeof *tables; i++)
         free(tables[i]);
 }
@@ -345,26 +349,23 @@ static int followed(struct run run, struct room room)
     return status;
 }
 
-/* Omega, zeta, delta0; shaft, exponent, contact damping and load. The first few are also followed by
- * name. */
+/* Omega, zeta, delta0; shaft, exponent, contact damping and load. The first few are also followed
+ * by name. */
 #ifdef WHOLE_MODEL
 static const struct rotor ROTORS[] = {
-    {2.0, 0.07, 2.0, 0.3, 1.5, 0.4, 0.5},    {3.0, 0.07, 0.5, 2.0, 1.0, 5.0, 1.0},
-    {1.7, 0.07, 0.0, 0.5, 1.0, 0.0, 0.3},    {0.0, 0.0, 1.0, 0.0, 1.5, 1.0, 0.0},
-    {0.6, 0.0, 1e-9, 0.36, 1.5, 1e3, 1e-3},  {1.3, 2.0, 50.0, 4.0, 1.0, 1e-300, 9.0},
-    {1e3, 1e2, 1e3, 1e4, 1.0, 1e2, 1e3},     {0.0, 0.0, 0.0, 0.0, 1.5, 0.0, 1.0},
-    {0.0, 0.0, 1.0, 0.0, 1.0, 2.0, 1.0},     {1.5, 1e-300, 2.0, 2.25, 1.5, 0.1, 0.0},
-    {1.2, 0.0, 0.7, 9.0, 1.5, 20.0, 2.0},    {0.0, 0.0, 0.3, 5.0, 1.0, 3.0, 0.0},
+    {2.0, 0.07, 2.0, 0.3, 1.5, 0.4, 0.5},     {3.0, 0.07, 0.5, 2.0, 1.0, 5.0, 1.0},
+    {1.7, 0.07, 0.0, 0.5, 1.0, 0.0, 0.3},     {0.0, 0.0, 1.0, 0.0, 1.5, 1.0, 0.0},
+    {0.6, 0.0, 1e-9, 0.36, 1.5, 1e3, 1e-3},   {1.3, 2.0, 50.0, 4.0, 1.0, 1e-300, 9.0},
+    {1e3, 1e2, 1e3, 1e4, 1.0, 1e2, 1e3},      {0.0, 0.0, 0.0, 0.0, 1.5, 0.0, 1.0},
+    {0.0, 0.0, 1.0, 0.0, 1.0, 2.0, 1.0},      {1.5, 1e-300, 2.0, 2.25, 1.5, 0.1, 0.0},
+    {1.2, 0.0, 0.7, 9.0, 1.5, 20.0, 2.0},     {0.0, 0.0, 0.3, 5.0, 1.0, 3.0, 0.0},
     {1e-200, 0.3, 1.0, 1e-20, 1.5, 0.0, 0.1}, {1.7, 0.0, 0.0, 0.0, 1.5, 0.0, 1e300}};
 #else
-static const struct rotor ROTORS[] = {{.omega = 2.0, .zeta = 0.07, .delta0 = 2.0},
-                                      {.omega = 3.0, .zeta = 0.07, .delta0 = 0.5},
-                                      {.omega = 1.7, .zeta = 0.07, .delta0 = 0.0},
-                                      {.omega = 0.0, .zeta = 0.0, .delta0 = 1.0},
-                                      {.omega = 0.6, .zeta = 0.0, .delta0 = 1e-9},
-                                      {.omega = 1.3, .zeta = 2.0, .delta0 = 50.0},
-                                      {.omega = 1e3, .zeta = 1e2, .delta0 = 1e3},
-                                      {.omega = 0.0, .zeta = 0.0, .delta0 = 0.0}};
+static const struct rotor ROTORS[] = {
+    {.omega = 2.0, .zeta = 0.07, .delta0 = 2.0}, {.omega = 3.0, .zeta = 0.07, .delta0 = 0.5},
+    {.omega = 1.7, .zeta = 0.07, .delta0 = 0.0}, {.omega = 0.0, .zeta = 0.0, .delta0 = 1.0},
+    {.omega = 0.6, .zeta = 0.0, .delta0 = 1e-9}, {.omega = 1.3, .zeta = 2.0, .delta0 = 50.0},
+    {.omega = 1e3, .zeta = 1e2, .delta0 = 1e3},  {.omega = 0.0, .zeta = 0.0, .delta0 = 0.0}};
 #endif
 enum { ROTOR_COUNT = sizeof ROTORS / sizeof *ROTORS };
 /* Rows of a bundle with those by parameters, which the paper's rotor alone has. */
@@ -373,21 +374,12 @@ enum { WITH_PARAMETERS = WHOLE ? 4 : 7 };
 /* Starts: at rest, in contact, on the ring in all ways, far off, and what is no number. */
 static void start_of(int number, double delta0, double start[4])
 {
-    const double starts[][4] = {{0.0, 0.0, 0.0, 0.0},
-                                {delta0 + 1.0, 0.3, -1.0, 0.4},
-                                {delta0, 0.0, 0.0, 0.0},
-                                {0.0, delta0, 0.0, 0.0},
-                                {delta0, 0.0, 1.0, 0.0},
-                                {-delta0, 0.0, 1.0, 0.0},
-                                {delta0, 0.0, 0.0, 1.0},
-                                {delta0, 0.0, -1e-12, 1.0},
-                                {0.3, 0.0, 1e-300, 0.0},
-                                {1e6, -1e6, 1e6, 1e6},
-                                {1e-300, 0.0, 0.0, 1e-300},
-                                {1e200, 0.0, 0.0, 1e200},
-                                {1e308, 1e308, 1e308, 1e308},
-                                {NAN, 0.0, 0.0, 0.0},
-                                {0.3, 0.0, INFINITY, 0.0}};
+    const double starts[][4] = {
+        {0.0, 0.0, 0.0, 0.0},         {delta0 + 1.0, 0.3, -1.0, 0.4}, {delta0, 0.0, 0.0, 0.0},
+        {0.0, delta0, 0.0, 0.0},      {delta0, 0.0, 1.0, 0.0},        {-delta0, 0.0, 1.0, 0.0},
+        {delta0, 0.0, 0.0, 1.0},      {delta0, 0.0, -1e-12, 1.0},     {0.3, 0.0, 1e-300, 0.0},
+        {1e6, -1e6, 1e6, 1e6},        {1e-300, 0.0, 0.0, 1e-300},     {1e200, 0.0, 0.0, 1e200},
+        {1e308, 1e308, 1e308, 1e308}, {NAN, 0.0, 0.0, 0.0},           {0.3, 0.0, INFINITY, 0.0}};
     memcpy(start, starts[number], sizeof *starts);
 }
 enum { STARTS = 15, SOUND_STARTS = 9 };
@@ -458,7 +450,8 @@ static void runs_in_rooms_that_are_too_small(void)
     int status;
     for (; (status = core_run(&run)) == FULL; again++)
         run.event_room = run.contact_room = run.event_room + 2;
-    require(status == DONE && again > 2 && run.sampled == 9 && run.events > 4, "a run did not go on");
+    require(status == DONE && again > 2 && run.sampled == 9 && run.events > 4,
+            "a run did not go on");
     clear(&run);
 }
 
@@ -483,9 +476,14 @@ static void runs_of_odd_lengths(void)
     }
     stop = 1;
     double start[4] = {0.0};
-    require(core_run(&(struct run){.rotor = ROTORS[0], .rtol = 1e-9, .atol = 1e-9, .duration = 9.0,
-                                   .exact_flight = 1, .where = UNDECIDED,
-                                   .stop = (const uint8_t *)&stop}) == STOPPED,
+    require(core_run(&(struct run){.rotor = ROTORS[0],
+                                   .rtol = 1e-9,
+                                   .atol = 1e-9,
+                                   .duration = 9.0,
+                                   .exact_flight = 1,
+                                   .where = UNDECIDED,
+                                   .stop = (const uint8_t *)&stop})
+                == STOPPED,
             "a run that was asked to stop went on");
     stop_after(100000);
     struct run run = run_of(ROTORS[0], start, 1e12);
@@ -501,7 +499,7 @@ static void runs_by_a_solver_that_fails(void)
     double start[4];
     for (int kind = 0; kind < 6; kind++) {
         int ended = -1;
-        for (calls_until_failure = 0; ended != DONE; ) {
+        for (calls_until_failure = 0; ended != DONE;) {
             const int call = calls_until_failure;
             start_of(1, 2.0, start);
             struct run run = run_of(ROTORS[kind % 3], start, 0.4);
