@@ -105,30 +105,38 @@ static struct margin point_outside(struct motion *motion, struct margin left, st
     return last;
 }
 
-/* Where in the last step, up to `end`, the force falls to 0 or comes back; infinite where it does
- * not, NaN where it cannot be found. */
+/* A point from `from` on, before `to`, that is inside the mode, which begins where it ended last.
+ */
+static double point_within_mode(struct motion *motion, double from, double to)
+{
+    double point = from, reach = to - from;
+    while (within_mode(motion, motion->at(motion, point)) <= 0.0 && reach > 1e-14 * to) {
+        reach *= 0.125;
+        point = from + reach;
+    }
+    return point;
+}
+
+/* Where in the last step, up to `end`, the force falls to 0 or comes back: at its beginning where
+ * nothing of the step is inside the mode; infinite where it does not, NaN where it cannot be found.
+ */
 static double release_in_step(struct motion *motion, double end)
 {
     if (motion->model.contact_damping == 0.0)
         return INFINITY;
     const int looks = motion->begins_anew ? 1 : LOOKS_FOR_RELEASE;
-    const double low = motion->low, level = release_velocity(motion);
-    struct margin from = margin_at(motion, low);
+    struct margin from = margin_at(motion, motion->low);
     for (int look = 1; look <= looks; look++) {
+        const double low = motion->low;
         const double next = look < looks ? low + (end - low) * look / looks : end;
         const struct margin to = margin_at(motion, next);
         const struct margin outside = to.value < 0.0 ? to : point_outside(motion, from, to);
         if (outside.value < 0.0) {
-            /* the mode begins where another ended: a point inside it must be found first */
-            double reach = outside.point - from.point, point = from.point;
-            while (within_mode(motion, motion->at(motion, point)) <= 0.0
-                   && reach > 1e-14 * outside.point) {
-                reach *= 0.125;
-                point = from.point + reach;
-            }
-            if (within_mode(motion, motion->at(motion, point)) <= 0.0)
-                return outside.point;
-            return root_in_step(motion, radial_velocity_of, level, point, outside.point);
+            const double inside = point_within_mode(motion, from.point, outside.point);
+            if (within_mode(motion, motion->at(motion, inside)) <= 0.0)
+                return from.point;
+            return root_in_step(motion, radial_velocity_of, release_velocity(motion), inside,
+                                outside.point);
         }
         from = to;
     }
@@ -182,13 +190,25 @@ static void raise_force(struct peak *peak, struct motion *motion, double end, co
     }
 }
 
-/* Record that the contact becomes loose, or is pressed again, and begin the other mode there. */
-static int change_mode(struct run *run, struct motion *motion, double *start, const double *atol,
-                       double *reached)
+/* Whether the last event is a release or a press of this very time. */
+static int has_just_changed(const struct run *run, double time)
+{
+    const int64_t last = run->events - 1;
+    return last >= 0 && (run->event_kinds[last] == PRESS || run->event_kinds[last] == RELEASE)
+           && run->event_times[last] >= time;
+}
+
+/* Record that the contact becomes loose, or is pressed again, and begin the other mode there. A
+ * mode that ends as it begins was none: what rounding hid then is put right. */
+static int change_mode(struct run *run, struct motion *motion, double turn, double *start,
+                       const double *atol, double *reached)
 {
     const int pressed = motion->model.pressed > 0.0;
     reached[CONTACT_P] = release_velocity(motion);
-    if (run->event_room > 0) {
+    if (turn <= motion->low) {
+        if (has_just_changed(run, run->time + reached[CONTACT_T]))
+            run->events--;
+    } else if (run->event_room > 0) {
         if (run->events + EVENTS_A_CONTACT > run->event_room)
             return FULL_INSIDE;
         record_event_inside(run, pressed ? RELEASE : PRESS, reached[CONTACT_T],
@@ -197,8 +217,8 @@ static int change_mode(struct run *run, struct motion *motion, double *start, co
     observe_phase(run, motion, start, reached);
     run->evaluations += motion->evaluations(motion);
     motion->model.pressed = pressed ? 0.0 : 1.0;
-    copy_values(motion, reached, start);
     double unused[MOST_VALUES];
+    copy_values(motion, reached, start);
     begin_differences(motion, start, unused);
     return motion->restart(motion, start, atol);
 }
@@ -275,7 +295,7 @@ int integrate_contact(struct run *run, struct motion *motion, const double *begu
     int idle = 0;
     double start[MOST_VALUES];
     copy_values(motion, begun, start);
-    (void)atol;
+    (void)atol; /* of another mode, which the paper's rotor has not */
     while (!asked_to_stop(run->stop)) {
         int status = motion->advance(motion);
         if (status != DONE)
@@ -283,7 +303,7 @@ int integrate_contact(struct run *run, struct motion *motion, const double *begu
         double end = end_of_step(run, motion, reached, left);
 #ifdef WHOLE_MODEL
         const double turn = isnan(end) ? NAN : release_in_step(motion, end);
-        const int changes = turn < end;
+        const int changes = turn < end || (turn == end && !*left);
         end = isnan(turn) ? NAN : smaller(turn, end);
         if (changes) {
             copy_values(motion, motion->at(motion, turn), reached);
@@ -303,7 +323,10 @@ int integrate_contact(struct run *run, struct motion *motion, const double *begu
         if (motion->model.contact_damping > 0.0)
             raise_force(peak, motion, end, reached);
         if (changes) {
-            status = change_mode(run, motion, start, atol, reached);
+            idle = turn <= motion->low ? idle + 1 : 0;
+            status = change_mode(run, motion, turn, start, atol, reached);
+            if (status == DONE && idle > PATIENCE)
+                status = STUCK;
             if (status != DONE)
                 return status;
             continue;

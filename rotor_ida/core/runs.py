@@ -64,7 +64,7 @@ class Asked:
         Whether events and contacts, and the extrema of the radius, are recorded.
     bundle : ndarray, shape (4, 4) or (7, 4), optional
         Differences from the motion, carried along in place; by Taylor series the last three rows
-        become what omega, zeta and delta0 add [1].
+        become what omega, zeta and delta0 add, of the paper's rotor alone [1].
     stop : ndarray of uint8, shape (1,)
         Anything but 0 asks the run to stop.
     """
@@ -241,9 +241,12 @@ def _struct_of(asked: Asked) -> RunStruct:
         fixed_axes=asked.fixed_axes,
         exact_flight=asked.exact_flight,
         stop=pointer(NO_STOP if asked.stop is None else asked.stop, np.uint8),
-        state=(x, y, vx, vy),
         where=UNDECIDED,
     )
+    try:
+        run.state = (x, y, vx, vy)
+    except RuntimeError as error:  # by which ctypes tells of a type that is none of a number's
+        raise TypeError(f"start must be four real numbers, got {asked.start!r}") from error
     if asked.method != "taylor":
         run.sundials = ctypes.cast(ctypes.pointer(sundials.functions()), c_void_p)
     if asked.bundle is not None:
@@ -251,6 +254,10 @@ def _struct_of(asked: Asked) -> RunStruct:
             raise ValueError(f"a bundle must have 4 or 7 rows of 4, got {asked.bundle.shape}")
         if len(asked.bundle) > DIFFERENCES and asked.method != "taylor":
             raise ValueError(f"a bundle of 7 rows must be carried by taylor, got {asked.method!r}")
+        if len(asked.bundle) > DIFFERENCES and asked.rotor.beyond:
+            raise ValueError(
+                f"a bundle of 7 rows must be that of the paper's rotor, got {asked.rotor!r}"
+            )
         run.differences = len(asked.bundle)
         run.bundle = pointer(asked.bundle, np.float64, writeable=True)
     return run

@@ -18,7 +18,7 @@
 static const double NEVER = INFINITY;
 /* Two terms below this part of a sum end it. */
 static const double NEGLIGIBLE = 1e-18;
-enum { TERMS = 28, MOST_POLISHING = 80 };
+enum { TERMS = 28, MOST_POLISHING = 80, MOST_HALVINGS = 60 };
 
 /* C, S, Q and P, and the rates of change of C, S and P. */
 struct answers {
@@ -75,24 +75,31 @@ static double step_answer(const struct rotor *rotor, double tau, double split, d
     return (settled(kappa / fast, tau) - settled(fast, tau)) / (2.0 * split);
 }
 
-/* P where the free vibration, exp(s tau) with s = -zeta + i nu, is nearly as fast as the spin: by
- * differences of exponentials over those of their rates. */
-static struct vector answer_near_resonance(const struct rotor *rotor, double tau, double nu)
+/* The answer of y' + rate y to exp(i omega tau): (exp(i omega tau) - exp(-rate tau))/(rate + i
+ * omega).
+ */
+static struct vector driven(struct vector rate, double omega, double tau)
 {
-    const double zeta = rotor->zeta, omega = rotor->omega, decay = exp(-zeta * tau);
-    const struct vector apart = {zeta, omega - nu}, vibration = {cos(nu * tau), sin(nu * tau)};
-    const double half = sin(0.5 * apart.y * tau);
-    const struct vector less_one = {expm1(zeta * tau) * cos(apart.y * tau) - 2.0 * half * half,
-                                    exp(zeta * tau) * sin(apart.y * tau)};
-    const int same = apart.x == 0.0 && apart.y == 0.0;
-    const struct vector near = product(
-        scaled(decay, vibration),
-        same ? (struct vector){tau, 0.0} : complex_ratio(less_one, apart));
-    const struct vector spun = {cos(omega * tau), sin(omega * tau)};
-    const struct vector other = plus(spun, scaled(-decay, mirrored(vibration)));
-    const struct vector far = complex_ratio(other, (struct vector){zeta, omega + nu});
-    /* over 2 i nu */
-    return scaled(-0.5 / nu, quarter_turned(plus(near, scaled(-1.0, far))));
+    const struct vector apart = {rate.x, rate.y + omega},
+                        spun = {cos(omega * tau), sin(omega * tau)};
+    const double turn = apart.y * tau, half = sin(0.5 * turn), decay = exp(-apart.x * tau);
+    if ((fabs(apart.x) + fabs(apart.y)) * tau < 1e-17)
+        return scaled(tau, spun);
+    const struct vector gone = {2.0 * decay * half * half - expm1(-apart.x * tau),
+                                decay * sin(turn)};
+    return product(spun, complex_ratio(gone, apart));
+}
+
+/* P by partial fractions of its poles -zeta +- split, or +- i split, which must lie apart. */
+static struct vector answer_by_fractions(const struct rotor *rotor, double tau, double split,
+                                         int vibrates, double slow)
+{
+    const struct vector first = {vibrates ? rotor->zeta : slow, vibrates ? -split : 0.0};
+    const struct vector last = {vibrates ? rotor->zeta : rotor->zeta + split,
+                                vibrates ? split : 0.0};
+    const struct vector apart = plus(driven(first, rotor->omega, tau),
+                                     scaled(-1.0, driven(last, rotor->omega, tau)));
+    return scaled(0.5 / split, vibrates ? scaled(-1.0, quarter_turned(apart)) : apart);
 }
 
 /* The unbalance whirl over omega**2: 1/(kappa - omega**2 + 2 i zeta omega). */
@@ -106,38 +113,38 @@ static struct vector compliance(const struct rotor *rotor)
 static struct answers answers_after(const struct rotor *rotor, double tau)
 {
     const double zeta = rotor->zeta, kappa = rotor->shaft_stiffness, omega = rotor->omega;
-    const double square = zeta * zeta - kappa, split = sqrt(fabs(square));
+    const double square = fma(zeta, zeta, -kappa), split = sqrt(fabs(square));
+    const double fast = zeta + split, slow = fast > 0.0 ? kappa / fast : 0.0;
+    const int vibrates = square < 0.0;
     struct answers found;
-    if (square < 0.0) {
+    if (vibrates) {
         const double decay = exp(-zeta * tau), cosine = cos(split * tau);
         const double sine = sin(split * tau) / split;
         found.s = decay * sine;
         found.c = decay * (cosine + zeta * sine);
         found.s_rate = decay * (cosine - zeta * sine);
     } else {
-        const double fast = zeta + split, slow = fast > 0.0 ? kappa / fast : 0.0;
         found.s = exp(-slow * tau) * settled(2.0 * split, tau);
         found.c = exp(-slow * tau) + slow * found.s;
         found.s_rate = exp(-fast * tau) - slow * found.s;
     }
     found.c_rate = -kappa * found.s;
     const double free = larger(zeta, sqrt(kappa)) * tau;
-    if (larger(free, omega * tau) <= 1.0) {
+    if (free <= 1.0)
         answers_by_series(rotor, tau, &found);
-    } else {
-        if (free <= 1.0)
-            answers_by_series(rotor, tau, &found);
-        else
-            found.q = step_answer(rotor, tau, split, found.c);
-        if (omega == 0.0)
-            found.p = (struct vector){found.q, 0.0};
-        else if (square < 0.0 && split > 0.5 * omega && split < 2.0 * omega && zeta < 0.25 * omega)
-            found.p = answer_near_resonance(rotor, tau, split);
-        else {
-            const struct vector rest = {cos(omega * tau) - found.c,
-                                        sin(omega * tau) - omega * found.s};
-            found.p = product(compliance(rotor), rest);
-        }
+    else
+        found.q = step_answer(rotor, tau, split, found.c);
+    /* the whirl and what is not settled of it cancel near resonance, and where both are slow */
+    const int resonates = vibrates && split > 0.5 * omega && split < 2.0 * omega
+                          && zeta < 0.25 * omega;
+    const int creeps = !vibrates && larger(slow, omega) * tau < 0.5;
+    if (omega == 0.0)
+        found.p = (struct vector){found.q, 0.0};
+    else if (larger(free, omega * tau) > 1.0 && (resonates || (free > 1.0 && creeps)))
+        found.p = answer_by_fractions(rotor, tau, split, vibrates, slow);
+    else if (larger(free, omega * tau) > 1.0) {
+        const struct vector rest = {cos(omega * tau) - found.c, sin(omega * tau) - omega * found.s};
+        found.p = product(compliance(rotor), rest);
     }
     found.p_rate = plus((struct vector){found.s, 0.0}, scaled(omega, quarter_turned(found.p)));
     return found;
@@ -159,9 +166,9 @@ static struct place place_after(const struct motion_of_centre *start, const stru
                    plus(scaled(push, by.p), scaled(load * by.q, start->down)));
     there.v = plus(plus(scaled(by.c_rate, start->z), scaled(by.s_rate, start->w)),
                    plus(scaled(push, by.p_rate), scaled(load * by.s, start->down)));
-    there.b = plus(plus(scaled(push, spun), scaled(load, start->down)),
-                   plus(scaled(-2.0 * rotor->zeta, there.v),
-                        scaled(-rotor->shaft_stiffness, there.z)));
+    there.b = plus(
+        plus(scaled(push, spun), scaled(load, start->down)),
+        plus(scaled(-2.0 * rotor->zeta, there.v), scaled(-rotor->shaft_stiffness, there.z)));
     return there;
 }
 
@@ -200,18 +207,28 @@ static struct gap gap_of(const struct place *at, double delta0)
                         2.0 * (dot(at->v, at->v) + dot(at->z, at->b))};
 }
 
-/* A bound on |g'''| = |6 Re(conj(z') z'') + 2 Re(conj(z) z''')| over a step inside the ring. */
-static double jerk_bound(const struct rotor *rotor, double speed, double reach)
+/* A bound on |g'''| = |6 Re(conj(z') z'') + 2 Re(conj(z) z''')| from here over a time `reach`,
+ * while the flight is inside the ring.
+ *
+ * With b the acceleration but for what the damping takes, |b| is at most `force`, and the speed
+ * grows no faster. Over a short time the distance from the axis is bounded likewise. */
+static double jerk_bound(const struct rotor *rotor, const struct place *at, double reach)
 {
     const double omega = rotor->omega, damping = 2.0 * rotor->zeta;
-    const double kappa = rotor->shaft_stiffness, delta0 = rotor->delta0;
-    const double force = omega * omega + rotor->load + kappa * delta0;
+    const double kappa = rotor->shaft_stiffness, push = omega * omega + rotor->load;
+    const double radius = length(at->z), speed = length(at->v), part = kappa * reach * reach;
+    double far = rotor->delta0;
+    if (part < 0.5) {
+        const double fastest = (speed + (push + kappa * radius) * reach) / (1.0 - part);
+        far = smaller(radius + fastest * reach, far);
+    }
+    const double force = push + kappa * far;
     double fastest = speed + force * reach;
     if (damping > 0.0)
         fastest = smaller(fastest, larger(speed, force / damping));
     const double acceleration = force + damping * fastest;
     const double jerk = omega * omega * omega + damping * acceleration + kappa * fastest;
-    return 6.0 * fastest * acceleration + 2.0 * delta0 * jerk;
+    return 6.0 * fastest * acceleration + 2.0 * far * jerk;
 }
 
 /* The first s > 0 with value + slope s + curvature s**2/2 = 0, value < 0. */
@@ -228,10 +245,11 @@ static double first_root_of_majorant(double value, double slope, double curvatur
 
 /* A step over which g stays below 0: its parabola, of curvature `bend` and the bound on what that
  * can grow to, allows it. */
-static double safe_step(struct gap g, const struct rotor *rotor, double speed, double reach)
+static double safe_step(struct gap g, const struct rotor *rotor, const struct place *at,
+                        double reach)
 {
-    for (int i = 0; i < 60; i++) {
-        const double curvature = g.bend + jerk_bound(rotor, speed, reach) * reach;
+    for (int i = 0; i < MOST_HALVINGS; i++) {
+        const double curvature = g.bend + jerk_bound(rotor, at, reach) * reach;
         const double allowed = first_root_of_majorant(g.value, g.slope, curvature);
         if (allowed >= reach)
             return reach;
@@ -375,7 +393,7 @@ double first_touch(struct motion_of_centre start, const struct rotor *rotor, dou
             if ((reach - delta0) * 2.0 * delta0 <= 0.5 * floor)
                 return NEVER;
             g.value -= floor;
-            step = safe_step(g, rotor, length(at.v), smaller(4.0 * step, limit - tau));
+            step = safe_step(g, rotor, &at, smaller(4.0 * step, limit - tau));
         }
         const double next = tau + larger(step, ROUNDING * tau);
         if (!(next > tau))
@@ -410,16 +428,21 @@ static double turn_between(const struct motion_of_centre *start, const struct ro
     return point;
 }
 
+/* The steps are as far as a bound on the rate of change of the bend guarantees that r r' either
+ * keeps its sign or is monotonic, as in flight.c. */
 double next_turn(struct motion_of_centre start, const struct rotor *rotor, double from,
                  double limit, double *rising, const uint8_t *stop)
 {
-    double low = from, tau = from, reach = 1.0 / rate_of(rotor, length(start.w));
+    const double fastest_turn = rotor->omega + sqrt(rotor->shaft_stiffness);
+    const double farthest_step = 1.0 / rate_of(rotor, length(start.w));
+    double low = from, tau = from, reach = farthest_step;
+    double widest = length(start.z), fastest = length(start.w);
     for (;;) {
         const struct place at = place_after(&start, rotor, tau);
         const struct gap here = gap_of(&at, rotor->delta0);
-        const double speed = length(at.v);
-        const double noise = 32.0 * ROUNDING * (rotor->delta0 + speed * (tau + 1.0))
-                             * (speed + rotor->omega * rotor->delta0);
+        widest = larger(widest, length(at.z));
+        fastest = larger(fastest, length(at.v));
+        const double noise = 32.0 * ROUNDING * (1.0 + fastest_turn * tau) * widest * fastest;
         if (fabs(here.slope) > noise) {
             if (here.slope * *rising < 0.0 && tau > from)
                 return turn_between(&start, rotor, low, tau, *rising);
@@ -430,7 +453,7 @@ double next_turn(struct motion_of_centre start, const struct rotor *rotor, doubl
         if (tau >= limit || asked_to_stop(stop))
             return NEVER;
         const double bound = smaller(settling_bound(&start, rotor, &at, tau, reach),
-                                     jerk_bound(rotor, speed, reach));
+                                     jerk_bound(rotor, &at, reach));
         const double towards = here.slope > 0.0 ? here.bend : -here.bend;
         const double clear = first_root_of_majorant(-fabs(here.slope), -towards, bound);
         const double least = sqrt(2.0 * noise / bound) + ROUNDING * tau;
@@ -439,6 +462,7 @@ double next_turn(struct motion_of_centre start, const struct rotor *rotor, doubl
         if (!(next > tau))
             return NEVER;
         tau = next;
+        reach = smaller(4.0 * step, farthest_step);
     }
 }
 

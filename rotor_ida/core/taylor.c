@@ -155,8 +155,9 @@ static double rate_of_contact(const struct taylor *taylor)
     const double damping = model->contact_damping;
     const double stiffening = 1.0 + damping * fabs(taylor->series.terms[0][CONTACT_P]);
     const double force = q * q * (model->hertz * q + model->linear);
-    return q * (model->omega + 2.0 * model->zeta + damping * force
-                + sqrt(model->shaft_stiffness + slope * stiffening));
+    return q
+           * (model->omega + 2.0 * model->zeta + damping * force
+              + sqrt(model->shaft_stiffness + slope * stiffening));
 #else
     return q * (model->omega + 2.0 * model->zeta + sqrt(1.5 * q));
 #endif
@@ -205,7 +206,13 @@ static double unfelt(const struct taylor *taylor)
     const double square = state[CARTESIAN_VX] * state[CARTESIAN_VX]
                           + state[CARTESIAN_VY] * state[CARTESIAN_VY];
     const double omega = taylor->motion.model.omega;
-    return larger(pow(part * square, 0.4), pow(part * omega * omega, 2.0 / 3.0));
+    double push = part * omega * omega;
+#ifdef WHOLE_MODEL
+    push += part * taylor->motion.model.load;
+    if (taylor->motion.model.linear > 0.0) /* a force of r is felt farther in */
+        return larger(sqrt(part * square), push);
+#endif
+    return larger(pow(part * square, 0.4), pow(push, 2.0 / 3.0));
 }
 
 /* How far the series of a rotor without clearance may be followed. */
@@ -218,14 +225,22 @@ static double cartesian_step(struct taylor *taylor, double inner)
 #ifdef WHOLE_MODEL
     const double slope = 1.5 * model->hertz * sqrt(radius) + model->linear;
     const double rate = model->omega + 2.0 * model->zeta + sqrt(model->shaft_stiffness + slope);
-    const double more = model->load + model->shaft_stiffness * radius;
+    const double more = model->load + model->shaft_stiffness * radius
+                        + (radius > inner ? slope * radius : 0.0);
 #else
     const double rate = model->omega + 2.0 * model->zeta + sqrt(1.5 * sqrt(radius)), more = 0.0;
 #endif
     double step = longest_step(taylor, CARTESIAN_SIZE, rate);
-    if (radius <= inner && inner > 0.0) {
+    double within = radius <= inner ? inner : 0.0;
+#ifdef WHOLE_MODEL
+    /* nor beyond the axis: where the rotor comes to rest there, under a load, its series goes on
+     * through it, but as if the force repelled */
+    if (model->hertz > 0.0 && radius > inner)
+        within = radius;
+#endif
+    if (within > 0.0) {
         const double push = model->omega * model->omega + 2.0 * model->zeta * speed + more;
-        step = smaller(step, 2.0 * inner / (speed + sqrt(speed * speed + 2.0 * push * inner)));
+        step = smaller(step, 2.0 * within / (speed + sqrt(speed * speed + 2.0 * push * within)));
     }
     return step;
 }
@@ -308,6 +323,32 @@ static void put_on_circle(double *direction)
     direction[1] = nearer * s;
 }
 
+#ifdef WHOLE_MODEL
+/* Put the load's direction where it points by time and by the direction of the contact: by its own
+ * rate alone it would turn away from the unbalance in a long phase, a tolerance a step. */
+static void put_load_right(struct motion *motion)
+{
+    const double *before = motion->before;
+    double *after = motion->values;
+    const int contact = motion->mode == &contact_mode;
+    double *load = &after[contact ? CONTACT_DOWN_R : CARTESIAN_DOWN_X];
+    const double *last = &before[contact ? CONTACT_DOWN_R : CARTESIAN_DOWN_X];
+    const double span = contact ? after[CONTACT_T] - before[CONTACT_T]
+                                : motion->point - motion->low;
+    const double angle = motion->model.omega * span;
+    struct vector down = product((struct vector){last[0], last[1]},
+                                 (struct vector){cos(angle), -sin(angle)});
+    if (contact) {
+        const struct vector from = {before[CONTACT_C], before[CONTACT_S]};
+        const struct vector to = {after[CONTACT_C], after[CONTACT_S]};
+        down = product(product(down, from), mirrored(to));
+    }
+    load[0] = down.x;
+    load[1] = down.y;
+    put_on_circle(load);
+}
+#endif
+
 static int advance(struct motion *motion)
 {
     struct taylor *taylor = taylor_of(motion);
@@ -337,7 +378,7 @@ static int advance(struct motion *motion)
     if (mode == &contact_mode)
         put_on_circle(&motion->values[CONTACT_C]);
 #ifdef WHOLE_MODEL
-    put_on_circle(&motion->values[mode == &contact_mode ? CONTACT_DOWN_R : CARTESIAN_DOWN_X]);
+    put_load_right(motion);
 #endif
     double total = 0.0;
     for (int i = 0; i < values_of(motion); i++)

@@ -1,6 +1,7 @@
 /* What the tests ask of a motion by Taylor series that the core offers to nobody.
  *
- * It is compiled into a library of its own, with derived.c and flight.c. */
+ * It is compiled into a library of its own for each model, with what is derived. A model is given
+ * by all parameters of a mode, in their order there. */
 #include "taylor.c"
 
 static struct taylor taylor;
@@ -10,15 +11,20 @@ static const struct mode *mode_of(int in_contact)
     return in_contact ? &contact_mode : &cartesian_mode;
 }
 
-static struct parameters model_of(const double model[4])
+static struct parameters model_of(const double *model)
 {
-    return (struct parameters){model[0], model[1], model[2], model[3]};
+    struct parameters parameters;
+    memcpy(&parameters, model, sizeof parameters);
+    return parameters;
 }
+
+int probe_width(void) { return WIDTH; }
+int probe_parameters(void) { return (int)(sizeof(struct parameters) / sizeof(double)); }
 
 int probe_order(double rtol) { return order_for(rtol); }
 
 /* Field, Jacobian by columns, growth, and what parameters add, at a state. */
-void probe_values(int in_contact, const double model[4], const double *state, double *rate,
+void probe_values(int in_contact, const double *model, const double *state, double *rate,
                   double *matrix, double growth[4][4], double added[3][4])
 {
     const struct mode *mode = mode_of(in_contact);
@@ -30,7 +36,7 @@ void probe_values(int in_contact, const double model[4], const double *state, do
 }
 
 /* The Taylor series of a state, rows of WIDTH, twice, and of differences, rows of APART. */
-void probe_series(int in_contact, const double model[4], const double *state, int order,
+void probe_series(int in_contact, const double *model, const double *state, int order,
                   double *terms, double *with_factors, double *apart)
 {
     const struct mode *mode = mode_of(in_contact);
@@ -50,7 +56,7 @@ void probe_series(int in_contact, const double model[4], const double *state, in
 }
 
 /* Begin a motion; one tolerance serves all. */
-int probe_begin(int in_contact, const double model[4], double rtol, double atol, int tangents,
+int probe_begin(int in_contact, const double *model, double rtol, double atol, int tangents,
                 const double *start)
 {
     double tolerances[MOST_STATE];

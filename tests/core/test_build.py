@@ -5,11 +5,15 @@ from __future__ import annotations
 import shutil
 import subprocess
 import sys
+from itertools import product
 from pathlib import Path
 from runpy import run_path
 from typing import Any
 
 import pytest
+
+from rotor_ida.core.identity import MODELS
+from rotor_ida.equations import modes
 
 ROOT = Path(__file__).parents[2]
 ANY = next(filter(shutil.which, ("cc", "gcc", "clang")), "")
@@ -29,7 +33,7 @@ def test_no_source_gives_rise_to_a_warning(
         pytest.skip(f"{compiler} is not installed")
     made = hatch_build["build"]([compiler], out=tmp_path, warnings=True)
     assert sorted(tmp_path.iterdir()) == sorted(made)
-    assert len(made) == len(hatch_build["levels"]())
+    assert len(made) == 2 * len(hatch_build["levels"]())  # of each for both models
 
 
 @needs_compiler
@@ -91,10 +95,15 @@ def test_the_wheel_is_for_all_systems_whose_libc_is_new_enough(
 
 def test_no_compiler_may_regroup_or_contract(hatch_build: dict[str, Any]) -> None:
     for compiler in (["gcc"], ["python", "-m", "ziglang", "cc"]):
-        for level in hatch_build["levels"]():
-            flags = hatch_build["flags"](compiler, level)
+        for level, model in product(hatch_build["levels"](), MODELS):
+            flags = hatch_build["flags"](compiler, level, model=model)
             assert "-ffp-contract=off" in flags
             assert not {"-ffast-math", "-fassociative-math", "-march=native"} & {*flags}
+            assert ("-DWHOLE_MODEL" in flags) == (model == "whole")
+
+
+def test_the_libraries_are_those_of_the_models_that_are_derived() -> None:
+    assert {model.name for model in modes.MODELS} == {*MODELS}
 
 
 def test_a_compiler_that_cannot_be_read_is_said_in_one_line(

@@ -6,12 +6,14 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
+from itertools import product
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
-from rotor_ida.core import identity
+from rotor_ida import Rotor
+from rotor_ida.core import identity, interface
 from rotor_ida.core import library as module
 from rotor_ida.core.library import build_info
 from rotor_ida.errors import InputError, InstallationError, RotorError
@@ -35,15 +37,19 @@ def asked_anew() -> Iterator[None]:
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Return a copy of the core, which is then the one in use."""
-    made = [identity.library_path(module.FOLDER, level) for level in identity.LEVELS]
+    made = [
+        identity.library_path(module.FOLDER, level, model)
+        for level, model in product(identity.LEVELS, identity.MODELS)
+    ]
     for path in [*identity.core_sources(module.FOLDER), *filter(Path.is_file, made)]:
         shutil.copy(path, tmp_path)
     monkeypatch.setattr(module, "FOLDER", tmp_path)
     return tmp_path
 
 
-def test_a_copy_is_as_good(folder: Path) -> None:
-    assert identity.stated(library())["sources"] == build_info()["sources"]
+@pytest.mark.parametrize("model", identity.MODELS)
+def test_a_copy_is_as_good(folder: Path, model: str) -> None:
+    assert identity.stated(library(model))["sources"] == build_info()["sources"]
 
 
 def test_build_info_says_how_it_was_compiled() -> None:
@@ -53,12 +59,27 @@ def test_build_info_says_how_it_was_compiled() -> None:
     assert info["sources"] == identity.sources_digest(module.FOLDER)
 
 
+@pytest.mark.parametrize("model", identity.MODELS)
 @pytest.mark.parametrize("level", identity.LEVELS[: 1 + WIDEST])
 def test_every_level_that_the_processor_has_can_be_chosen(
-    monkeypatch: pytest.MonkeyPatch, level: str
+    monkeypatch: pytest.MonkeyPatch, level: str, model: str
 ) -> None:
     monkeypatch.setenv("ROTOR_IDA_CPU", level)
-    assert identity.stated(library())["level"] == level
+    said = identity.stated(library(model))
+    assert said["level"] == level
+    assert ("-DWHOLE_MODEL" in said["flags"]) == (model == "whole")
+
+
+def test_a_rotor_is_followed_by_the_library_that_knows_it() -> None:
+    """The paper's rotor keeps its own, with lanes; whatever has more takes that of the whole."""
+    paper = {"omega": 2.0, "zeta": 0.07, "delta0": 2.0}
+    assert interface.library_of(Rotor(**paper)) is interface.library("paper")
+    assert hasattr(interface.library("paper"), "core_follow_lanes")
+    for more in ("shaft_stiffness", "contact_damping", "load"):
+        machine = interface.library_of(Rotor(**paper, **{more: 0.1}))
+        assert machine is interface.library("whole")
+    assert not hasattr(machine, "core_follow_lanes")
+    assert interface.library_of(Rotor(**paper, contact_exponent=1.0)) is machine
 
 
 @pytest.mark.parametrize("nothing", [None, ""])
@@ -89,6 +110,14 @@ def test_a_missing_core_is_refused(folder: Path) -> None:
     identity.library_path(folder, "baseline").unlink()
     with pytest.raises(InstallationError, match=r"librotor_baseline\.so is missing; run: pip "):
         library()
+
+
+def test_a_missing_core_of_the_whole_model_is_missed_by_machines_alone(folder: Path) -> None:
+    for path in folder.glob("librotor_whole_*.so"):
+        path.unlink()
+    assert library()
+    with pytest.raises(InstallationError, match=r"librotor_whole_\w+\.so is missing; run: pip "):
+        library("whole")
 
 
 def forged(content: bytes) -> bytes:

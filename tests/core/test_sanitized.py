@@ -12,6 +12,8 @@ from runpy import run_path
 
 import pytest
 
+from rotor_ida.core.identity import MODELS
+
 ROOT = Path(__file__).parents[2]
 CORE = ROOT / "rotor_ida" / "core"
 # What a build says of itself.
@@ -24,15 +26,16 @@ OPTIONS = {
 ENGLISH = os.environ | {"LC_ALL": "C"}  # what a compiler says is looked at
 
 
+@pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
-def test_no_entry_point_does_what_is_undefined(tmp_path, compiler):
-    """By `exercise.c`, in twenty seconds or so."""
+def test_no_entry_point_does_what_is_undefined(tmp_path, compiler, model):
+    """By `exercise.c`, in half a minute or so."""
     if not (ROOT / "hatch_build.py").is_file():
         pytest.skip("an installed package has no sources to compile")
     if shutil.which(compiler) is None:
         pytest.skip(f"{compiler} is not installed")
     hatch_build = run_path(str(ROOT / "hatch_build.py"))
-    flags = hatch_build["flags"]([compiler], "baseline", sanitize=True)
+    flags = hatch_build["flags"]([compiler], "baseline", model=model, sanitize=True)
     words = [compiler, *flags, "-fsanitize=float-cast-overflow", "-Wno-psabi", f"-I{CORE}"]
     words += [f"-DCORE_{name.upper()}={json.dumps(name)}" for name in SAID]
 

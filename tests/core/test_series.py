@@ -23,16 +23,15 @@ from rotor_ida import Rotor
 from rotor_ida.core.interface import DONE
 from rotor_ida.equations.derivation import derive
 from rotor_ida.equations.model import rotating_field
-from rotor_ida.equations.modes import CARTESIAN, CONTACT
+from rotor_ida.equations.modes import PAPER, WHOLE
 from tests.equations.symbolic import value_of
 
 ROOT = Path(__file__).parents[2]
 CORE = ROOT / "rotor_ida" / "core"
-WIDTH, APART, MOST_ORDERS = 8, 16, 25
+WIDTH, APART, MOST_ORDERS = {"paper": 8, "whole": 12}, 16, 25
 ROTOR = (1.2, 0.07, 0.5)
 IN_CONTACT = (0.3, 0.4, 2.1, 0.6, 0.8, 0.0, 0.0)
 ANYWHERE = (0.5, -0.2, 0.1, 0.3)
-MODES = {"contact": CONTACT, "cartesian": CARTESIAN}
 STARTS = {
     "contact": [
         IN_CONTACT,
@@ -41,8 +40,50 @@ STARTS = {
     ],
     "cartesian": [ANYWHERE, (-3.0, 2.0, 0.0, 9.0), (1e-3, 0.0, 0.0, 1.0)],
 }
+DOWN = (0.28, -0.96)
 ROTORS = [(1.2, 0.07, 0.5), (0.0, 0.0, 2.0), (8.0, 2.0, 1e-2)]
-EACH = [(mode, start, rotor) for mode in MODES for start in STARTS[mode] for rotor in ROTORS]
+# What a machine has beside: shaft, contact damping, load, and whether by Hertz, and pressed.
+MORE = [(0.8, 0.3, 0.5, 1, 1), (0.0, 2.0, 0.0, 0, 1), (1.7, 0.3, 4.0, 1, 0), (2.5, 0.0, 1.0, 0, 0)]
+
+
+def parameters_of(model, rotor, more=None, felt=1.0):
+    """Return the parameters of a mode, by name."""
+    found = dict(zip(("omega", "zeta", "delta0"), rotor, strict=True)) | {"felt": felt}
+    if model is WHOLE:
+        kappa, damping, load, hertz, pressed = (0.0, 0.0, 0.0, 1, 1) if more is None else more
+        found |= {"shaft_stiffness": kappa, "contact_damping": damping, "load": load}
+        found |= {"hertz": float(hertz), "linear": 1.0 - hertz, "pressed": float(pressed)}
+    return found
+
+
+def as_given(model, parameters):
+    """Return them as the core takes them."""
+    return given([parameters[name] for name in model.parameters])
+
+
+def start_of(model, name, start):
+    """Return a start with what the whole model has beside."""
+    if model is PAPER:
+        return start
+    return (*start[:5], *DOWN, *start[5:], -0.4) if name == "contact" else (*start, *DOWN)
+
+
+def cases():
+    for model in (PAPER, WHOLE):
+        for mode in model.modes:
+            for place, start in enumerate(STARTS[mode.name]):
+                for number, rotor in enumerate(ROTORS):
+                    clear = rotor if mode.name == "contact" else (*rotor[:2], 0.0)
+                    # each more with each start, and with each rotor
+                    for more in [None] if model is PAPER else MORE[(place + number) % 2 :: 2]:
+                        begun = start_of(model, mode.name, start)
+                        yield pytest.param(
+                            model, mode, begun, parameters_of(model, clear, more),
+                            id=f"{model.name}-{mode.name}-{place}-{number}-{more}",
+                        )  # fmt: skip
+
+
+of_cases = pytest.mark.parametrize(("model", "mode", "start", "parameters"), [*cases()])
 
 
 def given(numbers, writeable=False):
@@ -52,8 +93,8 @@ def given(numbers, writeable=False):
 
 
 @pytest.fixture(scope="module")
-def probe(tmp_path_factory):
-    """Return the library of `probe.c`."""
+def probes(tmp_path_factory):
+    """Return the libraries of `probe.c`, by name of the model."""
     script = ROOT / "hatch_build.py"
     if not script.is_file():
         pytest.skip("an installed package has no sources to compile")
@@ -61,19 +102,30 @@ def probe(tmp_path_factory):
     compiler = hatch_build["find_compiler"]()
     if compiler is None:
         pytest.skip("no C compiler is installed")
-    path = tmp_path_factory.mktemp("probe") / "probe.so"
-    flags = [*hatch_build["flags"](compiler, "baseline"), "-fvisibility=default", f"-I{CORE}"]
-    sources = [Path(__file__).parent / "probe.c", CORE / "derived.c", CORE / "flight.c"]
-    words = [*compiler, *flags, "-shared", "-Wno-psabi", *map(str, sources), "-lm", "-o", str(path)]
-    subprocess.run(words, check=True)
-    library = ctypes.CDLL(str(path))
-    library.probe_order.argtypes = [c_double]
-    library.probe_at.argtypes = [c_double, POINTER(c_double)]
-    library.probe_cut.argtypes, library.probe_cut.restype = [POINTER(c_double), c_double], c_double
-    library.probe_begin.argtypes = [
-        *(c_int, POINTER(c_double), c_double, c_double, c_int, POINTER(c_double))
-    ]
-    return library
+    derived = [CORE / f"{name}.c" for name in ("derived", "derived_whole")]
+    sources = [str(path) for path in (Path(__file__).parent / "probe.c", *derived)]
+    found = {}
+    for model in (PAPER, WHOLE):
+        path = tmp_path_factory.mktemp("probe") / f"{model.name}.so"
+        flags = hatch_build["flags"](compiler, "baseline", model=model.name)
+        flags += ["-fvisibility=default", f"-I{CORE}", "-shared", "-Wno-psabi"]
+        subprocess.run([*compiler, *flags, *sources, "-lm", "-o", str(path)], check=True)
+        library = ctypes.CDLL(str(path))
+        library.probe_order.argtypes = [c_double]
+        library.probe_at.argtypes = [c_double, POINTER(c_double)]
+        library.probe_cut.argtypes = [POINTER(c_double), c_double]
+        library.probe_cut.restype = c_double
+        library.probe_begin.argtypes = [
+            *(c_int, POINTER(c_double), c_double, c_double, c_int, POINTER(c_double))
+        ]
+        found[model.name] = library
+    return found
+
+
+@pytest.fixture
+def probe(probes):
+    """Return the library of the paper's rotor."""
+    return probes["paper"]
 
 
 class Series:
@@ -127,18 +179,18 @@ class Series:
         return Series(found)
 
 
-def exact_series(mode, start, rotor, order):
+def exact_series(model, mode, start, parameters, order):
     """Return the coefficients of the state, and of four differences, rows of one order each."""
-    parameters = SimpleNamespace(
-        **dict(zip(("omega", "zeta", "delta0"), map(mpmath.mpf, rotor), strict=True)), felt=1.0
-    )
+    exact = {name: mpmath.mpf(number) for name, number in (model.constants | parameters).items()}
+    rotor = SimpleNamespace(**exact)
     state = [[mpmath.mpf(number)] for number in start]
     for n in range(order):
-        rates = mode.rates([Series(terms) for terms in state], parameters)
+        rates = mode.rates([Series(terms) for terms in state], rotor)
         for terms, rate in zip(state, rates, strict=True):
             terms.append(rate.terms[n] / (n + 1))
     whole = dict(zip(mode.state, map(Series, state), strict=True))
-    growth = [[value_of(entry, parameters, whole) for entry in row] for row in derive(mode).growth]
+    derived = derive(mode, model)
+    growth = [[value_of(entry, rotor, whole) for entry in row] for row in derived.growth]
     growth = [[Series(Series(state[0])._other(each)) if not isinstance(each, Series) else each
                for each in row] for row in growth]  # fmt: skip
     apart = [[[mpmath.mpf(i == d)] for d in range(4)] for i in range(4)]
@@ -152,23 +204,33 @@ def exact_series(mode, start, rotor, order):
     return np.array(list(zip(*state, strict=True)), float), np.array(rows, float)
 
 
-@pytest.mark.parametrize(("name", "start", "rotor"), EACH)
-def test_coefficients_are_the_exact_ones(probe, name, start, rotor):
-    """Of the state, and of four differences from it, to rounding at the end of a step."""
-    order, mode = 20, MODES[name]
-    if name == "cartesian":
-        rotor = (*rotor[:2], 0.0)
-    with mpmath.workdps(50):
-        state, apart = exact_series(mode, start, rotor, order)
-    terms, again = np.zeros((2, order + 1, WIDTH))
+def series_of(probe, model, mode, start, parameters, order):
+    """Return the coefficients of the state, twice, and of four differences."""
+    terms, again = np.zeros((2, order + 1, WIDTH[model.name]))
     differences = np.zeros((order + 1, APART))
     probe.probe_series(
-        int(name == "contact"), given((*rotor, 1.0)), given(start), order,
+        int(mode.name == "contact"), as_given(model, parameters), given(start), order,
         *(given(each, writeable=True) for each in (terms, again, differences)),
     )  # fmt: skip
-    count = len(mode.state)
+    return terms, again, differences
+
+
+@pytest.mark.parametrize("model", [PAPER, WHOLE], ids=lambda model: model.name)
+def test_the_probe_is_given_what_the_core_has(probes, model):
+    assert probes[model.name].probe_width() == WIDTH[model.name]
+    assert probes[model.name].probe_parameters() == len(model.parameters)
+
+
+@of_cases
+def test_coefficients_are_the_exact_ones(probes, model, mode, start, parameters):
+    """Of the state, and of four differences from it, to rounding at the end of a step."""
+    order, count = 20, len(mode.state)
+    with mpmath.workdps(50):
+        state, apart = exact_series(model, mode, start, parameters, order)
+    terms, again, differences = series_of(probes[model.name], model, mode, start, parameters, order)
     # both are rounded, in lanes of another order
     np.testing.assert_allclose(again[:, :count], terms[:, :count], rtol=1e-9, atol=1e-300)
+    assert not terms[:, count:].any()
     # as far as the series converges all terms count alike
     reach = np.abs(state[1:]).max(axis=1) ** (1.0 / np.arange(1, order + 1))
     scale = (1.0 / reach.max()) ** np.arange(order + 1)[:, None]
@@ -179,57 +241,59 @@ def test_coefficients_are_the_exact_ones(probe, name, start, rotor):
     np.testing.assert_allclose(differences * scale, apart * scale, rtol=0, atol=1e-13 * size)
 
 
-@pytest.mark.parametrize(("name", "start", "rotor"), EACH)
-def test_field_and_jacobian_are_those_of_the_model(probe, name, start, rotor):
+@of_cases
+def test_field_and_jacobian_are_those_of_the_model(probes, model, mode, start, parameters):
     """And growth and what parameters add: as the symbols of the derivation have them."""
-    mode, derived, size = MODES[name], derive(MODES[name]), len(start)
+    derived, size = derive(mode, model), len(start)
     rate, matrix = np.zeros(size), np.zeros((size, size))
     growth, added = np.zeros((4, 4)), np.zeros((3, 4))
-    probe.probe_values(
-        int(name == "contact"), given((*rotor, 1.0)), given(start),
+    probes[model.name].probe_values(
+        int(mode.name == "contact"), as_given(model, parameters), given(start),
         *(given(each, writeable=True) for each in (rate, matrix, growth, added)),
     )  # fmt: skip
-    omega, zeta, delta0 = rotor
-    parameters = SimpleNamespace(omega=omega, zeta=zeta, delta0=delta0, felt=1.0)
+    rotor = SimpleNamespace(**model.constants, **parameters)
     state = dict(zip(mode.state, map(float, start), strict=True))
-    np.testing.assert_allclose(rate, mode.rates(list(state.values()), parameters), rtol=1e-13)
+    drawn = mode.drawn_rates(list(state.values()), rotor)
+    np.testing.assert_allclose(rate, drawn, rtol=1e-12, atol=1e-13)
     for found, expected in (
         (matrix.T, derived.jacobian),
         (growth, derived.growth),
         (added, derived.by_parameters),
     ):
-        numbers = [[value_of(entry, parameters, state) for entry in row] for row in expected]
+        numbers = [[value_of(entry, rotor, state) for entry in row] for row in expected]
         np.testing.assert_allclose(found, numbers, rtol=1e-13, atol=1e-13)
 
 
-def test_at_the_centre_there_is_no_force(probe):
+@pytest.mark.parametrize("model", [PAPER, WHOLE], ids=lambda model: model.name)
+def test_at_the_centre_there_is_no_force(probes, model):
     """Nothing is divided by the radius there."""
-    order = 6
-    terms, again = np.zeros((2, order + 1, WIDTH))
-    differences = np.zeros((order + 1, APART))
-    start = np.array([0.0, 0.0, 0.3, 0.0])
+    start = np.array(start_of(model, "cartesian", (0.0, 0.0, 0.3, 0.0)))
     for felt in (0.0, 1.0):
-        probe.probe_series(
-            0, given((1.2, 0.07, 0.0, felt)), given(start), order,
-            *(given(each, writeable=True) for each in (terms, again, differences)),
-        )  # fmt: skip
-        np.testing.assert_allclose(terms[1, :4], rotating_field(start, Rotor(
-            omega=1.2, zeta=0.07, delta0=0.0)), rtol=1e-15)  # fmt: skip
+        parameters = parameters_of(model, (1.2, 0.07, 0.0), (0.8, 0.0, 0.5, 1, 1), felt)
+        terms, _, differences = series_of(
+            probes[model.name], model, model.modes[1], start, parameters, 6
+        )
+        expected = rotating_field(start[:4], Rotor(omega=1.2, zeta=0.07, delta0=0.0))
+        if model is WHOLE:
+            expected[2:] += 0.5 * np.array(DOWN)
+        np.testing.assert_allclose(terms[1, :4], expected, rtol=1e-15)
         assert np.isfinite(terms).all()
         assert np.isfinite(differences).all()
 
 
 class Motion:
-    """A motion led by the probe."""
+    """A motion led by the probe; of the whole model where more than a rotor's own is given."""
 
-    def __init__(self, probe, start=IN_CONTACT, rtol=1e-15, rotor=ROTOR, *, tangents=False):
-        self.probe, self.in_contact = probe, len(start) == len(IN_CONTACT)
-        self.size = len(start)
+    def __init__(self, probe, start=IN_CONTACT, rtol=1e-15, rotor=ROTOR, *, more=None,
+                 tangents=False):  # fmt: skip
+        model = PAPER if more is None else WHOLE
+        self.probe, self.size = probe, len(start)
+        self.in_contact = len(start) == len(model.modes[0].state)
         whole = np.append(start, np.eye(4).ravel()) if tangents else np.array(start, float)
         self.count = whole.size
         self.low = self.point = 0.0
-        model = given((*rotor, 1.0))
-        begun = probe.probe_begin(self.in_contact, model, rtol, 1e-17, tangents, given(whole))
+        parameters = as_given(model, parameters_of(model, rotor, more))
+        begun = probe.probe_begin(self.in_contact, parameters, rtol, 1e-17, tangents, given(whole))
         assert begun == DONE
 
     def advance(self):
@@ -252,13 +316,15 @@ class Motion:
         return (a - 8.0 * b + 8.0 * c - d) / (12.0 * h)
 
 
-def test_the_series_solves_the_equations_of_contact(probe):
-    motion = Motion(probe)
+@pytest.mark.parametrize("more", [None, *MORE])
+def test_the_series_solves_the_equations_of_contact(probes, more):
+    model = PAPER if more is None else WHOLE
+    motion = Motion(probes[model.name], start_of(model, "contact", IN_CONTACT), more=more)
     motion.advance()
-    parameters = SimpleNamespace(omega=ROTOR[0], zeta=ROTOR[1], delta0=ROTOR[2])
+    rotor = SimpleNamespace(**model.constants, **parameters_of(model, ROTOR, more))
     for part in (0.3, 0.7):
         point = part * motion.point
-        rate = CONTACT.rates(motion.at(point).tolist(), parameters)
+        rate = model.modes[0].rates(motion.at(point).tolist(), rotor)
         np.testing.assert_allclose(motion.slope(point), rate, rtol=0, atol=1e-9)
 
 
@@ -318,3 +384,23 @@ def test_a_step_is_cut_until_it_holds_one_root(probe, roots):
         expected *= 0.5
     for rtol in (1e-4, 1e-10, 1e-15):
         assert probe.probe_cut(given(terms), rtol) == expected
+
+
+@pytest.mark.parametrize("rtol", [1e-4, 1e-12])
+@pytest.mark.parametrize("pressed", [0, 1])
+def test_a_step_holds_one_release_or_press_at_most(probes, pressed, rtol):
+    """Where the radial velocity swings about that at which 1 + c d' vanishes, by a stiff shaft."""
+    p, seen = 1, 0
+    for start in np.random.default_rng(3).normal(size=(20, 3)):
+        begun = start_of(WHOLE, "contact", (2.0 + start[0] ** 2, *start[1:], 0.6, 0.8, 0.0, 0.0))
+        motion = Motion(probes["whole"], begun, rtol, more=(9.0, 0.8, 0.5, 1, pressed))
+        for _ in range(4):
+            motion.advance()
+            points = np.linspace(motion.low, motion.point, 200)
+            above = np.array([motion.at(point)[p] for point in points]) + 1.0 / 0.8
+            changes = np.count_nonzero(above[1:] * above[:-1] < 0.0)
+            assert changes <= 1
+            seen += changes
+            if motion.values[0] <= 0.0:
+                break
+    assert seen > 5

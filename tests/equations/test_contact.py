@@ -1,11 +1,14 @@
 """The contact law: zero out of contact, continuous at it, and one law in all its forms."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from rotor_ida.equations import contact
+from rotor_ida.equations.modes import slope_of_root, spring_of_root
 
 lengths = st.floats(0.0, 50.0)
 
@@ -45,7 +48,24 @@ def test_the_scalar_kernels_say_what_the_arrays_say(delta0, depth):
     assert contact.stiffness(radius, delta0) == pytest.approx(
         float(contact.contact_stiffness(radius, delta0)), rel=1e-14
     )
-    assert contact.force_of_root(np.sqrt(depth)) == pytest.approx(depth**1.5, rel=1e-14)
+
+
+@given(st.floats(0.0, 20.0), st.floats(0.0, 20.0), st.sampled_from([1.0, 1.5]))
+def test_a_contact_may_be_linear(delta0, depth, exponent):
+    """And the modes push by the same law, in terms of the root of the indentation."""
+    radius, root = delta0 + depth, np.sqrt(depth)
+    force = float(contact.contact_force(radius, delta0, exponent))
+    indentation = float(contact.indentation(radius, delta0))
+    assert force == pytest.approx(indentation**exponent, rel=1e-15)
+    secant = contact.force_over_radius(radius, delta0, exponent)
+    assert secant * radius == pytest.approx(force, rel=1e-14)
+    law = SimpleNamespace(hertz=float(exponent == 1.5), linear=float(exponent == 1.0))
+    assert spring_of_root(root, law) == pytest.approx(depth**exponent, rel=1e-14)
+    root, step = 1.0 + root, 1e-4
+    up, down = (spring_of_root(root + sign * step, law) for sign in (1.0, -1.0))
+    # by the indentation q**2, of which 2 q is the slope by q
+    slope = (up - down) / (4.0 * root * step)
+    assert slope_of_root(root, law) == pytest.approx(slope, rel=1e-6)
 
 
 def test_the_paper_s_force_field_increases_with_x():

@@ -1,4 +1,7 @@
-"""The modes are DESIGN section 2, in other variables: held against its one line, z'' = ..."""
+"""The modes are DESIGN section 2, in other variables: held against its one line, z'' = ...
+
+Of the paper's rotor, and of the whole model with shaft, contact damping, both exponents and a load.
+"""
 
 import cmath
 from types import SimpleNamespace
@@ -6,153 +9,246 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rotor_ida.equations.modes import CARTESIAN, CONTACT
+from rotor_ida.equations.modes import MODELS, PAPER, WHOLE
 from rotor_ida.equations.symbols import variables
 
 STEP = 1e-5
 
 
-def acceleration(z, w, omega, zeta, delta0):
-    """z'' + 2 zeta z' + f(|z|) z/|z| = omega**2, on axes that stand where the unbalance points."""
-    force = max(abs(z) - delta0, 0.0) ** 1.5
-    return omega**2 - 2.0 * zeta * w - (force * z / abs(z) if z else 0.0)
+def rotor_of(model, **given):
+    """Return whatever has the parameters of a rotor, and of a mode, as attributes."""
+    return SimpleNamespace(**model.constants | {"felt": 1.0} | given)
 
 
-def rotating_rates(z, w, omega, zeta, delta0):
-    """Of displacement and velocity, read on axes that turn."""
-    turning = -1j * omega
-    return w + turning * z, acceleration(z, w, omega, zeta, delta0) + turning * w
+def changed(rotor, **given):
+    return SimpleNamespace(**vars(rotor) | given)
 
 
-def rotors(count, seed):
+def random_rotor(model, draw, **given):
+    numbers = {"omega": 4.0, "zeta": 2.0, "delta0": 3.0}
+    if model is WHOLE:
+        numbers |= {"shaft_stiffness": 4.0, "contact_damping": 2.0, "load": 3.0}
+    drawn = {name: draw.uniform(0.0, most) for name, most in numbers.items()}
+    if model is WHOLE:
+        hertz = float(draw.integers(2))
+        drawn |= {"hertz": hertz, "linear": 1.0 - hertz, "pressed": float(draw.integers(2))}
+    return rotor_of(model, **drawn | given)
+
+
+def normal_force(z, w, rotor):
+    """N = d**n (1 + c d') where d = |z| - delta0 > 0 and pressed, or else 0; and d**n and d'."""
+    depth, approach = abs(z) - rotor.delta0, (z.conjugate() * w).real / abs(z)
+    if depth <= 0.0:
+        return 0.0, 0.0, approach
+    spring = depth ** (1.5 if rotor.hertz else 1.0)
+    force = spring * (1.0 + rotor.contact_damping * approach)
+    return rotor.felt * rotor.pressed * force, spring, approach
+
+
+def acceleration(z, w, down, rotor):
+    """z'' = omega**2 e - 2 zeta z' - kappa z - N z/|z| + gamma g, e where the unbalance points."""
+    push = normal_force(z, w, rotor)[0] * z / abs(z)
+    slowed = -2.0 * rotor.zeta * w - rotor.shaft_stiffness * z
+    return rotor.omega**2 + slowed - push + rotor.load * down
+
+
+def rotating_rates(z, w, down, rotor):
+    """Of displacement, velocity and the load's direction, read on axes that turn."""
+    turning = -1j * rotor.omega
+    return w + turning * z, acceleration(z, w, down, rotor) + turning * w, turning * down
+
+
+def unit(draw):
+    return cmath.rect(1.0, draw.uniform(0.0, 2.0 * np.pi))
+
+
+def contact_states(model, count=50, seed=0, **given):
+    """Return states in contact, and a rotor each."""
     draw = np.random.default_rng(seed)
-    return draw, zip(*draw.uniform(0.0, (4.0, 2.0, 3.0), (count, 3)).T, strict=True)
+    for _ in range(count):
+        rotor = random_rotor(model, draw, **given)
+        q, p, h, t, j, lost = draw.normal(size=6)
+        e, down = unit(draw), unit(draw)
+        state = [abs(q) + 0.1, p, h, e.real, e.imag]
+        state += [down.real, down.imag, t, j, lost] if model is WHOLE else [t, j]
+        yield state, rotor
 
 
-def contact_states(count=50, seed=0):
-    draw, given = rotors(count, seed)
-    for omega, zeta, delta0 in given:
-        q, p, h, angle, t, j = draw.normal(size=6)
-        c, s = np.cos(angle), np.sin(angle)
-        yield [abs(q) + 0.1, p, h, c, s, t, j], (omega, zeta, delta0)
+def cartesian_states(model, count=50, seed=1, **given):
+    draw = np.random.default_rng(seed)
+    for _ in range(count):
+        # a tensile force needs clearance, and is not stated here
+        rotor = random_rotor(model, draw, **{"delta0": 0.0, "contact_damping": 0.0} | given)
+        rotor = changed(rotor, pressed=1.0)
+        down = unit(draw)
+        more = [down.real, down.imag] if model is WHOLE else []
+        yield [*draw.normal(size=4).tolist(), *more], rotor
 
 
-def cartesian_states(count=50, seed=1):
-    draw, given = rotors(count, seed)
-    for omega, zeta, _ in given:
-        yield draw.normal(size=4).tolist(), (omega, zeta, 0.0)
+def is_contact(mode):
+    return mode.name == "contact"
 
 
-def rotor_of(omega, zeta, delta0, felt=1.0):
-    return SimpleNamespace(omega=omega, zeta=zeta, delta0=delta0, felt=felt)
-
-
-def centre(state, delta0):
-    """Displacement and velocity, and the direction of the basis in which differences are read."""
-    if len(state) == 4:
-        return complex(*state[:2]), complex(*state[2:]), 1.0 + 0j
+def centre(mode, state, rotor):
+    """Displacement, velocity, the load's direction, and the basis in which differences are read."""
+    named = dict(zip(mode.state, state, strict=True))
+    if not is_contact(mode):
+        down = complex(named.get("down_x", 0.0), named.get("down_y", 0.0))
+        return complex(*state[:2]), complex(*state[2:4]), down, 1.0 + 0j
     q, p, h, c, s = state[:5]
-    r, outwards = delta0 + q * q, complex(c, s)
-    return r * outwards, complex(p, h / r) * outwards, outwards
+    r, outwards = rotor.delta0 + q * q, complex(c, s)
+    down = complex(named.get("down_r", 0.0), named.get("down_t", 0.0)) * outwards
+    return r * outwards, complex(p, h / r) * outwards, down, outwards
 
 
-def test_contact_moves_by_the_equation():
+CASES = [
+    pytest.param(model, mode, states, id=f"{model.name}-{mode.name}")
+    for model in MODELS
+    for mode, states in zip(model.modes, (contact_states, cartesian_states), strict=True)
+]
+of_models = pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
+of_cases = pytest.mark.parametrize(("model", "mode", "states"), CASES)
+
+
+@of_models
+def test_contact_moves_by_the_equation(model):
     """By the chain rule, of z = r e and w = (p + i h/r) e with r = delta0 + q**2, dt = q du."""
-    for state, parameters in contact_states():
-        q, p, h, c, s, _, _ = state
-        rates = CONTACT.rates(state, rotor_of(*parameters))
-        q_, p_, h_, c_, s_, t_, j_ = rates
-        z, w, e = centre(state, parameters[2])
+    mode = model.modes[0]
+    for state, rotor in contact_states(model):
+        rates = dict(zip(mode.state, mode.rates(state, rotor), strict=True))
+        q, p, h, c, s = state[:5]
+        q_, p_, h_, c_, s_ = (rates[name] for name in "qphcs")
+        z, w, down, e = centre(mode, state, rotor)
         r, r_, e_ = abs(z), 2.0 * q * q_, complex(c_, s_)
-        moved = r_ * e + r * e_, complex(p_, h_ / r - h * r_ / r**2) * e + complex(p, h / r) * e_
-        expected = [q * rate for rate in rotating_rates(z, w, *parameters)]
-        np.testing.assert_allclose(moved, expected, rtol=1e-12, atol=1e-12)
-        assert (t_, j_) == (q, pytest.approx(q**4))
+        moved = [r_ * e + r * e_, complex(p_, h_ / r - h * r_ / r**2) * e + complex(p, h / r) * e_]
+        expected = [q * rate for rate in rotating_rates(z, w, down, rotor)]
+        if model is WHOLE:
+            moved.append(complex(rates["down_r"], rates["down_t"]) * e + down / e * e_)
+        np.testing.assert_allclose(moved, expected[: len(moved)], rtol=1e-11, atol=1e-11)
         assert c * c_ + s * s_ == pytest.approx(0.0, abs=1e-15 * (1.0 + abs(e_)))
-        assert CONTACT.pace(state) == q
+        force, spring, approach = normal_force(z, w, rotor)
+        assert (rates["t"], rates["j"]) == (q, pytest.approx(q * force, rel=1e-11, abs=1e-12))
+        if model is WHOLE:
+            lost = q * (force - spring) * approach
+            assert rates["lost"] == pytest.approx(lost, rel=1e-10, abs=1e-10)
+        assert mode.pace(state) == q
 
 
-def test_a_direction_off_the_unit_circle_is_drawn_back_and_no_other():
+def test_a_loss_without_damping_is_none_to_the_last_bit():
+    """And with a little, it keeps its digits: (N - d**n) d' is not taken as a difference."""
+    for state, rotor in contact_states(WHOLE, pressed=1.0):
+        q, p = state[:2]
+        spring = q**3 if rotor.hertz else q**2
+        for damping in (0.0, 1e-17):
+            small = changed(rotor, contact_damping=damping)
+            lost = WHOLE.modes[0].rates(state, small)[-1]
+            assert lost == pytest.approx(q * spring * damping * p * p, rel=1e-12, abs=0.0)
+
+
+@of_models
+def test_directions_off_the_unit_circle_are_drawn_back_and_no_others(model):
     """With n = c**2 + s**2, dn/dt = omega n (1 - n)/5; all else moves as without."""
-    for state, parameters in contact_states():
-        rotor, q = rotor_of(*parameters), state[0]
-        plain, drawn = (np.array(way(state, rotor)) for way in (CONTACT.rates, CONTACT.drawn_rates))
-        np.testing.assert_allclose(drawn, plain, rtol=1e-13, atol=1e-13)
-        longer = [*state[:3], 1.2 * state[3], 1.2 * state[4], *state[5:]]
-        plain, drawn = (
-            np.array(way(longer, rotor)) for way in (CONTACT.rates, CONTACT.drawn_rates)
-        )
-        assert (drawn != plain).nonzero()[0].tolist() in ([3, 4], [])
-        c, s, length = longer[3], longer[4], 1.44
-        rate = 2.0 * (c * drawn[3] + s * drawn[4]) / q
-        assert rate == pytest.approx(0.2 * parameters[0] * length * (1.0 - length), abs=1e-12)
+    mode = model.modes[0]
+    directions = [("c", "s")] + [("down_r", "down_t")] * (model is WHOLE)
+    for state, rotor in contact_states(model):
+        plain, drawn = (np.array(way(state, rotor)) for way in (mode.rates, mode.drawn_rates))
+        np.testing.assert_allclose(drawn, plain, rtol=1e-12, atol=1e-12)
+        for names in directions:
+            first, last = map(mode.state.index, names)
+            longer = list(state)
+            longer[first], longer[last] = 1.2 * state[first], 1.2 * state[last]
+            plain, drawn = (np.array(way(longer, rotor)) for way in (mode.rates, mode.drawn_rates))
+            moved = (np.abs(drawn - plain) > 1e-12 * (1.0 + np.abs(plain))).nonzero()[0]
+            assert {*moved.tolist()} <= {first, last}
+            rate = 2.0 * (longer[first] * drawn[first] + longer[last] * drawn[last]) / state[0]
+            assert rate == pytest.approx(0.2 * rotor.omega * 1.44 * (1.0 - 1.44), abs=1e-11)
 
 
+@of_models
 @pytest.mark.parametrize("felt", [0.0, 1.0])
-def test_displacement_and_velocity_move_by_the_equation(felt):
-    for state, (omega, zeta, _) in cartesian_states():
-        z, w, _ = centre(state, 0.0)
-        rates = CARTESIAN.rates(state, rotor_of(omega, zeta, 0.0, felt))
-        delta0 = 0.0 if felt else 1e9
-        expected = rotating_rates(z, w, omega, zeta, delta0)
-        np.testing.assert_allclose(centre(rates, 0.0)[:2], expected, rtol=1e-14, atol=1e-14)
+def test_displacement_and_velocity_move_by_the_equation(model, felt):
+    mode = model.modes[1]
+    for state, rotor in cartesian_states(model, felt=felt):
+        z, w, down, _ = centre(mode, state, rotor)
+        found = centre(mode, mode.rates(state, rotor), rotor)[:3]
+        expected = rotating_rates(z, w, down, rotor)
+        np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-13)
 
 
-@pytest.mark.parametrize(
-    ("mode", "states"), [(CONTACT, contact_states), (CARTESIAN, cartesian_states)]
-)
-def test_a_neighbour_is_there_and_accelerated_so_to_first_order(mode, states):
+@of_cases
+def test_a_neighbour_is_there_and_accelerated_so_to_first_order(model, mode, states):
     """Central differences, in the basis of the one beside it."""
-    for state, parameters in states():
-        z, w, e = centre(state, parameters[2])
+    for state, rotor in states(model):
+        z, w, down, e = centre(mode, state, rotor)
         apart = np.random.default_rng(2).normal(size=4)
-        turning = mode.neighbour(state, [0.0] * 4, 0.0, rotor_of(*parameters)).turning
+        turning = mode.neighbour(state, [0.0] * 4, 0.0, rotor).turning
         around = (z.conjugate() * w).imag / abs(z) ** 2
-        assert turning == pytest.approx(around if mode is CONTACT else parameters[0], rel=1e-12)
+        expected = around if is_contact(mode) else rotor.omega
+        assert turning == pytest.approx(expected, rel=1e-12)
         for place in ("position", "velocity", "acceleration"):
             found, true = [], []
             for sign in (STEP, -STEP):
                 aside = (sign * apart).tolist()
-                near = mode.neighbour(state, aside, aside[0], rotor_of(*parameters))
+                near = mode.neighbour(state, aside, aside[0], rotor)
                 found.append(complex(*getattr(near, place)))
                 there = z + complex(*aside[:2]) * e, w + complex(*aside[2:]) * e
                 places = {"position": there[0], "velocity": there[1]}
-                places["acceleration"] = acceleration(*there, *parameters)
+                places["acceleration"] = acceleration(*there, down, rotor)
                 true.append(places[place] / e)
-            assert sum(found) / 2.0 == pytest.approx(sum(true) / 2.0, rel=1e-8, abs=1e-8)
+            assert sum(found) / 2.0 == pytest.approx(sum(true) / 2.0, rel=1e-7, abs=1e-7)
             slopes = [(high - low) / (2.0 * STEP) for high, low in (found, true)]
             assert slopes[0] == pytest.approx(slopes[1], rel=1e-6, abs=1e-6), place
 
 
-@pytest.mark.parametrize(
-    ("mode", "states"), [(CONTACT, contact_states), (CARTESIAN, cartesian_states)]
-)
-def test_duals_are_the_derivatives_of_the_rates(mode, states):
-    for state, parameters in states(10):
-        found = [rate.parts for rate in mode.rates(variables(state), rotor_of(*parameters))]
+@of_cases
+def test_duals_are_the_derivatives_of_the_rates(model, mode, states):
+    for state, rotor in states(model, 10):
+        found = [rate.parts for rate in mode.rates(variables(state), rotor)]
         for place in range(len(state)):
             aside = STEP * np.eye(len(state))[place]
             high, low = (
-                np.array(mode.rates((state + sign * aside).tolist(), rotor_of(*parameters)))
-                for sign in (1, -1)
+                np.array(mode.rates((state + sign * aside).tolist(), rotor)) for sign in (1, -1)
             )
             column = [row[place] for row in found]
             np.testing.assert_allclose(column, (high - low) / (2.0 * STEP), rtol=1e-6, atol=1e-6)
 
 
-def test_guards_are_what_the_core_watches():
+@of_models
+def test_guards_are_what_the_core_watches(model):
     """The exit where q falls through 0, and the extremum where p vanishes."""
-    assert [(guard.event, guard.of) for guard in CONTACT.guards] == [
-        ("exit", "q"),
-        ("extremum", "p"),
-    ]
-    assert {guard.of for mode in (CONTACT, CARTESIAN) for guard in mode.guards} <= {*CONTACT.state}
+    contact, cartesian = model.modes
+    guards = [(guard.event, guard.of) for guard in contact.guards]
+    assert guards == [("exit", "q"), ("extremum", "p")]
+    assert cartesian.guards == ()
 
 
-def test_without_unbalance_and_damping_a_radial_contact_keeps_its_energy():
-    """dE/du = p p' + q**3 2 q q' = 0 along the stated rates."""
-    for state, (_, _, delta0) in contact_states():
-        q, p, _, c, s, t, j = state
-        rates = CONTACT.rates([q, p, 0.0, c, s, t, j], rotor_of(0.0, 0.0, delta0))
-        assert p * rates[1] + 2.0 * q**4 * rates[0] == pytest.approx(0.0, abs=1e-12)
-        assert cmath.isfinite(sum(rates))
+@of_models
+def test_energy_and_loss_change_by_unbalance_and_damping_alone(model):
+    """d(E + lost)/dt = omega**2 e.z' - 2 zeta |z'|**2, with the potentials of shaft and load."""
+    mode = model.modes[0]
+    for state, rotor in contact_states(model):
+        if model is PAPER:
+            assert vars(rotor).items() >= PAPER.constants.items()
+        named = dict(zip(mode.state, variables(state), strict=True))
+        q, p, h = named["q"], named["p"], named["h"]
+        r = rotor.delta0 + q * q
+        energy = 0.5 * (p * p + h * h / (r * r)) + 0.5 * rotor.shaft_stiffness * r * r
+        energy = energy + rotor.hertz * 0.4 * q**5.0 + rotor.linear * 0.5 * q**4.0
+        if model is WHOLE:
+            energy = energy - rotor.load * named["down_r"] * r + named["lost"]
+        change = np.dot(energy.parts, mode.rates(state, rotor))
+        _, w, _, _ = centre(mode, state, rotor)
+        expected = rotor.omega**2 * w.real - 2.0 * rotor.zeta * abs(w) ** 2
+        assert change == pytest.approx(state[0] * expected, rel=1e-10, abs=1e-10)
+
+
+def test_without_more_than_the_paper_s_the_whole_model_moves_alike():
+    zeros = dict.fromkeys(("shaft_stiffness", "contact_damping", "load", "linear"), 0.0)
+    for states, whole, paper in zip(
+        (contact_states, cartesian_states), WHOLE.modes, PAPER.modes, strict=True
+    ):
+        for state, rotor in states(WHOLE, **zeros, hertz=1.0, pressed=1.0):
+            rates = dict(zip(whole.state, whole.rates(state, rotor), strict=True))
+            named = dict(zip(whole.state, state, strict=True))
+            fewer = paper.rates([named[name] for name in paper.state], rotor)
+            assert [rates[name] for name in paper.state] == pytest.approx(fewer, rel=1e-14)

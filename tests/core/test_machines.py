@@ -1,0 +1,167 @@
+"""Runs of machines: the whole model where the paper's rotor has no case like it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from rotor_ida import Rotor
+from rotor_ida.core.interface import DONE
+from rotor_ida.core.runs import Asked, follow
+
+HOW = {"rtol": 1e-12, "atol": 1e-14}
+
+
+def linear_state(rotor, start, time):
+    """Where a linear contact without clearance leads, on the rotating axes: by an exponential.
+
+    The state is ``(z, z', g, e)`` on axes that stand still, g the load's and e the unbalance's.
+    """
+    stiffness = rotor.shaft_stiffness + 1.0
+    matrix = np.array(
+        [
+            [0.0, 1.0, 0.0, 0.0],
+            [-stiffness, -2.0 * rotor.zeta, rotor.load, rotor.omega**2],
+            [0.0, 0.0, 0.0, 0.0],
+            [0.0, 0.0, 0.0, 1j * rotor.omega],
+        ]
+    )
+    x, y, vx, vy = start
+    z, v, *_ = expm(matrix * time) @ [complex(x, y), complex(vx, vy), -1j, 1.0]
+    z, v = np.array([z, v]) * np.exp(-1j * rotor.omega * time)
+    return np.array([z.real, z.imag, v.real, v.imag])
+
+
+@pytest.mark.parametrize("rtol", [1e-8, 1e-13])
+@pytest.mark.parametrize(
+    "start", [(1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0), (0.7, 1e-9, -0.4, 0)]
+)
+def test_a_linear_contact_without_clearance_is_felt_through_the_centre(start, rtol):
+    """It is linear: what is left out near the axis, where a Hertz contact is not felt, shows."""
+    for omega, kappa, load in ((0.0, 0.0, 0.0), (0.0, 0.8, 0.3), (1.7, 0.0, 0.5), (0.0, 0.0, 2.0)):
+        rotor = Rotor(omega=omega, zeta=0.0, delta0=0.0, contact_exponent=1.0,
+                      shaft_stiffness=kappa, load=load)  # fmt: skip
+        seen = follow(Asked(rotor=rotor, start=start, duration=20.0, rtol=rtol, atol=1e-3 * rtol))
+        assert seen.status == DONE
+        expected = linear_state(rotor, start, 20.0)
+        np.testing.assert_allclose(seen.state, expected, rtol=0, atol=40.0 * rtol + 1e-13)
+
+
+@pytest.mark.parametrize("delta0", [0.0, 1.0])
+def test_the_load_points_down_however_long_a_phase_lasts(delta0):
+    """Damped, errors of single steps are forgotten; a direction that went astray would not be.
+
+    With clearance the load holds the rotor in contact; then a tighter tolerance is the witness.
+    """
+    rotor = Rotor(omega=2.0, zeta=0.1, delta0=delta0, contact_exponent=1.0, load=20.0)
+    start, time, errors = (0.0, -20.0 - delta0, 0.0, 0.0), 1000.0, []
+    for rtol in (1e-7, 1e-8, 1e-9):
+        states = [
+            follow(Asked(rotor=rotor, start=start, duration=time, rtol=each, atol=1e-2 * each,
+                         events=True))
+            for each in (rtol, 1e-14)
+        ]  # fmt: skip
+        assert not states[0].event_times.size
+        exact = states[1].state if delta0 else linear_state(rotor, start, time)
+        errors.append(np.abs(np.subtract(states[0].state, exact)).max() / rtol)
+    assert max(errors) < 5.0
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.5])
+def test_a_load_alone_leads_from_rest_at_the_axis(exponent):
+    """It swings between there and the depth h at which load times h is the energy of the contact:
+    h**(n + 1)/(n + 1) = gamma h."""
+    rotor = Rotor(omega=0.0, zeta=0.0, delta0=0.0, load=0.6, contact_exponent=exponent)
+    seen = follow(Asked(rotor=rotor, start=(0.0,) * 4, duration=30.0, extrema=True, **HOW))
+    assert seen.status == DONE
+    depth = (0.6 * (exponent + 1.0)) ** (1.0 / exponent)
+    highest = seen.extrema[seen.extrema[:, 2] > 0, 1]
+    assert highest.size > 2
+    np.testing.assert_allclose(highest, depth, rtol=1e-10)
+
+
+def test_columns_of_parameters_are_those_of_the_paper_s_rotor_alone():
+    """They rest on a flow that is conformally symplectic, and on flight without a shaft."""
+    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0, contact_damping=0.1)
+    asked = Asked(rotor=rotor, start=(0.0,) * 4, duration=1.0, bundle=np.zeros((7, 4)), **HOW)
+    with pytest.raises(ValueError, match="must be that of the paper's rotor, got Rotor"):
+        follow(asked)
+
+
+@pytest.mark.parametrize("method", ["taylor", "adams"])
+def test_a_start_between_pressed_and_loose_is_decided_by_what_follows(method):
+    """1 + c d' and its rate of change vanish there, and then it grows: pressed, without an event.
+
+    Of z = -1 with omega = 1, h = 1 and d' = -1, radial acceleration 0 and radial jerk 3.
+    """
+    rotor = Rotor(omega=1.0, zeta=0.0, delta0=0.75, contact_damping=1.0)
+    start = np.array((-1.0, 0.0, 1.0, -1.0))
+    beside = start - (0.0, 0.0, 1e-9, 0.0)
+    seen, near = (
+        follow(
+            Asked(rotor=rotor, start=tuple(begun), duration=6.0, events=True, method=method,
+                  rtol=1e-10, atol=1e-12)
+        )
+        for begun in (start, beside)
+    )  # fmt: skip
+    assert seen.event_kinds.tolist() == near.event_kinds.tolist()
+    assert seen.event_times[0] > 1e-3
+    np.testing.assert_allclose(seen.event_times, near.event_times, rtol=0, atol=1e-7)
+    np.testing.assert_allclose(seen.state, near.state, rtol=0, atol=1e-7)
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.5])
+@pytest.mark.parametrize(("x", "restitution"), [(1.0, 0.593624260), (3.0, 0.306896798)])
+def test_a_radial_impact_with_contact_damping_rebounds_as_known(x, restitution, exponent):
+    """x (1 + e) = ln((1 + x)/(1 - e x)) with x = c v, whatever the exponent; the rest is lost."""
+    speed, n = 0.7, exponent
+    rotor = Rotor(omega=0.0, zeta=0.0, delta0=2.0, contact_damping=x / speed,
+                  contact_exponent=exponent)  # fmt: skip
+    asked = Asked(rotor=rotor, start=(0.0, 0.0, speed, 0.0), duration=8.0, events=True, **HOW)
+    seen = follow(asked)
+    _, _, _, root, impulse, _, lost, force = seen.contacts[0]
+    assert seen.event_kinds[:2].tolist() == [1, -1]
+    rebound = -seen.event_states[1, 2] / speed
+    assert rebound == pytest.approx(restitution, abs=1e-9)
+    assert x * (1.0 + rebound) == pytest.approx(np.log((1.0 + x) / (1.0 - rebound * x)), rel=1e-11)
+    assert lost == pytest.approx(0.5 * speed**2 * (1.0 - rebound**2), rel=1e-10)
+    assert impulse == pytest.approx(speed * (1.0 + rebound), rel=1e-11)
+    depth = ((n + 1.0) * (x - np.log1p(x)) / rotor.contact_damping**2) ** (1.0 / (n + 1.0))
+    assert root**2 == pytest.approx(depth, rel=1e-11)
+    # v of the way in: c**2 d**(n + 1)/(n + 1) = x - c v - ln((1 + x)/(1 + c v))
+    c, v = rotor.contact_damping, np.linspace(0.0, speed, 200_001)
+    way = (n + 1.0) / c**2 * (x - c * v - np.log((1.0 + x) / (1.0 + c * v)))
+    forces = np.maximum(way, 0.0) ** (n / (n + 1.0)) * (1.0 + c * v)
+    assert force == pytest.approx(forces.max(), rel=1e-9)
+
+
+def energy(rotor, state):
+    """Of disc and shaft, on the ring, where the spring of the contact is at rest."""
+    x, y, vx, vy = state
+    return 0.5 * (vx * vx + vy * vy + rotor.shaft_stiffness * (x * x + y * y))
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.5])
+def test_what_contacts_have_lost_is_missing_from_the_energy(exponent):
+    """Through release and press, where a stiff shaft and much damping pull the rotor loose."""
+    released = 0
+    for number in range(12):
+        draw = np.random.default_rng(number)
+        more = dict(
+            zip(("contact_damping", "shaft_stiffness"), draw.uniform(0.5, 8.0, 2), strict=True)
+        )
+        rotor = Rotor(omega=0.0, zeta=0.0, delta0=0.5, contact_exponent=exponent, **more)
+        start = tuple(draw.normal(size=4))
+        asked = Asked(rotor=rotor, start=start, duration=20.0, events=True, **HOW)
+        seen = follow(asked)
+        kinds, states = seen.event_kinds, seen.event_states
+        entries, exits = (states[kinds == kind] for kind in (1, -1))
+        released += np.count_nonzero(kinds == -4)
+        first = int(seen.began == 1)  # a contact without an entry
+        for contact, entry, left in zip(
+            seen.contacts[first:], entries, exits[first:], strict=False
+        ):
+            missing = energy(rotor, entry) - energy(rotor, left)
+            assert contact[6] == pytest.approx(missing, rel=1e-9, abs=1e-11)
+    assert released > 20
