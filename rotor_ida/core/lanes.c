@@ -19,8 +19,9 @@
 /* So many keep the vector units busy while the rows stay in the innermost cache. */
 enum { LANES = 64 };
 enum { NO_ATTRACTOR = -1, NO_START = -1, MOST_STEPS = 200000 };
-/* So many steps are allowed, and as many again for each such time that is asked for. */
-static const double TIME_OF_STEPS = 5000.0;
+/* So many steps are allowed, and as many again for each such time that is asked for; but not where
+ * that is longer than any motion is followed, as with hardly any damping it may be for ever. */
+static const double TIME_OF_STEPS = 5000.0, MOST_TIME = 40000.0;
 static const double FIRST_STEP = 0.02, SHRINK = 0.2, GROW = 5.0;
 static const float CAUTION = 0.9F;
 /* An error below this is not seen of a step over the ring. In the time h after the ring is crossed
@@ -382,7 +383,8 @@ static void find_on_cycle(struct lanes *lanes, struct rotor rotor, const double 
  * up; return whether there is one. */
 static bool find_ended(struct lanes *lanes, double duration, int64_t ended[LANES])
 {
-    const double most_steps = MOST_STEPS * (1.0 + duration / TIME_OF_STEPS);
+    const double most_time = duration <= MOST_TIME ? duration : 0.0;
+    const double most_steps = MOST_STEPS * (1.0 + most_time / TIME_OF_STEPS);
     int64_t any = 0;
     for (int i = 0; i < LANES; i++) {
         lanes->steps[i]++;
