@@ -84,7 +84,8 @@ static int follow_contact(struct run *run, struct motion *motion, double entry)
     }
     add_contact(run, entry, leaves ? run->time : NAN,
                 smaller(began + peak.values[CONTACT_T], run->time), peak.values[CONTACT_Q],
-                reached[CONTACT_J], peak.values[CONTACT_H], lost_of(motion, start, reached), peak.force);
+                reached[CONTACT_J], peak.values[CONTACT_H], lost_of(motion, start, reached),
+                peak.force);
     return DONE;
 }
 

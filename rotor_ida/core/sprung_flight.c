@@ -54,7 +54,8 @@ static void answers_by_series(const struct rotor *rotor, double tau, struct answ
         found->q += next_q;
         found->p = plus(found->p, next_p);
         if (fabs(next_q) + fabs(next_p.x) + fabs(next_p.y) + fabs(q[1]) + fabs(p[1].x)
-                + fabs(p[1].y) < NEGLIGIBLE * found->q)
+                + fabs(p[1].y)
+            < NEGLIGIBLE * found->q)
             return;
     }
 }
@@ -285,8 +286,8 @@ static double polish(const struct motion_of_centre *start, const struct rotor *r
 /* What a flight is made of: the whirl with the unbalance, and what is not yet settled about the
  * place at which the load holds the rotor. */
 struct parts {
-    double whirl; /* radius of the whirl; infinite where there is none */
-    double rest;  /* distance of that place from the axis */
+    double whirl;                 /* radius of the whirl; infinite where there is none */
+    double rest;                  /* distance of that place from the axis */
     struct vector centre, moving; /* displacement and velocity without the whirl */
     struct vector off;            /* displacement without the whirl, from that place */
 };
@@ -328,15 +329,15 @@ static double farthest(const struct motion_of_centre *start, const struct rotor 
         const struct vector then = plus(now.centre, scaled(reach, now.moving));
         return now.whirl + larger(length(now.centre), length(then));
     }
-    return now.whirl + now.rest
-           + sqrt(dot(now.off, now.off) + dot(now.moving, now.moving) / kappa);
+    return now.whirl + now.rest + sqrt(dot(now.off, now.off) + dot(now.moving, now.moving) / kappa);
 }
 
 /* A bound on |g'''| over a step, as the unbalance whirl keeps its radius: of
  *
  *     2 Re(conj(c) e) + |c|**2,    e the whirl, c all else,
  *
- * by bounds on c and its derivatives. It falls as the motion settles; infinite where none is known. */
+ * by bounds on c and its derivatives. It falls as the motion settles; infinite where none is known.
+ */
 static double settling_bound(const struct motion_of_centre *start, const struct rotor *rotor,
                              const struct place *at, double tau, double reach)
 {
