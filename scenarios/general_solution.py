@@ -21,6 +21,7 @@ from rotor_ida import Rotor, simulate, synchronous_response
 from rotor_ida.equations.model import rotated, rotating_jacobian
 from rotor_ida.paper.printed import general_solution
 from rotor_ida.paper.scenario import Settings, run_script
+from rotor_ida.parameters import PARAMETERS
 from rotor_ida.plot import (
     mixed_panels,
     parameter_text,
@@ -84,7 +85,7 @@ def compare_formulas(start, amplitude: float, lag: float, *, linearised: bool = 
             "solution_x": labelled("solution_x", dims, np.real(table)),
             "solution_y": labelled("solution_y", dims, np.imag(table)),
         },
-        {"t": run.t, "solution": names, **{name: run[name] for name in Rotor.__slots__}},
+        {"t": run.t, "solution": names, **{name: run[name] for name in PARAMETERS}},
         {**run.attrs, "title": "The paper's general solution beside a simulated run"},
     )
 
@@ -111,7 +112,7 @@ def draw(compared: xr.Dataset, name: str, words: str, settings: Settings) -> Non
     plot_deviation(compared, ax=axes[1])
     axes[1].set_ylim(max(1e-6, 0.5 * float(error.where(error > 0.0)[:, 20:].min())), 100.0)
     with style():
-        parameters = {each: float(compared[each]) for each in Rotor.__slots__}
+        parameters = {each: float(compared[each]) for each in PARAMETERS}
         axes[0].set_title(f"{parameter_text(parameters)},  from {words}")
     shared_legend(figure, axes, columns=4 if compared.sizes["solution"] < 4 else 3, outer=False)
     found = "; ".join(

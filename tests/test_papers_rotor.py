@@ -27,10 +27,6 @@ MACHINE = {
 OF_A_ROTOR: dict[str, Callable[[Rotor], object]] = {
     "basin": lambda rotor: rotor_ida.basin(rotor, x=[0.0, 1.0], y=[0.0, 1.0]),
     "basin_fractions": lambda rotor: rotor_ida.basin_fractions(rotor, x=(0, 1), y=0.0, starts=2),
-    "continue_cycle": lambda rotor: rotor_ida.continue_cycle(rotor, start=REST, limits=(1, 2)),
-    "bifurcation_curve": lambda rotor: rotor_ida.bifurcation_curve(
-        rotor, start=REST, kind="fold", limits=((1.0, 2.0), (0.1, 1.0))
-    ),
     "poincare_section": lambda rotor: rotor_ida.poincare_section(rotor, start=REST, revolutions=1),
     "touchdown_report": lambda rotor: rotor_ida.touchdown_report(rotor, x=0.0, y=0.0, starts=2),
     "record": lambda rotor: record(rotor, start=REST, revolutions=1, speeds=[1.0]),
@@ -96,6 +92,10 @@ def test_where_the_axes_turn_there_is_no_load():
     for start in ({"start": REST}, {"start": REST, "period": 3.0}):
         with pytest.raises(InputError, match=message):
             rotor_ida.limit_cycle(rotor, **start)
+    with pytest.raises(InputError, match=message):
+        rotor_ida.continue_cycle(rotor, start=REST, limits=(1, 2))
+    with pytest.raises(InputError, match=message):
+        rotor_ida.bifurcation_curve(rotor, start=REST, kind="fold", limits=((1, 2), (0.1, 1)))
     with pytest.raises(InputError, match=message):
         rotor_ida.sweep(**PLAIN, load=0.125)
     with pytest.raises(InputError, match=message):

@@ -157,9 +157,9 @@ static void contact_growth(const struct parameters *m,
     growth[3][3] = -2.0 * m->zeta * q;
 }
 
-/* What omega, zeta and delta0 add to the rates by time of position and velocity. */
+/* What omega, zeta, delta0 add to the rates by time of position and velocity. */
 static void contact_by_parameters(const struct parameters *m,
-    const double *state, double added[3][4])
+    const double *state, double added[PARAMETERS][4])
 {
     const double q = state[CONTACT_Q];
     const double p = state[CONTACT_P];
@@ -430,9 +430,9 @@ static void cartesian_growth(const struct parameters *m,
     growth[3][3] = -2.0 * m->zeta;
 }
 
-/* What omega, zeta and delta0 add to the rates by time of position and velocity. */
+/* What omega, zeta, delta0 add to the rates by time of position and velocity. */
 static void cartesian_by_parameters(const struct parameters *m,
-    const double *state, double added[3][4])
+    const double *state, double added[PARAMETERS][4])
 {
     const double x = state[CARTESIAN_X];
     const double y = state[CARTESIAN_Y];

@@ -226,19 +226,23 @@ static void contact_growth(const struct parameters *m,
     growth[3][3] = -2.0 * m->zeta * q;
 }
 
-/* What omega, zeta and delta0 add to the rates by time of position and velocity. */
+/* What omega, zeta, delta0, shaft_stiffness, contact_damping, load add to the rates by time of position and velocity. */
 static void contact_by_parameters(const struct parameters *m,
-    const double *state, double added[3][4])
+    const double *state, double added[PARAMETERS][4])
 {
     const double q = state[CONTACT_Q];
     const double p = state[CONTACT_P];
     const double h = state[CONTACT_H];
     const double c = state[CONTACT_C];
     const double s = state[CONTACT_S];
+    const double down_r = state[CONTACT_DOWN_R];
+    const double down_t = state[CONTACT_DOWN_T];
     const double square = q * q;
     const double r = m->delta0 + square;
     const double around = ratio(h, r);
-    const double w3 = (1.5 * m->hertz * q + m->linear) * (1.0 + m->contact_damping * p);
+    const double w3 = (1.5 * m->hertz * q + m->linear) * (m->contact_damping * p + 1.0);
+    const double push = (m->hertz * q + m->linear) * square;
+    const double w5 = push * p;
     added[0][0] = 0.0;
     added[0][1] = -r;
     added[0][2] = 2.0 * m->omega * c + around;
@@ -251,6 +255,18 @@ static void contact_by_parameters(const struct parameters *m,
     added[2][1] = 0.0;
     added[2][2] = m->pressed * w3;
     added[2][3] = 0.0;
+    added[3][0] = 0.0;
+    added[3][1] = 0.0;
+    added[3][2] = -r;
+    added[3][3] = 0.0;
+    added[4][0] = 0.0;
+    added[4][1] = 0.0;
+    added[4][2] = -m->pressed * w5;
+    added[4][3] = 0.0;
+    added[5][0] = 0.0;
+    added[5][1] = 0.0;
+    added[5][2] = down_r;
+    added[5][3] = down_t;
 }
 
 /* The Taylor series of the state: 16 lanes. */
@@ -555,14 +571,16 @@ static void cartesian_growth(const struct parameters *m,
     growth[3][3] = -2.0 * m->zeta;
 }
 
-/* What omega, zeta and delta0 add to the rates by time of position and velocity. */
+/* What omega, zeta, delta0, shaft_stiffness, contact_damping, load add to the rates by time of position and velocity. */
 static void cartesian_by_parameters(const struct parameters *m,
-    const double *state, double added[3][4])
+    const double *state, double added[PARAMETERS][4])
 {
     const double x = state[CARTESIAN_X];
     const double y = state[CARTESIAN_Y];
     const double vx = state[CARTESIAN_VX];
     const double vy = state[CARTESIAN_VY];
+    const double down_x = state[CARTESIAN_DOWN_X];
+    const double down_y = state[CARTESIAN_DOWN_Y];
     added[0][0] = y;
     added[0][1] = -x;
     added[0][2] = 2.0 * m->omega + vy;
@@ -575,6 +593,18 @@ static void cartesian_by_parameters(const struct parameters *m,
     added[2][1] = 0.0;
     added[2][2] = 0.0;
     added[2][3] = 0.0;
+    added[3][0] = 0.0;
+    added[3][1] = 0.0;
+    added[3][2] = -x;
+    added[3][3] = -y;
+    added[4][0] = 0.0;
+    added[4][1] = 0.0;
+    added[4][2] = 0.0;
+    added[4][3] = 0.0;
+    added[5][0] = 0.0;
+    added[5][1] = 0.0;
+    added[5][2] = down_x;
+    added[5][3] = down_y;
 }
 
 /* The Taylor series of the state: 6 lanes. */

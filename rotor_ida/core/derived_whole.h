@@ -14,6 +14,7 @@ static inline struct parameters parameters_of(const struct rotor *rotor, double 
     return (struct parameters){rotor->omega, rotor->zeta, rotor->delta0, rotor->shaft_stiffness, rotor->contact_damping, rotor->load, rotor->contact_exponent > 1.0 ? 1.0 : 0.0, rotor->contact_exponent > 1.0 ? 0.0 : 1.0, felt, 1.0};
 }
 
+enum { PARAMETERS = 6 };
 enum { CONTACT_Q, CONTACT_P, CONTACT_H, CONTACT_C, CONTACT_S, CONTACT_DOWN_R, CONTACT_DOWN_T, CONTACT_T, CONTACT_J, CONTACT_WORK, CONTACT_SIZE };
 enum { CONTACT_EXIT_GUARD = CONTACT_Q };
 enum { CONTACT_EXTREMUM_GUARD = CONTACT_P };

@@ -135,9 +135,9 @@ def library(model: str = "paper") -> ctypes.CDLL:
     return core
 
 
-def library_of(rotor: Rotor) -> ctypes.CDLL:
-    """Return the core of the model that a rotor needs."""
-    return library("whole" if rotor.beyond else "paper")
+def library_of(rotor: Rotor, *, whole: bool = False) -> ctypes.CDLL:
+    """Return the core of the model that a rotor needs, or of the whole."""
+    return library("whole" if whole or rotor.beyond else "paper")
 
 
 def pointer(array: npt.NDArray[Any], dtype: npt.DTypeLike, *, writeable: bool = False) -> c_void_p:

@@ -336,6 +336,7 @@ static const double PLACES[] = {0.033765242898423975, 0.16939530676686776, 0.380
 static const double WEIGHTS[] = {0.08566224618958525, 0.18038078652406947, 0.23395696728634546,
                                  0.23395696728634546, 0.18038078652406947, 0.08566224618958525};
 
+#ifndef WHOLE_MODEL
 /* Add to the last three rows of a bundle what omega, zeta and delta0 add over a step.
  *
  * With P(t) the derivative of the state at a time t of the step by that at its beginning, and b
@@ -384,6 +385,139 @@ static void add_by_parameters(struct run *run, const struct step *step)
     }
 }
 
+static void add_by_parameters_of_flight(struct run *run, const struct flight *flight)
+{
+    struct motion_of_centre added[2];
+    fly_by_parameters(flight->start, flight->span, &run->rotor, added);
+    for (int i = 0; i < 2; i++) {
+        double *row = &run->bundle[4 * (DIFFERENCES + i)];
+        row[0] += added[i].z.x;
+        row[1] += added[i].z.y;
+        row[2] += added[i].w.x;
+        row[3] += added[i].w.y;
+    }
+}
+#else
+/* Longest panel of a quadrature over a flight, in parts of the time of its fastest motion. */
+static const double PANEL = 0.5;
+
+/* Solve P x = b by elimination; P is near the unit matrix. */
+static void solve(const double p[4][4], const double b[4], double x[4])
+{
+    double rows[4][5];
+    for (int i = 0; i < 4; i++) {
+        memcpy(rows[i], p[i], sizeof p[i]);
+        rows[i][4] = b[i];
+    }
+    for (int i = 0; i < 4; i++) {
+        int best = i;
+        for (int k = i + 1; k < 4; k++)
+            best = fabs(rows[k][i]) > fabs(rows[best][i]) ? k : best;
+        for (int j = i; j < 5; j++) {
+            const double kept = rows[i][j];
+            rows[i][j] = rows[best][j];
+            rows[best][j] = kept;
+        }
+        for (int k = i + 1; k < 4; k++) {
+            const double factor = rows[k][i] / rows[i][i];
+            for (int j = i; j < 5; j++)
+                rows[k][j] -= factor * rows[i][j];
+        }
+    }
+    for (int i = 3; i >= 0; i--) {
+        x[i] = rows[i][4];
+        for (int j = i + 1; j < 4; j++)
+            x[i] -= rows[i][j] * x[j];
+        x[i] /= rows[i][i];
+    }
+}
+
+/* Add to the last rows of a bundle what P makes of `drawn`, a row for each parameter. */
+static void add_rows(struct run *run, const double p[4][4], double drawn[PARAMETERS][4])
+{
+    for (int row = 0; row < PARAMETERS; row++) {
+        double *into = &run->bundle[4 * (DIFFERENCES + row)];
+        for (int i = 0; i < 4; i++) {
+            for (int j = 0; j < 4; j++)
+                into[i] += p[i][j] * drawn[row][j];
+        }
+    }
+}
+
+/* Add to the last rows of a bundle what each parameter adds over a step.
+ *
+ * With P(t) the derivative of the state at a time t of the step by that at its beginning, and b
+ * what a parameter adds to the rate of change, it adds P integral of P**-1 b dt. The integrand is
+ * known wherever the step is read, and its series converge so far that few points are exact to
+ * rounding. */
+static void add_by_parameters(struct run *run, const struct step *step)
+{
+    struct motion *motion = step->motion;
+    const int size = motion->mode->size;
+    const double reach = step->end - motion->low;
+    double drawn[PARAMETERS][4] = {{0.0}}, p[4][4];
+    for (int place = 0; place < 6; place++) {
+        const double *read = motion->glance_at(motion, motion->low + PLACES[place] * reach);
+        const double pace = is_contact(motion) ? read[CONTACT_Q] : 1.0;
+        double added[PARAMETERS][4], x[4];
+        motion->mode->by_parameters(&motion->model, read, added);
+        memcpy(p, &read[size], sizeof p);
+        for (int row = 0; row < PARAMETERS; row++) {
+            solve(p, added[row], x);
+            for (int i = 0; i < 4; i++)
+                drawn[row][i] += WEIGHTS[place] * reach * pace * x[i];
+        }
+    }
+    memcpy(p, &step->reached[size], sizeof p);
+    add_rows(run, p, drawn);
+}
+
+/* The matrix by which differences grow in a flight. */
+static void flown(const struct rotor *rotor, double span, double p[4][4])
+{
+    double rows[16] = {0.0};
+    for (int i = 0; i < 4; i++)
+        rows[5 * i] = 1.0;
+    fly_differences(rows, 4, span, rotor);
+    for (int i = 0; i < 4; i++) {
+        for (int j = 0; j < 4; j++)
+            p[i][j] = rows[4 * j + i];
+    }
+}
+
+/* Move a bundle over a flight, with what the parameters add: panel by panel. */
+static void carry_over_flight(struct run *run, const struct flight *flight)
+{
+    const struct rotor *rotor = &run->rotor;
+    const double rate = rotor->omega + 2.0 * rotor->zeta + sqrt(rotor->shaft_stiffness);
+    const double panels = ceil(larger(flight->span * rate / PANEL, 1.0));
+    const double length = flight->span / panels;
+    const struct parameters model = parameters_of(rotor, 0.0);
+    struct motion_of_centre start = flight->start;
+    for (double done = 0.0; done < panels && !asked_to_stop(run->stop); done++) {
+        double drawn[PARAMETERS][4] = {{0.0}}, p[4][4];
+        for (int place = 0; place < 6; place++) {
+            const double passed = PLACES[place] * length;
+            const struct motion_of_centre there = fly(start, passed, rotor);
+            const double state[CARTESIAN_SIZE] = {there.z.x, there.z.y,    there.w.x,
+                                                  there.w.y, there.down.x, there.down.y};
+            double added[PARAMETERS][4], x[4];
+            cartesian_mode.by_parameters(&model, state, added);
+            flown(rotor, passed, p);
+            for (int row = 0; row < PARAMETERS; row++) {
+                solve(p, added[row], x);
+                for (int i = 0; i < 4; i++)
+                    drawn[row][i] += WEIGHTS[place] * length * x[i];
+            }
+        }
+        flown(rotor, length, p);
+        fly_differences(run->bundle, run->differences, length, rotor);
+        add_rows(run, p, drawn);
+        start = fly(start, length, rotor);
+    }
+}
+#endif
+
 void observe_phase(struct run *run, struct motion *motion, const double *start,
                    const double *reached)
 {
@@ -405,18 +539,17 @@ void observe_flight(struct run *run, const struct flight *flight)
         find_extrema_of_flight(run, flight);
     if (run->differences == 0)
         return;
-    fly_differences(run->bundle, run->differences, flight->span, &run->rotor);
-    if (!WHOLE && run->differences > DIFFERENCES) {
-        struct motion_of_centre added[2];
-        fly_by_parameters(flight->start, flight->span, &run->rotor, added);
-        for (int i = 0; i < 2; i++) {
-            double *row = &run->bundle[4 * (DIFFERENCES + i)];
-            row[0] += added[i].z.x;
-            row[1] += added[i].z.y;
-            row[2] += added[i].w.x;
-            row[3] += added[i].w.y;
-        }
+#ifdef WHOLE_MODEL
+    if (run->differences > DIFFERENCES) {
+        carry_over_flight(run, flight);
+        return;
     }
+    fly_differences(run->bundle, run->differences, flight->span, &run->rotor);
+#else
+    fly_differences(run->bundle, run->differences, flight->span, &run->rotor);
+    if (run->differences > DIFFERENCES)
+        add_by_parameters_of_flight(run, flight);
+#endif
 }
 
 int observe_step(struct run *run, const struct step *step)

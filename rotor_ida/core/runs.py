@@ -26,13 +26,15 @@ from rotor_ida.core.interface import (
     library_of,
     pointer,
 )
-from rotor_ida.parameters import Rotor
+from rotor_ida.parameters import PARAMETERS, Rotor
 
 Stop = npt.NDArray[np.uint8]
 
 FIRST_ROOM = 64
 # Rows of a bundle of differences: of the state, and with those that the parameters add.
-DIFFERENCES, WITH_PARAMETERS = 4, 7
+DIFFERENCES = 4
+# By which parameters the core differentiates: in the paper's model by the first three.
+COLUMNS = (*PARAMETERS, "shaft_stiffness", "contact_damping", "load")
 NO_STOP: Stop = np.zeros(1, np.uint8)
 
 
@@ -62,9 +64,11 @@ class Asked:
         Whether samples, events and the last state are to be read on axes that stand still.
     events, extrema : bool
         Whether events and contacts, and the extrema of the radius, are recorded.
-    bundle : ndarray, shape (4, 4) or (7, 4), optional
-        Differences from the motion, carried along in place; by Taylor series the last three rows
-        become what omega, zeta and delta0 add, of the paper's rotor alone [1].
+    bundle : ndarray, shape (4, 4) or (4 + n, 4), optional
+        Differences from the motion, carried along in place; by Taylor series the last n rows become
+        what the parameters add, by `COLUMNS`: three in the paper's model, six in the whole [1].
+    whole : bool
+        Whether the core of the whole model follows it, even if the paper's would do.
     stop : ndarray of uint8, shape (1,)
         Anything but 0 asks the run to stop.
     """
@@ -82,7 +86,13 @@ class Asked:
     events: bool = False
     extrema: bool = False
     bundle: Values | None = None
+    whole: bool = False
     stop: Stop | None = None
+
+    @property
+    def columns(self) -> int:
+        """How many parameters the core differentiates by."""
+        return len(COLUMNS) if self.whole or self.rotor.beyond else len(PARAMETERS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,7 +198,7 @@ class _Tables:
 
 def follow(asked: Asked) -> Seen:
     """Follow a run from its start to its end; the status says if it could be followed."""
-    core, room = library_of(asked.rotor), FIRST_ROOM
+    core, room = library_of(asked.rotor, whole=asked.whole), FIRST_ROOM
     tables, before = _Tables(asked, room), None if asked.bundle is None else asked.bundle.copy()
     status = core.core_run(byref(tables.run))
     while status in {FULL, FULL_INSIDE}:
@@ -250,13 +260,12 @@ def _struct_of(asked: Asked) -> RunStruct:
     if asked.method != "taylor":
         run.sundials = ctypes.cast(ctypes.pointer(sundials.functions()), c_void_p)
     if asked.bundle is not None:
-        if asked.bundle.shape not in {(DIFFERENCES, 4), (WITH_PARAMETERS, 4)}:
-            raise ValueError(f"a bundle must have 4 or 7 rows of 4, got {asked.bundle.shape}")
+        more = DIFFERENCES + asked.columns
+        if asked.bundle.shape not in {(DIFFERENCES, 4), (more, 4)}:
+            raise ValueError(f"a bundle must have 4 or {more} rows of 4, got {asked.bundle.shape}")
         if len(asked.bundle) > DIFFERENCES and asked.method != "taylor":
-            raise ValueError(f"a bundle of 7 rows must be carried by taylor, got {asked.method!r}")
-        if len(asked.bundle) > DIFFERENCES and asked.rotor.beyond:
             raise ValueError(
-                f"a bundle of 7 rows must be that of the paper's rotor, got {asked.rotor!r}"
+                f"a bundle of {more} rows must be carried by taylor, got {asked.method!r}"
             )
         run.differences = len(asked.bundle)
         run.bundle = pointer(asked.bundle, np.float64, writeable=True)

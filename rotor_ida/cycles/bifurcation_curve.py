@@ -25,6 +25,7 @@ from rotor_ida.checks import (
     check_progress,
     shown,
 )
+from rotor_ida.core.runs import COLUMNS
 from rotor_ida.cycles.branch import (
     CLOSED,
     DOUBLING,
@@ -39,7 +40,7 @@ from rotor_ida.cycles.branch import (
     shot_of,
 )
 from rotor_ida.cycles.continuation import Curve, Point, Problem, shooting_equations
-from rotor_ida.cycles.continue_cycle import branch_dataset, check_limits
+from rotor_ida.cycles.continue_cycle import CONTINUED, branch_dataset, check_limits
 from rotor_ida.cycles.guess import Guess, guess_of
 from rotor_ida.cycles.limit_cycle import check_turns_and_settles, cycle_from
 from rotor_ida.cycles.multipliers import doubling_test, fold_test
@@ -47,7 +48,7 @@ from rotor_ida.cycles.shooting import checked_cycle, contacts_of
 from rotor_ida.cycles.special_points import Count
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress, Stop
-from rotor_ida.parameters import PARAMETERS, Rotor, check_papers
+from rotor_ida.parameters import Rotor, check_no_load
 from rotor_ida.provenance import provenance
 from rotor_ida.stability.orbit import Shot
 
@@ -90,7 +91,7 @@ def bifurcation_curve(
     kind : {"fold", "period_doubling"}
         What to follow.
     parameters : tuple of str
-        The two parameters to vary, of ``omega``, ``zeta`` and ``delta0``.
+        The two parameters to vary, of those that `continue_cycle` takes.
     limits : mapping of str to tuple, or two tuples
         The least and the largest value of each [1].
     points : int
@@ -129,7 +130,7 @@ def bifurcation_curve(
     >>> curve.omega.values[curve.delta0 == 0.5].round(8).item()
     2.53041892
     """
-    check_papers(check_instance("rotor", rotor, Rotor), "bifurcation_curve")
+    check_no_load(check_instance("rotor", rotor, Rotor), "bifurcation_curve")
     check_choice("kind", kind, KINDS)
     first, second = _checked_parameters(parameters)
     count = check_count("points", points, minimum=2, maximum=MOST_NUMBERS)
@@ -158,7 +159,7 @@ def bifurcation_curve(
         "points": count,
         "start": guess.state,
         "start_period": guess.period or math.nan,
-        **{f"start_{name}": getattr(guess.rotor, name) for name in PARAMETERS},
+        **{f"start_{name}": value for name, value in guess.rotor.given.items()},
     }
     found = branch_dataset(sides, (first, second), guess.rotor, "Bifurcation of limit cycles")
     return found.assign_attrs(attributes)
@@ -168,8 +169,8 @@ def _checked_parameters(parameters: object) -> tuple[str, str]:
     names = list(parameters) if isinstance(parameters, (tuple, list)) else []
     if len(names) != 2 or not all(isinstance(name, str) for name in names):
         names = []
-    if len(set(names) & set(PARAMETERS)) != 2:
-        wanted = ", ".join(PARAMETERS)
+    if len(set(names) & set(CONTINUED)) != 2:
+        wanted = ", ".join(CONTINUED)
         raise InputError(f"parameters must be two of {wanted}, got {shown(parameters)}")
     first, second = names
     return first, second
@@ -234,7 +235,7 @@ def _problem(
     rotor: Rotor, kind: str, names: tuple[str, str], scale: Values, stop: Stop
 ) -> Problem[Shot]:
     """Return the bifurcations of a kind over two parameters of a rotor."""
-    test, columns = TESTS[kind], [PARAMETERS.index(name) for name in names]
+    test, columns = TESTS[kind], [COLUMNS.index(name) for name in names]
 
     def follow(unknowns: Values) -> Shot:
         return shot_of(rotor, unknowns, names, stop)

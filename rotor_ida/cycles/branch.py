@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from rotor_ida.arrays import Values
 from rotor_ida.core.interface import RADIUS
+from rotor_ida.core.runs import COLUMNS
 from rotor_ida.cycles.continuation import (
     EARLIER,
     FIRST_STEP,
@@ -30,7 +31,7 @@ from rotor_ida.cycles.shooting import LEFT_THE_RING, Cycle, checked_cycle, conta
 from rotor_ida.cycles.special_points import Count, Special
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel.jobs import Stop
-from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.parameters import DEFAULTS, Rotor
 from rotor_ida.stability.orbit import Shot, shoot
 
 # Why a branch ends.
@@ -40,6 +41,8 @@ LIMITS, CLOSED, CONTACT_FREE, HALVED, STUCK, ENOUGH = (
 FOLD, DOUBLING, GRAZE = "fold", "period_doubling", "graze"
 # Where the (first) parameter stands among the unknowns, behind the state and the period.
 PLACE = 5
+# A rotor that does not turn, or is not damped, has no cycles.
+NEVER_ZERO = ("omega", "zeta")
 # What unknowns are multiplied by for half a period.
 HALF = np.array([1.0, 1.0, 1.0, 1.0, 0.5, 1.0])
 # A cycle is twice one of half its period when the extreme radii of both halves agree to this part;
@@ -134,7 +137,7 @@ def course_from(
 
 def cycles_over(rotor: Rotor, parameter: str, stop: Stop) -> Problem[Shot]:
     """Return the cycles of a rotor over one of its parameters."""
-    column = PARAMETERS.index(parameter)
+    column = COLUMNS.index(parameter)
     return Problem(
         lambda unknowns: shot_of(rotor, unknowns, (parameter,), stop),
         lambda _unknowns, shot, direction: shooting_equations(
@@ -152,14 +155,21 @@ def cycles_over(rotor: Rotor, parameter: str, stop: Stop) -> Problem[Shot]:
 def shot_of(rotor: Rotor, unknowns: Values, parameters: Sequence[str], stop: Stop) -> Shot:
     """Return the orbit that state, period and some parameters mean.
 
-    SimulationError if a parameter cannot be, or the orbit cannot be followed.
+    Below 0, where no machine is, the orbit is led on along its derivative at 0: so a step may pass
+    a limit there. SimulationError if a parameter cannot be, or the orbit cannot be followed.
     """
-    values = {"omega": rotor.omega, "zeta": rotor.zeta, "delta0": rotor.delta0}
+    values, below = dict[str, float](), dict[str, float]()
     for name, value in zip(parameters, unknowns[5:].tolist(), strict=True):
-        if value < 0.0 or (value == 0.0 and name != "delta0"):
+        if value < 0.0 and name in DEFAULTS:
+            below[name] = value
+        elif value < 0.0 or (value == 0.0 and name in NEVER_ZERO):
             raise SimulationError(f"{name} falls to {value:.3g}")
-        values[name] = value
-    return shoot(Rotor(**values), unknowns[:4], float(unknowns[4]), stop)
+        values[name] = max(value, 0.0)
+    here, whole = replace(rotor, **values), any(name in DEFAULTS for name in parameters)
+    shot = shoot(here, unknowns[:4], float(unknowns[4]), stop, whole=whole)
+    for name, value in below.items():
+        shot = replace(shot, end=shot.end + value * shot.by_parameter[:, COLUMNS.index(name)])
+    return shot
 
 
 def _doubled(line: Curve[Shot], guess: Guess, value: float) -> Point[Shot]:

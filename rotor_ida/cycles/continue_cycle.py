@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -22,6 +22,7 @@ from rotor_ida.checks import (
 )
 from rotor_ida.cycles.branch import (
     CLOSED,
+    NEVER_ZERO,
     PLACE,
     Course,
     Side,
@@ -36,14 +37,15 @@ from rotor_ida.cycles.shooting import checked_cycle
 from rotor_ida.cycles.special_points import Special
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress
-from rotor_ida.parameters import PARAMETERS, Rotor, check_papers
+from rotor_ida.parameters import Rotor, check_no_load
 from rotor_ida.provenance import computing, provenance
 from rotor_ida.schema import SPECIAL, labelled, labelled_dataset
 from rotor_ida.stability.orbit import Shot
 from rotor_ida.storage.studies.arrays import Arrays
 from rotor_ida.storage.studies.results import Form, Results, open_results
 
-Parameter = Literal["omega", "zeta", "delta0"]
+Parameter = Literal["omega", "zeta", "delta0", "shaft_stiffness", "contact_damping"]
+CONTINUED: tuple[Parameter, ...] = get_args(Parameter)
 Direction = Literal["both", "forward", "backward"]
 
 WAYS: dict[str, tuple[int, ...]] = {"both": (0, 1), "forward": (0,), "backward": (1,)}
@@ -83,7 +85,7 @@ def continue_cycle(
         A start ``(x, y, vx, vy)`` that leads to the cycle [1]; or what `limit_cycle` returned; or
         one point of a branch, ``branch.isel(point=...)``; or one of its special points,
         ``branch.isel(special=...)``: at a period doubling the branch of doubled cycles is followed.
-    parameter : {"omega", "zeta", "delta0"}
+    parameter : {"omega", "zeta", "delta0", "shaft_stiffness", "contact_damping"}
         The parameter to vary; the others stay as they are.
     limits : tuple of float
         The least and the largest value of it [1].
@@ -138,8 +140,8 @@ def continue_cycle(
     >>> branch.special_value.values.round(6), branch.attrs["first_end"]
     (array([2.530419, 2.681874]), 'limits')
     """
-    check_papers(check_instance("rotor", rotor, Rotor), "continue_cycle")
-    check_choice("parameter", parameter, PARAMETERS)
+    check_no_load(check_instance("rotor", rotor, Rotor), "continue_cycle")
+    check_choice("parameter", parameter, CONTINUED)
     check_choice("direction", direction, tuple(WAYS))
     count = check_count("points", points, minimum=2, maximum=MOST_NUMBERS)
     check_progress(progress)
@@ -158,7 +160,7 @@ def check_limits(parameter: str, limits: object, rotor: Rotor) -> tuple[float, f
     if values.size != 2 or not 0.0 <= values[0] < values[1]:
         raise InputError(f"limits must be two increasing numbers from 0 on, got {shown(limits)}")
     low, high = values.tolist()
-    if low == 0.0 and parameter != "delta0":
+    if low == 0.0 and parameter in NEVER_ZERO:
         raise InputError(f"limits of {parameter} must be above 0, got {shown(limits)}")
     here = getattr(rotor, parameter)
     if parameter == "delta0" and here == 0.0:
@@ -180,11 +182,10 @@ def branch_from(
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Return the branch through a guess of a cycle with its period, as `continue_cycle` does."""
-    check_papers(guess.rotor, "continue_cycle")
     course = course_from(guess, parameter, limits, points, np.zeros(1, np.uint8))
     design = {
         "kind": "branch",
-        **{name: getattr(guess.rotor, name) for name in PARAMETERS},
+        **guess.rotor.given,
         "state": guess.state.tolist(),
         "period": guess.period,
         "special": guess.special,
@@ -208,7 +209,7 @@ def branch_from(
         "start_period": guess.period,
         "start_special": guess.special,
         "start_slope": guess.slope,
-        **{f"start_{name}": getattr(guess.rotor, name) for name in PARAMETERS},
+        **{f"start_{name}": value for name, value in guess.rotor.given.items()},
     }
     found = branch_dataset(sides, (parameter,), first.rotor, "Branch of limit cycles")
     return found.assign_attrs(attributes)
@@ -302,8 +303,8 @@ def branch_dataset(
     variables["slope"] = of_cycle("slope", "point", slopes)
     variables |= _special_columns(specials, parameters)
     coordinates = {
-        name: labelled(name, (), float(getattr(rotor, name)))
-        for name in PARAMETERS
+        name: labelled(name, (), value)
+        for name, value in rotor.given.items()
         if name not in parameters
     }
     for place, name in enumerate(parameters, start=PLACE):

@@ -35,7 +35,7 @@ class Derived:
     growth : list of list of Symbol
         The matrix by which a small difference grows, by the variable of integration.
     by_parameters : list of list of Symbol
-        What omega, zeta and delta0 add to the rates by time of position and velocity.
+        What each parameter adds to the rates by time of position and velocity.
     pace : Symbol
         Time by the variable of integration.
     """
@@ -77,7 +77,7 @@ def derive(mode: Mode, model: Model) -> Derived:
         drawn_rates,
         [_parts(graph, rate, len(state)) for rate in slopes],
         [[pace * entry for entry in row] for row in growth],
-        _by_parameters(graph, mode, state, rotor),
+        _by_parameters(graph, mode, state, rotor, model.columns),
         pace,
     )
 
@@ -90,16 +90,19 @@ def _growth(graph: Graph, mode: Mode, state: list[Symbol], rotor: Any) -> Matrix
     return [_parts(graph, rate, 4) for rate in rates]
 
 
-def _by_parameters(graph: Graph, mode: Mode, state: list[Symbol], rotor: Any) -> Matrix:
+def _by_parameters(
+    graph: Graph, mode: Mode, state: list[Symbol], rotor: Any, columns: tuple[str, ...]
+) -> Matrix:
     """Return the derivatives of the rates on the rotating axes: a row for each parameter."""
-    omega, zeta = variables([rotor.omega, rotor.zeta], others=1)
+    names = [name for name in columns if name != "delta0"]
+    varied = variables([getattr(rotor, name) for name in names], others=1)
+    changed = SimpleNamespace(**vars(rotor) | dict(zip(names, varied, strict=True)))
     # where the rotor is, more clearance is as much less indentation
-    deeper = Dual(graph.of(0.0), (0.0, 0.0, -1.0))
-    changed = SimpleNamespace(**vars(rotor) | {"omega": omega, "zeta": zeta})
+    deeper = Dual(graph.of(0.0), (*(0.0 for _ in names), -1.0))
     here = mode.neighbour(state, [graph.of(0.0)] * 4, deeper, changed)
-    rates = turned_rates(here.position, here.velocity, here.acceleration, omega)
-    columns = [_parts(graph, rate, 3) for rate in rates]
-    return [[column[row] for column in columns] for row in range(3)]
+    rates = turned_rates(here.position, here.velocity, here.acceleration, changed.omega)
+    found = [_parts(graph, rate, len(columns)) for rate in rates]
+    return [[parts[[*names, "delta0"].index(name)] for parts in found] for name in columns]
 
 
 def _parts(graph: Graph, value: Any, count: int) -> list[Symbol]:

@@ -299,15 +299,19 @@ class Model:
         Those that are not constant: of a rotor, and of a mode.
     constants : dict
         What is a number in it.
+    columns : tuple of str
+        The parameters by which is differentiated.
     """
 
     name: str
     modes: tuple[Mode, ...]
     parameters: tuple[str, ...]
     constants: dict[str, float]
+    columns: tuple[str, ...]
 
 
 OF_ROTOR = ("omega", "zeta", "delta0")
+OF_MACHINE = ("shaft_stiffness", "contact_damping", "load")
 PAPER = Model(
     name="paper",
     modes=(CONTACT, CARTESIAN),
@@ -316,14 +320,13 @@ PAPER = Model(
         **dict.fromkeys(("shaft_stiffness", "contact_damping", "load", "linear"), 0.0),
         **dict.fromkeys(("hertz", "pressed"), 1.0),
     },
+    columns=OF_ROTOR,
 )
 WHOLE = Model(
     name="whole",
     modes=(WHOLE_CONTACT, WHOLE_CARTESIAN),
-    parameters=(
-        *OF_ROTOR,
-        *("shaft_stiffness", "contact_damping", "load", "hertz", "linear", "felt", "pressed"),
-    ),
+    parameters=(*OF_ROTOR, *OF_MACHINE, "hertz", "linear", "felt", "pressed"),
     constants={},
+    columns=(*OF_ROTOR, *OF_MACHINE),
 )
 MODELS = (PAPER, WHOLE)

@@ -151,7 +151,7 @@ def _function(name: str, given: str, comment: str, lines: Sequence[str]) -> list
     return [f"/* {comment} */", head, "{", *(f"    {line}" for line in [*unused, *lines]), "}", ""]
 
 
-def write_values(derived: Derived) -> list[str]:
+def write_values(derived: Derived, columns: Sequence[str]) -> list[str]:
     """Return field, Jacobian, growth and what parameters add, as functions of the state."""
     mode, size = derived.mode, len(derived.mode.state)
     rates = zip(mode.state, derived.drawn_rates, strict=True)
@@ -164,7 +164,8 @@ def write_values(derived: Derived) -> list[str]:
     ]
     cleared = [f"for (int i = 0; i < {size * size}; i++)", "    matrix[i] = 0.0;"]
     growth = [(f"growth[{i}][{j}]", derived.growth[i][j]) for i in range(4) for j in range(4)]
-    added = [(f"added[{i}][{j}]", derived.by_parameters[i][j]) for i in range(3) for j in range(4)]
+    rows = range(len(derived.by_parameters))
+    added = [(f"added[{i}][{j}]", derived.by_parameters[i][j]) for i in rows for j in range(4)]
     return [
         *_function(
             f"{mode.name}_field",
@@ -186,8 +187,8 @@ def write_values(derived: Derived) -> list[str]:
         ),
         *_function(
             f"{mode.name}_by_parameters",
-            "const double *state, double added[3][4]",
-            "What omega, zeta and delta0 add to the rates by time of position and velocity.",
+            "const double *state, double added[PARAMETERS][4]",
+            f"What {', '.join(columns)} add to the rates by time of position and velocity.",
             _values(added, mode),
         ),
     ]
@@ -400,6 +401,7 @@ def sources_of(model: Model) -> dict[str, str]:
     body = [*head, f"#{other} WHOLE_MODEL", '#include "motion.h"', ""]
     declared = [*head, f"#ifndef {marker}", f"#define {marker}", ""]
     declared += ['#include "core.h"', "", *_parameters(model), ""]
+    declared += [f"enum {{ PARAMETERS = {len(model.columns)} }};"]
     for mode in model.modes:
         derived = derive(mode, model)
         factors, _ = factors_of(derived)
@@ -410,7 +412,7 @@ def sources_of(model: Model) -> dict[str, str]:
                 f"enum {{ {_place(mode, guard.event)}_GUARD = {_place(mode, guard.of)} }};"
             )
         body += [
-            *write_values(derived),
+            *write_values(derived, model.columns),
             *write_series(derived, []),
             *write_series(derived, factors),
             *write_differences(derived),

@@ -14,11 +14,11 @@ import numpy as np
 
 from rotor_ida.arrays import Values
 from rotor_ida.core.interface import DONE, STUCK, message_of
-from rotor_ida.core.runs import DIFFERENCES, WITH_PARAMETERS, Asked, follow
+from rotor_ida.core.runs import COLUMNS, DIFFERENCES, Asked, follow
 from rotor_ida.equations.model import rotating_field
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel.jobs import Stop
-from rotor_ida.parameters import Rotor
+from rotor_ida.parameters import PARAMETERS, Rotor
 
 MAXIMUM = 1.0  # the kind of an extremum
 RTOL = 1e-15
@@ -40,9 +40,10 @@ class Shot:
         Time between them [1].
     monodromy : ndarray, shape (4, 4)
         Derivative of the end by the start [1].
-    by_parameter : ndarray, shape (4, 3)
-        Derivatives of the end by omega, zeta and delta0 [1]; that by delta0 is 0 without clearance.
-        NaN of a machine with more than the paper's rotor.
+    by_parameter : ndarray, shape (4, n)
+        Derivatives of the end by the first n of `rotor_ida.core.runs.COLUMNS` [1]: omega, zeta and
+        delta0, and in the whole model what else a machine has. That by delta0 is 0 without
+        clearance.
     contacts : ndarray, shape (n, 8)
         Entry, exit and peak time, root of the largest indentation, impulse, angular momentum at the
         peak, energy lost and largest force of each contact, as `rotor_ida.core.runs.Seen` has them;
@@ -66,7 +67,15 @@ class Shot:
     end_rate: Values
 
 
-def shoot(rotor: Rotor, start: Values, duration: float, stop: Stop, rtol: float = RTOL) -> Shot:
+def shoot(
+    rotor: Rotor,
+    start: Values,
+    duration: float,
+    stop: Stop,
+    rtol: float = RTOL,
+    *,
+    whole: bool = False,
+) -> Shot:
     """Follow a state for a time, with the derivatives of where it ends.
 
     Parameters
@@ -81,15 +90,19 @@ def shoot(rotor: Rotor, start: Values, duration: float, stop: Stop, rtol: float 
         Anything but 0 asks to stop.
     rtol : float
         Tolerance of one step, relative to the size of the state [1].
+    whole : bool
+        Whether to differentiate by all that a machine has, even if it is the paper's rotor.
 
     Raises
     ------
     SimulationError
         If it could not be followed.
     """
-    bundle = np.eye(DIFFERENCES if rotor.beyond else WITH_PARAMETERS, 4)
+    columns = len(COLUMNS) if whole or rotor.beyond else len(PARAMETERS)
+    bundle = np.eye(DIFFERENCES + columns, 4)
     seen = follow(
         Asked(
+            whole=whole,
             rotor=rotor,
             start=start,
             duration=duration,
@@ -109,9 +122,7 @@ def shoot(rotor: Rotor, start: Values, duration: float, stop: Stop, rtol: float 
         x, y, vx, vy = start.tolist()
         reason = f"an orbit could not be followed round: {message_of(status)}"
         raise SimulationError(reason, time=0.0, state=(x, y, vx, vy))
-    unknown = np.full((WITH_PARAMETERS - DIFFERENCES, 4), np.nan)
-    added = unknown if rotor.beyond else bundle[DIFFERENCES:]
     return Shot(
-        rotor, start, end, duration, bundle[:DIFFERENCES].T, added.T,
+        rotor, start, end, duration, bundle[:DIFFERENCES].T, bundle[DIFFERENCES:].T,
         seen.contacts, seen.extrema, rotating_field(start, rotor), rotating_field(end, rotor),
     )  # fmt: skip

@@ -369,7 +369,7 @@ static const struct rotor ROTORS[] = {
 #endif
 enum { ROTOR_COUNT = sizeof ROTORS / sizeof *ROTORS };
 /* Rows of a bundle with those by parameters, which the paper's rotor alone has. */
-enum { WITH_PARAMETERS = WHOLE ? 4 : 7 };
+enum { WITH_PARAMETERS = 4 + PARAMETERS };
 
 /* Starts: at rest, in contact, on the ring in all ways, far off, and what is no number. */
 static void start_of(int number, double delta0, double start[4])

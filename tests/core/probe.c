@@ -25,7 +25,7 @@ int probe_order(double rtol) { return order_for(rtol); }
 
 /* Field, Jacobian by columns, growth, and what parameters add, at a state. */
 void probe_values(int in_contact, const double *model, const double *state, double *rate,
-                  double *matrix, double growth[4][4], double added[3][4])
+                  double *matrix, double growth[4][4], double added[PARAMETERS][4])
 {
     const struct mode *mode = mode_of(in_contact);
     const struct parameters parameters = model_of(model);

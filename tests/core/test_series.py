@@ -246,7 +246,7 @@ def test_field_and_jacobian_are_those_of_the_model(probes, model, mode, start, p
     """And growth and what parameters add: as the symbols of the derivation have them."""
     derived, size = derive(mode, model), len(start)
     rate, matrix = np.zeros(size), np.zeros((size, size))
-    growth, added = np.zeros((4, 4)), np.zeros((3, 4))
+    growth, added = np.zeros((4, 4)), np.zeros((len(model.columns), 4))
     probes[model.name].probe_values(
         int(mode.name == "contact"), as_given(model, parameters), given(start),
         *(given(each, writeable=True) for each in (rate, matrix, growth, added)),
