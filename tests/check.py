@@ -1,6 +1,5 @@
 """The whole test command: style, types, layout, doctests and tests, one after the other."""
 
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -14,8 +13,6 @@ SPELLED = [
     *("rotor_ida", "tests", "docs", "scenarios", "benchmarks"),
     *("README.md", "CHANGELOG.md", "CONTRIBUTING.md"),
 ]
-# One more than there are cores: some tests wait for most of their time.
-PROCESSES = str(1 + (os.cpu_count() or 1))
 CHECKS = {
     "style": ["-m", "ruff", "check", "."],
     "format": ["-m", "ruff", "format", "--check", "."],
@@ -23,7 +20,7 @@ CHECKS = {
     "C": ["-c", CLANG_FORMAT, "--dry-run", "--Werror", *C_SOURCES],
     "types": ["-m", "mypy"],
     "layout": ["-c", LINT_IMPORTS],
-    "tests": ["-m", "pytest", "-n", PROCESSES, "--dist", "worksteal"],
+    "tests": ["-m", "pytest", "-n", "auto", "--dist", "worksteal"],
 }
 
 

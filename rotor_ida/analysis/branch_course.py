@@ -12,7 +12,7 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import PARAMETERS
+from rotor_ida.parameters import ALL_PARAMETERS
 from rotor_ida.schema import words_of
 
 # At each of these a cycle that was stable is so no more, or the other way round.
@@ -34,7 +34,7 @@ def parameters_of(name: str, dataset: xr.Dataset, attribute: str, number: int) -
     """Return the parameters that vary along a branch or curve, as one of its attributes tells."""
     told = dataset.attrs.get(attribute, "")
     words = str(told).split()
-    if len(words) != number or not set(words) <= set(PARAMETERS):
+    if len(words) != number or not set(words) <= set(ALL_PARAMETERS):
         raise InputError(
             f"{name} must name what was varied in its attribute {attribute!r}, got {shown(told)}"
         )

@@ -14,7 +14,7 @@ from rich.console import RenderableType
 from rotor_ida.analysis.branch_course import parameters_of, stable_ranges
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.cli.report import pairs, table
-from rotor_ida.parameters import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.parameters import ALL_PARAMETERS, DEFAULTS, PARAMETERS
 from rotor_ida.schema import NO_YES, RESPONSE, flags_of, words_of
 
 Record = dict[str, object]
@@ -52,7 +52,7 @@ OF_MACHINE = (
 SHARE = ("response", "response_count", "response_fraction", "response_fraction_error")
 STARTS = ("start_x", "start_y", "start_vx", "start_vy")
 POINT = (
-    *("response", *PARAMETERS, "start", "direction", "amplitude", "phase_lag"),
+    *("response", *ALL_PARAMETERS, "start", "direction", "amplitude", "phase_lag"),
     *("radius_min", "radius_max", "period", "lyapunov_exponent", "lyapunov_error"),
     *("event_count", "extremum_count", "status", "message"),
 )
@@ -350,13 +350,17 @@ def _comparison(dataset: xr.Dataset, most: int | None) -> Description:
 
 
 def _whirls(dataset: xr.Dataset, most: int | None) -> Description:
-    whirls = [row for row in rows_of(dataset, WHIRL) if row["stability"] != "absent"]
-    ordered = (*PARAMETERS, "amplitude", "phase_lag", "stability", "growth_rate", "in_contact")
+    more = [name for name in DEFAULTS if name in dataset.variables]
+    every = rows_of(dataset, (*WHIRL, *more))
+    whirls = [row for row in every if row["stability"] != "absent"]
+    ordered = (
+        *(*PARAMETERS, *more, "amplitude", "phase_lag", "stability", "growth_rate", "in_contact"),
+    )
     record: Record = {"kind": "whirls", "whirls": whirls}
     parts = _rows("Synchronous whirls", whirls, ordered, most)
     if "fold_omega" in dataset:
-        record["folds"], more = _fold_rows(dataset, most)
-        parts += more
+        record["folds"], of_folds = _fold_rows(dataset, most)
+        parts += of_folds
     return record | attributes_of(dataset), parts
 
 
@@ -366,8 +370,10 @@ def _folds(dataset: xr.Dataset, most: int | None) -> Description:
 
 
 def _fold_rows(dataset: xr.Dataset, most: int | None) -> tuple[list[Record], list[RenderableType]]:
-    rows = [row for row in rows_of(dataset, FOLD) if row["fold_omega"] == row["fold_omega"]]
-    columns = ("zeta", "delta0", "fold_omega", "fold_amplitude")
+    more = [name for name in DEFAULTS if name in dataset["fold_omega"].coords]
+    every = rows_of(dataset, (*FOLD, *more))
+    rows = [row for row in every if row["fold_omega"] == row["fold_omega"]]
+    columns = ("zeta", "delta0", *more, "fold_omega", "fold_amplitude")
     return rows, _rows("Folds", rows, columns, most)
 
 

@@ -13,8 +13,9 @@ from rotor_ida.cli.describe import kind_of
 from rotor_ida.cli.options import check_panels
 from rotor_ida.closed_forms import response_curve
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import PARAMETERS
+from rotor_ida.parameters import DEFAULTS, PARAMETERS
 from rotor_ida.plot.labels import LABELS
+from rotor_ida.schema import check_papers_result
 
 # Up to so many speeds of a table of whirls are marked.
 FEW_SPEEDS = 30
@@ -46,6 +47,7 @@ def figure_of(dataset: xr.Dataset) -> Figure:
             "figure must be of a run, of whirls, of a sweep, basin or atlas, or of limit cycles, "
             f"got {kind!r}"
         )
+    check_papers_result("dataset", dataset)  # whose exact curve is drawn
     pairs = [
         (float(zeta), float(delta0))
         for zeta in dataset["zeta"].values
@@ -89,7 +91,8 @@ def _whirls_beside(curve: xr.Dataset) -> xr.Dataset | None:
     """Return the folds of the whirl within the limits of a curve over speed and clearance."""
     limits = np.reshape(curve.attrs["limits"], (2, 2))
     of = dict(zip(str(curve.attrs["parameters"]).split(), limits.tolist(), strict=True))
-    if "zeta" in of:
+    beyond = any(name in curve.variables for name in DEFAULTS)
+    if beyond or set(of) != {"omega", "delta0"}:
         return None
     delta0, (low, high) = curve["delta0"].values, of["omega"]
     clearances = np.linspace(delta0.min(), delta0.max(), CLEARANCES)

@@ -23,7 +23,8 @@ struct mode {
     void (*field)(const struct parameters *, const double *state, double *rate);
     void (*jacobian)(const struct parameters *, const double *state, double *matrix);
     void (*growth)(const struct parameters *, const double *state, double growth[4][4]);
-    void (*by_parameters)(const struct parameters *, const double *state, double added[PARAMETERS][4]);
+    void (*by_parameters)(const struct parameters *, const double *state,
+                          double added[PARAMETERS][4]);
     void (*expand)(const struct parameters *, struct series *, int order);
     void (*expand_with_factors)(const struct parameters *, struct series *, int order);
     void (*expand_differences)(const struct parameters *, struct series *, int order);

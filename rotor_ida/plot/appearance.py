@@ -333,7 +333,8 @@ def one_value(name: str, dataset: xr.Dataset, parameter: str) -> float:
 
 def title_of(name: str, dataset: xr.Dataset, parameters: Sequence[str] = PARAMETERS) -> str:
     """Return the parameters of a dataset, which holds one value of each, as a title."""
-    beyond = [each for each in DEFAULTS if each in dataset.variables]
+    # what varies along a branch is on its axis
+    beyond = [each for each in DEFAULTS if each in dataset.variables and not dataset[each].ndim]
     return parameter_text({each: one_value(name, dataset, each) for each in (*parameters, *beyond)})
 
 

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from rotor_ida.analysis.branch_course import Course, course_of, parameters_of, runs_of
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import PARAMETERS
+from rotor_ida.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.plot.appearance import (
     BLUE,
     BOUNCING_CYCLE,
@@ -362,19 +362,26 @@ def plot_curves(
             raise InputError(
                 f"curves must all be over {across} and {up}, got {' and '.join(names)}"
             )
-    (held,) = set(PARAMETERS) - {across, up}
-    values = [one_value("curves", curve, held) for curve in datasets]
+    held = [name for name in ALL_PARAMETERS if name not in {across, up}]
+    values = [
+        {name: one_value("curves", curve, name) for name in held if name in curve.coords}
+        for curve in datasets
+    ]
     if fold_points is not None:
-        _check_folds(fold_points, {across, up}, values)
+        if not {across, up} <= set(PARAMETERS) or any(len(each) > 1 for each in values):
+            raise InputError("fold_points must be left out beside curves of a machine, got some")
+        _check_folds(
+            fold_points, {across, up}, [value for each in values for value in each.values()]
+        )
     with style():
         ax = axes_or_new(ax)
         ax.set(xlabel=LABELS[across], ylabel=LABELS[up])
         if fold_points is not None:
             _draw_folds(ax, fold_points, across)
-        several = len(set(values)) > 1
+        several = any(each != values[0] for each in values)
         for curve, value in zip(datasets, values, strict=True):
             words, dashes = CURVES[_kind_of_curve(curve)]
-            told = f"{words}, {parameter_text({held: value})}" if several else words
+            told = f"{words}, {parameter_text(value)}" if several else words
             colour = _colour_of(ax, told)
             ax.plot(curve[across].values, curve[up].values, color=colour, ls=dashes, lw=1.2,
                     label=told, zorder=2.5)  # fmt: skip
@@ -385,7 +392,7 @@ def plot_curves(
             else:
                 _draw_specials(ax, curve, second.values, curve["special_value"], ("cusp",))
         if not several:
-            ax.set_title(parameter_text({held: values[0]}))
+            ax.set_title(parameter_text(values[0]))
         own_legend(ax)
     return ax
 

@@ -16,6 +16,8 @@ from rotor_ida.schema import QUANTITIES
 
 LABELS = {
     "omega": r"spin speed $\omega$",
+    "shaft_stiffness": r"stiffness of the shaft $\kappa$",
+    "contact_damping": "contact damping $c$",
     "amplitude": r"amplitude $A$",
     "phase_lag": r"phase lag $\theta$",
     "t": r"time $t$",
