@@ -28,6 +28,17 @@ from tests.explorer.conftest import MAIN, PATIENCE, Program, wait_until
 Start = Callable[..., Program]
 
 
+@pytest.fixture(autouse=True)
+def no_thread_is_left() -> Iterator[None]:
+    """Each test ends the threads that it began; what others have left in this process is theirs."""
+    before = set(threading.enumerate())
+    yield
+    wait_until(
+        lambda: all(each.daemon or each in before for each in threading.enumerate()),
+        "the threads of a test",
+    )
+
+
 def said_of(words: list[str], capfd: pytest.CaptureFixture[str]) -> str:
     """Return the one line that a mistake gets."""
     capfd.readouterr()
@@ -299,7 +310,3 @@ def test_no_browser_is_opened_where_there_are_no_windows(monkeypatch: pytest.Mon
     assert not can_show_a_page()
     monkeypatch.setenv("WAYLAND_DISPLAY", "wayland-0")
     assert can_show_a_page()
-
-
-def test_no_thread_of_these_tests_is_left():
-    assert all(each.daemon or each is threading.main_thread() for each in threading.enumerate())
