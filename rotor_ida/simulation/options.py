@@ -32,6 +32,8 @@ STEP_SAFETY = 0.03
 LARGEST = 1e6
 # The rotor crosses less clearance in a time below the spacing of doubles, from about 1e-14 on.
 SMALLEST_CLEARANCE = 1e-12
+# Less of what a machine has beyond the paper's rotor is lost in rounding.
+SMALLEST_BEYOND = 1e-12
 # The final window holds whole revolutions: those of slower rotors take too long, and of faster ones
 # it holds too many.
 SLOWEST_TO_SETTLE, FASTEST_TO_SETTLE = 1e-3, 1e3
@@ -126,6 +128,12 @@ def check_can_be_followed(rotor: Rotor, start: State, *, settling: bool = False)
             f"delta0 must be 0 or at least {SMALLEST_CLEARANCE:g} to be simulated, got "
             f"{rotor.delta0!r}"
         )
+    for name, value in rotor.beyond.items():
+        if not SMALLEST_BEYOND <= value <= LARGEST:
+            raise InputError(
+                f"{name} must be 0, or from {SMALLEST_BEYOND:g} to {LARGEST:g}, to be simulated, "
+                f"got {value!r}"
+            )
     if settling and rotor.omega and not SLOWEST_TO_SETTLE <= rotor.omega <= FASTEST_TO_SETTLE:
         raise InputError(
             f"omega must be 0 or from {SLOWEST_TO_SETTLE} to {FASTEST_TO_SETTLE:g} to settle, got "

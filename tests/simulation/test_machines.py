@@ -300,3 +300,12 @@ def test_without_friction_nothing_is_asked_of_a_disc():
         Rotor(omega=1.0, zeta=0.1, delta0=1.0, contact_exponent=2.0)
     with pytest.raises(InputError, match="contact_damping must be 0 without clearance"):
         Rotor(omega=1.0, zeta=0.1, delta0=0.0, contact_damping=0.1)
+
+
+@pytest.mark.parametrize("name", ["shaft_stiffness", "contact_damping", "load"])
+@pytest.mark.parametrize("value", [1e-310, 1e-13, 1e7, 1e300])
+def test_what_is_beyond_all_scales_is_refused_in_one_line(name, value):
+    """A shaft of 1e-310 would be followed for ever."""
+    machine = Rotor(omega=1.2, zeta=0.07, delta0=0.5, **{name: value})
+    with pytest.raises(InputError, match=rf"^{name} must be 0, or from 1e-12 to 1e\+06, to be"):
+        simulate(machine, start=START, duration=20.0)
