@@ -98,8 +98,7 @@ struct run {
     double time, state[4];
     double shift; /* how long before time 0 the axes began to turn: a load has turned with them */
     int32_t where;
-    int32_t differences; /* rows of `bundle`: 0, 4, or, of the paper's rotor, 7 with those by
-                            omega, zeta and delta0 */
+    int32_t differences; /* rows of `bundle`: 0, 4, or 7 (whole: 10) with parameters */
     double *bundle;      /* differences from the motion, carried along; read like a state */
 
     const double *sample_times;

@@ -368,7 +368,7 @@ static const struct rotor ROTORS[] = {
     {.omega = 1e3, .zeta = 1e2, .delta0 = 1e3},  {.omega = 0.0, .zeta = 0.0, .delta0 = 0.0}};
 #endif
 enum { ROTOR_COUNT = sizeof ROTORS / sizeof *ROTORS };
-/* Rows of a bundle with those by parameters, which the paper's rotor alone has. */
+/* Rows of a bundle with those by parameters. */
 enum { WITH_PARAMETERS = 4 + PARAMETERS };
 
 /* Starts: at rest, in contact, on the ring in all ways, far off, and what is no number. */
