@@ -25,8 +25,6 @@ MACHINE = {
 }  # fmt: skip
 
 OF_A_ROTOR: dict[str, Callable[[Rotor], object]] = {
-    "basin": lambda rotor: rotor_ida.basin(rotor, x=[0.0, 1.0], y=[0.0, 1.0]),
-    "basin_fractions": lambda rotor: rotor_ida.basin_fractions(rotor, x=(0, 1), y=0.0, starts=2),
     "poincare_section": lambda rotor: rotor_ida.poincare_section(rotor, start=REST, revolutions=1),
     "touchdown_report": lambda rotor: rotor_ida.touchdown_report(rotor, x=0.0, y=0.0, starts=2),
     "record": lambda rotor: record(rotor, start=REST, revolutions=1, speeds=[1.0]),

@@ -167,8 +167,9 @@ def _agrees(settled: SettledResponse, attractor: Attractor) -> bool:
 
 
 def _contact_free(free: ContactFree) -> Attractor:
-    whirl = free.whirl
-    return Attractor(response.CONTACT_FREE, abs(whirl), phase_lag_of(whirl), math.nan, math.nan)
+    size = abs(free.whirl)
+    radius = size if free.alone else math.nan
+    return Attractor(response.CONTACT_FREE, size, phase_lag_of(free.whirl), radius, radius)
 
 
 def _fading(free: ContactFree, delta0: float) -> Attractor:

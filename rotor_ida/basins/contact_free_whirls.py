@@ -7,6 +7,11 @@ one before: the limit is the contact-free whirl that just reaches the ring
 (`rotor_ida.closed_forms.touch_fading`). A push that is too strong puts it inside for good. How far
 out a whirl with little drift may be for its touches to fade is found by following such states: it
 is halved until the touches of each of them fade by the law. So that is an estimate, not a proof.
+
+With a shaft there is one contact-free whirl, about the bearing axis. What is off it by xi loses the
+energy ``|xi'|**2 + kappa |xi|**2``: where that keeps xi within the room that the whirl leaves, or the
+two motions do into which xi falls without turning, it never touches the ring again: exact. No
+touches fade there.
 """
 
 from __future__ import annotations
@@ -35,7 +40,8 @@ MOST_DRIFT = 0.3
 STATES = 24
 # from so many that are drawn, of which those in contact are left out.
 MOST_DRAWN = 240
-# The law is to leading order in C h: the first excess tried, in parts of 1/C.
+# The law is to leading order in C h, with a linear contact in C sqrt(h): the first excess tried is
+# where that is this small.
 LARGEST_EXCESS = 0.1
 # Nor is it more than this part of the room, where C is small.
 LARGEST_PART_OF_ROOM = 0.2
@@ -60,8 +66,9 @@ class ContactFree:
     """The whirls that stay inside the clearance, and those beside them whose touches fade."""
 
     whirl: complex  # displacement from its centre, on the rotating axes [1]
-    room: float  # how far the centre may lie from the bearing axis [1]
+    room: float  # how far the centre may lie from the bearing axis, or xi reach [1]
     excess: float  # how much farther out touches still fade [1]; 0 where none are known to
+    alone: bool = False  # whether a shaft leaves this one whirl of the family
 
     @property
     def numbers(self) -> Values:
@@ -72,10 +79,13 @@ class ContactFree:
 
 def contact_free_whirls(rotor: Rotor, stop: Stop, *, fading: bool) -> ContactFree | None:
     """Return the contact-free whirls of a rotor, if they fit; with `fading`, what touches fade."""
-    whirl = complex(complex_amplitude(rotor.omega, rotor.zeta))
+    kappa = rotor.shaft_stiffness
+    whirl = complex(complex_amplitude(rotor.omega, rotor.zeta, kappa if kappa > 0.0 else None))
     room = rotor.delta0 - abs(whirl)
     if not room > 0.0:
         return None
+    if kappa > 0.0:
+        return ContactFree(whirl, room, 0.0, alone=True)
     return ContactFree(whirl, room, _fading_excess(rotor, whirl, stop) if fading else 0.0)
 
 
@@ -85,13 +95,19 @@ def _fading_excess(rotor: Rotor, whirl: complex, stop: Stop) -> float:
     if math.isnan(growth) or DRIFT_ENDS / rotor.zeta > LONGEST_DRIFT:  # NaN where nothing turns
         return 0.0
     room = rotor.delta0 - abs(whirl)
-    excess = min(LARGEST_EXCESS / growth, LARGEST_PART_OF_ROOM * room)
+    small = (LARGEST_EXCESS / growth) ** (1.0 / _order(rotor))
+    excess = min(small, LARGEST_PART_OF_ROOM * room)
     for _ in range(HALVINGS):
         states = _states_too_far_out(rotor, whirl, excess)
         if stop[0] or (states and all(_fades(rotor, state, growth, stop) for state in states)):
             return excess
         excess *= 0.5
     return 0.0
+
+
+def _order(rotor: Rotor) -> float:
+    """Return the power of 1/h that grows evenly from touch to touch: 1, or 1/2 for a linear one."""
+    return rotor.contact_exponent - 0.5
 
 
 def _states_too_far_out(rotor: Rotor, whirl: complex, excess: float) -> list[Values]:
@@ -122,6 +138,6 @@ def _fades(rotor: Rotor, state: Values, growth: float, stop: Stop) -> bool:
     if depths.size < LAST_TOUCHES or times[-1] < duration - 2.0 * revolution:
         return False
     revolutions = np.diff(times[-LAST_TOUCHES:]) / revolution
-    grown = np.diff(1.0 / depths[-LAST_TOUCHES:]) / growth
+    grown = np.diff(1.0 / depths[-LAST_TOUCHES:] ** _order(rotor)) / growth
     once = np.abs(revolutions - 1.0) <= ONCE_A_REVOLUTION
     return bool((once & (np.abs(grown - 1.0) <= LIKE_THE_LAW)).all())

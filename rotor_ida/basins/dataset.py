@@ -18,7 +18,6 @@ from rotor_ida.basins.fates import ALONE
 from rotor_ida.basins.following import Starts
 from rotor_ida.basins.kernel import Labels
 from rotor_ida.basins.labelling import Labelled
-from rotor_ida.parameters import PARAMETERS
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import FATE, RESPONSE, TRAPPING, Column, labelled, labelled_dataset
 from rotor_ida.simulation.dataset import parameter_coordinates
@@ -128,7 +127,7 @@ def _attributes(found: Labelled, drawn: Mapping[str, object] | None = None) -> d
         how |= followed_by("confirmation", found.options)
     told = {
         **provenance(how),
-        **{name: getattr(found.rotor, name) for name in PARAMETERS},
+        **found.rotor.given,
         **(drawn or {}),
         "interrupted": int(followed.interrupted),
     }

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Values
-from rotor_ida.core.interface import RotorStruct, library, pointer
+from rotor_ida.core.interface import RotorStruct, library_of, pointer
 from rotor_ida.parallel import Stop
 from rotor_ida.parameters import Rotor
 
@@ -86,7 +86,7 @@ def follow(
     _check_shape("sections", sections, (section_count, SECTION))
     _check_shape("stop", stop, (1,))
     # whether it was stopped is told by the labels
-    library().core_follow_lanes(
+    library_of(rotor).core_follow_lanes(
         byref(RotorStruct.of(rotor)), pointer(states, np.float64, writeable=True),
         pointer(labels, np.int16, writeable=True), pointer(times, np.float32, writeable=True),
         count, pointer(regions, np.float64), region_count, pointer(free, np.float64),
@@ -133,7 +133,7 @@ def measure_returns(
     _check_shape("values", values, (values.size,))
     _check_shape("stop", stop, (1,))
     # who stops it looks at no values
-    library().core_measure_returns(
+    library_of(rotor).core_measure_returns(
         byref(RotorStruct.of(rotor)), pointer(states, np.float64), values.size,
         pointer(section, np.float64), *times, tolerance,
         pointer(values, np.float64, writeable=True), pointer(stop, np.uint8),

@@ -15,7 +15,7 @@ from rotor_ida.basins.known import known_from_closed_forms
 from rotor_ida.checks import MOST_POINTS_OF_STUDY, check_between, check_instance, check_progress
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress, choose, interruptible
-from rotor_ida.parameters import PARAMETERS, Rotor, check_papers
+from rotor_ida.parameters import Rotor, check_no_load
 from rotor_ida.provenance import computing
 from rotor_ida.simulation.options import Options, check_can_be_followed
 from rotor_ida.storage.studies.results import open_results
@@ -55,7 +55,7 @@ class Labelled:
 def check_rotor(rotor: object) -> Rotor:
     """Return a rotor whose starts can be labelled."""
     rotor = check_instance("rotor", rotor, Rotor)
-    check_papers(rotor, "a basin")
+    check_no_load(rotor, "a basin")
     check_can_be_followed(rotor, (0.0, 0.0, 0.0, 0.0), settling=True)
     if not 0.0 < rotor.zeta <= MOST_DAMPING:
         raise InputError(
@@ -110,5 +110,4 @@ def label(
 
 def _design(rotor: Rotor, rtol: float | None, options: Options) -> dict[str, object]:
     """Return what decides on the bits of the labels beside the starts."""
-    parameters = {name: getattr(rotor, name) for name in PARAMETERS}
-    return {**parameters, "rtol": rtol, "confirmed_with_rtol": options.rtol, **computing()}
+    return {**rotor.given, "rtol": rtol, "confirmed_with_rtol": options.rtol, **computing()}

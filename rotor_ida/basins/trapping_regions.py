@@ -24,6 +24,14 @@ volume among those that weigh the two modes of the linear motion differently; a 
 all P gained 5 % in width. The rectangle stays outside the clearance and off the centre, where DF
 is not as written above.
 
+A shaft adds to L alone. With contact damping c the force is ``N = f(r) (1 + c r')`` and hangs on
+the velocity as well. With w the velocity on the rotating axes, t across n, and ``g = 1 + c n.w``,
+
+    DF = g s I + g (f' - s) n n^T + c f (t.w)/r n t^T      by v,      c f n n^T      by w,
+
+so the box has seven entries, four and three, and 128 corners. How large w is on the ellipsoid bounds
+g, which must stay above 0: where the contact lets go the force is not as written.
+
 References
 ----------
 .. [1] Boyd, El Ghaoui, Feron and Balakrishnan, Linear Matrix Inequalities in System and Control
@@ -33,6 +41,7 @@ References
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 
@@ -40,10 +49,11 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Values
-from rotor_ida.closed_forms.contacting_whirls import contacting_whirls
-from rotor_ida.equations.contact import contact_stiffness, secant_stiffness
+from rotor_ida.closed_forms import synchronous_response
+from rotor_ida.closed_forms.contact_laws import force, stiffnesses
 from rotor_ida.equations.model import rotating_jacobian
-from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.parameters import Rotor
+from rotor_ida.schema import STABILITY
 
 # V must fall at this fraction of the fastest possible rate or faster: far more than the rounding of
 # matrices, which is not bounded by interval arithmetic.
@@ -112,9 +122,11 @@ def trapping_regions(rotor: Rotor) -> list[TrappingRegion]:
     >>> [round(each.amplitude, 4) for each in regions]
     [1.8796, 9.4872]
     """
-    whirls = contacting_whirls(*(np.array([getattr(rotor, name)]) for name in PARAMETERS))
-    stable = whirls.determinant > 0.0
-    amplitudes, lags = whirls.amplitude[stable].tolist(), whirls.phase_lag[stable].tolist()
+    given = {name: value for name, value in rotor.given.items() if name != "load"}
+    whirls = synchronous_response(**given).squeeze()
+    held = np.atleast_1d((whirls.in_contact == 1) & (whirls.stability == STABILITY["stable"]))
+    amplitudes = np.atleast_1d(whirls.amplitude)[held].tolist()
+    lags = np.atleast_1d(whirls.phase_lag)[held].tolist()
     return [_trapping_region(rotor, *whirl) for whirl in zip(amplitudes, lags, strict=True)]
 
 
@@ -144,7 +156,14 @@ class _Problem:
     def __init__(self, rotor: Rotor, amplitude: float):
         self.rotor, self.amplitude = rotor, amplitude
         self.linear = rotating_jacobian((0.0, 0.0, 0.0, 0.0), Rotor(
-            omega=rotor.omega, zeta=rotor.zeta, delta0=1.0))  # fmt: skip
+            omega=rotor.omega, zeta=rotor.zeta, delta0=1.0,
+            shaft_stiffness=rotor.shaft_stiffness))  # fmt: skip
+
+    def stiffnesses(self, radii: Values) -> tuple[Values, Values]:
+        """Return the slope and the secant stiffness of the contact force at some radii."""
+        return stiffnesses(
+            radii, np.asarray(self.rotor.delta0), np.asarray(self.rotor.contact_exponent)
+        )
 
     def matrices(self, along: Values, across: Values, mixed: Values) -> Values:
         """Return J for stiffness matrices K, shape (..., 4, 4)."""
@@ -153,33 +172,90 @@ class _Problem:
         found[..., 2:, :2] -= stiffness.reshape(*along.shape, 2, 2)
         return found
 
+    def damped_matrices(self, stiffness: Values, drag: Values) -> Values:
+        """Return J where the force hangs on v and on w by such matrices, shape (..., 2, 2)."""
+        found = np.tile(self.linear, (*stiffness.shape[:-2], 1, 1))
+        # w is the velocity of the state less that of the axes, i omega v
+        turned = self.rotor.omega * np.array([[0.0, -1.0], [1.0, 0.0]])
+        found[..., 2:, :2] -= stiffness - drag @ turned
+        found[..., 2:, 2:] -= drag
+        return found
+
     def corners(self, half_along: Values, half_across: Values) -> Values:
         """Return J at the corners of the boxes that hold DF on rectangles, shape (m, 8, 4, 4)."""
-        delta0 = self.rotor.delta0
         nearest = self.amplitude - half_along
         farthest = np.hypot(self.amplitude + half_along, half_across)
         angle = np.arctan2(half_across, nearest)
-        # f', s and f' - s all grow with the radius
-        radii = np.stack([nearest, farthest])
-        tangent, secant = contact_stiffness(radii, delta0), secant_stiffness(radii, delta0)
-        excess = tangent - secant
+        # f' and s grow with the radius, f' - s does or falls
+        tangent, secant = self.stiffnesses(np.stack([nearest, farthest]))
+        excess = np.sort(tangent - secant, axis=0)
         along = (secant[0] + excess[0] * np.cos(angle) ** 2, tangent[1])
         across = (secant[0], secant[1] + excess[1] * np.sin(angle) ** 2)
         most = excess[1] * 0.5 * np.sin(2.0 * np.minimum(angle, 0.25 * math.pi))
         boxes = [self.matrices(a, b, c) for a in along for b in across for c in (-most, most)]
         return np.stack(boxes, axis=1)
 
+    def damped_corners(self, half: Values) -> Values:
+        """Return the same with contact damping, shape (m, 128, 4, 4).
+
+        `half` has the half-widths of v along and across and of w along and across, shape (m, 4).
+        """
+        half_along, half_across, w_along, w_across = half.T
+        nearest = self.amplitude - half_along
+        farthest = np.hypot(self.amplitude + half_along, half_across)
+        angle = np.arctan2(half_across, nearest)
+        sine = np.sin(np.minimum(angle, 0.5 * math.pi))
+        least, product = np.cos(angle) ** 2, 0.5 * np.sin(2.0 * np.minimum(angle, 0.25 * math.pi))
+        radii, damping = np.stack([nearest, farthest]), self.rotor.contact_damping
+        tangent, secant = self.stiffnesses(radii)
+        push = force(radii, np.asarray(self.rotor.delta0), np.asarray(self.rotor.contact_exponent))
+        change = damping * (w_along + sine * w_across)
+        low, high = 1.0 - change, 1.0 + change
+        excess = np.sort(tangent - secant, axis=0)
+        sideways = damping * secant[1] * (sine * w_along + w_across)
+        drag = damping * push
+        turning = high * excess[1] * product
+        entries = (
+            (low * (secant[0] + excess[0] * least) - sideways * product,
+             high * tangent[1] + sideways * product),
+            (-turning - sideways, turning + sideways),
+            (-turning - sideways * sine**2, turning + sideways * sine**2),
+            (low * secant[0] - sideways * product,
+             high * (secant[1] + excess[1] * sine**2) + sideways * product),
+            (drag[0] * least, drag[1]),
+            (-drag[1] * product, drag[1] * product),
+            (np.zeros_like(sine), drag[1] * sine**2),
+        )  # fmt: skip
+        box = np.array(list(itertools.product(*entries)))  # (128, 7, m)
+        stiffness = np.moveaxis(box[:, :4], 2, 0).reshape(-1, 128, 2, 2)
+        braking = np.moveaxis(box[:, [4, 5, 5, 6]], 2, 0).reshape(-1, 128, 2, 2)
+        return self.damped_matrices(stiffness, braking)
+
     def fall(self, forms: Values, levels: Values) -> npt.NDArray[np.bool_]:
         """Return for which forms V falls everywhere on the ellipsoid ``xi^T P xi <= level``."""
         inverse = np.linalg.inv(forms)
         along, across = (np.sqrt(levels * inverse[:, place, place]) for place in (0, 1))
         inside = self.amplitude - along > self.rotor.delta0
-        matrices = self.corners(along[inside], across[inside])
+        if self.rotor.contact_damping > 0.0:
+            w_along, w_across = self.widths_of_velocity(inverse, levels)
+            # n.w, with n at most at a right angle to the whirl
+            inside &= self.rotor.contact_damping * (w_along + w_across) < 1.0
+            half = np.stack([along, across, w_along, w_across], axis=1)
+            matrices = self.damped_corners(half[inside])
+        else:
+            matrices = self.corners(along[inside], across[inside])
         weights = forms[inside, None]
         rates = np.swapaxes(matrices, -1, -2) @ weights + weights @ matrices
         rates += 2.0 * MARGIN * self.rotor.zeta * weights
         inside[inside] = np.linalg.eigvalsh(rates).max(axis=(1, 2)) < 0.0
         return inside
+
+    def widths_of_velocity(self, inverse: Values, levels: Values) -> tuple[Values, Values]:
+        """Return how large w becomes on ellipsoids, along and across the whirl."""
+        omega = self.rotor.omega
+        rows = np.array([[0.0, omega, 1.0, 0.0], [-omega, 0.0, 0.0, 1.0]])
+        along, across = np.sqrt(levels * np.einsum("ki,nij,kj->kn", rows, inverse, rows))
+        return along, across
 
     def largest_levels(self, forms: Values) -> Values:
         """Return the largest level of each form, found by bisection; 0 where there is none."""
@@ -199,12 +275,18 @@ class _Problem:
     def candidates(self) -> Values:
         """Return forms that the linear motion makes fall, with different weights of its modes.
 
-        All eigenvalues of a stable whirl have nearly the same real part: any weighted sum of the
-        squared amplitudes of its modes falls at that rate.
+        All eigenvalues of a stable whirl have nearly the same real part, but for much damping: any
+        weighted sum of the squared amplitudes of its modes falls at the slowest rate of them.
         """
-        radius, delta0 = np.array(self.amplitude), self.rotor.delta0
-        tangent, secant = contact_stiffness(radius, delta0), secant_stiffness(radius, delta0)
-        matrix = self.matrices(np.asarray(tangent), np.asarray(secant), np.zeros(()))
+        radius = np.asarray(self.amplitude)
+        tangent, secant = self.stiffnesses(radius)
+        drag = self.rotor.contact_damping * float(secant) * self.amplitude
+        if drag > 0.0:
+            matrix = self.damped_matrices(
+                np.diag([float(tangent), float(secant)]), np.diag([drag, 0.0])
+            )
+        else:
+            matrix = self.matrices(np.asarray(tangent), np.asarray(secant), np.zeros(()))
         values, vectors = np.linalg.eig(matrix)
         none = np.empty((0, 4, 4))
         if values.real.max() > -SLOWEST * np.abs(values).max():

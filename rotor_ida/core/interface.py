@@ -120,18 +120,14 @@ _SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
     ),
 }
 
-# What the core of the paper's rotor alone has: lanes.
-OF_PAPER = {"core_follow_lanes", "core_measure_returns"}
-
 
 @cache
 def library(model: str = "paper") -> ctypes.CDLL:
     """Return the core of a model, every function of which knows the types of its arguments."""
     core = found.library(model)
     for name, (result, arguments) in _SIGNATURES.items():
-        if model == "paper" or name not in OF_PAPER:
-            function = getattr(core, name)
-            function.restype, function.argtypes = result, arguments
+        function = getattr(core, name)
+        function.restype, function.argtypes = result, arguments
     return core
 
 

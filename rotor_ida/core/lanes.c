@@ -7,9 +7,9 @@
  * The method is that of Dormand and Prince of order 8 with the error estimate of DOP853: Hairer,
  * Nørsett and Wanner, Solving Ordinary Differential Equations I, 2nd ed., 1993, section II.5.
  *
- * The model is written by hand here; tests/basins/test_lanes.py holds it against
- * equations/modes.py. */
-#ifndef WHOLE_MODEL
+ * The model is written by hand here, and the whole of it but for a load, under which the motion on
+ * the rotating axes hangs on time; tests/basins/test_lanes.py holds it against equations/modes.py.
+ */
 #include <math.h>
 #include <stdbool.h>
 #include <string.h>
@@ -25,8 +25,9 @@ static const double TIME_OF_STEPS = 5000.0, MOST_TIME = 40000.0;
 static const double FIRST_STEP = 0.02, SHRINK = 0.2, GROW = 5.0;
 static const float CAUTION = 0.9F;
 /* An error below this is not seen of a step over the ring. In the time h after the ring is crossed
- * at a speed v the force puts the velocity off by about v**1.5 h**2.5: the shortest step. */
-static const double SEEN = 1e-8, KINK = 2.5, SHORTEST = 0.25;
+ * at a speed v the force puts the velocity off by about v**1.5 h**2.5: the shortest step. A linear
+ * contact does so by v h**2, and so does a force that comes to an end inside the contact. */
+static const double SEEN = 1e-8, KINK = 2.5, SHARPER_KINK = 2.0, SHORTEST = 0.25;
 /* Below this a radius or a depth counts as this; its force is nothing. */
 static const double TINY = 1e-30;
 static const double HOPELESS = 1e30;
@@ -148,25 +149,57 @@ inlined double inverse_root(double value)
     return y * (1.5 - 0.5 * (value * y * y));
 }
 
-/* s(r) = f(r)/r from r**2. `always` in contact, without a clearance, it takes less arithmetic. */
-inlined double secant(double square, double delta0, bool always)
+/* What is the same in all lanes, and known before a loop over them begins. */
+struct law {
+    bool always; /* in contact: without a clearance it takes less arithmetic */
+    bool linear;
+};
+
+static struct law law_of(struct rotor rotor)
+{
+    return (struct law){rotor.delta0 == 0.0, WHOLE && rotor.contact_exponent == 1.0};
+}
+
+/* s(r) = f(r)/r from r**2. */
+inlined double secant(double square, double delta0, struct law law)
 {
     const double bounded = larger(square, TINY);
-    if (always) { /* s = sqrt(r), from the inverse fourth root of r**2 */
+    if (law.always) { /* s = sqrt(r), from the inverse fourth root of r**2 */
         const double rough = (double)(1.0F / sqrtf(sqrtf((float)bounded)));
         const double y = rough * (1.25 - 0.25 * (bounded * (rough * rough) * (rough * rough)));
-        return bounded * y * (y * y);
+        return law.linear ? 1.0 : bounded * y * (y * y);
     }
     const double y = inverse_root(bounded), depth = larger(bounded * y - delta0, TINY);
-    return depth * depth * inverse_root(depth) * y;
+    return law.linear ? depth * y : depth * depth * inverse_root(depth) * y;
+}
+
+#ifdef WHOLE_MODEL
+/* 1 + c d': the part of the contact force that contact damping leaves; where it is negative there
+ * is none. */
+inlined double damped_part(struct state z, double contact_damping)
+{
+    const double closing = fma(z.x, z.u, z.y * z.v) * inverse_root(larger(squares(z.x, z.y), TINY));
+    return fma(contact_damping, closing, 1.0);
+}
+#endif
+
+/* What draws towards the bearing axis, over the radius. */
+inlined double restoring(struct state z, struct rotor rotor, struct law law)
+{
+    const double s = secant(squares(z.x, z.y), rotor.delta0, law);
+#ifdef WHOLE_MODEL
+    return fma(s, larger(damped_part(z, rotor.contact_damping), 0.0), rotor.shaft_stiffness);
+#else
+    return s;
+#endif
 }
 
 /* x' = u + omega y                              y' = v - omega x
  * u' = omega**2 - 2 zeta u + omega v - s x      v' = -2 zeta v - omega u - s y */
-inlined struct state rate(struct state z, struct rotor rotor, bool always)
+inlined struct state rate(struct state z, struct rotor rotor, struct law law)
 {
     const double omega = rotor.omega, damping = 2.0 * rotor.zeta;
-    const double s = secant(squares(z.x, z.y), rotor.delta0, always);
+    const double s = restoring(z, rotor, law);
     return (struct state){
         fma(omega, z.y, z.u),
         fma(-omega, z.x, z.v),
@@ -175,35 +208,58 @@ inlined struct state rate(struct state z, struct rotor rotor, bool always)
     };
 }
 
+/* How long a step may be to just short of a kink of the force, where it passes one that the
+ * shortest step is to cross; HOPELESS elsewhere. */
+inlined double up_to_kink(double before, double after, double h, double over)
+{
+    const double part = larger(h * before / (before - after) - 0.5 * over, 0.9 * over);
+    return before * after < 0.0 ? part : HOPELESS;
+}
+
+/* The same for the ring and, in contact, for the end of the force: for whichever comes first. */
+inlined double up_to_kinks(struct state z, struct state next, struct rotor rotor, double h,
+                           double over)
+{
+    const double ring = rotor.delta0 * rotor.delta0;
+    const double before = squares(z.x, z.y) - ring, after = squares(next.x, next.y) - ring;
+    const double at_ring = up_to_kink(before, after, h, over);
+#ifdef WHOLE_MODEL
+    const double loose = up_to_kink(damped_part(z, rotor.contact_damping),
+                                    damped_part(next, rotor.contact_damping), h, over);
+    return smaller(at_ring, larger(before, after) > 0.0 ? loose : HOPELESS);
+#else
+    return at_ring;
+#endif
+}
+
 /* Try one step in every lane; a step whose error is too large is taken back and made smaller.
  *
  * The error is measured against tolerance sqrt(1 + x**2 + y**2 + u**2 + v**2). It is not seen of a
  * step over the ring, where the force begins as depth**1.5: such a step is taken back until it is
  * so short that the force in it is below the tolerance: `over`. */
-inlined void step_all(struct lanes *lanes, struct rotor rotor, bool always, double tolerance,
+inlined void step_all(struct lanes *lanes, struct rotor rotor, struct law law, double tolerance,
                       double over)
 {
-    const double ring = rotor.delta0 * rotor.delta0;
     struct rows *now = &lanes->now;
     for (int i = 0; i < LANES; i++) {
         const struct state z = state_in(now, i);
         const double h = lanes->step[i];
-        const struct state k1 = rate(z, rotor, always);
-        const struct state k2 = rate(moved(z, h, sum(1, STAGE_2, &k1)), rotor, always);
+        const struct state k1 = rate(z, rotor, law);
+        const struct state k2 = rate(moved(z, h, sum(1, STAGE_2, &k1)), rotor, law);
         struct state early[3] = {k1, k2};
-        const struct state k3 = rate(moved(z, h, sum(2, STAGE_3, early)), rotor, always);
+        const struct state k3 = rate(moved(z, h, sum(2, STAGE_3, early)), rotor, law);
         early[1] = k3; /* the stages after it know nothing of the second */
-        const struct state k4 = rate(moved(z, h, sum(2, STAGE_4, early)), rotor, always);
+        const struct state k4 = rate(moved(z, h, sum(2, STAGE_4, early)), rotor, law);
         early[2] = k4;
-        const struct state k5 = rate(moved(z, h, sum(3, STAGE_5, early)), rotor, always);
+        const struct state k5 = rate(moved(z, h, sum(3, STAGE_5, early)), rotor, law);
         struct state k[10] = {k1, k4, k5}; /* nor those after it of the third */
-        k[3] = rate(moved(z, h, sum(3, STAGE_6, k)), rotor, always);
-        k[4] = rate(moved(z, h, sum(4, STAGE_7, k)), rotor, always);
-        k[5] = rate(moved(z, h, sum(5, STAGE_8, k)), rotor, always);
-        k[6] = rate(moved(z, h, sum(6, STAGE_9, k)), rotor, always);
-        k[7] = rate(moved(z, h, sum(7, STAGE_10, k)), rotor, always);
-        k[8] = rate(moved(z, h, sum(8, STAGE_11, k)), rotor, always);
-        k[9] = rate(moved(z, h, sum(9, STAGE_12, k)), rotor, always);
+        k[3] = rate(moved(z, h, sum(3, STAGE_6, k)), rotor, law);
+        k[4] = rate(moved(z, h, sum(4, STAGE_7, k)), rotor, law);
+        k[5] = rate(moved(z, h, sum(5, STAGE_8, k)), rotor, law);
+        k[6] = rate(moved(z, h, sum(6, STAGE_9, k)), rotor, law);
+        k[7] = rate(moved(z, h, sum(7, STAGE_10, k)), rotor, law);
+        k[8] = rate(moved(z, h, sum(8, STAGE_11, k)), rotor, law);
+        k[9] = rate(moved(z, h, sum(9, STAGE_12, k)), rotor, law);
         const struct state late[8] = {k1, k[3], k[4], k[5], k[6], k[7], k[8], k[9]};
         const struct state some[3] = {k1, k[6], k[9]};
         const struct state mean = sum(8, ADVANCE, late), next = moved(z, h, mean);
@@ -215,12 +271,10 @@ inlined void step_all(struct lanes *lanes, struct rotor rotor, bool always, doub
         /* the eighth root of the error itself, in single precision: it only chooses the step */
         const float root = sqrtf(sqrtf(sqrtf(sqrtf((float)(error + 1e-30)))));
         const double factor = larger(smaller((double)(CAUTION / root), GROW), SHRINK);
-        /* how long a step is over the ring that is good otherwise */
-        const double before = squares(z.x, z.y) - ring, after = squares(next.x, next.y) - ring;
-        const double passing = before * after < 0.0 && !always ? h : 0.0;
+        /* how long a step over a kink is that is good otherwise */
+        const double part = up_to_kinks(z, next, rotor, h, over);
+        const double passing = part < HOPELESS && !law.always ? h : 0.0;
         const double crossing = error <= 1.0 ? passing : 0.0;
-        /* to just short of the ring, where it is crossed by the shortest step */
-        const double part = larger(h * before / (before - after) - 0.5 * over, 0.9 * over);
         const double grade = crossing > over ? HOPELESS : error;
         lanes->step[i] = crossing > over ? part : h * factor;
         now->time[i] += grade <= 1.0 ? h : 0.0;
@@ -233,11 +287,18 @@ inlined void step_all(struct lanes *lanes, struct rotor rotor, bool always, doub
 
 static void step_lanes(struct lanes *lanes, struct rotor rotor, double tolerance)
 {
-    const double over = tolerance < SEEN ? SHORTEST * pow(tolerance, 1.0 / KINK) : INFINITY;
-    if (rotor.delta0 == 0.0)
-        step_all(lanes, rotor, true, tolerance, over);
+    const struct law law = law_of(rotor);
+    const double kink = law.linear || (WHOLE && rotor.contact_damping > 0.0) ? SHARPER_KINK : KINK;
+    const double over = tolerance < SEEN ? SHORTEST * pow(tolerance, 1.0 / kink) : INFINITY;
+    /* each a loop of its own */
+    if (law.always && law.linear)
+        step_all(lanes, rotor, (struct law){true, true}, tolerance, over);
+    else if (law.always)
+        step_all(lanes, rotor, (struct law){true, false}, tolerance, over);
+    else if (law.linear)
+        step_all(lanes, rotor, (struct law){false, true}, tolerance, over);
     else
-        step_all(lanes, rotor, false, tolerance, over);
+        step_all(lanes, rotor, (struct law){false, false}, tolerance, over);
 }
 
 /* Write the code of a trapping region into `inside` where it holds the lane. */
@@ -282,6 +343,29 @@ static void find_contact_free(struct lanes *lanes, struct rotor rotor, const dou
     }
 }
 
+/* Write the code into `inside` where an orbit that a shaft draws back will never touch the ring
+ * again.
+ *
+ * Out of contact the distance xi to the whirl dies out. The energy |xi'|**2 + kappa |xi|**2 only
+ * falls: that bounds it. With much damping xi is a sum of two motions that die out without turning,
+ * and lies between 0, where it is, and what the slow one is: that bounds it as well. */
+static void find_held_by_shaft(struct lanes *lanes, struct rotor rotor, const double whirl[4],
+                               double code)
+{
+    const double wx = whirl[0], wy = whirl[1], room = whirl[2];
+    const double omega = rotor.omega, kappa = rotor.shaft_stiffness;
+    const double square = fma(rotor.zeta, rotor.zeta, -kappa), root = sqrt(larger(square, 0.0));
+    const double fast = rotor.zeta + root, per = square > 0.0 ? 0.5 / root : INFINITY;
+    for (int i = 0; i < LANES; i++) {
+        const struct state z = state_in(&lanes->now, i);
+        const double x = z.x - wx, y = z.y - wy, u = fma(omega, wy, z.u), v = fma(-omega, wx, z.v);
+        const double now = squares(x, y), energy = fma(kappa, now, squares(u, v));
+        const double slow = squares(per * fma(fast, x, u), per * fma(fast, y, v));
+        const bool bounded = (larger(now, slow) <= room) | (energy <= kappa * room);
+        lanes->inside[i] = bounded ? code : lanes->inside[i];
+    }
+}
+
 /* Find the lanes that passed a section in the last step, the way its cycle does, close by; return
  * whether there is one. */
 static bool find_crossings(const struct lanes *lanes, const double section[SECTION],
@@ -320,7 +404,7 @@ static double height(struct state z, const double section[SECTION])
 /* |L (s - c)|**2 of the state on the section that a state close to it flows to. */
 static double size_on_section(struct state z, const double section[SECTION], struct rotor rotor)
 {
-    const struct state k = rate(z, rotor, rotor.delta0 == 0.0);
+    const struct state k = rate(z, rotor, law_of(rotor));
     const double shift = height(z, section) / dot(state_of(section + NORMAL), k);
     const struct state from = minus(moved(z, -shift, k), state_of(section));
     const double a = dot(state_of(section + ROWS), from);
@@ -332,11 +416,11 @@ static double size_on_section(struct state z, const double section[SECTION], str
 /* The state a time h later, by the classic Runge-Kutta method. */
 static struct state classic_step(struct state z, double h, struct rotor rotor)
 {
-    const bool always = rotor.delta0 == 0.0;
-    const struct state k1 = rate(z, rotor, always);
-    const struct state k2 = rate(moved(z, 0.5 * h, k1), rotor, always);
-    const struct state k3 = rate(moved(z, 0.5 * h, k2), rotor, always);
-    const struct state k4 = rate(moved(z, h, k3), rotor, always);
+    const struct law law = law_of(rotor);
+    const struct state k1 = rate(z, rotor, law);
+    const struct state k2 = rate(moved(z, 0.5 * h, k1), rotor, law);
+    const struct state k3 = rate(moved(z, 0.5 * h, k2), rotor, law);
+    const struct state k4 = rate(moved(z, h, k3), rotor, law);
     static const double weights[] = {1.0, 2.0, 2.0, 1.0};
     return moved(z, h / 6.0, sum(4, weights, (struct state[]){k1, k2, k3, k4}));
 }
@@ -345,9 +429,9 @@ static struct state classic_step(struct state z, double h, struct rotor rotor)
 static double section_value(const struct lanes *lanes, int i, const double section[SECTION],
                             struct rotor rotor)
 {
-    const bool always = rotor.delta0 == 0.0;
+    const struct law law = law_of(rotor);
     const struct state was = state_in(&lanes->was, i), now = state_in(&lanes->now, i);
-    const struct state first = rate(was, rotor, always), last = rate(now, rotor, always);
+    const struct state first = rate(was, rotor, law), last = rate(now, rotor, law);
     const double h = lanes->now.time[i] - lanes->was.time[i];
     double low = 0.0, high = 1.0;
     for (int halving = 0; halving < HALVINGS; halving++) {
@@ -473,7 +557,9 @@ int core_follow_lanes(const struct rotor *rotor, double *states, int16_t *labels
         memset(lanes.inside, 0, sizeof lanes.inside);
         for (int64_t j = 0; j < region_count; j++)
             find_trapped(&lanes, regions + REGION * j, (double)(j + 1));
-        if (free_whirl[2] >= 0.0)
+        if (free_whirl[2] >= 0.0 && WHOLE && rotor->shaft_stiffness > 0.0)
+            find_held_by_shaft(&lanes, *rotor, free_whirl, first_code);
+        else if (free_whirl[2] >= 0.0)
             find_contact_free(&lanes, *rotor, free_whirl, first_code);
         for (int64_t j = 0; j < section_count; j++)
             find_on_cycle(&lanes, *rotor, sections + SECTION * j, first_code + 2.0 + (double)j);
@@ -527,5 +613,3 @@ int core_measure_returns(const struct rotor *rotor, const double *states, int64_
     }
     return DONE;
 }
-
-#endif

@@ -175,12 +175,14 @@ def test_a_force_that_is_no_number_moves_nothing_and_leaves_the_neighbours_alone
 
 @pytest.mark.skipif(platform.machine() not in {"x86_64", "AMD64"}, reason="reads x86 assembly")
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="reads what gcc writes")
-def test_the_loop_over_lanes_is_vector_code():
+@pytest.mark.parametrize("model", ["-UWHOLE_MODEL", "-DWHOLE_MODEL"])
+def test_the_loop_over_lanes_is_vector_code(model):
     """A branch, or a function too long to be inlined, would cost a factor of four in silence."""
     build = Path(rotor_ida.__file__).parents[1] / "hatch_build.py"
     if not build.is_file():
         pytest.skip("an installed package has no build")
-    words = ["gcc", *run_path(str(build))["FLAGS"], "-march=x86-64-v3", "-S", "-o", "-", "lanes.c"]
+    flags = [*run_path(str(build))["FLAGS"], "-march=x86-64-v3", model]
+    words = ["gcc", *flags, "-S", "-o", "-", "lanes.c"]
     assembly = subprocess.run(words, cwd=CORE, capture_output=True, text=True, check=True).stdout
     packed = re.findall(r"\bv(?:fn?madd|mul|sqrt|add)\w*pd\b", assembly)
     scalar = re.findall(r"\bv(?:fn?madd|mul|sqrt|add)\w*sd\b", assembly)

@@ -579,9 +579,8 @@ static void single_states(void)
     }
 }
 
-/* ---- Lanes: of the paper's rotor alone ---- */
+/* ---- Lanes ---- */
 
-#ifndef WHOLE_MODEL
 enum { LANES_OF_KERNEL = 64, REGION = 14, SECTION = 21 };
 
 static double uniform(void) { return 8.0 * (double)rand() / RAND_MAX - 4.0; }
@@ -635,7 +634,6 @@ static void lanes(void)
         }
     }
 }
-#endif
 
 int main(void)
 {
@@ -651,9 +649,7 @@ int main(void)
     runs_by_a_solver_that_fails();
     stretches();
     single_states();
-#ifndef WHOLE_MODEL
     lanes();
-#endif
     puts("done");
     return 0;
 }

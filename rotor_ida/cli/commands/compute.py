@@ -130,6 +130,7 @@ def basin(
     vx: options.Component = 0.0,
     vy: options.Component = 0.0,
     rtol: options.RtolOrNone = None,
+    beyond: options.BeyondOptions = options.BeyondOptions(),
     jobs: options.JobOptions = options.JobOptions(),
     study: options.Study = None,
     output: Output = Output(),
@@ -148,7 +149,7 @@ def basin(
     output.check()
     with working("basin", study) as progress:
         dataset = rotor_ida.basin(
-            rotor.rotor(),
+            beyond.of(rotor.rotor()),
             x=x,
             y=y,
             vx=vx,
@@ -171,6 +172,7 @@ def fractions(
     starts: options.StartCount = 10_000,
     seed: options.Seed = 0,
     rtol: options.RtolOrNone = None,
+    beyond: options.BeyondOptions = options.BeyondOptions(),
     jobs: options.JobOptions = options.JobOptions(),
     study: options.Study = None,
     out: options.Out = None,
@@ -190,7 +192,7 @@ def fractions(
         raise InputError(f"starts must be at most {MOST_POINTS} without --study, got {starts}")
     with working("fractions", study) as progress:
         dataset = rotor_ida.basin_fractions(
-            rotor.rotor(),
+            beyond.of(rotor.rotor()),
             x=x,
             y=y,
             vx=vx,
