@@ -8,9 +8,9 @@ one before: the limit is the contact-free whirl that just reaches the ring
 out a whirl with little drift may be for its touches to fade is found by following such states: it
 is halved until the touches of each of them fade by the law. So that is an estimate, not a proof.
 
-With a shaft there is one contact-free whirl, about the bearing axis. What is off it by xi loses the
-energy ``|xi'|**2 + kappa |xi|**2``: where that keeps xi within the room that the whirl leaves, or the
-two motions do into which xi falls without turning, it never touches the ring again: exact. No
+With a shaft there is one contact-free whirl, about the bearing axis. What is off it by xi loses
+energy, ``|xi'|**2 + kappa |xi|**2``: where that keeps xi within the room that the whirl leaves, or
+the two motions do into which xi falls without turning, it never touches the ring again: exact. No
 touches fade there.
 """
 
@@ -107,7 +107,7 @@ def _fading_excess(rotor: Rotor, whirl: complex, stop: Stop) -> float:
 
 def _order(rotor: Rotor) -> float:
     """Return the power of 1/h that grows evenly from touch to touch: 1, or 1/2 for a linear one."""
-    return rotor.contact_exponent - 0.5
+    return float(rotor.contact_exponent - 0.5)
 
 
 def _states_too_far_out(rotor: Rotor, whirl: complex, excess: float) -> list[Values]:

@@ -29,8 +29,8 @@ the velocity as well. With w the velocity on the rotating axes, t across n, and 
 
     DF = g s I + g (f' - s) n n^T + c f (t.w)/r n t^T      by v,      c f n n^T      by w,
 
-so the box has seven entries, four and three, and 128 corners. How large w is on the ellipsoid bounds
-g, which must stay above 0: where the contact lets go the force is not as written.
+so the box has seven entries, four and three, and 128 corners. How large w is on the ellipsoid
+bounds g, which must stay above 0: where the contact lets go the force is not as written.
 
 References
 ----------
@@ -233,7 +233,7 @@ class _Problem:
 
     def fall(self, forms: Values, levels: Values) -> npt.NDArray[np.bool_]:
         """Return for which forms V falls everywhere on the ellipsoid ``xi^T P xi <= level``."""
-        inverse = np.linalg.inv(forms)
+        inverse: Values = np.linalg.inv(forms)
         along, across = (np.sqrt(levels * inverse[:, place, place]) for place in (0, 1))
         inside = self.amplitude - along > self.rotor.delta0
         if self.rotor.contact_damping > 0.0:
@@ -251,7 +251,7 @@ class _Problem:
         return inside
 
     def widths_of_velocity(self, inverse: Values, levels: Values) -> tuple[Values, Values]:
-        """Return how large w becomes on ellipsoids, along and across the whirl."""
+        """Return how large w becomes on some ellipsoids, along and across the whirl."""
         omega = self.rotor.omega
         rows = np.array([[0.0, omega, 1.0, 0.0], [-omega, 0.0, 0.0, 1.0]])
         along, across = np.sqrt(levels * np.einsum("ki,nij,kj->kn", rows, inverse, rows))
