@@ -69,7 +69,11 @@ WHIRL_DIRECTION = {"backward": -1, "none": 0, "forward": 1}
 EXACT = {"nothing": 0, "whirl": 1, "cycle": 2}
 LINE_KIND = {"backward": -1, "spin": 0, "forward": 1}
 SPECIAL = {"fold": 1, "period_doubling": 2, "graze": 3, "cusp": 4}
-END = {"not_found": -1, "none": 0, "fold": 1, "period_doubling": 2, "touch": 3}
+END = {
+    "not_found": -1, "none": 0, "fold": 1, "period_doubling": 2, "touch": 3, "hopf": 4, "torus": 5,
+}  # fmt: skip
+# Between whose values attractors are known to exist, where they are not 0.
+WITH_EXTENTS = ("omega", "zeta", "delta0", "shaft_stiffness", "contact_damping")
 EXTREMUM = {"minimum": -1, "constant": 0, "maximum": 1}
 
 QUANTITIES: dict[str, Quantity] = {
@@ -244,6 +248,9 @@ QUANTITIES: dict[str, Quantity] = {
     "dissipation_per_revolution": Quantity(
         "energy that damping takes in one revolution", scale="energy"
     ),
+    "contact_loss_per_revolution": Quantity(
+        "energy that contact damping takes in one revolution", scale="energy"
+    ),
     "excursion": Quantity("largest distance from the bearing axis over the clearance"),
     "missed_fraction": Quantity(
         "fraction of starts that an attractor may have and yet be missed, with a probability of 5 %"
@@ -282,12 +289,12 @@ QUANTITIES: dict[str, Quantity] = {
     },
     **{
         f"{name}_{side}": Quantity(f"{side}est {name} at which the attractor exists")
-        for name in ("omega", "zeta", "delta0")
+        for name in WITH_EXTENTS
         for side in ("low", "high")
     },
     **{
         f"{name}_{side}_end": Quantity(f"how it ends at the {side}est {name}", flags=END)
-        for name in ("omega", "zeta", "delta0")
+        for name in WITH_EXTENTS
         for side in ("low", "high")
     },
     "undecided_count": Quantity("number of starts whose end is not known"),

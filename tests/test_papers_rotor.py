@@ -26,7 +26,6 @@ MACHINE = {
 
 OF_A_ROTOR: dict[str, Callable[[Rotor], object]] = {
     "poincare_section": lambda rotor: rotor_ida.poincare_section(rotor, start=REST, revolutions=1),
-    "touchdown_report": lambda rotor: rotor_ida.touchdown_report(rotor, x=0.0, y=0.0, starts=2),
     "record": lambda rotor: record(rotor, start=REST, revolutions=1, speeds=[1.0]),
 }
 
@@ -47,8 +46,6 @@ def test_a_machine_with_more_is_refused():
     machine = DimensionalRotor(**MACHINE, load=39.2)
     with pytest.raises(InputError, match=r"^the rotor of check_scaling must be the paper's"):
         check_scaling(machine, duration=10.0)
-    with pytest.raises(InputError, match=r"^the rotor of touchdown_report must be the paper's"):
-        rotor_ida.touchdown_report(machine, x=0.0, y=0.0, starts=2)
 
 
 @pytest.mark.parametrize("given", [PLAIN, MACHINE])

@@ -24,7 +24,7 @@ from rotor_ida.basins.kernel import CHAOTIC, NOT_COMPUTED, UNDECIDED
 from rotor_ida.basins.known import known_from_closed_forms, same_cycle, with_cycle
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.parallel import Stop
-from rotor_ida.parameters import Rotor
+from rotor_ida.parameters import ALL_PARAMETERS, PARAMETERS, Rotor
 from rotor_ida.schema import RESPONSE, TRAPPING
 from rotor_ida.steady_state import response
 from rotor_ida.storage.studies.arrays import Arrays
@@ -132,10 +132,10 @@ def _cycle_of(found: FollowedStarts, attractor: Attractor) -> Cycle | None:
 
 
 def _as_arrays(cell: Cell) -> Arrays:
-    members = cell.members
+    members, names = cell.members, ALL_PARAMETERS if cell.rotor.beyond else PARAMETERS
     attractors = [each.attractor for each in members]
     arrays = {
-        "rotor": np.array([cell.rotor.omega, cell.rotor.zeta, cell.rotor.delta0]),
+        "rotor": np.array([getattr(cell.rotor, name) for name in names]),
         "left": np.array([cell.undecided, cell.not_computed]),
         "kind": np.array([RESPONSE[each.kind] for each in attractors], dtype=np.int8),
         "trapping": np.array([TRAPPING[each.trapping] for each in attractors], dtype=np.int8),
@@ -154,8 +154,9 @@ def _as_arrays(cell: Cell) -> Arrays:
 
 
 def _from_arrays(arrays: Arrays) -> Cell:
-    omega, zeta, delta0 = arrays["rotor"].tolist()
-    cell = Cell(Rotor(omega=omega, zeta=zeta, delta0=delta0))
+    # those that follow the paper's are left out where they are the default
+    given = zip(ALL_PARAMETERS, arrays["rotor"].tolist(), strict=False)
+    cell = Cell(Rotor(**dict(given)))
     cell.undecided, cell.not_computed = arrays["left"].tolist()
     cell.entropies = tuple(arrays["entropies"].tolist())
     cell.rechecked = arrays.get("rechecked", cell.rechecked)  # not told before

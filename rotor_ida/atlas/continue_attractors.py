@@ -1,7 +1,8 @@
-"""Which attractors exist over speed, damping or clearance, and how likely each is."""
+"""Which attractors exist over speed, damping, clearance and the like, and how likely each is."""
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping
 from contextlib import closing
@@ -34,7 +35,7 @@ from rotor_ida.checks import (
 )
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import FailedJob, Progress, choose, interruptible, run_all
-from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.parameters import DEFAULTS, Rotor
 from rotor_ida.provenance import computing
 from rotor_ida.simulation.options import LARGEST
 from rotor_ida.storage.studies.results import Results, open_results
@@ -50,6 +51,10 @@ def continue_attractors(
     omega: npt.ArrayLike,
     zeta: npt.ArrayLike,
     delta0: npt.ArrayLike,
+    shaft_stiffness: npt.ArrayLike = 0.0,
+    contact_exponent: npt.ArrayLike = 1.5,
+    contact_damping: npt.ArrayLike = 0.0,
+    load: float = 0.0,
     x: npt.ArrayLike = 0.0,
     y: npt.ArrayLike = 0.0,
     vx: npt.ArrayLike = 0.0,
@@ -68,7 +73,12 @@ def continue_attractors(
     Parameters
     ----------
     omega, zeta, delta0 : float or array_like, shape (n,)
-        Parameters [1]: one or two of them rising arrays, the others numbers; damped throughout.
+        Parameters [1]: one or two of all rising arrays, the others numbers; damped throughout.
+    shaft_stiffness, contact_exponent, contact_damping : float or array_like, shape (n,)
+        What a machine has beyond the paper's rotor [1]: a dimension where an axis is given, a
+        coordinate where a number is given that is not the default.
+    load : float
+        Must be 0: under a load nothing stands still on the turning axes.
     x, y, vx, vy : float or array_like, shape (2,)
         Components of the start [1]: numbers, or ranges ``(low, high)`` from which they are drawn,
         independently and uniformly.
@@ -88,7 +98,7 @@ def continue_attractors(
     Returns
     -------
     Dataset
-        On ``omega``, ``zeta``, ``delta0`` and ``attractor``, NaN where an attractor does not exist:
+        On the parameters and ``attractor``, NaN where an attractor does not exist:
         ``fraction``, ``fraction_error`` and ``count``; ``amplitude``, ``phase_lag``,
         ``radius_min``, ``radius_max``, ``period``, ``lifetime``, ``lifetime_low``,
         ``settling_median`` and ``settling_95`` [1]; ``kind`` and ``trapping`` as flags. On the
@@ -131,8 +141,14 @@ def continue_attractors(
     >>> found.amplitude.squeeze().sel(omega=1.7).values.round(4)
     array([1.8796, 9.4872])
     """
-    axes = _axes({"omega": omega, "zeta": zeta, "delta0": delta0})
-    rotors = [Rotor(omega=a, zeta=b, delta0=c) for a, b, c in product(*axes.values())]
+    axes, held = _axes({
+        "omega": omega, "zeta": zeta, "delta0": delta0, "shaft_stiffness": shaft_stiffness,
+        "contact_exponent": contact_exponent, "contact_damping": contact_damping, "load": load,
+    })  # fmt: skip
+    rotors = [
+        Rotor(**dict(zip(axes, place, strict=True)), **held)
+        for place in product(*(values.tolist() for values in axes.values()))
+    ]
     for rotor in rotors:
         check_rotor(rotor)
     check_progress(progress)
@@ -143,7 +159,7 @@ def continue_attractors(
     design = {
         "kind": "continue_attractors",
         **{name: values.tolist() for name, values in axes.items()},
-        **drawn, "rtol": tolerance, "shocks": tried, **computing(),
+        **held, **drawn, "rtol": tolerance, "shocks": tried, **computing(),
     }  # fmt: skip
     with open_results(study, design, len(rotors), FORM) as kept:
         jobs = [CellJob(rotor, states, tolerance, tried) for rotor in rotors]
@@ -151,13 +167,13 @@ def continue_attractors(
         cells = [Cell(rotor, not_computed=states.shape[1]) for rotor in rotors]
         for number, cell in kept.results():
             cells[number] = cell
-    lines = _lines([values.size for values in axes.values()])
+    lines = _lines({name: values.size for name, values in axes.items()})
     interruptible(lambda stop: identify(cells, lines, stop))
     told = {f"range_{each}" if each in COMPONENTS else each: drawn[each] for each in drawn}
     attributes = {**how_computed(tolerance, tried), **told}
     if reason:
         attributes["not_computed_reason"] = reason
-    return atlas_dataset(axes, cells, states.shape[1], attributes)
+    return atlas_dataset(axes, held, cells, states.shape[1], attributes)
 
 
 def _fill(
@@ -183,16 +199,23 @@ def _fill(
     return reason
 
 
-def _axes(given: Mapping[str, npt.ArrayLike]) -> dict[str, Values]:
-    """Return the parameters as rising axes of which two at most are longer than one."""
+def _axes(given: Mapping[str, npt.ArrayLike]) -> tuple[dict[str, Values], dict[str, float]]:
+    """Return the parameters as rising axes of which two at most are longer than one.
+
+    Beside them, what a machine has that is a number, where it is not the default.
+    """
     axes = {
         name: check_increasing(name, check_vector(name, value)) for name, value in given.items()
     }
+    numbers = [name for name in DEFAULTS if is_scalar(name, given[name])]
+    held = {name: axes.pop(name).item() for name in numbers}
     longer = [name for name, axis in axes.items() if axis.size > 1]
     if len(longer) > MOST_AXES:
-        raise InputError(f"two of {', '.join(PARAMETERS)} at most may be arrays, got three")
+        raise InputError(
+            f"two of the parameters at most may be arrays, got {len(longer)}: {', '.join(longer)}"
+        )
     check_points(*axes.values(), most=MOST_ROTORS)
-    return axes
+    return axes, {name: value for name, value in held.items() if value != DEFAULTS[name]}
 
 
 def _states(
@@ -217,11 +240,14 @@ def _states(
     return np.ascontiguousarray(given.T), {"starts": given.tolist()}
 
 
-def _lines(sizes: list[int]) -> list[list[int]]:
-    """Return the numbers of the cells along each line of the grid."""
-    numbers = np.arange(int(np.prod(sizes))).reshape(sizes)
+def _lines(sizes: Mapping[str, int]) -> list[list[int]]:
+    """Return the numbers of the cells along each line of the grid.
+
+    From one law of contact to the other nothing can be followed.
+    """
+    numbers = np.arange(math.prod(sizes.values())).reshape(*sizes.values())
     lines = []
-    for axis, size in enumerate(sizes):
-        if size > 1:
+    for axis, (name, size) in enumerate(sizes.items()):
+        if size > 1 and name != "contact_exponent":
             lines += np.moveaxis(numbers, axis, -1).reshape(-1, size).tolist()
     return lines

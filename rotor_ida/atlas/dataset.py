@@ -11,42 +11,55 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.atlas.cells import Cell, Member
+from rotor_ida.atlas.extents import varied
 from rotor_ida.atlas.resilience import Resilience, witness_options
 from rotor_ida.atlas.shocks import KINDS
 from rotor_ida.basins.attractors import NUMBERS
 from rotor_ida.basins.dataset import ENTROPIES, agreement_of, followed_by, labelled_how
-from rotor_ida.parameters import PARAMETERS
+from rotor_ida.parameters import Rotor
 from rotor_ida.provenance import provenance
-from rotor_ida.schema import END, RESPONSE, TRAPPING, WHIRL_DIRECTION, Column, labelled_dataset
+from rotor_ida.schema import (
+    END,
+    RESPONSE,
+    TRAPPING,
+    WHIRL_DIRECTION,
+    WITH_EXTENTS,
+    Column,
+    labelled_dataset,
+)
 
 # The sample misses an attractor that has more than `missed_fraction` with this probability at most.
 RISK = 0.05
-# The lowest and the highest value of each parameter at which an attractor exists, and how it ends.
-EXTENTS = tuple(f"{name}_{side}" for name in PARAMETERS for side in ("low", "high"))
-ENDS = tuple(f"{name}_end" for name in EXTENTS)
+# Ends of what a parameter may be where an attractor exists.
+SIDES = ("low", "high")
 # What stands where there is no such attractor; in other columns NaN.
 FLAGS = {
     "whirl_direction": WHIRL_DIRECTION["none"],
     "kind": RESPONSE["not_found"],
     "trapping": TRAPPING["none"],
-    **dict.fromkeys(ENDS, END["not_found"]),
+    **{f"{name}_{side}_end": END["not_found"] for name in WITH_EXTENTS for side in SIDES},
 }
 
 
 def atlas_dataset(
-    axes: Mapping[str, Values], cells: Sequence[Cell], starts: int, attributes: Mapping[str, object]
-) -> xr.Dataset:
-    """Return the attractors over the parameters, of rotors that have so many starts each."""
+    axes: Mapping[str, Values], held: Mapping[str, float], cells: Sequence[Cell], starts: int,
+    attributes: Mapping[str, object],
+) -> xr.Dataset:  # fmt: skip
+    """Return the attractors over the parameters, of rotors that have so many starts each.
+
+    `held` are those of a machine that are numbers.
+    """
     members = [each for cell in cells for each in cell.members]
     count = 1 + max((each.identity for each in members), default=-1)
     columns = _columns(cells, count, starts)
     coordinates: dict[str, Column] = {name: (name, values) for name, values in axes.items()}
+    coordinates |= {name: ((), value) for name, value in held.items()}
     coordinates["attractor"] = ("attractor", np.arange(count))
     if any(each.resilience is not None for each in members):
         columns |= _shocks(cells, count)
         coordinates["target"] = ("target", np.arange(count))
     sizes = tuple(values.size for values in axes.values())
-    over = (*PARAMETERS, "attractor", "target")
+    over = (*axes, "attractor", "target")
     of_cell: dict[str, npt.ArrayLike] = {
         "undecided_fraction": [
             each.undecided / max(starts - each.not_computed, 1) for each in cells
@@ -58,7 +71,7 @@ def atlas_dataset(
     agreement = [agreement_of(each.rechecked) for each in cells]
     of_cell |= {name: [each[name] for each in agreement] for name in agreement[0]}
     variables: dict[str, Column] = {
-        name: (over[: 2 + values.ndim], values.reshape(*sizes, *values.shape[1:]))
+        name: (over[: len(axes) - 1 + values.ndim], values.reshape(*sizes, *values.shape[1:]))
         for name, values in {
             **columns, **{name: np.array(values) for name, values in of_cell.items()}
         }.items()
@@ -81,7 +94,7 @@ def missed_fraction(starts: int) -> float:
     return float(1.0 - RISK ** (1.0 / starts))
 
 
-def member_row(member: Member, computed: int) -> dict[str, float]:
+def member_row(rotor: Rotor, member: Member, computed: int) -> dict[str, float]:
     """Return the numbers of an attractor by name, of so many starts that were computed."""
     attractor = member.attractor
     row = {name: getattr(attractor, name) for name in NUMBERS}
@@ -91,16 +104,17 @@ def member_row(member: Member, computed: int) -> dict[str, float]:
     row |= {"count": member.count, "fraction": part, "fraction_error": error}
     row["settling_median"], row["settling_95"] = member.settling.tolist()
     if member.resilience is not None:
-        row |= _resilience_row(member.resilience)
+        row |= _resilience_row(rotor, member.resilience)
     return row
 
 
-def _resilience_row(told: Resilience) -> dict[str, float]:
+def _resilience_row(rotor: Rotor, told: Resilience) -> dict[str, float]:
     bounds = [f"{kind}_shock_bound" for kind in KINDS]
+    extents = [f"{name}_{side}" for name in varied(rotor) for side in SIDES]
     return {
         **dict(zip(bounds, told.bounds.tolist(), strict=True)),
-        **dict(zip(EXTENTS, told.extents.ravel().tolist(), strict=True)),
-        **dict(zip(ENDS, told.ends.ravel().tolist(), strict=True)),
+        **dict(zip(extents, told.extents.ravel().tolist(), strict=True)),
+        **dict(zip([f"{name}_end" for name in extents], told.ends.ravel().tolist(), strict=True)),
     }
 
 
@@ -116,7 +130,8 @@ def _columns(cells: Sequence[Cell], count: int, starts: int) -> dict[str, npt.ND
     columns: dict[str, npt.NDArray[np.generic]] = {}
     for place, cell in enumerate(cells):
         for each in cell.members:
-            for name, value in member_row(each, starts - cell.not_computed).items():
+            row = member_row(cell.rotor, each, starts - cell.not_computed)
+            for name, value in row.items():
                 if name not in columns:
                     columns[name] = column_of(name, (len(cells), count))
                 columns[name][place, each.identity] = value

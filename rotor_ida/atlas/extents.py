@@ -6,19 +6,31 @@ along its exact curve, over the speed (`response_curve`) or the clearance (`clea
 the damping a rotor has one whirl at most of each amplitude, so the curve needs no tracing: it turns
 at the folds (`fold_locus`) and ends at first touch and at the whirls without damping. A limit cycle
 is followed along its branch, from the rotor at hand.
+
+So it is for the paper's rotor. With a shaft, another contact law or contact damping a whirl is
+followed along its exact amplitudes in small steps, and where it ends is sought among ever smaller
+ones; contact damping may end it at a Hopf point.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from operator import itemgetter
 
 import numpy as np
 from scipy.optimize import brentq
 
 from rotor_ida.arrays import Values
-from rotor_ida.closed_forms import clearance_curve, folds, response_curve
+from rotor_ida.closed_forms import (
+    clearance_curve,
+    eigenvalues,
+    folds,
+    response_curve,
+    synchronous_response,
+    touch_speeds,
+)
+from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.closed_forms.contacting_whirls import contacting_whirls
 from rotor_ida.closed_forms.fold_locus import LocusSide, fold_locus, locus_points
 from rotor_ida.cycles.branch import (
@@ -35,8 +47,8 @@ from rotor_ida.cycles.branch import (
 from rotor_ida.cycles.guess import Guess
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
-from rotor_ida.parameters import Rotor
-from rotor_ida.schema import STABILITY
+from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.schema import STABILITY, WITH_EXTENTS
 
 # What lasts down to this part of a parameter's value is said to last down to zero.
 AT_ZERO = 1e-4
@@ -48,6 +60,13 @@ UNDAMPED = 1e-12
 FARTHEST_OF_CYCLE = 50.0
 # A branch of limit cycles is followed for so many points each way: what one that goes on costs.
 MOST_POINTS = 300
+# A whirl of a machine is followed up to so many times a parameter, or this where that is 0,
+FARTHEST_OF_MACHINE = 1e4
+# in so many steps, in each of which its amplitude may change by this part; where it ends lies in
+# one of them, which is divided into so many again, so many times.
+STEPS, MOST_CHANGE, PARTS, DIVISIONS = 1024, 0.1, 64, 8
+# It ends at the ring where its indentation is this part of the clearance or less.
+AT_RING = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,9 +80,22 @@ class End:
 UNKNOWN = End(math.nan, "not_found")
 
 
+def varied(rotor: Rotor) -> tuple[str, ...]:
+    """Return the parameters of a rotor that extents are told of."""
+    return tuple(name for name in WITH_EXTENTS if name in PARAMETERS or name in rotor.beyond)
+
+
 def extent_of_contact_free(rotor: Rotor, parameter: str) -> tuple[End, End]:
     """Return between which values the contact-free whirl has room: |w| is at most delta0."""
     below, above = End(0.0, "none"), End(math.inf, "none")
+    if parameter == "contact_damping":
+        return below, above
+    if rotor.shaft_stiffness > 0.0:
+        low, high = _room_with_shaft(rotor, parameter)
+        return (
+            End(low, "touch") if low > 0.0 else below,
+            End(high, "touch") if high < math.inf else above,
+        )
     if parameter != "delta0" and rotor.delta0 >= 1.0:
         return below, above
     end = End(_first_touch(rotor, parameter), "touch")
@@ -79,8 +111,40 @@ def _first_touch(rotor: Rotor, parameter: str) -> float:
     return zeta * ratio if parameter == "omega" else omega / ratio
 
 
+def _room_with_shaft(rotor: Rotor, parameter: str) -> tuple[float, float]:
+    """Return between which values ``omega**4 <= delta0**2 ((kappa - q)**2 + 4 zeta**2 q)``."""
+    omega, zeta, kappa, delta0 = rotor.omega, rotor.zeta, rotor.shaft_stiffness, rotor.delta0
+    q = omega * omega
+    if parameter == "omega":
+        first, second = touch_speeds(zeta=zeta, delta0=delta0, shaft_stiffness=kappa).tolist()
+        if math.isnan(first):
+            return 0.0, math.inf
+        return (0.0, first) if omega <= first else (second, math.inf)
+    if parameter == "delta0":
+        return abs(complex(complex_amplitude(omega, zeta, kappa))), math.inf
+    off, drag = (kappa - q) ** 2, 4.0 * zeta * zeta * q
+    lacking = (q / delta0) ** 2 - (off if parameter == "zeta" else drag)
+    if lacking <= 0.0:
+        return 0.0, math.inf
+    if parameter == "zeta":
+        return 0.5 * math.sqrt(lacking) / omega, math.inf
+    root = math.sqrt(lacking)
+    return (q + root, math.inf) if kappa > q else (0.0, q - root)
+
+
 def extent_of_whirl(rotor: Rotor, amplitude: float, parameter: str) -> tuple[End, End]:
     """Return between which values a stable whirl in contact exists."""
+    if rotor.beyond:
+        value = getattr(rotor, parameter)
+        farthest = FARTHEST_OF_MACHINE * (value or 1.0)
+        upwards = np.geomspace(value or AT_ZERO, farthest, STEPS)
+        if value == 0.0:
+            upwards[0] = 0.0
+        high = _end_of_steps(rotor, amplitude, parameter, upwards)
+        if value == 0.0:
+            return End(0.0, "none"), high
+        downwards = np.geomspace(value, AT_ZERO * value, STEPS)
+        return _end_of_steps(rotor, amplitude, parameter, downwards), high
     if parameter == "zeta":
         return _extent_over_damping(rotor, amplitude)
     value = getattr(rotor, parameter)
@@ -89,11 +153,75 @@ def extent_of_whirl(rotor: Rotor, amplitude: float, parameter: str) -> tuple[End
         lowest, highest = AT_ZERO * value, 2.0 * float(np.fmax(value, last_turn))
     else:  # the clearance is less than the amplitude, and that at most omega/(2 zeta)
         lowest, highest = 0.0, rotor.omega / rotor.zeta
-    low, high = (
+    ends = (
         _end_along_curve(rotor, amplitude, parameter, limit) if limit != value else None
         for limit in (lowest, highest)
     )
-    return low or End(0.0, "none"), high or End(math.inf, "none")
+    low, upper = ends
+    return low or End(0.0, "none"), upper or End(math.inf, "none")
+
+
+def amplitudes_along(rotor: Rotor, amplitude: float, parameter: str, values: Values) -> Values:
+    """Return the amplitudes that a stable whirl takes on; NaN from where it ends.
+
+    Where a branch ends at a fold, the nearest of the others is farther off than it can have moved.
+    """
+    given = {name: value for name, value in rotor.given.items() if name != "load"}
+    whirls = synchronous_response(**given | {parameter: values})
+    stands = (whirls["stability"] == STABILITY["stable"]) & (whirls["in_contact"] == 1)
+    sizes = whirls["amplitude"].where(stands).transpose(parameter, ..., "branch").values
+    found = np.full(values.size, math.nan)
+    for place, row in enumerate(sizes.reshape(values.size, -1)):
+        apart = np.abs(row - amplitude)
+        if not (apart <= MOST_CHANGE * amplitude).any():
+            break
+        found[place] = amplitude = float(row[np.nanargmin(apart)])
+    return found
+
+
+def _end_of_steps(rotor: Rotor, amplitude: float, parameter: str, values: Values) -> End:
+    """Return where a stable whirl ends on its way along values, from the rotor's own on."""
+    value, size = _last_of_steps(rotor, amplitude, parameter, values, DIVISIONS)
+    if value == values[-1]:
+        return End(math.inf if values[-1] > values[0] else 0.0, "none")
+    if math.isnan(value):
+        return UNKNOWN
+    return End(value, _how_whirl_ends(replace(rotor, **{parameter: value}), size))
+
+
+def _last_of_steps(
+    rotor: Rotor, amplitude: float, parameter: str, values: Values, divisions: int
+) -> tuple[float, float]:
+    """Return the last of the values that a stable whirl comes to, or one between, and its size.
+
+    A step in which it ends, or its amplitude changes by much, is divided into finer ones.
+    """
+    while True:
+        sizes = amplitudes_along(rotor, amplitude, parameter, values)
+        lasting = int(np.isfinite(sizes).sum())
+        if lasting == 0:
+            return math.nan, math.nan
+        last, amplitude = float(values[lasting - 1]), float(sizes[lasting - 1])
+        if lasting == values.size:
+            return last, amplitude
+        goal = float(values[lasting])
+        finer = np.linspace(last, goal, PARTS + 1)
+        if not divisions or finer[1] == finer[0]:
+            return last, amplitude
+        reached, amplitude = _last_of_steps(rotor, amplitude, parameter, finer, divisions - 1)
+        if reached != goal:
+            return reached, amplitude
+        values = values[lasting:]
+
+
+def _how_whirl_ends(rotor: Rotor, amplitude: float) -> str:
+    """Return how a stable whirl ends that does so beside a rotor."""
+    if amplitude - rotor.delta0 <= AT_RING * rotor.delta0:
+        return "touch"
+    given = {name: value for name, value in rotor.given.items() if name != "load"}
+    rates = eigenvalues(amplitude, **given)
+    slowest = rates[np.argmax(rates.real)]
+    return "fold" if slowest.imag == 0.0 else "hopf"
 
 
 def extent_of_cycle(

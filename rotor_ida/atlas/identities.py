@@ -15,26 +15,24 @@ from itertools import pairwise
 import numpy as np
 
 from rotor_ida.atlas.cells import NEVER, Cell, Member
+from rotor_ida.atlas.extents import amplitudes_along
 from rotor_ida.basins.attractors import CONTACT_FREE_FAMILY, attractor_of_cycle
 from rotor_ida.basins.cycle_sections import cycle_section
 from rotor_ida.basins.known import same_numbers
-from rotor_ida.closed_forms import synchronous_response
 from rotor_ida.cycles.branch import LIMITS, PLACE, Side, advance, course_from
 from rotor_ida.cycles.guess import Guess
 from rotor_ida.cycles.multipliers import is_stable
 from rotor_ida.cycles.shooting import Cycle, close_orbit
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
-from rotor_ida.parameters import PARAMETERS, Rotor
-from rotor_ida.schema import STABILITY
+from rotor_ida.parameters import ALL_PARAMETERS, Rotor
 from rotor_ida.steady_state import response
 
 # From one rotor to the next a branch of limit cycles has at most so many points.
 MOST_POINTS = 400
-# From one rotor to the next a whirl is followed in so many steps,
+# From one rotor to the next a whirl is followed in so many steps: a twentyfold change in all of its
+# amplitude has been met.
 STEPS = 64
-# in each of which its amplitude may change by this part: a twentyfold change in all has been met.
-MOST_CHANGE = 0.1
 # A whirl is the same as one of the neighbour when their amplitudes agree to this part: both are
 # exact but for rounding.
 SAME_WHIRL = 1e-9
@@ -123,32 +121,18 @@ def followed_cycle(member: Member, here: Rotor, there: Rotor, stop: Stop) -> Cyc
 
 
 def followed_whirl(amplitude: float, here: Rotor, there: Rotor) -> float:
-    """Return the amplitude that a whirl takes on as parameters change; NaN if it ends.
-
-    Where a branch ends at a fold, the nearest of the others is farther off than it can have moved.
-    """
+    """Return the amplitude that a whirl takes on as parameters change; NaN if it ends."""
     name = _changed(here, there)
-    parameters = {each: getattr(there, each) for each in PARAMETERS}
     begin, end = getattr(here, name), getattr(there, name)
     # amplitudes are powers of a small speed
     spread = np.geomspace if begin > 0.0 and end > 0.0 else np.linspace
-    parameters[name] = spread(begin, end, STEPS + 1)
-    whirls = synchronous_response(**parameters).squeeze(
-        [each for each in PARAMETERS if each != name]
-    )
-    stands = (whirls["stability"] == STABILITY["stable"]) & (whirls["in_contact"] == 1)
-    sizes = whirls["amplitude"].where(stands).transpose(name, ...).values
-    for row in sizes[1:]:
-        apart = np.abs(row - amplitude)
-        if not (apart <= MOST_CHANGE * amplitude).any():
-            return math.nan
-        amplitude = float(row[np.nanargmin(apart)])
-    return amplitude
+    values = spread(begin, end, STEPS + 1)
+    return float(amplitudes_along(there, amplitude, name, values[1:])[-1])
 
 
 def _changed(here: Rotor, there: Rotor) -> str:
     """Return the parameter in which two neighbours differ."""
-    return next(each for each in PARAMETERS if getattr(here, each) != getattr(there, each))
+    return next(each for each in ALL_PARAMETERS if getattr(here, each) != getattr(there, each))
 
 
 def _numbered(cells: Sequence[Cell], links: Sequence[tuple[Member, Member]]) -> int:

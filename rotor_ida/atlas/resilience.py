@@ -21,12 +21,14 @@ from rotor_ida.atlas.extents import (
     extent_of_contact_free,
     extent_of_cycle,
     extent_of_whirl,
+    varied,
 )
 from rotor_ida.atlas.shocks import (
     KINDS,
     Shocks,
     Source,
     bound_of_cycle,
+    bound_of_held_whirl,
     bound_of_whirl,
     ends_of,
     try_shocks,
@@ -40,7 +42,7 @@ from rotor_ida.cycles.limit_cycle import follow
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
-from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.parameters import Rotor
 from rotor_ida.schema import END
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady_state import response
@@ -89,19 +91,21 @@ class Resilience:
     # how much larger the best is than the smallest that another draw led to, as a part of it,
     # before CVODE has looked, shape (2, m) [1]
     scatter: Values
+    # the lowest and the highest value of each parameter at which the attractor exists [1],
+    extents: Values
+    # and how it ends there: numbers of `rotor_ida.schema.END`
+    ends: Flags
     # the size below which no shock throws the rotor off: of whirls proven, of cycles estimated [1]
     bounds: Values = field(default_factory=lambda: np.zeros(2))
-    # the lowest and the highest omega, zeta and delta0 at which the attractor exists [1],
-    extents: Values = field(default_factory=lambda: np.full((3, 2), np.nan))
-    # and how it ends there: numbers of `rotor_ida.schema.END`
-    ends: Flags = field(default_factory=lambda: np.full((3, 2), END["not_found"], dtype=np.int8))
 
     @classmethod
-    def unknown(cls, attractors: int) -> Resilience:
+    def unknown(cls, attractors: int, rotor: Rotor) -> Resilience:
         """Return that of an attractor of which nothing is known."""
+        over = len(varied(rotor)), 2
         return cls(
             np.full((2, attractors), np.nan), np.full((2, attractors, 4), np.nan),
             np.full((2, attractors, 4), np.nan), np.full((2, attractors), np.nan),
+            np.full(over, np.nan), np.full(over, END["not_found"], dtype=np.int8),
         )  # fmt: skip
 
 
@@ -148,13 +152,14 @@ def resilience_of(search: Search) -> list[Resilience]:
 
 
 def _resilience_of(search: Search, subject: Subject) -> Resilience:
-    found, known = Resilience.unknown(len(search.subjects)), search.known
+    known = search.known
+    found = Resilience.unknown(len(search.subjects), known.rotor)
     _fill_extents(found, known.rotor, subject, search.stop)
     source = _source_of(search, subject) if known.rotor.omega > 0.0 else None
     if source is None:
         return found
     for row, (kind, largest) in enumerate(zip(KINDS, search.largest(), strict=True)):
-        bound = bound_of_whirl(known.whirls[subject.label], kind) if subject.is_whirl else 0.0
+        bound = _proven_bound(known, subject, kind)
         sizes = max(bound, SMALLEST * largest), largest
         tried, scatter = try_shocks(
             source, subject.label, kind, sizes, search.shocks, search.ends, seed=row
@@ -171,6 +176,15 @@ def _resilience_of(search: Search, subject: Subject) -> Resilience:
             bound = bound_of_cycle(section, source, kind, most, search.stop)
         found.bounds[row] = bound
     return found
+
+
+def _proven_bound(known: Known, subject: Subject, kind: str) -> float:
+    """Return the size up to which no shock throws the rotor off a whirl; 0 where none is known."""
+    if subject.is_whirl:
+        return bound_of_whirl(known.whirls[subject.label], kind)
+    if subject.label == known.free_label and known.free is not None and known.free.alone:
+        return bound_of_held_whirl(known.rotor, known.free.room, kind)
+    return 0.0
 
 
 def _keep_smallest(
@@ -228,7 +242,8 @@ def _states_of(search: Search, subject: Subject) -> Values:
 
 def _contact_free_states(free: ContactFree, omega: float, places: Values) -> Values:
     """Return whirls about any centre of those that leave room, half of them about the farthest."""
-    distance = free.room * np.sqrt(np.clip(2.0 * np.abs(places[1]), 0.0, 1.0))
+    room = 0.0 if free.alone else free.room
+    distance = room * np.sqrt(np.clip(2.0 * np.abs(places[1]), 0.0, 1.0))
     angle = 2.0 * math.pi * places[0]
     velocity = 1j * omega * free.whirl
     return np.stack([
@@ -241,7 +256,7 @@ def _contact_free_states(free: ContactFree, omega: float, places: Values) -> Val
 
 def _fill_extents(found: Resilience, rotor: Rotor, subject: Subject, stop: Stop) -> None:
     """Write down between which parameters an attractor exists."""
-    for row, name in enumerate(PARAMETERS):
+    for row, name in enumerate(varied(rotor)):
         for column, end in enumerate(_extent(rotor, subject, name, stop)):
             found.extents[row, column] = end.value
             found.ends[row, column] = END[end.kind]

@@ -27,6 +27,7 @@ from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED, Labels, measure_ret
 from rotor_ida.basins.known import Known
 from rotor_ida.basins.trapping_regions import TrappingRegion
 from rotor_ida.parallel import Stop
+from rotor_ida.parameters import Rotor
 
 # Kinds of shock, with the first of the two coordinates that it changes.
 KINDS = {"velocity": 2, "displacement": 0}
@@ -276,6 +277,18 @@ def bound_of_whirl(region: TrappingRegion, kind: str) -> float:
     first = KINDS[kind]
     factor = np.linalg.cholesky(region.form).T[:, first : first + 2]
     return float(1.0 / np.linalg.svd(factor, compute_uv=False)[0])
+
+
+def bound_of_held_whirl(rotor: Rotor, room: float, kind: str) -> float:
+    """Return the size up to which no shock drives the whirl that a shaft holds to the ring: proven.
+
+    By its energy, or with much damping by the slow one of the two motions that it falls into: see
+    `rotor_ida.basins.contact_free_whirls`.
+    """
+    if kind == "displacement":
+        return room
+    kappa, zeta = rotor.shaft_stiffness, rotor.zeta
+    return room * max(math.sqrt(kappa), 2.0 * math.sqrt(max(zeta * zeta - kappa, 0.0)))
 
 
 def bound_of_cycle(

@@ -25,13 +25,13 @@ from rotor_ida.checks import (
     check_seed,
     shown,
 )
-from rotor_ida.core.interface import ENTRY_TIME, EXIT_TIME
+from rotor_ida.core.interface import ENTRY_TIME, EXIT_TIME, LOST
 from rotor_ida.cycles.limit_cycle import follow, whirl_beside
 from rotor_ida.cycles.shooting import close_orbit
 from rotor_ida.equations.contact import contact_force
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import interruptible
-from rotor_ida.parameters import PARAMETERS, DimensionalRotor, Rotor, check_papers
+from rotor_ida.parameters import DimensionalRotor, Rotor
 from rotor_ida.schema import WHIRL_DIRECTION, Column, labelled_dataset
 from rotor_ida.si_units import dimensional
 from rotor_ida.simulation.dataset import parameter_coordinates
@@ -89,12 +89,13 @@ def touchdown_report(
         there, ``settling_median`` and ``settling_95`` [s]; ``largest_force`` and its mean over the
         time, ``mean_force`` (the impulse a second) [N]; ``contacts_per_revolution`` and
         ``contact_fraction``, the share of time in contact; ``dissipation_per_revolution``, the
-        energy that damping takes [J]; ``whirl_ratio`` and ``whirl_direction`` of the strongest
+        energy that damping takes [J], and with contact damping what that takes of it,
+        ``contact_loss_per_revolution``; ``whirl_ratio`` and ``whirl_direction`` of the strongest
         whirl beside the spin; ``radius_min``, ``radius_max``, ``period`` [m], [s]; ``excursion``,
         the largest distance from the bearing axis over the clearance; the scalars
         ``basin_entropy`` and ``boundary_entropy``, and ``agreement``, the part of the labels that
         come out the same with a smaller error in a step, of ``agreement_count`` that were found
-        again. Of chaos what needs a period is NaN.
+        again. Of chaos what needs a period is NaN, and with contact damping its largest force.
 
         With `shocks`, on ``(attractor, target)``: ``velocity_shock`` and ``displacement_shock``
         [m/s], [m], NaN where none was found up to ``velocity_shock_largest`` and
@@ -111,12 +112,12 @@ def touchdown_report(
     Raises
     ------
     InputError
-        If an argument cannot be used, or the machine does not turn.
+        If an argument cannot be used, the machine does not turn, or it has a load.
 
     Notes
     -----
-    Energy comes from the drive and leaves through damping alone, ``2 zeta |z'|**2``: the Hertz
-    contact gives back all that it takes.
+    Energy comes from the drive and leaves through damping alone, ``2 zeta |z'|**2``, and through
+    contact damping: without it the contact gives back all that it takes.
 
     Starts are labelled as by `rotor_ida.basin_fractions`, with the same `rtol` for any machine;
     CVODE confirms no attractor.
@@ -145,7 +146,6 @@ def touchdown_report(
     True
     """
     rotor, length, velocity = _scales(machine)
-    check_papers(rotor, "touchdown_report")
     check_rotor(rotor)
     if rotor.omega == 0.0:
         raise InputError("speed must be above 0 for a report on touching, got 0.0")
@@ -168,7 +168,7 @@ def _dataset(cell: Cell, starts: int, attributes: Mapping[str, object]) -> xr.Da
     rows = []
     for each in cell.members:
         own = _numbers(cell.rotor, each)
-        row = {**member_row(each, starts), **own, "whirl_direction": _direction(own)}
+        row = {**member_row(cell.rotor, each, starts), **own, "whirl_direction": _direction(own)}
         rows.append({name: value for name, value in row.items() if name not in LEFT_OUT})
     variables: dict[str, Column] = {}
     for name in rows[0] if rows else ():
@@ -185,7 +185,7 @@ def _dataset(cell: Cell, starts: int, attributes: Mapping[str, object]) -> xr.Da
     coordinates["attractor"] = ("attractor", numbers)
     if tried:
         coordinates["target"] = ("target", numbers)
-    told = {**attributes, **{name: getattr(cell.rotor, name) for name in PARAMETERS}}
+    told = {**attributes, **cell.rotor.given}
     return labelled_dataset("What touching the ring does", variables, coordinates, told)
 
 
@@ -219,17 +219,24 @@ def _numbers(rotor: Rotor, member: Member) -> dict[str, float]:
     """Return what one attractor does, dimensionless."""
     attractor = member.attractor
     numbers = dict.fromkeys(NUMBERS, math.nan)
+    exponent, damped = rotor.contact_exponent, rotor.contact_damping > 0.0
+    if damped:
+        numbers["contact_loss_per_revolution"] = math.nan
     if rotor.delta0 > 0.0:  # NaN where the radius hangs on the start
         numbers["excursion"] = attractor.radius_max / rotor.delta0
     if attractor.kind == response.CHAOTIC:
-        numbers["largest_force"] = float(contact_force(attractor.radius_max, rotor.delta0))
+        if not damped:  # then the force is largest where the radius is
+            force = contact_force(attractor.radius_max, rotor.delta0, exponent)
+            numbers["largest_force"] = float(force)
         return numbers
     if attractor.period > 0.0:
         return numbers | _of_cycle(rotor, member)
-    force = 0.0
+    steady = 0.0
     if attractor.kind == response.SYNCHRONOUS:
-        force = float(contact_force(attractor.amplitude, rotor.delta0))
-    numbers["largest_force"] = numbers["mean_force"] = force
+        steady = float(contact_force(attractor.amplitude, rotor.delta0, exponent))
+    numbers["largest_force"] = numbers["mean_force"] = steady
+    if damped:  # at a radius that stands still, or in touches that are nothing in the limit
+        numbers["contact_loss_per_revolution"] = 0.0
     numbers["contact_fraction"] = float(attractor.kind == response.SYNCHRONOUS)
     # the touches of a motion that fades come once a revolution, and are nothing in the limit
     numbers["contacts_per_revolution"] = float(attractor.kind == response.TOUCHING)
@@ -246,16 +253,19 @@ def _of_cycle(rotor: Rotor, member: Member) -> dict[str, float]:
     revolution = 2.0 * math.pi / rotor.omega
     impulse = cycle.impulse
     if math.isnan(impulse):  # without clearance: the integral of a smooth periodic function
-        force = contact_force(np.hypot(states[:, 0], states[:, 1]), rotor.delta0)
+        radii = np.hypot(states[:, 0], states[:, 1])
+        force = contact_force(radii, rotor.delta0, rotor.contact_exponent)
         impulse = float(force.mean()) * cycle.period
     # velocities read on the rotating axes are those of the fixed ones, turned
     power = 2.0 * rotor.zeta * float((states[:, 2] ** 2 + states[:, 3] ** 2).mean())
-    return {
+    loss = float(np.nansum(cycle.shot.contacts[:, LOST])) * revolution / cycle.period
+    told = {"contact_loss_per_revolution": loss} if rotor.contact_damping > 0.0 else {}
+    return told | {
         "largest_force": cycle.largest_force,
         "mean_force": impulse / cycle.period,
         "contacts_per_revolution": cycle.contacts * revolution / cycle.period,
         "contact_fraction": _time_in_contact(cycle.shot) / cycle.period if cycle.contacts else 1.0,
-        "dissipation_per_revolution": power * revolution,
+        "dissipation_per_revolution": power * revolution + loss,
         "whirl_ratio": whirl_beside(cycle, states)[0],
     }
 

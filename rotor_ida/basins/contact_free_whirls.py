@@ -96,7 +96,7 @@ def _fading_excess(rotor: Rotor, whirl: complex, stop: Stop) -> float:
         return 0.0
     room = rotor.delta0 - abs(whirl)
     small = (LARGEST_EXCESS / growth) ** (1.0 / _order(rotor))
-    excess = min(small, LARGEST_PART_OF_ROOM * room)
+    excess = float(min(small, LARGEST_PART_OF_ROOM * room))
     for _ in range(HALVINGS):
         states = _states_too_far_out(rotor, whirl, excess)
         if stop[0] or (states and all(_fades(rotor, state, growth, stop) for state in states)):

@@ -233,7 +233,7 @@ class _Problem:
 
     def fall(self, forms: Values, levels: Values) -> npt.NDArray[np.bool_]:
         """Return for which forms V falls everywhere on the ellipsoid ``xi^T P xi <= level``."""
-        inverse: Values = np.linalg.inv(forms)
+        inverse: Values = np.linalg.inv(forms).astype(np.float64, copy=False)
         along, across = (np.sqrt(levels * inverse[:, place, place]) for place in (0, 1))
         inside = self.amplitude - along > self.rotor.delta0
         if self.rotor.contact_damping > 0.0:

@@ -39,14 +39,15 @@ ATTRACTOR = (
 DONE_TO_MACHINE = (
     *("fraction", "fraction_error", "settling_median", "settling_95"),
     *("largest_force", "mean_force", "contacts_per_revolution", "contact_fraction"),
-    *("dissipation_per_revolution", "whirl_ratio", "whirl_direction"),
+    *("dissipation_per_revolution", "contact_loss_per_revolution"),
+    *("whirl_ratio", "whirl_direction"),
     *("radius_min", "radius_max", "excursion", "period", "lifetime", "trapping"),
     *("velocity_shock_bound", "displacement_shock_bound"),
 )
 SHOCK = ("velocity_shock", "displacement_shock")
 ENDS = {"low": "from", "high": "to"}
 OF_MACHINE = (
-    *(*PARAMETERS, "undecided_fraction", "missed_fraction", "basin_entropy"),
+    *(*ALL_PARAMETERS, "undecided_fraction", "missed_fraction", "basin_entropy"),
     *("agreement", "agreement_count"),
 )
 SHARE = ("response", "response_count", "response_fraction", "response_fraction_error")
@@ -274,7 +275,8 @@ def _touchdown(dataset: xr.Dataset, most: int | None) -> Description:
         if rows and name in rows[0]
     ]
     if rows and f"{PARAMETERS[0]}_low" in rows[0]:
-        for name, word in product(PARAMETERS, ENDS):
+        names = [name for name in ALL_PARAMETERS if f"{name}_low" in rows[0]]
+        for name, word in product(names, ENDS):
             ends = [_end(row, f"{name}_{word}") for row in rows]
             lines.append({"": f"{name} {ENDS[word]}", **dict(zip(heads, ends, strict=True))})
     counted = f"Attractors: {len(rows) or 'none'}"

@@ -15,7 +15,7 @@ from matplotlib.patches import Patch
 from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS, check_choice
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import PARAMETERS
+from rotor_ida.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.plot.appearance import (
     INK,
     KIND_SHADES,
@@ -166,11 +166,11 @@ def plot_attractors(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     'share of starts'
     """
     check_dataset("dataset", dataset, (*PARAMETERS, "attractor", "fraction", "kind"))
-    varying = [name for name in PARAMETERS if dataset[name].size > 1]
+    varying = _varying(dataset)
     if len(varying) != 1:
         raise InputError(f"dataset must be over one parameter to be drawn, got {len(varying)}")
     (name,) = varying
-    fixed = {each: 0 for each in PARAMETERS if each != name}
+    fixed = {each: 0 for each in _parameters(dataset) if each != name}
     line = dataset.isel(fixed, missing_dims="ignore").transpose(name, ..., "attractor")
     words = {number: word for word, number in flags_of(dataset["kind"]).items()}
     families, named = {kind: cycle(family) for kind, family in KIND_SHADES.items()}, set[str]()
@@ -236,14 +236,12 @@ def plot_attractor_map(dataset: xr.Dataset, ax: Axes | None = None, *, by: str =
         raise InputError("dataset must have been made with shocks to be mapped by them")
     if "length_scale" in dataset.attrs:
         raise InputError("dataset must be dimensionless to be mapped, got one in SI units")
-    varying = [name for name in PARAMETERS if dataset[name].size > 1]
+    varying = _varying(dataset)
     if len(varying) != 2:
         raise InputError(f"dataset must be over two parameters to be mapped, got {len(varying)}")
     right, upwards = varying
-    (fixed,) = (name for name in PARAMETERS if name not in varying)
-    plane = dataset.isel({fixed: 0}, missing_dims="ignore").transpose(
-        upwards, right, ..., "attractor"
-    )
+    fixed = {name: 0 for name in _parameters(dataset) if name not in varying}
+    plane = dataset.isel(fixed, missing_dims="ignore").transpose(upwards, right, ..., "attractor")
     places = plane[right].values, plane[upwards].values
     with style():
         ax = axes_or_new(ax, width=5.0, height=4.4)
@@ -261,8 +259,18 @@ def plot_attractor_map(dataset: xr.Dataset, ax: Axes | None = None, *, by: str =
             _colour_by_number(ax, places, plane, by)
         label_axis(ax.xaxis, right, dataset[right])
         label_axis(ax.yaxis, upwards, dataset[upwards])
-        ax.set_title(title_of("dataset", plane, (fixed,)))
+        ax.set_title(title_of("dataset", plane, tuple(fixed)))
     return ax
+
+
+def _parameters(dataset: xr.Dataset) -> list[str]:
+    """Return the parameters that an atlas has."""
+    return [name for name in ALL_PARAMETERS if name in dataset.variables]
+
+
+def _varying(dataset: xr.Dataset) -> list[str]:
+    """Return those of them that it is over."""
+    return [name for name in _parameters(dataset) if dataset[name].size > 1]
 
 
 def _colour_by_number(ax: Axes, places: tuple[Values, Values], plane: xr.Dataset, by: str) -> None:

@@ -107,7 +107,7 @@ def test_it_can_be_kept_and_goes_on_from_a_study(isola, tmp_path):
         ({"omega": [2.0, 1.0]}, "omega must increase, got 1.0 after 2.0"),
         (
             {"omega": [1.0, 2.0], "zeta": [0.1, 0.2], "delta0": [0.0, 1.0]},
-            "two of omega, zeta, delta0 at most may be arrays, got three",
+            "two of the parameters at most may be arrays, got 3: omega, zeta, delta0",
         ),
         ({"zeta": 0.0}, "zeta must be above 0, where nothing settles, .* got 0.0"),
         ({"starts": 0}, "starts must be at least 1, got 0"),
