@@ -24,6 +24,7 @@ from rotor_ida.storage.studies.results import open_results
 TIGHTEST, LOOSEST = 1e-12, 1e-4
 # Stiffer rotors take the explicit method too many steps.
 MOST_DAMPING = 20.0
+MOST_CONTACT_DAMPING = 50.0
 # Without a study all labels are in memory.
 MOST_STARTS = 100_000_000
 
@@ -61,6 +62,11 @@ def check_rotor(rotor: object) -> Rotor:
         raise InputError(
             f"zeta must be above 0, where nothing settles, and at most {MOST_DAMPING:g} for a "
             f"basin, got {rotor.zeta!r}"
+        )
+    if rotor.contact_damping > MOST_CONTACT_DAMPING:
+        raise InputError(
+            f"contact_damping must be at most {MOST_CONTACT_DAMPING:g} for a basin, got "
+            f"{rotor.contact_damping!r}"
         )
     return rotor
 

@@ -230,6 +230,13 @@ def test_a_contact_free_whirl_that_a_shaft_holds_has_a_radius():
     assert bool(found.confirmed[number])
 
 
+def test_a_contact_that_is_damped_too_much_is_refused():
+    rotor = Rotor(omega=1.7, zeta=0.07, delta0=2.0, contact_damping=60.0)
+    message = r"^contact_damping must be at most 50 for a basin, got 60.0$"
+    with pytest.raises(InputError, match=message):
+        basin(rotor, x=[0.0, 1.0], y=[0.0, 1.0])
+
+
 def test_a_basin_under_a_load_is_refused():
     rotor = Rotor(omega=1.7, zeta=0.07, delta0=2.0, load=0.25)
     with pytest.raises(InputError, match=r"^load must be 0 for a basin, as under a load nothing"):
