@@ -35,7 +35,7 @@ from rotor_ida.plot.appearance import DASHES, GREY, INK, RED, look
 GRAVITY = 9.80665  # m/s^2
 MASS = 20.0  # kg
 CLEARANCE = 0.2e-3  # m
-# Contact damping [s/m], after which the drop ends in rest, and with which it does not.
+# Contact damping with which the drop ends in rest, and with which it does not [s/m].
 DROPS = {"resting": 10.0, "bouncing": 3.0}
 UNITS = {"length": "mm", "force": "kN"}
 SHOWN = 0.1  # s
@@ -188,7 +188,7 @@ def draw_drops(runs: Mapping[str, xr.Dataset], settings: Settings) -> None:
     ends = " ".join(
         f"With {DROPS[name]:g} s/m the first impact leaves "
         f"{restitution(machine_with(DROPS[name], CLEARANCE)):.2f} of the speed, and the rotor is "
-        f"{told(run, machine_with(DROPS[name], CLEARANCE))}, after {run.sizes['contact']} contacts."
+        f"{told(run, machine_with(DROPS[name], CLEARANCE))}, after {run.sizes['contact']} contacts in {LASTS:g} s."
         for name, run in counted.items()
     )
     settings.show(
@@ -251,7 +251,7 @@ def draw_map(mapped: xr.Dataset, settings: Settings) -> None:
         rest.set(xlabel="clearance [mm]", ylabel="contact damping $\\lambda$ [s/m]", yscale="log")
         rest.set_yticks([1, 2, 5, 10, 20, 40], ["1", "2", "5", "10", "20", "40"])
         rest.minorticks_off()
-        rest.set_title("grey: still bouncing after 1 s", fontsize=9.5)
+        rest.set_title(f"grey: not at rest within {LASTS - STAYS:g} s", fontsize=9.5)
         rest.grid(visible=False)
     stays = mapped.time_to_rest.notnull()
     always = mapped.damping.values > mapped.damping.values[~stays.all("clearance").values].max()
@@ -259,7 +259,7 @@ def draw_map(mapped: xr.Dataset, settings: Settings) -> None:
     settings.show(
         figure, "map", archives=["map"],
         shows="Drops over clearance and contact damping: the largest force, and the time to rest "
-        "with the restitution e of the first impact; grey is still bouncing after 1 s.",
+        "with the restitution e of the first impact; grey bounces on.",
         found=f"Of {mapped.time_to_rest.size} drops {int(stays.sum())} end in rest within "
         f"{LASTS - STAYS:g} s. From {mapped.damping.values[always].min():.3g} s/m on all do, in "
         f"{1e3 * worst:.0f} ms or less; with less damping some do and some do not, by the phase of "
