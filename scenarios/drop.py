@@ -188,7 +188,8 @@ def draw_drops(runs: Mapping[str, xr.Dataset], settings: Settings) -> None:
     ends = " ".join(
         f"With {DROPS[name]:g} s/m the first impact leaves "
         f"{restitution(machine_with(DROPS[name], CLEARANCE)):.2f} of the speed, and the rotor is "
-        f"{told(run, machine_with(DROPS[name], CLEARANCE))}, after {run.sizes['contact']} contacts in {LASTS:g} s."
+        f"{told(run, machine_with(DROPS[name], CLEARANCE))}: {run.sizes['contact']} contacts in "
+        f"{LASTS:g} s."
         for name, run in counted.items()
     )
     settings.show(
@@ -204,9 +205,9 @@ def draw_drops(runs: Mapping[str, xr.Dataset], settings: Settings) -> None:
 def told(run: xr.Dataset, machine: DimensionalRotor) -> str:
     """Return in words when a rotor is at rest."""
     rest = time_to_rest(run, machine)
-    return (
-        f"still bouncing after {LASTS:g} s" if math.isnan(rest) else f"at rest after {rest:.3f} s"
-    )
+    if math.isnan(rest):
+        return f"not at rest within {LASTS - STAYS:g} s"
+    return f"at rest after {rest:.3f} s"
 
 
 def draw_bounces(ax: Axes, run: xr.Dataset) -> None:
