@@ -1,0 +1,201 @@
+"""The physics that the scenarios of real machines show, each beside an independent witness."""
+
+import importlib.util
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from rotor_ida import Rotor, limit_cycle, lyapunov_exponent, simulate, sweep
+from rotor_ida.closed_forms import response_curve
+from rotor_ida.paper.reproduction import scenario_scripts
+from rotor_ida.schema import RESPONSE
+
+
+def scenario(name):
+    spec = importlib.util.spec_from_file_location(name, scenario_scripts()[name])
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="module")
+def shaft():
+    return scenario("shaft")
+
+
+@pytest.fixture(scope="module")
+def restitution():
+    return scenario("restitution")
+
+
+@pytest.fixture(scope="module")
+def drop():
+    return scenario("drop")
+
+
+def curve_of(shaft, stiffness, exponent):
+    return response_curve(
+        zeta=shaft.ZETA, delta0=shaft.DELTA0, limits=shaft.LIMITS, shaft_stiffness=stiffness,
+        contact_exponent=exponent,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("exponent", "joined"), [(1.0, 1.001), (1.5, 1.01)])
+def test_whirls_in_contact_are_an_isola_until_the_critical_speed_reaches_the_ring(
+    shaft, exponent, joined
+):
+    """The contact-free whirl is largest where 1/A**2 = 4 u (1 - u), u = zeta**2/kappa.
+
+    By Hertz the ring is soft at first, and a small arc of slight contact comes before the isola
+    joins the resonance.
+    """
+    u = 0.5 * (1.0 - math.sqrt(1.0 - shaft.DELTA0**-2.0))
+    reaching = shaft.ZETA**2 / u
+    assert shaft.is_isola(curve_of(shaft, 0.999 * reaching, exponent))
+    assert not shaft.is_isola(curve_of(shaft, joined * reaching, exponent))
+
+
+def test_rotor_from_rest_is_led_to_the_whirls_in_contact_by_the_stiff_shaft_alone(shaft):
+    swept = sweep(
+        omega=np.linspace(0.2, 1.2, 21), zeta=shaft.ZETA, delta0=shaft.DELTA0, direction="up",
+        shaft_stiffness=list(shaft.SHAFTS), contact_exponent=1.0, method="taylor",
+    )  # fmt: skip
+    reached = (swept.response == RESPONSE["synchronous"]).any("omega").values.ravel()
+    assert reached.tolist() == [False, False, True]
+    assert shaft.furthest_from_whirls(swept) < 1e-9
+
+
+def test_pushed_rotors_bounce_on_the_exact_cycles_of_their_branches(shaft):
+    swept = sweep(
+        omega=[1.8, 2.0], zeta=shaft.ZETA, delta0=shaft.DELTA0, shaft_stiffness=[0.05],
+        contact_exponent=[1.0], starts=shaft.PUSHES, method="taylor",
+    )  # fmt: skip
+    branches = shaft.branches_of(swept)
+    assert [branch.attrs["closed"] for branch in branches] == [1]
+    met, exactly, missed = shaft.furthest_from_cycles(swept, branches)
+    assert met == exactly >= 2
+    assert missed < 1e-9
+
+
+def test_simulated_impacts_lie_on_the_law_of_restitution(restitution):
+    """The law itself is solved here, and the depth is an integral over the speed."""
+    found = restitution.impacts(number=2)
+    for speed in found.entry_speed.values:
+        for damping in found.contact_damping.values:
+            x = speed * damping
+            e = brentq(
+                lambda e, x=x: math.log((1.0 + x) / (1.0 - e * x)) - x * (1.0 + e),
+                1e-6, min(1.0, (1.0 - 1e-12) / x), xtol=1e-14,
+            )  # fmt: skip
+            here = found.sel(entry_speed=speed, contact_damping=damping)
+            # at a small x the law takes the difference of what is nearly equal
+            near = 1e-9 if x > 0.01 else 1e-6
+            np.testing.assert_allclose(here.simulated_restitution, e, rtol=0.0, atol=near)
+            np.testing.assert_allclose(here.restitution, e, rtol=0.0, atol=near)
+            for power in found.contact_exponent.values:
+                depth = depth_by_integration(speed, damping, power)
+                deepest = here.simulated_indentation.sel(contact_exponent=power)
+                np.testing.assert_allclose(deepest, depth, rtol=1e-9)
+    np.testing.assert_allclose(
+        found.simulated_restitution, found.restitution.broadcast_like(found.simulated_restitution),
+        rtol=0.0, atol=1e-11,
+    )  # fmt: skip
+
+
+def depth_by_integration(speed, damping, power):
+    """Return the depth at which the speed is 0, from d(depth)**(n + 1)/dv along the speed."""
+    solved = solve_ivp(
+        lambda v, _: [-(power + 1.0) * v / (1.0 + damping * v)], (speed, 0.0), [0.0],
+        method="DOP853", rtol=1e-12, atol=1e-15,
+    )  # fmt: skip
+    return solved.y[0, -1] ** (1.0 / (power + 1.0))
+
+
+def test_contact_damping_turns_bouncing_into_full_contact(restitution):
+    for damping, touches in ((0.04, True), (0.05, False)):
+        rotor = Rotor(**restitution.BOUNCING, contact_damping=damping)
+        cycle = limit_cycle(rotor, start=(0.0, 0.0, 0.0, 0.0))
+        assert (cycle.radius_min.item() < rotor.delta0) == touches
+
+
+def test_hardly_any_contact_damping_ends_the_chaos(restitution):
+    for damping, chaotic in ((0.0, True), (0.002, True), (0.006, False)):
+        rotor = Rotor(**restitution.CHAOTIC, contact_damping=damping)
+        found = lyapunov_exponent(
+            rotor, start=restitution.START, transient=2000.0, duration=3000.0
+        ).isel(exponent=0)
+        exponent, error = found.lyapunov_exponent.item(), found.lyapunov_error.item()
+        assert (exponent > 5.0 * error and exponent > 0.01) == chaotic
+
+
+def test_cycles_have_twice_the_period_beyond_a_doubling(restitution):
+    branch = restitution.cascade(levels=0)[0]
+    at = restitution.doublings(branch).min()
+    before, beyond = (
+        limit_cycle(
+            Rotor(**restitution.CHAOTIC, contact_damping=factor * at), start=restitution.START
+        ).period.item()
+        for factor in (1.05, 0.95)
+    )
+    assert beyond == pytest.approx(2.0 * before, rel=1e-2)
+
+
+def test_rotor_first_touches_the_ring_when_the_formula_of_its_fall_does(drop):
+    """Flight is linear: a drift that dies, the whirl of the unbalance, and the fall."""
+    machine = drop.machine_with(10.0, 0.2e-3)
+    decay = machine.damping / machine.mass
+    whirl = -machine.speed * machine.eccentricity / (machine.speed - 1j * decay)
+    fall = -1j * machine.load / machine.mass / decay
+    drift = (-1j * machine.speed * (machine.eccentricity + whirl) - fall) / -decay
+    rest = -machine.eccentricity - whirl - drift
+
+    def gap(t):
+        turning = whirl * np.exp(1j * machine.speed * t)
+        return abs(rest + drift * np.exp(-decay * t) + turning + fall * t) - machine.clearance
+
+    touch = brentq(gap, 1e-3, 7e-3, xtol=1e-15)
+    run = drop.drop(machine, 0.01)
+    assert run.event_time.values[0] * machine.time_scale == pytest.approx(touch, rel=1e-10)
+    free = math.sqrt(2.0 * machine.clearance * machine.mass / machine.load)
+    # the whirl comes nearer to the ring or is late by a few micrometres of 200
+    assert touch == pytest.approx(free, rel=0.03)
+
+
+def test_rotor_at_rest_does_not_leave_the_ring_again_and_carries_its_weight(drop):
+    machine = drop.machine_with(10.0, 0.2e-3)
+    rest = drop.time_to_rest(drop.drop(machine, drop.LASTS), machine)
+    assert 0.02 < rest < 0.1
+    long = drop.with_force(drop.drop(machine, 3.0 * drop.LASTS, samples=60_001))
+    last = long.event_time.values[-1] * machine.time_scale
+    assert last == pytest.approx(rest, rel=1e-9)
+    late = long.isel(t=long.t.values * machine.time_scale > 2.0 * drop.LASTS)
+    upwards = -late.force * late.y / np.hypot(late.x, late.y)
+    # over 250 revolutions the ring carries the weight; the ends of the mean are cut
+    carried = float(upwards.mean()) * machine.force_scale
+    assert carried == pytest.approx(machine.load, rel=2e-3)
+
+
+def test_forces_over_time_reach_the_peaks_of_the_contacts(drop):
+    run = drop.with_force(drop.drop(drop.machine_with(10.0, 0.2e-3), 0.05, samples=50_001))
+    assert run.force.max().item() == pytest.approx(run.peak_force.max().item(), rel=1e-5)
+    assert run.force.min().item() == 0.0
+
+
+def test_unbalance_keeps_the_rotor_bouncing_that_would_rest_without_spin(drop):
+    machine = drop.machine_with(3.0, 0.2e-3)
+    assert math.isnan(drop.time_to_rest(drop.drop(machine, drop.LASTS), machine))
+    still = Rotor(**(machine.rotor().given | {"omega": 0.0}))
+    duration = drop.LASTS / machine.time_scale
+    run = simulate(still, start=(0.0, 0.0, 0.0, 0.0), duration=duration, method="taylor")
+    assert drop.time_to_rest(run, machine) < 0.3
+
+
+def test_elastic_fall_without_unbalance_bears_the_force_of_its_energy(drop):
+    machine = drop.machine_with(0.0, 0.3e-3)
+    rotor = Rotor(**(machine.rotor().given | {"omega": 0.0, "zeta": 0.0}))
+    run = simulate(rotor, start=(0.0, 0.0, 0.0, 0.0), duration=0.02 / machine.time_scale)
+    force = run.peak_force.values[0] * machine.force_scale
+    assert force == pytest.approx(drop.elastic_force(0.3e-3), rel=1e-9)
