@@ -52,6 +52,7 @@ RESPONSE = {
     "touching": 5,
     "chaotic": 6,
     "not_found": 7,
+    "quasi_periodic": 8,
     "failed": -1,
 }
 EVENT_KIND = {"exit": -1, "entry": 1}

@@ -65,11 +65,13 @@ def fractions_dataset(starts: Starts, found: Labelled, drawn: Mapping[str, objec
     """Return which parts of the starts, drawn as told, end on which attractor and response."""
     labels, attractors = found.labels, found.attractors
     missing, undecided, *ends = _counts(labels, len(attractors)).tolist()
-    never = {"failed", "not_found"}  # no attractor is of these kinds
+    # no attractor is of these kinds, the last of them without a load
+    never = {"failed", "not_found", "quasi_periodic"}
     of_kind = {number: 0 for word, number in RESPONSE.items() if word not in never}
     of_kind[RESPONSE["unresolved"]] = undecided
     for each, count in zip(attractors, ends, strict=True):
-        of_kind[RESPONSE[each.kind]] += count
+        number = RESPONSE[each.kind]
+        of_kind[number] = of_kind.get(number, 0) + count
     kinds, counts = list(of_kind), np.array(list(of_kind.values()))
     first = min(labels.size, MOST_IN_ENTROPY)
     fraction, error = _fractions(counts, labels.size - missing)

@@ -143,7 +143,7 @@ def _settled(question: Question, settled: dict[str, object], swept: xr.Dataset) 
 
 def _is_repeated(settled: Mapping[str, object]) -> bool:
     """Return whether what is settled on has one course, which a run comes to."""
-    return settled["response"] not in {"failed", "chaotic", "unresolved"}
+    return settled["response"] not in {"failed", "quasi_periodic", "chaotic", "unresolved"}
 
 
 def _is_under_way(question: Question, settled: Mapping[str, Any]) -> bool:
@@ -165,7 +165,7 @@ def _watched(rotor: Rotor, settled: dict[str, object]) -> float:
 
 def _section(question: Question, settled: dict[str, object], swept: xr.Dataset) -> Answer:
     """Return the section by revolutions of what is settled on."""
-    chaotic = settled["response"] in {"chaotic", "unresolved"}
+    chaotic = settled["response"] in {"quasi_periodic", "chaotic", "unresolved"}
     found = poincare_section(
         question.rotor,
         start=_end(swept),

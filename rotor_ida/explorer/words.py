@@ -15,6 +15,7 @@ KINDS = {
     "bouncing": "a bouncing limit cycle (intermittent rub): it enters and leaves contact for ever",
     "full_contact": "a limit cycle in full contact (full annular rub): its radius pulsates",
     "touching": "a contact-free whirl, through ever slighter touches",
+    "quasi_periodic": "a torus: it never repeats itself, and neighbouring motions do not part",
     "chaotic": "chaos: it never repeats itself, and neighbouring motions part",
     "unresolved": "nothing that could be told: it was followed for as long as is allowed",
 }

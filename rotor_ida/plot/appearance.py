@@ -24,6 +24,7 @@ from rotor_ida.plot.labels import KIND_WORDS, parameter_text
 # From matplotlib's petroff10, chosen so that the greys differ too.
 BLUE, ORANGE, RED, PURPLE, GREY = "#3f90da", "#e76300", "#bd1f01", "#832db6", "#94a4a2"
 BROWN = "#a96b59"
+GREEN = "#2f8f57"
 INK = "#1a1a1a"
 DASHES = (0, (4, 2))
 # Where a legend under the axes begins, clear of ticks and label [point].
@@ -44,6 +45,7 @@ KIND_SHADES = {
     "bouncing": (ORANGE, "#ffc48a", "#a96b59", "#ffa90e"),
     "full_contact": (PURPLE, "#d7b3ea", "#4b1a68", "#b9ac70"),
     "touching": ("#c08878", "#d8b8ae", "#6b3a2c", "#8a7a75"),
+    "quasi_periodic": (GREEN, "#a9d3b4", "#174a2b", "#7da453"),
     "chaotic": (RED, "#f0a898", "#6e1200", "#d97b66"),
     "unresolved": (GREY, "#717581", "#c9d1d0", "#5a5f5e"),
 }

@@ -85,6 +85,7 @@ KIND_WORDS = {
     "bouncing": "bouncing",
     "full_contact": "full contact",
     "touching": "touching ever more slightly",
+    "quasi_periodic": "quasi-periodic",
     "chaotic": "chaotic",
     "unresolved": "unresolved",
 }

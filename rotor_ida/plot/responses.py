@@ -22,6 +22,7 @@ from rotor_ida.plot.appearance import (
     FROM_START,
     GOING_DOWN,
     GOING_UP,
+    GREEN,
     GREY,
     INK,
     NEUTRAL,
@@ -71,6 +72,7 @@ KINDS = {
     "bouncing": _Look(ORANGE, False, True),
     "full_contact": _Look(PURPLE, True, True),
     "touching": _Look(INK, False, False),
+    "quasi_periodic": _Look(GREEN, False, True),
     "chaotic": _Look(RED, True, True, dotted=True),
     "unresolved": _Look(GREY, False, True, dotted=True),
 }

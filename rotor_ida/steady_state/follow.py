@@ -19,9 +19,12 @@ from rotor_ida.simulation.orbit import ENTRY, Orbit
 from rotor_ida.simulation.run import run
 from rotor_ida.stability.lyapunov import largest_exponent
 from rotor_ida.steady_state.periods import (
+    SAME_TURN,
+    Recurrence,
     TurningPoints,
     extreme_radii,
     recurrence,
+    recurrence_by_revolutions,
     slowest_multiplier,
     turning_points,
 )
@@ -30,12 +33,14 @@ from rotor_ida.steady_state.response import (
     CHAOTIC,
     CONTACT_FREE,
     FULL_CONTACT,
+    QUASI_PERIODIC,
     STEADY,
     SYNCHRONOUS,
     TOUCHING,
     UNRESOLVED,
     Features,
     Window,
+    kind_at_rest,
     phase_lag_of,
     stays_free,
     touches_fade,
@@ -80,6 +85,10 @@ EXPONENT_TIMES = 2.0
 CLEAR_ERRORS = 5.0
 # and when by it neighbours part by exp(20), 5e8, in the time over which it was taken.
 CLEAR_STRETCH = 20.0
+# It is zero when by it they neither part nor come together by 1 % in that time, and chaos that is
+# clear would have been seen. The errors are of the scatter of parts; the mean of the whole of a
+# torus is far better.
+NO_STRETCH = 0.01
 
 _NO_TIMES = np.empty(0)
 
@@ -119,7 +128,10 @@ class SettledResponse:
 
 @dataclass(slots=True)
 class _Trajectory:
-    """The runs made so far, each from the end of the one before, on the rotating axes."""
+    """The runs made so far, each from the end of the one before, on the rotating axes.
+
+    Under a load each takes whole revolutions, after which the axes point as they did.
+    """
 
     rotor: Rotor
     options: Options
@@ -211,7 +223,8 @@ class _Approach:
 
     def period(self, trajectory: _Trajectory, window: Window, turns: TurningPoints) -> float | None:
         """Return the period of a motion that has come to a stable cycle; None for others."""
-        found = recurrence(turns, RECURS * window.steady)
+        loaded = window.rotor.load > 0.0
+        found = (_by_revolutions if loaded else _by_turns)(window, turns)
         self.recurs = found is not None
         if found is None:
             self.distance = math.inf
@@ -220,13 +233,30 @@ class _Approach:
             trajectory.rotor, trajectory.state, found.period, trajectory.stop
         )
         decay = abs(multiplier) ** ((trajectory.time - self.time) / found.period)
-        distance = found.missed_by / max(abs(1.0 - multiplier), ROUNDING)
+        # under a load there is no partner that tells which of the others is nearest 1
+        held_back = 1.0 - abs(multiplier) if loaded else abs(1.0 - multiplier)
+        distance = found.missed_by / max(held_back, ROUNDING)
         if math.isfinite(self.distance):
             # rounding lets no motion miss itself by less, however near it has come
             distance = min(distance, decay * self.distance)
         self.distance, self.time = distance, trajectory.time
         settled = abs(multiplier) < 1.0 and distance <= window.steady
         return found.period if settled else None
+
+
+def _by_turns(window: Window, turns: TurningPoints) -> Recurrence | None:
+    """Return how a motion repeats itself on the rotating axes."""
+    return recurrence(turns, RECURS * window.steady)
+
+
+def _by_revolutions(window: Window, _: TurningPoints) -> Recurrence | None:
+    """Return how a motion repeats itself under a load."""
+    return recurrence_by_revolutions(
+        window.once_a_revolution,
+        2.0 * math.pi / window.rotor.omega,
+        float(np.abs(window.states).max()),
+        RECURS * window.steady,
+    )
 
 
 def follow_to_steady_state(
@@ -279,6 +309,9 @@ def _decided(trajectory: _Trajectory, longest: float) -> SettledResponse:
 
 def _kind_of(window: Window, trajectory: _Trajectory, approach: _Approach) -> tuple[str, Features]:
     """Return the kind of response seen in a window, and what is stated of it."""
+    rotor = window.rotor
+    if rotor.load > 0.0 and rotor.omega == 0.0:
+        return kind_at_rest(window), _features(window)
     if whirls_steadily(window):
         return SYNCHRONOUS, _features(window)
     turns = trajectory.turns(window)
@@ -287,16 +320,31 @@ def _kind_of(window: Window, trajectory: _Trajectory, approach: _Approach) -> tu
         return CONTACT_FREE, features
     period = approach.period(trajectory, window, turns)
     if period is not None:
+        return _kind_of_cycle(window), _features_of_cycle(window, turns, period)
+    kind = TOUCHING if touches_fade(window) else UNRESOLVED
+    slighter = kind == TOUCHING or touches_grow_slighter(window)
+    if not approach.recurs and not slighter and _may_be_chaotic(trajectory):
+        kind, exponent, error = _kind_by_exponent(trajectory)
+        features = replace(features, lyapunov_exponent=exponent, lyapunov_error=error)
+    return kind, features
+
+
+def _kind_of_cycle(window: Window) -> str:
+    """Return the kind of a motion that has come to a cycle."""
+    if window.touches:
+        return BOUNCING
+    # one that stays free may come so near the ring that its bounds in `stays_free` reach beyond
+    return FULL_CONTACT if window.ends_in_contact else CONTACT_FREE
+
+
+def _features_of_cycle(window: Window, turns: TurningPoints, period: float) -> Features:
+    """Return what is stated of a motion that has come to a cycle."""
+    if window.rotor.load > 0.0:
+        features = _features(*_last_of(window, turns, period))
+    else:
         low, high = extreme_radii(turns, period)
-        features = replace(features, radius_min=low, radius_max=high, period=period)
-        return BOUNCING if window.touches else FULL_CONTACT, features
-    if touches_fade(window):
-        return TOUCHING, features
-    if approach.recurs or touches_grow_slighter(window) or not _may_be_chaotic(trajectory):
-        return UNRESOLVED, features
-    exponent, error, parts = _stretching(trajectory)
-    features = replace(features, lyapunov_exponent=exponent, lyapunov_error=error)
-    return CHAOTIC if parts else UNRESOLVED, features
+        features = replace(_features(window, turns), radius_min=low, radius_max=high)
+    return features if _kind_of_cycle(window) == CONTACT_FREE else replace(features, period=period)
 
 
 def _features(window: Window, turns: TurningPoints | None = None) -> Features:
@@ -308,20 +356,32 @@ def _features(window: Window, turns: TurningPoints | None = None) -> Features:
     return Features(abs(whirl), phase_lag_of(whirl), float(radii.min()), float(radii.max()))
 
 
+def _last_of(window: Window, turns: TurningPoints, period: float) -> tuple[Window, TurningPoints]:
+    """Return the last period of a window, of whole revolutions, and the turns in it."""
+    since = float(window.times[-1]) - period - SAME_TURN
+    late, turned = window.times >= since, turns.times >= since
+    return (
+        replace(window, times=window.times[late], states=window.states[late]),
+        TurningPoints(turns.times[turned], turns.states[turned], turns.are_maxima[turned]),
+    )
+
+
 def _may_be_chaotic(trajectory: _Trajectory) -> bool:
     """Return whether a motion that has not settled so late may never."""
     rotor, time = trajectory.rotor, trajectory.time
     return rotor.omega > 0.0 and time >= LATE and rotor.zeta * time >= PATIENCE
 
 
-def _stretching(trajectory: _Trajectory) -> tuple[float, float, bool]:
-    """Return the largest exponent from now on, its error, and whether it is clear of zero."""
+def _kind_by_exponent(trajectory: _Trajectory) -> tuple[str, float, float]:
+    """Return the kind of a motion that never comes again, its largest exponent, and its error."""
+    rotor = trajectory.rotor
     duration = max(EXPONENT_TIME, EXPONENT_TIMES * trajectory.time)
-    exponent, error = largest_exponent(
-        trajectory.rotor, trajectory.state, duration, trajectory.stop
-    )
-    clear = exponent > CLEAR_ERRORS * error and exponent * duration > CLEAR_STRETCH
-    return exponent, error, clear
+    exponent, error = largest_exponent(rotor, trajectory.state, duration, trajectory.stop)
+    if exponent > CLEAR_ERRORS * error and exponent * duration > CLEAR_STRETCH:
+        return CHAOTIC, exponent, error
+    # without a load that of a shift in time is zero on any motion
+    is_zero = abs(exponent) * duration <= NO_STRETCH and error * duration <= CLEAR_STRETCH
+    return QUASI_PERIODIC if is_zero and rotor.load > 0.0 else UNRESOLVED, exponent, error
 
 
 def failed(rotor: Rotor, start: State, options: Options, reason: str) -> SettledResponse:
@@ -331,7 +391,10 @@ def failed(rotor: Rotor, start: State, options: Options, reason: str) -> Settled
 
 
 def durations(rotor: Rotor) -> tuple[float, float, int]:
-    """Return the first wait, the length of the window and its number of samples."""
+    """Return the first wait, the length of the window and its number of samples.
+
+    The window holds whole revolutions, and under a load the wait does too.
+    """
     zeta, kappa = rotor.zeta, rotor.shaft_stiffness
     decay = DECAY_TIMES * max(1.0 / zeta, zeta) if zeta > 0.0 else math.inf
     if 0.0 < kappa < zeta * zeta:  # in flight what the shaft draws back comes slowly
@@ -340,6 +403,8 @@ def durations(rotor: Rotor) -> tuple[float, float, int]:
     if rotor.omega == 0.0:
         return wait, WINDOW_TIME, int(WINDOW_TIME * SAMPLES_PER_TIME) + 1
     revolution = 2.0 * math.pi / rotor.omega
+    if rotor.load > 0.0:
+        wait = math.ceil(wait / revolution) * revolution
     count = max(WINDOW_REVOLUTIONS, math.ceil(WINDOW_TIME / revolution))
     each = max(SAMPLES_PER_REVOLUTION, math.ceil(SAMPLES_PER_TIME * revolution))
     return wait, count * revolution, count * each + 1

@@ -6,6 +6,10 @@ takes. How near it has come is told by how far it misses itself after one period
 misses itself by little while it is still far off, by its distance times ``1 - mu``, mu the cycle's
 multiplier. So mu is computed too, by Taylor series; it decides when to stop, and no number that is
 stated rests on it.
+
+A load turns on these axes, once a revolution: under one a motion can only come again after whole
+revolutions. There the section is stroboscopic, the states once a revolution, and the period a
+whole number of revolutions.
 """
 
 from __future__ import annotations
@@ -110,6 +114,33 @@ def recurrence(turns: TurningPoints, tolerance: float) -> Recurrence | None:
     return None
 
 
+def recurrence_by_revolutions(
+    states: Values, revolution: float, size: float, tolerance: float
+) -> Recurrence | None:
+    """Return after how many revolutions a motion comes again all over the window, if it does.
+
+    Parameters
+    ----------
+    states : ndarray, shape (n, 4)
+        The states once a revolution [1].
+    revolution : float
+        How long one takes [1].
+    size : float
+        The largest state of the motion [1].
+    tolerance : float
+        By how much two states a period apart may differ, relative to that.
+    """
+    for count in range(1, (len(states) - 1) // FEWEST_PERIODS + 1):
+        allowed = tolerance * size
+        if count > 1:  # a spiral onto a shorter cycle comes back near itself as well
+            others = np.abs(states[-count:-1] - states[-1]).max(axis=1)
+            allowed = min(allowed, float(others.min()) / CLEAR_SWING)
+        missed_by = np.abs(states[count:] - states[:-count]).max(axis=1)
+        if missed_by.max() <= allowed:
+            return Recurrence(count * revolution, float(missed_by[-count:].max()) / size)
+    return None
+
+
 def extreme_radii(turns: TurningPoints, period: float) -> tuple[float, float]:
     """Return the smallest and the largest radius in the last period of a window."""
     since = turns.times[turns.are_maxima][-1] - period
@@ -119,6 +150,8 @@ def extreme_radii(turns: TurningPoints, period: float) -> tuple[float, float]:
 
 def slowest_multiplier(rotor: Rotor, state: State, period: float, stop: Stop) -> complex:
     """Return the multiplier, besides the trivial one, by which neighbours come back slowest.
+
+    Under a load, where `state` is that at the start of a revolution, none is trivial.
 
     Raises
     ------
@@ -147,6 +180,9 @@ def slowest_multiplier(rotor: Rotor, state: State, period: float, stop: Stop) ->
         raise SimulationError(
             f"a cycle could not be followed round: {message_of(seen.status)}", time=0.0, state=state
         )
+    if rotor.load > 0.0:
+        multipliers = np.linalg.eigvals(bundle)
+        return complex(multipliers[np.argmax(np.abs(multipliers))])
     if rotor.contact_damping > 0.0:  # no pairs: without the trivial one, that nearest 1
         multipliers = np.linalg.eigvals(bundle)
         rest = np.delete(multipliers, np.argmin(np.abs(multipliers - 1.0)))

@@ -6,11 +6,16 @@
 ``bouncing``              is periodic, and enters and leaves contact (intermittent rub)
 ``full_contact``          is periodic, always in contact, radius not constant (full annular rub)
 ``touching``              is contact-free in the limit, through ever slighter touches
+``quasi_periodic``        never comes again, and neighbouring motions keep apart as they are
 ``chaotic``               is not periodic, and neighbouring motions part
 ``unresolved``            none of these, as far as it was followed
 ========================= ==========================================================
 
-Periods are those on the rotating axes, where a synchronous whirl stands still.
+Periods are those on the rotating axes, where a synchronous whirl stands still. Under a load they
+are whole revolutions, and the same on fixed axes. A cycle on the rotating axes whose own period is
+none becomes a torus under a slight load: quasi-periodic, and so it is on fixed axes without one. A
+rotor that does not turn comes to rest under its load: on the ring, which counts as synchronous, or
+inside the clearance, contact-free.
 """
 
 from __future__ import annotations
@@ -23,6 +28,7 @@ import numpy.typing as npt
 
 from rotor_ida.arrays import Values
 from rotor_ida.closed_forms.contact_free import complex_amplitude, touch_fading
+from rotor_ida.closed_forms.rest import rest
 from rotor_ida.equations.contact import secant_stiffness
 from rotor_ida.parameters import Rotor
 
@@ -31,6 +37,7 @@ SYNCHRONOUS = "synchronous"
 BOUNCING = "bouncing"
 FULL_CONTACT = "full_contact"
 TOUCHING = "touching"
+QUASI_PERIODIC = "quasi_periodic"
 CHAOTIC = "chaotic"
 UNRESOLVED = "unresolved"
 
@@ -87,6 +94,12 @@ class Window:
         return self.states[:, 0] + 1j * self.states[:, 1]
 
     @property
+    def once_a_revolution(self) -> Values:
+        """States at the start of each revolution, and at the end of the last, shape (m, 4) [1]."""
+        revolutions = round(float(self.times[-1]) * self.rotor.omega / (2.0 * math.pi))
+        return self.states[:: (len(self.times) - 1) // revolutions]
+
+    @property
     def whirl(self) -> complex:
         """Complex amplitude of the part of the motion at the spin speed [1]."""
         return complex(self.positions[:-1].mean())
@@ -103,7 +116,8 @@ class Features:
     radius_min, radius_max : float
         Smallest and largest distance from the bearing axis [1].
     period : float
-        Period on the rotating axes, of a bouncing or a full-contact motion [1].
+        Period on the rotating axes, of a bouncing or a full-contact motion [1]; under a load a
+        whole number of revolutions.
     lyapunov_exponent, lyapunov_error : float
         Largest Lyapunov exponent and its standard error, where they were asked for [1].
     """
@@ -150,17 +164,20 @@ def stays_free(window: Window) -> bool:
 def _future_if_free(rotor: Rotor, position: complex, velocity: complex) -> tuple[float, float]:
     """Return how far a free whirl's centre would still drift, and how far out it would go.
 
-    With a shaft the energy of what is not yet settled only falls: by that both are bounded.
+    With a shaft the energy of what is not yet settled only falls: by that both are bounded. Under a
+    load the axes must point along the fixed ones; without a shaft the rotor falls.
     """
     omega, zeta = rotor.omega, rotor.zeta
     if rotor.shaft_stiffness > 0.0:
         resistance = complex(rotor.shaft_stiffness - omega**2, 2.0 * zeta * omega)
         if resistance == 0.0:
             return math.inf, math.inf
-        whirl = omega**2 / resistance
-        off, surplus = position - whirl, velocity - 1j * omega * whirl
+        whirl, sag = omega**2 / resistance, rotor.load / rotor.shaft_stiffness
+        off, surplus = position - whirl + 1j * sag, velocity - 1j * omega * whirl
         unsettled = math.hypot(abs(off), abs(surplus) / math.sqrt(rotor.shaft_stiffness))
-        return unsettled, abs(whirl) + unsettled
+        return unsettled, abs(whirl) + sag + unsettled
+    if rotor.load > 0.0:
+        return math.inf, math.inf
     whirl = complex(complex_amplitude(omega, zeta))
     surplus = velocity - 1j * omega * whirl
     if surplus != 0.0 and zeta == 0.0:
@@ -177,7 +194,7 @@ def touches_fade(window: Window) -> bool:
     less. A motion that touches more or less often is not near it, and is not decided here.
     """
     growth = _growth_from_touch_to_touch(window)
-    if growth is None or window.rotor.shaft_stiffness > 0.0:
+    if growth is None or window.rotor.shaft_stiffness > 0.0 or window.rotor.load > 0.0:
         return False
     return bool((np.abs(growth / touch_fading(window.rotor) - 1.0) <= LIKE_THE_LAW).all())
 
@@ -205,6 +222,16 @@ def _growth_from_touch_to_touch(window: Window) -> Values | None:
         return None
     growth: Values = np.diff(depth[whole] ** (0.5 - window.rotor.contact_exponent))
     return growth
+
+
+def kind_at_rest(window: Window) -> str:
+    """Return the kind of a rotor that does not turn, under a load: at rest, or unresolved."""
+    place = rest(window.rotor)
+    y = place["y"].item()
+    off = np.abs(window.states - np.array([0.0, y, 0.0, 0.0])).max()
+    if off > window.steady * abs(y):
+        return UNRESOLVED
+    return SYNCHRONOUS if place["indentation"] > 0.0 else CONTACT_FREE
 
 
 def phase_lag_of(whirl: complex) -> float:

@@ -18,14 +18,11 @@ from rotor_ida.checks import (
     check_axis,
     check_choice,
     check_increasing,
-    check_nonnegative,
     check_points,
     check_progress,
     check_states,
     is_scalar,
-    shown,
 )
-from rotor_ida.errors import InputError
 from rotor_ida.parallel import FailedJob, Progress, choose, run_all
 from rotor_ida.parameters import DEFAULTS, Rotor
 from rotor_ida.provenance import computing
@@ -75,11 +72,9 @@ def sweep(
     ----------
     omega, zeta, delta0 : array_like, shape (n,) or scalar
         The parameters to combine [1].
-    shaft_stiffness, contact_exponent, contact_damping : array_like, shape (n,) or scalar
+    shaft_stiffness, contact_exponent, contact_damping, load : array_like, shape (n,) or scalar
         What a machine has beyond the paper's rotor [1]: more to combine, a dimension where an axis
         is given, a coordinate where a number is given that is not the default.
-    load : float
-        Must be 0: under a load nothing stands still on the turning axes.
     starts : array_like, shape (n, 4)
         Starts ``(x, y, vx, vy)`` [1].
     direction : {"up", "down", "both"}, optional
@@ -111,10 +106,11 @@ def sweep(
     Dataset
         On ``(omega, zeta, delta0, start, direction)``: ``response`` (its kind, as a flag),
         ``amplitude`` and ``phase_lag`` of the motion at the spin speed, ``radius_min``,
-        ``radius_max``, ``period`` (on the rotating axes, of bouncing and full-contact motions; else
-        NaN), ``lyapunov_exponent`` and ``lyapunov_error`` (the largest; NaN where the response was
-        decided without), ``status``, ``message``, the final window and the state at its end on
-        the rotating axes; the events of all runs in one table, ``event_count`` rows each.
+        ``radius_max``, ``period`` (on the rotating axes, of bouncing and full-contact motions, and
+        under a load whole revolutions; else NaN), ``lyapunov_exponent`` and ``lyapunov_error``
+        (the largest; NaN where the response was decided without), ``status``, ``message``, the
+        final window and the state at its end on the rotating axes; the events of all runs in one
+        table, ``event_count`` rows each.
 
     Raises
     ------
@@ -142,6 +138,14 @@ def sweep(
     - ``unresolved`` if it is none of these. Without damping nothing settles, and only the first
       window is seen.
 
+    A load turns on the rotating axes. Under one a motion is ``bouncing`` or ``full_contact`` if its
+    states once a revolution come again all over such a window; ``contact_free`` round the place
+    where the shaft holds the load; ``touching`` never; ``quasi_periodic``, on a torus, if it might
+    be ``chaotic``, but its largest exponent is zero: by it neighbours neither part nor come
+    together by 1 % in that time. A cycle whose period is no whole number of revolutions becomes
+    that under a slight load. A rotor that does not turn comes to rest, ``contact_free``, or on the
+    ring, which is told as ``synchronous``.
+
     Period and extreme radii are those of the simulated motion in its last period: the roots of
     ``r r'``, found by simulating the window again with samples there. All runs are made with a
     tenth of the tolerances given, down to an ``rtol`` of 1e-12, since errors add up round a cycle.
@@ -152,14 +156,9 @@ def sweep(
     >>> responses.amplitude.squeeze().values.round(8)
     array([0.84973087, 0.93446294])
     """
-    if not is_scalar("load", load) or check_nonnegative("load", load) != 0.0:
-        raise InputError(
-            "load must be 0 in a sweep, as under a load nothing stands still on the turning axes; "
-            f"simulate takes one, got {shown(load)}"
-        )
     beyond = {
         "shaft_stiffness": shaft_stiffness, "contact_exponent": contact_exponent,
-        "contact_damping": contact_damping, "load": 0.0,
+        "contact_damping": contact_damping, "load": load,
     }  # fmt: skip
     given = {"omega": omega, "zeta": zeta, "delta0": delta0, **beyond}
     axes = {name: check_axis(name, values) for name, values in given.items()}
