@@ -15,7 +15,7 @@ from rotor_ida.cycles.continue_cycle import branch_from
 from rotor_ida.cycles.guess import Guess
 from rotor_ida.errors import ArchiveError
 from rotor_ida.parallel import Progress
-from rotor_ida.parameters import ALL_PARAMETERS, PARAMETERS, Rotor
+from rotor_ida.parameters import ALL_PARAMETERS, DEFAULTS, PARAMETERS, Rotor
 from rotor_ida.provenance import computing
 from rotor_ida.storage.studies import design_of, program_of
 from rotor_ida.sweeps.sweep import sweep
@@ -86,6 +86,7 @@ def _call(design: dict[str, Any]) -> tuple[Callable[..., xr.Dataset], dict[str, 
     }  # fmt: skip
     given = {name: design[name] for name in _GIVEN[kind]}
     if kind == "sweep":
+        given |= {name: design[name] for name in DEFAULTS if name in design}
         return sweep, {**given, "starts": [tuple(start) for start in design["starts"]]}
     if kind == "continue_attractors":
         drawn = {name: design[name] for name in _DRAWN if name in design}

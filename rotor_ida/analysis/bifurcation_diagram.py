@@ -1,4 +1,7 @@
-"""What remains of the motion at each speed: the extrema of its radius, from many starts."""
+"""What remains of the motion at each speed: the extrema of its radius, from many starts.
+
+Any other parameter may vary in its place.
+"""
 
 from __future__ import annotations
 
@@ -22,12 +25,11 @@ from rotor_ida.checks import (
 )
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.parallel import FailedJob, Stop, choose, run_all
-from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.parameters import ALL_PARAMETERS, Rotor
 from rotor_ida.schema import STATUS, labelled
 from rotor_ida.simulation.options import LARGEST, Method, Options
 from rotor_ida.sweeps.sweep import sweep
 
-DIMS = (*PARAMETERS, "start")
 # What of a sweep's variables stands in the diagram.
 OF_THE_SWEEP = ("response", "radius_min", "radius_max", "status", "message")
 
@@ -37,6 +39,10 @@ def bifurcation_diagram(
     omega: npt.ArrayLike,
     zeta: npt.ArrayLike,
     delta0: npt.ArrayLike,
+    shaft_stiffness: npt.ArrayLike = 0.0,
+    contact_exponent: npt.ArrayLike = 1.5,
+    contact_damping: npt.ArrayLike = 0.0,
+    load: npt.ArrayLike = 0.0,
     starts: int | npt.ArrayLike = 8,
     seed: int = 0,
     reach: float = 5.0,
@@ -54,6 +60,8 @@ def bifurcation_diagram(
     ----------
     omega, zeta, delta0 : array_like, shape (n,) or scalar
         The parameters to combine [1].
+    shaft_stiffness, contact_exponent, contact_damping, load : array_like, shape (n,) or scalar
+        As for `rotor_ida.sweep`: more to combine, a dimension where an axis is given [1].
     starts : int or array_like, shape (n, 4)
         Number of random starts, or the starts ``(x, y, vx, vy)`` themselves [1]. Each speed has
         the same ones.
@@ -78,11 +86,11 @@ def bifurcation_diagram(
     Returns
     -------
     Dataset
-        On ``(omega, zeta, delta0, start)``: ``response`` (its kind, as a flag), ``radius_min``,
-        ``radius_max``, ``status``, ``message``, as from `rotor_ida.sweep`, and
-        ``extremum_count``. ``extremum_radius`` [1] and ``extremum_kind`` (minimum, maximum, or
-        constant where the radius is) hold the extrema of all points in one table,
-        ``extremum_count`` rows each.
+        On ``(omega, zeta, delta0, start)``, and before ``start`` on what else is an axis:
+        ``response`` (its kind, as a flag), ``radius_min``, ``radius_max``, ``status``,
+        ``message``, as from `rotor_ida.sweep`, and ``extremum_count``. ``extremum_radius`` [1] and
+        ``extremum_kind`` (minimum, maximum, or constant where the radius is) hold the extrema of
+        all points in one table, ``extremum_count`` rows each.
 
     Raises
     ------
@@ -120,8 +128,10 @@ def bifurcation_diagram(
         starts = np.random.default_rng(seed).uniform(-farthest, farthest, shape)
         told |= {"seed": seed, "reach": farthest}
     swept = sweep(
-        omega=omega, zeta=zeta, delta0=delta0, starts=starts, rtol=rtol, atol=atol,
-        method=method, workers=workers, executor=executor, progress=progress,
+        omega=omega, zeta=zeta, delta0=delta0, shaft_stiffness=shaft_stiffness,
+        contact_exponent=contact_exponent, contact_damping=contact_damping, load=load,
+        starts=starts, rtol=rtol, atol=atol, method=method, workers=workers, executor=executor,
+        progress=progress,
     )  # fmt: skip
     settled = swept.isel(direction=0, drop=True).drop_dims("event")
     options = Options(rtol=rtol, atol=atol, method=method)
@@ -149,12 +159,12 @@ def _with_extrema(
                 radii[number], kinds[number] = found.radii, found.kinds
             else:
                 status[number], message[number] = STATUS["failed"], found.reason
-    shape = result["status"].shape
+    dims, shape = result["status"].dims, result["status"].shape
     counts = np.array([part.size for part in radii]).reshape(shape)
     result = result.assign(
-        status=labelled("status", DIMS, status.reshape(shape)),
-        message=labelled("message", DIMS, np.array(message).reshape(shape)),
-        extremum_count=labelled("extremum_count", DIMS, counts),
+        status=labelled("status", dims, status.reshape(shape)),
+        message=labelled("message", dims, np.array(message).reshape(shape)),
+        extremum_count=labelled("extremum_count", dims, counts),
         extremum_radius=labelled("extremum_radius", "extremum", np.concatenate(radii)),
         extremum_kind=labelled("extremum_kind", "extremum", np.concatenate(kinds)),
     )
@@ -164,13 +174,15 @@ def _with_extrema(
 
 def _jobs(settled: xr.Dataset, numbers: npt.NDArray[np.intp]) -> Iterator[tuple[Rotor, State]]:
     """Yield rotor and end, on the rotating axes, of the points with these numbers."""
-    shape = settled["status"].shape
+    status = settled["status"]
+    of = {
+        name: settled[name].broadcast_like(status).transpose(*status.dims).values.ravel()
+        for name in ALL_PARAMETERS
+        if name in settled.coords
+    }
     ends = np.stack([settled[f"end_{name}"].values.ravel() for name in COMPONENTS], axis=-1)
     for number in numbers.tolist():
-        index = np.unravel_index(number, shape)
-        rotor = Rotor(
-            **{name: settled[name].values[at] for name, at in zip(PARAMETERS, index, strict=False)}
-        )
+        rotor = Rotor(**{name: float(values[number]) for name, values in of.items()})
         x, y, vx, vy = ends[number].tolist()
         yield rotor, (x, y, vx, vy)
 

@@ -17,12 +17,13 @@ from rotor_ida.checks import (
     check_count,
     check_duration,
     check_instance,
+    check_nonnegative,
     check_state,
 )
 from rotor_ida.equations.model import rotated
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Stop, interruptible
-from rotor_ida.parameters import Rotor, check_papers
+from rotor_ida.parameters import Rotor
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import Column, labelled_dataset
 from rotor_ida.simulation.dataset import parameter_coordinates
@@ -43,6 +44,7 @@ def poincare_section(
     revolutions: int,
     skip: int = 0,
     at: At = "revolution",
+    phase: float = 0.0,
     rtol: float = 1e-10,
     atol: float = 1e-12,
     method: Method = "adams",
@@ -62,6 +64,9 @@ def poincare_section(
     at : {"revolution", "entry", "exit", "peak"}
         Once a revolution, when the unbalance points along x; at each contact entry or exit; or
         at each local maximum of the distance from the bearing axis.
+    phase : float
+        Angle from x at which the unbalance points once a revolution, below 2 pi [rad]: under a
+        load the section differs from angle to angle.
     rtol, atol : float
         Relative and absolute tolerance [1].
     method : {"adams", "bdf", "ida", "taylor"}
@@ -86,9 +91,12 @@ def poincare_section(
     section by revolutions; a response of period n revolutions is n points, a quasi-periodic one
     a closed curve. At entries, exits and peaks, which lie on a surface of the phase space, a
     motion that is periodic on the rotating axes is a few points whatever its period.
-    Revolutions are sampled at exactly ``2 pi n/omega``; entries and exits are the events of the
-    simulation; peaks are roots of ``x vx + y vy``, polished to about 1e-12 of the state.
-    A constant radius has no peaks.
+    A load turns on these axes: under one only the section by revolutions is of a map of its own,
+    the stroboscopic one, whose fixed points and cycles are the periodic motions; at entries,
+    exits and peaks the angle of the load is left out.
+    Revolutions are sampled at exactly ``(phase + 2 pi n)/omega``; entries and exits are the
+    events of the simulation; peaks are roots of ``x vx + y vy``, polished to about 1e-12 of the
+    state. A constant radius has no peaks.
 
     References
     ----------
@@ -102,7 +110,6 @@ def poincare_section(
     array([-1.40959, -1.40959, -1.40959, -1.40959])
     """
     check_instance("rotor", rotor, Rotor)
-    check_papers(rotor, "poincare_section")
     first = check_state("start", start)
     check_can_be_followed(rotor, first)
     if rotor.omega == 0.0:
@@ -110,6 +117,10 @@ def poincare_section(
     count = check_count("revolutions", revolutions)
     left_out = check_count("skip", skip, minimum=0)
     check_choice("at", at, PLACES)
+    if check_nonnegative("phase", phase) >= 2.0 * math.pi:
+        raise InputError(f"phase must be below 2 pi, got {phase!r}")
+    if at != "revolution" and phase:
+        raise InputError(f"phase must be 0 for a section at each {at}, got {phase!r}")
     if at in ("entry", "exit") and rotor.delta0 == 0.0:
         raise InputError(f"delta0 must be positive for a section at each {at}, got 0.0")
     options = Options(rtol=rtol, atol=atol, method=method)
@@ -124,7 +135,7 @@ def poincare_section(
             end = run(rotor, first, left_out * period, np.empty(0), options, stop=stop).end
             x, y, vx, vy = rotated(end, -rotor.omega * left_out * period).tolist()
             state = (x, y, vx, vy)
-        return _crossings(rotor, state, count, at, options, stop)
+        return _crossings(rotor, state, count, at, float(phase), options, stop)
 
     times, states = interruptible(follow)
     columns: dict[str, Column] = {"crossing_time": ("crossing", left_out * period + times)}
@@ -136,11 +147,13 @@ def poincare_section(
     attributes = provenance(options.attributes()) | {
         "section": at, "start": np.array(first), "revolutions": count, "skip": left_out,
     }  # fmt: skip
+    if at == "revolution":
+        attributes["phase"] = float(phase)
     return labelled_dataset("Section through one motion", columns, coordinates, attributes)
 
 
 def _crossings(
-    rotor: Rotor, start: State, count: int, at: str, options: Options, stop: Stop
+    rotor: Rotor, start: State, count: int, at: str, phase: float, options: Options, stop: Stop
 ) -> tuple[Values, Values]:
     """Return the times of the crossings, from `start` on, and the states on rotating axes."""
     period = 2.0 * math.pi / rotor.omega
@@ -150,10 +163,11 @@ def _crossings(
         chosen = extrema.kinds == MAXIMUM
         return extrema.times[chosen], extrema.states[chosen]
     if at == "revolution":
-        times = np.minimum(period * np.arange(count + 1), duration)
+        passed = count if phase else count + 1
+        times = np.minimum(period * np.arange(passed) + phase / rotor.omega, duration)
         orbit = run(rotor, start, duration, times, options, stop=stop)
-        # the axes point along x again: turning by whole revolutions would only add rounding
-        return times, orbit.states
+        # turning by whole revolutions would only add rounding
+        return times, rotated(orbit.states, np.float64(-phase)) if phase else orbit.states
     orbit = run(rotor, start, duration, np.empty(0), options, stop=stop)
     chosen = orbit.event_kinds == (ENTRY if at == "entry" else EXIT)
     times = orbit.event_times[chosen]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import product
 
 import numpy as np
 import xarray as xr
@@ -13,9 +14,8 @@ from rotor_ida.cli.describe import kind_of
 from rotor_ida.cli.options import check_panels
 from rotor_ida.closed_forms import response_curve
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import DEFAULTS, PARAMETERS
+from rotor_ida.parameters import ALL_PARAMETERS, DEFAULTS, PARAMETERS
 from rotor_ida.plot.labels import LABELS
-from rotor_ida.schema import check_papers_result
 
 # Up to so many speeds of a table of whirls are marked.
 FEW_SPEEDS = 30
@@ -47,34 +47,47 @@ def figure_of(dataset: xr.Dataset) -> Figure:
             "figure must be of a run, of whirls, of a sweep, basin or atlas, or of limit cycles, "
             f"got {kind!r}"
         )
-    check_papers_result("dataset", dataset)  # whose exact curve is drawn
-    pairs = [
-        (float(zeta), float(delta0))
-        for zeta in dataset["zeta"].values
-        for delta0 in dataset["delta0"].values
-    ]
-    columns = math.ceil(math.sqrt(check_panels(len(pairs))))
-    rows = math.ceil(len(pairs) / columns)
+    parts = _parts(dataset)
+    columns = math.ceil(math.sqrt(check_panels(len(parts))))
+    rows = math.ceil(len(parts) / columns)
     figure, axes = plot.panels(rows, columns, width=2.4 + 2.4 * columns, height=1.6 + 2.0 * rows)
-    for ax, (zeta, delta0) in zip(axes, pairs, strict=False):
-        part = dataset.sel(zeta=[zeta], delta0=[delta0])
+    for ax, part in zip(axes, parts, strict=False):
         few = kind == "whirls" and part.sizes["omega"] <= FEW_SPEEDS
+        curve, fold_points = _exact_beside(part)
         plot.plot_amplitude(
-            response_curve(zeta=zeta, delta0=delta0, limits=_limits_of(part)),
+            curve,
             whirls=part if few else None,
             simulated=part if kind == "sweep" else None,
-            fold_points=folds(zeta=zeta, delta0=delta0),
+            fold_points=fold_points,
             ax=ax,
         )
-    shown = axes[: len(pairs)]
-    for ax in axes[len(pairs) :]:
+    shown = axes[: len(parts)]
+    for ax in axes[len(parts) :]:
         ax.remove()
     plot.shared_legend(figure, shown)
     with plot.style():
-        for ax in shown[max(0, len(pairs) - columns) :]:
+        for ax in shown[max(0, len(parts) - columns) :]:
             ax.tick_params(labelbottom=True)
             ax.set_xlabel(LABELS["omega"])
     return figure
+
+
+def _parts(dataset: xr.Dataset) -> list[xr.Dataset]:
+    """Return the parts of a sweep or of whirls with one value of each parameter but the speed."""
+    names = [name for name in ALL_PARAMETERS[1:] if name in dataset.dims]
+    values = product(*(dataset[name].values.tolist() for name in names))
+    return [
+        dataset.sel({name: [value] for name, value in zip(names, each, strict=True)})
+        for each in values
+    ]
+
+
+def _exact_beside(part: xr.Dataset) -> tuple[xr.Dataset | None, xr.Dataset | None]:
+    """Return the exact curve for a part, and its folds; None under a load."""
+    given = {name: part[name].item() for name in ALL_PARAMETERS[1:] if name in part.variables}
+    if given.pop("load", 0.0) > 0.0:
+        return None, None
+    return response_curve(**given, limits=_limits_of(part)), folds(**given)
 
 
 def _figure_of_cycles(kind: str, dataset: xr.Dataset) -> Figure:

@@ -30,7 +30,8 @@ def check_panels(panels: int) -> int:
     """Return a number of panels that can still be read."""
     if panels > MOST_PANELS:
         raise InputError(
-            f"figure can show at most {MOST_PANELS} pairs of zeta and delta0, got {panels}"
+            f"figure can show at most {MOST_PANELS} combinations of zeta, delta0 and what else "
+            f"varies, got {panels}"
         )
     return panels
 
@@ -251,6 +252,34 @@ class BeyondOptions:
     def of(self, rotor: Rotor) -> Rotor:
         """Return the rotor with it."""
         return replace(rotor, **asdict(self))
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+class BeyondAxes:
+    """What rotors have beyond the paper's; without it, nothing."""
+
+    shaft_stiffness: Annotated[
+        list[float] | None, _numbers("Stiffnesses of the shaft: numbers, or START:STOP:COUNT.")
+    ] = None
+    contact_exponent: Annotated[
+        list[float] | None, _numbers("Exponents of the contact force: 1.5 by Hertz, 1, or both.")
+    ] = None
+    contact_damping: Annotated[
+        list[float] | None, _numbers("Contact dampings: numbers, or START:STOP:COUNT.")
+    ] = None
+    load: Annotated[
+        list[float] | None, _numbers("Static loads, downwards: numbers, or START:STOP:COUNT.")
+    ] = None
+
+    def axes(self) -> list[list[float]]:
+        """Return those that are given."""
+        return [values for values in asdict(self).values() if values is not None]
+
+    def given(self) -> dict[str, list[float] | float]:
+        """Return each by its name; one value is a number, and no axis."""
+        values = {name: values or [DEFAULTS[name]] for name, values in asdict(self).items()}
+        return {name: each[0] if len(each) == 1 else each for name, each in values.items()}
 
 
 @Parameter(name="*")

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 
 from rotor_ida.checks import check_positive
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import PARAMETERS
+from rotor_ida.parameters import ALL_PARAMETERS, DEFAULTS, PARAMETERS
 from rotor_ida.plot.appearance import (
     BLUE,
     DASHES,
@@ -106,7 +106,10 @@ def plot_section(section: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         _leave_room(ax, *units)
         if not z.size:
             ax.text(0.5, 0.5, "no crossing", transform=ax.transAxes, ha="center", va="center")
-        ax.set_title(WORDS.get(at, title_of("section", section)) + _counted(z))
+        words = WORDS.get(at, title_of("section", section))
+        if phase := float(section.attrs.get("phase", 0.0)):
+            words = f"unbalance at {math.degrees(phase):.4g}°"
+        ax.set_title(words + _counted(z))
     return ax
 
 
@@ -208,15 +211,17 @@ def plot_extrema(
     fold_points: xr.Dataset | None = None,
     ax: Axes | None = None,
 ) -> Axes:
-    """Draw the extrema of the radius over the speed.
+    """Draw the extrema of the radius over the speed, or over what else varies.
 
     Parameters
     ----------
     found : Dataset
-        What `rotor_ida.bifurcation_diagram` returned, for one ``zeta``.
+        What `rotor_ida.bifurcation_diagram` returned, in which one parameter varies. It may hold
+        several ``delta0`` beside `exact`.
     exact : Dataset, optional
-        What `rotor_ida.closed_forms.response_curve` returned, for the same ``zeta`` and one
-        ``delta0``: drawn under the extrema, and only those of this clearance are shown.
+        What `rotor_ida.closed_forms.response_curve` returned, for the same parameters and one
+        ``delta0``: drawn under the extrema over the speed, and only those of this clearance are
+        shown.
     fold_points : Dataset, optional
         What `rotor_ida.folds` returned for the same parameters.
     ax : Axes, optional
@@ -230,22 +235,14 @@ def plot_extrema(
     'radius $|z|$'
     """
     found = check_dataset("found", found, WITH_EXTREMA)
-    zeta = one_value("found", found, "zeta")
-    if exact is not None:
-        exact = check_dataset("exact", exact, ("omega", "amplitude"))
-        check_same_units("exact", exact, found)
-        delta0 = one_value("exact", exact, "delta0")
-    else:
-        delta0 = one_value("found", found, "delta0")
-    if delta0 not in found["delta0"].values:
-        raise InputError(f"found must hold the delta0 of exact, {delta0!r}, it does not")
+    over, held = _varied(found, exact)
     counts = found["extremum_count"]
-    places = xr.broadcast(found["omega"], found["delta0"], found["response"], counts)
-    omega, clearance, response = (
+    places = xr.broadcast(found[over], found["delta0"], found["response"], counts)
+    across, clearance, response = (
         np.repeat(place.transpose(*counts.dims).values.ravel(), counts.values.ravel())
         for place in places[:3]
     )
-    here = clearance == delta0
+    here = clearance == held["delta0"] if over != "delta0" else np.full(clearance.shape, True)
     flags = flags_of(found["response"])
     # of an unresolved motion it is not known whether the extrema remain
     free = np.isin(response, [number for kind, number in flags.items() if kind in FREE_KINDS])
@@ -254,7 +251,7 @@ def plot_extrema(
     with style():
         if exact is None:
             ax = axes_or_new(ax)
-            ax.set_title(parameter_text({"zeta": zeta, "delta0": delta0}))
+            ax.set_title(parameter_text(held))
         else:
             ax = plot_amplitude(exact, fold_points=fold_points, ax=ax)
         size = 2.6 if here.sum() < FEW_EXTREMA else 1.2
@@ -270,15 +267,37 @@ def plot_extrema(
             steady = words == EXTREMA["constant"][0]
             face = "none" if steady else colour
             ax.plot(
-                omega[chosen], radius[chosen], ls="", marker="o", ms=3.4 if steady else size,
+                across[chosen], radius[chosen], ls="", marker="o", ms=3.4 if steady else size,
                 mec=colour if steady else "none", mfc=face, mew=0.7, rasterized=True,
                 zorder=2.4 if words == FREE else 3.0,
             )  # fmt: skip
             ax.plot([], [], ls="", marker="o", ms=3.4, mec=colour, mfc=face, mew=0.7, label=words)
-        ax.set_xlabel(LABELS["omega"])
+        ax.set_xlabel(LABELS[over])
         label_axis(ax.yaxis, "radius", found["extremum_radius"])
         own_legend(ax)
     return ax
+
+
+def _varied(found: xr.Dataset, exact: xr.Dataset | None) -> tuple[str, dict[str, float]]:
+    """Return which parameter varies in a diagram, and the values of the others."""
+    names = [name for name in ALL_PARAMETERS if name in found.variables]
+    if exact is None:
+        varied = [name for name in names if found[name].size > 1]
+        over = varied[0] if len(varied) == 1 else "omega"
+        others = {name: one_value("found", found, name) for name in names if name != over}
+        return over, others
+    exact = check_dataset("exact", exact, ("omega", "amplitude"))
+    check_same_units("exact", exact, found)
+    others = {name: one_value("found", found, name) for name in names[1:] if name != "delta0"}
+    curve = {name: one_value("exact", exact, name) for name in DEFAULTS if name in exact.variables}
+    for name, default in DEFAULTS.items():
+        here, there = others.get(name, default), curve.get(name, default)
+        if here != there:
+            raise InputError(f"found must have the {name} of exact, {there!r}, got {here!r}")
+    delta0 = one_value("exact", exact, "delta0")
+    if delta0 not in found["delta0"].values:
+        raise InputError(f"found must hold the delta0 of exact, {delta0!r}, it does not")
+    return "omega", others | {"delta0": delta0}
 
 
 def _together(angle: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:

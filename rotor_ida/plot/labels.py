@@ -18,6 +18,8 @@ LABELS = {
     "omega": r"spin speed $\omega$",
     "shaft_stiffness": r"stiffness of the shaft $\kappa$",
     "contact_damping": "contact damping $c$",
+    "contact_exponent": "exponent of the contact $n$",
+    "load": r"load $\gamma$",
     "amplitude": r"amplitude $A$",
     "phase_lag": r"phase lag $\theta$",
     "t": r"time $t$",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import PARAMETERS
+from rotor_ida.parameters import DEFAULTS, PARAMETERS
 from rotor_ida.plot.appearance import (
     BLUE,
     CONTACT_FREE,
@@ -53,6 +53,8 @@ LINES = {
     "neutral": (NEUTRAL, (0, (7, 1.6, 1.2, 1.6)), 1.0),
 }
 CURVE = ("omega", "zeta", "delta0", "amplitude", "phase_lag", "stability", "in_contact", "piece")
+NO_CURVE = "no exact curve"
+WHIRLS = (*PARAMETERS, "amplitude", "phase_lag")
 SIMULATED = ("response", "amplitude", "phase_lag", "radius_min", "radius_max", "direction")
 
 
@@ -80,7 +82,7 @@ DIRECTIONS = {0: ("o", 4.2), 1: ("^", 3.4), -1: ("v", 3.4)}
 
 
 def plot_amplitude(
-    exact: xr.Dataset,
+    exact: xr.Dataset | None,
     *,
     whirls: xr.Dataset | None = None,
     simulated: xr.Dataset | None = None,
@@ -91,9 +93,10 @@ def plot_amplitude(
 
     Parameters
     ----------
-    exact : Dataset
-        What `rotor_ida.closed_forms.response_curve` returned, for one ``zeta`` and one
-        ``delta0``.
+    exact : Dataset or None
+        What `rotor_ida.closed_forms.response_curve` returned, for one ``zeta``, one ``delta0``
+        and one of each other parameter. None, for `simulated` alone, where no curve is known:
+        under a load.
     whirls : Dataset, optional
         What `rotor_ida.synchronous_response` returned, for the same parameters: the whirls at
         its speeds are marked.
@@ -109,8 +112,8 @@ def plot_amplitude(
     Raises
     ------
     InputError
-        If a dataset is of another kind, holds several dampings or clearances, or other ones
-        than `exact`.
+        If a dataset is of another kind, holds several dampings, clearances or other parameters,
+        or other ones than `exact`; if there is nothing to draw.
 
     Examples
     --------
@@ -127,7 +130,7 @@ def plot_amplitude(
 
 
 def plot_phase(
-    exact: xr.Dataset,
+    exact: xr.Dataset | None,
     *,
     whirls: xr.Dataset | None = None,
     simulated: xr.Dataset | None = None,
@@ -193,52 +196,80 @@ def plot_over_clearance(
 
 def _plot(
     quantity: str,
-    exact: xr.Dataset,
+    exact: xr.Dataset | None,
     whirls: xr.Dataset | None,
     simulated: xr.Dataset | None,
     fold_points: xr.Dataset | None,
     ax: Axes | None,
 ) -> Axes:
-    exact = check_dataset("exact", exact, CURVE)
-    zeta, delta0 = (one_value("exact", exact, name) for name in ("zeta", "delta0"))
-    highest = float(exact["amplitude"].max())
-    fold_omega, fold_value = np.empty(0), np.empty(0)
-    if fold_points is not None:
-        _check_beside("fold_points", fold_points, ("zeta", "delta0", "fold_omega"), exact)
-        fold_omega, fold_value = _folds(fold_points, quantity, zeta, exact)
-    if whirls is not None:
-        _check_beside("whirls", whirls, (*PARAMETERS, "amplitude", "phase_lag"), exact)
-    if simulated is not None:
-        _check_beside("simulated", simulated, (*PARAMETERS, *SIMULATED), exact)
-        highest = max(highest, float(simulated["radius_max"].max()))
+    if exact is not None:
+        shown = check_dataset("exact", exact, CURVE)
+    elif simulated is not None:
+        shown = check_dataset("simulated", simulated, (*PARAMETERS, *SIMULATED))
+    else:
+        raise InputError("exact must be a Dataset, or None beside simulated, got neither")
+    held = _held("simulated" if exact is None else "exact", shown)
+    beside = {"whirls": (whirls, WHIRLS), "simulated": (simulated, (*PARAMETERS, *SIMULATED)),
+              "fold_points": (fold_points, ("zeta", "delta0", "fold_omega"))}  # fmt: skip
+    for name, (dataset, needed) in beside.items():
+        if dataset is not None:
+            _check_beside(name, dataset, needed, shown, held)
     with style():
         ax = axes_or_new(ax)
-        _draw_curve(ax, exact, over="omega", quantity=quantity)
+        if exact is not None:
+            _draw_curve(ax, exact, over="omega", quantity=quantity)
         if whirls is not None:
             omega, height = xr.broadcast(whirls["omega"], whirls[quantity])
             ax.plot(omega.values.ravel(), height.values.ravel(), ls="", marker="o", ms=3.6,
                     color=BLUE, label="whirl at a given speed", zorder=3.1)  # fmt: skip
-        if fold_omega.size:
-            ax.plot(
-                fold_omega, fold_value, ls="", marker="D", ms=4.0, mfc="white", mec=INK, mew=1.0,
-                label=FOLD, zorder=3.7,
-            )  # fmt: skip
+        if fold_points is not None:
+            _draw_folds(ax, *_folds(fold_points, quantity, held["zeta"], shown))
         if simulated is not None:
             _draw_simulated(ax, simulated, quantity)
-        _finish(ax, quantity, exact, highest)
-        ax.set_title(parameter_text({"zeta": zeta, "delta0": delta0}))
+        heights = [shown["amplitude"], *([] if simulated is None else [simulated["radius_max"]])]
+        _finish(ax, quantity, shown, max(float(each.max()) for each in heights))
+        ax.set_title(parameter_text(held) if exact is not None else _without_curve(held))
         own_legend(ax)
     return ax
 
 
-def _check_beside(name: str, dataset: xr.Dataset, needed: Sequence[str], exact: xr.Dataset) -> None:
+def _without_curve(held: Mapping[str, float]) -> str:
+    """Return the title of a panel that says why it shows no curve."""
+    last = {name: value for name, value in held.items() if name == "load"}
+    before = {name: value for name, value in held.items() if name != "load"}
+    reason = f"{parameter_text(last)}: {NO_CURVE} under a load" if last else NO_CURVE
+    return f"{parameter_text(before)}\n{reason}"
+
+
+def _held(name: str, dataset: xr.Dataset) -> dict[str, float]:
+    """Return the parameters but the speed, of which there is one value each."""
+    names = ("zeta", "delta0", *(each for each in DEFAULTS if each in dataset.variables))
+    return {each: one_value(name, dataset, each) for each in names}
+
+
+def _check_beside(
+    name: str, dataset: xr.Dataset, needed: Sequence[str], shown: xr.Dataset,
+    held: Mapping[str, float],
+) -> None:  # fmt: skip
     """Refuse what lacks variables or has other parameters or units than the exact curve."""
     check_dataset(name, dataset, needed)
-    for parameter in ("zeta", "delta0"):
-        here, there = one_value(name, dataset, parameter), one_value("exact", exact, parameter)
-        if here != there:
-            raise InputError(f"{name} must have the {parameter} of exact, {there!r}, got {here!r}")
-    check_same_units(name, dataset, exact)
+    here = DEFAULTS | _held(name, dataset)
+    for parameter, there in {**DEFAULTS, **held}.items():
+        # contact damping moves no fold
+        if here[parameter] != there and (name, parameter) != ("fold_points", "contact_damping"):
+            raise InputError(
+                f"{name} must have the {parameter} of exact, {there!r}, got {here[parameter]!r}"
+            )
+    check_same_units(name, dataset, shown)
+
+
+def _draw_folds(ax: Axes, omega: Values, height: Values) -> None:
+    """Mark folds, where there are any."""
+    if omega.size:
+        ax.plot(
+            omega, height, ls="", marker="D", ms=4.0, mfc="white", mec=INK, mew=1.0, label=FOLD,
+            zorder=3.7,
+        )  # fmt: skip
 
 
 def _folds(

@@ -190,7 +190,10 @@ def _design(ramps: Ramps, direction: Direction | None) -> dict[str, object]:
     options = ramps.options
     return {
         "kind": "sweep",
-        **{name: values.tolist() for name, values in ramps.axes.items()},
+        **{
+            name: values.item() if name in ramps.numbers else values.tolist()
+            for name, values in ramps.axes.items()
+        },
         "starts": [list(start) for start in ramps.starts],
         "direction": direction,
         **{name: getattr(options, name) for name in ("rtol", "atol", "method", "flight")},

@@ -187,7 +187,7 @@ MISTAKES = [
     (simulate(figure="run.gif"), "figure must be NAME, NAME.png or NAME.svg, got 'run.gif'"),
     (
         "response --omega 1 --zeta 0:1:4 --delta0 0:1:4 --figure a.png",
-        "at most 12 pairs of zeta and delta0, got 16",
+        "at most 12 combinations of zeta, delta0 and what else varies, got 16",
     ),
     ("response --zeta 0.1 --delta0 0 --folds --figure a.png", "figure must be of whirls"),
     (sweep(out="taken.nc"), "out must not exist unless --force is given"),

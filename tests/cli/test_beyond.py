@@ -1,4 +1,4 @@
-"""A rotor with more than the paper's on the command line: simulate alone knows it."""
+"""A rotor with more than the paper's on the command line: simulate and sweep know it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 import rotor_ida
-from rotor_ida.cli.options import MachineOptions
+from rotor_ida.cli.options import BeyondAxes, MachineOptions
 from rotor_ida.parameters import DEFAULTS, DimensionalRotor, Rotor
 
 Program = Callable[..., Any]
@@ -78,6 +78,40 @@ def test_a_mistake_gets_one_line(program: Program, given: dict[str, float], mess
     assert re.fullmatch(rf"rotor-ida: {re.escape(message)}[^\n]*\n", answer.err)
 
 
+def test_a_sweep_takes_numbers_and_axes_of_it(program: Program):
+    line = (
+        "sweep --omega 0.5 2.5 --zeta 0.2 --delta0 1 --direction both --method taylor "
+        "--shaft-stiffness 0.25 --contact-exponent 1 --load 0 0.3 --out sweep.nc --figure sweep"
+    )
+    answer = program(*line.split(), "--json")
+    assert (answer.status, answer.err) == (0, "")
+    told = json.loads(answer.out)["responses"]
+    assert [row["load"] for row in told] == [0.0, 0.0, 0.3, 0.3] * 2
+    assert {row["shaft_stiffness"] for row in told} == {0.25}
+    found = rotor_ida.load("sweep.nc")
+    assert found.amplitude.dims == ("omega", "zeta", "delta0", "load", "start", "direction")
+    assert (found.contact_exponent.item(), found.shaft_stiffness.item()) == (1.0, 0.25)
+    assert "contact_damping" not in found.variables
+    # without a load the whirls of the closed forms, and under one none that is told as such
+    exact = rotor_ida.synchronous_response(
+        omega=[0.5, 2.5], zeta=0.2, delta0=1.0, shaft_stiffness=0.25, contact_exponent=1.0
+    )
+    free = found.sel(load=0.0).squeeze(drop=True).amplitude
+    apart = abs(free / exact.amplitude.squeeze(["zeta", "delta0"], drop=True) - 1.0).min("branch")
+    assert float(apart.max()) < 1e-8
+    assert "synchronous" not in {row["response"] for row in told if row["load"]}
+
+
+def test_a_figure_of_too_many_machines_is_refused_before_they_are_computed(program: Program):
+    sweep = ["sweep", *words(omega=1.0, zeta=0.1, delta0=1.0), "--figure", "many"]
+    answer = program(*sweep, "--load", "0:1:13")
+    assert (answer.status, answer.out) == (2, "")
+    assert answer.err == (
+        "rotor-ida: figure can show at most 12 combinations of zeta, delta0 and what else varies, "
+        "got 13\n"
+    )
+
+
 @pytest.mark.parametrize(
     "line",
     [
@@ -85,7 +119,6 @@ def test_a_mistake_gets_one_line(program: Program, given: dict[str, float], mess
         "fractions --omega 1 --zeta 0.1 --delta0 1 --x=-1:1 --y=-1:1",
         "cycle --omega 1 --zeta 0.1 --delta0 1",
         "continue --omega 1 --zeta 0.1 --delta0 1 --limits 0.5 1.5",
-        "sweep --omega 1 --zeta 0.1 --delta0 1",
         "response --omega 1 --zeta 0.1 --delta0 1",
         "atlas --omega 1 --zeta 0.1 --delta0 1",
         "touchdown --omega 1 --zeta 0.1 --delta0 1",
@@ -111,6 +144,13 @@ def test_a_cycle_of_another_rotor_is_not_followed(program: Program, archives: Pa
     answer = program("continue", "--from", "cycle.nc", "--limits", "1.5", "2.5")
     assert (answer.status, answer.out) == (2, "")
     assert answer.err == "rotor-ida: from must be of the paper's rotor, without load 0.125\n"
+
+
+def test_a_sweep_that_is_given_nothing_of_it_is_of_the_papers_rotor():
+    assert BeyondAxes().given() == DEFAULTS
+    assert BeyondAxes(load=[0.1], shaft_stiffness=[0.0, 0.5]).given() == {
+        **DEFAULTS, "load": 0.1, "shaft_stiffness": [0.0, 0.5],
+    }  # fmt: skip
 
 
 def test_a_machine_is_given_whole_in_one_of_two_ways():

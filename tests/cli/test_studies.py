@@ -125,7 +125,10 @@ def test_what_cannot_be_drawn_is_refused_before_anything_is_computed(program: Pr
     program("sweep", "--omega", "1.7", *many, "--study", "many")
     for folder, message in (
         ("drawn", "figure must be of a sweep or basin, got a study of basin fractions"),
-        ("many", "figure can show at most 12 pairs of zeta and delta0, got 13"),
+        (
+            "many",
+            "figure can show at most 12 combinations of zeta, delta0 and what else varies, got 13",
+        ),
     ):
         Path(folder, "result.nc").unlink()
         answer = program("resume", folder, "--figure", "figure.png")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict
 from pathlib import Path
 
@@ -86,6 +87,7 @@ def sweep(
     omega: options.Omegas,
     zeta: options.Zetas,
     delta0: options.Delta0s,
+    beyond: options.BeyondAxes = options.BeyondAxes(),
     start: options.Starts = [options.REST],  # noqa: B006 - never changed
     direction: options.Direction = None,
     jobs: options.JobOptions = options.JobOptions(),
@@ -99,11 +101,17 @@ def sweep(
 
         rotor-ida sweep --omega 1.2:2:3 --zeta 0.5 --delta0 0 0.5 \
             --start 0 0 0 0 --start 10 0 0 0 --workers 1 --out sweep.nc
+
+    With a shaft, and under two loads, from speed to speed, up and down:
+
+        rotor-ida sweep --omega 0.5:3:26 --zeta 0.1 --delta0 1 --direction both \
+            --shaft-stiffness 0.25 --load 0 0.3 --figure machine
     """
-    check_points(omega, zeta, delta0, start, in_study=study is not None)
-    output.check(panels=len(zeta) * len(delta0))
+    check_points(omega, zeta, delta0, *beyond.axes(), start, in_study=study is not None)
+    output.check(panels=math.prod(map(len, (zeta, delta0, *beyond.axes()))))
     from rotor_ida.parallel import count_workers  # noqa: PLC0415 - heavy, and not for --help
 
+    given = beyond.given()
     # The program guards its main part: all cores, whatever the backend.
     every_core = jobs.workers is None and jobs.executor == "auto"
     with working("sweep", study) as progress:
@@ -111,6 +119,10 @@ def sweep(
             omega=omega,
             zeta=zeta,
             delta0=delta0,
+            shaft_stiffness=given["shaft_stiffness"],
+            contact_exponent=given["contact_exponent"],
+            contact_damping=given["contact_damping"],
+            load=given["load"],
             starts=start,
             direction=direction,
             **asdict(solver),

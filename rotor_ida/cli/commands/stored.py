@@ -14,7 +14,7 @@ from rotor_ida.cli import options
 from rotor_ida.cli.output import Output, answer, answer_whole, read, working
 from rotor_ida.cli.report import FIRST_ROWS, Report, pairs
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import PARAMETERS
+from rotor_ida.parameters import ALL_PARAMETERS, PARAMETERS
 
 # A time left beyond this many seconds says no more than this one.
 LONGEST_LEFT = 1e12
@@ -151,5 +151,5 @@ def _panels(folder: Path) -> int:
     if design.get("kind") == "continue_attractors":
         options.check_varies(*(design[name] for name in PARAMETERS))
         return 1
-    axes = (design.get(name) for name in ("zeta", "delta0"))
+    axes = (design.get(name) for name in ALL_PARAMETERS[1:])
     return math.prod(len(axis) for axis in axes if isinstance(axis, list))
