@@ -179,7 +179,10 @@ def plot_over_clearance(
     'clearance $\\delta_0$'
     """
     exact = check_dataset("exact", exact, CURVE)
-    omega, zeta = (one_value("exact", exact, name) for name in ("omega", "zeta"))
+    held = _held("exact", exact, ("omega", "zeta"))
+    if simulated is not None:
+        beyond = {name: value for name, value in held.items() if name in DEFAULTS}
+        _check_same("simulated", _held("simulated", simulated, ()), beyond)
     with style():
         ax = axes_or_new(ax)
         _draw_curve(ax, exact, over="delta0", quantity="amplitude")
@@ -189,7 +192,7 @@ def plot_over_clearance(
         ax.set_xlabel(LABELS["delta0"])
         label_axis(ax.yaxis, "amplitude", exact["amplitude"])
         ax.set_ylim(bottom=0.0)
-        ax.set_title(parameter_text({"omega": omega, "zeta": zeta}))
+        ax.set_title(parameter_text(held))
         own_legend(ax)
     return ax
 
@@ -241,10 +244,24 @@ def _without_curve(held: Mapping[str, float]) -> str:
     return f"{parameter_text(before)}\n{reason}"
 
 
-def _held(name: str, dataset: xr.Dataset) -> dict[str, float]:
-    """Return the parameters but the speed, of which there is one value each."""
-    names = ("zeta", "delta0", *(each for each in DEFAULTS if each in dataset.variables))
+def _held(
+    name: str, dataset: xr.Dataset, of_all: Sequence[str] = ("zeta", "delta0")
+) -> dict[str, float]:
+    """Return the parameters but the one on the axis, of which there is one value each."""
+    names = (*of_all, *(each for each in DEFAULTS if each in dataset.variables))
     return {each: one_value(name, dataset, each) for each in names}
+
+
+def _check_same(name: str, here: Mapping[str, float], there: Mapping[str, float]) -> None:
+    """Refuse other parameters than those of the exact curve."""
+    of_this, of_exact = {**DEFAULTS, **here}, {**DEFAULTS, **there}
+    for parameter, value in of_exact.items():
+        # contact damping moves no fold
+        skipped = (name, parameter) == ("fold_points", "contact_damping")
+        if of_this[parameter] != value and not skipped:
+            raise InputError(
+                f"{name} must have the {parameter} of exact, {value!r}, got {of_this[parameter]!r}"
+            )
 
 
 def _check_beside(
@@ -253,13 +270,7 @@ def _check_beside(
 ) -> None:  # fmt: skip
     """Refuse what lacks variables or has other parameters or units than the exact curve."""
     check_dataset(name, dataset, needed)
-    here = DEFAULTS | _held(name, dataset)
-    for parameter, there in {**DEFAULTS, **held}.items():
-        # contact damping moves no fold
-        if here[parameter] != there and (name, parameter) != ("fold_points", "contact_damping"):
-            raise InputError(
-                f"{name} must have the {parameter} of exact, {there!r}, got {here[parameter]!r}"
-            )
+    _check_same(name, _held(name, dataset), held)
     check_same_units(name, dataset, shown)
 
 

@@ -145,6 +145,47 @@ def test_bad_input_is_refused(wrong, message):
         bifurcation_diagram(**{"omega": 1.0, "zeta": 0.5, "delta0": 0.0, **wrong})
 
 
+MACHINE = {"omega": 2.0, "zeta": 0.05, "delta0": 1.0, "starts": [REST], "method": "taylor"}
+
+
+def test_over_the_load_a_cycle_has_its_extrema_again_and_again():
+    """Of two revolutions at 0.6: the extrema of a run through two, and no others."""
+    found = bifurcation_diagram(shaft_stiffness=0.25, load=[0.0, 0.6], **MACHINE)
+    assert found.extremum_count.dims == ("omega", "zeta", "delta0", "load", "start")
+    assert found.shaft_stiffness.item() == 0.25
+    counts = found.extremum_count.values.ravel()
+    assert found.response.values.ravel()[1] == RESPONSE["bouncing"]
+    radii = found.extremum_radius.values[counts[0] :]
+    machine = Rotor(omega=2.0, zeta=0.05, delta0=1.0, shaft_stiffness=0.25, load=0.6)
+    run = simulate(
+        machine, start=REST, duration=600.0, samples=np.linspace(600.0 - 2.0 * math.pi, 600.0, 4001)
+    )
+    radius = np.hypot(run.x.values, run.y.values)
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(radius)))) + 1
+    distinct = np.unique(np.round(radii, 6))
+    np.testing.assert_allclose(distinct, np.unique(np.round(radius[turns], 6)), atol=1e-4)
+    assert distinct.size == turns.size
+    assert radii.max() == pytest.approx(found.radius_max.values.ravel()[1], rel=1e-9)
+
+
+def test_any_parameter_of_a_machine_may_be_an_axis():
+    """Each point is what it is alone, with its own rotor."""
+    axes = {"shaft_stiffness": [0.1, 0.25], "contact_damping": [0.0, 0.3]}
+    both = bifurcation_diagram(contact_exponent=1.0, load=0.6, **axes, **MACHINE)
+    counts = both.extremum_count.values.ravel()
+    ends = np.cumsum(counts)
+    numbers = iter(range(4))
+    for kappa in axes["shaft_stiffness"]:
+        for damping in axes["contact_damping"]:
+            alone = bifurcation_diagram(
+                contact_exponent=1.0, load=0.6, shaft_stiffness=kappa, contact_damping=damping,
+                **MACHINE,
+            )  # fmt: skip
+            number = next(numbers)
+            part = both.extremum_radius.values[ends[number] - counts[number] : ends[number]]
+            np.testing.assert_array_equal(part, alone.extremum_radius.values)
+
+
 def test_workers_leave_no_trace():
     arguments = {"omega": [2.0, 3.0], "zeta": 0.07, "delta0": 2.0, "starts": 3}
     one, two = (bifurcation_diagram(**arguments, workers=workers) for workers in (1, 2))

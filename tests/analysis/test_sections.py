@@ -69,6 +69,70 @@ def test_full_contact_has_no_entries_but_two_peaks_a_cycle():
     assert abs(radius[1] - radius[0]) > 0.5
 
 
+LOADED = Rotor(omega=2.0, zeta=0.05, delta0=1.0, shaft_stiffness=0.25, load=0.6)
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.5 * math.pi, 4.0])
+def test_under_a_load_the_stroboscopic_section_is_at_the_angle_that_is_named(phase):
+    """A cycle of two revolutions is two points; they are samples of a run at those times."""
+    section = poincare_section(
+        LOADED, start=REST, revolutions=6, skip=200, phase=phase, method="taylor"
+    )
+    assert section.attrs["phase"] == phase
+    points = states(section)
+    assert np.abs(points[2:] - points[:-2]).max() < 1e-9
+    assert np.abs(points[1:] - points[:-1]).max(axis=1).min() > 0.1
+    np.testing.assert_allclose(
+        section.crossing_time.values[:6], (phase + 2.0 * math.pi * np.arange(200, 206)) / 2.0
+    )
+    # on from the first crossing at angle 0, by another solver
+    start = states(poincare_section(LOADED, start=REST, revolutions=1, skip=200, method="taylor"))
+    times = (phase + 2.0 * math.pi * np.arange(4)) / 2.0
+    run = simulate(
+        LOADED, start=start[0], duration=20.0, samples=np.unique([0.0, *times, 20.0]), rtol=1e-11
+    )
+    fixed = np.stack([run[name].values for name in ("x", "y", "vx", "vy")], axis=-1)
+    there = fixed[np.searchsorted(run.t.values, times)]
+    np.testing.assert_allclose(points[:4], rotated(there, np.full(4, -phase)), atol=1e-8)
+
+
+def test_sections_of_a_torus_under_a_load_never_come_again():
+    """By revolutions they are a closed curve; without load the same motion is one too."""
+    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0, load=0.01)
+    section = poincare_section(rotor, start=REST, revolutions=600, skip=400, method="taylor")
+    points = states(section)
+    apart = np.abs(points[1:] - points[0]).max(axis=1)
+    assert 1e-6 < apart.min() < 0.2
+    # as dense as a curve is: the nearest of 600 points is some 2 pi/600 of its size away
+    gaps = np.abs(points[:, None] - points[None, :]).max(axis=2) + 9.0 * np.eye(len(points))
+    assert gaps.min(axis=1).max() < 0.1
+
+
+@pytest.mark.parametrize(
+    "machine",
+    [
+        Rotor(omega=1.8, zeta=0.07, delta0=2.0, shaft_stiffness=0.02, contact_damping=0.1),
+        Rotor(omega=2.0, zeta=0.05, delta0=1.0, load=0.6, contact_exponent=1.0),
+    ],
+    ids=["without load", "under a load"],
+)
+def test_entries_and_peaks_of_a_machine_are_those_of_its_run(machine):
+    duration = 2.0 * math.pi / machine.omega * 12
+    run = simulate(machine, start=REST, duration=duration, samples=2, method="taylor")
+    entries = poincare_section(machine, start=REST, revolutions=12, at="entry", method="taylor")
+    chosen = run.event_kind.values == 1
+    assert chosen.sum() > 3
+    np.testing.assert_allclose(entries.crossing_time, run.event_time[chosen], atol=1e-10)
+    fixed = rotated(states(entries), machine.omega * entries.crossing_time.values)
+    np.testing.assert_allclose(fixed[:, 3], run.event_vy[chosen], atol=1e-9)
+    peaks = poincare_section(machine, start=REST, revolutions=12, at="peak")
+    radius = np.hypot(peaks.rotating_x.values, peaks.rotating_y.values)
+    for time, depth in zip(run.peak_time.values, run.peak_indentation.values, strict=True):
+        nearest = np.abs(peaks.crossing_time.values - time).argmin()
+        if 0.0 < time < duration:
+            assert radius[nearest] == pytest.approx(machine.delta0 + depth, rel=1e-9)
+
+
 @pytest.mark.parametrize(
     ("rotor", "wrong", "message"),
     [
@@ -77,6 +141,13 @@ def test_full_contact_has_no_entries_but_two_peaks_a_cycle():
         (BOUNCING, {"at": "apex"}, "at must be one of 'revolution', 'entry', 'exit', 'peak'"),
         (BOUNCING, {"revolutions": 0}, "revolutions must be at least 1, got 0"),
         (BOUNCING, {"skip": -1}, "skip must be at least 0, got -1"),
+        (BOUNCING, {"phase": -1.0}, "phase must be zero or positive, got -1.0"),
+        (BOUNCING, {"phase": 7.0}, "phase must be below 2 pi, got 7.0"),
+        (
+            BOUNCING,
+            {"phase": 1.0, "at": "peak"},
+            "phase must be 0 for a section at each peak, got 1.0",
+        ),
     ],
 )
 def test_bad_input_is_refused(rotor, wrong, message):

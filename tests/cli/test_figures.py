@@ -39,3 +39,22 @@ def test_basin_is_drawn_in_the_style_of_the_others():
     axis = np.linspace(-5.0, 5.0, 4)
     (ax,) = figure_of(basin(Rotor(omega=1.7, zeta=0.07, delta0=0.0), x=axis, y=axis)).axes
     assert ax.get_xticklabels()[0].get_fontfamily() == ["STIXGeneral"]
+
+
+def test_a_sweep_of_machines_has_a_panel_each_with_the_curve_where_one_is_known():
+    machines = {"shaft_stiffness": 0.25, "contact_damping": [0.0, 0.3], "load": [0.0, 0.3]}
+    found = sweep(omega=[1.0, 2.0], zeta=0.2, delta0=1.0, method="taylor", **machines)
+    axes = figure_of(found).axes
+    assert len(axes) == 4
+    for ax, (damping, load) in zip(axes, [(0.0, 0.0), (0.0, 0.3), (0.3, 0.0), (0.3, 0.3)],
+                                   strict=True):  # fmt: skip
+        title, labels = ax.get_title(), [line.get_label() for line in ax.lines]
+        assert (r"$c = 0.3$" in title) == (damping > 0.0)
+        assert ("no exact curve under a load" in title) == (load > 0.0)
+        assert ("stable whirl" in labels) == (load == 0.0)
+
+
+def test_whirls_of_a_machine_are_drawn_on_its_curve():
+    whirls = synchronous_response(omega=[1.0, 2.0], zeta=0.2, delta0=1.0, shaft_stiffness=0.25)
+    (ax,) = figure_of(whirls).axes
+    assert r"$\kappa = 0.25$" in ax.get_title()

@@ -162,3 +162,34 @@ def test_draw_on_the_axes_given_and_refuse_other_datasets(run):
         assert plot(dataset, ax=ax) is ax
         with pytest.raises(InputError, match="it lacks"):
             plot(dataset.drop_vars(list(dataset.data_vars)))
+
+
+def test_extrema_are_drawn_over_whatever_varies():
+    machine = {"omega": 2.0, "zeta": 0.2, "delta0": 1.0, "starts": [(0, 0, 0, 0)]}
+    for name, label in (("load", r"load $\gamma$"), ("contact_damping", "contact damping $c$")):
+        found = bifurcation_diagram(**machine, **{name: [0.1, 0.3]}, method="taylor")
+        ax = plot_extrema(found)
+        assert ax.get_xlabel() == label
+        assert ax.get_title() == r"$\omega = 2$,  $\zeta = 0.2$,  $\delta_0 = 1$"
+        across = np.concatenate([each.get_xdata() for each in ax.lines])
+        assert set(across) == {0.1, 0.3}
+    both = {**machine, "delta0": [0.5, 1.0], "load": [0.1, 0.3]}
+    found = bifurcation_diagram(**both, method="taylor")
+    with pytest.raises(InputError, match="found must hold one delta0, got 2"):
+        plot_extrema(found)
+
+
+def test_extrema_of_another_machine_than_the_curve_are_refused():
+    found = bifurcation_diagram(
+        omega=[1.0, 1.2], zeta=0.2, delta0=1.0, shaft_stiffness=0.25, starts=[(0, 0, 0, 0)]
+    )
+    exact = response_curve(zeta=0.2, delta0=1.0, limits=(0.5, 2.0))
+    message = "found must have the shaft_stiffness of exact, 0.0, got 0.25"
+    with pytest.raises(InputError, match=message):
+        plot_extrema(found, exact=exact)
+
+
+def test_a_section_at_another_angle_says_so():
+    rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5, load=0.1)
+    section = poincare_section(rotor, start=(0, 0, 0, 0), revolutions=9, phase=0.5 * np.pi)
+    assert plot_section(section).get_title() == "unbalance at 90°"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from rotor_ida import InputError, synchronous_response
+from rotor_ida import InputError, folds, sweep, synchronous_response
 from rotor_ida.closed_forms import clearance_curve, response_curve
 from rotor_ida.plot import (
     panels,
@@ -221,3 +221,48 @@ def test_over_clearance_one_speed_is_drawn(whirls_over_clearance):
     several = clearance_curve(omega=[1.2, 1.3], zeta=0.07, limits=(0.0, 1.0))
     with pytest.raises(InputError, match="exact must hold one omega, got 2"):
         plot_over_clearance(several)
+
+
+SHAFT = {"zeta": 0.2, "delta0": 1.0, "shaft_stiffness": 0.25}
+
+
+def test_the_curve_of_a_machine_has_its_name_and_refuses_what_is_of_another():
+    exact = response_curve(**SHAFT, limits=(0.5, 2.5))
+    ax = plot_amplitude(exact, fold_points=folds(**SHAFT))
+    assert ax.get_title() == r"$\zeta = 0.2$,  $\delta_0 = 1$,  $\kappa = 0.25$"
+    other = synchronous_response(omega=[1.0], zeta=0.2, delta0=1.0)
+    message = "whirls must have the shaft_stiffness of exact, 0.25, got 0.0"
+    with pytest.raises(InputError, match=message):
+        plot_amplitude(exact, whirls=other)
+    loaded = sweep(omega=[1.0, 2.0], load=0.3, method="taylor", **SHAFT)
+    with pytest.raises(InputError, match=r"simulated must have the load of exact, 0.0, got 0.3"):
+        plot_amplitude(exact, simulated=loaded)
+
+
+@pytest.mark.parametrize("draw", [plot_amplitude, plot_phase])
+def test_under_a_load_responses_are_drawn_without_a_curve_and_the_title_says_why(draw):
+    loaded = sweep(omega=[1.0, 2.0], load=0.3, method="taylor", **SHAFT)
+    ax = draw(None, simulated=loaded)
+    assert ax.get_title().splitlines() == [
+        r"$\zeta = 0.2$,  $\delta_0 = 1$,  $\kappa = 0.25$",
+        r"$\gamma = 0.3$: no exact curve under a load",
+    ]
+    assert "stable whirl" not in legend_texts(ax)
+    with pytest.raises(InputError, match="exact must be a Dataset, or None beside simulated"):
+        draw(None)
+
+
+def test_what_is_quasi_periodic_is_a_range_of_its_own(exact, simulated):
+    torus = simulated.copy(deep=True)
+    torus["response"][:] = 8
+    ax = plot_amplitude(exact, simulated=torus)
+    assert "quasi-periodic: range of $|z|$" in legend_texts(ax)
+
+
+def test_over_the_clearance_a_machine_has_its_name_too():
+    exact = clearance_curve(omega=1.2, zeta=0.2, limits=(0.0, 2.0), shaft_stiffness=0.25)
+    title = plot_over_clearance(exact).get_title()
+    assert title == r"$\omega = 1.2$,  $\zeta = 0.2$,  $\kappa = 0.25$"
+    other = sweep(omega=1.2, zeta=0.2, delta0=[0.5, 1.0], method="taylor")
+    with pytest.raises(InputError, match="simulated must have the shaft_stiffness of exact"):
+        plot_over_clearance(exact, simulated=other)

@@ -154,3 +154,50 @@ def test_a_chain_that_is_lost_with_its_worker_is_labelled(monkeypatch):
 def test_bad_input_gets_one_clear_line(changes, message):
     with pytest.raises(InputError, match=f"^{message}$"):
         sweep(**{"omega": 1.0, "zeta": 0.1, "delta0": 0.5, **changes})
+
+
+MACHINE = {"zeta": 0.05, "delta0": 1.0, "shaft_stiffness": 0.25, "method": "taylor"}
+
+
+def test_a_run_up_under_a_load_goes_on_where_the_last_speed_ended():
+    """At whole revolutions the turning axes point as they did: an end is a start."""
+    up = sweep(omega=[2.0, 2.3, 2.5], load=0.6, direction="up", **MACHINE).squeeze()
+    ends = ("end_x", "end_y", "end_vx", "end_vy")
+    for place, speed in enumerate((2.3, 2.5)):
+        start = [up[name].values[place] for name in ends]
+        alone = sweep(omega=speed, load=0.6, starts=[start], **MACHINE).squeeze()
+        for name in ("response", "amplitude", "radius_min", "radius_max", "period", *ends):
+            assert up[name].values[place + 1] == alone[name].item(), name
+    revolutions = up.period * up.omega / (2.0 * np.pi)
+    np.testing.assert_allclose(revolutions, [2.0, 2.0, 1.0], rtol=1e-14)
+    # from rest it comes to another cycle at the last speed
+    rest = sweep(omega=2.5, load=0.6, **MACHINE).squeeze()
+    assert rest.period.item() * 2.5 / (2.0 * np.pi) == pytest.approx(3.0, rel=1e-14)
+
+
+def test_loads_as_an_axis_are_a_dimension_and_each_is_what_it_is_alone():
+    both = sweep(omega=[1.2, 2.4], load=[0.0, 0.6], **MACHINE)
+    assert both.amplitude.dims == ("omega", "zeta", "delta0", "load", "start", "direction")
+    for load in (0.0, 0.6):
+        alone = sweep(omega=[1.2, 2.4], load=load, **MACHINE)
+        part = both.sel(load=load)
+        assert ("load" in alone.coords) == (load > 0.0)
+        for name in ("response", "amplitude", "period", "event_count", "end_vx"):
+            np.testing.assert_array_equal(part[name].values, alone[name].values)
+    # of a Dataset `load` is a method
+    assert both["load"].attrs["units"] == "1"
+    assert both["load"].attrs["long_name"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"load": -0.1}, "load must be zero or positive, got -0.1"),
+        ({"load": [0.0, 1e-13]}, "load must be 0, or from 1e-12 to 1e\\+06, to be simulated, .*"),
+        ({"load": 0.1, "omega": 1e-4}, "omega must be 0 or from 0.001 to 1000 to settle, .*"),
+        ({"contact_exponent": 2.0}, "contact_exponent must be 1.5 or 1, got 2.0"),
+    ],
+)
+def test_a_machine_that_cannot_be_gets_one_clear_line(changes, message):
+    with pytest.raises(InputError, match=f"^{message}$"):
+        sweep(**{"omega": 1.0, "zeta": 0.1, "delta0": 0.5, **changes})

@@ -30,6 +30,10 @@ KINDS = {
     "ramps": lambda **more: sweep(
         omega=[0.9, 1.2, 1.7], zeta=[0.3, 0.5], delta0=[0.0, 0.5, 1.0], direction="both", **more
     ),
+    "ramps of machines": lambda **more: sweep(
+        omega=[0.9, 1.2, 1.7], zeta=0.3, delta0=1.0, shaft_stiffness=0.25, contact_exponent=[1.0],
+        load=[0.0, 0.3], direction="both", **more
+    ),
     "basin": lambda **more: basin(BOUNCER, x=AXIS, y=AXIS, **more),
     "basin_fractions": lambda **more: basin_fractions(
         BOUNCER, x=(-8, 8), y=(-8, 8), vx=(-4, 4), starts=4000, **more
