@@ -25,7 +25,6 @@ MACHINE = {
 }  # fmt: skip
 
 OF_A_ROTOR: dict[str, Callable[[Rotor], object]] = {
-    "poincare_section": lambda rotor: rotor_ida.poincare_section(rotor, start=REST, revolutions=1),
     "record": lambda rotor: record(rotor, start=REST, revolutions=1, speeds=[1.0]),
 }
 
@@ -91,7 +90,3 @@ def test_where_the_axes_turn_there_is_no_load():
         rotor_ida.continue_cycle(rotor, start=REST, limits=(1, 2))
     with pytest.raises(InputError, match=message):
         rotor_ida.bifurcation_curve(rotor, start=REST, kind="fold", limits=((1, 2), (0.1, 1)))
-    with pytest.raises(InputError, match=message):
-        rotor_ida.sweep(**PLAIN, load=0.125)
-    with pytest.raises(InputError, match=message):
-        rotor_ida.sweep(**PLAIN, load=[0.0, 0.125])
