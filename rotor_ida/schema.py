@@ -67,8 +67,8 @@ DIRECTION = {"down": -1, "from_start": 0, "up": 1}
 NO_YES = {"no": 0, "yes": 1}
 WHIRL_DIRECTION = {"backward": -1, "none": 0, "forward": 1}
 EXACT = {"nothing": 0, "whirl": 1, "cycle": 2}
-LINE_KIND = {"backward": -1, "spin": 0, "forward": 1}
-SPECIAL = {"fold": 1, "period_doubling": 2, "graze": 3, "cusp": 4}
+LINE_KIND = {"backward": -1, "spin": 0, "forward": 1, "static": 2}
+SPECIAL = {"fold": 1, "period_doubling": 2, "graze": 3, "cusp": 4, "torus": 5}
 END = {
     "not_found": -1, "none": 0, "fold": 1, "period_doubling": 2, "touch": 3, "hopf": 4, "torus": 5,
 }  # fmt: skip
