@@ -174,6 +174,14 @@ QUANTITIES: dict[str, Quantity] = {
     "growth_rate": Quantity("largest real part of the whirl's eigenvalues", scale="rate"),
     "fold_omega": Quantity("spin speed of the fold over the reference frequency"),
     "fold_amplitude": Quantity("amplitude of the synchronous whirl at the fold", scale="length"),
+    "hopf": Quantity("number of the Hopf point, in order of speed"),
+    "hopf_omega": Quantity("spin speed of the Hopf point over the reference frequency"),
+    "hopf_amplitude": Quantity(
+        "amplitude of the synchronous whirl at the Hopf point", scale="length"
+    ),
+    "hopf_frequency": Quantity(
+        "circular frequency on the rotating axes of the cycle that is born there", scale="rate"
+    ),
     "landing_amplitude": Quantity("amplitude of the whirl that is left at a fold", scale="length"),
     "cusp_zeta": Quantity("damping ratio at the cusp, above which the response curve has no fold"),
     "cusp_omega": Quantity("spin speed at the cusp, where the last folds merge"),
