@@ -148,7 +148,7 @@ OneParameter = Annotated[Name, Parameter(help="What is varied.")]
 TwoParameters = Annotated[
     tuple[Name, Name],
     Parameter(
-        help="What is varied: two of omega, zeta and delta0.",
+        help="What is varied: two of those that continue takes.",
         metavar="NAME NAME",
         negative=(),
         show_default=" ".join,
