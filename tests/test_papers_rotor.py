@@ -83,14 +83,6 @@ def test_a_cycle_of_a_rotor_with_more_is_no_start():
 
 def test_where_the_axes_turn_there_is_no_load():
     message = r"load must be 0 .*, as under a load nothing stands still on the turning axes"
-    rotor = Rotor(**PLAIN, load=0.125)
-    for start in ({"start": REST}, {"start": REST, "period": 3.0}):
-        with pytest.raises(InputError, match=message):
-            rotor_ida.limit_cycle(rotor, **start)
-    with pytest.raises(InputError, match=message):
-        rotor_ida.continue_cycle(rotor, start=REST, limits=(1, 2))
-    with pytest.raises(InputError, match=message):
-        rotor_ida.bifurcation_curve(rotor, start=REST, kind="fold", limits=((1, 2), (0.1, 1)))
     with pytest.raises(InputError, match=message):
         rotor_ida.sweep(**PLAIN, load=0.125)
     with pytest.raises(InputError, match=message):

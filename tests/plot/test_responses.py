@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from rotor_ida import InputError, synchronous_response
+from rotor_ida import InputError, hopf_points, synchronous_response
 from rotor_ida.closed_forms import clearance_curve, response_curve
 from rotor_ida.plot import (
     panels,
@@ -221,3 +221,14 @@ def test_over_clearance_one_speed_is_drawn(whirls_over_clearance):
     several = clearance_curve(omega=[1.2, 1.3], zeta=0.07, limits=(0.0, 1.0))
     with pytest.raises(InputError, match="exact must hold one omega, got 2"):
         plot_over_clearance(several)
+
+
+def test_hopf_points_are_marked_on_the_curve():
+    given = {"zeta": 0.07, "delta0": 0.5, "contact_damping": 0.5}
+    exact, found = response_curve(**given, limits=(0.5, 3.0)), hopf_points(**given)
+    ax = plot_amplitude(exact, hopf_points=found)
+    (mark,) = [line for line in ax.lines if line.get_label() == "Hopf point"]
+    assert mark.get_xdata().tolist() == found.hopf_omega.values.ravel().tolist()
+    assert mark.get_ydata().tolist() == found.hopf_amplitude.values.ravel().tolist()
+    with pytest.raises(InputError, match=r"hopf_points must have the delta0 of exact, 0.5, got 1"):
+        plot_amplitude(exact, hopf_points=hopf_points(**given | {"delta0": 1.0}))
