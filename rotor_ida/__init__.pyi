@@ -9,6 +9,7 @@ from .atlas import touchdown_report as touchdown_report
 from .basins import basin as basin
 from .basins import basin_fractions as basin_fractions
 from .closed_forms import folds as folds
+from .closed_forms import hopf_points as hopf_points
 from .closed_forms import impact as impact
 from .closed_forms import rest as rest
 from .closed_forms import synchronous_response as synchronous_response

@@ -68,8 +68,8 @@ DIRECTION = {"down": -1, "from_start": 0, "up": 1}
 NO_YES = {"no": 0, "yes": 1}
 WHIRL_DIRECTION = {"backward": -1, "none": 0, "forward": 1}
 EXACT = {"nothing": 0, "whirl": 1, "cycle": 2}
-LINE_KIND = {"backward": -1, "spin": 0, "forward": 1}
-SPECIAL = {"fold": 1, "period_doubling": 2, "graze": 3, "cusp": 4}
+LINE_KIND = {"backward": -1, "spin": 0, "forward": 1, "static": 2}
+SPECIAL = {"fold": 1, "period_doubling": 2, "graze": 3, "cusp": 4, "torus": 5}
 END = {
     "not_found": -1, "none": 0, "fold": 1, "period_doubling": 2, "touch": 3, "hopf": 4, "torus": 5,
 }  # fmt: skip
@@ -175,6 +175,14 @@ QUANTITIES: dict[str, Quantity] = {
     "growth_rate": Quantity("largest real part of the whirl's eigenvalues", scale="rate"),
     "fold_omega": Quantity("spin speed of the fold over the reference frequency"),
     "fold_amplitude": Quantity("amplitude of the synchronous whirl at the fold", scale="length"),
+    "hopf": Quantity("number of the Hopf point, in order of speed"),
+    "hopf_omega": Quantity("spin speed of the Hopf point over the reference frequency"),
+    "hopf_amplitude": Quantity(
+        "amplitude of the synchronous whirl at the Hopf point", scale="length"
+    ),
+    "hopf_frequency": Quantity(
+        "circular frequency on the rotating axes of the cycle that is born there", scale="rate"
+    ),
     "landing_amplitude": Quantity("amplitude of the whirl that is left at a fold", scale="length"),
     "cusp_zeta": Quantity("damping ratio at the cusp, above which the response curve has no fold"),
     "cusp_omega": Quantity("spin speed at the cusp, where the last folds merge"),

@@ -194,6 +194,7 @@ GIVEN: dict[str, Callable[[Path], dict[str, object]]] = {
     "planar_period": lambda _: {"amplitude": 2.0},
     "centre_speed": lambda _: {"amplitude": 2.0},
     "amplitude_from_speed": lambda _: {"speed": 2.0},
+    "hopf_points": lambda _: {"zeta": 0.07, "delta0": 0.5, "contact_damping": 0.5},
     "impact": lambda _: {"entry_speed": 1.0, "contact_damping": 0.5},
     "rest": lambda _: {"rotor": ROTOR},
     "touch_speeds": lambda _: {"zeta": 0.07, "delta0": 0.5, "shaft_stiffness": 0.25},

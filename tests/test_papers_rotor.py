@@ -78,15 +78,3 @@ def test_a_cycle_of_a_rotor_with_more_is_no_start():
         rotor_ida.limit_cycle(rotor, start=with_load(cycle))
     with pytest.raises(InputError, match=message):
         rotor_ida.continue_cycle(rotor, start=with_load(cycle), limits=(1.5, 2.5))
-
-
-def test_where_the_axes_turn_there_is_no_load():
-    message = r"load must be 0 .*, as under a load nothing stands still on the turning axes"
-    rotor = Rotor(**PLAIN, load=0.125)
-    for start in ({"start": REST}, {"start": REST, "period": 3.0}):
-        with pytest.raises(InputError, match=message):
-            rotor_ida.limit_cycle(rotor, **start)
-    with pytest.raises(InputError, match=message):
-        rotor_ida.continue_cycle(rotor, start=REST, limits=(1, 2))
-    with pytest.raises(InputError, match=message):
-        rotor_ida.bifurcation_curve(rotor, start=REST, kind="fold", limits=((1, 2), (0.1, 1)))

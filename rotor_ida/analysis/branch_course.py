@@ -16,7 +16,7 @@ from rotor_ida.parameters import ALL_PARAMETERS
 from rotor_ida.schema import words_of
 
 # At each of these a cycle that was stable is so no more, or the other way round.
-CHANGES = ("fold", "period_doubling")
+CHANGES = ("fold", "period_doubling", "torus")
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,12 +59,16 @@ def course_of(branch: xr.Dataset) -> Course:
     )
     if specials < branch.sizes["special"]:
         stability = _of_neighbours(branch, stability)
+    several = bool({"contact_damping", "load"} & set(branch.coords))
     stable, touching = [], []
     for number in order.tolist():
         if number < points:
             here, kind = stability[number], response[number]
         elif kinds[number - points] in CHANGES:
             here = "unstable" if here == "stable" else "stable"
+            # where tori are born, two things may make a cycle unstable: the next point tells
+            if several and np.sum(told["special_point"].values == places[number]) == 1:
+                here = stability[min(int(places[number]) + 1, points - 1)]
         else:  # a graze, behind which the cycles are as at the next point
             kind = response[min(int(places[number]) + 1, points - 1)]
         stable.append(here)

@@ -381,7 +381,9 @@ def _fold_rows(dataset: xr.Dataset, most: int | None) -> tuple[list[Record], lis
 
 def _cycle(dataset: xr.Dataset, most: int | None) -> Description:
     about = _about(dataset)
-    parameters: Record = {name: float(dataset[name]) for name in PARAMETERS}
+    parameters: Record = {
+        name: float(dataset[name]) for name in ALL_PARAMETERS if name in dataset.coords
+    }
     parameters["start"] = about.pop("start", None)
     scalars = {name: value_of(dataset, name) for name in names_on(dataset)}
     record: Record = {

@@ -144,12 +144,12 @@ SpecialNumber = Annotated[
     int | None, _whole_number("Number of the special point in the archive.", 0, MOST_NUMBERS)
 ]
 PointCount = Annotated[int, _whole_number("Largest number of points each way.", 2, MOST_NUMBERS)]
-Name = Literal["omega", "zeta", "delta0", "shaft_stiffness", "contact_damping"]
+Name = Literal["omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "load"]
 OneParameter = Annotated[Name, Parameter(help="What is varied.")]
 TwoParameters = Annotated[
     tuple[Name, Name],
     Parameter(
-        help="What is varied: two of omega, zeta and delta0.",
+        help="What is varied: two of those that continue takes.",
         metavar="NAME NAME",
         negative=(),
         show_default=" ".join,
@@ -166,7 +166,9 @@ Way = Annotated[
     Literal["both", "forward", "backward"],
     Parameter(help="Which way to go: forward is to larger values, or on along a branch."),
 ]
-Bifurcation = Annotated[Literal["fold", "period_doubling"], Parameter(help="What is followed.")]
+Bifurcation = Annotated[
+    Literal["fold", "period_doubling", "torus"], Parameter(help="What is followed.")
+]
 
 Duration = Annotated[float, _number("Time to simulate.")]
 Samples = Annotated[

@@ -19,6 +19,7 @@ from rotor_ida.closed_forms.free_vibration import (
     free_periods,
     planar_period,
 )
+from rotor_ida.closed_forms.hopf import hopf_points
 from rotor_ida.closed_forms.impact import impact
 from rotor_ida.closed_forms.peaks import backbone, peak_amplitude, peaks, speeds_at_amplitude
 from rotor_ida.closed_forms.response_curve import clearance_curve, response_curve
@@ -41,6 +42,7 @@ __all__ = [
     "flight",
     "folds",
     "free_periods",
+    "hopf_points",
     "impact",
     "jumps",
     "peak_amplitude",

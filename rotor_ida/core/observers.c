@@ -444,6 +444,17 @@ static void add_rows(struct run *run, const double p[4][4], double drawn[PARAMET
     }
 }
 
+/* Add to what omega adds to the rate of change that a load, which stands still, turns faster on
+ * axes that do, the more the later: it hangs on the time since the start of the run. */
+static void add_turn_of_load(const struct run *run, double since, double added[PARAMETERS][4])
+{
+    const double *down = added[PARAMETERS - 1], turn = run->rotor.load * (run->time + since);
+    if (turn == 0.0)
+        return;
+    added[0][2] += turn * down[3];
+    added[0][3] -= turn * down[2];
+}
+
 /* Add to the last rows of a bundle what each parameter adds over a step.
  *
  * With P(t) the derivative of the state at a time t of the step by that at its beginning, and b
@@ -459,8 +470,11 @@ static void add_by_parameters(struct run *run, const struct step *step)
     for (int place = 0; place < 6; place++) {
         const double *read = motion->glance_at(motion, motion->low + PLACES[place] * reach);
         const double pace = is_contact(motion) ? read[CONTACT_Q] : 1.0;
+        const double since = is_contact(motion) ? read[CONTACT_T]
+                                                : motion->low + PLACES[place] * reach;
         double added[PARAMETERS][4], x[4];
         motion->mode->by_parameters(&motion->model, read, added);
+        add_turn_of_load(run, since, added);
         memcpy(p, &read[size], sizeof p);
         for (int row = 0; row < PARAMETERS; row++) {
             solve(p, added[row], x);
@@ -503,6 +517,7 @@ static void carry_over_flight(struct run *run, const struct flight *flight)
                                                   there.w.y, there.down.x, there.down.y};
             double added[PARAMETERS][4], x[4];
             cartesian_mode.by_parameters(&model, state, added);
+            add_turn_of_load(run, done * length + passed, added);
             flown(rotor, passed, p);
             for (int row = 0; row < PARAMETERS; row++) {
                 solve(p, added[row], x);

@@ -1,9 +1,15 @@
-"""Folds and period doublings of limit cycles over two parameters.
+"""Folds, period doublings and torus points of limit cycles over two parameters.
 
 Beside the equations of shooting a third condition holds on such a curve: a test function of the
-monodromy matrix M, ``2 (1 + q) - tr M`` for a fold or ``tr M`` for a doubling, is 0. It is smooth,
-and no eigenvalue has to be followed. A cusp, where two folds meet, is where the curve turns back
-in the plane of the parameters, though not in the space of all unknowns.
+monodromy matrix M, ``2 (1 + q) - tr M`` for a fold or ``tr M`` for a doubling, is 0; for a torus,
+and in general, see `rotor_ida.cycles.multipliers`. It is smooth, and no eigenvalue has to be
+followed. A cusp, where two folds meet, is where the curve turns back in the plane of the
+parameters, though not in the space of all unknowns. A curve of torus points ends where the pair on
+the unit circle becomes real, at 1 or -1.
+
+Where the contact's stiffness or damping begins at once, M changes like a root beyond a graze: at
+the ring in a linear contact, and at the state in which the contact with damping just does not come
+loose. There such a curve has a corner, and may end.
 """
 
 from __future__ import annotations
@@ -25,38 +31,44 @@ from rotor_ida.checks import (
     check_progress,
     shown,
 )
-from rotor_ida.core.runs import COLUMNS
 from rotor_ida.cycles.branch import (
     CLOSED,
     DOUBLING,
     FOLD,
     GRAZE,
     PLACE,
+    TORUS,
     Course,
     Side,
     advance,
+    closing_equations,
     course_from,
+    may_have_tori,
     nearest_gap,
     shot_of,
 )
-from rotor_ida.cycles.continuation import Curve, Point, Problem, shooting_equations
+from rotor_ida.cycles.continuation import Curve, Point, Problem
 from rotor_ida.cycles.continue_cycle import CONTINUED, branch_dataset, check_limits
 from rotor_ida.cycles.guess import Guess, guess_of
-from rotor_ida.cycles.limit_cycle import check_turns_and_settles, cycle_from
-from rotor_ida.cycles.multipliers import doubling_test, fold_test
-from rotor_ida.cycles.shooting import checked_cycle, contacts_of
+from rotor_ida.cycles.limit_cycle import check_revolutions, check_turns_and_settles, cycle_from
+from rotor_ida.cycles.multipliers import doubling_test, fold_test, on_unit_circle, torus_test
+from rotor_ida.cycles.shooting import Cycle, checked_cycle, contacts_of, failure, revolutions_of
 from rotor_ida.cycles.special_points import Count
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress, Stop
-from rotor_ida.parameters import Rotor, check_no_load
+from rotor_ida.parameters import Rotor
 from rotor_ida.provenance import provenance
 from rotor_ida.stability.orbit import Shot
 
-Kind = Literal["fold", "period_doubling"]
+Kind = Literal["fold", "period_doubling", "torus"]
 
-KINDS = (FOLD, DOUBLING)
+KINDS = (FOLD, DOUBLING, TORUS)
 CUSP = "cusp"
-TESTS: dict[str, Callable[[Shot], float]] = {FOLD: fold_test, DOUBLING: doubling_test}
+TESTS: dict[str, Callable[[Shot], float]] = {
+    FOLD: fold_test,
+    DOUBLING: doubling_test,
+    TORUS: torus_test,
+}
 # Step of the differences by which a test function is differentiated, in parts of the scales: about
 # the root of rounding, and short beside the kink that the trace has at a graze.
 DIFFERENCE = 1e-8
@@ -78,7 +90,7 @@ def bifurcation_curve(
     points: int = 2000,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Follow a fold or a period doubling of limit cycles over two parameters.
+    """Follow a fold, a period doubling or a torus point of limit cycles over two parameters.
 
     Parameters
     ----------
@@ -88,8 +100,8 @@ def bifurcation_curve(
         A special point of a branch of this kind, ``branch.isel(special=...)``; or a limit cycle, a
         point of a branch, or a start ``(x, y, vx, vy)`` that leads to a cycle [1]: then the branch
         over the first parameter is followed to the nearest one.
-    kind : {"fold", "period_doubling"}
-        What to follow.
+    kind : {"fold", "period_doubling", "torus"}
+        What to follow. A torus is born only with contact damping or a load.
     parameters : tuple of str
         The two parameters to vary, of those that `continue_cycle` takes.
     limits : mapping of str to tuple, or two tuples
@@ -130,13 +142,18 @@ def bifurcation_curve(
     >>> curve.omega.values[curve.delta0 == 0.5].round(8).item()
     2.53041892
     """
-    check_no_load(check_instance("rotor", rotor, Rotor), "bifurcation_curve")
+    check_instance("rotor", rotor, Rotor)
     check_choice("kind", kind, KINDS)
     first, second = _checked_parameters(parameters)
     count = check_count("points", points, minimum=2, maximum=MOST_NUMBERS)
     check_progress(progress)
     guess = guess_of(rotor, start)
     check_turns_and_settles(guess.rotor)
+    check_revolutions(guess)
+    if kind == TORUS and not may_have_tori(guess.rotor):
+        raise InputError(
+            "contact_damping or load must be above 0 for a torus to be born, got a rotor without"
+        )
     bounds = _checked_limits((first, second), limits, guess.rotor)
     go_on = np.zeros(1, np.uint8)
     if guess.special != kind:
@@ -235,7 +252,7 @@ def _problem(
     rotor: Rotor, kind: str, names: tuple[str, str], scale: Values, stop: Stop
 ) -> Problem[Shot]:
     """Return the bifurcations of a kind over two parameters of a rotor."""
-    test, columns = TESTS[kind], [COLUMNS.index(name) for name in names]
+    test, revolutions = TESTS[kind], revolutions_of(rotor, scale[PLACE - 1])
 
     def follow(unknowns: Values) -> Shot:
         return shot_of(rotor, unknowns, names, stop)
@@ -243,13 +260,26 @@ def _problem(
     gradient = _Gradient(lambda unknowns: test(follow(unknowns)), scale)
 
     def equations(unknowns: Values, shot: Shot, direction: Values) -> tuple[Values, Values]:
-        miss, matrix = shooting_equations(shot, direction, *shot.by_parameter[:, columns].T)
+        miss, matrix = closing_equations(shot, direction, names, revolutions)
         slopes = gradient.near(unknowns, test(shot))
         return np.append(miss, -test(shot)), np.vstack([matrix, slopes])
 
     return Problem(
-        follow, equations, checked_cycle, {CUSP: _turning}, {GRAZE: Count(contacts_of, nearest_gap)}
+        follow,
+        equations,
+        _checked_torus if kind == TORUS else checked_cycle,
+        {CUSP: _turning},
+        {GRAZE: Count(contacts_of, nearest_gap)},
+        autonomous=rotor.load == 0.0,
     )
+
+
+def _checked_torus(shot: Shot) -> Cycle:
+    """Return an orbit as a limit cycle with a complex pair of multipliers on the unit circle."""
+    cycle = checked_cycle(shot)
+    if not on_unit_circle(shot):
+        raise failure(shot, "the pair of multipliers on the unit circle has become real")
+    return cycle
 
 
 class _Gradient:

@@ -1,14 +1,14 @@
 """A branch of limit cycles, followed both ways until it closes or ends.
 
-What can happen on the way is told by one number, the trace of the monodromy matrix (fold, period
-doubling), and by the number of contacts (graze). A branch of doubled cycles may come back to the
+What can happen on the way is told by test functions of the multipliers (fold, period doubling,
+torus), and by the number of contacts (graze). A branch of doubled cycles may come back to the
 one that it left, where its cycles become two equal halves.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -26,8 +26,15 @@ from rotor_ida.cycles.continuation import (
     shooting_equations,
 )
 from rotor_ida.cycles.guess import Guess
-from rotor_ida.cycles.multipliers import doubling_test, fold_test
-from rotor_ida.cycles.shooting import LEFT_THE_RING, Cycle, checked_cycle, contacts_of
+from rotor_ida.cycles.multipliers import doubling_test, fold_test, on_unit_circle, torus_test
+from rotor_ida.cycles.shooting import (
+    LEFT_THE_RING,
+    Cycle,
+    checked_cycle,
+    contacts_of,
+    period_of,
+    revolutions_of,
+)
 from rotor_ida.cycles.special_points import Count, Special
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel.jobs import Stop
@@ -38,11 +45,11 @@ from rotor_ida.stability.orbit import Shot, shoot
 LIMITS, CLOSED, CONTACT_FREE, HALVED, STUCK, ENOUGH = (
     "limits", "closed", "contact_free", "halved", "step_too_small", "points",
 )  # fmt: skip
-FOLD, DOUBLING, GRAZE = "fold", "period_doubling", "graze"
+FOLD, DOUBLING, GRAZE, TORUS = "fold", "period_doubling", "graze", "torus"
 # Where the (first) parameter stands among the unknowns, behind the state and the period.
 PLACE = 5
-# A rotor that does not turn, or is not damped, has no cycles.
-NEVER_ZERO = ("omega", "zeta")
+# A rotor that does not turn, or is not damped, has no cycles; one without a load has others.
+NEVER_ZERO = ("omega", "zeta", "load")
 # What unknowns are multiplied by for half a period.
 HALF = np.array([1.0, 1.0, 1.0, 1.0, 0.5, 1.0])
 # A cycle is twice one of half its period when the extreme radii of both halves agree to this part;
@@ -58,6 +65,8 @@ FEWEST_POINTS_ROUND = 8
 PASSES_WITHIN = 0.25
 # and the cycle there is the same to this part, far above rounding.
 SAME_CYCLE = 1e-6
+# What rounding may do to a period that stands still, in parts of it.
+ROUNDING_OF_PERIOD = 1e-14
 # Where the period doubles, doubled cycles are sought aside at these parts of the size of the state,
 # in turn: close to where they leave, and if Newton's method falls back there, farther and nearer.
 ASIDE = (1e-3, 3e-3, 1e-2, 3e-4, 1e-4, 3e-5)
@@ -81,6 +90,8 @@ class Course:
         The largest number of points.
     both : bool
         Whether it goes on from there both ways; from where a period doubles there is but one.
+    half : Problem, optional
+        The cycles of half the period, to which those of the branch may come.
     """
 
     line: Curve[Shot]
@@ -88,6 +99,7 @@ class Course:
     limits: dict[int, tuple[float, float]]
     most: int
     both: bool = True
+    half: Problem[Shot] | None = None
 
 
 @dataclass(slots=True)
@@ -128,28 +140,62 @@ def course_from(
     scale = np.empty(6)
     scale[:4], scale[4] = np.linalg.norm(guess.state), period * (2.0 if doubles else 1.0)
     scale[5] = value or limits[1] - limits[0]
-    line = Curve(cycles_over(rotor, parameter, stop), scale)
+    times = revolutions_of(rotor, scale[4])
+    line = Curve(cycles_over(rotor, parameter, stop, times), scale)
+    half = None if times % 2 else cycles_over(rotor, parameter, stop, times // 2)
     if doubles:
-        return Course(line, _doubled(line, guess, value), {PLACE: limits}, most, both=False)
+        first = _doubled(line, guess, value)
+        return Course(line, first, {PLACE: limits}, most, both=False, half=half)
     first = line.first(np.append(guess.state, (period, value)))
-    return Course(line, first.reversed() if guess.slope < 0.0 else first, {PLACE: limits}, most)
+    first = first.reversed() if guess.slope < 0.0 else first
+    return Course(line, first, {PLACE: limits}, most, half=half)
 
 
-def cycles_over(rotor: Rotor, parameter: str, stop: Stop) -> Problem[Shot]:
-    """Return the cycles of a rotor over one of its parameters."""
-    column = COLUMNS.index(parameter)
+def cycles_over(rotor: Rotor, parameter: str, stop: Stop, revolutions: int) -> Problem[Shot]:
+    """Return the cycles of a rotor over one of its parameters.
+
+    Under a load they are those of so many revolutions.
+    """
+    tests: dict[str, Callable[[Point[Shot], Point[Shot]], float]] = {
+        FOLD: lambda point, _last: fold_test(point.stretch),
+        DOUBLING: lambda point, _last: doubling_test(point.stretch),
+    }
+    if may_have_tori(rotor, parameter):
+        tests[TORUS] = lambda point, _last: torus_test(point.stretch)
     return Problem(
         lambda unknowns: shot_of(rotor, unknowns, (parameter,), stop),
-        lambda _unknowns, shot, direction: shooting_equations(
-            shot, direction, shot.by_parameter[:, column]
+        lambda _unknowns, shot, direction: closing_equations(
+            shot, direction, (parameter,), revolutions
         ),
         checked_cycle,
-        {
-            FOLD: lambda point, _last: fold_test(point.stretch),
-            DOUBLING: lambda point, _last: doubling_test(point.stretch),
-        },
+        tests,
         {GRAZE: Count(contacts_of, nearest_gap)},
+        autonomous=rotor.load == 0.0,
     )
+
+
+def may_have_tori(rotor: Rotor, *varied: str) -> bool:
+    """Return whether a torus may be born from cycles of a rotor, some parameters of it varied."""
+    return any(name in varied or getattr(rotor, name) > 0.0 for name in ("contact_damping", "load"))
+
+
+def closing_equations(
+    shot: Shot, direction: Values, parameters: Sequence[str], revolutions: int
+) -> tuple[Values, Values]:
+    """Return what the equations of a cycle miss, and their derivatives by all unknowns.
+
+    They are those of `shooting_equations`; under a load the last is ``T = k 2 pi/omega`` instead.
+    """
+    columns = [COLUMNS.index(name) for name in parameters]
+    miss, matrix = shooting_equations(shot, direction, *shot.by_parameter[:, columns].T)
+    if shot.rotor.load > 0.0:
+        period = period_of(shot.rotor, revolutions)
+        miss[4], matrix[4] = period - shot.duration, 0.0
+        matrix[4, 4] = 1.0
+        for place, name in enumerate(parameters, start=PLACE):
+            if name == "omega":
+                matrix[4, place] = period / shot.rotor.omega
+    return miss, matrix
 
 
 def shot_of(rotor: Rotor, unknowns: Values, parameters: Sequence[str], stop: Stop) -> Shot:
@@ -181,7 +227,8 @@ def _doubled(line: Curve[Shot], guess: Guess, value: float) -> Point[Shot]:
     once = line.problem.shoot(np.append(guess.state, (period, value)))
     multipliers, vectors = np.linalg.eig(once.monodromy)
     aside = np.real(vectors[:, np.argmin(np.abs(multipliers + 1.0))])
-    aside -= (aside @ once.start_rate) / (once.start_rate @ once.start_rate) * once.start_rate
+    if line.problem.autonomous:
+        aside -= (aside @ once.start_rate) / (once.start_rate @ once.start_rate) * once.start_rate
     away = np.zeros(6)
     away[:4] = aside / np.linalg.norm(aside)
     for part in ASIDE:
@@ -216,11 +263,13 @@ def advance(course: Course, side: Side) -> None:
             side.reason = error.reason
             return
         if len(course.limits) == 1:
-            halved = _halved(line, last, step)
+            halved = _halved(course, last, step)
         if halved is None or step.taken <= LAST_STEP:
             break
         length = SHORTENED * step.taken
-    point, met = step.point, step.met
+    point = step.point
+    # two real multipliers of product 1 make no torus
+    met = [each for each in step.met if each.name != TORUS or on_unit_circle(each.point.stretch)]
     if (passed := _passed(course, point)) is not None:
         side.end = LIMITS
         if last.unknowns[passed[0]] == passed[1]:
@@ -244,7 +293,7 @@ def advance(course: Course, side: Side) -> None:
         side.end = ENOUGH
 
 
-def _halved(line: Curve[Shot], last: Point[Shot], step: Step[Shot]) -> Point[Shot] | None:
+def _halved(course: Course, last: Point[Shot], step: Step[Shot]) -> Point[Shot] | None:
     """Return the cycle that doubles its period on a step along a branch, if there is one.
 
     There the branch of doubled cycles ends, as a cycle twice round. A step either comes to such a
@@ -257,7 +306,9 @@ def _halved(line: Curve[Shot], last: Point[Shot], step: Step[Shot]) -> Point[Sho
     if not twice and (not turns or any(each.name == FOLD for each in step.met)):
         return None
     near = point if twice or abs(point.tangent[PLACE]) < abs(last.tangent[PLACE]) else last
-    half = Curve(line.problem, line.scale * HALF)
+    if course.half is None and point.stretch.rotor.load > 0.0:
+        return None
+    half = Curve(course.half or course.line.problem, course.line.scale * HALF)
     try:
         return half.root(half.first(near.unknowns * HALF), doubling_test)
     except SimulationError:
@@ -295,7 +346,8 @@ def _comes_back(course: Course, last: Point[Shot], point: Point[Shot]) -> bool:
     A branch comes back at any phase: the cycles are compared by what does not hang on it.
     """
     between = (course.first.unknowns - last.unknowns) * (course.first.unknowns - point.unknowns)
-    apart = (point.unknowns - last.unknowns) ** 2
+    # under a load the period may stand still, but for rounding
+    apart = (point.unknowns - last.unknowns) ** 2 + (ROUNDING_OF_PERIOD * course.line.scale) ** 2
     if (between[PLACE - 1 :] > apart[PLACE - 1 :]).any():
         return False
     goal, here, there = (_signature(each) for each in (course.first, last, point))

@@ -1,4 +1,4 @@
-"""Follow a curve of closed orbits of any autonomous flow: pseudo-arclength continuation.
+"""Follow a curve of closed orbits of any flow: pseudo-arclength continuation.
 
 A point of the curve is ``u = (s, T, p...)``: a state, the period, and one parameter, or two where a
 further condition holds. It solves the equations of shooting, and the distance from the point before
@@ -144,6 +144,8 @@ class Problem(Generic[S]):
         Functions of a point and of that before it, each 0 at a special point of that name.
     counts : mapping of str to Count
         Whole numbers of an orbit, each of which changes at a special point of that name.
+    autonomous : bool
+        Whether an orbit may begin anywhere on a cycle. If not, no direction is held.
     """
 
     shoot: Callable[[Values], S]
@@ -151,6 +153,7 @@ class Problem(Generic[S]):
     check: Callable[[S], object]
     tests: Mapping[str, Callable[[Point[S], Point[S]], float]] = field(default_factory=dict)
     counts: Mapping[str, Count[S]] = field(default_factory=dict)
+    autonomous: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -287,6 +290,8 @@ class Curve(Generic[S]):
 
         It is that at the point before, so that points lie in one plane as long as it can be.
         """
+        if not self.problem.autonomous:
+            return before
         rate = stretch.start_rate
         kept = before @ rate >= KEPT_COSINE * _size(before) * _size(rate)
         return before if kept else rate
@@ -326,9 +331,10 @@ class Curve(Generic[S]):
                     bend += 1.0 / (here - there)
             along += basis**2 * ((1.0 - 2.0 * bend * beyond) * chord + beyond * slope)
         move, direction = along * self.scale, last.direction
-        # what rounding moves it along the direction would grow from step to step
-        n = direction.size
-        move[:n] -= (direction @ move[:n]) / (direction @ direction) * direction
+        if self.problem.autonomous:
+            # what rounding moves it along the direction would grow from step to step
+            n = direction.size
+            move[:n] -= (direction @ move[:n]) / (direction @ direction) * direction
         return last.unknowns + move
 
     def _beside(self, last: Point[S], other: Point[S]) -> tuple[Values, Values]:
@@ -337,7 +343,7 @@ class Curve(Generic[S]):
         Its state is shifted along its orbit into the plane across the direction at the last one.
         """
         chord, tangent = (other.unknowns - last.unknowns) / self.scale, other.tangent
-        if other.direction is last.direction:
+        if other.direction is last.direction or not self.problem.autonomous:
             return chord, tangent
         rate, n = other.stretch.start_rate, last.direction.size
         across = np.zeros(self.scale.size)

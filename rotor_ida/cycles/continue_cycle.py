@@ -32,19 +32,19 @@ from rotor_ida.cycles.branch import (
 from rotor_ida.cycles.continuation import Point
 from rotor_ida.cycles.dataset import cycle_columns, of_cycle, state_columns
 from rotor_ida.cycles.guess import Guess, guess_of
-from rotor_ida.cycles.limit_cycle import check_turns_and_settles, cycle_from
+from rotor_ida.cycles.limit_cycle import check_revolutions, check_turns_and_settles, cycle_from
 from rotor_ida.cycles.shooting import checked_cycle
 from rotor_ida.cycles.special_points import Special
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress
-from rotor_ida.parameters import Rotor, check_no_load
+from rotor_ida.parameters import Rotor
 from rotor_ida.provenance import computing, provenance
 from rotor_ida.schema import SPECIAL, labelled, labelled_dataset
 from rotor_ida.stability.orbit import Shot
 from rotor_ida.storage.studies.arrays import Arrays
 from rotor_ida.storage.studies.results import Form, Results, open_results
 
-Parameter = Literal["omega", "zeta", "delta0", "shaft_stiffness", "contact_damping"]
+Parameter = Literal["omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "load"]
 CONTINUED: tuple[Parameter, ...] = get_args(Parameter)
 Direction = Literal["both", "forward", "backward"]
 
@@ -85,8 +85,9 @@ def continue_cycle(
         A start ``(x, y, vx, vy)`` that leads to the cycle [1]; or what `limit_cycle` returned; or
         one point of a branch, ``branch.isel(point=...)``; or one of its special points,
         ``branch.isel(special=...)``: at a period doubling the branch of doubled cycles is followed.
-    parameter : {"omega", "zeta", "delta0", "shaft_stiffness", "contact_damping"}
-        The parameter to vary; the others stay as they are.
+    parameter : {"omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "load"}
+        The parameter to vary; the others stay as they are. A load cannot fall to 0, where cycles
+        have other periods.
     limits : tuple of float
         The least and the largest value of it [1].
     direction : {"both", "forward", "backward"}
@@ -107,7 +108,7 @@ def continue_cycle(
         ``stability``, ``response``, ``contact_count``, ``largest_force``, ``impulse_per_period``,
         ``trace``, the multipliers, ``residual``, and a state ``x y vx vy`` on the rotating axes
         [1]. On ``special``, in order along the branch, ``special_kind`` (fold, period doubling,
-        graze), ``special_value`` of the parameter, ``special_period`` and the state there;
+        graze, torus), ``special_value`` of the parameter, ``special_period`` and the state there;
         ``special_point`` is the point before it. The attribute ``closed`` is 1 if the branch comes
         back to its beginning; ``first_end`` and ``last_end`` say why it ends, and
         ``first_reason`` and ``last_reason`` what stood in the way where no step led on.
@@ -125,9 +126,14 @@ def continue_cycle(
     by single shooting with Taylor series of order 19; see docs/cycles.md. With M the monodromy
     matrix and ``q = exp(-2 zeta T)`` a fold is a zero of ``2 (1 + q) - tr M``, a period doubling
     one of ``tr M``; a graze is where the number of contacts changes, and an extremum of the radius
-    touches the ring. Each is found to rounding along the branch. A branch ends at the limits,
-    closed, at ``halved`` (a doubled cycle has come back to one of half its period), at
-    ``contact_free`` (its last contact vanishes), where no step can be taken, or after `points`.
+    touches the ring. With contact damping or a load there are no such pairs of multipliers, and
+    the products of ``1 - mu`` and of ``1 + mu`` over those that are not trivial stand in; there a
+    complex pair may cross the unit circle, where the product of ``1 - mu_i mu_j`` is 0: a torus is
+    born, on which the motion never repeats itself. Under a load the period is that of k
+    revolutions, ``k 2 pi/omega``, all along the branch. Each is found to rounding along the branch.
+    A branch ends at the limits, closed, at ``halved`` (a doubled cycle has come back to one of half
+    its period), at ``contact_free`` (its last contact vanishes), where no step can be taken, or
+    after `points`.
 
     References
     ----------
@@ -140,13 +146,14 @@ def continue_cycle(
     >>> branch.special_value.values.round(6), branch.attrs["first_end"]
     (array([2.530419, 2.681874]), 'limits')
     """
-    check_no_load(check_instance("rotor", rotor, Rotor), "continue_cycle")
+    check_instance("rotor", rotor, Rotor)
     check_choice("parameter", parameter, CONTINUED)
     check_choice("direction", direction, tuple(WAYS))
     count = check_count("points", points, minimum=2, maximum=MOST_NUMBERS)
     check_progress(progress)
     guess = guess_of(rotor, start)
     check_turns_and_settles(guess.rotor)
+    check_revolutions(guess)
     bounds = check_limits(parameter, limits, guess.rotor)
     if guess.period is None:
         cycle = cycle_from(guess.rotor, guess.state)
@@ -163,6 +170,11 @@ def check_limits(parameter: str, limits: object, rotor: Rotor) -> tuple[float, f
     if low == 0.0 and parameter in NEVER_ZERO:
         raise InputError(f"limits of {parameter} must be above 0, got {shown(limits)}")
     here = getattr(rotor, parameter)
+    if parameter == "load" and here == 0.0:
+        raise InputError(
+            "load must be above 0 to be continued, got 0.0: without one a cycle has a period of "
+            "its own"
+        )
     if parameter == "delta0" and here == 0.0:
         raise InputError("delta0 must be above 0 to be continued, got 0.0")
     if not low <= here <= high:

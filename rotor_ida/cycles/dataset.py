@@ -10,7 +10,7 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS
-from rotor_ida.cycles.multipliers import defects_of, doubling_test, is_stable, multipliers_of
+from rotor_ida.cycles.multipliers import defects_of, is_stable, multipliers_of
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.schema import QUANTITIES, RESPONSE, STABILITY, Column
 
@@ -31,7 +31,7 @@ def cycle_columns(cycles: Sequence[Cycle], dim: str, prefix: str = "") -> dict[s
         "impulse_per_period": (dim, _of(cycles, "impulse")),
         "multiplier_real": ((dim, "multiplier"), found.real),
         "multiplier_imag": ((dim, "multiplier"), found.imag),
-        "trace": (dim, np.array([doubling_test(cycle.shot) for cycle in cycles])),
+        "trace": (dim, np.array([float(cycle.shot.monodromy.trace()) for cycle in cycles])),
         "residual": (dim, _of(cycles, "residual")),
         "trivial_defect": (dim, defects[:, 0]),
         "symplectic_defect": (dim, defects[:, 1]),

@@ -15,12 +15,19 @@ from rotor_ida.core.runs import Asked
 from rotor_ida.core.runs import follow as follow_run
 from rotor_ida.cycles.dataset import cycle_columns, of_cycle, state_columns
 from rotor_ida.cycles.guess import Guess, guess_of
-from rotor_ida.cycles.multipliers import multipliers_of
-from rotor_ida.cycles.shooting import Cycle, close_orbit, once_round
+from rotor_ida.cycles.multipliers import is_stable, multipliers_near, multipliers_of
+from rotor_ida.cycles.shooting import (
+    LEFT_THE_RING,
+    Cycle,
+    close_orbit,
+    once_round,
+    period_of,
+    revolutions_of,
+)
 from rotor_ida.equations.contact import contact_force
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.parallel import Stop, interruptible
-from rotor_ida.parameters import Rotor, check_no_load
+from rotor_ida.parameters import Rotor
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import (
     LINE_KIND,
@@ -32,7 +39,12 @@ from rotor_ida.schema import (
 )
 from rotor_ida.simulation.options import Options, check_can_be_followed
 from rotor_ida.stability.orbit import ATOL, RTOL
-from rotor_ida.steady_state.follow import FAILED, follow_to_steady_state
+from rotor_ida.steady_state.follow import (
+    FAILED,
+    LONGEST,
+    durations,
+    follow_to_steady_state,
+)
 
 NOT_FOUND = "not_found"
 # The rotor is followed to its cycle with the default tolerance of a sweep; Newton's method takes
@@ -49,14 +61,25 @@ FARTHER = 10.0
 # Samples in which a passage is sought; between them the motion is taken to be straight.
 SAMPLES_A_TIME = 50
 SAMPLES_A_REVOLUTION = 200
+# A period under a load may be given to this part of a revolution.
+WITHIN_A_REVOLUTION = 0.1
 # The error of a cycle comes from further solutions with a looser tolerance,
 LOOSER_RTOL = 30.0 * RTOL
 # begun at these parts of the period, where rounding is another as well:
 ELSEWHERE = (0.23, 0.52, 0.81)
 # so many times their largest difference.
 ERROR_SAFETY = 5.0
+# Under a load these begin where they may, with tolerances looser by
+LOOSER_STILL = (1.0, 3.0, 10.0)
 # Samples of one period, for the spectrum and the picture: a power of two.
 SAMPLES = 1024
+# Under a load the rotor is looked at once a revolution, in stretches of so many of these: cycles of
+# half as many can be found.
+REVOLUTIONS = 256
+# It has come to a cycle where it misses itself by this part of its size at most,
+COME_BACK = 1e-6
+# and that which Newton's method finds there is stable, and as near as this.
+ON_THE_CYCLE = 1e-3
 # Lines of the spectrum are told that come to this part of the strongest.
 WEAKEST_LINE = 1e-6
 
@@ -76,7 +99,8 @@ def limit_cycle(
         attractor. Or another limit cycle, or one point of a branch, as a guess.
     period : float, optional
         About the period of the cycle, or a multiple of it, from 1e-6 to 1e4 [1]: then Newton's
-        method begins at the start itself.
+        method begins at the start itself. Under a load it is within a tenth of a revolution of a
+        whole number of these.
 
     Returns
     -------
@@ -108,6 +132,12 @@ def limit_cycle(
     are five times the largest differences from three more solutions, begun elsewhere on the cycle
     and with 30 times the tolerance.
 
+    With contact damping there are no such pairs, and the multipliers are eigenvalues of the matrix.
+    Under a load, which turns on the rotating axes, a motion repeats itself after whole revolutions
+    only: ``T = k 2 pi/omega``, the state is at time 0, when the load points down on them, and it is
+    a fixed point of the k-th stroboscopic map. No multiplier is trivial, and all four tell the
+    stability. The number k is found in the simulated motion.
+
     References
     ----------
     R. Seydel, "Practical Bifurcation and Stability Analysis", Springer, 2010, chapter 7.
@@ -123,8 +153,8 @@ def limit_cycle(
     array([ 1.        , -0.51147221, -0.51147221,  0.52784725])
     """
     check_turns_and_settles(check_instance("rotor", rotor, Rotor))
-    check_no_load(rotor, "limit_cycle")
     guess = guess_of(rotor, start, period)
+    check_revolutions(guess)
     if isinstance(start, xr.Dataset) and guess.rotor != rotor:
         guess = Guess(rotor, guess.state, guess.period)
     check_can_be_followed(rotor, _state_of(guess.state), settling=True)
@@ -137,6 +167,19 @@ def check_turns_and_settles(rotor: Rotor) -> None:
     for name in ("omega", "zeta"):
         if getattr(rotor, name) == 0.0:
             raise InputError(f"{name} must be above 0 for a limit cycle, got 0.0: nothing settles")
+
+
+def check_revolutions(guess: Guess) -> None:
+    """Refuse a period under a load that is no whole number of revolutions."""
+    if guess.period is None or guess.rotor.load == 0.0:
+        return
+    revolution = period_of(guess.rotor, 1)
+    apart = abs(guess.period - period_of(guess.rotor, revolutions_of(guess.rotor, guess.period)))
+    if apart > WITHIN_A_REVOLUTION * revolution:
+        raise InputError(
+            "period must be a whole number of revolutions under a load, each of "
+            f"{revolution:.9g}, got {guess.period!r}"
+        )
 
 
 def cycle_from(rotor: Rotor, state: Values) -> Cycle:
@@ -159,7 +202,9 @@ def found_cycle(guess: Guess, stop: Stop) -> tuple[Cycle | None, str]:
     if guess.period is not None:
         cycle = once_round(close_orbit(rotor, state, guess.period, stop), stop)
         return cycle, cycle.response
-    near = _near(rotor, state, stop)
+    if rotor.load > 0.0:
+        return found_under_load(rotor, state, stop)
+    near = _near(rotor, state, _time_of_return(rotor, state, stop), stop)
     if near is not None:
         return near, near.response
     options = Options(method="taylor", rtol=STEADY_STATE_RTOL)
@@ -173,9 +218,8 @@ def found_cycle(guess: Guess, stop: Stop) -> tuple[Cycle | None, str]:
     return cycle, cycle.response
 
 
-def _near(rotor: Rotor, state: Values, stop: Stop) -> Cycle | None:
-    """Return the cycle to which a start is a guess: it comes back to itself closely."""
-    time = _time_of_return(rotor, state, stop)
+def _near(rotor: Rotor, state: Values, time: float | None, stop: Stop) -> Cycle | None:
+    """Return the cycle to which a start is a guess: it comes back to itself closely, if ever."""
     if time is None:
         return None
     try:
@@ -184,6 +228,43 @@ def _near(rotor: Rotor, state: Values, stop: Stop) -> Cycle | None:
         return None
     moved = np.linalg.norm(cycle.state - state)
     return cycle if moved <= FARTHER * NEAR_ITSELF * np.linalg.norm(state) else None
+
+
+def found_under_load(rotor: Rotor, state: Values, stop: Stop) -> tuple[Cycle | None, str]:
+    """Return the limit cycle that a start under a load leads to, or None, and the response.
+
+    The rotor is looked at once a revolution, when the load points down on the rotating axes. A
+    cycle repeats itself there after k of them: the least k is sought, in stretches of the motion
+    that follow each other, ever later, until one is found or it has taken too long.
+    """
+    revolution = period_of(rotor, 1)
+    ahead = follow(rotor, state, revolution, REVOLUTIONS // 2 + 1, stop)
+    size = np.linalg.norm(state)
+    back = np.flatnonzero(np.linalg.norm(ahead[1:] - state, axis=1) <= NEAR_ITSELF * size)
+    if back.size:
+        near = _near(rotor, state, period_of(rotor, int(back[0]) + 1), stop)
+        if near is not None:
+            return near, near.response
+    wait, time = math.ceil(durations(rotor)[0] / revolution), 0.0
+    while time <= LONGEST:
+        state = follow(rotor, state, wait * revolution, 2, stop)[-1]
+        seen = follow(rotor, state, revolution, REVOLUTIONS, stop)
+        time += (wait + REVOLUTIONS) * revolution
+        wait, state = math.ceil(time / revolution), seen[-1]
+        misses = np.linalg.norm(seen[-2 : -REVOLUTIONS // 2 - 1 : -1] - state, axis=1)
+        back = np.flatnonzero(misses <= COME_BACK * np.linalg.norm(state))
+        if not back.size:
+            continue
+        try:
+            cycle = close_orbit(rotor, state, period_of(rotor, int(back[0]) + 1), stop)
+        except SimulationError as error:
+            if LEFT_THE_RING in error.reason:
+                return None, "contact_free"
+            continue
+        moved = np.linalg.norm(cycle.state - state)
+        if is_stable(cycle.shot) and moved <= ON_THE_CYCLE * np.linalg.norm(state):
+            return cycle, cycle.response
+    return None, NOT_FOUND
 
 
 def _time_of_return(rotor: Rotor, state: Values, stop: Stop) -> float | None:
@@ -259,15 +340,12 @@ def _columns(cycle: Cycle) -> dict[str, xr.Variable]:
     }
     stop = np.zeros(1, np.uint8)
     states = follow(cycle.rotor, cycle.state, cycle.period / SAMPLES, SAMPLES + 1, stop)
-    # elsewhere on the cycle rounding is another as well
-    looser = [
-        close_orbit(cycle.rotor, states[round(part * SAMPLES)], cycle.period, stop, LOOSER_RTOL)
-        for part in ELSEWHERE
-    ]
+    looser = _solved_again(cycle, states, stop)
     found = multipliers_of(cycle.shot)
-    apart = np.abs([multipliers_of(other.shot) - found for other in looser]).max(axis=0)
+    apart = np.abs([multipliers_near(found, other.shot) - found for other in looser]).max(axis=0)
     errors = ERROR_SAFETY * (apart + np.spacing(np.abs(found)))
-    errors[found == 1.0] = 0.0
+    if cycle.rotor.load == 0.0:
+        errors[found == 1.0] = 0.0
     period_apart = max(abs(other.period - cycle.period) for other in looser)
     period_error = ERROR_SAFETY * (period_apart + np.spacing(cycle.period))
     columns["period_error"] = of_cycle("period_error", (), period_error)
@@ -286,6 +364,25 @@ def _columns(cycle: Cycle) -> dict[str, xr.Variable]:
     )
 
 
+def _solved_again(cycle: Cycle, states: Values, stop: Stop) -> list[Cycle]:
+    """Return further solutions with looser tolerances, begun elsewhere on the cycle.
+
+    There rounding is another as well. Under a load they can begin after whole revolutions only.
+    """
+    rotor, period = cycle.rotor, cycle.period
+    if rotor.load == 0.0:
+        return [
+            close_orbit(rotor, states[round(part * SAMPLES)], period, stop, LOOSER_RTOL)
+            for part in ELSEWHERE
+        ]
+    revolutions = revolutions_of(rotor, period)
+    begun = follow(rotor, cycle.state, period_of(rotor, 1), revolutions + 1, stop)
+    return [
+        close_orbit(rotor, begun[round(part * revolutions)], period, stop, factor * LOOSER_RTOL)
+        for part, factor in zip(ELSEWHERE, LOOSER_STILL, strict=True)
+    ]
+
+
 def _lines(cycle: Cycle, states: Values) -> dict[str, xr.Variable]:
     """Return the spectrum of one period: on fixed axes lines at omega + k 2 pi/T."""
     ratio, orders, sizes = whirl_beside(cycle, states[:-1])
@@ -293,6 +390,9 @@ def _lines(cycle: Cycle, states: Values) -> dict[str, xr.Variable]:
     chosen = chosen[np.argsort(orders[chosen])]
     frequency = cycle.rotor.omega + 2.0 * math.pi / cycle.period * orders[chosen]
     kinds = np.where(orders[chosen] == 0.0, LINE_KIND["spin"], np.sign(frequency)).astype(np.int8)
+    if (static := static_order(cycle)) is not None:
+        frequency[orders[chosen] == static] = 0.0
+        kinds[orders[chosen] == static] = LINE_KIND["static"]
     direction = WHIRL_DIRECTION["forward" if ratio > 0.0 else "backward"]
     return {
         "line": of_cycle("line", "line", np.arange(chosen.size)),
@@ -307,16 +407,22 @@ def _lines(cycle: Cycle, states: Values) -> dict[str, xr.Variable]:
 def whirl_beside(cycle: Cycle, states: Values) -> tuple[float, Values, Values]:
     """Return the frequency of the strongest whirl beside the spin over the spin speed.
 
-    It is negative for backward whirl. Beside it, of all lines at ``omega + k 2 pi/T``, the order k
-    and the amplitude. `states`, shape (n, 4), are one period on the rotating axes, at equal times.
+    It is negative for backward whirl; what stands still is none. Beside it, of all lines at
+    ``omega + k 2 pi/T``, the order k and the amplitude. `states`, shape (n, 4), are one period on
+    the rotating axes, at equal times.
     """
     heights = np.fft.fft(states[:, 0] + 1j * states[:, 1]) / len(states)
     sizes: Values = np.abs(heights)
     orders = np.asarray(np.fft.fftfreq(len(states), 1.0 / len(states)), dtype=np.float64)
-    others = np.flatnonzero(orders != 0.0)
+    others = np.flatnonzero((orders != 0.0) & (orders != static_order(cycle)))
     strongest = float(orders[others[np.argmax(sizes[others])]])
     ratio = 1.0 + 2.0 * math.pi / cycle.period * strongest / cycle.rotor.omega
     return ratio, orders, sizes
+
+
+def static_order(cycle: Cycle) -> float | None:
+    """Return the order of the line that stands still under a load; None without."""
+    return -float(revolutions_of(cycle.rotor, cycle.period)) if cycle.rotor.load > 0.0 else None
 
 
 def _none(response: str) -> dict[str, xr.Variable]:

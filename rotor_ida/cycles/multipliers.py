@@ -1,4 +1,4 @@
-"""The multipliers of a limit cycle, from the trace of its monodromy matrix.
+"""The multipliers of a limit cycle, from its monodromy matrix, or from the trace of that alone.
 
 Damping is uniform: the flow contracts areas at the rate ``exp(-2 zeta t)``, it is conformally
 symplectic [1]_. Over a period T the monodromy matrix M obeys ``M^T S M = q S``, ``q = exp(-2 zeta
@@ -16,7 +16,13 @@ born from a cycle.
 So it is with a shaft, too. Contact damping is not uniform, and there are no pairs: there the three
 multipliers beside the trivial one are the eigenvalues of what M leaves of the space across the
 field, a fold is where ``(1 - mu_1) (1 - mu_2) (1 - mu_3)`` vanishes, a doubling where
-``(1 + mu_1) (1 + mu_2) (1 + mu_3)`` does, and a torus may be born.
+``(1 + mu_1) (1 + mu_2) (1 + mu_3)`` does, and a torus may be born: a pair passes the unit circle
+where ``(1 - mu_1 mu_2) (1 - mu_1 mu_3) (1 - mu_2 mu_3)`` vanishes. There two real multipliers may
+have the product 1 as well, which is no bifurcation.
+
+Under a load the motion repeats itself with the load, and no multiplier is trivial: the same
+products run over all four. Without contact damping these are two pairs of product q still, but two
+complex pairs may part from the circle of radius sqrt(q) and cross the unit circle together.
 
 References
 ----------
@@ -27,6 +33,7 @@ References
 from __future__ import annotations
 
 import math
+from itertools import combinations, permutations
 
 import numpy as np
 import numpy.typing as npt
@@ -35,6 +42,8 @@ from rotor_ida.stability.orbit import Shot
 
 Complex = npt.NDArray[np.complex128]
 
+# A pair this near the unit circle is on it, where it has been located there.
+ON_CIRCLE = 1e-6
 # The symplectic form ``dx ^ dvx + dy ^ dvy``: the velocity of the rotor, read on the rotating axes,
 # is the momentum of the displacement there.
 FORM = np.kron([[0.0, 1.0], [-1.0, 0.0]], np.eye(2))
@@ -54,9 +63,9 @@ def contraction(zeta: float, period: float) -> float:
 def fold_test(shot: Shot) -> float:
     """Return ``2 (1 + q) - tr M``: 0 at a fold, and below 0 where a real multiplier is above 1.
 
-    With contact damping ``(1 - mu_1) (1 - mu_2) (1 - mu_3)``.
+    With contact damping or a load the product of ``1 - mu`` over those that are not trivial.
     """
-    if not has_pairs(shot):
+    if not has_trace(shot):
         return float(np.prod(1.0 - _others_of(shot)).real)
     return 2.0 * (1.0 + _contraction_of(shot)) - float(shot.monodromy.trace())
 
@@ -64,16 +73,31 @@ def fold_test(shot: Shot) -> float:
 def doubling_test(shot: Shot) -> float:
     """Return ``tr M``: 0 at a period doubling, and below 0 where a real multiplier is below -1.
 
-    With contact damping ``(1 + mu_1) (1 + mu_2) (1 + mu_3)``.
+    With contact damping or a load the product of ``1 + mu`` over those that are not trivial.
     """
-    if not has_pairs(shot):
+    if not has_trace(shot):
         return float(np.prod(1.0 + _others_of(shot)).real)
     return float(shot.monodromy.trace())
 
 
+def torus_test(shot: Shot) -> float:
+    """Return the product of ``1 - mu_i mu_j`` over the pairs of multipliers that are not trivial.
+
+    It is 0 where a complex pair is on the unit circle, and where two real ones have the product 1.
+    """
+    found = _others_of(shot)
+    return float(np.prod([1.0 - one * other for one, other in combinations(found, 2)]).real)
+
+
+def on_unit_circle(shot: Shot) -> bool:
+    """Return whether a complex pair of multipliers lies on the unit circle, to `ON_CIRCLE`."""
+    found = _others_of(shot)
+    return bool(((np.abs(np.abs(found) - 1.0) <= ON_CIRCLE) & (found.imag != 0.0)).any())
+
+
 def is_stable(shot: Shot) -> bool:
     """Return whether all multipliers but the trivial one lie inside the unit circle."""
-    if not has_pairs(shot):
+    if not has_trace(shot):
         return bool((np.abs(_others_of(shot)) < 1.0).all())
     return fold_test(shot) > 0.0 and doubling_test(shot) > 0.0
 
@@ -83,8 +107,18 @@ def has_pairs(shot: Shot) -> bool:
     return shot.rotor.contact_damping == 0.0
 
 
+def has_trace(shot: Shot) -> bool:
+    """Return whether the trace tells all: there are pairs, and one of them is 1 and q."""
+    return has_pairs(shot) and shot.rotor.load == 0.0
+
+
 def _others_of(shot: Shot) -> Complex:
-    """Return the multipliers beside the trivial one: of M across the field at the start."""
+    """Return the multipliers that are not trivial: of M across the field at the start.
+
+    Under a load none is.
+    """
+    if shot.rotor.load > 0.0:
+        return np.asarray(np.linalg.eigvals(shot.monodromy), dtype=np.complex128)
     along = shot.start_rate / np.linalg.norm(shot.start_rate)
     across = np.linalg.svd(along[None])[2][1:]
     return np.asarray(np.linalg.eigvals(across @ shot.monodromy @ across.T), dtype=np.complex128)
@@ -92,8 +126,9 @@ def _others_of(shot: Shot) -> Complex:
 
 def multipliers_of(shot: Shot) -> Complex:
     """Return the four multipliers of a closed orbit, by falling modulus."""
-    if not has_pairs(shot):
-        found = np.append(1.0, _others_of(shot))
+    if not has_trace(shot):
+        trivial = [] if shot.rotor.load > 0.0 else [1.0]
+        found = np.append(trivial, _others_of(shot))
         return np.asarray(found[np.argsort(-np.abs(found), kind="stable")])
     q = _contraction_of(shot)
     half = 0.5 * (float(shot.monodromy.trace()) - 1.0 - q)
@@ -109,13 +144,26 @@ def multipliers_of(shot: Shot) -> Complex:
     return found[np.argsort(-np.abs(found), kind="stable")]
 
 
+def multipliers_near(found: Complex, shot: Shot) -> Complex:
+    """Return the four multipliers of a closed orbit in the order of others, those near each other.
+
+    Of several on one circle rounding decides which is the first by modulus.
+    """
+    others = multipliers_of(shot)
+    if has_trace(shot):
+        return others
+    orders = [others[list(order)] for order in permutations(range(others.size))]
+    return min(orders, key=lambda order: float(np.abs(order - found).max()))
+
+
 def defects_of(shot: Shot) -> tuple[float, float]:
     """Return how far the integrated matrix is from the structure that the multipliers rest on.
 
     Returns
     -------
     trivial : float
-        ``|M f - f|/|f|``, with f the rate of change at the start: 0 if 1 is a multiplier [1].
+        ``|M f - f|/|f|``, with f the rate of change at the start: 0 if 1 is a multiplier [1]. NaN
+        under a load, where it is none.
     symplectic : float
         The largest element of ``M^T S M - q S``, as a part of that of ``M^T S M`` with all signs
         positive: what rounding can do at most is of the order 1e-15 [1]. NaN with contact damping,
@@ -123,6 +171,8 @@ def defects_of(shot: Shot) -> tuple[float, float]:
     """
     rate, matrix = shot.start_rate, shot.monodromy
     trivial = np.linalg.norm(matrix @ rate - shot.end_rate) / np.linalg.norm(rate)
+    if shot.rotor.load > 0.0:
+        trivial = np.float64(math.nan)
     if not has_pairs(shot):
         return float(trivial), math.nan
     defect = np.abs(matrix.T @ FORM @ matrix - _contraction_of(shot) * FORM).max()

@@ -7,6 +7,11 @@ Unknown are a state s and the period T, with phi the flow:
 the second because any shift along the cycle solves the first: the state may not move along the
 field at the present one. Without the contact there is no cycle: a motion inside the clearance
 closes too, on a circle about the centre of its whirl, but is one of a neutral family.
+
+Under a load the rotating axes do not stand still for all that acts: a motion repeats itself after
+whole revolutions, ``T = k 2 pi/omega``, and begins where the load points down on them. Then the
+period is known, no shift along the cycle solves the equations, and the state is all that is
+unknown.
 """
 
 from __future__ import annotations
@@ -140,11 +145,15 @@ def close_orbit(
 ) -> Cycle:
     """Return the limit cycle near a state on the rotating axes, shape (4,), and a period.
 
+    Under a load the period is the nearest that there can be.
+
     Raises
     ------
     SimulationError
         If Newton's method does not converge, or to no limit cycle.
     """
+    if rotor.load > 0.0:
+        period = period_of(rotor, revolutions_of(rotor, period))
     shot = shoot(rotor, state, period, stop, rtol)
     last = math.inf
     for _ in range(MOST_STEPS):
@@ -159,10 +168,23 @@ def close_orbit(
     raise failure(shot, f"Newton's method found no limit cycle in {MOST_STEPS} steps")
 
 
+def revolutions_of(rotor: Rotor, period: float) -> int:
+    """Return the number of revolutions, at least one, that comes nearest to a period."""
+    return max(1, round(period * rotor.omega / (2.0 * math.pi)))
+
+
+def period_of(rotor: Rotor, revolutions: int) -> float:
+    """Return the time of so many revolutions [1]."""
+    return revolutions * 2.0 * math.pi / rotor.omega
+
+
 def once_round(cycle: Cycle, stop: Stop) -> Cycle:
     """Return a limit cycle over its smallest period, if it was followed round more than once."""
     most = 1 + int((cycle.shot.extrema[:, KIND] == MAXIMUM).sum())
-    for times in range(most, 1, -1):
+    loaded, revolutions = cycle.rotor.load > 0.0, revolutions_of(cycle.rotor, cycle.period)
+    for times in range(revolutions if loaded else most, 1, -1):
+        if loaded and revolutions % times:
+            continue
         part = shoot(cycle.rotor, cycle.state, cycle.period / times, stop)
         if np.linalg.norm(part.end - part.start) <= BACK_AT_START * np.linalg.norm(part.start):
             return close_orbit(cycle.rotor, cycle.state, cycle.period / times, stop)
@@ -203,7 +225,9 @@ def failure(shot: Shot, reason: str) -> SimulationError:
 
 
 def _newton_step(shot: Shot) -> Values:
-    """Return the step of state and period, shape (5,)."""
+    """Return the step of state and period, shape (5,); under a load that of the period is 0."""
+    if shot.rotor.load > 0.0:
+        return np.append(_solved(shot, shot.monodromy - np.eye(4), shot.start - shot.end), 0.0)
     matrix = np.zeros((5, 5))
     rate = shot.start_rate
     speed = float(np.linalg.norm(rate))
@@ -212,11 +236,15 @@ def _newton_step(shot: Shot) -> Values:
     matrix[:4, :4] = shot.monodromy - np.eye(4)
     matrix[:4, 4] = shot.end_rate
     matrix[4, :4] = rate / speed
-    miss = np.append(shot.start - shot.end, 0.0)
+    return _solved(shot, matrix, np.append(shot.start - shot.end, 0.0))
+
+
+def _solved(shot: Shot, matrix: Values, miss: Values) -> Values:
+    """Return the step that the linear equations ask for."""
     try:
-        step: Values = np.linalg.solve(matrix, miss)
+        step = np.asarray(np.linalg.solve(matrix, miss), dtype=np.float64)
     except np.linalg.LinAlgError:
-        step = np.linalg.lstsq(matrix, miss)[0]
+        step = np.asarray(np.linalg.lstsq(matrix, miss)[0], dtype=np.float64)
     if not np.isfinite(step).all():
         raise failure(shot, "Newton's method met an orbit whose neighbours close as well")
     return step

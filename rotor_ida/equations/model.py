@@ -94,10 +94,10 @@ def jacobian(state: npt.ArrayLike, rotor: Rotor) -> Values:
     return _jacobian(state, rotor, 0.0)
 
 
-def rotating_field(state: npt.ArrayLike, rotor: Rotor) -> Values:
+def rotating_field(state: npt.ArrayLike, rotor: Rotor, time: float = 0.0) -> Values:
     """Rate of change of the state read on the rotating axes, shape (4,) [1].
 
-    A load, which turns on these axes, is where it is at time 0.
+    A load, which turns on these axes, is where it is at a time.
 
     Notes
     -----
@@ -113,7 +113,11 @@ def rotating_field(state: npt.ArrayLike, rotor: Rotor) -> Values:
     """
     x, y, vx, vy = np.asarray(state, dtype=np.float64).tolist()
     secant = push_over_radius((x, y, vx, vy), rotor)
-    return np.array(_rates((x, y, vx, vy), secant, rotor, rotor.omega))
+    rates = np.array(_rates((x, y, vx, vy), secant, rotor, rotor.omega))
+    if rotor.load > 0.0 and time != 0.0:
+        angle = rotor.omega * time
+        rates[2:] += rotor.load * np.array([-math.sin(angle), 1.0 - math.cos(angle)])
+    return rates
 
 
 def rotating_jacobian(state: npt.ArrayLike, rotor: Rotor) -> Values:

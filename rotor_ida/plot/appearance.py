@@ -57,7 +57,7 @@ FROM_REST, FROM_START = "each speed from rest", "each speed from its start"
 GOING_UP, GOING_DOWN = "speed going up", "speed going down"
 STABLE_CYCLE, UNSTABLE_CYCLE = "stable cycle", "unstable cycle"
 BOUNCING_CYCLE, FULL_CONTACT_CYCLE = "bouncing cycle", "full-contact cycle"
-FOLD_OF_CYCLES, DOUBLING, GRAZE = "fold of cycles", "period doubling", "graze"
+FOLD_OF_CYCLES, DOUBLING, GRAZE, TORUS = "fold of cycles", "period doubling", "graze", "torus"
 _ORDER = [
     STABLE,
     UNSTABLE,

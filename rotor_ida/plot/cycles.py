@@ -31,6 +31,7 @@ from rotor_ida.plot.appearance import (
     PURPLE,
     RED,
     STABLE_CYCLE,
+    TORUS,
     UNSTABLE_CYCLE,
     axes_or_new,
     check_dataset,
@@ -76,9 +77,14 @@ MARKS = {
     "period_doubling": _Mark(DOUBLING, "P", 5.4, BROWN),
     "graze": _Mark(GRAZE, "x", 3.8, BROWN),
     "cusp": _Mark("cusp", "*", 7.5, "white"),
+    "torus": _Mark(TORUS, "D", 3.8, "white"),
 }
 # Bifurcation curves: one look for each kind, as long as they are of one rotor.
-CURVES = {"fold": (FOLD_OF_CYCLES, "-"), "period_doubling": (DOUBLING, (0, (6, 1.8)))}
+CURVES = {
+    "fold": (FOLD_OF_CYCLES, "-"),
+    "period_doubling": (DOUBLING, (0, (6, 1.8))),
+    "torus": (TORUS, (0, (1.2, 1.2))),
+}
 COLOURS = (BLUE, ORANGE, PURPLE, RED, BROWN)
 
 
@@ -171,7 +177,9 @@ def plot_multipliers(cycle: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     r"""Draw the multipliers of a limit cycle, with the unit circle.
 
     A shift along the cycle has the multiplier 1, with the partner ``q = exp(-2 zeta T)``. The other
-    two have the product q: a pair on the dashed circle of radius ``sqrt(q)``, or real numbers.
+    two have the product q: a pair on the dashed circle of radius ``sqrt(q)``, or real numbers. With
+    contact damping there is only the 1 of a shift. Under a load there is none, and without contact
+    damping two pairs of product q.
 
     Parameters
     ----------
@@ -197,20 +205,29 @@ def plot_multipliers(cycle: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     period = one_value("cycle", cycle, "period") / scale_of(cycle, "time")
     q = math.exp(-2.0 * one_value("cycle", cycle, "zeta") * period)
     found = cycle["multiplier_real"].values + 1j * cycle["multiplier_imag"].values
-    others, along = _parted(found, q)
+    damped, loaded = (
+        name in cycle.coords and one_value("cycle", cycle, name) > 0.0
+        for name in ("contact_damping", "load")
+    )
+    known = [] if loaded else [1.0] if damped else [1.0, q]
+    others, along = _parted(found, known)
+    shift, rest = ("1", r"$\mu$") if damped else ("1 and $q$", r"$\mu$ and $q/\mu$")
     turn = np.linspace(0.0, 2.0 * math.pi, 361)
     with style():
         ax = axes_or_new(ax, width=4.0, height=3.6)
-        for radius, dashes, words in (
+        circles = (
             (1.0, "-", None),
             (math.sqrt(q), DASHES, rf"$\sqrt{{q}} = {math.sqrt(q):.4g}$"),
-        ):
+        )
+        for radius, dashes, words in circles[: 1 if damped else 2]:
             ax.plot(radius * np.cos(turn), radius * np.sin(turn), color=GREY, lw=0.9, ls=dashes,
                     label=words, zorder=2.0)  # fmt: skip
         for points, marker, face, words in (
-            (along, "o", "white", "1 and $q$"),
-            (others, "o", BLUE, r"$\mu$ and $q/\mu$"),
+            (along, "o", "white", shift),
+            (others, "o", BLUE, rest),
         ):
+            if not points.size:  # under a load
+                continue
             ax.plot(points.real, points.imag, ls="", marker=marker, ms=5.0, mec=BLUE, mfc=face,
                     mew=1.1, label=words, zorder=3.0)  # fmt: skip
         ax.set_xlabel(LABELS["multiplier_real"])
@@ -262,8 +279,9 @@ def plot_lines(cycle: xr.Dataset, *, ax: Axes | None = None) -> Axes:
             ("backward", "backward whirl", ORANGE, "v"),
             ("forward", "forward whirl", BLUE, "^"),
             ("spin", "spin speed", INK, "o"),
+            ("static", "static", GREY, "s"),
         ):
-            here = seen & (kinds == flags[kind])
+            here = seen & (kinds == flags.get(kind))  # older archives know fewer
             if not here.any():
                 continue
             ax.vlines(ratio[here], 0.3 * FLOOR * highest, height[here], color=colour, lw=0.9)
@@ -279,8 +297,9 @@ def plot_branch(branch: xr.Dataset, *, ax: Axes | None = None) -> Axes:
 
     The edges of the band are the smallest and the largest radius of the cycles, solid where these
     are stable, dashed where not; its colour tells bouncing from full contact. Folds, period
-    doublings and grazes are marked on the upper edge. Several branches, and what `plot_amplitude`
-    has drawn before, can be on the same axes, which then keep their labels and title.
+    doublings, torus points and grazes are marked on the upper edge. Several branches, and what
+    `plot_amplitude` has drawn before, can be on the same axes, which then keep their labels and
+    title.
 
     Parameters
     ----------
@@ -435,11 +454,11 @@ def _draw_arrow(ax: Axes, path: Path) -> None:
 
 
 def _parted(
-    multipliers: npt.NDArray[np.complex128], q: float
+    multipliers: npt.NDArray[np.complex128], known: Sequence[float]
 ) -> tuple[npt.NDArray[np.complex128], npt.NDArray[np.complex128]]:
     """Return the two multipliers that tell the stability, and those of a shift along the cycle."""
     rest = list(multipliers)
-    along = [rest.pop(int(np.argmin(np.abs(np.array(rest) - value)))) for value in (1.0, q)]
+    along = [rest.pop(int(np.argmin(np.abs(np.array(rest) - value)))) for value in known]
     return np.array(rest), np.array(along)
 
 
@@ -491,7 +510,7 @@ def _draw_specials(
     flags = flags_of(branch["special_kind"])
     for kind in kinds:
         mark = MARKS[kind]
-        here = branch["special_kind"].values == flags[kind]
+        here = branch["special_kind"].values == flags.get(kind)  # older archives know fewer
         if here.any():
             ax.plot(
                 across[here], up.values[here], ls="", marker=mark.marker, ms=mark.size, mec=BROWN,

@@ -87,6 +87,7 @@ def plot_amplitude(
     whirls: xr.Dataset | None = None,
     simulated: xr.Dataset | None = None,
     fold_points: xr.Dataset | None = None,
+    hopf_points: xr.Dataset | None = None,
     ax: Axes | None = None,
 ) -> Axes:
     """Draw the amplitude of every whirl over the spin speed.
@@ -106,6 +107,8 @@ def plot_amplitude(
         others are bars over the range of the distance from the bearing axis.
     fold_points : Dataset, optional
         What `rotor_ida.folds` returned, for the same parameters: the folds are marked.
+    hopf_points : Dataset, optional
+        What `rotor_ida.hopf_points` returned, for the same parameters: they are marked.
     ax : Axes, optional
         Where to draw, and what is returned; by default the axes of a new figure.
 
@@ -126,7 +129,12 @@ def plot_amplitude(
     >>> ax.get_ylabel()
     'amplitude $A$'
     """
-    return _plot("amplitude", exact, whirls, simulated, fold_points, ax)
+    if hopf_points is not None:
+        _check_beside("hopf_points", hopf_points, ("zeta", "delta0", "hopf_omega"), exact)
+    ax = _plot("amplitude", exact, whirls, simulated, fold_points, ax)
+    if hopf_points is not None:
+        _draw_hopf_points(ax, hopf_points, exact)
+    return ax
 
 
 def plot_phase(
@@ -298,6 +306,19 @@ def _folds(
     whole = amplitude / scale_of(fold_points, "length")
     sine = np.minimum(2.0 * zeta * whole / omega, 1.0)
     return omega, math.pi - np.arcsin(sine)
+
+
+def _draw_hopf_points(ax: Axes, hopf_points: xr.Dataset, exact: xr.Dataset) -> None:
+    """Mark the Hopf points within the range of the curve."""
+    lowest, highest = float(exact["omega"].min()), float(exact["omega"].max())
+    omega = hopf_points["hopf_omega"].values.ravel()
+    here = (omega >= lowest) & (omega <= highest)
+    if here.any():
+        with style():
+            ax.plot(omega[here], hopf_points["hopf_amplitude"].values.ravel()[here], ls="",
+                    marker="o", ms=4.6, mfc="white", mec=INK, mew=1.0, label="Hopf point",
+                    zorder=3.7)  # fmt: skip
+            own_legend(ax)
 
 
 def _draw_curve(ax: Axes, curve: xr.Dataset, *, over: str, quantity: str) -> None:

@@ -83,7 +83,7 @@ def shoot(
     rotor : Rotor
         The rotor.
     start : ndarray, shape (4,)
-        ``(x, y, vx, vy)`` on the rotating axes [1].
+        ``(x, y, vx, vy)`` on the rotating axes [1], at time 0, when a load points down on them.
     duration : float
         Time to follow it for [1].
     stop : ndarray, shape (1,)
@@ -122,7 +122,8 @@ def shoot(
         x, y, vx, vy = start.tolist()
         reason = f"an orbit could not be followed round: {message_of(status)}"
         raise SimulationError(reason, time=0.0, state=(x, y, vx, vy))
+    rates = rotating_field(start, rotor), rotating_field(end, rotor, duration)
     return Shot(
         rotor, start, end, duration, bundle[:DIFFERENCES].T, bundle[DIFFERENCES:].T,
-        seen.contacts, seen.extrema, rotating_field(start, rotor), rotating_field(end, rotor),
+        seen.contacts, seen.extrema, *rates,
     )  # fmt: skip

@@ -210,3 +210,24 @@ def test_a_study_of_a_branch_goes_on(
     assert record["special_points"] == whole["special_points"]
     assert Path("study", "result.nc").exists()
     assert Path("branch.png").exists()
+
+
+def test_a_machine_under_a_load_goes_from_cycle_to_branch_to_curve(program: Program):
+    machine = ("--omega", 1.6, "--zeta", 0.05, "--delta0", 0.75, "--load", 1.6,
+               "--shaft-stiffness", 1, "--contact-exponent", 1)  # fmt: skip
+    damped = (*machine, "--contact-damping", 0.5)
+    assert program("cycle", *damped, "--start", 0, -1, 0, 0, "--out", "cycle.nc").status == 0
+    answer = program("continue", "--from", "cycle.nc", "--parameter", "contact_damping",
+                     "--limits", 0.4, 0.7, "--out", "branch.nc", "--json")  # fmt: skip
+    assert (answer.status, answer.err) == (0, "")
+    (special,) = json.loads(answer.out)["special_points"]
+    assert special["special_kind"] == "torus"
+    answer = program("curve", "--from", "branch.nc", "--special", 0, "--kind", "torus",
+                     "--parameters", "contact_damping", "omega", "--limits", 0.4, 0.7, 1.58, 1.62,
+                     "--out", "curve.nc")  # fmt: skip
+    assert (answer.status, answer.err) == (0, "")
+    answer = program("continue", "--from", "curve.nc", "--point", 0, "--limits", 1.5, 1.7,
+                     "--points", 4)  # fmt: skip
+    assert (answer.status, answer.err) == (0, "")
+    answer = program("continue", "--from", "cycle.nc", "--load", 1, "--limits", 1, 2)
+    assert (answer.status, answer.err) == (2, "rotor-ida: load must be left out with --from\n")

@@ -141,7 +141,7 @@ def test_progress_comes_to_its_end():
 
 
 @pytest.mark.parametrize(("arguments", "says"), [
-    ({"kind": "torus"}, "kind must be"),
+    ({"kind": "pitchfork"}, "kind must be"),
     ({"parameters": ("omega", "omega")}, "parameters must be two of omega, zeta, "),
     ({"parameters": ("omega",)}, "parameters must be two of omega, zeta, "),
     ({"limits": {"omega": (2.2, 3.2)}}, "limits must be of omega and delta0, got"),

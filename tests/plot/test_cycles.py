@@ -307,3 +307,25 @@ def test_draw_on_the_axes_given(cycle, branch, curve):
     for draw, dataset in [*drawings, (plot_branch, branch), (plot_curves, curve)]:
         ax = Figure().subplots()
         assert draw(dataset, ax=ax) is ax
+
+
+def test_torus_points_and_what_stands_still_are_drawn():
+    """Of a rotor under a load, beside its curve of torus points."""
+    machine = Rotor(omega=1.6, zeta=0.05, delta0=0.75, load=1.6, shaft_stiffness=1.0,
+                    contact_exponent=1.0, contact_damping=0.5)  # fmt: skip
+    loaded = limit_cycle(machine, start=(0, -1, 0, 0))
+    words = plot_lines(loaded).get_legend_handles_labels()[1]
+    assert "static" in words
+    ax = plot_multipliers(loaded)
+    assert ax.get_legend_handles_labels()[1] == [r"$\mu$"]
+    assert sum(line.get_xdata().size for line in ax.lines if line.get_ls() == "None") == 4
+    found = continue_cycle(machine, start=loaded, parameter="contact_damping", limits=(0.4, 0.7))
+    ax = plot_branch(found)
+    (mark,) = [line for line in ax.lines if line.get_label() == "torus"]
+    assert mark.get_xdata().tolist() == found.special_value.values.tolist()
+    curve = bifurcation_curve(
+        machine, start=found.isel(special=0), kind="torus",
+        parameters=("contact_damping", "omega"), limits=((0.4, 0.7), (1.58, 1.62)),
+    )  # fmt: skip
+    (line,) = [line for line in plot_curves(curve).lines if line.get_label() == "torus"]
+    assert line.get_xdata().tolist() == curve.contact_damping.values.tolist()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from rotor_ida import InputError, folds, sweep, synchronous_response
+from rotor_ida import InputError, folds, hopf_points, sweep, synchronous_response
 from rotor_ida.closed_forms import clearance_curve, response_curve
 from rotor_ida.plot import (
     panels,
@@ -266,3 +266,14 @@ def test_over_the_clearance_a_machine_has_its_name_too():
     other = sweep(omega=1.2, zeta=0.2, delta0=[0.5, 1.0], method="taylor")
     with pytest.raises(InputError, match="simulated must have the shaft_stiffness of exact"):
         plot_over_clearance(exact, simulated=other)
+
+
+def test_hopf_points_are_marked_on_the_curve():
+    given = {"zeta": 0.07, "delta0": 0.5, "contact_damping": 0.5}
+    exact, found = response_curve(**given, limits=(0.5, 3.0)), hopf_points(**given)
+    ax = plot_amplitude(exact, hopf_points=found)
+    (mark,) = [line for line in ax.lines if line.get_label() == "Hopf point"]
+    assert mark.get_xdata().tolist() == found.hopf_omega.values.ravel().tolist()
+    assert mark.get_ydata().tolist() == found.hopf_amplitude.values.ravel().tolist()
+    with pytest.raises(InputError, match=r"hopf_points must have the delta0 of exact, 0.5, got 1"):
+        plot_amplitude(exact, hopf_points=hopf_points(**given | {"delta0": 1.0}))

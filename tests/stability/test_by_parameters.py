@@ -7,7 +7,8 @@ import pytest
 
 from rotor_ida import Rotor
 from rotor_ida.core.interface import DONE
-from rotor_ida.core.runs import Asked, follow
+from rotor_ida.core.runs import COLUMNS, Asked, follow
+from rotor_ida.stability.orbit import shoot
 
 START = (1.2, 0.3, -0.2, 0.9)
 CONTACT = Rotor(omega=1.2, zeta=0.07, delta0=0.5)
@@ -50,3 +51,24 @@ def test_what_is_added_comes_on_top_of_what_there_was():
     for each in (bundle, alone, matrix):
         followed(CONTACT, 3.0, each)
     np.testing.assert_allclose(bundle, rows @ matrix + alone, rtol=0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("delta0", [2.0, 0.0], ids=["bouncing", "free"])
+def test_a_load_that_turns_faster_adds_to_what_the_speed_does(delta0):
+    """Central differences over two revolutions, with entries and exits."""
+    rotor = Rotor(omega=1.6, zeta=0.07, delta0=delta0, load=0.3)
+    start, duration, h = np.array([2.1, 0.3, 0.5, -0.4]), 4.0 * np.pi / 1.6, 1e-6
+    go_on = np.zeros(1, np.uint8)
+    shot = shoot(rotor, start, duration, go_on)
+    for name in ("omega", "zeta", "delta0", "load"):
+        value = getattr(rotor, name)
+        if value == 0.0:
+            continue
+        ends = [
+            shoot(replace(rotor, **{name: value + sign * h}), start, duration, go_on).end
+            for sign in (1, -1)
+        ]
+        column = shot.by_parameter[:, COLUMNS.index(name)]
+        np.testing.assert_allclose(column, (ends[0] - ends[1]) / (2.0 * h), rtol=0, atol=1e-7)
+    ends = [shoot(rotor, start, duration + sign * h, go_on).end for sign in (1, -1)]
+    np.testing.assert_allclose(shot.end_rate, (ends[0] - ends[1]) / (2.0 * h), rtol=0, atol=1e-7)

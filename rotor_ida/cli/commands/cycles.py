@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,7 +14,7 @@ from rotor_ida.cli import options
 from rotor_ida.cli.output import Output, answer, answer_whole, read, working
 from rotor_ida.cli.report import FIRST_ROWS, Report
 from rotor_ida.errors import InputError, SimulationError
-from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.parameters import ALL_PARAMETERS, DEFAULTS, PARAMETERS, Rotor
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,6 +31,7 @@ class Origin:
     omega: options.OneOmega = None
     zeta: options.OneZeta = None
     delta0: options.OneDelta0 = None
+    beyond: options.BeyondOptions = options.BeyondOptions()
     start: options.StartOrNone = None
     period: options.Period = None
     from_: options.From = None
@@ -42,7 +43,7 @@ class Origin:
         of_file = [name for name in ("point", "special") if getattr(self, name) is not None]
         of_start = [
             name for name in (*PARAMETERS, "start", "period") if getattr(self, name) is not None
-        ]
+        ] + [name for name, value in asdict(self.beyond).items() if value != DEFAULTS[name]]
         if self.from_ is not None:
             if of_start:
                 raise InputError(f"{of_start[0]} must be left out with --from")
@@ -62,7 +63,7 @@ class Origin:
         """
         if self.from_ is not None:
             return _in_archive(self.from_, self.point, self.special, curve_kind)
-        rotor = Rotor(**{name: getattr(self, name) for name in PARAMETERS})
+        rotor = self.beyond.of(Rotor(**{name: getattr(self, name) for name in PARAMETERS}))
         start = self.start or options.REST
         if self.period is None:
             return rotor, start
@@ -72,6 +73,7 @@ class Origin:
 def cycle(
     *,
     rotor: options.RotorOptions,
+    beyond: options.BeyondOptions = options.BeyondOptions(),
     start: options.Start = options.REST,
     period: options.Period = None,
     output: Output = Output(),
@@ -88,11 +90,12 @@ def cycle(
             --start 2.6 0.75 0.66 -1.65 --period 4.5
     """
     output.check()
+    machine = beyond.of(rotor.rotor())
     with working("cycle"):
         if period is None:
-            found = rotor_ida.limit_cycle(rotor.rotor(), start=start)
+            found = rotor_ida.limit_cycle(machine, start=start)
         else:
-            found = _closed(rotor.rotor(), start, period)
+            found = _closed(machine, start, period)
     if found["period"].notnull() or output.figure is None:
         return answer(found, output, most=FIRST_ROWS)
     report = answer(found, replace(output, figure=None), most=FIRST_ROWS)
@@ -143,7 +146,7 @@ def curve(
     points: options.PointCount = 2000,
     output: Output = Output(),
 ) -> Report:
-    r"""Follow a fold or a period doubling of limit cycles over two parameters.
+    r"""Follow a fold, a period doubling or a torus point of limit cycles over two parameters.
 
     Of the branch that the example of continue wrote:
 
@@ -180,7 +183,6 @@ def _in_archive(
 ) -> tuple[Rotor, xr.Dataset]:
     """Return the cycle in an archive, or that at one point of a branch or curve, and its rotor."""
     from rotor_ida.cli.describe import kind_of  # noqa: PLC0415 - heavy, and not for --help
-    from rotor_ida.schema import check_papers_result  # noqa: PLC0415
 
     dataset = read(file)
     kind = kind_of(dataset)
@@ -190,7 +192,6 @@ def _in_archive(
         )
     if "time_scale" in dataset.attrs:
         raise InputError(f"from must be dimensionless, got {shown(file)} in SI units")
-    check_papers_result("from", dataset)
     if kind != "cycle":
         dataset = _at(dataset, kind, point, special)
     elif point is not None or special is not None:
@@ -202,7 +203,8 @@ def _in_archive(
     place = dataset
     if kind == "branch" and special is not None:
         place = dataset.assign_coords({dataset.attrs["parameter"]: dataset["special_value"]})
-    return Rotor(**{name: place[name].item() for name in PARAMETERS}), dataset
+    given = [name for name in ALL_PARAMETERS if name in place.coords]
+    return Rotor(**{name: place[name].item() for name in given}), dataset
 
 
 def _at(dataset: xr.Dataset, kind: str, point: int | None, special: int | None) -> xr.Dataset:
@@ -227,9 +229,10 @@ def _of_curve(at: xr.Dataset, prefix: str, curve_kind: str | None) -> xr.Dataset
     from rotor_ida.schema import SPECIAL  # noqa: PLC0415
 
     kind, (first, second) = at.attrs["kind"], at.attrs["parameters"].split()
-    (held,) = set(PARAMETERS) - {first, second}
+    held = [name for name in ALL_PARAMETERS if name in at.coords and name not in {first, second}]
     names = ("special_value", "special_second_value") if prefix else (first, second)
-    values = {held: at[held].item(), first: at[names[0]].item(), second: at[names[1]].item()}
+    values = {name: at[name].item() for name in held}
+    values |= {first: at[names[0]].item(), second: at[names[1]].item()}
     numbers = {name: at[f"{prefix}{name}"].item() for name in (*COMPONENTS, "period")}
     if kind != curve_kind:
         return xr.Dataset(numbers, values)

@@ -1,0 +1,359 @@
+"""Hopf points: where a synchronous whirl in contact begins to oscillate, exactly and all of them.
+
+Contact damping acts along the radius alone, and where the whirl is faster than what springs back
+can hold, it drives the motion. With ``K = kappa + f'(A)``, ``S = kappa + f(A)/A``, ``m = 2 zeta +
+c f(A)`` and ``q = omega**2`` the eigenvalues of a whirl are the roots of ``L**4 + a3 L**3 + a2 L**2
++ a1 L + a0`` with
+
+    a3 = m + 2 zeta,                a1 = m S + 2 zeta K + (6 zeta - m) q,
+    a2 = K + S + 2 zeta m + 2 q,    a0 = (K - q)(S - q) + 4 zeta**2 q.
+
+Two of them are ``+- i Omega`` where ``H = a3 a2 a1 - a1**2 - a3**2 a0`` vanishes and ``Omega**2 =
+a1/a3`` is positive (Routh and Hurwitz) [1]_. The response curve is quadratic in q at a given
+amplitude, and so is H. Both have a root in common where their resultant vanishes, which is a
+polynomial in ``u = sqrt(A - delta0)``, or in ``A - delta0`` in a linear contact. Its coefficients
+are whole numbers up to a power of two, since parameters are doubles. So its roots are isolated by
+Descartes' rule of signs in exact arithmetic: none is lost and none invented [2]_, but for two that
+nearly coincide.
+
+References
+----------
+.. [1] Y. A. Kuznetsov, "Elements of Applied Bifurcation Theory", Springer, 2004, section 5.4.
+.. [2] G. E. Collins, A. G. Akritas, "Polynomial real root isolation using Descartes' rule of
+   signs", SYMSAC 1976.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import lru_cache, reduce
+from itertools import pairwise, product
+
+import numpy as np
+import xarray as xr
+
+from rotor_ida.arrays import Values
+from rotor_ida.checks import check_axis, check_points
+from rotor_ida.closed_forms.further_parameters import further_axes
+from rotor_ida.equations.contact import HERTZ_EXPONENT
+from rotor_ida.schema import labelled_dataset
+
+# Two roots nearer to each other than this power of two, in parts of the largest there can be, are
+# not told from none.
+_DEEPEST = 400
+# Roots are narrowed to this power of two, in parts of themselves.
+_FINEST = 70
+
+
+def hopf_points(
+    *,
+    zeta: object,
+    delta0: object,
+    shaft_stiffness: object = 0.0,
+    contact_exponent: object = 1.5,
+    contact_damping: object = 0.0,
+) -> xr.Dataset:
+    """Return every Hopf point of the contacting whirls.
+
+    Parameters
+    ----------
+    zeta, delta0 : float or sequence of float, shapes (m,) and (k,)
+        Damping ratios and clearances [1].
+    shaft_stiffness, contact_exponent, contact_damping : float or sequence of float
+        As for `Rotor`, numbers or axes [1].
+
+    Returns
+    -------
+    Dataset
+        ``hopf_omega`` and ``hopf_amplitude``, the speed and the amplitude of the whirl, and
+        ``hopf_frequency``, at which it begins to oscillate on the rotating axes [1], on the
+        dimensions (zeta, delta0, hopf), in order of speed; NaN where there are fewer than the
+        dimension is long. Each of the last three parameters that is given as a sequence is a
+        dimension before ``hopf``, as a number that is not the default a coordinate.
+
+    Raises
+    ------
+    InputError
+        If a value is not a finite real number that is zero or positive, or is above 1e6, or is
+        above zero and below 1e-20; if an exponent is neither 1.5 nor 1; if there is contact damping
+        without clearance.
+
+    Notes
+    -----
+    There a pair of `eigenvalues` crosses the imaginary axis, and a limit cycle in full contact is
+    born with the period ``2 pi/hopf_frequency``, stable or not: `limit_cycle` and `continue_cycle`
+    tell. Without contact damping, or without any other, there is none. They are the roots of a
+    polynomial, isolated in exact arithmetic: all are found but for pairs that nearly coincide.
+
+    References
+    ----------
+    Linearisation of eq. (10) of the paper, Mechanika 25(6), 2019, with contact damping by Hunt and
+    Crossley, in the rotating frame.
+
+    Examples
+    --------
+    >>> found = hopf_points(zeta=0.07, delta0=0.5, contact_damping=0.5)
+    >>> found.hopf_omega.values.ravel().round(6)
+    array([1.75784])
+    """
+    dampings, clearances = _checked("zeta", zeta), _checked("delta0", delta0)
+    further = further_axes(
+        shaft_stiffness=shaft_stiffness,
+        contact_exponent=contact_exponent,
+        contact_damping=contact_damping,
+        delta0=clearances,
+    )
+    for name in ("shaft_stiffness", "contact_damping"):
+        _checked(name, further.axes[name])
+    check_points(dampings, clearances, *further.axes.values())
+    axes = (dampings, clearances, *further.axes.values())
+    found = [_of_rotor(*place) for place in product(*(axis.tolist() for axis in axes))]
+    most = max(1, *map(len, found))
+    table = np.full((len(found), most, 3), np.nan)
+    for row, points in zip(table, found, strict=True):
+        row[: len(points)] = np.reshape(points, (-1, 3))
+    table = table.reshape(dampings.size, clearances.size, *further.sizes, most, 3)
+    dims = ("zeta", "delta0", *further.dims, "hopf")
+    names = ("hopf_omega", "hopf_amplitude", "hopf_frequency")
+    return labelled_dataset(
+        "Hopf points of the synchronous whirls of a rotor with contact and clearance",
+        {name: (dims, table[..., place]) for place, name in enumerate(names)},
+        {
+            "zeta": ("zeta", dampings),
+            "delta0": ("delta0", clearances),
+            **further.coordinates,
+            "hopf": ("hopf", np.arange(most)),
+        },
+        {"source": "rotor_ida closed forms: roots of a polynomial in exact arithmetic"},
+    )
+
+
+def _checked(name: str, values: object) -> Values:
+    return check_axis(name, values, smallest=1e-20, largest=1e6)
+
+
+# The figures of response curves ask for those of one rotor again and again.
+@lru_cache(maxsize=1024)
+def _of_rotor(
+    zeta: float, delta0: float, kappa: float, exponent: float, contact_damping: float
+) -> tuple[tuple[float, float, float], ...]:
+    """Return speed, amplitude and frequency of every Hopf point of a rotor, in order of speed."""
+    if zeta == 0.0 or contact_damping == 0.0:
+        return ()
+    hertz = exponent == HERTZ_EXPONENT
+    whirl = _whirl_in(*map(Fraction, (zeta, delta0, kappa, contact_damping)), hertz=hertz)
+    found = []
+    for root in positive_roots(whirl.resultant()):
+        point = whirl.at(root)
+        if point is None:
+            continue
+        q, squared = point
+        depth = root * root if hertz else root
+        found.append((math.sqrt(q), float(Fraction(delta0) + depth), math.sqrt(squared)))
+    return tuple(sorted(found))
+
+
+# ---- Polynomials with rational coefficients, the lowest first ----
+
+
+@dataclass(frozen=True, slots=True)
+class Polynomial:
+    """A polynomial by its coefficients, the lowest first."""
+
+    coefficients: tuple[Fraction, ...]
+
+    def __add__(self, other: Polynomial) -> Polynomial:
+        """Return the sum."""
+        return self._joined(other, 1)
+
+    def __sub__(self, other: Polynomial) -> Polynomial:
+        """Return the difference."""
+        return self._joined(other, -1)
+
+    def __mul__(self, other: Polynomial) -> Polynomial:
+        """Return the product."""
+        one, two = self.coefficients, other.coefficients
+        found = [Fraction(0)] * (len(one) + len(two) - 1)
+        for i, a in enumerate(one):
+            if a:
+                for j, b in enumerate(two):
+                    found[i + j] += a * b
+        return Polynomial(tuple(found))
+
+    def __call__(self, place: Fraction) -> Fraction:
+        """Return the value at a place."""
+        return reduce(lambda value, each: value * place + each, self.coefficients[::-1])
+
+    def _joined(self, other: Polynomial, sign: int) -> Polynomial:
+        one, two = self.coefficients, other.coefficients
+        size = max(len(one), len(two))
+        one += (Fraction(0),) * (size - len(one))
+        two += (Fraction(0),) * (size - len(two))
+        return Polynomial(tuple(a + sign * b for a, b in zip(one, two, strict=True)))
+
+
+def constant(value: Fraction | int) -> Polynomial:
+    """Return a polynomial of degree 0."""
+    return Polynomial((Fraction(value),))
+
+
+@dataclass(frozen=True, slots=True)
+class _Whirl:
+    """Curve and condition of a Hopf point, both quadratic in q: three polynomials, lowest first.
+
+    ``a1`` are the two coefficients of ``A a1``, and ``a3`` is ``A a3``.
+    """
+
+    curve: tuple[Polynomial, Polynomial, Polynomial]
+    hopf: tuple[Polynomial, Polynomial, Polynomial]
+    a1: tuple[Polynomial, Polynomial]
+    a3: Polynomial
+
+    def resultant(self) -> Polynomial:
+        """Return the resultant of both by q."""
+        (r0, r1, r2), (h0, h1, h2) = self.curve, self.hopf
+        ends, first, last = h2 * r0 - h0 * r2, h2 * r1 - h1 * r2, h1 * r0 - h0 * r1
+        return ends * ends - first * last
+
+    def at(self, root: Fraction) -> tuple[Fraction, Fraction] | None:
+        """Return q and the frequency squared at a root, or None where there is no Hopf point."""
+        (r0, r1, r2), (h0, h1, h2) = (
+            [each(root) for each in equation] for equation in (self.curve, self.hopf)
+        )
+        below = h2 * r1 - h1 * r2
+        if below == 0:
+            return None
+        q = (h0 * r2 - h2 * r0) / below
+        squared = (self.a1[0](root) + q * self.a1[1](root)) / self.a3(root)
+        return (q, squared) if q > 0 and squared > 0 else None
+
+
+def _whirl_in(
+    zeta: Fraction, delta0: Fraction, kappa: Fraction, c: Fraction, *, hertz: bool
+) -> _Whirl:
+    """Return the equations of a Hopf point by u, or by the depth in a linear contact."""
+    powers = [constant(1)]
+    for _ in range(3):
+        powers.append(powers[-1] * Polynomial((Fraction(0), Fraction(1))))
+    A = constant(delta0) + (powers[2] if hertz else powers[1])
+    f = powers[3] if hertz else powers[1]
+    slope = constant(Fraction(3, 2)) * powers[1] if hertz else powers[0]
+    two_zeta, damping = constant(2 * zeta), constant(4 * zeta * zeta)
+    g, K = f + constant(kappa) * A, slope + constant(kappa)
+    m = two_zeta + constant(c) * f
+    a3 = m + two_zeta
+    # A a2 = P + 2 A q and A a1 = M0 + M1 q
+    P = A * K + g + two_zeta * m * A
+    M0, M1 = m * g + two_zeta * A * K, A * (constant(6 * zeta) - m)
+    two = constant(2)
+    curve = (g * g, damping * A * A - two * A * g, A * A - constant(1))
+    hopf = (
+        a3 * P * M0 - M0 * M0 - a3 * a3 * A * K * g,
+        a3 * (P * M1 + two * A * M0)
+        - two * M0 * M1
+        - a3 * a3 * (damping * A * A - A * A * K - A * g),
+        two * a3 * A * M1 - M1 * M1 - a3 * a3 * A * A,
+    )
+    return _Whirl(curve, hopf, (M0, M1), A * a3)
+
+
+# ---- Roots ----
+
+
+def positive_roots(polynomial: Polynomial) -> list[Fraction]:
+    """Return the positive roots of odd order, each to a part of 1e-21.
+
+    Examples
+    --------
+    >>> found = positive_roots(Polynomial((Fraction(6), Fraction(-5), Fraction(1))))
+    >>> [float(root) for root in found]
+    [2.0, 3.0]
+    """
+    below = math.lcm(*(each.denominator for each in polynomial.coefficients))
+    whole = [int(each * below) for each in polynomial.coefficients]
+    while whole and whole[-1] == 0:
+        whole.pop()
+    while whole and whole[0] == 0:
+        whole.pop(0)
+    if len(whole) < 2:
+        return []
+    power = _bound(whole)
+    return [_narrowed(whole, low, high) for low, high in _isolated(whole, power)]
+
+
+def _bound(whole: list[int]) -> int:
+    """Return a power of two that no root exceeds: twice the largest root of a quotient."""
+    degree, highest = len(whole) - 1, abs(whole[-1]).bit_length() - 1
+    powers = [
+        math.ceil((abs(each).bit_length() - highest) / (degree - place))
+        for place, each in enumerate(whole[:-1])
+        if each
+    ]
+    return 1 + max(powers)
+
+
+def _isolated(whole: list[int], power: int) -> list[tuple[Fraction, Fraction]]:
+    """Return intervals of positive numbers that hold one root each, by Descartes' rule.
+
+    A root on the boundary of two of them is an interval of its own, of no width.
+    """
+    degree, width = len(whole) - 1, Fraction(2) ** power
+    scaled = [each * width**place for place, each in enumerate(whole)]
+    below = math.lcm(*(each.denominator for each in scaled))
+    found = []
+    # polynomials on [0, 1], with the interval that this is: its number among 2**depth
+    todo = [([int(each * below) for each in scaled], 0, 0)]
+    while todo:
+        here, number, depth = todo.pop()
+        count = _sign_changes(_shifted(here[::-1]))
+        low = width * number / 2**depth
+        if count == 1:
+            found.append((low, low + width / 2**depth))
+        if count < 2 or depth == _DEEPEST:
+            continue
+        left = [each << (degree - place) for place, each in enumerate(here)]
+        right = _shifted(left)
+        if right[0] == 0:
+            middle = low + width / 2 ** (depth + 1)
+            found.append((middle, middle))
+        todo += [(left, 2 * number, depth + 1), (right, 2 * number + 1, depth + 1)]
+    return sorted(found)
+
+
+def _shifted(whole: list[int]) -> list[int]:
+    """Return the coefficients of ``p(x + 1)``."""
+    found = list(whole)
+    for first in range(len(found) - 1):
+        for place in range(len(found) - 2, first - 1, -1):
+            found[place] += found[place + 1]
+    return found
+
+
+def _sign_changes(whole: list[int]) -> int:
+    signs = [each > 0 for each in whole if each]
+    return sum(one != other for one, other in pairwise(signs))
+
+
+def _narrowed(whole: list[int], low: Fraction, high: Fraction) -> Fraction:
+    """Return the root between two places, the only one there."""
+    rising = _sign_at(whole, high) > 0 or _sign_at(whole, low) < 0
+    while high - low > high / 2**_FINEST:
+        middle = (low + high) / 2
+        if (sign := _sign_at(whole, middle)) == 0:
+            return middle
+        if (sign > 0) == rising:
+            high = middle
+        else:
+            low = middle
+    return (low + high) / 2
+
+
+def _sign_at(whole: list[int], place: Fraction) -> int:
+    """Return the sign of a polynomial at a place."""
+    value, power = 0, 1
+    for each in whole[::-1]:
+        value = value * place.numerator + each * power
+        power *= place.denominator
+    return (value > 0) - (value < 0)

@@ -1,0 +1,161 @@
+"""Hopf points of synchronous whirls against eigenvalues, dense curves and simulated cycles."""
+
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from rotor_ida import Rotor, folds, hopf_points, limit_cycle, synchronous_response
+from rotor_ida.closed_forms import eigenvalues
+from rotor_ida.closed_forms.hopf import Polynomial, positive_roots
+from rotor_ida.equations.model import rotating_field, rotating_jacobian
+from rotor_ida.errors import InputError
+
+MACHINES = [
+    {"zeta": 0.07, "delta0": 0.5, "contact_damping": 0.5},
+    {"zeta": 0.05, "delta0": 0.75, "contact_damping": 0.5, "shaft_stiffness": 1.0},
+    {"zeta": 0.05, "delta0": 0.75, "contact_damping": 0.1, "shaft_stiffness": 0.1,
+     "contact_exponent": 1.0},
+    {"zeta": 0.02, "delta0": 1.0, "contact_damping": 2.0, "contact_exponent": 1.0},
+    {"zeta": 0.003, "delta0": 3.0, "contact_damping": 0.2, "shaft_stiffness": 0.25},
+]  # fmt: skip
+
+
+def points_of(machine):
+    found = hopf_points(**machine)
+    names = ("hopf_omega", "hopf_amplitude", "hopf_frequency")
+    rows = np.stack([found[name].values.ravel() for name in names], axis=1)
+    return rows[np.isfinite(rows).all(axis=1)]
+
+
+def whirl_at(omega, near, machine):
+    """The state on the rotating axes of the whirl next to an amplitude, from its closed form."""
+    found = synchronous_response(omega=omega, **machine)
+    amplitudes = found.amplitude.values.ravel()
+    place = int(np.nanargmin(np.abs(amplitudes - near)))
+    z = amplitudes[place] * np.exp(-1j * found.phase_lag.values.ravel()[place])
+    v = 1j * omega * z
+    return np.array([z.real, z.imag, v.real, v.imag])
+
+
+@pytest.mark.parametrize("machine", MACHINES)
+def test_a_pair_of_eigenvalues_of_the_linearised_machine_is_imaginary(machine):
+    """The Jacobian is that of the stated model, at a state at which its field vanishes."""
+    for omega, amplitude, frequency in points_of(machine):
+        rotor, state = Rotor(omega=omega, **machine), whirl_at(omega, amplitude, machine)
+        size = max(omega, 1.0) ** 2 * amplitude
+        assert np.abs(rotating_field(state, rotor)).max() < 1e-11 * size
+        found = np.linalg.eigvals(rotating_jacobian(state, rotor))
+        assert np.abs(found - 1j * frequency).min() < 1e-9 * max(omega, 1.0)
+
+
+@pytest.mark.parametrize("machine", MACHINES)
+def test_none_is_lost_and_none_invented(machine):
+    """Over amplitudes as dense as you like, both flanks, the Hurwitz determinant changes sign."""
+    zeta, delta0, c = (machine[name] for name in ("zeta", "delta0", "contact_damping"))
+    kappa, n = machine.get("shaft_stiffness", 0.0), machine.get("contact_exponent", 1.5)
+    depth = np.concatenate([np.geomspace(1e-10, 1e-2, 20_000), np.linspace(1e-2, 60.0, 400_000)])
+    A, f = delta0 + depth, depth**n
+    S, K, m = kappa + f / A, kappa + n * depth ** (n - 1.0), 2.0 * zeta + c * f
+    first, middle, last = A * A - 1.0, 4.0 * zeta**2 * A * A - 2.0 * A * A * S, (A * S) ** 2
+    with np.errstate(invalid="ignore", divide="ignore"):
+        root = np.sqrt(middle * middle - 4.0 * first * last)
+        changes = []
+        for q in ((-middle + root) / (2.0 * first), (-middle - root) / (2.0 * first)):
+            a3, a2 = m + 2.0 * zeta, K + S + 2.0 * zeta * m + 2.0 * q
+            a1 = m * S + 2.0 * zeta * K + (6.0 * zeta - m) * q
+            a0 = (K - q) * (S - q) + 4.0 * zeta**2 * q
+            H = a3 * a2 * a1 - a1**2 - a3**2 * a0
+            real = (q > 0.0) & (q < 1e8) & (a1 > 0.0) & np.isfinite(H)
+            real[1:] &= np.abs(np.diff(q)) < 0.1 * q[1:]  # not across A = 1
+            both = real[1:] & real[:-1] & (H[1:] * H[:-1] < 0.0)
+            changes += A[1:][both].tolist()
+    points = points_of(machine)
+    inside = points[(points[:, 1] < A[-1]) & (points[:, 0] < 1e4)]
+    np.testing.assert_allclose(np.sort(changes), np.sort(inside[:, 1]), rtol=0.0, atol=2e-4)
+
+
+@pytest.mark.parametrize("machine", MACHINES[:3])
+def test_a_whirl_loses_its_stability_there(machine):
+    for omega, amplitude, _ in points_of(machine):
+        growths = []
+        for part in (-1e-4, 1e-4):
+            state = whirl_at(omega * (1.0 + part), amplitude, machine)
+            rates = eigenvalues(math.hypot(*state[:2]), omega=omega * (1.0 + part), **machine)
+            growths.append(rates.real.max())
+        assert growths[0] * growths[1] < 0.0
+
+
+@pytest.mark.parametrize("number", [0, 2])
+def test_a_cycle_is_born_with_the_frequency_of_the_hopf_point(number):
+    """Twice nearer the point its period is twice nearer, and its swing less by the root of two."""
+    machine = MACHINES[number]
+    omega, amplitude, frequency = points_of(machine)[0]
+    found = []
+    for ahead in (4e-4, 2e-4):
+        speed = omega + ahead
+        rotor, whirl = Rotor(omega=speed, **machine), whirl_at(speed, amplitude, machine)
+        values, vectors = np.linalg.eig(rotating_jacobian(whirl, rotor))
+        aside = vectors[:, int(np.abs(values - 1j * frequency).argmin())].real
+        start = whirl + 0.02 * np.linalg.norm(whirl) * aside / np.linalg.norm(aside)
+        cycle = limit_cycle(rotor, start=start, period=2.0 * math.pi / frequency)
+        swing = cycle.radius_max.item() - cycle.radius_min.item()
+        found.append((cycle.period.item() - 2.0 * math.pi / frequency, swing))
+    (miss, swing), (nearer, less) = found
+    assert abs(nearer) < 3e-3
+    assert miss / nearer == pytest.approx(2.0, rel=0.05)
+    assert swing / less == pytest.approx(math.sqrt(2.0), rel=0.02)
+
+
+def test_the_whirl_of_the_known_machine_has_one_between_two_dampings():
+    """At omega 1.7, zeta 0.07, delta0 0.5 it is stable with c = 0.5, and not with c = 1."""
+    dampings = np.linspace(0.5, 1.0, 11)
+    found = hopf_points(zeta=0.07, delta0=0.5, contact_damping=dampings)
+    assert found.hopf_omega.dims == ("zeta", "delta0", "contact_damping", "hopf")
+    speeds = found.hopf_omega.isel(hopf=0).values.ravel()
+    assert speeds[0] > 1.7
+    crossed = speeds[np.isfinite(speeds)]
+    assert (np.diff(crossed) < 0.0).all()
+
+
+def test_without_damping_of_one_kind_or_the_other_there_is_none():
+    for given in ({"zeta": 0.07}, {"zeta": 0.0, "contact_damping": 1.0}):
+        assert np.isnan(hopf_points(delta0=0.5, **given).hopf_omega).all()
+
+
+def test_axes_are_those_of_folds():
+    given = {"zeta": [0.05, 0.07], "delta0": [0.5, 1.0, 2.0], "shaft_stiffness": [0.0, 0.2],
+             "contact_damping": 0.5}  # fmt: skip
+    found, beside = hopf_points(**given), folds(**given)
+    assert found.hopf_omega.dims[:-1] == beside.fold_omega.dims[:-1]
+    assert set(found.coords) - {"hopf"} == set(beside.coords) - {"fold"}
+    one = hopf_points(zeta=0.07, delta0=0.5, shaft_stiffness=0.2, contact_damping=0.5)
+    same = found.sel(zeta=0.07, delta0=0.5, shaft_stiffness=0.2).hopf_omega.values
+    np.testing.assert_array_equal(same[: one.sizes["hopf"]], one.hopf_omega.values.ravel())
+
+
+def test_roots_are_isolated_in_exact_arithmetic():
+    """Two roots 1e-12 apart, one that is far away, and a pair that misses the axis by 1e-12."""
+    near, tiny = Fraction(1, 3), Fraction(1, 10**12)
+    roots = (near, near + tiny, Fraction(10**6), Fraction(-2))
+    product = Polynomial((tiny * tiny + 1, Fraction(-2), Fraction(1)))  # (x - 1)^2 + 1e-24
+    for root in roots:
+        product = product * Polynomial((-root, Fraction(1)))
+    found = positive_roots(product)
+    assert [abs(one - two) < tiny / 10**6 for one, two in zip(found, roots[:3], strict=True)]
+    assert all(abs(one - two) <= two / 2**60 for one, two in zip(found, roots[:3], strict=True))
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        ({"zeta": -0.1}, "zeta must be zero or positive, got -0.1"),
+        ({"delta0": 0.0}, "contact_damping must be 0 without clearance"),
+        ({"contact_exponent": 2.0}, "contact_exponent must be 1.5 or 1, got 2.0"),
+        ({"contact_damping": 1e9}, "contact_damping must be 0 or between 1e-20 and 1e"),
+    ],
+)
+def test_odd_values_are_refused(given, says):
+    with pytest.raises(InputError, match=says):
+        hopf_points(**({"zeta": 0.07, "delta0": 0.5, "contact_damping": 0.5} | given))
