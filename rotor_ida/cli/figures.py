@@ -38,7 +38,8 @@ def figure_of(dataset: xr.Dataset) -> Figure:
         return figure
     if kind == "atlas":
         figure, (ax,) = plot.panels(1, 1, width=5.6, height=4.2)
-        line = sum(dataset[name].size > 1 for name in PARAMETERS) == 1
+        varying = [each for each in ALL_PARAMETERS if each in dataset.variables]
+        line = sum(dataset[name].size > 1 for name in varying) == 1
         (plot.plot_attractors if line else plot.plot_attractor_map)(dataset, ax)
         plot.shared_legend(figure, [ax])
         return figure

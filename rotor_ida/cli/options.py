@@ -278,6 +278,13 @@ class BeyondAxes:
         """Return those that are given."""
         return [values for values in asdict(self).values() if values is not None]
 
+    def without_load(self) -> dict[str, list[float] | float]:
+        """Return what exact whirls have of it."""
+        given = self.given()
+        if given.pop("load") != 0.0:
+            raise InputError("load must be 0 for exact whirls: under a load there are none")
+        return given
+
     def given(self) -> dict[str, list[float] | float]:
         """Return each by its name; one value is a number, and no axis."""
         values = {name: values or [DEFAULTS[name]] for name, values in asdict(self).items()}

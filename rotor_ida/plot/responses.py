@@ -129,12 +129,7 @@ def plot_amplitude(
     >>> ax.get_ylabel()
     'amplitude $A$'
     """
-    if hopf_points is not None:
-        _check_beside("hopf_points", hopf_points, ("zeta", "delta0", "hopf_omega"), exact)
-    ax = _plot("amplitude", exact, whirls, simulated, fold_points, ax)
-    if hopf_points is not None:
-        _draw_hopf_points(ax, hopf_points, exact)
-    return ax
+    return _plot("amplitude", exact, whirls, simulated, fold_points, ax, hopf_points)
 
 
 def plot_phase(
@@ -212,6 +207,7 @@ def _plot(
     simulated: xr.Dataset | None,
     fold_points: xr.Dataset | None,
     ax: Axes | None,
+    hopf_points: xr.Dataset | None = None,
 ) -> Axes:
     if exact is not None:
         shown = check_dataset("exact", exact, CURVE)
@@ -221,7 +217,8 @@ def _plot(
         raise InputError("exact must be a Dataset, or None beside simulated, got neither")
     held = _held("simulated" if exact is None else "exact", shown)
     beside = {"whirls": (whirls, WHIRLS), "simulated": (simulated, (*PARAMETERS, *SIMULATED)),
-              "fold_points": (fold_points, ("zeta", "delta0", "fold_omega"))}  # fmt: skip
+              "fold_points": (fold_points, ("zeta", "delta0", "fold_omega")),
+              "hopf_points": (hopf_points, ("zeta", "delta0", "hopf_omega"))}  # fmt: skip
     for name, (dataset, needed) in beside.items():
         if dataset is not None:
             _check_beside(name, dataset, needed, shown, held)
@@ -235,6 +232,8 @@ def _plot(
                     color=BLUE, label="whirl at a given speed", zorder=3.1)  # fmt: skip
         if fold_points is not None:
             _draw_folds(ax, *_folds(fold_points, quantity, held["zeta"], shown))
+        if hopf_points is not None:
+            _draw_hopf_points(ax, hopf_points, shown)
         if simulated is not None:
             _draw_simulated(ax, simulated, quantity)
         heights = [shown["amplitude"], *([] if simulated is None else [simulated["radius_max"]])]
@@ -314,11 +313,9 @@ def _draw_hopf_points(ax: Axes, hopf_points: xr.Dataset, exact: xr.Dataset) -> N
     omega = hopf_points["hopf_omega"].values.ravel()
     here = (omega >= lowest) & (omega <= highest)
     if here.any():
-        with style():
-            ax.plot(omega[here], hopf_points["hopf_amplitude"].values.ravel()[here], ls="",
-                    marker="o", ms=4.6, mfc="white", mec=INK, mew=1.0, label="Hopf point",
-                    zorder=3.7)  # fmt: skip
-            own_legend(ax)
+        ax.plot(omega[here], hopf_points["hopf_amplitude"].values.ravel()[here], ls="",
+                marker="o", ms=4.6, mfc="white", mec=INK, mew=1.0, label="Hopf point",
+                zorder=3.7)  # fmt: skip
 
 
 def _draw_curve(ax: Axes, curve: xr.Dataset, *, over: str, quantity: str) -> None:

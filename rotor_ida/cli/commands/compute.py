@@ -56,6 +56,7 @@ def response(
     delta0: options.Delta0s,
     omega: options.Omegas | None = None,
     folds: options.WithFolds = False,
+    beyond: options.BeyondAxes = options.BeyondAxes(),
     output: Output = Output(),
 ) -> Report:
     r"""List every exact synchronous whirl, with its stability.
@@ -71,13 +72,16 @@ def response(
         raise InputError("omega must hold at least one number, got none")
     if omega is None and output.figure is not None:
         raise InputError("figure must be of whirls: give --omega")
-    check_points(omega or [0.0], zeta, delta0)
-    output.check(panels=len(zeta) * len(delta0))
+    check_points(omega or [0.0], zeta, delta0, *beyond.axes())
+    output.check(panels=math.prod(map(len, (zeta, delta0, *beyond.axes()))))
+    machine = beyond.without_load()
+    of_folds = {name: value for name, value in machine.items() if name != "contact_damping"}
     if omega is None:
-        return answer(rotor_ida.folds(zeta=zeta, delta0=delta0), output, most=MOST_ROWS)
-    whirls = rotor_ida.synchronous_response(omega=omega, zeta=zeta, delta0=delta0)
+        found = rotor_ida.folds(zeta=zeta, delta0=delta0, **of_folds)
+        return answer(found, output, most=MOST_ROWS)
+    whirls = rotor_ida.synchronous_response(omega=omega, zeta=zeta, delta0=delta0, **machine)
     if folds:
-        found = rotor_ida.folds(zeta=zeta, delta0=delta0)
+        found = rotor_ida.folds(zeta=zeta, delta0=delta0, **of_folds)
         whirls = whirls.assign({name: found[name] for name in ("fold_omega", "fold_amplitude")})
     return answer(whirls, output, most=MOST_ROWS)
 
@@ -232,6 +236,7 @@ def atlas(
     seed: options.Seed = 0,
     rtol: options.Rtol = 1e-6,
     shocks: options.ShockCount = 0,
+    beyond: options.BeyondAxes = options.BeyondAxes(),
     jobs: options.JobOptions = options.JobOptions(),
     study: options.Study = None,
     output: Output = Output(),
@@ -245,12 +250,17 @@ def atlas(
     """
     output.check()
     if output.figure is not None:
-        options.check_varies(omega, zeta, delta0)
+        options.check_varies(omega, zeta, delta0, *beyond.axes())
+    given = beyond.given()
     with working("atlas", study) as progress:
         dataset = rotor_ida.continue_attractors(
             omega=omega,
             zeta=zeta,
             delta0=delta0,
+            shaft_stiffness=given["shaft_stiffness"],
+            contact_exponent=given["contact_exponent"],
+            contact_damping=given["contact_damping"],
+            load=given["load"],
             x=x,
             y=y,
             vx=vx,
