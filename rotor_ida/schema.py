@@ -371,6 +371,9 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "branch_phase_error": Quantity("simulated minus exact phase lag on each branch", "radian"),
     "exact_amplitude": Quantity("amplitude of each exact synchronous whirl", scale="length"),
+    "exact_offset": Quantity(
+        "exact distance below the bearing axis of the mean position", scale="length"
+    ),
     "exact_phase_lag": Quantity("phase lag of each exact synchronous whirl", "radian"),
     "lies_on": Quantity("kind of exact response that the simulated one is on", flags=EXACT),
     "exact_period": Quantity("period of the exact limit cycle", scale="time"),

@@ -102,7 +102,7 @@ def secant_stiffness(
 
 
 def damping_factor(radial_speed: npt.ArrayLike, contact_damping: float) -> Values:
-    """What contact damping multiplies the force by, ``max(1 + c d', 0)`` [1]: it never pulls.
+    """Factor of the force by contact damping, ``max(1 + c d', 0)`` [1]: the ring never pulls.
 
     Examples
     --------

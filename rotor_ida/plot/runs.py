@@ -398,8 +398,7 @@ def path_of(run: xr.Dataset) -> Path:
 
 
 def _cubic(part: Values, step: Values, before: Values, after: Values) -> tuple[Values, Values]:
-    """Return places and speeds on the Hermite cubic between two states, part of a step after the
-    first."""
+    """Return places and speeds on the cubic through two states, part of a step after the first."""
     rise = part * part * (3.0 - 2.0 * part)
     bend_a, bend_b = part * (1.0 - part) ** 2, part * part * (part - 1.0)
     ends = before[:, :2] * (1.0 - rise) + after[:, :2] * rise
