@@ -129,9 +129,6 @@ QUANTITIES: dict[str, Quantity] = {
         "kinetic energy lost in whole contacts per revolution", scale="energy"
     ),
     "total_contact_loss": Quantity("energy lost in contacts by their damping", scale="energy"),
-    "contact_loss_per_revolution": Quantity(
-        "energy lost in contacts by their damping per revolution", scale="energy"
-    ),
     "forward_fraction": Quantity("part of the contacts passed in forward whirl"),
     # a run on axes that turn with the unbalance
     "rotating_x": Quantity("displacement along the unbalance", scale="length"),

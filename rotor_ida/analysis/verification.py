@@ -26,7 +26,7 @@ from rotor_ida.cycles.limit_cycle import limit_cycle
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress
 from rotor_ida.parameters import ALL_PARAMETERS, PARAMETERS, Rotor
-from rotor_ida.schema import RESPONSE, SPECIAL, check_papers_result, words_of
+from rotor_ida.schema import RESPONSE, SPECIAL, words_of
 from rotor_ida.simulation.options import Method
 from rotor_ida.simulation.simulate import simulate
 from rotor_ida.steady_state.response import BOUNCING, CONTACT_FREE, FULL_CONTACT, SYNCHRONOUS
@@ -197,7 +197,6 @@ def _fractions(dataset: xr.Dataset, workers: int | None, progress: Progress | No
 
 def _atlas(dataset: xr.Dataset, workers: int | None, progress: Progress | None) -> xr.Dataset:
     given = dataset.attrs
-    check_papers_result("dataset", dataset)
     asked: dict[str, Any] = _axes(dataset)
     if "seed" in given:
         asked |= _drawn(dataset)
