@@ -36,8 +36,8 @@ ON_BRANCH = 1e-5
 OF_CYCLES = ("period", "radius_min", "radius_max")
 ENDS = tuple(f"end_{name}" for name in COMPONENTS)
 UNDER_LOAD = (
-    "under a load only rest and the contact-free whirl of a rotor with a shaft are known exactly; "
-    "all else is compared with nothing"
+    "under a load no whirl in contact is synchronous; rest, the contact-free whirl of a rotor with "
+    "a shaft and limit cycles are exact"
 )
 # A double holds no more decimal digits than this.
 ALL_DIGITS = 16.0
@@ -85,8 +85,9 @@ def compare(dataset: xr.Dataset) -> xr.Dataset:
     whirl of a rotor with a shaft, ``z = -i gamma/kappa + A_f exp(i (omega t - theta))``, which is
     not touched by the load but for its centre, where it fits into the clearance,
     ``gamma/kappa + A_f <= delta0``; and the rest of a rotor that does not turn, which counts as a
-    whirl that lags by a quarter turn, at ``z = -i A``. Other responses under a load are compared
-    with nothing, as the attribute ``comment`` says.
+    whirl that lags by a quarter turn, at ``z = -i A``. A motion that repeats itself after whole
+    revolutions is held against its limit cycle as without a load. The attribute ``comment`` says
+    so.
 
     Examples
     --------
@@ -297,10 +298,7 @@ def _cycles_beside(dataset: xr.Dataset) -> dict[str, npt.NDArray[np.generic]]:
         name: dataset[name].broadcast_like(response).transpose(*response.dims).values
         for name in (*OF_CYCLES, *ENDS, *parameters)
     }
-    repeats = np.isfinite(spread["period"])
-    if "load" in spread:
-        repeats &= spread["load"] == 0.0
-    for place in zip(*np.nonzero(repeats), strict=True):
+    for place in zip(*np.nonzero(np.isfinite(spread["period"])), strict=True):
         rotor = Rotor(**{name: float(spread[name][place]) for name in parameters})
         end = np.array([spread[name][place] for name in ENDS])
         cycle = _cycle_near(rotor, end, float(spread["period"][place]))

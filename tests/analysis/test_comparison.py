@@ -184,7 +184,7 @@ def test_under_a_load_the_contact_free_whirl_of_a_shaft_is_moved_and_no_more():
     assert compared.digits.item() > 8.0
     assert compared.exact_offset.item() == pytest.approx(0.5)
     assert mean == pytest.approx(-1j * compared.exact_offset.item(), abs=1e-8)
-    assert compared.attrs["comment"].startswith("under a load only rest and the contact-free")
+    assert compared.attrs["comment"].startswith("under a load no whirl in contact is synchronous")
 
 
 @pytest.mark.parametrize(
@@ -226,3 +226,24 @@ def test_a_rotor_that_does_not_turn_is_held_against_its_rest():
         1,
         pytest.approx(-run.y.values[-1], abs=1e-9),
     )
+
+
+def test_a_sweep_under_a_load_lies_on_what_is_exact_there():
+    """At rest on the ring or on the shaft, and whirling about where the shaft holds it."""
+    swept = sweep(
+        omega=[0.0, 0.5, 2.0], zeta=0.2, delta0=2.0, shaft_stiffness=[0.0, 0.8], load=[0.0, 0.4],
+        method="taylor",
+    )  # fmt: skip
+    loaded = compare(swept).sel(load=0.4)
+    held = loaded.sel(shaft_stiffness=0.8)
+    assert (held.lies_on == EXACT["whirl"]).all()
+    assert (held.exact_offset.dropna("branch").values == 0.5).all()
+    on_the_ring = loaded.sel(omega=0.0, shaft_stiffness=0.0)
+    assert on_the_ring.lies_on.item() == EXACT["whirl"]
+    assert on_the_ring.exact_offset.max().item() == pytest.approx(2.0 + 0.4 ** (2.0 / 3.0))
+    turning = loaded.sel(omega=[0.5, 2.0], shaft_stiffness=0.0)
+    assert (turning.lies_on == EXACT["cycle"]).all()
+    revolutions = turning.exact_period * turning.omega / (2.0 * np.pi)
+    np.testing.assert_allclose(revolutions, np.round(revolutions), rtol=1e-14)
+    assert np.isnan(turning.exact_amplitude.values).all()
+    assert float(loaded.digits.min()) > 9.0
