@@ -128,6 +128,7 @@ QUANTITIES: dict[str, Quantity] = {
     "energy_lost_per_revolution": Quantity(
         "kinetic energy lost in whole contacts per revolution", scale="energy"
     ),
+    "total_contact_loss": Quantity("energy lost in contacts by their damping", scale="energy"),
     "forward_fraction": Quantity("part of the contacts passed in forward whirl"),
     # a run on axes that turn with the unbalance
     "rotating_x": Quantity("displacement along the unbalance", scale="length"),
@@ -367,6 +368,9 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "branch_phase_error": Quantity("simulated minus exact phase lag on each branch", "radian"),
     "exact_amplitude": Quantity("amplitude of each exact synchronous whirl", scale="length"),
+    "exact_offset": Quantity(
+        "exact distance below the bearing axis of the mean position", scale="length"
+    ),
     "exact_phase_lag": Quantity("phase lag of each exact synchronous whirl", "radian"),
     "lies_on": Quantity("kind of exact response that the simulated one is on", flags=EXACT),
     "exact_period": Quantity("period of the exact limit cycle", scale="time"),

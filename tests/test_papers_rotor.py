@@ -9,7 +9,6 @@ import xarray as xr
 
 import rotor_ida
 from rotor_ida import DimensionalRotor, InputError, Rotor
-from rotor_ida.analysis.verification import rerun
 from rotor_ida.explorer.questions import machine_of
 from rotor_ida.explorer.recording import record
 from rotor_ida.paper.errata.scaling import check_scaling
@@ -57,17 +56,6 @@ def test_the_explorer_knows_no_more(given: dict[str, float]):
 def with_load(dataset: xr.Dataset) -> xr.Dataset:
     """Return a result as one of a rotor with a load would be."""
     return dataset.assign_coords(load=0.125)
-
-
-def test_a_result_of_a_rotor_with_more_is_refused():
-    swept = with_load(rotor_ida.sweep(**PLAIN))
-    message = r"^{} must be of the paper's rotor, without load 0.125$"
-    for function in (rotor_ida.compare, rerun):
-        with pytest.raises(InputError, match=message.format("dataset")):
-            function(swept)
-    compared = with_load(rotor_ida.compare(swept.drop_vars("load")))
-    with pytest.raises(InputError, match=message.format("compared")):
-        rotor_ida.branches_through(compared, limits=(1.0, 2.0))
 
 
 def test_a_cycle_of_a_rotor_with_more_is_no_start():

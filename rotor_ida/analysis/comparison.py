@@ -12,18 +12,17 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS, check_instance
-from rotor_ida.closed_forms import synchronous_response
+from rotor_ida.closed_forms import rest, synchronous_response
 from rotor_ida.cycles.multipliers import is_stable
 from rotor_ida.cycles.shooting import Cycle, close_orbit
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.parallel import interruptible
 from rotor_ida.parallel.jobs import Stop
-from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.parameters import ALL_PARAMETERS, PARAMETERS, Rotor
 from rotor_ida.schema import (
     EXACT,
     RESPONSE,
     STABILITY,
-    check_papers_result,
     labelled,
     labelled_dataset,
     origin_of,
@@ -36,6 +35,10 @@ ON_BRANCH = 1e-5
 # What is stated of a motion that repeats itself, and the state from which Newton's method begins.
 OF_CYCLES = ("period", "radius_min", "radius_max")
 ENDS = tuple(f"end_{name}" for name in COMPONENTS)
+UNDER_LOAD = (
+    "under a load no whirl in contact is synchronous; rest, the contact-free whirl of a rotor with "
+    "a shaft and limit cycles are exact"
+)
 # A double holds no more decimal digits than this.
 ALL_DIGITS = 16.0
 
@@ -47,8 +50,8 @@ def compare(dataset: xr.Dataset) -> xr.Dataset:
     ----------
     dataset : Dataset
         A sweep: ``response``, ``amplitude`` and ``phase_lag`` on ``omega``, ``zeta`` and
-        ``delta0`` and any further dimensions; for limit cycles also ``period``, ``radius_min``,
-        ``radius_max`` and the states at the ends.
+        ``delta0`` and any further dimensions, those of a machine among them; for limit cycles also
+        ``period``, ``radius_min``, ``radius_max`` and the states at the ends.
 
     Returns
     -------
@@ -57,8 +60,9 @@ def compare(dataset: xr.Dataset) -> xr.Dataset:
         (nothing, a whirl, or a cycle) and ``digits``, to how many decimal digits simulated and
         exact numbers agree, NaN where it lies on nothing. Of whirls ``matched_branch`` (-1 where it
         is on none), ``amplitude_error`` [1] and ``phase_error`` [rad]; with ``branch`` added
-        ``branch_amplitude_error`` and ``branch_phase_error``; on ``(omega, zeta, delta0, branch)``
-        ``exact_amplitude``, ``exact_phase_lag``, ``stability`` and ``in_contact``. Of limit cycles
+        ``branch_amplitude_error`` and ``branch_phase_error``; on ``branch`` and the parameters
+        that are dimensions ``exact_amplitude``, ``exact_phase_lag``, ``stability`` and
+        ``in_contact``, and under a load ``exact_offset``. Of limit cycles
         ``period``, ``radius_min``, ``radius_max`` and the end as simulated, and ``exact_period``,
         ``exact_radius_min``, ``exact_radius_max`` [1] and ``cycle_stability`` beside them.
 
@@ -77,6 +81,14 @@ def compare(dataset: xr.Dataset) -> xr.Dataset:
     of the largest of the three. The simulated numbers are those of the sweep, found in its own
     motion.
 
+    Under a load there is no synchronous whirl in contact. What is known exactly is the contact-free
+    whirl of a rotor with a shaft, ``z = -i gamma/kappa + A_f exp(i (omega t - theta))``, which is
+    not touched by the load but for its centre, where it fits into the clearance,
+    ``gamma/kappa + A_f <= delta0``; and the rest of a rotor that does not turn, which counts as a
+    whirl that lags by a quarter turn, at ``z = -i A``. A motion that repeats itself after whole
+    revolutions is held against its limit cycle as without a load. The attribute ``comment`` says
+    so.
+
     Examples
     --------
     >>> from rotor_ida import sweep
@@ -86,7 +98,7 @@ def compare(dataset: xr.Dataset) -> xr.Dataset:
     """
     _check_is_sweep(dataset)
     dims = dataset["response"].dims
-    exact = synchronous_response(**{name: dataset[name].values for name in PARAMETERS})
+    exact = _exact_whirls(dataset)
     amplitude, lag = dataset["amplitude"], dataset["phase_lag"]
     difference = _relative_distance(amplitude, lag, exact)
     allowed = exact["in_contact"] == (dataset["response"] == RESPONSE["synchronous"])
@@ -130,7 +142,8 @@ def compare(dataset: xr.Dataset) -> xr.Dataset:
         for name, each in {**dataset["response"].coords, "branch": exact["branch"]}.items()
     }
     title = "Simulated responses beside the exact ones"
-    return labelled_dataset(title, variables, coordinates, origin_of(dataset))
+    comment = {"comment": UNDER_LOAD} if "exact_offset" in exact else {}
+    return labelled_dataset(title, variables, coordinates, origin_of(dataset) | comment)
 
 
 def summarise(compared: xr.Dataset) -> list[dict[str, object]]:
@@ -181,7 +194,68 @@ def _check_is_sweep(dataset: xr.Dataset) -> None:
     if missing:
         names = ", ".join(missing)
         raise InputError(f"compare needs a sweep over omega, zeta and delta0; it lacks {names}")
-    check_papers_result("dataset", dataset)
+
+
+def _exact_whirls(dataset: xr.Dataset) -> xr.Dataset:
+    """Return the exact whirls of all rotors of a sweep."""
+    given = {
+        name: dataset[name].values[()]
+        for name in ALL_PARAMETERS
+        if name in dataset.variables and name != "load"
+    }
+    exact = synchronous_response(**given)
+    if "load" not in dataset.variables or not (dataset["load"] > 0.0).any():
+        return exact
+    return _under_load(exact, dataset["load"])
+
+
+def _under_load(exact: xr.Dataset, load: xr.DataArray) -> xr.Dataset:
+    """Return what a load leaves of exact whirls, with the offset of their centres.
+
+    It is the first branch, the contact-free one, if any.
+    """
+    kappa = (
+        exact["shaft_stiffness"] if "shaft_stiffness" in exact.variables else xr.zeros_like(load)
+    )
+    held = kappa > 0.0
+    offset = (load / kappa.where(held)).fillna(0.0)
+    fits = held & (offset + exact["amplitude"] <= exact["delta0"])
+    stays = (load == 0.0) | ((exact["in_contact"] == 0) & fits & (exact["omega"] > 0.0))
+    of_parameters = [name for name in ALL_PARAMETERS if name in {*exact.dims, *load.dims}]
+    dims = (*of_parameters, "branch")
+    absent = {"stability": STABILITY["absent"], "in_contact": 0}
+    columns = {
+        name: exact[name].where(stays, absent.get(name, np.nan)).transpose(*dims)
+        for name in ("amplitude", "phase_lag", "stability", "in_contact")
+    }
+    columns["exact_offset"] = offset.where(stays & exact["amplitude"].notnull()).transpose(*dims)
+    found = xr.Dataset({
+        name: labelled(name, dims, column.values.astype(np.int8 if name in absent else np.float64))
+        for name, column in columns.items()
+    }, columns["amplitude"].coords)  # fmt: skip
+    _rest_beside(found)
+    return found
+
+
+def _rest_beside(exact: xr.Dataset) -> None:
+    """Put the rest under a load beside the whirls, as the first branch where nothing turns."""
+    of_parameters = exact["amplitude"].isel(branch=0)
+    spread = {
+        name: exact[name].broadcast_like(of_parameters).transpose(*of_parameters.dims).values
+        for name in ALL_PARAMETERS
+        if name in exact.variables
+    }
+    for place in zip(*np.nonzero((spread["omega"] == 0.0) & (spread["load"] > 0.0)), strict=True):
+        rotor = Rotor(**{name: float(values[place]) for name, values in spread.items()})
+        if rotor.delta0 == 0.0 and rotor.contact_damping > 0.0:
+            continue
+        lying = rest(rotor)
+        first = (*place, 0)
+        exact["amplitude"].values[first] = -float(lying["y"])
+        exact["phase_lag"].values[first] = 0.5 * np.pi
+        exact["stability"].values[first] = int(lying["stability"])
+        exact["in_contact"].values[first] = int(float(lying["indentation"]) > 0.0)
+        exact["exact_offset"].values[first] = -float(lying["y"])
 
 
 def _relative_distance(
@@ -219,12 +293,13 @@ def _cycles_beside(dataset: xr.Dataset) -> dict[str, npt.NDArray[np.generic]]:
     table["distance"] = distance
     if any(name not in dataset for name in (*OF_CYCLES, *ENDS)):
         return table
+    parameters = [name for name in ALL_PARAMETERS if name in dataset.variables]
     spread = {
         name: dataset[name].broadcast_like(response).transpose(*response.dims).values
-        for name in (*OF_CYCLES, *ENDS, *PARAMETERS)
+        for name in (*OF_CYCLES, *ENDS, *parameters)
     }
     for place in zip(*np.nonzero(np.isfinite(spread["period"])), strict=True):
-        rotor = Rotor(**{name: float(spread[name][place]) for name in PARAMETERS})
+        rotor = Rotor(**{name: float(spread[name][place]) for name in parameters})
         end = np.array([spread[name][place] for name in ENDS])
         cycle = _cycle_near(rotor, end, float(spread["period"][place]))
         if cycle is None:
@@ -253,10 +328,13 @@ def _cycle_near(rotor: Rotor, state: Values, period: float) -> Cycle | None:
 
 
 def _exact_variables(exact: xr.Dataset) -> dict[str, xr.Variable]:
-    dims = (*PARAMETERS, "branch")
-    return {
+    dims = exact["amplitude"].dims
+    variables = {
         "exact_amplitude": labelled("exact_amplitude", dims, exact["amplitude"].values),
         "exact_phase_lag": labelled("exact_phase_lag", dims, exact["phase_lag"].values),
         "stability": exact["stability"].variable,
         "in_contact": exact["in_contact"].variable,
     }
+    if "exact_offset" in exact:
+        variables["exact_offset"] = exact["exact_offset"].variable
+    return variables

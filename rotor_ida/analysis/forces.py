@@ -6,9 +6,13 @@ import numpy as np
 import xarray as xr
 from scipy.stats import rankdata
 
-from rotor_ida.equations.contact import contact_force, secant_stiffness
-from rotor_ida.schema import Column, check_papers_result, labelled_dataset, origin_of
+from rotor_ida.arrays import Values
+from rotor_ida.equations.contact import contact_force, damping_factor, secant_stiffness
+from rotor_ida.parameters import Rotor
+from rotor_ida.schema import Column, labelled_dataset, origin_of
 from rotor_ida.simulation.dataset import check_run, parameter_coordinates, rotor_of
+
+NEEDED = (*("t", "x", "y", "vx", "vy", "entry_time", "exit_time"), "peak_time", "peak_force")
 
 
 def contact_forces(run: xr.Dataset) -> xr.Dataset:
@@ -31,12 +35,14 @@ def contact_forces(run: xr.Dataset) -> xr.Dataset:
     Raises
     ------
     InputError
-        If the dataset is no run, or of a rotor whose contact is not Hertz's, or damped.
+        If the dataset is no run.
 
     Notes
     -----
-    ``F = -f(|z|) z/|z|`` with ``f(r) = max(r - delta0, 0)**1.5``. The shaft and the load push
-    too: neither is a force of the ring.
+    ``F = -N z/|z|`` with ``N = max(0, d**n (1 + c d'))`` in contact, where ``d = |z| - delta0``:
+    ``max(|z| - delta0, 0)**1.5`` for the paper's rotor. With contact damping N is 0 from a release
+    on until the contact presses again, and largest before the indentation is. The shaft and the
+    load push too: neither is a force of the ring.
 
     References
     ----------
@@ -50,22 +56,29 @@ def contact_forces(run: xr.Dataset) -> xr.Dataset:
     >>> forces.peak_force.values.round(6)
     array([3.338337, 3.263644, 3.889012, 4.715582])
     """
-    run = check_run(run, ("t", "x", "y", "entry_time", "exit_time", "peak_time", "peak_force"))
-    check_papers_result("run", run, ("contact_exponent", "contact_damping"))
-    x, y, delta0 = run["x"].values, run["y"].values, float(run["delta0"])
+    run = check_run(run, NEEDED)
+    rotor, x, y = rotor_of(run), run["x"].values, run["y"].values
     radius = np.hypot(x, y)
-    stiffness = secant_stiffness(radius, delta0)
+    held = _held(run, radius, rotor) if rotor.contact_damping > 0.0 else 1.0
+    stiffness = held * secant_stiffness(radius, rotor.delta0, rotor.contact_exponent)
     peaks = run["peak_force"].values
     whole = np.isfinite(run["entry_time"].values) & np.isfinite(run["exit_time"].values)
     fraction = np.full(peaks.shape, np.nan)
     fraction[whole] = rankdata(peaks[whole], method="max") / max(int(whole.sum()), 1)
     columns: dict[str, Column] = {
-        "force": ("t", contact_force(radius, delta0)),
+        "force": ("t", held * contact_force(radius, rotor.delta0, rotor.contact_exponent)),
         "force_x": ("t", -stiffness * x),
         "force_y": ("t", -stiffness * y),
         "peak_time": ("contact", run["peak_time"].values),
         "peak_force": ("contact", peaks),
         "peak_fraction": ("contact", fraction),
     }
-    coordinates = parameter_coordinates(rotor_of(run)) | {"t": ("t", run["t"].values)}
+    coordinates = parameter_coordinates(rotor) | {"t": ("t", run["t"].values)}
     return labelled_dataset("Contact forces of one run", columns, coordinates, origin_of(run))
+
+
+def _held(run: xr.Dataset, radius: Values, rotor: Rotor) -> Values:
+    """Return what contact damping multiplies the force by; of no matter at the axis."""
+    outwards = run["x"].values * run["vx"].values + run["y"].values * run["vy"].values
+    speed = np.divide(outwards, radius, out=np.zeros_like(radius), where=radius > 0.0)
+    return damping_factor(speed, rotor.contact_damping)

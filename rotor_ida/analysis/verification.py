@@ -26,7 +26,7 @@ from rotor_ida.cycles.limit_cycle import limit_cycle
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress
 from rotor_ida.parameters import ALL_PARAMETERS, PARAMETERS, Rotor
-from rotor_ida.schema import RESPONSE, SPECIAL, check_papers_result, words_of
+from rotor_ida.schema import RESPONSE, SPECIAL, words_of
 from rotor_ida.simulation.options import Method
 from rotor_ida.simulation.simulate import simulate
 from rotor_ida.steady_state.response import BOUNCING, CONTACT_FREE, FULL_CONTACT, SYNCHRONOUS
@@ -109,8 +109,6 @@ def rerun(
         dataset = _by(dataset, kind, method)
     if "time_scale" in dataset.attrs:
         raise InputError("a result in SI units cannot be verified: verify the dimensionless one")
-    if kind != "run":
-        check_papers_result("dataset", dataset)
     return KINDS[kind].again(dataset, workers, progress)
 
 
@@ -181,7 +179,7 @@ def _sweep(dataset: xr.Dataset, workers: int | None, progress: Progress | None) 
     turns = tuple(dataset["direction"].values.tolist())
     direction = next((word for word, each in DIRECTIONS.items() if each == turns), "unknown")
     starts = zip(*(dataset[f"start_{name}"].values.tolist() for name in COMPONENTS), strict=True)
-    given: dict[str, Any] = {name: dataset[name].values for name in PARAMETERS}
+    given: dict[str, Any] = _axes(dataset)
     given |= {name: dataset.attrs[name] for name in HOW}
     given |= {"starts": list(starts), "direction": direction}
     return sweep(**given, workers=workers, progress=progress)
@@ -199,7 +197,7 @@ def _fractions(dataset: xr.Dataset, workers: int | None, progress: Progress | No
 
 def _atlas(dataset: xr.Dataset, workers: int | None, progress: Progress | None) -> xr.Dataset:
     given = dataset.attrs
-    asked: dict[str, Any] = {name: dataset[name].values for name in PARAMETERS}
+    asked: dict[str, Any] = _axes(dataset)
     if "seed" in given:
         asked |= _drawn(dataset)
     else:
@@ -226,7 +224,7 @@ def _branch(dataset: xr.Dataset, _workers: int | None, progress: Progress | None
 def _curve(dataset: xr.Dataset, _workers: int | None, progress: Progress | None) -> xr.Dataset:
     given, (first, second) = dataset.attrs, parameters_of("curve", dataset, "parameters", 2)
     rotor, kind = _rotor(dataset, "start_"), given["kind"]
-    place = {name: getattr(rotor, name) for name in PARAMETERS}
+    place = {name: getattr(rotor, name) for name in ALL_PARAMETERS}
     state = zip(COMPONENTS, np.asarray(given["start"]).tolist(), strict=True)
     special = {f"special_{name}": value for name, value in state}
     special |= {"special_period": given["start_period"], "special_kind": SPECIAL[kind]}
@@ -241,6 +239,11 @@ def _curve(dataset: xr.Dataset, _workers: int | None, progress: Progress | None)
         points=int(given["points"]),
         progress=progress,
     )
+
+
+def _axes(dataset: xr.Dataset) -> dict[str, Any]:
+    """Return the parameters of many rotors, each a number or an axis, as it was given."""
+    return {name: dataset[name].values[()] for name in ALL_PARAMETERS if name in dataset.variables}
 
 
 def _drawn(dataset: xr.Dataset) -> dict[str, Any]:
@@ -363,7 +366,8 @@ def _of_curve(dataset: xr.Dataset) -> Facts:
         facts[end] = dataset.attrs.get(end, "")
         if facts[end] in SHARP:
             point, where = dataset.isel(point=place), end.replace("_", " ")
-            names = (*PARAMETERS, "period", "radius_min", "radius_max")
+            names = [name for name in ALL_PARAMETERS if name in dataset.variables]
+            names += ["period", "radius_min", "radius_max"]
             facts |= {f"{name} at the {where}": float(point[name]) for name in names}
     facts["the number of special points"] = dataset.sizes["special"]
     for number, word in enumerate(words_of(dataset["special_kind"])):

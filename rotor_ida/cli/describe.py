@@ -72,9 +72,9 @@ SPECIAL = (
 )
 # Attributes of a branch whose names a record has for something else.
 RENAMED = {"kind": "of", "points": "most_points", "parameters": "varied"}
-TOLD = ("lies_on", *PARAMETERS, "start", "direction", "response", "period", "digits")
+TOLD = ("lies_on", *ALL_PARAMETERS, "start", "direction", "response", "period", "digits")
 MATCH = (
-    *("lies_on", *PARAMETERS, "start", "direction", "response", "digits"),
+    *("lies_on", *ALL_PARAMETERS, "start", "direction", "response", "digits"),
     *("matched_branch", "amplitude", "amplitude_error", "phase_error"),
     *("period", "exact_period", "exact_radius_min", "exact_radius_max", "cycle_stability"),
 )
@@ -135,8 +135,7 @@ def origin(dataset: xr.Dataset) -> RenderableType:
 
 def _run(dataset: xr.Dataset, most: int | None) -> Description:
     about = _about(dataset)
-    told = [name for name in ALL_PARAMETERS if name in dataset.variables]
-    parameters: Record = {name: float(dataset[name]) for name in told}
+    parameters = _parameters(dataset)
     parameters |= {name: about.pop(name) for name in ("start", "duration") if name in about}
     scalars = {name: value_of(dataset, name) for name in names_on(dataset)}
     events = rows_of(dataset, names_on(dataset, "event"))
@@ -162,6 +161,11 @@ def _run(dataset: xr.Dataset, most: int | None) -> Description:
     parts += _rows("Events", events, named, most, prefix="event_")
     parts += _rows("Contacts", contacts, CONTACT, most)
     return record, parts
+
+
+def _parameters(dataset: xr.Dataset) -> Record:
+    """Return the parameters of the one rotor of a dataset, as far as it has them."""
+    return {name: float(dataset[name]) for name in ALL_PARAMETERS if name in dataset.variables}
 
 
 def _largest(values: Iterable[object]) -> float:
@@ -381,9 +385,7 @@ def _fold_rows(dataset: xr.Dataset, most: int | None) -> tuple[list[Record], lis
 
 def _cycle(dataset: xr.Dataset, most: int | None) -> Description:
     about = _about(dataset)
-    parameters: Record = {
-        name: float(dataset[name]) for name in ALL_PARAMETERS if name in dataset.coords
-    }
+    parameters = _parameters(dataset)
     parameters["start"] = about.pop("start", None)
     scalars = {name: value_of(dataset, name) for name in names_on(dataset)}
     record: Record = {
@@ -422,7 +424,7 @@ def _followed(
     kind: Kind, title: str, dataset: xr.Dataset, varied: Sequence[str], most: int | None
 ) -> Description:
     """Return what a branch and a bifurcation curve have in common."""
-    held = {name: float(dataset[name]) for name in PARAMETERS if name not in varied}
+    held = _parameters(dataset.drop_vars(varied))
     attributes = attributes_of(dataset)
     told_of = ("first_end", "first_reason", "last_end", "last_reason")
     ends = {name: attributes.pop(name, "") for name in told_of}

@@ -20,8 +20,16 @@ from rotor_ida.checks import (
     check_state,
 )
 from rotor_ida.closed_forms.double_double import DoubleDouble
+from rotor_ida.closed_forms.exponentials import (
+    exponent,
+    of_one,
+    of_three,
+    of_two,
+    roots,
+    turn_less_one,
+)
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import Rotor, check_papers
+from rotor_ida.parameters import Rotor
 
 ComplexValues = npt.NDArray[np.complex128]
 
@@ -282,7 +290,8 @@ def flight(time: npt.ArrayLike, *, rotor: Rotor, start: object, start_time: floa
     ------
     InputError
         If a number is not finite, a time lies before `start_time`, `start` is not four
-        numbers, or ``omega t`` exceeds 1e15.
+        numbers, or ``omega t`` exceeds 1e15; with a shaft or a load also if ``sqrt(kappa) t``
+        does, or a parameter.
 
     Notes
     -----
@@ -294,6 +303,16 @@ def flight(time: npt.ArrayLike, *, rotor: Rotor, start: object, start_time: floa
 
     Written with ``expm1`` these hold for every zeta and omega, zero included, where phi = tau.
     Phases ``omega t`` are formed with 32 digits, so late times lose nothing.
+
+    With a shaft or a load, and the roots a and b of ``L**2 + 2 zeta L + kappa``::
+
+        z = C z0 + S v0 + omega**2 exp(i omega t0) exp[i omega, a, b] - i gamma exp[0, a, b]
+        S = exp[a, b],   C = exp(a tau) - a S
+
+    where ``exp[...]`` are divided differences of ``exp(x tau)`` by x: S is the answer to a unit
+    impulse, and the two others those to ``exp(i omega tau)`` and to a unit step. In forms without
+    cancellation they hold near critical damping, ``kappa = zeta**2``, in resonance and as kappa
+    tends to 0.
 
     References
     ----------
@@ -309,7 +328,6 @@ def flight(time: npt.ArrayLike, *, rotor: Rotor, start: object, start_time: floa
            [0.  , 0.  ]])
     """
     check_instance("rotor", rotor, Rotor)
-    check_papers(rotor, "this flight")
     began = check_real("start_time", start_time)
     x, y, vx, vy = check_state("start", start)
     times = check_array("time", time)
@@ -323,17 +341,60 @@ def flight(time: npt.ArrayLike, *, rotor: Rotor, start: object, start_time: floa
         raise InputError(f"omega * time must be at most {_LARGEST_PHASE:g}, got omega = {omega!r}")
 
     elapsed = DoubleDouble.of(times) - DoubleDouble.of(began)
+    if rotor.shaft_stiffness > 0.0 or rotor.load > 0.0:
+        begins = complex(x, y), complex(vx, vy)
+        return _parts(*_held_flight(rotor, *begins, began, elapsed))
     reach = _reach(elapsed.high, zeta)
-    turn_less_one = _turn_less_one(omega, elapsed)
+    turned = turn_less_one(DoubleDouble.of(np.full_like(elapsed.high, omega)), elapsed)
     decay_less_one = np.expm1(-2.0 * zeta * elapsed.high)
-    whirl = complex_amplitude(omega, zeta) * (1.0 + _turn_less_one(omega, DoubleDouble.of(began)))
+    whirl = complex_amplitude(omega, zeta) * (1.0 + _turned(omega, began))
 
     start_velocity = complex(vx, vy)
     position = complex(x, y) + start_velocity * reach
-    position = position + whirl * (turn_less_one - 1j * omega * reach)
+    position = position + whirl * (turned - 1j * omega * reach)
     velocity = start_velocity * (1.0 + decay_less_one)
-    velocity = velocity + 1j * omega * whirl * (turn_less_one - decay_less_one)
+    velocity = velocity + 1j * omega * whirl * (turned - decay_less_one)
+    return _parts(position, velocity)
+
+
+def _parts(position: ComplexValues, velocity: ComplexValues) -> Values:
     return np.stack([position.real, position.imag, velocity.real, velocity.imag])
+
+
+def _held_flight(
+    rotor: Rotor, position: complex, velocity: complex, began: float, elapsed: DoubleDouble
+) -> tuple[ComplexValues, ComplexValues]:
+    """Return where a shaft and a load lead, and how fast, from a place and a velocity."""
+    omega, kappa = rotor.omega, rotor.shaft_stiffness
+    for name in ("omega", "zeta", "shaft_stiffness", "load"):
+        check_nonnegative(name, getattr(rotor, name), LARGEST_NUMBER)
+    if math.sqrt(kappa) * np.max(elapsed.high, initial=0.0) > _LARGEST_PHASE:
+        raise InputError(
+            f"sqrt(shaft_stiffness) * time must be at most {_LARGEST_PHASE:g}, got "
+            f"shaft_stiffness = {kappa!r}"
+        )
+    pair = roots(rotor.zeta, kappa)
+    near, far = pair  # of real ones the first is nearer 0
+    impulse = of_two(*pair, elapsed)
+    place = of_one(near, elapsed) - near.value * impulse
+    impulse_rate = of_one(far, elapsed) + near.value * impulse
+    position_then = place.real * position + impulse.real * velocity
+    velocity_then = impulse_rate.real * velocity - kappa * impulse.real * position
+    if rotor.load > 0.0:
+        step = of_three((exponent(0.0), *pair), elapsed)
+        position_then = position_then - 1j * rotor.load * step.real
+        velocity_then = velocity_then - 1j * rotor.load * impulse.real
+    if omega > 0.0:
+        rates = (exponent(0.0, omega), *pair)
+        driven = of_three(rates, elapsed)
+        # the rate of change is a driven + exp[b, c], which cancels least with the slowest as a
+        slowest = min(range(3), key=lambda place: abs(rates[place].value))
+        one, other = (rate for place, rate in enumerate(rates) if place != slowest)
+        driven_rate = rates[slowest].value * driven + of_two(one, other, elapsed)
+        push = omega * omega * (1.0 + _turned(omega, began))
+        position_then = position_then + push * driven
+        velocity_then = velocity_then + push * driven_rate
+    return position_then, velocity_then
 
 
 def _reach(elapsed: Values, zeta: float) -> Values:
@@ -345,14 +406,6 @@ def _reach(elapsed: Values, zeta: float) -> Values:
     return np.asarray(elapsed * shrinking)
 
 
-def _turn_less_one(omega: float, elapsed: DoubleDouble) -> ComplexValues:
-    """Return ``exp(i omega tau) - 1``, with the low part of the angle turned as well."""
-    angle = DoubleDouble.of(np.full_like(elapsed.high, omega)) * elapsed
-    most, rest = _circle_less_one(angle.high), _circle_less_one(angle.low)
-    return np.asarray(most + rest + most * rest)
-
-
-def _circle_less_one(angle: Values) -> ComplexValues:
-    """Return ``exp(i angle) - 1 = -2 sin(angle/2)**2 + i sin(angle)``."""
-    half = np.sin(0.5 * angle)
-    return np.asarray(-2.0 * half * half + 1j * np.sin(angle))
+def _turned(omega: float, time: float) -> ComplexValues:
+    """Return ``exp(i omega t) - 1``."""
+    return turn_less_one(DoubleDouble.of(omega), DoubleDouble.of(time))

@@ -1,32 +1,48 @@
 """Free, undamped vibration, the nonlinearity seen on its own: periods, speeds, amplitudes.
 
-The powers 2/5, 1/4, 3/4, 4/5 and 5/4 and the Beta function follow from the Hertz exponent 3/2.
+The powers 2/5, 1/4, 3/4, 4/5 and 5/4 follow from the Hertz exponent 3/2, by which the paper's rotor
+vibrates; the Beta function is that of any exponent n. A shaft springs back too: with a linear
+contact the periods are closed still, with Hertz's that on a line is an integral.
 """
 
 from __future__ import annotations
 
 import math
 
+import numpy as np
 import numpy.typing as npt
 import xarray as xr
+from scipy.optimize import brentq
 from scipy.special import beta
 
 from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_nonnegative, check_points, check_real
+from rotor_ida.closed_forms.further_parameters import law_of
+from rotor_ida.equations.contact import HERTZ_EXPONENT
 from rotor_ida.errors import InputError
 from rotor_ida.schema import labelled, labelled_dataset
 
 SMALLEST_DEPTH = 1e-200
 # Time in which a rotor released at indentation 1 leaves the contact: (1/sqrt 5) B(2/5, 1/2).
 _LEAVING_TIME = float(beta(0.4, 0.5)) / math.sqrt(5.0)
+# Places and weights of Gauss's quadrature from 0 to 1, of an analytic integrand.
+_NODES, _WEIGHTS = (0.5 * each for each in np.polynomial.legendre.leggauss(96))
 
 
-def circular_period(amplitude: float, delta0: float = 0.0) -> float:
+def circular_period(
+    amplitude: float,
+    delta0: float = 0.0,
+    *,
+    shaft_stiffness: float = 0.0,
+    contact_exponent: float = HERTZ_EXPONENT,
+) -> float:
     """Return the period of a free whirl on a circle round the bearing axis.
 
     Parameters
     ----------
     amplitude, delta0 : float
         Radius A of the circle, and clearance, which is less [1].
+    shaft_stiffness, contact_exponent : float
+        As of `Rotor` [1].
 
     Returns
     -------
@@ -36,12 +52,13 @@ def circular_period(amplitude: float, delta0: float = 0.0) -> float:
     Raises
     ------
     InputError
-        If `amplitude` is not finite and above `delta0`, or `delta0` is negative.
+        If `amplitude` is not finite and above `delta0`, or `delta0` or the stiffness is negative;
+        if the exponent is neither 1.5 nor 1.
 
     Notes
     -----
     ``T = 2 pi sqrt(A/f(A))``, which is ``2 pi A**(-1/4)`` without clearance: the larger the
-    circle, the shorter the period.
+    circle, the shorter the period. With a shaft ``T = 2 pi/sqrt(kappa + f(A)/A)``.
 
     References
     ----------
@@ -53,16 +70,28 @@ def circular_period(amplitude: float, delta0: float = 0.0) -> float:
     (5.28351, 3.736)
     """
     depth, clearance = _depth_and_clearance(amplitude, delta0)
-    return 2.0 * math.pi * math.sqrt(clearance + depth) / math.pow(depth, 0.75)
+    kappa, exponent, beyond = law_of(shaft_stiffness, contact_exponent)
+    if not beyond:
+        return 2.0 * math.pi * math.sqrt(clearance + depth) / math.pow(depth, 0.75)
+    by_ring = math.pow(depth, 0.5 * exponent) / math.sqrt(clearance + depth)
+    return 2.0 * math.pi / math.hypot(math.sqrt(kappa), by_ring)
 
 
-def planar_period(amplitude: float, delta0: float = 0.0) -> float:
+def planar_period(
+    amplitude: float,
+    delta0: float = 0.0,
+    *,
+    shaft_stiffness: float = 0.0,
+    contact_exponent: float = HERTZ_EXPONENT,
+) -> float:
     """Return the period of free vibration on a straight line through the bearing axis.
 
     Parameters
     ----------
     amplitude, delta0 : float
         Largest distance A from the axis, and clearance, which is less [1].
+    shaft_stiffness, contact_exponent : float
+        As of `Rotor` [1].
 
     Returns
     -------
@@ -80,6 +109,12 @@ def planar_period(amplitude: float, delta0: float = 0.0) -> float:
     ``(1/sqrt 5) B(2/5, 1/2) (A - delta0)**(-1/4)``, and the flight across `delta0` at the
     speed ``sqrt(4/5) (A - delta0)**(5/4)`` of `centre_speed`.
 
+    With another exponent n and h = A - delta0 the time to leave the contact is
+    ``B(1/(n + 1), 1/2) h**((1 - n)/2)/sqrt(2 (n + 1))``. With a shaft the flight takes
+    ``arctan(sqrt(kappa) delta0/v)/sqrt(kappa)``, v the speed at the ring; a linear contact is left
+    after ``arctan2(v/sqrt(1 + kappa), kappa delta0/(1 + kappa))/sqrt(1 + kappa)``, a Hertz contact
+    after an integral over the energy, which has no closed form and is computed to rounding.
+
     References
     ----------
     Energy, eq. (13) of the paper, Mechanika 25(6), 2019, with ``|z'|**2/2``.
@@ -90,21 +125,36 @@ def planar_period(amplitude: float, delta0: float = 0.0) -> float:
     6.581363388638
     """
     depth, clearance = _depth_and_clearance(amplitude, delta0)
+    kappa, exponent, beyond = law_of(shaft_stiffness, contact_exponent)
+    if beyond:
+        return 4.0 * (
+            _leaving_time(depth, clearance, kappa, exponent)
+            + _flight_time(depth, clearance, kappa, exponent)
+        )
     return 4.0 * (_LEAVING_TIME * math.pow(depth, -0.25) + clearance / _speed(depth))
 
 
-def centre_speed(amplitude: float, delta0: float = 0.0) -> float:
+def centre_speed(
+    amplitude: float,
+    delta0: float = 0.0,
+    *,
+    shaft_stiffness: float = 0.0,
+    contact_exponent: float = HERTZ_EXPONENT,
+) -> float:
     """Return the speed with which a planar vibration crosses the bearing axis.
 
     Parameters
     ----------
     amplitude, delta0 : float
         Largest distance A from the axis, and clearance, which is less [1].
+    shaft_stiffness, contact_exponent : float
+        As of `Rotor` [1].
 
     Returns
     -------
     float
-        Speed ``sqrt(4/5) (A - delta0)**(5/4)`` [1].
+        Speed ``sqrt(4/5) (A - delta0)**(5/4)`` [1]; with a shaft and the exponent n
+        ``sqrt(kappa A**2 + 2 (A - delta0)**(n + 1)/(n + 1))``.
 
     Raises
     ------
@@ -120,27 +170,40 @@ def centre_speed(amplitude: float, delta0: float = 0.0) -> float:
     >>> round(centre_speed(1.5, delta0=0.5), 12)
     0.894427191
     """
-    return _speed(_depth_and_clearance(amplitude, delta0)[0])
+    depth, clearance = _depth_and_clearance(amplitude, delta0)
+    kappa, exponent, beyond = law_of(shaft_stiffness, contact_exponent)
+    if not beyond:
+        return _speed(depth)
+    return math.hypot(math.sqrt(kappa) * (clearance + depth), _push(depth, exponent))
 
 
-def amplitude_from_speed(speed: float, delta0: float = 0.0) -> float:
+def amplitude_from_speed(
+    speed: float,
+    delta0: float = 0.0,
+    *,
+    shaft_stiffness: float = 0.0,
+    contact_exponent: float = HERTZ_EXPONENT,
+) -> float:
     """Return how far a rotor comes that leaves the bearing axis with some speed.
 
     Parameters
     ----------
     speed, delta0 : float
         Speed at the axis and clearance [1].
+    shaft_stiffness, contact_exponent : float
+        As of `Rotor` [1].
 
     Returns
     -------
     float
-        Amplitude ``delta0 + (1.25 speed**2)**0.4`` [1].
+        Amplitude ``delta0 + (1.25 speed**2)**0.4`` [1]; with a shaft or another exponent that of
+        `centre_speed`, and ``speed/sqrt(kappa)`` where a shaft holds the rotor off the ring.
 
     Raises
     ------
     InputError
-        If a value is not finite or `delta0` is negative, or `speed` is zero and so the
-        rotor never reaches the ring.
+        If a value is not finite or `delta0` or the stiffness is negative, or `speed` is zero and
+        so the rotor never reaches the ring; if the exponent is neither 1.5 nor 1.
 
     References
     ----------
@@ -155,16 +218,27 @@ def amplitude_from_speed(speed: float, delta0: float = 0.0) -> float:
     clearance = check_nonnegative("delta0", delta0, LARGEST_NUMBER)
     if leaving == 0.0:
         raise InputError("speed must not be zero, got 0.0: the rotor would stay where it is")
-    return clearance + math.pow(math.sqrt(1.25) * leaving, 0.8)
+    kappa, exponent, beyond = law_of(shaft_stiffness, contact_exponent)
+    if not beyond:
+        return clearance + math.pow(math.sqrt(1.25) * leaving, 0.8)
+    return _reach(leaving, clearance, kappa, exponent)
 
 
-def free_periods(*, amplitude: npt.ArrayLike, delta0: npt.ArrayLike) -> xr.Dataset:
+def free_periods(
+    *,
+    amplitude: npt.ArrayLike,
+    delta0: npt.ArrayLike,
+    shaft_stiffness: float = 0.0,
+    contact_exponent: float = HERTZ_EXPONENT,
+) -> xr.Dataset:
     """Return the periods of free whirl on a circle and of free vibration on a line.
 
     Parameters
     ----------
     amplitude, delta0 : float or sequence of float, shapes (n,) and (k,)
         Amplitudes A and clearances [1].
+    shaft_stiffness, contact_exponent : float
+        As of `Rotor` [1].
 
     Returns
     -------
@@ -175,12 +249,14 @@ def free_periods(*, amplitude: npt.ArrayLike, delta0: npt.ArrayLike) -> xr.Datas
     Raises
     ------
     InputError
-        If a value is not a finite real number that is zero or positive.
+        If a value is not a finite real number that is zero or positive; if the exponent is
+        neither 1.5 nor 1.
 
     Notes
     -----
     Without clearance both fall like ``A**(-1/4)``: the ring hardens. With clearance the flight
-    takes ever longer as the amplitude comes down to it, and the periods grow without bound.
+    takes ever longer as the amplitude comes down to it, and the periods grow without bound; a
+    shaft of stiffness kappa bounds them by ``2 pi/sqrt(kappa)``.
 
     References
     ----------
@@ -195,10 +271,12 @@ def free_periods(*, amplitude: npt.ArrayLike, delta0: npt.ArrayLike) -> xr.Datas
     sizes = check_axis("amplitude", amplitude, largest=LARGEST_NUMBER)
     clearances = check_axis("delta0", delta0, largest=LARGEST_NUMBER)
     check_points(clearances, sizes)
+    kappa, exponent, beyond = law_of(shaft_stiffness, contact_exponent)
+    given = {"shaft_stiffness": kappa, "contact_exponent": exponent}
     laws = {"circular_period": circular_period, "planar_period": planar_period}
     variables = {
         name: (("delta0", "amplitude"), [
-            [law(size, clearance) if size > clearance else math.nan for size in sizes]
+            [law(size, clearance, **given) if size > clearance else math.nan for size in sizes]
             for clearance in clearances
         ])
         for name, law in laws.items()
@@ -206,9 +284,10 @@ def free_periods(*, amplitude: npt.ArrayLike, delta0: npt.ArrayLike) -> xr.Datas
     largest = labelled("amplitude", "amplitude", sizes)
     largest.attrs["long_name"] = "largest distance from the bearing axis"
     return labelled_dataset(
-        "Periods of free vibration of a rotor with Hertz contact and clearance",
+        f"Periods of free vibration of a rotor with {'contact' if beyond else 'Hertz contact'} "
+        "and clearance",
         variables,
-        {"delta0": ("delta0", clearances), "amplitude": largest},
+        {"delta0": ("delta0", clearances), "amplitude": largest, **beyond},
     )
 
 
@@ -229,3 +308,59 @@ def _depth_and_clearance(amplitude: float, delta0: float) -> tuple[float, float]
 
 def _speed(depth: float) -> float:
     return math.sqrt(0.8) * math.pow(depth, 1.25)
+
+
+def _push(depth: float, exponent: float) -> float:
+    """Return the speed to which the contact alone brings the rotor, ``sqrt(2 V)``."""
+    return math.sqrt(2.0 / (exponent + 1.0)) * math.pow(depth, 0.5 * (exponent + 1.0))
+
+
+def _flight_time(depth: float, clearance: float, kappa: float, exponent: float) -> float:
+    """Return the time from the ring to the axis."""
+    by_shaft = math.sqrt(kappa) * math.sqrt(depth) * math.sqrt(2.0 * clearance + depth)
+    speed, frequency = math.hypot(by_shaft, _push(depth, exponent)), math.sqrt(kappa)
+    if frequency * clearance <= 1e-20 * speed:
+        return clearance / speed
+    return math.atan2(frequency * clearance, speed) / frequency
+
+
+def _leaving_time(depth: float, clearance: float, kappa: float, exponent: float) -> float:
+    """Return the time from rest at the largest indentation to the ring."""
+    power = exponent + 1.0
+    if kappa == 0.0:
+        factor = float(beta(1.0 / power, 0.5)) / math.sqrt(2.0 * power)
+        return factor * math.pow(depth, 0.5 * (1.0 - exponent))
+    if exponent == 1.0:
+        frequency = math.sqrt(1.0 + kappa)
+        speed = math.sqrt(depth) * math.sqrt(kappa * (2.0 * clearance + depth) + depth)
+        return math.atan2(speed / frequency, clearance * (kappa / (1.0 + kappa))) / frequency
+    # depth sin(angle)**2 is the indentation; then the speed is cos(angle) times the root below
+    angle = math.pi * (_NODES + 0.5)
+    sine = np.sin(0.5 * angle)
+    by_ring = (1.0 + sine + sine**2 + sine**3 + sine**4) / (1.0 + sine)
+    by_shaft = kappa * (2.0 * clearance + depth * (1.0 + sine**2))
+    slowness = sine / np.sqrt(by_shaft + 0.8 * math.pow(depth, 1.5) * by_ring)
+    return math.pi * math.sqrt(depth) * float(_WEIGHTS @ slowness)
+
+
+def _reach(speed: float, clearance: float, kappa: float, exponent: float) -> float:
+    """Return the amplitude to which a speed at the axis leads."""
+    power, frequency = exponent + 1.0, math.sqrt(kappa)
+    if frequency * clearance >= speed:
+        return speed / frequency
+    # both bound the indentation, the energy in the contact and that in the shaft
+    highest = math.pow(0.5 * power * speed * speed, 1.0 / power)
+    if frequency > 0.0:
+        highest = min(highest, speed / frequency - clearance)
+    else:
+        return clearance + highest
+
+    def left(part: float) -> float:
+        depth = part * highest
+        held = kappa * (clearance + depth) ** 2 + 2.0 / power * math.pow(depth, power)
+        return held / (speed * speed) - 1.0
+
+    if left(1.0) <= 0.0:
+        return clearance + highest
+    found = float(brentq(left, 0.0, 1.0, xtol=1e-300, rtol=4.0 * np.finfo(float).eps))
+    return clearance + found * highest

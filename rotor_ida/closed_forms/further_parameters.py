@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import LARGEST_NUMBER, check_axis, is_scalar
+from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_nonnegative, is_scalar
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import DEFAULTS, check_exponent
 from rotor_ida.schema import Column
@@ -99,3 +99,24 @@ def check_exponents(values: object) -> Values:
     for each in np.unique(exponents).tolist():
         check_exponent(each)
     return exponents
+
+
+def law_of(
+    shaft_stiffness: object, contact_exponent: object
+) -> tuple[float, float, dict[str, Column]]:
+    """Return stiffness of the shaft and exponent of the contact, checked, and as coordinates.
+
+    Examples
+    --------
+    >>> law_of(0.25, 1.5)
+    (0.25, 1.5, {'shaft_stiffness': ((), 0.25)})
+    """
+    kappa = check_nonnegative("shaft_stiffness", shaft_stiffness, LARGEST_NUMBER)
+    exponent = check_nonnegative("contact_exponent", contact_exponent)
+    check_exponent(exponent)
+    given = {"shaft_stiffness": kappa, "contact_exponent": exponent}
+    return (
+        kappa,
+        exponent,
+        {name: ((), value) for name, value in given.items() if value != DEFAULTS[name]},
+    )

@@ -18,14 +18,23 @@ from rotor_ida.checks import (
     check_points,
     check_positive,
 )
-from rotor_ida.equations.contact import contact_force, secant_stiffness
+from rotor_ida.closed_forms.contact_laws import stiffnesses
+from rotor_ida.closed_forms.fold_locus_further import Ring, positive_roots
+from rotor_ida.closed_forms.further_parameters import further_axes, law_of
+from rotor_ida.equations.contact import HERTZ_EXPONENT, contact_force, secant_stiffness
 from rotor_ida.schema import labelled_dataset
 
 # With less damping the tip lies beyond the range of doubles.
 SMALLEST_DAMPING = 1e-20
 
 
-def backbone(amplitude: object, delta0: float = 0.0) -> Values:
+def backbone(
+    amplitude: object,
+    delta0: float = 0.0,
+    *,
+    shaft_stiffness: float = 0.0,
+    contact_exponent: float = HERTZ_EXPONENT,
+) -> Values:
     """Return the speed on the backbone: that of a free circular whirl.
 
     Parameters
@@ -34,16 +43,20 @@ def backbone(amplitude: object, delta0: float = 0.0) -> Values:
         Amplitudes A [1].
     delta0 : float
         Clearance [1].
+    shaft_stiffness, contact_exponent : float
+        As of `Rotor` [1].
 
     Returns
     -------
     ndarray, shape (n,)
-        ``omega = sqrt(f(A)/A)`` [1]; zero inside the clearance.
+        ``omega = sqrt(kappa + f(A)/A)`` [1]; inside the clearance ``sqrt(kappa)``, zero without a
+        shaft.
 
     Raises
     ------
     InputError
-        If a value is not a finite real number that is zero or positive.
+        If a value is not a finite real number that is zero or positive; if the exponent is
+        neither 1.5 nor 1.
 
     References
     ----------
@@ -53,13 +66,24 @@ def backbone(amplitude: object, delta0: float = 0.0) -> Values:
     --------
     >>> backbone([1.0, 16.0])
     array([1., 2.])
+    >>> backbone([1.0, 16.0], shaft_stiffness=8.0, contact_exponent=1.0)
+    array([3., 3.])
     """
     clearance = check_nonnegative("delta0", delta0, LARGEST_NUMBER)
+    kappa, exponent, _ = law_of(shaft_stiffness, contact_exponent)
     A = check_axis("amplitude", amplitude, largest=LARGEST_NUMBER)
-    return np.sqrt(secant_stiffness(A, clearance))
+    _, secant = stiffnesses(A, 0.0 * A + clearance, 0.0 * A + exponent)
+    return np.sqrt(secant + kappa)
 
 
-def speeds_at_amplitude(amplitude: object, *, zeta: float, delta0: float) -> Values:
+def speeds_at_amplitude(
+    amplitude: object,
+    *,
+    zeta: float,
+    delta0: float,
+    shaft_stiffness: float = 0.0,
+    contact_exponent: float = HERTZ_EXPONENT,
+) -> Values:
     """Return the two speeds at which a contacting whirl has a given amplitude.
 
     Parameters
@@ -68,6 +92,8 @@ def speeds_at_amplitude(amplitude: object, *, zeta: float, delta0: float) -> Val
         Amplitudes A [1].
     zeta, delta0 : float
         Damping ratio and clearance [1].
+    shaft_stiffness, contact_exponent : float
+        As of `Rotor` [1]; contact damping does not change whirls.
 
     Returns
     -------
@@ -78,11 +104,12 @@ def speeds_at_amplitude(amplitude: object, *, zeta: float, delta0: float) -> Val
     Raises
     ------
     InputError
-        If a value is not a finite real number that is zero or positive.
+        If a value is not a finite real number that is zero or positive; if the exponent is
+        neither 1.5 nor 1.
 
     Notes
     -----
-    With ``q = omega**2`` and ``s = f(A)/A`` the curve is the quadratic
+    With ``q = omega**2`` and ``s = kappa + f(A)/A`` the curve is the quadratic
     ``(A**2 - 1) q**2 + A**2 (4 zeta**2 - 2 s) q + A**2 s**2 = 0``. Unlike the curve at given
     speeds it needs no search, and it has full resolution near the tip, whose amplitude is
     `peak_amplitude`. Below A = 1 only the flank below resonance is left.
@@ -100,10 +127,12 @@ def speeds_at_amplitude(amplitude: object, *, zeta: float, delta0: float) -> Val
     m = 4.0 * check_nonnegative("zeta", zeta, LARGEST_NUMBER) ** 2
     A = check_axis("amplitude", amplitude, largest=LARGEST_NUMBER)
     clearance = check_nonnegative("delta0", delta0, LARGEST_NUMBER)
-    s = secant_stiffness(A, clearance)
+    kappa, exponent, _ = law_of(shaft_stiffness, contact_exponent)
+    touching = secant_stiffness(A, clearance, exponent)
+    s = touching + kappa
     inside = _discriminant(A, s, m)
-    exists = (s > 0.0) & (inside >= 0.0) & ((A < 1.0) | (2.0 * s > m))
-    slower, faster = flank_speeds(A, m, clearance)
+    exists = (touching > 0.0) & (inside >= 0.0) & ((A < 1.0) | (2.0 * s > m))
+    slower, faster = speeds_of_stiffness(A, m, s)
     faster = np.where(A > 1.0, faster, np.nan)
     return np.where(exists[:, None], np.stack([slower, faster], axis=1), np.nan)
 
@@ -136,13 +165,21 @@ def speeds_of_stiffness(A: Values, m: float, s: Values) -> tuple[Values, Values]
     return np.sqrt(slower), np.sqrt(np.maximum(faster, 0.0))
 
 
-def peak_amplitude(*, zeta: float, delta0: float) -> float:
+def peak_amplitude(
+    *,
+    zeta: float,
+    delta0: float,
+    shaft_stiffness: float = 0.0,
+    contact_exponent: float = HERTZ_EXPONENT,
+) -> float:
     """Return the largest amplitude on the response curve of contacting whirls.
 
     Parameters
     ----------
     zeta, delta0 : float
         Damping ratio, above zero, since without damping the curve has no tip, and clearance [1].
+    shaft_stiffness, contact_exponent : float
+        As of `Rotor` [1].
 
     Returns
     -------
@@ -175,7 +212,13 @@ def peak_amplitude(*, zeta: float, delta0: float) -> float:
     damping = check_axis(
         "zeta", check_positive("zeta", zeta), smallest=SMALLEST_DAMPING, largest=LARGEST_NUMBER
     )
-    found = tips(float(damping[0]), check_nonnegative("delta0", delta0, LARGEST_NUMBER))
+    clearance = check_nonnegative("delta0", delta0, LARGEST_NUMBER)
+    kappa, exponent, beyond = law_of(shaft_stiffness, contact_exponent)
+    if beyond:
+        ring = Ring(clearance, kappa, exponent == HERTZ_EXPONENT)
+        found = tips_of_ring(float(damping[0]), ring)
+    else:
+        found = tips(float(damping[0]), clearance)
     return found[-1] if found else math.nan
 
 
@@ -207,29 +250,77 @@ def tip_speed(A: float, zeta: float, delta0: float) -> float:
     return math.sqrt(A * A * (s - 2.0 * zeta * zeta) / ((A - 1.0) * (A + 1.0)))
 
 
-def peaks(*, zeta: npt.ArrayLike, delta0: npt.ArrayLike) -> xr.Dataset:
+def tips_of_ring(zeta: float, ring: Ring) -> list[float]:
+    """Return the amplitudes above 1 at which the flanks meet, ascending; none without damping.
+
+    There ``g/(A**2 (A + sqrt(A**2 - 1))) = 2 zeta**2``, where g is the force of ring and shaft.
+    Between two neighbouring extrema of the left-hand side, ``(A g' - 2 g) sqrt(A**2 - 1) = A g``,
+    is at most one tip.
+    """
+    if zeta == 0.0:
+        return []
+
+    def excess(u: float) -> float:
+        A, force, _ = ring.forces(np.array(u))
+        decay = A * A * (A + np.sqrt(np.maximum((A - 1.0) * (A + 1.0), 0.0)))
+        return float(force / decay) - 2.0 * zeta * zeta
+
+    u = np.poly1d([1.0, 0.0])
+    A, d, kappa = u * u + ring.delta0, ring.delta0, ring.shaft_stiffness
+    force = (u * u * u if ring.hertz else u * u) + kappa * A
+    slope = (1.5 * u if ring.hertz else np.poly1d([1.0])) + kappa
+    lead = A * slope - 2.0 * force
+    turns = positive_roots(lead * lead * (A * A - 1.0) - A * A * force * force)
+    lowest = math.sqrt(max(1.0 - d, 0.0))
+    least = 2.0 * zeta * zeta
+    highest = 10.0 * (1.0 + math.sqrt(d) + math.cbrt(1.0 / least) + ((1.0 + kappa) / least) ** 0.25)
+    edges = [lowest, *np.sort(turns[(turns > lowest) & (turns < highest)]).tolist(), highest]
+    return [
+        d + float(brentq(excess, low, high, xtol=1e-300, rtol=4.0 * np.finfo(float).eps)) ** 2
+        for low, high in pairwise(edges)
+        if (excess(low) >= 0.0) != (excess(high) >= 0.0)
+    ]
+
+
+def tip_speed_of_ring(A: float, zeta: float, ring: Ring) -> float:
+    """Return the one speed at a tip, as `tip_speed` does, of any ring."""
+    stiffness = float(ring.stiffness(np.array(A)))
+    return math.sqrt(A * A * (stiffness - 2.0 * zeta * zeta) / (A * A - 1.0))
+
+
+def peaks(
+    *,
+    zeta: npt.ArrayLike,
+    delta0: npt.ArrayLike,
+    shaft_stiffness: npt.ArrayLike = 0.0,
+    contact_exponent: npt.ArrayLike = HERTZ_EXPONENT,
+) -> xr.Dataset:
     """Return the largest contacting whirl for each damping and clearance.
 
     Parameters
     ----------
     zeta, delta0 : float or sequence of float, shapes (m,) and (k,)
         Damping ratios, above zero, and clearances [1].
+    shaft_stiffness, contact_exponent : float or sequence of float
+        As for `Rotor`, numbers or axes [1].
 
     Returns
     -------
     Dataset
-        On (zeta, delta0): ``peak_amplitude``, ``peak_omega`` and ``peak_contact_force`` [1];
-        NaN where the damping leaves no peak.
+        On (zeta, delta0) and those of the others that are a sequence: ``peak_amplitude``,
+        ``peak_omega`` and ``peak_contact_force`` [1]; NaN where the damping leaves no peak.
 
     Raises
     ------
     InputError
-        If a value is not a finite real number that is zero or positive, or a damping is zero.
+        If a value is not a finite real number that is zero or positive, or a damping is zero; if
+        an exponent is neither 1.5 nor 1.
 
     Notes
     -----
     At the tip the quadratic of `speeds_at_amplitude` has one root,
-    ``omega**2 = A**2 (s - 2 zeta**2)/(A**2 - 1)`` with ``s = f(A)/A``.
+    ``omega**2 = A**2 (s - 2 zeta**2)/(A**2 - 1)`` with ``s = kappa + f(A)/A``. Contact damping
+    does not change it.
 
     References
     ----------
@@ -243,18 +334,39 @@ def peaks(*, zeta: npt.ArrayLike, delta0: npt.ArrayLike) -> xr.Dataset:
     """
     dampings = check_axis("zeta", zeta, smallest=SMALLEST_DAMPING, largest=LARGEST_NUMBER)
     clearances = check_axis("delta0", delta0, largest=LARGEST_NUMBER)
-    check_points(dampings, clearances)
-    table = np.array([[_peak(float(z), float(d)) for d in clearances] for z in dampings])
+    further = further_axes(
+        shaft_stiffness=shaft_stiffness,
+        contact_exponent=contact_exponent,
+        contact_damping=0.0,
+        delta0=clearances,
+    )
+    laws = [further.axes[name] for name in ("shaft_stiffness", "contact_exponent")]
+    check_points(dampings, clearances, *laws)
+    grid = np.meshgrid(dampings, clearances, *laws, indexing="ij")
+    rows = zip(*(axis.ravel().tolist() for axis in grid), strict=True)
+    shape = (dampings.size, clearances.size, *further.sizes)
+    table = np.array([_peak(*row) for row in rows]).reshape(*shape, 3)
     names = ("peak_amplitude", "peak_omega", "peak_contact_force")
+    contact = "Hertz contact" if further.default else "contact"
     return labelled_dataset(
-        "Largest contacting whirls of a rotor with Hertz contact and clearance",
-        {name: (("zeta", "delta0"), table[..., k]) for k, name in enumerate(names)},
-        {"zeta": ("zeta", dampings), "delta0": ("delta0", clearances)},
+        f"Largest contacting whirls of a rotor with {contact} and clearance",
+        {
+            name: (("zeta", "delta0", *further.dims), table[..., k].copy())
+            for k, name in enumerate(names)
+        },
+        {
+            "zeta": ("zeta", dampings),
+            "delta0": ("delta0", clearances),
+            **further.coordinates,
+        },
     )
 
 
-def _peak(zeta: float, delta0: float) -> tuple[float, float, float]:
-    A = peak_amplitude(zeta=zeta, delta0=delta0)
+def _peak(zeta: float, delta0: float, kappa: float, exponent: float) -> tuple[float, float, float]:
+    A = peak_amplitude(zeta=zeta, delta0=delta0, shaft_stiffness=kappa, contact_exponent=exponent)
     if math.isnan(A):
         return math.nan, math.nan, math.nan
-    return A, tip_speed(A, zeta, delta0), float(contact_force(A, delta0))
+    force = float(contact_force(A, delta0, exponent))
+    if kappa == 0.0 and exponent == HERTZ_EXPONENT:
+        return A, tip_speed(A, zeta, delta0), force
+    return A, tip_speed_of_ring(A, zeta, Ring(delta0, kappa, exponent == HERTZ_EXPONENT)), force

@@ -26,7 +26,7 @@ from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_count, check_posi
 from rotor_ida.closed_forms.contact_free import complex_amplitude, touch_speeds
 from rotor_ida.closed_forms.contact_laws import stiffnesses
 from rotor_ida.closed_forms.contacting_whirls import contacting_whirls
-from rotor_ida.closed_forms.fold_locus_further import Ring, positive_roots
+from rotor_ida.closed_forms.fold_locus_further import Ring
 from rotor_ida.closed_forms.folds import fold_table, folds
 from rotor_ida.closed_forms.further_parameters import Further, FurtherAxes, further_axes
 from rotor_ida.closed_forms.peaks import (
@@ -34,7 +34,9 @@ from rotor_ida.closed_forms.peaks import (
     flank_speeds,
     speeds_of_stiffness,
     tip_speed,
+    tip_speed_of_ring,
     tips,
+    tips_of_ring,
 )
 from rotor_ida.closed_forms.stability import eigenvalues
 from rotor_ida.closed_forms.synchronous import SMALLEST_SPEED, whirls_in_contact
@@ -366,15 +368,7 @@ def pieces_with_ring(
         if max(limits[0], low) < min(limits[1], high)
     ]
 
-    ends: list[_Place] = [
-        (
-            A,
-            math.sqrt(
-                A * A * (float(ring.stiffness(np.array(A))) - 2.0 * zeta * zeta) / (A * A - 1.0)
-            ),
-        )
-        for A in _tips_of_ring(zeta, ring)
-    ]
+    ends: list[_Place] = [(A, tip_speed_of_ring(A, zeta, ring)) for A in tips_of_ring(zeta, ring)]
     chains = []
     if math.isfinite(first):
         far = (math.inf if zeta == 0.0 else 1.0, math.inf)
@@ -400,38 +394,6 @@ def pieces_with_ring(
     slope = 1.0 + np.cos(lags) ** 2 + 2.0 * amplitude * np.cos(lags)
     marks = _marks(slope, amplitude, np.append(at_limits[rows], turns[:, 0]))
     return pieces + _traced(chains, marks, _Law(speed, lag, limits, points, zeta > 0.0))
-
-
-def _tips_of_ring(zeta: float, ring: Ring) -> list[float]:
-    """Return the amplitudes above 1 at which the flanks meet, ascending; none without damping.
-
-    There ``g/(A**2 (A + sqrt(A**2 - 1))) = 2 zeta**2``, where g is the force of ring and shaft.
-    Between two neighbouring extrema of the left-hand side, ``(A g' - 2 g) sqrt(A**2 - 1) = A g``,
-    is at most one tip.
-    """
-    if zeta == 0.0:
-        return []
-
-    def excess(u: float) -> float:
-        A, force, _ = ring.forces(np.array(u))
-        decay = A * A * (A + np.sqrt(np.maximum((A - 1.0) * (A + 1.0), 0.0)))
-        return float(force / decay) - 2.0 * zeta * zeta
-
-    u = np.poly1d([1.0, 0.0])
-    A, d, kappa = u * u + ring.delta0, ring.delta0, ring.shaft_stiffness
-    force = (u * u * u if ring.hertz else u * u) + kappa * A
-    slope = (1.5 * u if ring.hertz else np.poly1d([1.0])) + kappa
-    lead = A * slope - 2.0 * force
-    turns = positive_roots(lead * lead * (A * A - 1.0) - A * A * force * force)
-    lowest = math.sqrt(max(1.0 - d, 0.0))
-    least = 2.0 * zeta * zeta
-    highest = 10.0 * (1.0 + math.sqrt(d) + math.cbrt(1.0 / least) + ((1.0 + kappa) / least) ** 0.25)
-    edges = [lowest, *np.sort(turns[(turns > lowest) & (turns < highest)]).tolist(), highest]
-    return [
-        d + float(brentq(excess, low, high, xtol=1e-300, rtol=4.0 * np.finfo(float).eps)) ** 2
-        for low, high in pairwise(edges)
-        if (excess(low) >= 0.0) != (excess(high) >= 0.0)
-    ]
 
 
 def _contact_free_piece(zeta: float, ring: Ring, ends: _Place, points: int) -> Values:

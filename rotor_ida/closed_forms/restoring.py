@@ -7,11 +7,19 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_points, check_vector
-from rotor_ida.equations.contact import contact_potential, secant_stiffness
+from rotor_ida.closed_forms.further_parameters import law_of
+from rotor_ida.equations.contact import HERTZ_EXPONENT, contact_potential, secant_stiffness
 from rotor_ida.schema import labelled_dataset
 
 
-def restoring_field(*, x: npt.ArrayLike, y: npt.ArrayLike, delta0: npt.ArrayLike) -> xr.Dataset:
+def restoring_field(
+    *,
+    x: npt.ArrayLike,
+    y: npt.ArrayLike,
+    delta0: npt.ArrayLike,
+    shaft_stiffness: float = 0.0,
+    contact_exponent: float = HERTZ_EXPONENT,
+) -> xr.Dataset:
     """Return restoring force and potential over a grid of places.
 
     Parameters
@@ -20,6 +28,8 @@ def restoring_field(*, x: npt.ArrayLike, y: npt.ArrayLike, delta0: npt.ArrayLike
         Places [1].
     delta0 : float or sequence of float, shape (k,)
         Clearances [1].
+    shaft_stiffness, contact_exponent : float
+        As of `Rotor` [1].
 
     Returns
     -------
@@ -29,12 +39,15 @@ def restoring_field(*, x: npt.ArrayLike, y: npt.ArrayLike, delta0: npt.ArrayLike
     Raises
     ------
     InputError
-        If a value is not a finite real number, or a clearance is negative.
+        If a value is not a finite real number, or a clearance or the stiffness is negative; if
+        the exponent is neither 1.5 nor 1.
 
     Notes
     -----
     ``f_x + i f_y = f(|z|) z/|z|``: each component depends on x and on y, and f_x never falls
     as x grows, since the force is the gradient of the convex ``V = (2/5) (|z| - delta0)_+**2.5``.
+    With a shaft and the exponent n the force is ``(kappa + f(|z|)/|z|) z`` and the potential
+    ``kappa |z|**2/2 + (|z| - delta0)_+**(n + 1)/(n + 1)``.
 
     References
     ----------
@@ -51,15 +64,19 @@ def restoring_field(*, x: npt.ArrayLike, y: npt.ArrayLike, delta0: npt.ArrayLike
     up = check_vector("y", y, largest=LARGEST_NUMBER)
     clearance = check_axis("delta0", delta0, largest=LARGEST_NUMBER)
     check_points(clearance, up, across)
+    kappa, exponent, beyond = law_of(shaft_stiffness, contact_exponent)
     radius = np.hypot(across, up[:, None])
-    secant = secant_stiffness(radius, clearance[:, None, None])
+    secant = secant_stiffness(radius, clearance[:, None, None], exponent)
+    potential = contact_potential(radius, clearance[:, None, None], exponent)
+    if kappa > 0.0:
+        secant, potential = secant + kappa, potential + 0.5 * kappa * radius**2
     dims = ("delta0", "y", "x")
     return labelled_dataset(
         "Restoring force and potential of a ring with clearance",
         {
             "restoring_x": (dims, secant * across),
             "restoring_y": (dims, secant * up[:, None]),
-            "potential": (dims, contact_potential(radius, clearance[:, None, None])),
+            "potential": (dims, potential),
         },
-        {"delta0": ("delta0", clearance), "y": ("y", up), "x": ("x", across)},
+        {"delta0": ("delta0", clearance), "y": ("y", up), "x": ("x", across), **beyond},
     )

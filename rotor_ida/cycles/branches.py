@@ -17,8 +17,8 @@ from rotor_ida.cycles.guess import Guess
 from rotor_ida.cycles.shooting import close_orbit
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.parallel import Progress
-from rotor_ida.parameters import PARAMETERS, Rotor
-from rotor_ida.schema import EXACT, check_papers_result
+from rotor_ida.parameters import ALL_PARAMETERS, PARAMETERS, Rotor
+from rotor_ida.schema import EXACT
 
 NEEDED = ("lies_on", "exact_period", "exact_radius_max", *(f"end_{name}" for name in COMPONENTS))
 # Two cycles of one rotor are the same when period and largest radius differ by less than this.
@@ -72,17 +72,17 @@ def branches_through(
     missing = [name for name in (*NEEDED, *PARAMETERS) if name not in compared.variables]
     if missing:
         raise InputError(f"compared must be a comparison of a sweep; it lacks {', '.join(missing)}")
-    check_papers_result("compared", compared)
     lies_on = compared["lies_on"]
+    parameters = [name for name in ALL_PARAMETERS if name in compared.variables]
     spread = {
         name: compared[name].broadcast_like(lies_on).transpose(*lies_on.dims).values
-        for name in (*NEEDED, *PARAMETERS)
+        for name in (*NEEDED, *parameters)
     }
     places = np.argwhere(lies_on.values == EXACT["cycle"])
     found: list[xr.Dataset] = []
     for number, place in enumerate(map(tuple, places), start=1):
         here = {name: float(values[place]) for name, values in spread.items()}
-        rotor = Rotor(**{name: here[name] for name in PARAMETERS})
+        rotor = Rotor(**{name: here[name] for name in parameters})
         period, radius = here["exact_period"], here["exact_radius_max"]
         if not any(holds_cycle(branch, rotor, period, radius) for branch in found):
             state = np.array([here[f"end_{name}"] for name in COMPONENTS])
@@ -96,7 +96,8 @@ def branches_through(
 
 def holds_cycle(branch: xr.Dataset, rotor: Rotor, period: float, radius: float) -> bool:
     """Return whether a limit cycle lies on a branch."""
-    if any(float(branch[name]) != getattr(rotor, name) for name in ("zeta", "delta0")):
+    given = {name: float(branch[name]) for name in ALL_PARAMETERS[1:] if name in branch.variables}
+    if Rotor(**given | {"omega": rotor.omega}) != rotor:
         return False
     speeds = branch["omega"].values - rotor.omega
     for place in np.flatnonzero(speeds[:-1] * speeds[1:] <= 0.0).tolist():

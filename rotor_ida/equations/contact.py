@@ -101,8 +101,22 @@ def secant_stiffness(
     return np.divide(force, radii, out=np.zeros_like(force), where=force > 0.0)
 
 
-def contact_potential(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
-    """Energy stored in the contact, ``V(r) = (2/5) max(r - delta0, 0)**2.5`` [1].
+def damping_factor(radial_speed: npt.ArrayLike, contact_damping: float) -> Values:
+    """Factor of the force by contact damping, ``max(1 + c d', 0)`` [1]: the ring never pulls.
+
+    Examples
+    --------
+    >>> damping_factor([1.0, -1.0, -4.0], 0.5)
+    array([1.5, 0.5, 0. ])
+    """
+    speed = np.asarray(radial_speed, dtype=np.float64)
+    return np.maximum(1.0 + contact_damping * speed, 0.0)
+
+
+def contact_potential(
+    radius: npt.ArrayLike, delta0: npt.ArrayLike, exponent: float = HERTZ_EXPONENT
+) -> Values:
+    """Energy stored in the contact, ``V(r) = max(r - delta0, 0)**(n + 1)/(n + 1)`` [1].
 
     References
     ----------
@@ -113,8 +127,8 @@ def contact_potential(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
     >>> contact_potential([0.5, 1.5], 0.5)
     array([0. , 0.4])
     """
-    exponent = HERTZ_EXPONENT + 1.0
-    return indentation(radius, delta0) ** exponent / exponent
+    power = exponent + 1.0
+    return indentation(radius, delta0) ** power / power
 
 
 def force_over_radius(radius: float, delta0: float, exponent: float = HERTZ_EXPONENT) -> float:

@@ -21,7 +21,14 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Values
-from rotor_ida.equations.contact import contact_potential, force_over_radius, stiffness
+from rotor_ida.equations.contact import (
+    HERTZ_EXPONENT,
+    contact_force,
+    contact_potential,
+    damping_factor,
+    force_over_radius,
+    stiffness,
+)
 from rotor_ida.equations.modes import Along, acceleration, turned_rates
 from rotor_ida.equations.symbols import Dual, variables
 from rotor_ida.parameters import Rotor
@@ -192,20 +199,30 @@ def rotated(states: npt.ArrayLike, angle: npt.ArrayLike) -> Values:
     return rows
 
 
-def energy(states: npt.ArrayLike, delta0: float) -> Values:
-    """Kinetic energy and contact potential, ``|z'|**2/2 + V(|z|)`` [1].
+def energy(
+    states: npt.ArrayLike,
+    delta0: float,
+    *,
+    shaft_stiffness: float = 0.0,
+    contact_exponent: float = HERTZ_EXPONENT,
+    load: float = 0.0,
+) -> Values:
+    """Kinetic energy and potentials, ``|z'|**2/2 + kappa |z|**2/2 + V(|z|) + gamma y`` [1].
 
     Parameters
     ----------
     states : array_like, shape (..., 4)
-        States ``(x, y, vx, vy)`` [1], in either frame.
+        States ``(x, y, vx, vy)`` [1], in either frame; under a load in the fixed frame.
     delta0 : float
         Radial clearance [1].
+    shaft_stiffness, contact_exponent, load : float
+        As of `Rotor` [1]: by default those of the paper's rotor, whose energy is
+        ``|z'|**2/2 + V(|z|)``.
 
     Returns
     -------
     ndarray, shape (...)
-        The energy [1]. It is conserved at ``omega = zeta = 0``.
+        The energy [1]. It is conserved at ``omega = zeta = 0`` without contact damping.
 
     References
     ----------
@@ -215,10 +232,17 @@ def energy(states: npt.ArrayLike, delta0: float) -> Values:
     --------
     >>> float(energy((1.5, 0.0, 0.0, 2.0), 0.5))
     2.4
+    >>> float(energy((1.5, 0.0, 0.0, 2.0), 0.5, shaft_stiffness=2.0))
+    4.65
     """
     x, y, vx, vy = np.moveaxis(np.asarray(states, dtype=np.float64), -1, 0)
     kinetic: Values = 0.5 * (vx**2 + vy**2)
-    return kinetic + contact_potential(np.hypot(x, y), delta0)
+    whole: Values = kinetic + contact_potential(np.hypot(x, y), delta0, contact_exponent)
+    if shaft_stiffness > 0.0:
+        whole = np.asarray(whole + 0.5 * shaft_stiffness * (x**2 + y**2))
+    if load > 0.0:
+        whole = np.asarray(whole + load * y)
+    return whole
 
 
 def angular_momentum(states: npt.ArrayLike) -> Values:
@@ -234,7 +258,7 @@ def angular_momentum(states: npt.ArrayLike) -> Values:
 
 
 def power(time: npt.ArrayLike, states: npt.ArrayLike, rotor: Rotor) -> Values:
-    """Power that the unbalance puts in less what the damping takes out, ``dE/dt`` [1].
+    """Power that the unbalance puts in less what damping takes out, ``dE/dt`` [1].
 
     Parameters
     ----------
@@ -248,14 +272,23 @@ def power(time: npt.ArrayLike, states: npt.ArrayLike, rotor: Rotor) -> Values:
     Returns
     -------
     ndarray, shape (...)
-        ``-2 zeta |z'|**2 + Re(omega**2 exp(i omega t) conj(z'))`` [1].
+        ``-2 zeta |z'|**2 + Re(omega**2 exp(i omega t) conj(z'))`` [1], less the loss in the
+        contact, ``(N - d**n) d'``, where that is damped.
 
     Examples
     --------
     >>> float(power(0.0, (0.0, 0.0, 1.0, 0.0), Rotor(omega=1.0, zeta=0.25, delta0=1.0)))
     0.5
     """
-    _, _, vx, vy = np.moveaxis(np.asarray(states, dtype=np.float64), -1, 0)
+    x, y, vx, vy = np.moveaxis(np.asarray(states, dtype=np.float64), -1, 0)
     angle = rotor.omega * np.asarray(time, dtype=np.float64)
     given = rotor.omega**2 * (np.cos(angle) * vx + np.sin(angle) * vy)
-    return np.asarray(given - 2.0 * rotor.zeta * (vx**2 + vy**2))
+    left = np.asarray(given - 2.0 * rotor.zeta * (vx**2 + vy**2))
+    if rotor.contact_damping == 0.0:
+        return left
+    radius = np.hypot(x, y)
+    outwards = x * vx + y * vy
+    speed = np.divide(outwards, radius, out=np.zeros_like(outwards), where=radius > 0.0)
+    spring = contact_force(radius, rotor.delta0, rotor.contact_exponent)
+    added = damping_factor(speed, rotor.contact_damping) - 1.0
+    return np.asarray(left - spring * added * speed)

@@ -15,9 +15,9 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS, check_choice
-from rotor_ida.equations.contact import contact_force
+from rotor_ida.equations.contact import contact_force, damping_factor
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import PARAMETERS
+from rotor_ida.parameters import DEFAULTS, PARAMETERS
 from rotor_ida.plot.appearance import (
     BLUE,
     DASHES,
@@ -36,7 +36,7 @@ from rotor_ida.plot.appearance import (
     title_of,
 )
 from rotor_ida.plot.labels import LABELS, label_axis, label_of, scale_of, unit_of
-from rotor_ida.schema import check_papers_result, flags_of
+from rotor_ida.schema import flags_of
 
 NEEDED = (*PARAMETERS, "t", "x", "y", "vx", "vy", "starts_in_contact", "event_time",
           "event_kind", "event_x", "event_y", "event_vx", "event_vy", "entry_time",
@@ -243,8 +243,7 @@ def plot_machine(run: xr.Dataset) -> Figure:
     run = check_dataset("run", run, (*NEEDED, "peak_time", "peak_force"))
     if "length_scale" not in run.attrs:
         raise InputError("run must be in SI units: rotor_ida.dimensional makes it so")
-    check_papers_result("run", run, ("contact_exponent", "contact_damping"))
-    delta0, ring, path = one_value("run", run, "delta0"), clearance_of(run), path_of(run)
+    ring, path = clearance_of(run), path_of(run)
     with style():
         figure = Figure(figsize=(7.2, 3.9), layout="constrained")
         grid = figure.add_gridspec(2, 2, width_ratios=(1.0, 1.25))
@@ -261,10 +260,16 @@ def plot_machine(run: xr.Dataset) -> Figure:
         history.tick_params(labelbottom=False)
         history.set(ylabel=label_of("radius", run["x"]), ylim=(0.0, None))
         history.set_title(title_of("run", run))
-        indentation = path.radius / scale_of(run, "length")
-        force.plot(path.time, scale_of(run, "force") * contact_force(indentation, delta0),
-                   color=RED, lw=0.8)  # fmt: skip
-        force.plot(*_peaks(run), ls="", marker="o", ms=2.4, color=INK, label="peak of a contact")
+        forces = _force_along(run, path)
+        force.plot(path.time, forces, color=RED, lw=0.8)
+        force.plot(
+            *_peaks_on(run, path.time, forces),
+            ls="",
+            marker="o",
+            ms=2.4,
+            color=INK,
+            label="peak of a contact",
+        )
         force.set(xlabel=label_of("t", run["t"]), ylim=(0.0, None),
                   ylabel=label_of("contact_force", run["peak_force"]))  # fmt: skip
         force.set_xlim(float(path.time[0]), float(path.time[-1]))
@@ -296,7 +301,8 @@ def plot_forces(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         label_axis(ax.xaxis, "t", forces["t"])
         label_axis(ax.yaxis, "force", forces["force"])
         ax.plot(time, forces["force"].values, color=BLUE, lw=0.9, label="force")
-        ax.plot(*_peaks(forces), ls="", marker="o", ms=2.8, mec=RED, mfc="white", mew=0.8,
+        peaks = _peaks_on(forces, time, forces["force"].values)
+        ax.plot(*peaks, ls="", marker="o", ms=2.8, mec=RED, mfc="white", mew=0.8,
                 label="peak of a contact")  # fmt: skip
         ax.set_xlim(float(time[0]), float(time[-1]))
         ax.set_ylim(bottom=0.0)
@@ -348,6 +354,8 @@ class Path:
     y: Values
     # whether the stretch that begins at each time is in contact
     in_contact: npt.NDArray[np.bool_]
+    # how fast the distance from the bearing axis grows, where that is known
+    radial_speed: Values | None = None
 
     @property
     def radius(self) -> Values:
@@ -381,17 +389,35 @@ def path_of(run: xr.Dataset) -> Path:
     step = np.repeat(np.arange(steps.size), points)
     part = (np.arange(step.size) - np.repeat(np.cumsum(points) - points, points) + 1) / points[step]
     time = np.append(times[:1], times[step] + part * steps[step])
-    places = _cubic(part[:, None], steps[step, None], states[step], states[step + 1])
+    places, speeds = _cubic(part[:, None], steps[step, None], states[step], states[step + 1])
     x, y = np.concatenate([states[:1, :2], places]).T
-    return Path(time, x, y, _in_contact(run, time))
+    vx, vy = np.concatenate([states[:1, 2:], speeds]).T
+    radius = np.hypot(x, y)
+    outwards = np.divide(x * vx + y * vy, radius, out=np.zeros_like(radius), where=radius > 0.0)
+    return Path(time, x, y, _in_contact(run, time), outwards)
 
 
-def _cubic(part: Values, step: Values, before: Values, after: Values) -> Values:
-    """Return the places on the Hermite cubic between two states, part of a step after the first."""
+def _cubic(part: Values, step: Values, before: Values, after: Values) -> tuple[Values, Values]:
+    """Return places and speeds on the cubic through two states, part of a step after the first."""
     rise = part * part * (3.0 - 2.0 * part)
     bend_a, bend_b = part * (1.0 - part) ** 2, part * part * (part - 1.0)
     ends = before[:, :2] * (1.0 - rise) + after[:, :2] * rise
-    return np.asarray(ends + step * (before[:, 2:] * bend_a + after[:, 2:] * bend_b))
+    places = ends + step * (before[:, 2:] * bend_a + after[:, 2:] * bend_b)
+    climb = 6.0 * part * (1.0 - part) * (after[:, :2] - before[:, :2]) / step
+    turn_a, turn_b = (1.0 - part) * (1.0 - 3.0 * part), part * (3.0 * part - 2.0)
+    return places, climb + before[:, 2:] * turn_a + after[:, 2:] * turn_b
+
+
+def _force_along(run: xr.Dataset, path: Path) -> Values:
+    """Return the contact force along the path of a run in the units of the run."""
+    given = {name: one_value("run", run, name) for name in DEFAULTS if name in run.variables}
+    machine, length = DEFAULTS | given, scale_of(run, "length")
+    delta0, damping = one_value("run", run, "delta0"), machine["contact_damping"]
+    force = contact_force(path.radius / length, delta0, machine["contact_exponent"])
+    if damping > 0.0 and path.radial_speed is not None:
+        speed = path.radial_speed * scale_of(run, "time") / length
+        force = force * damping_factor(speed, damping)
+    return scale_of(run, "force") * force
 
 
 def _in_contact(run: xr.Dataset, time: Values) -> npt.NDArray[np.bool_]:
@@ -474,6 +500,24 @@ def _peaks(dataset: xr.Dataset) -> tuple[Values, Values]:
     times, first, last = dataset["peak_time"].values, *dataset["t"].values[[0, -1]]
     seen = (times > first) & (times < last)
     return times[seen], dataset["peak_force"].values[seen]
+
+
+def _peaks_on(dataset: xr.Dataset, time: Values, force: Values) -> tuple[Values, Values]:
+    """Return times and forces of the peaks of contacts, as they lie on the force over time.
+
+    With contact damping the force is largest before the indentation, whose time is told.
+    """
+    times, peaks = _peaks(dataset)
+    if "contact_damping" not in dataset.variables:
+        return times, peaks
+    free = np.flatnonzero(force == 0.0)
+    first = np.append(-1, free)[np.searchsorted(time[free], times, side="right")] + 1
+    last = np.append(free, time.size)[np.searchsorted(time[free], times, side="right")]
+    places = [
+        one + int(np.argmax(force[one:other])) if other > one else one
+        for one, other in zip(first.tolist(), last.tolist(), strict=True)
+    ]
+    return time[np.minimum(places, time.size - 1).astype(int)], peaks
 
 
 def _plot_orbit(run: xr.Dataset, path: Path, names: tuple[str, str], ax: Axes | None) -> Axes:

@@ -64,8 +64,10 @@ def contact_summary(run: xr.Dataset) -> xr.Dataset:
         Scalars: ``contact_count``, ``contacts_per_revolution``, ``contact_fraction`` (part of the
         time spent in contact), ``largest_force``, ``mean_peak_force``, ``total_impulse``,
         ``impulse_per_revolution``, ``energy_lost_per_revolution``, ``forward_fraction`` (part of
-        the contacts whirled through forwards). Impulse and energy are those of whole contacts;
-        what counts per revolution is NaN at ``omega = 0``, and means are NaN without contacts.
+        the contacts whirled through forwards). With contact damping also ``total_contact_loss``
+        and ``contact_loss_per_revolution``, the energy that this takes. Impulse and kinetic energy
+        are those of whole contacts, the loss that of all the time in contact; what counts per
+        revolution is NaN at ``omega = 0``, and means are NaN without contacts.
 
     Raises
     ------
@@ -103,11 +105,10 @@ def contact_summary(run: xr.Dataset) -> xr.Dataset:
         "energy_lost_per_revolution": energy / revolutions,
         "forward_fraction": float(forward.mean()) if force.size else math.nan,
     }
-    columns: dict[str, Column] = {name: ((), value) for name, value in values.items()}
     if "contact_loss" in run:
-        values["total_contact_loss"] = float(run["contact_loss"].sum())
-        values["mean_contact_loss"] = values["total_contact_loss"] / force.size
-        columns = {name: ((), value) for name, value in values.items()}
+        loss = float(run["contact_loss"].sum())
+        values |= {"total_contact_loss": loss, "contact_loss_per_revolution": loss / revolutions}
+    columns: dict[str, Column] = {name: ((), value) for name, value in values.items()}
     coordinates = {name: run[name].variable for name in ALL_PARAMETERS if name in run.variables}
     title = "Contacts of one simulated run, summarised"
     return labelled_dataset(title, columns, coordinates, origin_of(run))

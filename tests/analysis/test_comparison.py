@@ -119,3 +119,131 @@ def test_a_run_is_not_a_sweep():
         compare(run)
     with pytest.raises(InputError, match="dataset must be a Dataset, got"):
         compare("run.nc")
+
+
+MACHINES = {
+    "omega": [0.4, 1.7, 2.2, 3.0],
+    "zeta": 0.1,
+    "delta0": [0.5, 2.0],
+    "shaft_stiffness": [0.0, 0.3],
+    "contact_exponent": [1.5, 1.0],
+    "contact_damping": 0.2,
+}
+
+
+@pytest.fixture(scope="module")
+def of_machines():
+    return compare(sweep(**MACHINES))
+
+
+def test_responses_of_machines_lie_on_their_exact_whirls_and_cycles(of_machines):
+    assert of_machines.exact_amplitude.dims == (
+        *("omega", "zeta", "delta0", "shaft_stiffness", "contact_exponent", "branch"),
+    )
+    decided = of_machines.response.isin(
+        [RESPONSE[kind] for kind in ("synchronous", "contact_free", "bouncing", "full_contact")]
+    )
+    assert decided.sum() > 25
+    assert (of_machines.lies_on.values[decided.values] != EXACT["nothing"]).all()
+    assert (of_machines.lies_on == EXACT["cycle"]).any()
+    assert float(of_machines.digits.min()) > 7.5
+
+
+def test_an_exact_whirl_of_a_machine_solves_its_equation(of_machines):
+    """``A**2 ((kappa + f/A - q)**2 + 4 zeta**2 q) = q**2``, whatever the contact damping."""
+    A, q = of_machines.exact_amplitude, of_machines.omega**2
+    touching = of_machines.in_contact == 1
+    force = np.maximum(A - of_machines.delta0, 0.0) ** of_machines.contact_exponent
+    held = of_machines.shaft_stiffness + force / A - q
+    left = A**2 * (held**2 + 0.04 * q) - q**2
+    assert np.abs(left / q**2).where(touching).max() < 1e-10
+    assert touching.sum() > 10
+
+
+def under_load(omega, load, **beyond):
+    """A sweep of one machine, whose response is that of a run, with the mean position."""
+    rotor = Rotor(omega=omega, zeta=0.2, delta0=2.0, load=load, **beyond)
+    turns, each = 4, 400
+    period = 2.0 * np.pi / omega
+    times = 40 * period + np.arange(turns * each) * period / each
+    run = simulate(rotor, start=(0, 0, 0, 0), duration=44 * period, samples=times,
+                   method="taylor")  # fmt: skip
+    z = run.x.values + 1j * run.y.values
+    whirl = np.mean(z * np.exp(-1j * omega * times))
+    made = sweep(omega=[omega], zeta=[0.2], delta0=[2.0], **beyond).assign_coords(load=load)
+    made["amplitude"][:] = abs(whirl)
+    made["phase_lag"][:] = -np.angle(whirl)
+    return made, np.mean(z)
+
+
+def test_under_a_load_the_contact_free_whirl_of_a_shaft_is_moved_and_no_more():
+    made, mean = under_load(0.5, 0.4, shaft_stiffness=0.8, contact_exponent=1.0)
+    made["response"][:] = RESPONSE["contact_free"]
+    compared = compare(made)
+    assert compared.lies_on.item() == EXACT["whirl"]
+    assert compared.digits.item() > 8.0
+    assert compared.exact_offset.item() == pytest.approx(0.5)
+    assert mean == pytest.approx(-1j * compared.exact_offset.item(), abs=1e-8)
+    assert compared.attrs["comment"].startswith("under a load no whirl in contact is synchronous")
+
+
+@pytest.mark.parametrize(
+    "beyond", [{}, {"shaft_stiffness": 0.1}, {"shaft_stiffness": 0.3}], ids=str
+)
+def test_under_a_load_that_brings_it_to_the_ring_nothing_is_known_exactly(beyond):
+    """Without a shaft, or where gamma/kappa + A_f is more than the clearance."""
+    free = synchronous_response(omega=0.5, zeta=0.2, delta0=2.0, **beyond)
+    made = sweep(omega=0.5, zeta=0.2, delta0=2.0, **beyond).assign_coords(load=0.5)
+    compared = compare(made)
+    assert free.in_contact.item() == 0
+    assert (compared.lies_on == EXACT["nothing"]).all()
+    assert np.isnan(compared.exact_amplitude.values).all()
+    assert (compared.stability == STABILITY["absent"]).all()
+
+
+def test_a_load_of_zero_beside_others_changes_nothing():
+    plain = sweep(omega=0.5, zeta=0.2, delta0=2.0, shaft_stiffness=[0.3, 0.8])
+    both = xr.concat([plain, plain], xr.Variable("load", [0.0, 0.2])).transpose(
+        *("omega", "zeta", "delta0", "shaft_stiffness", "load"), ...
+    )
+    compared, alone = compare(both), compare(plain)
+    np.testing.assert_array_equal(
+        compared.exact_amplitude.sel(load=0.0).values, alone.exact_amplitude.values
+    )
+    np.testing.assert_array_equal(compared.digits.sel(load=0.0).values, alone.digits.values)
+
+
+def test_a_rotor_that_does_not_turn_is_held_against_its_rest():
+    rotor = Rotor(omega=0.0, zeta=0.3, delta0=1.0, load=0.5, shaft_stiffness=0.2)
+    run = simulate(rotor, start=(0, 0, 0, 0), duration=400.0, method="taylor")
+    made = sweep(omega=0.0, zeta=0.3, delta0=1.0, shaft_stiffness=0.2).assign_coords(load=0.5)
+    made["response"][:] = RESPONSE["synchronous"]
+    made["amplitude"][:], made["phase_lag"][:] = -run.y.values[-1], 0.5 * np.pi
+    compared = compare(made)
+    assert compared.lies_on.item() == EXACT["whirl"]
+    assert compared.digits.item() > 8.0
+    assert (compared.in_contact.item(), compared.exact_offset.item()) == (
+        1,
+        pytest.approx(-run.y.values[-1], abs=1e-9),
+    )
+
+
+def test_a_sweep_under_a_load_lies_on_what_is_exact_there():
+    """At rest on the ring or on the shaft, and whirling about where the shaft holds it."""
+    swept = sweep(
+        omega=[0.0, 0.5, 2.0], zeta=0.2, delta0=2.0, shaft_stiffness=[0.0, 0.8], load=[0.0, 0.4],
+        method="taylor",
+    )  # fmt: skip
+    loaded = compare(swept).sel(load=0.4)
+    held = loaded.sel(shaft_stiffness=0.8)
+    assert (held.lies_on == EXACT["whirl"]).all()
+    assert (held.exact_offset.dropna("branch").values == 0.5).all()
+    on_the_ring = loaded.sel(omega=0.0, shaft_stiffness=0.0)
+    assert on_the_ring.lies_on.item() == EXACT["whirl"]
+    assert on_the_ring.exact_offset.max().item() == pytest.approx(2.0 + 0.4 ** (2.0 / 3.0))
+    turning = loaded.sel(omega=[0.5, 2.0], shaft_stiffness=0.0)
+    assert (turning.lies_on == EXACT["cycle"]).all()
+    revolutions = turning.exact_period * turning.omega / (2.0 * np.pi)
+    np.testing.assert_allclose(revolutions, np.round(revolutions), rtol=1e-14)
+    assert np.isnan(turning.exact_amplitude.values).all()
+    assert float(loaded.digits.min()) > 9.0

@@ -1,4 +1,4 @@
-"""A rotor with more than the paper's on the command line: simulate and sweep know it."""
+"""A rotor with more than the paper's on the command line."""
 
 from __future__ import annotations
 
@@ -138,12 +138,14 @@ def test_what_reads_a_run_of_another_rotor_refuses_it(program: Program):
     assert answer.err == "rotor-ida: file must be of the paper's rotor, without load 0.125\n"
 
 
-def test_a_cycle_of_another_rotor_is_not_followed(program: Program, archives: Path):
+def test_under_a_load_a_cycle_with_a_period_of_its_own_is_not_followed(
+    program: Program, archives: Path
+):
     cycle = rotor_ida.load(archives / "cycle.nc").assign_coords(load=0.125)
     rotor_ida.save(cycle, "cycle.nc")
     answer = program("continue", "--from", "cycle.nc", "--limits", "1.5", "2.5")
     assert (answer.status, answer.out) == (2, "")
-    assert answer.err == "rotor-ida: from must be of the paper's rotor, without load 0.125\n"
+    assert answer.err.startswith("rotor-ida: period must be a whole number of revolutions under")
 
 
 def test_a_sweep_that_is_given_nothing_of_it_is_of_the_papers_rotor():
@@ -156,3 +158,70 @@ def test_a_sweep_that_is_given_nothing_of_it_is_of_the_papers_rotor():
 def test_a_machine_is_given_whole_in_one_of_two_ways():
     assert MachineOptions(**ROTOR).machine() == Rotor(**ROTOR)
     assert MachineOptions(**MACHINE).machine() == DimensionalRotor(**MACHINE)
+
+
+@pytest.fixture(scope="module")
+def of_machine(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with archives of one machine: a cycle, its branch and curve, and a sweep."""
+    folder = tmp_path_factory.mktemp("machines")
+    rotor = Rotor(omega=1.9, zeta=0.07, delta0=2.0, shaft_stiffness=0.05, contact_damping=0.02)
+    cycle = rotor_ida.limit_cycle(rotor, start=(0, 0, 0, 0))
+    branch = rotor_ida.continue_cycle(
+        rotor, start=cycle, parameter="shaft_stiffness", limits=(0.03, 0.07)
+    )
+    curve = rotor_ida.bifurcation_curve(
+        rotor, start=cycle, kind="period_doubling", parameters=("omega", "shaft_stiffness"),
+        limits=((1.2, 2.5), (0.04, 0.06)),
+    )  # fmt: skip
+    swept = rotor_ida.sweep(
+        omega=[0.5, 1.9], zeta=0.07, delta0=2.0, shaft_stiffness=[0.0, 0.05], contact_damping=0.02
+    )
+    results = {"cycle": cycle, "branch": branch, "curve": curve, "sweep": swept}
+    for name, dataset in results.items():
+        rotor_ida.save(dataset, folder / f"{name}.nc")
+    return folder
+
+
+@pytest.mark.parametrize("name", ["cycle", "branch", "curve", "sweep"])
+def test_results_of_a_machine_are_shown_and_verify(program: Program, of_machine: Path, name: str):
+    shown = program("show", of_machine / f"{name}.nc")
+    assert (shown.status, shown.err) == (0, "")
+    assert "contact damping" in shown.out
+    assert "shaft stiffness" in shown.out
+    verified = program("verify", of_machine / f"{name}.nc", "--json")
+    assert (verified.status, verified.err) == (0, "")
+    assert json.loads(verified.out)["agrees"] is True
+    if name != "sweep":
+        told = json.loads(program("show", of_machine / f"{name}.nc", "--json").out)["parameters"]
+        assert told["contact_damping"] == 0.02
+
+
+def test_a_sweep_of_machines_is_compared_with_what_is_exact(program: Program, of_machine: Path):
+    answer = program("compare", of_machine / "sweep.nc", "--out", "compared.nc", "--json")
+    assert (answer.status, answer.err) == (0, "")
+    points = json.loads(answer.out)["points"]
+    assert {each["lies_on"] for each in points} == {"whirl", "cycle"}
+    assert min(each["digits"] for each in points) > 7.5
+    assert {each["shaft_stiffness"] for each in points} == {0.0, 0.05}
+    assert "shaft stiffness" in program("show", "compared.nc").out
+
+
+@pytest.mark.parametrize(
+    "source", [("cycle.nc",), ("branch.nc", "--point", "2"), ("curve.nc", "--point", "1")], ids=str
+)
+def test_a_branch_begins_at_a_result_of_a_machine(
+    program: Program, of_machine: Path, source: tuple[str, ...]
+):
+    file = rotor_ida.load(of_machine / source[0])
+    place = file.isel(point=int(source[-1])) if len(source) > 1 else file
+    omega, kappa = float(place["omega"]), float(place["shaft_stiffness"])
+    words = ("--from", of_machine / source[0], *source[1:])
+    limits = ("--limits", omega - 1e-3, omega + 1e-3)
+    answer = program("continue", *words, *limits, "--json")
+    assert (answer.status, answer.err) == (0, "")
+    record = json.loads(answer.out)
+    assert record["parameters"]["shaft_stiffness"] == kappa
+    assert record["parameters"]["contact_damping"] == 0.02
+    points = record["points"]
+    assert points[0]["omega"] != points[-1]["omega"]
+    assert any(abs(each["period"] / float(place["period"]) - 1.0) < 1e-6 for each in points)

@@ -35,6 +35,21 @@ def test_they_are_told_by_their_clearance(met):
     assert set(clearances) == {1.0, 2.0}
 
 
+def test_those_of_machines_are_told_by_all_parameters():
+    swept = sweep(
+        omega=[2.0], zeta=0.07, delta0=2.0, shaft_stiffness=[0.0, 0.05],
+        contact_damping=[0.0, 0.02],
+    )  # fmt: skip
+    compared = compare(swept)
+    assert (compared.lies_on == EXACT["cycle"]).all()
+    branches = branches_through(compared, limits=(1.95, 2.05))
+    told = [(float(each.get("shaft_stiffness", 0.0)), float(each.get("contact_damping", 0.0)))
+            for each in branches]  # fmt: skip
+    assert told == [(0.0, 0.0), (0.0, 0.02), (0.05, 0.0), (0.05, 0.02)]
+    periods = [np.interp(2.0, each.omega, each.period) for each in branches]
+    np.testing.assert_allclose(periods, compared.exact_period.values.ravel(), rtol=1e-4)
+
+
 def test_progress_comes_to_all_that_lie_on_cycles(met):
     told = []
     branches_through(met.sel(delta0=[2.0]), limits=LIMITS, progress=lambda *each: told.append(each))

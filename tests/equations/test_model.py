@@ -1,9 +1,12 @@
 """The first-order system: one equation in two frames, and its Jacobians."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
 
 from rotor_ida import Rotor
 from rotor_ida.equations.model import (
@@ -86,3 +89,39 @@ def test_the_contact_potential_is_convex():
     rotor = Rotor(omega=0.0, zeta=0.0, delta0=0.5)
     stiffness = -jacobian((1.2, 0.9, 0.0, 0.0), rotor)[2:, :2]
     assert np.linalg.eigvalsh(stiffness) == pytest.approx([1.0 / 1.5, 1.5])
+
+
+MACHINE = Rotor(omega=1.3, zeta=0.2, delta0=0.5, shaft_stiffness=0.4, contact_exponent=1.0,
+                contact_damping=0.7, load=0.3)  # fmt: skip
+
+
+@given(states, st.floats(0.0, 10.0), st.sampled_from([1.0, 1.5]), st.booleans())
+def test_power_is_the_rate_of_change_of_energy_of_a_machine(state, time, exponent, damped):
+    """Also while the contact is loose: the spring's energy is lost there."""
+    machine = replace(MACHINE, contact_exponent=exponent, contact_damping=0.7 if damped else 0.0)
+    held = {"shaft_stiffness": 0.4, "contact_exponent": exponent, "load": 0.3}
+    rate, step = field(time, state, machine), 1e-6
+    ahead, behind = (
+        energy(np.array(state) + way * rate, machine.delta0, **held) for way in (step, -step)
+    )
+    assert power(time, state, machine) == pytest.approx((ahead - behind) / (2 * step), abs=2e-4)
+
+
+def test_energy_of_a_machine_is_conserved_without_damping_and_unbalance():
+    machine = Rotor(
+        omega=0.0, zeta=0.0, delta0=0.5, shaft_stiffness=0.4, contact_exponent=1.0, load=0.3
+    )
+    start, held = (1.5, -0.3, 0.2, 0.7), {"shaft_stiffness": 0.4, "contact_exponent": 1.0}
+    seen = solve_ivp(
+        lambda t, s: field(t, s, machine), (0.0, 40.0), start, "DOP853", rtol=1e-11, atol=1e-12
+    )
+    energies = energy(seen.y.T, 0.5, **held, load=0.3)
+    assert np.ptp(energies) < 1e-7
+    assert np.ptp(energy(seen.y.T, 0.5, **held)) > 0.1
+
+
+def test_the_power_of_a_damped_contact_takes_what_the_force_adds():
+    """dE/dt = -c d**n d'**2 while pressed, and d**n d' while loose, of a free radial motion."""
+    machine = Rotor(omega=0.0, zeta=0.0, delta0=1.0, contact_damping=0.5)
+    for speed, expected in ((1.0, -0.5), (-1.0, -0.5), (-2.0, -2.0), (-4.0, -4.0)):
+        assert power(0.0, (2.0, 0.0, speed, 3.0), machine) == pytest.approx(expected, rel=1e-15)

@@ -203,9 +203,11 @@ def test_the_rotor_is_in_contact_until_it_leaves_the_ring():
     assert "exit" in labels(plot_orbit(run))
 
 
-def test_a_force_that_is_not_hertzs_is_not_drawn_as_if_it_were():
+def test_the_force_of_a_linear_contact_is_drawn_as_such():
     machine = DimensionalRotor(**{**MACHINE.given, "contact_exponent": 1.0})
-    run = simulate(machine.rotor(), start=(0, 0, 0, 0), duration=10.0)
-    message = r"^run must be of the paper's rotor, without contact_exponent 1.0$"
-    with pytest.raises(InputError, match=message):
-        plot_machine(dimensional(run, machine))
+    run = dimensional(simulate(machine.rotor(), start=(0, 0, 0, 0), duration=10.0), machine)
+    line = plot_machine(run).axes[2].lines[0]
+    drawn = np.interp(run.t, line.get_xdata(), line.get_ydata())
+    indentation = np.maximum(np.hypot(run.x, run.y) - machine.clearance, 0.0)
+    force = machine.contact_stiffness * indentation.values
+    np.testing.assert_allclose(drawn, force, rtol=0, atol=1e-9 * force.max())
