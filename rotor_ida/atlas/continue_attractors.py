@@ -54,7 +54,7 @@ def continue_attractors(
     shaft_stiffness: npt.ArrayLike = 0.0,
     contact_exponent: npt.ArrayLike = 1.5,
     contact_damping: npt.ArrayLike = 0.0,
-    load: float = 0.0,
+    load: npt.ArrayLike = 0.0,
     x: npt.ArrayLike = 0.0,
     y: npt.ArrayLike = 0.0,
     vx: npt.ArrayLike = 0.0,

@@ -164,8 +164,9 @@ def _run(dataset: xr.Dataset, most: int | None) -> Description:
 
 
 def _parameters(dataset: xr.Dataset) -> Record:
-    """Return the parameters of the one rotor of a dataset, as far as it has them."""
-    return {name: float(dataset[name]) for name in ALL_PARAMETERS if name in dataset.variables}
+    """Return the parameters that a result has, each as a number or, along an axis, as a list."""
+    told = [name for name in ALL_PARAMETERS if name in dataset.variables]
+    return {name: dataset[name].values.tolist() for name in told}
 
 
 def _largest(values: Iterable[object]) -> float:
@@ -211,7 +212,7 @@ def _attractors(dataset: xr.Dataset, most: int | None) -> Description:
     counts = {name: value_of(dataset, name) for name in names_on(dataset)}
     record: Record = {
         "kind": kind_of(dataset),
-        "parameters": {name: float(dataset[name]) for name in PARAMETERS},
+        "parameters": _parameters(dataset),
         "attractors": attractors,
         **counts,
     }
@@ -234,7 +235,7 @@ def _atlas(dataset: xr.Dataset, most: int | None) -> Description:
         here = np.isfinite(fraction.values)
         kinds = sorted({words[kind] for kind in own["kind"].values[here].tolist()})
         row: Record = {"attractor": number, "kind": ", ".join(kinds), "points": int(here.sum())}
-        for name in PARAMETERS:
+        for name in _parameters(dataset):
             if dataset[name].size > 1:
                 row[name] = _span(_spread(dataset, name, fraction).values[here], 6)
         row["fraction"] = _span(fraction.values[here], 3)
@@ -244,7 +245,7 @@ def _atlas(dataset: xr.Dataset, most: int | None) -> Description:
         rows.append(row)
     record: Record = {
         "kind": "atlas",
-        "parameters": {name: dataset[name].values.tolist() for name in PARAMETERS},
+        "parameters": _parameters(dataset),
         "attractors": rows,
         "missed_fraction": float(dataset["missed_fraction"]),
         "largest_undecided_fraction": float(dataset["undecided_fraction"].max()),

@@ -112,23 +112,33 @@ def test_a_figure_of_too_many_machines_is_refused_before_they_are_computed(progr
     )
 
 
-@pytest.mark.parametrize(
-    "line",
-    [
-        "basin --omega 1 --zeta 0.1 --delta0 1 --x=-1:1:3 --y=-1:1:3",
-        "fractions --omega 1 --zeta 0.1 --delta0 1 --x=-1:1 --y=-1:1",
-        "cycle --omega 1 --zeta 0.1 --delta0 1",
-        "continue --omega 1 --zeta 0.1 --delta0 1 --limits 0.5 1.5",
-        "response --omega 1 --zeta 0.1 --delta0 1",
-        "atlas --omega 1 --zeta 0.1 --delta0 1",
-        "touchdown --omega 1 --zeta 0.1 --delta0 1",
-        "explore --omega 1 --zeta 0.1 --delta0 1",
-    ],
-)
-def test_commands_that_do_not_know_it_do_not_offer_it(program: Program, line: str):
-    answer = program(*line.split(), "--shaft-stiffness", "0.25")
-    assert (answer.status, answer.out) == (2, "")
-    assert re.fullmatch(r"rotor-ida: unknown option '--shaft-stiffness'[^\n]*\n", answer.err)
+def test_whirls_and_folds_of_machines_are_listed(program: Program):
+    line = "response --omega 1.7 --zeta 0.07 --delta0 0.5 --shaft-stiffness 0 0.25 --folds --json"
+    answer = program(*line.split())
+    assert (answer.status, answer.err) == (0, "")
+    exact = rotor_ida.synchronous_response(
+        omega=1.7, zeta=0.07, delta0=0.5, shaft_stiffness=[0.0, 0.25]
+    )
+    told = [row["amplitude"] for row in json.loads(answer.out)["whirls"]]
+    there = exact.amplitude.values[exact.amplitude.notnull().values]
+    assert sorted(told) == sorted(there.tolist())
+    refused = program(*line.replace("--folds", "--load 0.1").split())
+    assert refused.status == 2
+    assert refused.err.startswith("rotor-ida: load must be 0 for exact whirls")
+
+
+def test_an_atlas_goes_over_the_parameters_of_machines(program: Program):
+    line = (
+        "atlas --omega 2 --zeta 0.07 --delta0 2 --shaft-stiffness 0.2 0.3 --contact-damping 0.1 "
+        "--x=-9:9 --y=-9:9 --starts 16 --figure atlas --out atlas.nc --json"
+    )
+    answer = program(*line.split())
+    assert (answer.status, answer.err) == (0, "")
+    told = json.loads(answer.out)
+    assert told["parameters"]["shaft_stiffness"] == [0.2, 0.3]
+    assert told["parameters"]["contact_damping"] == 0.1
+    assert all("shaft_stiffness" in row for row in told["attractors"])
+    assert program("verify", "atlas.nc").status == 0
 
 
 def test_what_reads_a_run_of_another_rotor_refuses_it(program: Program):

@@ -71,14 +71,12 @@ def test_every_level_that_the_processor_has_can_be_chosen(
 
 
 def test_a_rotor_is_followed_by_the_library_that_knows_it() -> None:
-    """The paper's rotor keeps its own, with lanes; whatever has more takes that of the whole."""
+    """The paper's rotor keeps its own; whatever has more takes that of the whole."""
     paper = {"omega": 2.0, "zeta": 0.07, "delta0": 2.0}
     assert interface.library_of(Rotor(**paper)) is interface.library("paper")
-    assert hasattr(interface.library("paper"), "core_follow_lanes")
     for more in ("shaft_stiffness", "contact_damping", "load"):
         machine = interface.library_of(Rotor(**paper, **{more: 0.1}))
         assert machine is interface.library("whole")
-    assert not hasattr(machine, "core_follow_lanes")
     assert interface.library_of(Rotor(**paper, contact_exponent=1.0)) is machine
 
 
