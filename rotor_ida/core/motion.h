@@ -44,8 +44,34 @@ struct motion {
     int (*advance)(struct motion *);
     const double *(*at)(struct motion *, double point);
     const double *(*glance_at)(struct motion *, double point); /* faster, and to rounding */
+    const double *(*rate)(struct motion *);                    /* at the beginning of the step */
     int64_t (*evaluations)(struct motion *);
+#ifdef WHOLE_MODEL
+    struct vector down; /* where the load points as the phase begins, on the rotating axes */
+#endif
 };
+
+#ifdef WHOLE_MODEL
+/* The direction of the load by time and by the direction of the contact. By its own rate alone it
+ * would turn away from the unbalance in a long phase, a tolerance a step. */
+static inline struct vector load_of(const struct motion *motion, const double *values, double point)
+{
+    const int contact = motion->mode == &contact_mode;
+    const double angle = motion->model.omega * (contact ? values[CONTACT_T] : point);
+    const struct vector down = product(motion->down, (struct vector){cos(angle), -sin(angle)});
+    return contact ? product(down, (struct vector){values[CONTACT_C], -values[CONTACT_S]}) : down;
+}
+
+static inline void put_load_right(const struct motion *motion, double *values, double point)
+{
+    if (motion->model.load == 0.0)
+        return;
+    const struct vector down = load_of(motion, values, point);
+    const int place = motion->mode == &contact_mode ? (int)CONTACT_DOWN_R : (int)CARTESIAN_DOWN_X;
+    values[place] = down.x;
+    values[place + 1] = down.y;
+}
+#endif
 
 static inline int values_of(const struct motion *motion)
 {

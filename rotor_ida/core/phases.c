@@ -148,16 +148,28 @@ struct push {
     double force, growth;
 };
 
-static struct push push_of(const struct motion *motion, const double *values)
+static double force_at(const struct motion *motion, const double *values)
 {
     const struct parameters *m = &motion->model;
     const double q = values[CONTACT_Q], spring = q * q * (m->hertz * q + m->linear);
-    const double held = 1.0 + m->contact_damping * values[CONTACT_P];
-    double rate[MOST_VALUES];
-    motion->mode->field(m, values, rate);
+    return larger(spring * (1.0 + m->contact_damping * values[CONTACT_P]), 0.0);
+}
+
+static struct push push_of(const struct motion *motion, const double *values, const double *rate)
+{
+    const struct parameters *m = &motion->model;
+    const double q = values[CONTACT_Q], damping = m->contact_damping;
     const double stiffening = q * (3.0 * m->hertz * q + 2.0 * m->linear) * rate[CONTACT_Q];
-    return (struct push){larger(spring * held, 0.0),
-                         stiffening * held + spring * m->contact_damping * rate[CONTACT_P]};
+    const double more = q * q * (m->hertz * q + m->linear) * damping * rate[CONTACT_P];
+    return (struct push){force_at(motion, values),
+                         stiffening * (1.0 + damping * values[CONTACT_P]) + more};
+}
+
+static struct push push_within(struct motion *motion, const double *values)
+{
+    double rate[MOST_VALUES];
+    motion->mode->field(&motion->model, values, rate);
+    return push_of(motion, values, rate);
 }
 
 /* Keep the largest force of a step up to `end`: with damping it comes before the largest
@@ -166,9 +178,12 @@ static void raise_force(struct peak *peak, struct motion *motion, double end, co
 {
     if (motion->model.pressed == 0.0)
         return;
-    struct push left = push_of(motion, motion->before), right = push_of(motion, reached);
+    struct push left = push_of(motion, motion->before, motion->rate(motion));
+    peak->force = larger(peak->force, larger(left.force, force_at(motion, reached)));
+    if (!(left.growth > 0.0))
+        return;
+    struct push right = push_within(motion, reached);
     double low = motion->low, high = end;
-    peak->force = larger(peak->force, larger(left.force, right.force));
     for (int i = 0; left.growth > 0.0 && 0.0 > right.growth && i < MOST_NARROWING; i++) {
         /* no more than what it grows from either end is to be had */
         const double most = smaller(left.force + left.growth * (high - low),
@@ -178,7 +193,7 @@ static void raise_force(struct peak *peak, struct motion *motion, double end, co
         /* by the secant of the growth, or halves where that gets nowhere */
         const double part = i % 4 == 3 ? 0.5 : left.growth / (left.growth - right.growth);
         const double point = low + part * (high - low);
-        const struct push here = push_of(motion, motion->at(motion, point));
+        const struct push here = push_within(motion, motion->at(motion, point));
         peak->force = larger(peak->force, here.force);
         if (here.growth > 0.0) {
             low = point;
@@ -219,6 +234,7 @@ static int change_mode(struct run *run, struct motion *motion, double turn, doub
     motion->model.pressed = pressed ? 0.0 : 1.0;
     double unused[MOST_VALUES];
     copy_values(motion, reached, start);
+    put_load_right(motion, start, 0.0);
     begin_differences(motion, start, unused);
     return motion->restart(motion, start, atol);
 }
@@ -399,7 +415,7 @@ int follow_freely(struct run *run, struct motion *motion, struct peak *peak, int
     double start[MOST_VALUES] = {run->state[0], run->state[1], run->state[2], run->state[3]};
     double atol[MOST_VALUES] = {run->atol, run->atol, run->atol, run->atol};
 #ifdef WHOLE_MODEL
-    const struct vector down = where_it_is(run).down;
+    const struct vector down = motion->down = where_it_is(run).down;
     start[CARTESIAN_DOWN_X] = down.x;
     start[CARTESIAN_DOWN_Y] = down.y;
     atol[CARTESIAN_DOWN_X] = atol[CARTESIAN_DOWN_Y] = run->atol;

@@ -323,32 +323,6 @@ static void put_on_circle(double *direction)
     direction[1] = nearer * s;
 }
 
-#ifdef WHOLE_MODEL
-/* Put the load's direction where it points by time and by the direction of the contact: by its own
- * rate alone it would turn away from the unbalance in a long phase, a tolerance a step. */
-static void put_load_right(struct motion *motion)
-{
-    const double *before = motion->before;
-    double *after = motion->values;
-    const int contact = motion->mode == &contact_mode;
-    double *load = &after[contact ? CONTACT_DOWN_R : CARTESIAN_DOWN_X];
-    const double *last = &before[contact ? CONTACT_DOWN_R : CARTESIAN_DOWN_X];
-    const double span = contact ? after[CONTACT_T] - before[CONTACT_T]
-                                : motion->point - motion->low;
-    const double angle = motion->model.omega * span;
-    struct vector down = product((struct vector){last[0], last[1]},
-                                 (struct vector){cos(angle), -sin(angle)});
-    if (contact) {
-        const struct vector from = {before[CONTACT_C], before[CONTACT_S]};
-        const struct vector to = {after[CONTACT_C], after[CONTACT_S]};
-        down = product(product(down, from), mirrored(to));
-    }
-    load[0] = down.x;
-    load[1] = down.y;
-    put_on_circle(load);
-}
-#endif
-
 static int advance(struct motion *motion)
 {
     struct taylor *taylor = taylor_of(motion);
@@ -378,7 +352,7 @@ static int advance(struct motion *motion)
     if (mode == &contact_mode)
         put_on_circle(&motion->values[CONTACT_C]);
 #ifdef WHOLE_MODEL
-    put_load_right(motion);
+    put_load_right(motion, motion->values, motion->point);
 #endif
     double total = 0.0;
     for (int i = 0; i < values_of(motion); i++)
@@ -404,6 +378,8 @@ static const double *at(struct motion *motion, double point)
     return point <= motion->low ? motion->before : glance_at(motion, point);
 }
 
+static const double *rate(struct motion *motion) { return taylor_of(motion)->series.terms[1]; }
+
 static int64_t evaluations(struct motion *motion) { return taylor_of(motion)->orders; }
 
 /* The order at which a given accuracy takes the least work: 1 - ln(eps)/2 [Jorba and Zou 2005]. */
@@ -428,6 +404,7 @@ void open_taylor(struct taylor *taylor, const struct mode *mode, struct paramete
                                      .advance = advance,
                                      .at = at,
                                      .glance_at = glance_at,
+                                     .rate = rate,
                                      .evaluations = evaluations};
 }
 
