@@ -47,6 +47,8 @@ struct motion {
     const double *(*rate)(struct motion *);                    /* at the beginning of the step */
     int64_t (*evaluations)(struct motion *);
 #ifdef WHOLE_MODEL
+    /* add what a contact spends up to a point of the last step; NULL where its values have it */
+    void (*spend)(struct motion *, double end, double *reached);
     struct vector down; /* where the load points as the phase begins, on the rotating axes */
 #endif
 };

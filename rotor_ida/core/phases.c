@@ -66,6 +66,44 @@ double lost_of(const struct motion *motion, const double *start, const double *v
     return values[CONTACT_WORK] - held_by(m, values[CONTACT_Q]) + held_by(m, start[CONTACT_Q]);
 }
 
+/* What the motion has of the energy on the rotating axes, but for the ring: there the unbalance
+ * pulls with a constant force. Its largest part is kept in `scale`. */
+static double energy_of(const struct parameters *m, const double *values, double *scale)
+{
+    const double radius = m->delta0 + values[CONTACT_Q] * values[CONTACT_Q];
+    const double p = values[CONTACT_P], around = values[CONTACT_H] / radius;
+    const double moving = 0.5 * (p * p + around * around);
+    const double bent = 0.5 * m->shaft_stiffness * radius * radius;
+    const double lifted = m->load * radius * values[CONTACT_DOWN_R];
+    const double turning = m->omega * values[CONTACT_H];
+    const double pulled = m->omega * m->omega * radius * values[CONTACT_C];
+    *scale = larger(*scale, moving + bent + fabs(lifted) + fabs(turning) + fabs(pulled));
+    return moving + bent - lifted - turning - pulled;
+}
+
+/* The error of energy allowed a step, in tolerances. A step's own is up to one of them. */
+static const double ENERGY_ERROR = 100.0;
+/* Steps that are allowed for beginning and end. */
+enum { STEPS_AT_ENDS = 10 };
+
+/* Whether energy balances over a contact of so many steps: what the motion has lost went into the
+ * ring, into damping, and into the work of the load that turns on these axes. */
+static int is_balanced(const struct motion *motion, double absolute, const double *start,
+                       const double *reached, int64_t steps)
+{
+    const struct parameters *m = &motion->model;
+    double scale = fabs(reached[CONTACT_WORK]) + fabs(reached[CONTACT_SPENT]);
+    const double before = energy_of(m, start, &scale), after = energy_of(m, reached, &scale);
+    const double missing = after - before + reached[CONTACT_WORK] - start[CONTACT_WORK]
+                           + reached[CONTACT_SPENT] - start[CONTACT_SPENT];
+    /* what errors of angular momentum and of directions come to that are allowed by themselves */
+    const double radius = m->delta0 + reached[CONTACT_Q] * reached[CONTACT_Q];
+    const double spin = fabs(reached[CONTACT_H]) / (radius * radius);
+    const double apart = m->omega + spin + (m->omega * m->omega + m->load) * radius;
+    const double allowed = ENERGY_ERROR * (double)(steps + STEPS_AT_ENDS);
+    return fabs(missing) <= allowed * (motion->rtol * scale + absolute * apart);
+}
+
 /* How far inside its mode a contact is at a point of the last step; and how fast that grows, which
  * is not asked of Taylor series. */
 struct margin {
@@ -309,9 +347,10 @@ int integrate_contact(struct run *run, struct motion *motion, const double *begu
                       const double *atol, double *reached, struct peak *peak, int *left)
 {
     int idle = 0;
+    int64_t steps = 0;
     double start[MOST_VALUES];
     copy_values(motion, begun, start);
-    (void)atol; /* of another mode, which the paper's rotor has not */
+    (void)atol, (void)steps; /* of another mode, which the paper's rotor has not */
     while (!asked_to_stop(run->stop)) {
         int status = motion->advance(motion);
         if (status != DONE)
@@ -330,6 +369,14 @@ int integrate_contact(struct run *run, struct motion *motion, const double *begu
             copy_values(motion, motion->before, reached);
             return NO_ROOT;
         }
+#ifdef WHOLE_MODEL
+        steps++;
+        if (motion->spend != NULL) {
+            reached[CONTACT_SPENT] = motion->before[CONTACT_SPENT];
+            motion->spend(motion, end, reached);
+            motion->values[CONTACT_SPENT] = reached[CONTACT_SPENT];
+        }
+#endif
         raise_peak_of_contact(peak, motion, end, reached);
         const struct step step = {motion, end, reached[CONTACT_T], reached};
         status = observe_step(run, &step);
@@ -350,7 +397,11 @@ int integrate_contact(struct run *run, struct motion *motion, const double *begu
 #endif
         if (*left || reached[CONTACT_T] >= time_left(run)) {
             observe_phase(run, motion, start, reached);
+#ifdef WHOLE_MODEL
+            return is_balanced(motion, run->atol, begun, reached, steps) ? DONE : UNBALANCED;
+#else
             return DONE;
+#endif
         }
         idle = reached[CONTACT_T] <= motion->before[CONTACT_T] ? idle + 1 : 0;
         if (idle > PATIENCE)

@@ -364,6 +364,45 @@ static int advance(struct motion *motion)
     return DONE;
 }
 
+#ifdef WHOLE_MODEL
+/* Places and weights of Gauss's quadrature of eight points on [0, 1], four to a vector. */
+enum { AT_ONCE = 2, READ = 4 };
+static const vec4 PLACES[AT_ONCE] = {
+    {0.01985507175123188, 0.10166676129318664, 0.2372337950418355, 0.4082826787521751},
+    {0.5917173212478249, 0.7627662049581645, 0.8983332387068134, 0.9801449282487681}};
+static const vec4 WEIGHTS[AT_ONCE] = {
+    {0.05061426814518813, 0.11119051722668724, 0.15685332293894363, 0.18134189168918100},
+    {0.18134189168918100, 0.15685332293894363, 0.11119051722668724, 0.05061426814518813}};
+
+/* What a contact spends, by a quadrature over the last step: a lane of its own would cost more. The
+ * formula is written here a second time, as the balance of energy is there to witness. */
+static void spend(struct motion *motion, double end, double *reached)
+{
+    const struct parameters *m = &motion->model;
+    const struct series *series = &taylor_of(motion)->series;
+    const double torque = m->omega * m->load, damping = 2.0 * m->zeta, reach = end - motion->low;
+    if (damping == 0.0 && torque == 0.0)
+        return;
+    static const int components[READ] = {CONTACT_Q, CONTACT_P, CONTACT_H, CONTACT_DOWN_T};
+    vec4 values[READ][AT_ONCE] = {{{0.0}}};
+    for (int n = taylor_of(motion)->order; n >= 0; n--) {
+        for (int i = 0; i < READ; i++) {
+            const vec4 term = spread(series->terms[n][components[i]]);
+            for (int v = 0; v < AT_ONCE; v++)
+                values[i][v] = fma4(values[i][v], spread(reach) * PLACES[v], term);
+        }
+    }
+    vec4 total = spread(0.0);
+    for (int v = 0; v < AT_ONCE; v++) {
+        const vec4 q = values[0][v], p = values[1][v], h = values[2][v], across = values[3][v];
+        const vec4 r = spread(m->delta0) + q * q, around = h / r;
+        const vec4 damped = spread(damping) * (p * p + around * around - spread(m->omega) * h);
+        total += WEIGHTS[v] * q * (damped + spread(torque) * r * across);
+    }
+    reached[CONTACT_SPENT] += reach * (total[0] + total[1] + total[2] + total[3]);
+}
+#endif
+
 static const double *glance_at(struct motion *motion, double point)
 {
     struct taylor *taylor = taylor_of(motion);
@@ -406,6 +445,9 @@ void open_taylor(struct taylor *taylor, const struct mode *mode, struct paramete
                                      .glance_at = glance_at,
                                      .rate = rate,
                                      .evaluations = evaluations};
+#ifdef WHOLE_MODEL
+    taylor->motion.spend = spend;
+#endif
 }
 
 /* The step of the secant or of inverse quadratic interpolation, as p/q with p > 0. */
