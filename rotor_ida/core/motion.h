@@ -43,8 +43,9 @@ struct motion {
     int (*restart)(struct motion *, const double *start, const double *atol);
     int (*advance)(struct motion *);
     const double *(*at)(struct motion *, double point);
-    const double *(*glance_at)(struct motion *, double point); /* faster, and to rounding */
-    const double *(*rate)(struct motion *);                    /* at the beginning of the step */
+    /* faster, and to rounding; of a contact up to its time, without the integrals behind it */
+    const double *(*glance_at)(struct motion *, double point);
+    const double *(*rate)(struct motion *); /* at the beginning of the step */
     int64_t (*evaluations)(struct motion *);
 #ifdef WHOLE_MODEL
     /* add what a contact spends up to a point of the last step; NULL where its values have it */
@@ -92,8 +93,8 @@ static inline void copy_values(const struct motion *motion, const double *from, 
 struct taylor {
     struct motion motion;
     int order;
-    double fallen;  /* what is left of a first term that falls as it is best, at order + 1 */
-    int64_t orders; /* expanded since the start */
+    double fallen;         /* what is left of a first term that falls as it is best, at order + 1 */
+    int64_t orders, steps; /* expanded, and taken, since the start */
     double atol[MOST_STATE], inverse[MOST_STATE], sizes[WIDTH];
     double reading[MOST_VALUES];
     int has_basis;

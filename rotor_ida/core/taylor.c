@@ -15,6 +15,13 @@ static const double UNLIMITED = 100.0;
  * the series of a radial entry has but every fifth. */
 static const double FALL = 2.0, RATIO = 7.38905609893065;
 enum { LOOKED_AT = 6, MOST_CUTS = 60 };
+#ifdef WHOLE_MODEL
+/* After so many steps the load is put where it points. */
+enum { STEPS_OF_LOAD = 4 };
+#endif
+/* The first columns of a contact: its guards, and all but the integrals that are behind its time.
+ */
+enum { GUARDS = CONTACT_P + 1, TO_BE_SEEN = CONTACT_T + 1 };
 
 static struct taylor *taylor_of(struct motion *motion) { return (struct taylor *)motion; }
 
@@ -42,7 +49,7 @@ static double whole_power(double base, int exponent)
 
 /* The step at which the last terms of the first components reach their tolerances; NaN where a
  * term is not finite. Jorba and Zou 2005, section 3.2. */
-static double longest_step(struct taylor *taylor, int components, double rate)
+static inline double longest_step(struct taylor *taylor, const int components, double rate)
 {
     const int order = taylor->order;
     const double last = worst_of(taylor, order, components);
@@ -60,7 +67,8 @@ static double longest_step(struct taylor *taylor, int components, double rate)
     /* others in case these vanish */
     const int first = order - LOOKED_AT + 1;
     const double growth = RATIO * step;
-    evaluate(taylor->series.terms[first], WIDTH, LOOKED_AT - 3, growth, 1, taylor->sizes);
+    evaluate(taylor->series.terms[first], WIDTH, components, LOOKED_AT - 3, growth, 1,
+             taylor->sizes);
     const double scale = whole_power(growth, first) * taylor->fallen;
     int exceeds = 0; /* also where a power overflows, and a vanishing term makes it NaN */
     for (int i = 0; i < components; i++)
@@ -184,7 +192,7 @@ static double contact_step(struct taylor *taylor)
 {
     const double q = fabs(taylor->series.terms[0][CONTACT_Q]);
     double step = longest_step(taylor, CONTACT_T, rate_of_contact(taylor));
-    evaluate(taylor->series.terms[0], WIDTH, taylor->order, step, 1, taylor->sizes);
+    evaluate(taylor->series.terms[0], WIDTH, GUARDS, taylor->order, step, 1, taylor->sizes);
     /* on a whirl of constant radius p is rounding, and what a step leaves open */
     const double noise = larger(NOISE, taylor->motion.rtol) * q / step;
     step = with_one_root(taylor, CONTACT_EXIT_GUARD, taylor->sizes[CONTACT_EXIT_GUARD], step);
@@ -276,12 +284,12 @@ static double step_of_differences(struct taylor *taylor)
 }
 
 /* Write the values at a part of the step; there is room for more than the state. */
-static void read(const struct taylor *taylor, double part, double *values)
+static inline void read(const struct taylor *taylor, const int columns, double part, double *values)
 {
     const struct motion *motion = &taylor->motion;
-    evaluate(taylor->series.terms[0], WIDTH, taylor->order, part, 0, values);
+    evaluate(taylor->series.terms[0], WIDTH, columns, taylor->order, part, 0, values);
     if (motion->tangents)
-        evaluate(taylor->series.apart[0], APART, taylor->order, part, 0,
+        evaluate(taylor->series.apart[0], APART, APART, taylor->order, part, 0,
                  &values[motion->mode->size]);
 }
 
@@ -292,7 +300,7 @@ static int restart(struct motion *motion, const double *start, const double *ato
     copy_values(motion, start, motion->values);
     copy_values(motion, start, motion->before);
     memcpy(taylor->atol, atol, sizeof(double) * (size_t)motion->mode->size);
-    taylor->orders = 0;
+    taylor->orders = taylor->steps = 0;
     return DONE;
 }
 
@@ -307,10 +315,12 @@ static void begin_step(struct taylor *taylor)
             motion->values[size + j] = j % (DIFFERENCES + 1) == 0 ? 1.0 : 0.0;
     }
     copy_values(motion, motion->values, motion->before);
-    for (int i = 0; i < size; i++) {
+    for (int i = 0; i < size; i++)
         taylor->series.terms[0][i] = motion->values[i];
+    /* no step is chosen by the integrals of a contact */
+    const int chosen_by = motion->mode == &contact_mode ? (int)CONTACT_T : size;
+    for (int i = 0; i < chosen_by; i++)
         taylor->inverse[i] = 1.0 / (motion->rtol * fabs(motion->values[i]) + taylor->atol[i]);
-    }
 }
 
 /* Put the direction of a contact back on the unit circle, off which each step carries it a little:
@@ -348,11 +358,12 @@ static int advance(struct motion *motion)
     motion->point = motion->low + step;
     if (motion->point <= motion->low)
         return STUCK;
-    read(taylor, motion->point - motion->low, motion->values);
+    read(taylor, WIDTH, motion->point - motion->low, motion->values);
     if (mode == &contact_mode)
         put_on_circle(&motion->values[CONTACT_C]);
 #ifdef WHOLE_MODEL
-    put_load_right(motion, motion->values, motion->point);
+    if (++taylor->steps % STEPS_OF_LOAD == 0)
+        put_load_right(motion, motion->values, motion->point);
 #endif
     double total = 0.0;
     for (int i = 0; i < values_of(motion); i++)
@@ -406,7 +417,7 @@ static void spend(struct motion *motion, double end, double *reached)
 static const double *glance_at(struct motion *motion, double point)
 {
     struct taylor *taylor = taylor_of(motion);
-    read(taylor, point - motion->low, taylor->reading);
+    read(taylor, TO_BE_SEEN, point - motion->low, taylor->reading);
     return taylor->reading;
 }
 
@@ -414,7 +425,11 @@ static const double *at(struct motion *motion, double point)
 {
     if (point >= motion->point)
         return motion->values;
-    return point <= motion->low ? motion->before : glance_at(motion, point);
+    if (point <= motion->low)
+        return motion->before;
+    struct taylor *taylor = taylor_of(motion);
+    read(taylor, WIDTH, point - motion->low, taylor->reading);
+    return taylor->reading;
 }
 
 static const double *rate(struct motion *motion) { return taylor_of(motion)->series.terms[1]; }
