@@ -196,7 +196,7 @@ def contact_rates(state: Numbers, rotor: Any) -> list[Number]:
     if not whole:
         return [of_q, of_p, of_h, of_c, of_s, q, of_j]
     of_down_r, of_down_t = turned * down_t, -(turned * down_r)
-    return [of_q, of_p, of_h, of_c, of_s, of_down_r, of_down_t, q, of_j, of_j * p, 0.0]
+    return [of_q, of_p, of_h, of_c, of_s, of_down_r, of_down_t, q, of_j, of_j * p, 0.0 * q]
 
 
 def spent_rate(state: Numbers, rotor: Any) -> Number:
