@@ -87,12 +87,16 @@ static const double ENERGY_ERROR = 100.0;
 enum { STEPS_AT_ENDS = 10 };
 
 /* Whether energy balances over a contact of so many steps: what the motion has lost went into the
- * ring, into damping, and into the work of the load that turns on these axes. */
+ * ring, into damping, and into the work of the load that turns on these axes. It is measured by the
+ * largest energies at the ends and where the contact is deepest. */
 static int is_balanced(const struct motion *motion, double absolute, const double *start,
-                       const double *reached, int64_t steps)
+                       const double *deepest, const double *reached, int64_t steps)
 {
     const struct parameters *m = &motion->model;
-    double scale = fabs(reached[CONTACT_WORK]) + fabs(reached[CONTACT_SPENT]);
+    double scale = 0.0;
+    energy_of(m, deepest, &scale);
+    scale += fabs(deepest[CONTACT_WORK]) + fabs(deepest[CONTACT_SPENT])
+             + fabs(reached[CONTACT_WORK]) + fabs(reached[CONTACT_SPENT]);
     const double before = energy_of(m, start, &scale), after = energy_of(m, reached, &scale);
     const double missing = after - before + reached[CONTACT_WORK] - start[CONTACT_WORK]
                            + reached[CONTACT_SPENT] - start[CONTACT_SPENT];
@@ -398,7 +402,8 @@ int integrate_contact(struct run *run, struct motion *motion, const double *begu
         if (*left || reached[CONTACT_T] >= time_left(run)) {
             observe_phase(run, motion, start, reached);
 #ifdef WHOLE_MODEL
-            return is_balanced(motion, run->atol, begun, reached, steps) ? DONE : UNBALANCED;
+            return is_balanced(motion, run->atol, begun, peak->values, reached, steps) ? DONE
+                                                                                       : UNBALANCED;
 #else
             return DONE;
 #endif
