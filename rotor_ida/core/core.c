@@ -179,10 +179,30 @@ static enum fault fault_of_events(const struct run *run, int64_t *row)
     return SOUND;
 }
 
+/* Whether the contact begins loose in which a run begins: only then is it pressed first. */
+static int begins_loose(const struct run *run)
+{
+    return run->began == IN_CONTACT && run->events > 0 && run->event_kinds[0] == PRESS;
+}
+
+/* How far 1 + c d' may lie on the wrong side of 0: as far as a sample off the ring, by its speed.
+ */
+static int is_tensile(const struct run *run, const double *state, int loose, double allowed)
+{
+    const struct vector z = {state[0], state[1]}, v = {state[2], state[3]};
+    const double radius = length(z), damping = run->rotor.contact_damping;
+    const double held = 1.0 + damping * dot(z, v) / radius;
+    const double least = damping * allowed * (1.0 + length(v) / run->rotor.delta0);
+    return (loose ? -held : held) < -least;
+}
+
 static enum fault fault_of_samples(const struct run *run, double allowed, int64_t *row)
 {
     int64_t passed = 0;
     double outwards = run->began == IN_CONTACT ? 1.0 : -1.0;
+    int loose = begins_loose(run);
+    /* without an event before its end it is not known how the first contact began */
+    int known = run->began != IN_CONTACT || (run->events > 0 && run->event_kinds[0] != EXIT);
     for (*row = 0; *row < run->sampled; ++*row) {
         const double *state = &run->samples[4 * *row];
         if (!is_finite(state))
@@ -191,9 +211,14 @@ static enum fault fault_of_samples(const struct run *run, double allowed, int64_
              passed++) {
             const int kind = run->event_kinds[passed];
             outwards = kind == ENTRY || kind == EXIT ? -outwards : outwards;
+            loose = kind == RELEASE;
+            known = 1;
         }
         if (outwards * (radius_at(state) - run->rotor.delta0) < -allowed && run->rotor.delta0 > 0.0)
             return WRONG_SIDE_OF_THE_RING;
+        if (outwards > 0.0 && known && run->rotor.contact_damping > 0.0
+            && is_tensile(run, state, loose, allowed))
+            return TENSILE;
     }
     return SOUND;
 }

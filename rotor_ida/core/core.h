@@ -20,7 +20,8 @@ enum status {
     STOPPED = 1004,
     FULL = 1005,
     NO_SOLVER = 1006,
-    FULL_INSIDE = 1007
+    FULL_INSIDE = 1007,
+    UNBALANCED = 1008
 };
 
 struct rotor {
@@ -151,12 +152,14 @@ enum fault {
     OFF_THE_RING,
     SAMPLE_NOT_FINITE,
     WRONG_SIDE_OF_THE_RING,
+    TENSILE,
     PEAKS_OUTSIDE
 };
 
 /* The first fault of the events, samples and contacts of a run, and its row in that table: times
  * increase; entry and exit alternate; they lie on the ring but for rounding; samples lie on their
- * side of it but for `allowed`; and contacts peak in their own span. */
+ * side of it but for `allowed`, and the normal force of those that are pressed is not below 0, nor
+ * absent where it would not be; and contacts peak in their own span. */
 CORE_API int core_fault(const struct run *run, double allowed, int64_t *row);
 
 /* Follow many starts on the rotating axes until an attractor holds them or `duration` has passed.

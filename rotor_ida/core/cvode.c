@@ -14,9 +14,30 @@ enum { FEW_READINGS = 6 };
 
 static struct cvode *cvode_of(struct motion *motion) { return (struct cvode *)motion; }
 
+#ifdef WHOLE_MODEL
+/* How fast the direction of the load is drawn to where it points, in parts of how fast it turns. */
+static const double PULL = 0.1;
+
+static void draw_load(const struct motion *motion, double point, const double *values,
+                      double *rates)
+{
+    if (motion->model.load == 0.0)
+        return;
+    const struct vector down = load_of(motion, values, point);
+    double turning = motion->model.omega;
+    int place = CARTESIAN_DOWN_X;
+    if (motion->mode == &contact_mode) {
+        const double q = values[CONTACT_Q], radius = motion->model.delta0 + q * q;
+        turning = fabs(q) * (turning + fabs(values[CONTACT_H]) / (radius * radius));
+        place = CONTACT_DOWN_R;
+    }
+    rates[place] += PULL * turning * (down.x - values[place]);
+    rates[place + 1] += PULL * turning * (down.y - values[place + 1]);
+}
+#endif
+
 static int right_hand_side(double point, void *state, void *rate, void *user)
 {
-    (void)point;
     const struct cvode *cvode = user;
     const struct motion *motion = &cvode->motion;
     const double *values = cvode->sundials->vector_data(state);
@@ -24,6 +45,11 @@ static int right_hand_side(double point, void *state, void *rate, void *user)
     if (values == NULL || rates == NULL)
         return -1;
     motion->mode->field(&motion->model, values, rates);
+#ifdef WHOLE_MODEL
+    draw_load(motion, point, values, rates);
+#else
+    (void)point;
+#endif
     if (!motion->tangents)
         return 0;
     double growth[4][4];
@@ -162,6 +188,13 @@ static const double *glance_at(struct motion *motion, double point)
     return cvode->reading;
 }
 
+static const double *rate(struct motion *motion)
+{
+    struct cvode *cvode = cvode_of(motion);
+    motion->mode->field(&motion->model, motion->before, cvode->rates);
+    return cvode->rates;
+}
+
 static int64_t evaluations(struct motion *motion)
 {
     struct cvode *cvode = cvode_of(motion);
@@ -214,6 +247,7 @@ int open_cvode(struct cvode *cvode, const struct sundials *sundials, int method,
                                     .advance = advance,
                                     .at = at,
                                     .glance_at = glance_at,
+                                    .rate = rate,
                                     .evaluations = evaluations};
     if (sundials == NULL)
         return NO_SOLVER;

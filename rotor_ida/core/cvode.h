@@ -10,7 +10,7 @@ struct cvode {
     struct motion motion;
     const struct sundials *sundials;
     void *context, *memory, *matrix, *linear, *state, *tolerances, *derivative;
-    double atol[MOST_VALUES], derivatives[MOST_VALUES], reading[MOST_VALUES];
+    double atol[MOST_VALUES], derivatives[MOST_VALUES], reading[MOST_VALUES], rates[MOST_VALUES];
     double series[HIGHEST_DEGREE + 1][MOST_VALUES]; /* of the last step about its end, scaled */
     int degree, readings;
     int failure; /* the first flag of a reading that failed, or 0 */

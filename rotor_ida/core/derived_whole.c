@@ -3,7 +3,7 @@
 #ifdef WHOLE_MODEL
 #include "motion.h"
 
-/* The rates of change of q, p, h, c, s, down_r, down_t, t, j, work, drawn back to where they belong. */
+/* The rates of change of q, p, h, c, s, down_r, down_t, t, j, work, spent, drawn back to where they belong. */
 static void contact_field(const struct parameters *m,
     const double *state, double *rate)
 {
@@ -49,6 +49,11 @@ static void contact_field(const struct parameters *m,
     const double w32 = w3 * q;
     const double of_j = m->pressed * w32;
     const double w34 = w32 * p;
+    const double w35 = p * p;
+    const double w36 = around * around;
+    const double damped = 2.0 * m->zeta * (w35 + w36 - m->omega * h);
+    const double w38 = r * down_t;
+    const double w39 = (damped + m->load * m->omega * w38) * q;
     rate[CONTACT_Q] = of_q;
     rate[CONTACT_P] = of_p;
     rate[CONTACT_H] = of_h;
@@ -59,13 +64,14 @@ static void contact_field(const struct parameters *m,
     rate[CONTACT_T] = q;
     rate[CONTACT_J] = of_j;
     rate[CONTACT_WORK] = m->pressed * w34;
+    rate[CONTACT_SPENT] = w39;
 }
 
 /* Their derivatives by each of these, column by column. */
 static void contact_jacobian(const struct parameters *m,
     const double *state, double *matrix)
 {
-    for (int i = 0; i < 100; i++)
+    for (int i = 0; i < 121; i++)
         matrix[i] = 0.0;
     const double q = state[CONTACT_Q];
     const double p = state[CONTACT_P];
@@ -117,40 +123,48 @@ static void contact_jacobian(const struct parameters *m,
     const double w40 = w37 * down_t;
     const double w41 = w11 * q;
     const double w42 = (w5 + m->pressed * w41) * p;
-    const double w43 = (-2.0 * m->zeta - m->pressed * m->contact_damping * push) * q;
-    const double w44 = push * q;
-    const double w45 = w44 * p;
-    const double w46 = w4 * q;
-    const double w47 = ratio(1.0, w6);
-    const double w48 = w8 * w47;
-    const double w49 = ratio(w47, w6);
-    const double w50 = w49 * w7;
-    const double w51 = (w48 + w50) * q;
-    const double w52 = w47 * w6;
-    const double w53 = w52 * q;
-    const double w54 = w49 * q;
-    const double w55 = w54 * s;
-    const double w56 = w54 * c;
-    const double w57 = w54 * down_t;
-    const double w58 = w54 * down_r;
-    const double w59 = q * c;
-    const double w60 = w59 * c;
-    const double w61 = w30 * q;
-    const double w62 = 0.1 * m->omega * w61;
-    const double w63 = w15 - m->omega * q;
-    const double w64 = w59 * s;
-    const double w65 = w6 * q;
-    const double w66 = q * s;
-    const double w67 = w66 * c;
-    const double w68 = w66 * s;
-    const double w69 = q * down_r;
-    const double w70 = w69 * down_r;
-    const double w71 = w37 * q;
-    const double w72 = 0.1 * m->omega * w71;
-    const double w73 = w69 * down_t;
-    const double w74 = q * down_t;
-    const double w75 = w74 * down_r;
-    const double w76 = w74 * down_t;
+    const double w43 = p * p;
+    const double w44 = w7 * w7;
+    const double w45 = w6 * down_t;
+    const double w46 = w13 * w7;
+    const double w47 = q * down_t;
+    const double w48 = (-8.0 * m->zeta * w46 + 2.0 * (m->load * m->omega) * w47) * q;
+    const double w49 = (-2.0 * m->zeta - m->pressed * m->contact_damping * push) * q;
+    const double w50 = push * q;
+    const double w51 = w50 * p;
+    const double w52 = w4 * q;
+    const double w53 = q * p;
+    const double w54 = ratio(1.0, w6);
+    const double w55 = w8 * w54;
+    const double w56 = ratio(w54, w6);
+    const double w57 = w56 * w7;
+    const double w58 = (w55 + w57) * q;
+    const double w59 = w54 * w6;
+    const double w60 = w59 * q;
+    const double w61 = w56 * q;
+    const double w62 = w61 * s;
+    const double w63 = w61 * c;
+    const double w64 = w61 * down_t;
+    const double w65 = w61 * down_r;
+    const double w66 = w7 * w54;
+    const double w67 = (2.0 * w66 - m->omega) * q;
+    const double w68 = q * c;
+    const double w69 = w68 * c;
+    const double w70 = w30 * q;
+    const double w71 = 0.1 * m->omega * w70;
+    const double w72 = w15 - m->omega * q;
+    const double w73 = w68 * s;
+    const double w74 = w6 * q;
+    const double w75 = q * s;
+    const double w76 = w75 * c;
+    const double w77 = w75 * s;
+    const double w78 = q * down_r;
+    const double w79 = w78 * down_r;
+    const double w80 = w37 * q;
+    const double w81 = 0.1 * m->omega * w80;
+    const double w82 = w78 * down_t;
+    const double w83 = w47 * down_r;
+    const double w84 = w47 * down_t;
     matrix[1] = m->omega * m->omega * c - 2.0 * m->zeta * p - w5 - m->shaft_stiffness * w6 + m->load * down_r + w9 + w18;
     matrix[2] = w20 + w23;
     matrix[3] = -w27 + 0.1 * m->omega * w31;
@@ -160,28 +174,32 @@ static void contact_jacobian(const struct parameters *m,
     matrix[7] = 1.0;
     matrix[8] = w5 + m->pressed * w41;
     matrix[9] = w42;
-    matrix[10] = 0.5;
-    matrix[11] = w43;
-    matrix[18] = m->pressed * m->contact_damping * w44;
-    matrix[19] = m->pressed * m->contact_damping * w45 + m->pressed * w46;
-    matrix[21] = w51;
-    matrix[22] = -2.0 * m->zeta * w53;
-    matrix[23] = -w55;
-    matrix[24] = w56;
-    matrix[25] = w57;
-    matrix[26] = -w58;
-    matrix[31] = m->omega * m->omega * q;
-    matrix[33] = -0.2 * m->omega * w60 + w62;
-    matrix[34] = w63 - 0.2 * m->omega * w64;
-    matrix[42] = -(m->omega * m->omega) * w65;
-    matrix[43] = -w63 - 0.2 * m->omega * w67;
-    matrix[44] = -0.2 * m->omega * w68 + w62;
-    matrix[51] = m->load * q;
-    matrix[55] = -0.2 * m->omega * w70 + w72;
-    matrix[56] = -w15 - 0.2 * m->omega * w73;
-    matrix[62] = m->load * w65;
-    matrix[65] = w15 - 0.2 * m->omega * w75;
-    matrix[66] = -0.2 * m->omega * w76 + w72;
+    matrix[10] = 2.0 * m->zeta * (w43 + w44 - m->omega * h) + m->load * m->omega * w45 + w48;
+    matrix[11] = 0.5;
+    matrix[12] = w49;
+    matrix[19] = m->pressed * m->contact_damping * w50;
+    matrix[20] = m->pressed * m->contact_damping * w51 + m->pressed * w52;
+    matrix[21] = 4.0 * m->zeta * w53;
+    matrix[23] = w58;
+    matrix[24] = -2.0 * m->zeta * w60;
+    matrix[25] = -w62;
+    matrix[26] = w63;
+    matrix[27] = w64;
+    matrix[28] = -w65;
+    matrix[32] = 2.0 * m->zeta * w67;
+    matrix[34] = m->omega * m->omega * q;
+    matrix[36] = -0.2 * m->omega * w69 + w71;
+    matrix[37] = w72 - 0.2 * m->omega * w73;
+    matrix[46] = -(m->omega * m->omega) * w74;
+    matrix[47] = -w72 - 0.2 * m->omega * w76;
+    matrix[48] = -0.2 * m->omega * w77 + w71;
+    matrix[56] = m->load * q;
+    matrix[60] = -0.2 * m->omega * w79 + w81;
+    matrix[61] = -w15 - 0.2 * m->omega * w82;
+    matrix[68] = m->load * w74;
+    matrix[71] = w15 - 0.2 * m->omega * w83;
+    matrix[72] = -0.2 * m->omega * w84 + w81;
+    matrix[76] = m->load * m->omega * w74;
 }
 
 /* The rates of a small difference are this matrix times it. */
@@ -273,7 +291,7 @@ static void contact_by_parameters(const struct parameters *m,
 static void contact_expand(const struct parameters *m,
     struct series *series, int order)
 {
-    _Static_assert(10 <= WIDTH && 16 <= LANES && 0 <= FACTORS, "series.h has no room for this mode");
+    _Static_assert(11 <= WIDTH && 16 <= LANES && 0 <= FACTORS, "series.h has no room for this mode");
     const double q_first = series->terms[0][CONTACT_Q];
     const double inverse_r = inverse(m->delta0 + q_first * q_first);
     double one = 1.0; /* coefficient n of 1 */
@@ -327,6 +345,7 @@ static void contact_expand(const struct parameters *m,
         terms[CONTACT_T] = q * share;
         terms[CONTACT_J] = of_j * share;
         terms[CONTACT_WORK] = m->pressed * w24 * share;
+        terms[CONTACT_SPENT] = one * 0.0 * share;
         one = 0.0;
     }
 }
@@ -335,7 +354,7 @@ static void contact_expand(const struct parameters *m,
 static void contact_expand_with_factors(const struct parameters *m,
     struct series *series, int order)
 {
-    _Static_assert(10 <= WIDTH && 26 <= LANES && 6 <= FACTORS, "series.h has no room for this mode");
+    _Static_assert(11 <= WIDTH && 26 <= LANES && 6 <= FACTORS, "series.h has no room for this mode");
     const double q_first = series->terms[0][CONTACT_Q];
     const double inverse_r = inverse(m->delta0 + q_first * q_first);
     double one = 1.0; /* coefficient n of 1 */
@@ -404,6 +423,7 @@ static void contact_expand_with_factors(const struct parameters *m,
         terms[CONTACT_T] = q * share;
         terms[CONTACT_J] = of_j * share;
         terms[CONTACT_WORK] = m->pressed * w25 * share;
+        terms[CONTACT_SPENT] = one * 0.0 * share;
         series->factors[0][n] = q;
         series->factors[1][n] = turned;
         series->factors[2][n] = w28;

@@ -70,6 +70,9 @@ static int follow_contact(struct run *run, struct motion *motion, double entry)
     struct peak peak = {.force = 0.0};
     memcpy(peak.values, start, sizeof peak.values);
     begin_pressed(motion, start);
+#ifdef WHOLE_MODEL
+    motion->down = here.down;
+#endif
     int leaves = 0, status = motion->restart(motion, start, atol);
     if (status == DONE)
         status = integrate_contact(run, motion, start, atol, reached, &peak, &leaves);

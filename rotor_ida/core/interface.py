@@ -19,13 +19,14 @@ from rotor_ida.parameters import ALL_PARAMETERS, Rotor
 
 # How a call ended; the flags of SUNDIALS are negative.
 DONE = 0
-NOT_FINITE, NO_ROOT, STUCK, STOPPED, FULL, NO_SOLVER, FULL_INSIDE = range(1001, 1008)
+NOT_FINITE, NO_ROOT, STUCK, STOPPED, FULL, NO_SOLVER, FULL_INSIDE, UNBALANCED = range(1001, 1009)
 MESSAGES = {
     NOT_FINITE: "the state is no longer finite",
     NO_ROOT: "a step holds no root",
     STUCK: "time no longer advances",
     STOPPED: "interrupted",
     NO_SOLVER: "SUNDIALS could not make a solver",
+    UNBALANCED: "the energy of a contact does not balance",
     -1: "Could not reach endpoint after 'max_num_steps'.",
     -2: "Could not satisfy demanded accuracy for an internal step.",
     -3: "Error tests failed too many times, or reached min step size.",
@@ -42,9 +43,10 @@ FAULTS = (
     "an event does not lie at |z| = delta0, or lies off the ring",
     "the state is not finite",
     "a sample lies on the wrong side of the ring",
+    "the normal force of a sample is below 0, or missing where it is not",
     "a contact peaks outside its own span",
 )
-FIRST_OF_SAMPLES, OF_CONTACTS = 5, 7
+FIRST_OF_SAMPLES, OF_CONTACTS = 5, 8
 
 METHODS = {"taylor": 0, "adams": 1, "bdf": 2}
 UNDECIDED, IN_FLIGHT, IN_CONTACT = -1, 0, 1

@@ -43,9 +43,38 @@ struct motion {
     int (*restart)(struct motion *, const double *start, const double *atol);
     int (*advance)(struct motion *);
     const double *(*at)(struct motion *, double point);
-    const double *(*glance_at)(struct motion *, double point); /* faster, and to rounding */
+    /* faster, and to rounding; of a contact up to its time, without the integrals behind it */
+    const double *(*glance_at)(struct motion *, double point);
+    const double *(*rate)(struct motion *); /* at the beginning of the step */
     int64_t (*evaluations)(struct motion *);
+#ifdef WHOLE_MODEL
+    /* add what a contact spends up to a point of the last step; NULL where its values have it */
+    void (*spend)(struct motion *, double end, double *reached);
+    struct vector down; /* where the load points as the phase begins, on the rotating axes */
+#endif
 };
+
+#ifdef WHOLE_MODEL
+/* The direction of the load by time and by the direction of the contact. By its own rate alone it
+ * would turn away from the unbalance in a long phase, a tolerance a step. */
+static inline struct vector load_of(const struct motion *motion, const double *values, double point)
+{
+    const int contact = motion->mode == &contact_mode;
+    const double angle = motion->model.omega * (contact ? values[CONTACT_T] : point);
+    const struct vector down = product(motion->down, (struct vector){cos(angle), -sin(angle)});
+    return contact ? product(down, (struct vector){values[CONTACT_C], -values[CONTACT_S]}) : down;
+}
+
+static inline void put_load_right(const struct motion *motion, double *values, double point)
+{
+    if (motion->model.load == 0.0)
+        return;
+    const struct vector down = load_of(motion, values, point);
+    const int place = motion->mode == &contact_mode ? (int)CONTACT_DOWN_R : (int)CARTESIAN_DOWN_X;
+    values[place] = down.x;
+    values[place + 1] = down.y;
+}
+#endif
 
 static inline int values_of(const struct motion *motion)
 {
@@ -64,8 +93,8 @@ static inline void copy_values(const struct motion *motion, const double *from, 
 struct taylor {
     struct motion motion;
     int order;
-    double fallen;  /* what is left of a first term that falls as it is best, at order + 1 */
-    int64_t orders; /* expanded since the start */
+    double fallen;         /* what is left of a first term that falls as it is best, at order + 1 */
+    int64_t orders, steps; /* expanded, and taken, since the start */
     double atol[MOST_STATE], inverse[MOST_STATE], sizes[WIDTH];
     double reading[MOST_VALUES];
     int has_basis;

@@ -66,6 +66,48 @@ double lost_of(const struct motion *motion, const double *start, const double *v
     return values[CONTACT_WORK] - held_by(m, values[CONTACT_Q]) + held_by(m, start[CONTACT_Q]);
 }
 
+/* What the motion has of the energy on the rotating axes, but for the ring: there the unbalance
+ * pulls with a constant force. Its largest part is kept in `scale`. */
+static double energy_of(const struct parameters *m, const double *values, double *scale)
+{
+    const double radius = m->delta0 + values[CONTACT_Q] * values[CONTACT_Q];
+    const double p = values[CONTACT_P], around = values[CONTACT_H] / radius;
+    const double moving = 0.5 * (p * p + around * around);
+    const double bent = 0.5 * m->shaft_stiffness * radius * radius;
+    const double lifted = m->load * radius * values[CONTACT_DOWN_R];
+    const double turning = m->omega * values[CONTACT_H];
+    const double pulled = m->omega * m->omega * radius * values[CONTACT_C];
+    *scale = larger(*scale, moving + bent + fabs(lifted) + fabs(turning) + fabs(pulled));
+    return moving + bent - lifted - turning - pulled;
+}
+
+/* The error of energy allowed a step, in tolerances. A step's own is up to one of them. */
+static const double ENERGY_ERROR = 100.0;
+/* Steps that are allowed for beginning and end. */
+enum { STEPS_AT_ENDS = 10 };
+
+/* Whether energy balances over a contact of so many steps: what the motion has lost went into the
+ * ring, into damping, and into the work of the load that turns on these axes. It is measured by the
+ * largest energies at the ends and where the contact is deepest. */
+static int is_balanced(const struct motion *motion, double absolute, const double *start,
+                       const double *deepest, const double *reached, int64_t steps)
+{
+    const struct parameters *m = &motion->model;
+    double scale = 0.0;
+    energy_of(m, deepest, &scale);
+    scale += fabs(deepest[CONTACT_WORK]) + fabs(deepest[CONTACT_SPENT])
+             + fabs(reached[CONTACT_WORK]) + fabs(reached[CONTACT_SPENT]);
+    const double before = energy_of(m, start, &scale), after = energy_of(m, reached, &scale);
+    const double missing = after - before + reached[CONTACT_WORK] - start[CONTACT_WORK]
+                           + reached[CONTACT_SPENT] - start[CONTACT_SPENT];
+    /* what errors of angular momentum and of directions come to that are allowed by themselves */
+    const double radius = m->delta0 + reached[CONTACT_Q] * reached[CONTACT_Q];
+    const double spin = fabs(reached[CONTACT_H]) / (radius * radius);
+    const double apart = m->omega + spin + (m->omega * m->omega + m->load) * radius;
+    const double allowed = ENERGY_ERROR * (double)(steps + STEPS_AT_ENDS);
+    return fabs(missing) <= allowed * (motion->rtol * scale + absolute * apart);
+}
+
 /* How far inside its mode a contact is at a point of the last step; and how fast that grows, which
  * is not asked of Taylor series. */
 struct margin {
@@ -148,16 +190,28 @@ struct push {
     double force, growth;
 };
 
-static struct push push_of(const struct motion *motion, const double *values)
+static double force_at(const struct motion *motion, const double *values)
 {
     const struct parameters *m = &motion->model;
     const double q = values[CONTACT_Q], spring = q * q * (m->hertz * q + m->linear);
-    const double held = 1.0 + m->contact_damping * values[CONTACT_P];
-    double rate[MOST_VALUES];
-    motion->mode->field(m, values, rate);
+    return larger(spring * (1.0 + m->contact_damping * values[CONTACT_P]), 0.0);
+}
+
+static struct push push_of(const struct motion *motion, const double *values, const double *rate)
+{
+    const struct parameters *m = &motion->model;
+    const double q = values[CONTACT_Q], damping = m->contact_damping;
     const double stiffening = q * (3.0 * m->hertz * q + 2.0 * m->linear) * rate[CONTACT_Q];
-    return (struct push){larger(spring * held, 0.0),
-                         stiffening * held + spring * m->contact_damping * rate[CONTACT_P]};
+    const double more = q * q * (m->hertz * q + m->linear) * damping * rate[CONTACT_P];
+    return (struct push){force_at(motion, values),
+                         stiffening * (1.0 + damping * values[CONTACT_P]) + more};
+}
+
+static struct push push_within(struct motion *motion, const double *values)
+{
+    double rate[MOST_VALUES];
+    motion->mode->field(&motion->model, values, rate);
+    return push_of(motion, values, rate);
 }
 
 /* Keep the largest force of a step up to `end`: with damping it comes before the largest
@@ -166,9 +220,12 @@ static void raise_force(struct peak *peak, struct motion *motion, double end, co
 {
     if (motion->model.pressed == 0.0)
         return;
-    struct push left = push_of(motion, motion->before), right = push_of(motion, reached);
+    struct push left = push_of(motion, motion->before, motion->rate(motion));
+    peak->force = larger(peak->force, larger(left.force, force_at(motion, reached)));
+    if (!(left.growth > 0.0))
+        return;
+    struct push right = push_within(motion, reached);
     double low = motion->low, high = end;
-    peak->force = larger(peak->force, larger(left.force, right.force));
     for (int i = 0; left.growth > 0.0 && 0.0 > right.growth && i < MOST_NARROWING; i++) {
         /* no more than what it grows from either end is to be had */
         const double most = smaller(left.force + left.growth * (high - low),
@@ -178,7 +235,7 @@ static void raise_force(struct peak *peak, struct motion *motion, double end, co
         /* by the secant of the growth, or halves where that gets nowhere */
         const double part = i % 4 == 3 ? 0.5 : left.growth / (left.growth - right.growth);
         const double point = low + part * (high - low);
-        const struct push here = push_of(motion, motion->at(motion, point));
+        const struct push here = push_within(motion, motion->at(motion, point));
         peak->force = larger(peak->force, here.force);
         if (here.growth > 0.0) {
             low = point;
@@ -219,6 +276,7 @@ static int change_mode(struct run *run, struct motion *motion, double turn, doub
     motion->model.pressed = pressed ? 0.0 : 1.0;
     double unused[MOST_VALUES];
     copy_values(motion, reached, start);
+    put_load_right(motion, start, 0.0);
     begin_differences(motion, start, unused);
     return motion->restart(motion, start, atol);
 }
@@ -293,9 +351,10 @@ int integrate_contact(struct run *run, struct motion *motion, const double *begu
                       const double *atol, double *reached, struct peak *peak, int *left)
 {
     int idle = 0;
+    int64_t steps = 0;
     double start[MOST_VALUES];
     copy_values(motion, begun, start);
-    (void)atol; /* of another mode, which the paper's rotor has not */
+    (void)atol, (void)steps; /* of another mode, which the paper's rotor has not */
     while (!asked_to_stop(run->stop)) {
         int status = motion->advance(motion);
         if (status != DONE)
@@ -314,6 +373,14 @@ int integrate_contact(struct run *run, struct motion *motion, const double *begu
             copy_values(motion, motion->before, reached);
             return NO_ROOT;
         }
+#ifdef WHOLE_MODEL
+        steps++;
+        if (motion->spend != NULL) {
+            reached[CONTACT_SPENT] = motion->before[CONTACT_SPENT];
+            motion->spend(motion, end, reached);
+            motion->values[CONTACT_SPENT] = reached[CONTACT_SPENT];
+        }
+#endif
         raise_peak_of_contact(peak, motion, end, reached);
         const struct step step = {motion, end, reached[CONTACT_T], reached};
         status = observe_step(run, &step);
@@ -334,7 +401,12 @@ int integrate_contact(struct run *run, struct motion *motion, const double *begu
 #endif
         if (*left || reached[CONTACT_T] >= time_left(run)) {
             observe_phase(run, motion, start, reached);
+#ifdef WHOLE_MODEL
+            return is_balanced(motion, run->atol, begun, peak->values, reached, steps) ? DONE
+                                                                                       : UNBALANCED;
+#else
             return DONE;
+#endif
         }
         idle = reached[CONTACT_T] <= motion->before[CONTACT_T] ? idle + 1 : 0;
         if (idle > PATIENCE)
@@ -399,7 +471,7 @@ int follow_freely(struct run *run, struct motion *motion, struct peak *peak, int
     double start[MOST_VALUES] = {run->state[0], run->state[1], run->state[2], run->state[3]};
     double atol[MOST_VALUES] = {run->atol, run->atol, run->atol, run->atol};
 #ifdef WHOLE_MODEL
-    const struct vector down = where_it_is(run).down;
+    const struct vector down = motion->down = where_it_is(run).down;
     start[CARTESIAN_DOWN_X] = down.x;
     start[CARTESIAN_DOWN_Y] = down.y;
     atol[CARTESIAN_DOWN_X] = atol[CARTESIAN_DOWN_Y] = run->atol;

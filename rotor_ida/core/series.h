@@ -26,7 +26,8 @@ enum {
 #endif
     FACTORS = 8,     /* series at most that differences are multiplied by */
     DIFFERENCES = 4, /* followed beside a motion, four components each */
-    APART = 16
+    APART = 16,
+    WIDEST_ROW = 16
 };
 
 /* Coefficients about the beginning of a step, and the factors of which they were made. */
@@ -75,7 +76,8 @@ static inline void begin_lanes(struct series *series)
 /* Sum what is known of coefficient n of each product: left[k] right[n - k] for k from 1 to n - 1.
  *
  * Outwards from the middle: the rows written last, at the ends, are waited for last. */
-static inline void sum_known(struct series *series, int n, const int vectors)
+static inline __attribute__((always_inline)) void sum_known(struct series *series, int n,
+                                                            const int vectors)
 {
     vec4 lower[LANES / 4], upper[LANES / 4];
     const int has_middle = n > 1 && n % 2 == 0;
@@ -133,28 +135,40 @@ static inline double raised(struct series *series, int lane, int n, double a, do
     return b;
 }
 
-/* Write series at a point: Horner's rule for even and for odd terms, as one sum would wait for
- * itself. */
-static inline void evaluate(const double *terms, const int width, int order, double point,
-                            const int absolute, double *values)
+/* A row of terms, without their signs if so asked. */
+static inline vec4 load_row(const double *from, const int absolute)
+{
+    const vec4 row = load(from);
+    return absolute ? (vec4){fabs(row[0]), fabs(row[1]), fabs(row[2]), fabs(row[3])} : row;
+}
+
+/* Write the first columns of series at a point: Horner's rule for even and for odd terms, and all
+ * columns side by side, as one sum would wait for itself. */
+static inline __attribute__((always_inline)) void evaluate(const double *terms, const int width,
+                                                           const int columns, int order,
+                                                           double point, const int absolute,
+                                                           double *values)
 {
     const vec4 at = spread(point), square = at * at;
-    for (int v = 0; v < width; v += 4) {
-        vec4 sums[2];
-        for (int odd = 0; odd < 2; odd++) {
-            int n = (order & 1) == odd ? order : order - 1;
-            vec4 sum = load(&terms[n * width + v]);
-            if (absolute)
-                sum = (vec4){fabs(sum[0]), fabs(sum[1]), fabs(sum[2]), fabs(sum[3])};
-            for (n -= 2; n >= 0; n -= 2) {
-                vec4 row = load(&terms[n * width + v]);
-                if (absolute)
-                    row = (vec4){fabs(row[0]), fabs(row[1]), fabs(row[2]), fabs(row[3])};
-                sum = fma4(sum, square, row);
-            }
-            sums[odd] = sum;
+    vec4 high[WIDEST_ROW / 4], low[WIDEST_ROW / 4]; /* of the parity of the order, and the other */
+    for (int v = 0; v < (columns + 3) / 4; v++) {
+        high[v] = load_row(&terms[order * width + 4 * v], absolute);
+        low[v] = load_row(&terms[(order - 1) * width + 4 * v], absolute);
+    }
+    int n = order - 2;
+    for (; n > 0; n -= 2) {
+        for (int v = 0; v < (columns + 3) / 4; v++) {
+            high[v] = fma4(high[v], square, load_row(&terms[n * width + 4 * v], absolute));
+            low[v] = fma4(low[v], square, load_row(&terms[(n - 1) * width + 4 * v], absolute));
         }
-        store(&values[v], fma4(sums[1], at, sums[0]));
+    }
+    for (int v = 0; v < (columns + 3) / 4; v++) {
+        if (n == 0) {
+            high[v] = fma4(high[v], square, load_row(&terms[4 * v], absolute));
+            store(&values[4 * v], fma4(low[v], at, high[v]));
+        } else {
+            store(&values[4 * v], fma4(high[v], at, low[v]));
+        }
     }
 }
 

@@ -20,10 +20,11 @@ static const double NEVER = INFINITY;
 static const double NEGLIGIBLE = 1e-18;
 enum { TERMS = 28, MOST_POLISHING = 80, MOST_HALVINGS = 60 };
 
-/* C, S, Q and P, and the rates of change of C, S and P. */
+/* C, S, Q and P, and the rates of change of C, S and P; and exp(i omega tau). Q is looked at where
+ * there is a load, or no spin. */
 struct answers {
     double c, c_rate, s, s_rate, q;
-    struct vector p, p_rate;
+    struct vector p, p_rate, turn;
 };
 
 static struct vector complex_ratio(struct vector a, struct vector b)
@@ -32,32 +33,48 @@ static struct vector complex_ratio(struct vector a, struct vector b)
     return scaled(1.0 / (b.x * b.x + b.y * b.y), whole);
 }
 
-/* Q and P by their series about 0: of y'' + 2 zeta y' + kappa y = 1, and = exp(i omega tau). */
-static void answers_by_series(const struct rotor *rotor, double tau, struct answers *found)
+/* 1/n, by which the terms of a series are divided. */
+static const double PART[TERMS] = {0.0,      1.0,      1.0 / 2,  1.0 / 3,  1.0 / 4,  1.0 / 5,
+                                   1.0 / 6,  1.0 / 7,  1.0 / 8,  1.0 / 9,  1.0 / 10, 1.0 / 11,
+                                   1.0 / 12, 1.0 / 13, 1.0 / 14, 1.0 / 15, 1.0 / 16, 1.0 / 17,
+                                   1.0 / 18, 1.0 / 19, 1.0 / 20, 1.0 / 21, 1.0 / 22, 1.0 / 23,
+                                   1.0 / 24, 1.0 / 25, 1.0 / 26, 1.0 / 27};
+
+/* Q by its series about 0: of y'' + 2 zeta y' + kappa y = 1. */
+static double step_by_series(const struct rotor *rotor, double tau)
 {
     const double damping = 2.0 * rotor->zeta * tau, spring = rotor->shaft_stiffness * tau * tau;
-    double q[3] = {0.0, 0.0, 0.5 * tau * tau}; /* terms n - 2, n - 1 and n */
-    struct vector p[3] = {{0.0, 0.0}, {0.0, 0.0}, {q[2], 0.0}};
-    struct vector forcing = {0.5 * tau * tau, 0.0}; /* (i omega tau)**(n - 2) tau**2/n! */
-    found->q = q[2];
-    found->p = p[2];
+    double before = 0.0, last = 0.5 * tau * tau, total = last;
     for (int n = 3; n < TERMS; n++) {
-        const double by_rate = -damping / n, by_place = -spring / (n * (n - 1.0));
-        forcing = scaled(rotor->omega * tau / n, quarter_turned(forcing));
-        const double next_q = by_rate * q[2] + by_place * q[1];
-        const struct vector next_p = plus(plus(scaled(by_rate, p[2]), scaled(by_place, p[1])),
-                                          forcing);
-        q[1] = q[2];
-        q[2] = next_q;
-        p[1] = p[2];
-        p[2] = next_p;
-        found->q += next_q;
-        found->p = plus(found->p, next_p);
-        if (fabs(next_q) + fabs(next_p.x) + fabs(next_p.y) + fabs(q[1]) + fabs(p[1].x)
-                + fabs(p[1].y)
-            < NEGLIGIBLE * found->q)
-            return;
+        const double next = -PART[n] * (damping * last + spring * PART[n - 1] * before);
+        before = last;
+        last = next;
+        total += next;
+        if (fabs(last) + fabs(before) < NEGLIGIBLE * total)
+            break;
     }
+    return total;
+}
+
+/* P by its series about 0: of y'' + 2 zeta y' + kappa y = exp(i omega tau). */
+static struct vector answer_by_series(const struct rotor *rotor, double tau)
+{
+    const double damping = 2.0 * rotor->zeta * tau, spring = rotor->shaft_stiffness * tau * tau;
+    const double angle = rotor->omega * tau, first = 0.5 * tau * tau;
+    struct vector before = {0.0, 0.0}, last = {first, 0.0}, total = last;
+    struct vector forcing = last; /* (i omega tau)**(n - 2) tau**2/n! */
+    for (int n = 3; n < TERMS; n++) {
+        const double by_rate = -damping * PART[n], by_place = -spring * PART[n] * PART[n - 1];
+        forcing = scaled(angle * PART[n], quarter_turned(forcing));
+        const struct vector next = plus(plus(scaled(by_rate, last), scaled(by_place, before)),
+                                        forcing);
+        before = last;
+        last = next;
+        total = plus(total, next);
+        if (fabs(last.x) + fabs(last.y) + fabs(before.x) + fabs(before.y) < NEGLIGIBLE * first)
+            break;
+    }
+    return total;
 }
 
 /* (1 - exp(-rate tau))/rate. */
@@ -130,21 +147,24 @@ static struct answers answers_after(const struct rotor *rotor, double tau)
         found.s_rate = exp(-fast * tau) - slow * found.s;
     }
     found.c_rate = -kappa * found.s;
-    const double free = larger(zeta, sqrt(kappa)) * tau;
-    if (free <= 1.0)
-        answers_by_series(rotor, tau, &found);
-    else
-        found.q = step_answer(rotor, tau, split, found.c);
+    found.turn = (struct vector){cos(omega * tau), sin(omega * tau)};
+    const double free = larger(zeta, sqrt(kappa)) * tau, fastest = larger(free, omega * tau);
     /* the whirl and what is not settled of it cancel near resonance, and where both are slow */
     const int resonates = vibrates && split > 0.5 * omega && split < 2.0 * omega
                           && zeta < 0.25 * omega;
     const int creeps = !vibrates && larger(slow, omega) * tau < 0.5;
+    found.q = 0.0;
+    if (rotor->load > 0.0 || omega == 0.0)
+        found.q = free <= 1.0 ? step_by_series(rotor, tau)
+                              : step_answer(rotor, tau, split, found.c);
     if (omega == 0.0)
         found.p = (struct vector){found.q, 0.0};
-    else if (larger(free, omega * tau) > 1.0 && (resonates || (free > 1.0 && creeps)))
+    else if (fastest <= 1.0)
+        found.p = answer_by_series(rotor, tau);
+    else if (resonates || (free > 1.0 && creeps))
         found.p = answer_by_fractions(rotor, tau, split, vibrates, slow);
-    else if (larger(free, omega * tau) > 1.0) {
-        const struct vector rest = {cos(omega * tau) - found.c, sin(omega * tau) - omega * found.s};
+    else {
+        const struct vector rest = {found.turn.x - found.c, found.turn.y - omega * found.s};
         found.p = product(compliance(rotor), rest);
     }
     found.p_rate = plus((struct vector){found.s, 0.0}, scaled(omega, quarter_turned(found.p)));
@@ -154,6 +174,7 @@ static struct answers answers_after(const struct rotor *rotor, double tau)
 /* Displacement, velocity and acceleration on axes that stand still. */
 struct place {
     struct vector z, v, b;
+    struct vector turn; /* of the unbalance since the start */
 };
 
 static struct place place_after(const struct motion_of_centre *start, const struct rotor *rotor,
@@ -161,14 +182,13 @@ static struct place place_after(const struct motion_of_centre *start, const stru
 {
     const struct answers by = answers_after(rotor, tau);
     const double push = rotor->omega * rotor->omega, load = rotor->load;
-    const struct vector spun = {cos(rotor->omega * tau), sin(rotor->omega * tau)};
-    struct place there;
+    struct place there = {.turn = by.turn};
     there.z = plus(plus(scaled(by.c, start->z), scaled(by.s, start->w)),
                    plus(scaled(push, by.p), scaled(load * by.q, start->down)));
     there.v = plus(plus(scaled(by.c_rate, start->z), scaled(by.s_rate, start->w)),
                    plus(scaled(push, by.p_rate), scaled(load * by.s, start->down)));
     there.b = plus(
-        plus(scaled(push, spun), scaled(load, start->down)),
+        plus(scaled(push, by.turn), scaled(load, start->down)),
         plus(scaled(-2.0 * rotor->zeta, there.v), scaled(-rotor->shaft_stiffness, there.z)));
     return there;
 }
@@ -176,7 +196,7 @@ static struct place place_after(const struct motion_of_centre *start, const stru
 struct motion_of_centre fly(struct motion_of_centre start, double tau, const struct rotor *rotor)
 {
     const struct place there = place_after(&start, rotor, tau);
-    const struct vector back = {cos(rotor->omega * tau), -sin(rotor->omega * tau)};
+    const struct vector back = mirrored(there.turn);
     return (struct motion_of_centre){product(there.z, back), product(there.v, back),
                                      product(start.down, back)};
 }
@@ -184,7 +204,7 @@ struct motion_of_centre fly(struct motion_of_centre start, double tau, const str
 void fly_differences(double *rows, int count, double tau, const struct rotor *rotor)
 {
     const struct answers by = answers_after(rotor, tau);
-    const struct vector back = {cos(rotor->omega * tau), -sin(rotor->omega * tau)};
+    const struct vector back = mirrored(by.turn);
     for (double *row = rows; row < rows + 4 * count; row += 4) {
         const struct vector z = {row[0], row[1]}, w = {row[2], row[3]};
         const struct vector there = product(plus(scaled(by.c, z), scaled(by.s, w)), back);
@@ -293,13 +313,12 @@ struct parts {
 };
 
 static struct parts parts_of(const struct motion_of_centre *start, const struct rotor *rotor,
-                             const struct place *at, double tau)
+                             const struct place *at)
 {
     const double omega = rotor->omega, kappa = rotor->shaft_stiffness;
     struct parts found = {.whirl = 0.0, .rest = 0.0, .centre = at->z, .moving = at->v};
     if (omega > 0.0) {
-        const struct vector turn = {cos(omega * tau), sin(omega * tau)};
-        const struct vector whirl = product(scaled(omega * omega, compliance(rotor)), turn);
+        const struct vector whirl = product(scaled(omega * omega, compliance(rotor)), at->turn);
         found.whirl = isfinite(whirl.x + whirl.y) ? length(whirl) : INFINITY;
         found.centre = plus(at->z, scaled(-1.0, whirl));
         found.moving = plus(at->v, scaled(-omega, quarter_turned(whirl)));
@@ -320,7 +339,7 @@ static struct parts parts_of(const struct motion_of_centre *start, const struct 
 static double farthest(const struct motion_of_centre *start, const struct rotor *rotor,
                        const struct place *at, double tau, double limit)
 {
-    const struct parts now = parts_of(start, rotor, at, tau);
+    const struct parts now = parts_of(start, rotor, at);
     const double kappa = rotor->shaft_stiffness;
     if (!isfinite(now.whirl + now.rest))
         return INFINITY;
@@ -339,9 +358,9 @@ static double farthest(const struct motion_of_centre *start, const struct rotor 
  * by bounds on c and its derivatives. It falls as the motion settles; infinite where none is known.
  */
 static double settling_bound(const struct motion_of_centre *start, const struct rotor *rotor,
-                             const struct place *at, double tau, double reach)
+                             const struct place *at, double reach)
 {
-    const struct parts now = parts_of(start, rotor, at, tau);
+    const struct parts now = parts_of(start, rotor, at);
     const double omega = rotor->omega, damping = 2.0 * rotor->zeta, kappa = rotor->shaft_stiffness;
     if (!isfinite(now.whirl + now.rest))
         return INFINITY;
@@ -453,7 +472,7 @@ double next_turn(struct motion_of_centre start, const struct rotor *rotor, doubl
         }
         if (tau >= limit || asked_to_stop(stop))
             return NEVER;
-        const double bound = smaller(settling_bound(&start, rotor, &at, tau, reach),
+        const double bound = smaller(settling_bound(&start, rotor, &at, reach),
                                      jerk_bound(rotor, &at, reach));
         const double towards = here.slope > 0.0 ? here.bend : -here.bend;
         const double clear = first_root_of_majorant(-fabs(here.slope), -towards, bound);

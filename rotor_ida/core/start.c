@@ -8,6 +8,10 @@ static const double FIRST_DEPTH = 1e-16;
 /* On a steady whirl rounding alone moves q and p by so much: no step can be asked for less. */
 static const double BELOW_ROUNDING = 1e-16;
 static const double TIGHTEST_ATOL = 1e-30;
+#ifdef WHOLE_MODEL
+/* What serves a check alone shall ask for no step of its own. */
+static const double SPENT_LOOSER = 100.0;
+#endif
 
 /* The radial velocity; 0 where rounding hides its sign. */
 static double radial_velocity(struct motion_of_centre start)
@@ -81,7 +85,7 @@ static void regularise(struct motion_of_centre start, double root, double *value
 #ifdef WHOLE_MODEL
     values[CONTACT_DOWN_R] = dot(direction, start.down);
     values[CONTACT_DOWN_T] = cross(direction, start.down);
-    values[CONTACT_WORK] = 0.0;
+    values[CONTACT_WORK] = values[CONTACT_SPENT] = 0.0;
 #endif
 }
 
@@ -133,5 +137,6 @@ void contact_tolerances(const double *start, double rtol, double absolute, doubl
     atol[CONTACT_T] = atol[CONTACT_J] = larger(rtol * least, TIGHTEST_ATOL);
 #ifdef WHOLE_MODEL
     atol[CONTACT_WORK] = larger(rtol * fastest * fastest, TIGHTEST_ATOL);
+    atol[CONTACT_SPENT] = SPENT_LOOSER * atol[CONTACT_WORK];
 #endif
 }

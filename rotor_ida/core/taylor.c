@@ -15,6 +15,13 @@ static const double UNLIMITED = 100.0;
  * the series of a radial entry has but every fifth. */
 static const double FALL = 2.0, RATIO = 7.38905609893065;
 enum { LOOKED_AT = 6, MOST_CUTS = 60 };
+#ifdef WHOLE_MODEL
+/* After so many steps the load is put where it points. */
+enum { STEPS_OF_LOAD = 4 };
+#endif
+/* The first columns of a contact: its guards, and all but the integrals that are behind its time.
+ */
+enum { GUARDS = CONTACT_P + 1, TO_BE_SEEN = CONTACT_T + 1 };
 
 static struct taylor *taylor_of(struct motion *motion) { return (struct taylor *)motion; }
 
@@ -42,7 +49,7 @@ static double whole_power(double base, int exponent)
 
 /* The step at which the last terms of the first components reach their tolerances; NaN where a
  * term is not finite. Jorba and Zou 2005, section 3.2. */
-static double longest_step(struct taylor *taylor, int components, double rate)
+static inline double longest_step(struct taylor *taylor, const int components, double rate)
 {
     const int order = taylor->order;
     const double last = worst_of(taylor, order, components);
@@ -60,7 +67,8 @@ static double longest_step(struct taylor *taylor, int components, double rate)
     /* others in case these vanish */
     const int first = order - LOOKED_AT + 1;
     const double growth = RATIO * step;
-    evaluate(taylor->series.terms[first], WIDTH, LOOKED_AT - 3, growth, 1, taylor->sizes);
+    evaluate(taylor->series.terms[first], WIDTH, components, LOOKED_AT - 3, growth, 1,
+             taylor->sizes);
     const double scale = whole_power(growth, first) * taylor->fallen;
     int exceeds = 0; /* also where a power overflows, and a vanishing term makes it NaN */
     for (int i = 0; i < components; i++)
@@ -184,7 +192,7 @@ static double contact_step(struct taylor *taylor)
 {
     const double q = fabs(taylor->series.terms[0][CONTACT_Q]);
     double step = longest_step(taylor, CONTACT_T, rate_of_contact(taylor));
-    evaluate(taylor->series.terms[0], WIDTH, taylor->order, step, 1, taylor->sizes);
+    evaluate(taylor->series.terms[0], WIDTH, GUARDS, taylor->order, step, 1, taylor->sizes);
     /* on a whirl of constant radius p is rounding, and what a step leaves open */
     const double noise = larger(NOISE, taylor->motion.rtol) * q / step;
     step = with_one_root(taylor, CONTACT_EXIT_GUARD, taylor->sizes[CONTACT_EXIT_GUARD], step);
@@ -276,12 +284,12 @@ static double step_of_differences(struct taylor *taylor)
 }
 
 /* Write the values at a part of the step; there is room for more than the state. */
-static void read(const struct taylor *taylor, double part, double *values)
+static inline void read(const struct taylor *taylor, const int columns, double part, double *values)
 {
     const struct motion *motion = &taylor->motion;
-    evaluate(taylor->series.terms[0], WIDTH, taylor->order, part, 0, values);
+    evaluate(taylor->series.terms[0], WIDTH, columns, taylor->order, part, 0, values);
     if (motion->tangents)
-        evaluate(taylor->series.apart[0], APART, taylor->order, part, 0,
+        evaluate(taylor->series.apart[0], APART, APART, taylor->order, part, 0,
                  &values[motion->mode->size]);
 }
 
@@ -292,7 +300,7 @@ static int restart(struct motion *motion, const double *start, const double *ato
     copy_values(motion, start, motion->values);
     copy_values(motion, start, motion->before);
     memcpy(taylor->atol, atol, sizeof(double) * (size_t)motion->mode->size);
-    taylor->orders = 0;
+    taylor->orders = taylor->steps = 0;
     return DONE;
 }
 
@@ -307,10 +315,12 @@ static void begin_step(struct taylor *taylor)
             motion->values[size + j] = j % (DIFFERENCES + 1) == 0 ? 1.0 : 0.0;
     }
     copy_values(motion, motion->values, motion->before);
-    for (int i = 0; i < size; i++) {
+    for (int i = 0; i < size; i++)
         taylor->series.terms[0][i] = motion->values[i];
+    /* no step is chosen by the integrals of a contact */
+    const int chosen_by = motion->mode == &contact_mode ? (int)CONTACT_T : size;
+    for (int i = 0; i < chosen_by; i++)
         taylor->inverse[i] = 1.0 / (motion->rtol * fabs(motion->values[i]) + taylor->atol[i]);
-    }
 }
 
 /* Put the direction of a contact back on the unit circle, off which each step carries it a little:
@@ -322,32 +332,6 @@ static void put_on_circle(double *direction)
     direction[0] = nearer * c;
     direction[1] = nearer * s;
 }
-
-#ifdef WHOLE_MODEL
-/* Put the load's direction where it points by time and by the direction of the contact: by its own
- * rate alone it would turn away from the unbalance in a long phase, a tolerance a step. */
-static void put_load_right(struct motion *motion)
-{
-    const double *before = motion->before;
-    double *after = motion->values;
-    const int contact = motion->mode == &contact_mode;
-    double *load = &after[contact ? CONTACT_DOWN_R : CARTESIAN_DOWN_X];
-    const double *last = &before[contact ? CONTACT_DOWN_R : CARTESIAN_DOWN_X];
-    const double span = contact ? after[CONTACT_T] - before[CONTACT_T]
-                                : motion->point - motion->low;
-    const double angle = motion->model.omega * span;
-    struct vector down = product((struct vector){last[0], last[1]},
-                                 (struct vector){cos(angle), -sin(angle)});
-    if (contact) {
-        const struct vector from = {before[CONTACT_C], before[CONTACT_S]};
-        const struct vector to = {after[CONTACT_C], after[CONTACT_S]};
-        down = product(product(down, from), mirrored(to));
-    }
-    load[0] = down.x;
-    load[1] = down.y;
-    put_on_circle(load);
-}
-#endif
 
 static int advance(struct motion *motion)
 {
@@ -374,11 +358,12 @@ static int advance(struct motion *motion)
     motion->point = motion->low + step;
     if (motion->point <= motion->low)
         return STUCK;
-    read(taylor, motion->point - motion->low, motion->values);
+    read(taylor, WIDTH, motion->point - motion->low, motion->values);
     if (mode == &contact_mode)
         put_on_circle(&motion->values[CONTACT_C]);
 #ifdef WHOLE_MODEL
-    put_load_right(motion);
+    if (++taylor->steps % STEPS_OF_LOAD == 0)
+        put_load_right(motion, motion->values, motion->point);
 #endif
     double total = 0.0;
     for (int i = 0; i < values_of(motion); i++)
@@ -390,10 +375,49 @@ static int advance(struct motion *motion)
     return DONE;
 }
 
+#ifdef WHOLE_MODEL
+/* Places and weights of Gauss's quadrature of eight points on [0, 1], four to a vector. */
+enum { AT_ONCE = 2, READ = 4 };
+static const vec4 PLACES[AT_ONCE] = {
+    {0.01985507175123188, 0.10166676129318664, 0.2372337950418355, 0.4082826787521751},
+    {0.5917173212478249, 0.7627662049581645, 0.8983332387068134, 0.9801449282487681}};
+static const vec4 WEIGHTS[AT_ONCE] = {
+    {0.05061426814518813, 0.11119051722668724, 0.15685332293894363, 0.18134189168918100},
+    {0.18134189168918100, 0.15685332293894363, 0.11119051722668724, 0.05061426814518813}};
+
+/* What a contact spends, by a quadrature over the last step: a lane of its own would cost more. The
+ * formula is written here a second time, as the balance of energy is there to witness. */
+static void spend(struct motion *motion, double end, double *reached)
+{
+    const struct parameters *m = &motion->model;
+    const struct series *series = &taylor_of(motion)->series;
+    const double torque = m->omega * m->load, damping = 2.0 * m->zeta, reach = end - motion->low;
+    if (damping == 0.0 && torque == 0.0)
+        return;
+    static const int components[READ] = {CONTACT_Q, CONTACT_P, CONTACT_H, CONTACT_DOWN_T};
+    vec4 values[READ][AT_ONCE] = {{{0.0}}};
+    for (int n = taylor_of(motion)->order; n >= 0; n--) {
+        for (int i = 0; i < READ; i++) {
+            const vec4 term = spread(series->terms[n][components[i]]);
+            for (int v = 0; v < AT_ONCE; v++)
+                values[i][v] = fma4(values[i][v], spread(reach) * PLACES[v], term);
+        }
+    }
+    vec4 total = spread(0.0);
+    for (int v = 0; v < AT_ONCE; v++) {
+        const vec4 q = values[0][v], p = values[1][v], h = values[2][v], across = values[3][v];
+        const vec4 r = spread(m->delta0) + q * q, around = h / r;
+        const vec4 damped = spread(damping) * (p * p + around * around - spread(m->omega) * h);
+        total += WEIGHTS[v] * q * (damped + spread(torque) * r * across);
+    }
+    reached[CONTACT_SPENT] += reach * (total[0] + total[1] + total[2] + total[3]);
+}
+#endif
+
 static const double *glance_at(struct motion *motion, double point)
 {
     struct taylor *taylor = taylor_of(motion);
-    read(taylor, point - motion->low, taylor->reading);
+    read(taylor, TO_BE_SEEN, point - motion->low, taylor->reading);
     return taylor->reading;
 }
 
@@ -401,8 +425,14 @@ static const double *at(struct motion *motion, double point)
 {
     if (point >= motion->point)
         return motion->values;
-    return point <= motion->low ? motion->before : glance_at(motion, point);
+    if (point <= motion->low)
+        return motion->before;
+    struct taylor *taylor = taylor_of(motion);
+    read(taylor, WIDTH, point - motion->low, taylor->reading);
+    return taylor->reading;
 }
+
+static const double *rate(struct motion *motion) { return taylor_of(motion)->series.terms[1]; }
 
 static int64_t evaluations(struct motion *motion) { return taylor_of(motion)->orders; }
 
@@ -428,7 +458,11 @@ void open_taylor(struct taylor *taylor, const struct mode *mode, struct paramete
                                      .advance = advance,
                                      .at = at,
                                      .glance_at = glance_at,
+                                     .rate = rate,
                                      .evaluations = evaluations};
+#ifdef WHOLE_MODEL
+    taylor->motion.spend = spend;
+#endif
 }
 
 /* The step of the secant or of inverse quadratic interpolation, as p/q with p > 0. */

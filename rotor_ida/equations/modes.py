@@ -98,7 +98,7 @@ class Mode:
         What may happen.
     drawn_rates : callable
         As `rates`, and what draws the state back to where it belongs: for an integrator that
-        cannot put it there after a step.
+        cannot put it there after a step. And the rates of what has no series.
     """
 
     name: str
@@ -173,7 +173,8 @@ def contact_rates(state: Numbers, rotor: Any) -> list[Number]:
     motion is analytic through entry and exit; p is the radial velocity, h the angular momentum, c
     and s the direction on the rotating axes, t the time and j the impulse of the force. Of the
     whole model there are the components of the load's direction along the radius and across it,
-    and the work of the rotor on the ring: the energy that the ring holds, and what it has lost.
+    the work of the rotor on the ring (the energy that the ring holds, and what it has lost), and
+    what `spent_rate` says, of which there is no series.
     """
     q, p, h, c, s, *rest = state
     whole = len(state) > len(CONTACT_STATE)
@@ -195,7 +196,22 @@ def contact_rates(state: Numbers, rotor: Any) -> list[Number]:
     if not whole:
         return [of_q, of_p, of_h, of_c, of_s, q, of_j]
     of_down_r, of_down_t = turned * down_t, -(turned * down_r)
-    return [of_q, of_p, of_h, of_c, of_s, of_down_r, of_down_t, q, of_j, of_j * p]
+    return [of_q, of_p, of_h, of_c, of_s, of_down_r, of_down_t, q, of_j, of_j * p, 0.0 * q]
+
+
+def spent_rate(state: Numbers, rotor: Any) -> Number:
+    """Return the rate, by u, at which damping and load take energy on the rotating axes.
+
+    That is ``q (2 zeta (|z'|**2 - omega h) - gamma omega x)``, x the displacement across the load.
+    On these axes the unbalance pulls with a constant force, and the work on the ring is all else
+    that is missing of ``|z'|**2/2 + kappa |z|**2/2 + gamma y - omega h - omega**2 |z| c``: so the
+    energy of a contact balances without an integral over the work of the unbalance.
+    """
+    q, p, h, _, _, _, down_t, *_ = state
+    r = rotor.delta0 + q * q
+    around = h / r
+    damped = 2.0 * rotor.zeta * (p * p + around * around - rotor.omega * h)
+    return q * (damped + rotor.load * rotor.omega * r * down_t)
 
 
 def drawn_contact_rates(state: Numbers, rotor: Any) -> list[Number]:
@@ -203,6 +219,7 @@ def drawn_contact_rates(state: Numbers, rotor: Any) -> list[Number]:
 
     Errors of single steps would carry them off it in a long contact, and with their length the
     unbalance would change. What is left of ``c**2 + s**2 - 1`` falls like ``exp(-0.2 omega t)``.
+    Of the whole model with `spent_rate`.
     """
     rates = contact_rates(state, rotor)
     firsts = (3, 5) if len(state) > len(CONTACT_STATE) else (3,)
@@ -211,6 +228,8 @@ def drawn_contact_rates(state: Numbers, rotor: Any) -> list[Number]:
         pull = PULL * rotor.omega * state[0] * (1.0 - (c * c + s * s))
         rates[first] = rates[first] + pull * c
         rates[first + 1] = rates[first + 1] + pull * s
+    if len(state) > len(CONTACT_STATE):
+        rates[-1] = spent_rate(state, rotor)
     return rates
 
 
@@ -281,7 +300,9 @@ CARTESIAN = Mode(
     guards=(),
     drawn_rates=cartesian_rates,
 )
-WHOLE_CONTACT = replace(CONTACT, state=(*CONTACT_STATE[:5], "down_r", "down_t", "t", "j", "work"))
+WHOLE_CONTACT = replace(
+    CONTACT, state=(*CONTACT_STATE[:5], "down_r", "down_t", "t", "j", "work", "spent")
+)
 WHOLE_CARTESIAN = replace(CARTESIAN, state=(*CARTESIAN_STATE, "down_x", "down_y"))
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from rotor_ida.arrays import Values
@@ -13,10 +15,11 @@ from rotor_ida.core.interface import (
     IMPULSE,
     IN_CONTACT,
     PEAK_ROOT,
+    UNBALANCED,
     message_of,
 )
 from rotor_ida.core.runs import Asked, follow
-from rotor_ida.errors import InstallationError, SimulationError
+from rotor_ida.errors import InstallationError, InvariantError, SimulationError
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.options import Options
@@ -68,14 +71,7 @@ def run(
     """
     tolerances = scale * options.step_rtol, scale * options.step_atol
     if options.backend == "python":
-        try:
-            from rotor_ida.simulation.reference import run_reference  # noqa: PLC0415 - its solver
-        except ImportError as error:
-            raise InstallationError(
-                f"backend 'python' needs scikit-sundae: pip install scikit-sundae ({error})"
-            ) from error
-
-        orbit = run_reference(
+        orbit = _reference()(
             rotor, start, duration, sample_times, options,
             tolerances=tolerances, slack=slack, stop=stop,
         )  # fmt: skip
@@ -96,26 +92,43 @@ def run(
         extrema=extrema,
         stop=stop,
     )
+    orbit = _compiled(asked, sample_times, options)
+    check_orbit(orbit)
+    return orbit
+
+
+def _reference() -> Callable[..., Orbit]:
+    """Return the reference, which needs its solver."""
+    try:
+        from rotor_ida.simulation.reference import run_reference  # noqa: PLC0415
+    except ImportError as error:
+        raise InstallationError(
+            f"backend 'python' needs scikit-sundae: pip install scikit-sundae ({error})"
+        ) from error
+    return run_reference
+
+
+def _compiled(asked: Asked, sample_times: Values, options: Options) -> Orbit:
+    """Return an orbit of the compiled core."""
     seen = follow(asked)
     if seen.status != DONE:
-        raise SimulationError(message_of(seen.status), time=seen.time, state=seen.state)
-    orbit = Orbit(
-        rotor=rotor,
+        kind = InvariantError if seen.status == UNBALANCED else SimulationError
+        raise kind(message_of(seen.status), time=seen.time, state=seen.state)
+    return Orbit(
+        rotor=asked.rotor,
         options=options,
-        duration=duration,
+        duration=asked.duration,
         times=sample_times,
         states=seen.samples,
         starts_in_contact=seen.began == IN_CONTACT,
         event_times=seen.event_times,
         event_kinds=seen.event_kinds,
         event_states=seen.event_states,
-        contacts=_contacts_of(seen.contacts, rotor),
+        contacts=_contacts_of(seen.contacts, asked.rotor),
         end=np.array(seen.state),
         evaluations=seen.evaluations,
-        extrema=seen.extrema if extrema else None,
+        extrema=seen.extrema if asked.extrema else None,
     )
-    check_orbit(orbit)
-    return orbit
 
 
 def _contacts_of(rows: Values, rotor: Rotor) -> Values:

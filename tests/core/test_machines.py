@@ -2,18 +2,30 @@
 
 from __future__ import annotations
 
+import ctypes
+import shutil
+import subprocess
 from dataclasses import replace
+from pathlib import Path
+from runpy import run_path
 
 import numpy as np
 import pytest
 from scipy.linalg import expm
 
 from rotor_ida import Rotor
-from rotor_ida.core.interface import DONE
+from rotor_ida.core import interface, runs
+from rotor_ida.core.interface import DONE, UNBALANCED
 from rotor_ida.core.runs import COLUMNS, Asked, follow
+from rotor_ida.errors import InvariantError
+from rotor_ida.simulation.options import Options
+from rotor_ida.simulation.orbit import check_orbit
+from rotor_ida.simulation.run import run
 from rotor_ida.stability.orbit import shoot
 
 HOW = {"rtol": 1e-12, "atol": 1e-14}
+ROOT = Path(__file__).parents[2]
+CORE = Path(interface.__file__).parent
 
 
 def linear_state(rotor, start, time):
@@ -199,3 +211,112 @@ def test_what_contacts_have_lost_is_missing_from_the_energy(exponent):
             missing = energy(rotor, entry) - energy(rotor, left)
             assert contact[6] == pytest.approx(missing, rel=1e-9, abs=1e-11)
     assert released > 20
+
+
+WHOLE_MACHINE = Rotor(omega=2.0, zeta=0.07, delta0=2.0, shaft_stiffness=0.1, load=0.3,
+                      contact_damping=0.5)  # fmt: skip
+# A term of the series of a contact, and by which part of it that is broken.
+BROKEN = {
+    "damping": ("2.0 * m->zeta * p", 1e-3),
+    "unbalance": ("m->omega * m->omega * c", 1e-4),
+    "shaft": ("m->shaft_stiffness * r", 1e-4),
+    "load": ("m->load * down_t", 1e-4),
+    "normal force": ("m->pressed * w3", 1e-5),
+    "work of the contact": ("m->pressed * w24", 1e-5),
+}
+
+
+@pytest.fixture(scope="module")
+def core_to_break(tmp_path_factory):
+    """Return a library of the whole model, of which each term can be broken."""
+    script = ROOT / "hatch_build.py"
+    if not script.is_file():
+        pytest.skip("an installed package has no sources to compile")
+    hatch_build = run_path(str(script))
+    compiler = hatch_build["find_compiler"]()
+    if compiler is None:
+        pytest.skip("no C compiler is installed")
+    folder = tmp_path_factory.mktemp("broken")
+    for path in (*CORE.glob("*.c"), *CORE.glob("*.h")):
+        if path.name != "build.c":
+            shutil.copy(path, folder)
+    derived = folder / "derived_whole.c"
+    before, head, text = derived.read_text("utf-8").partition("static void contact_expand(")
+    for place, (term, _) in enumerate(BROKEN.values()):
+        assert term in text
+        text = text.replace(term, f"(1.0 + broken[{place}]) * {term}", 1)
+    made = f"CORE_API double broken[{len(BROKEN)}];"
+    before = before.replace('#include "motion.h"', f'#include "motion.h"\n{made}')
+    derived.write_text(before + head + text, encoding="utf-8")
+    flags = [*hatch_build["flags"](compiler, "baseline", model="whole"), "-O1"]
+    words = [*compiler, *flags, "-shared", "-Wno-psabi", *map(str, folder.glob("*.c"))]
+    subprocess.run([*words, "-lm", "-o", str(folder / "broken.so")], check=True)
+    core = ctypes.CDLL(str(folder / "broken.so"))
+    core.core_run.argtypes = [ctypes.c_void_p]
+    return core
+
+
+@pytest.mark.parametrize("name", ["none", *BROKEN])
+def test_a_contact_whose_energy_does_not_balance_ends_the_run(core_to_break, monkeypatch, name):
+    """A ten-thousandth of a force too much is seen at the end of the first contact."""
+    monkeypatch.setattr(runs, "library_of", lambda *_, **__: core_to_break)
+    broken = (ctypes.c_double * len(BROKEN)).in_dll(core_to_break, "broken")
+    for place, (each, (_, part)) in enumerate(BROKEN.items()):
+        broken[place] = part if each == name else 0.0
+    asked = Asked(rotor=WHOLE_MACHINE, start=(0.3, 0.1, 0.2, 0.1), duration=20.0, events=True,
+                  **HOW)  # fmt: skip
+    assert follow(asked).status == (DONE if name == "none" else UNBALANCED)
+    if name != "none":
+        with pytest.raises(InvariantError, match="the energy of a contact does not balance"):
+            run(asked.rotor, asked.start, 20.0, np.linspace(0.0, 20.0, 3), Options(method="taylor"))
+
+
+@pytest.mark.parametrize("method", ["taylor", "adams", "bdf"])
+@pytest.mark.parametrize("rtol", [1e-4, 1e-9, 1e-12])
+def test_energy_balances_over_each_contact_of_any_machine(method, rtol):
+    """By each method at any tolerance: none of these runs is called unbalanced."""
+    draw = np.random.default_rng(5)
+    for _ in range(15):
+        chosen = draw.uniform(0.0, (3.0, 0.3, 3.0, 1.0, 5.0)) * (draw.random(5) < 0.7)
+        omega, zeta, kappa, load, damping = chosen.tolist()
+        rotor = Rotor(omega=omega, zeta=zeta, delta0=float(draw.uniform(0.3, 3.0)), load=load,
+                      shaft_stiffness=kappa, contact_damping=damping,
+                      contact_exponent=float(draw.choice([1.0, 1.5])))  # fmt: skip
+        start = tuple((draw.uniform(-1.5, 1.5, 4) * rotor.delta0).tolist())
+        asked = Asked(rotor=rotor, start=start, duration=15.0, method=method, rtol=rtol,
+                      atol=1e-2 * rtol)  # fmt: skip
+        assert follow(asked).status == DONE, rotor
+
+
+@pytest.mark.parametrize("method", ["adams", "bdf"])
+@pytest.mark.parametrize("delta0", [0.0, 1.0])
+def test_by_cvode_too_the_load_points_down_however_long_a_phase_lasts(method, delta0):
+    """Its direction comes from the time: what a step leaves open does not add up to a turn."""
+    rotor = Rotor(omega=2.0, zeta=0.1, delta0=delta0, contact_exponent=1.0, load=20.0)
+    errors = []
+    for time in (250.0, 1000.0):
+        asked = Asked(rotor=rotor, start=(0.0, -20.0 - delta0, 0.0, 0.0), duration=time,
+                      rtol=1e-9, atol=1e-11, method=method)  # fmt: skip
+        exact = follow(replace(asked, method="taylor", rtol=1e-13)).state
+        errors.append(np.abs(np.subtract(follow(asked).state, exact)).max())
+    assert max(errors) < 2e-6  # 9e-6 and 2e-5 where its rate alone turned it
+
+
+def test_a_sample_that_the_ring_would_pull_contradicts_the_mechanics():
+    """N >= 0: pressed where 1 + c d' is below 0, or loose where it is above."""
+    machine = replace(WHOLE_MACHINE, contact_damping=3.0)
+    orbit = run(machine, (0.3, 0.1, 0.2, 0.1), 30.0, np.linspace(0.0, 30.0, 3001),
+                Options(method="taylor"))  # fmt: skip
+    check_orbit(orbit)
+    kinds, times = orbit.event_kinds.tolist(), orbit.event_times
+    loose = kinds.index(-4)
+    for first, sign in ((loose, 1.0), (kinds.index(1), -1.0)):
+        place = int(np.searchsorted(orbit.times, times[first])) + 1
+        assert orbit.times[place] < times[first + 1]
+        x, y, vx, vy = orbit.states[place]
+        broken = orbit.states.copy()
+        outwards = np.array([x, y]) / np.hypot(x, y)
+        along = sign - np.dot(outwards, (vx, vy))
+        broken[place, 2:] += along * outwards
+        with pytest.raises(InvariantError, match="normal force of a sample is below 0, or missing"):
+            check_orbit(replace(orbit, states=broken))

@@ -65,7 +65,7 @@ def start_of(model, name, start):
     """Return a start with what the whole model has beside."""
     if model is PAPER:
         return start
-    return (*start[:5], *DOWN, *start[5:], -0.4) if name == "contact" else (*start, *DOWN)
+    return (*start[:5], *DOWN, *start[5:], -0.4, 0.3) if name == "contact" else (*start, *DOWN)
 
 
 def cases():

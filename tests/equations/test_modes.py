@@ -70,7 +70,7 @@ def contact_states(model, count=50, seed=0, **given):
         q, p, h, t, j, work = draw.normal(size=6)
         e, down = unit(draw), unit(draw)
         state = [abs(q) + 0.1, p, h, e.real, e.imag]
-        state += [down.real, down.imag, t, j, work] if model is WHOLE else [t, j]
+        state += [down.real, down.imag, t, j, work, 0.3] if model is WHOLE else [t, j]
         yield state, rotor
 
 
@@ -139,14 +139,19 @@ def test_directions_off_the_unit_circle_are_drawn_back_and_no_others(model):
     """With n = c**2 + s**2, dn/dt = omega n (1 - n)/5; all else moves as without."""
     mode = model.modes[0]
     directions = [("c", "s")] + [("down_r", "down_t")] * (model is WHOLE)
+    with_series = mode.state.index("work") + 1 if model is WHOLE else None
     for state, rotor in contact_states(model):
-        plain, drawn = (np.array(way(state, rotor)) for way in (mode.rates, mode.drawn_rates))
+        plain, drawn = (
+            np.array(way(state, rotor)[:with_series]) for way in (mode.rates, mode.drawn_rates)
+        )
         np.testing.assert_allclose(drawn, plain, rtol=1e-12, atol=1e-12)
         for names in directions:
             first, last = map(mode.state.index, names)
             longer = list(state)
             longer[first], longer[last] = 1.2 * state[first], 1.2 * state[last]
-            plain, drawn = (np.array(way(longer, rotor)) for way in (mode.rates, mode.drawn_rates))
+            plain, drawn = (
+                np.array(way(longer, rotor)[:with_series]) for way in (mode.rates, mode.drawn_rates)
+            )
             moved = (np.abs(drawn - plain) > 1e-12 * (1.0 + np.abs(plain))).nonzero()[0]
             assert {*moved.tolist()} <= {first, last}
             rate = 2.0 * (longer[first] * drawn[first] + longer[last] * drawn[last]) / state[0]
@@ -232,6 +237,24 @@ def test_energy_and_work_change_by_unbalance_and_damping_alone(model):
         _, w, _, _ = centre(mode, state, rotor)
         expected = rotor.omega**2 * w.real - 2.0 * rotor.zeta * abs(w) ** 2
         assert change == pytest.approx(state[0] * expected, rel=1e-10, abs=1e-10)
+
+
+def test_energy_on_the_rotating_axes_is_spent_on_damping_the_load_and_the_ring():
+    """There the unbalance pulls with a constant force, so that no work of it is left:
+
+    d(|z'|**2/2 + kappa |z|**2/2 + gamma y - omega h - omega**2 |z| c + work + spent)/du = 0.
+    """
+    mode = WHOLE.modes[0]
+    for state, rotor in contact_states(WHOLE):
+        named = dict(zip(mode.state, variables(state), strict=True))
+        q, p, h, omega = named["q"], named["p"], named["h"], rotor.omega
+        r = rotor.delta0 + q * q
+        energy = 0.5 * (p * p + h * h / (r * r)) + 0.5 * rotor.shaft_stiffness * r * r
+        energy = energy - rotor.load * named["down_r"] * r - omega * h - omega**2 * r * named["c"]
+        total = energy + named["work"] + named["spent"]
+        rates = [*mode.rates(state, rotor)[:-1], mode.drawn_rates(state, rotor)[-1]]
+        parts = np.abs(np.array(total.parts) * rates)
+        assert np.dot(total.parts, rates) == pytest.approx(0.0, abs=1e-12 * (1.0 + parts.max()))
 
 
 def test_without_more_than_the_paper_s_the_whole_model_moves_alike():

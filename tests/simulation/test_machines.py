@@ -1,6 +1,7 @@
 """Machines: a shaft, a linear contact, contact damping with release and press, and a load."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -266,6 +267,46 @@ def test_a_release_that_is_only_just_reached_is_neither_missed_nor_invented(way)
     for part in depths:
         assert released(low * (1.0 - part)) == few
         assert released(high * (1.0 + part)) > few
+
+
+def kinds_of(rotor, start, rtol, method="taylor"):
+    how = Options(method=method, rtol=rtol, atol=1e-2 * rtol)
+    return run(rotor, start, 6.0, np.array([0.0, 6.0]), how).event_kinds.tolist()
+
+
+def graze_of_release(draw):
+    """A random machine whose contact is only just released: two dampings a rounding apart, with the
+    events of each, of which the larger has one more release and press."""
+    while True:
+        rotor = Rotor(
+            omega=draw.uniform(0.5, 3.0), zeta=draw.choice([0.0, 0.07]),
+            delta0=draw.uniform(0.5, 2.0), shaft_stiffness=draw.choice([0.0, draw.uniform(0, 2)]),
+            load=draw.choice([0.0, draw.uniform(0.0, 1.0)]), contact_damping=0.3,
+            contact_exponent=draw.choice([1.0, 1.5]),
+        )  # fmt: skip
+        start = tuple((draw.uniform(-1.5, 1.5, 4) * rotor.delta0).tolist())
+        low, high = 0.3, 4.0
+        few, more = (
+            kinds_of(replace(rotor, contact_damping=each), start, 1e-14) for each in (low, high)
+        )
+        while more != few and high - low > 1e-13 * high:
+            middle = 0.5 * (low + high)
+            found = kinds_of(replace(rotor, contact_damping=middle), start, 1e-14)
+            low, high, more = (middle, high, more) if found == few else (low, middle, found)
+        if sorted(more) == sorted([*few, -4, 4]):
+            return rotor, start, low, high
+
+
+@pytest.mark.parametrize(("method", "floor"), [("taylor", 100.0), ("adams", 100.0), ("bdf", 1e3)])
+def test_grazes_of_a_release_are_decided_above_the_floor_that_is_stated(method, floor):
+    """docs/events.md: where damping is by so many rtol more than releases it only just, or less."""
+    draw, rtol = np.random.default_rng(11), 1e-9
+    for _ in range(12):
+        rotor, start, low, high = graze_of_release(draw)
+        for damping in (low * (1.0 - floor * rtol), high * (1.0 + floor * rtol)):
+            machine = replace(rotor, contact_damping=damping)
+            exact = kinds_of(machine, start, 1e-14)
+            assert kinds_of(machine, start, rtol, method) == exact, machine
 
 
 def test_a_run_that_contradicts_itself_raises():
