@@ -54,7 +54,7 @@ export class Response {
   take(answer) {
     const side = this.sides[answer.side];
     if (answer.part === "curve") {
-      const key = JSON.stringify([answer.facts.rotor.zeta, answer.facts.rotor.delta0]);
+      const key = JSON.stringify({ ...answer.facts.rotor, omega: 0 });
       if (key !== side.key) Object.assign(side, { key, branches: [], trail: [] });
       side.curve = answer;
     } else if (answer.part === "branch") {
@@ -95,9 +95,11 @@ export class Response {
   }
 
   #key(shown) {
-    const parts = [
-      ["line-key", "exact whirl in contact"], ["line-key dashed", "unstable"], ["mark diamond", "fold"],
-    ];
+    const parts = [];
+    const reasons = new Set(shown.map(({ curve }) => curve.facts.why).filter(Boolean));
+    if (shown.some(({ curve }) => curve.arrays.in_contact.includes(1))) {
+      parts.push(["line-key", "exact whirl in contact"], ["line-key dashed", "unstable"], ["mark diamond", "fold"]);
+    }
     if (shown.some(({ curve }) => curve.arrays.in_contact.includes(0))) parts.push(["line-key free", "contact-free whirl"]);
     if (shown.some(({ branches }) => branches.length)) {
       parts.push(["line-key cycle", "limit cycle, largest radius"], ["line-key cycle thin", "smallest"]);
@@ -110,7 +112,8 @@ export class Response {
       item.append(Object.assign(document.createElement("i"), { className }), textContent);
       return item;
     });
-    document.getElementById("response-key").replaceChildren(...items);
+    const told = [...reasons].map((textContent) => Object.assign(document.createElement("span"), { className: "reason", textContent }));
+    document.getElementById("response-key").replaceChildren(...told, ...items);
   }
 
   #draw(pen) {
@@ -205,7 +208,7 @@ export class Response {
     const { place, curve } = shown[0];
     const folds = curve.arrays.fold_omega.length;
     const here = place ? ` The rotor is at speed ${place.omega.toPrecision(4)} with a radius of up to ${place.high.toPrecision(4)}.` : "";
-    this.plot.say(`Radius of every synchronous whirl over the speed, with ${folds} folds.${here}`);
+    this.plot.say(`${curve.facts.why ?? `Radius of every synchronous whirl over the speed, with ${folds} folds.`}${here}`);
   }
 }
 
