@@ -66,16 +66,13 @@ def show_responses(question: Question) -> Iterator[Answer]:
         **{name: getattr(rotor, name) for name in ALL_PARAMETERS},
         starts=[question.start], method=METHOD, executor="serial",
     )  # fmt: skip
-    compared = _compared(swept)
+    compared = compare(swept).squeeze(ONE)
     settled = {**_seen(swept.squeeze(ONE)), **_exact(compared)}
     yield _settled(question, settled, swept)
     if settled["response"] == "failed" or rotor.omega == 0.0:
         return
-    try:
-        yield _section(question, settled, swept)
-    except InputError as error:
-        yield Answer("note", {"message": f"The section is that of the run: {error}."})
-    if compared is not None and settled["lies_on"] == "cycle":
+    yield _section(question, settled, swept)
+    if settled["lies_on"] == "cycle":
         yield from _branch(question, settled, compared)
 
 
@@ -142,18 +139,8 @@ def _seen(swept: xr.Dataset) -> dict[str, object]:
     return found
 
 
-def _compared(swept: xr.Dataset) -> xr.Dataset | None:
-    """Return what is settled on beside the exact response, or None where none is known."""
-    try:
-        return compare(swept).squeeze(ONE)
-    except InputError:
-        return None
-
-
-def _exact(compared: xr.Dataset | None) -> dict[str, object]:
+def _exact(compared: xr.Dataset) -> dict[str, object]:
     """Return the exact response that was settled on, beside the simulated one."""
-    if compared is None:
-        return {"lies_on": "nothing", "digits": math.nan}
     lies_on = int(compared["lies_on"])
     found: dict[str, object] = {
         "lies_on": next(word for word, number in EXACT.items() if number == lies_on),

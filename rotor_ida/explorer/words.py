@@ -155,8 +155,9 @@ def _contact(machine: Rotor | DimensionalRotor, told: Mapping[str, Any]) -> str:
         steady = told["response"] == "synchronous"
         return f"It presses on the ring with {peak}." if steady else f"Peak force {peak}."
     each, share = told["contacts_per_revolution"], 100.0 * told["contact_fraction"]
+    often = "once" if f"{each:.4g}" == "1" else f"{each:.4g} times"
     return (
-        f"It touches the ring {each:.4g} times a revolution, {share:.3g} % of the time, with a "
+        f"It touches the ring {often} a revolution, {share:.3g} % of the time, with a "
         f"peak force of {peak}."
     )
 

@@ -147,29 +147,3 @@ def test_a_sweep_that_is_given_nothing_of_it_is_of_the_papers_rotor():
 def test_a_machine_is_given_whole_in_one_of_two_ways():
     assert MachineOptions(**ROTOR).machine() == Rotor(**ROTOR)
     assert MachineOptions(**MACHINE).machine() == DimensionalRotor(**MACHINE)
-    assert MachineOptions(**ROTOR, **BEYOND).machine() == Rotor(**ROTOR, **BEYOND)
-    in_si = MACHINE | {
-        "contact_stiffness": 1e6, "contact_exponent": 1.0, "shaft_stiffness": 1e5,
-        "contact_damping": 10.0, "load": 39.2266,
-    }  # fmt: skip
-    assert MachineOptions(**in_si).machine() == DimensionalRotor(**in_si)
-
-
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        ({"omega": 1.2, "shaft_stiffness": 0.25}, "got omega, shaft_stiffness"),
-        ({**ROTOR, "mass": 4.0, "load": 1.0}, "got omega, zeta, delta0, mass, load"),
-        (BEYOND, "got shaft_stiffness, contact_exponent, contact_damping, load"),
-        ({**MACHINE, **BEYOND, "delta0": 0.5}, "got delta0, mass, "),
-        ({**MACHINE, "contact_exponent": 2.0}, "contact_exponent must be 1.5 or 1, got 2.0"),
-        ({**MACHINE, "load": -1.0}, "load must be zero or positive, got -1.0"),
-    ],
-)
-@pytest.mark.parametrize("command", ["touchdown", "explore"])
-def test_a_machine_given_in_parts_or_in_both_ways_gets_one_line(
-    program: Program, command: str, given: dict[str, float], message: str
-):
-    answer = program(command, *words(**given))
-    assert (answer.status, answer.out) == (2, "")
-    assert re.fullmatch(rf"rotor-ida: [^\n]*{re.escape(message)}[^\n]*\n", answer.err)

@@ -100,6 +100,8 @@ def test_what_contact_damping_takes_is_told_in_units_of_energy():
     assert loss == (
         "A contact loses 250 nJ in the mean, and lets go before the rotor has left the ring."
     )
+    touched = words_of_response(PLAIN, CYCLE | {"contacts_per_revolution": 1.0})[-1]
+    assert touched.startswith("It touches the ring once a revolution")
     assert words_of_response(PLAIN, CYCLE | DAMPED)[-1] == "A contact loses 0.25 in the mean."
     (sentence,) = words_of_run(PLAIN, RUN | DAMPED | {"loss_per_contact": float("nan")})
     assert "half" in sentence  # no contact has ended

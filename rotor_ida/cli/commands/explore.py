@@ -41,11 +41,11 @@ def explore(
 
         rotor-ida explore --omega 2 --zeta 0.07 --delta0 2
 
-    A machine in SI units, with shaft, linear contact and weight:
+    A machine in SI units, with its shaft, a linear contact that loses energy, and its weight:
 
-        rotor-ida explore --mass 4 --contact-stiffness 1e8 --damping 240 \
-            --eccentricity 2e-5 --clearance 1e-4 --speed 1400 --shaft-stiffness 4e6 \
-            --contact-exponent 1 --contact-damping 3.75 --load 39.2266
+        rotor-ida explore --mass 8 --contact-stiffness 5e7 --damping 240 \
+            --eccentricity 2e-5 --clearance 1e-4 --speed 700 --shaft-stiffness 2e6 \
+            --contact-exponent 1 --contact-damping 7.5 --load 78.5
 
     From the start of a run that simulate wrote:
 

@@ -14,8 +14,9 @@ export function speedsAround(omega) {
 }
 
 const STABLE = 0, UNSTABLE = 1, STABILITIES = ["stable", "unstable", "neutral"];
-const SPECIAL = { 1: "fold of limit cycles", 2: "period doubling" };
-const SHAPES = { 1: "diamond", 2: "square", 3: "ring", 4: "disc" }; // fold, period doubling, graze, cusp
+const SPECIAL = { 1: "fold of limit cycles", 2: "period doubling", 5: "torus point" };
+const SHAPES = { 1: "diamond", 2: "square", 5: "disc" };
+const TORUS = 5;
 
 export class Response {
   /** Build the panel; `moved` is told the speed to which it is dragged, as the page has it. */
@@ -104,6 +105,7 @@ export class Response {
     if (shown.some(({ branches }) => branches.length)) {
       parts.push(["line-key cycle", "limit cycle, largest radius"], ["line-key cycle thin", "smallest"]);
       parts.push(["mark diamond open cycle", "its fold"], ["mark square cycle", "period doubling"]);
+      if (shown.some(({ branches }) => branches.some(({ arrays }) => arrays.special_kind.includes(TORUS)))) parts.push(["mark open cycle", "torus point"]);
     }
     parts.push(["mark place", this.two ? "the first rotor" : "the rotor"]);
     if (this.two) parts.push(["mark square second", "the second rotor and its curves"]);
@@ -184,7 +186,7 @@ export class Response {
 
   #drawSpecial(pen, arrays, ys, ink) {
     arrays.special_kind.forEach((kind, i) => {
-      if (kind !== 1 && kind !== 2) return;
+      if (!SPECIAL[kind]) return;
       const point = Math.min(Math.max(arrays.special_point[i], 0), ys.length - 1);
       pen.mark(arrays.special_omega[i] * this.speed.factor, ys[point], 7, { shape: SHAPES[kind], fill: colour("card"), stroke: ink });
     });
