@@ -5,6 +5,7 @@ parameters of the figures; and the first picture of the basin after a step. It n
 its driver.
 
     python benchmarks/explorer.py --steps 60
+    python benchmarks/explorer.py --steps 60 --machine
 """
 
 import argparse
@@ -20,6 +21,8 @@ from selenium.webdriver.chrome.service import Service
 
 # Parameters of the figures: omega, zeta, delta0.
 ROTORS = ((1.7, 0.07, 0.0), (1.2, 0.07, 0.5), (1.7, 0.07, 0.5), (1.7, 0.07, 1.0), (2.0, 0.07, 2.0))
+# What a machine has beside them; its clearance must not be 0.
+MACHINE = {"shaft_stiffness": 0.25, "contact_exponent": 1, "contact_damping": 0.5}
 REST, QUICK = 400, 50  # milliseconds from step to step
 # Of how much each slider is moved in all.
 SPANS = {"omega": 0.2, "zeta": 0.05, "delta0": 0.3}
@@ -91,18 +94,20 @@ def main():
     """Time steps and drags of all sliders."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--steps", type=int, default=60)
-    steps = parser.parse_args().steps
+    parser.add_argument("--machine", action="store_true")
+    given = parser.parse_args()
+    steps, beyond = given.steps, MACHINE if given.machine else {}
     process, address, seconds = served()
     driver = chromium()
     try:
-        driver.get(address)
+        driver.get(address + "".join(f"&{name}={value}" for name, value in beyond.items()))
         time.sleep(5.0)
         first = driver.execute_script("return rotorIda.delays[0]")
         print(
             f"ready after {seconds:.1f} s, first picture {first:.0f} ms after the page was opened"
         )
         everything = {"steps": [], "drags": [], "basins": []}
-        for rotor in ROTORS:
+        for rotor in [each for each in ROTORS if each[2] > 0.0 or not beyond]:
             for name, value in zip(SPANS, rotor, strict=True):
                 driver.execute_script(
                     "const field = document.getElementById(`field-${arguments[0]}`);"

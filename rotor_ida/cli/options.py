@@ -72,6 +72,7 @@ def _flag(text: str, *, name: str | None = None) -> Parameter:
 OMEGA = _number("Spin speed over the reference frequency.")
 ZETA = _number("Damping ratio.")
 DELTA0 = _number("Radial clearance over eccentricity.")
+EXPONENT = _number("Exponent of the contact force: 1.5 by Hertz, or 1.")
 OneOmega = Annotated[float | None, OMEGA]
 OneZeta = Annotated[float | None, ZETA]
 OneDelta0 = Annotated[float | None, DELTA0]
@@ -243,9 +244,7 @@ class BeyondOptions:
     shaft_stiffness: Annotated[
         float, _number("Stiffness of the shaft over mass times reference frequency squared.")
     ] = DEFAULTS["shaft_stiffness"]
-    contact_exponent: Annotated[
-        float, _number("Exponent of the contact force: 1.5 by Hertz, or 1.")
-    ] = DEFAULTS["contact_exponent"]
+    contact_exponent: Annotated[float, EXPONENT] = DEFAULTS["contact_exponent"]
     contact_damping: Annotated[
         float, _number("Relative rise of the contact force at a speed of approach of 1.")
     ] = DEFAULTS["contact_damping"]
@@ -301,7 +300,8 @@ class MachineOptions:
     delta0: OneDelta0 = None
     mass: Annotated[float | None, _number("In SI units: mass of the disc, in kg.")] = None
     contact_stiffness: Annotated[
-        float | None, _number("Hertz stiffness of the ring, in N/m^1.5.")
+        float | None,
+        _number("Stiffness of the contact, in N/m^1.5, or of a linear one in N/m."),
     ] = None
     damping: Annotated[float | None, _number("Viscous damping, in N s/m.")] = None
     eccentricity: Annotated[
@@ -309,6 +309,15 @@ class MachineOptions:
     ] = None
     clearance: Annotated[float | None, _number("Radial clearance, in m.")] = None
     speed: Annotated[float | None, _number("Spin speed, in rad/s.")] = None
+    shaft_stiffness: Annotated[
+        float | None, _number("Stiffness of the shaft: with a mass in N/m.")
+    ] = None
+    contact_exponent: Annotated[float | None, EXPONENT] = None
+    contact_damping: Annotated[
+        float | None,
+        _number("Relative rise of the contact force over the speed of approach: in s/m."),
+    ] = None
+    load: Annotated[float | None, _number("Static load, downwards: with a mass in N.")] = None
 
     def machine(self) -> Rotor | DimensionalRotor:
         """Return the rotor or the machine, whichever is given whole."""

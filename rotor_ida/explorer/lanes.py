@@ -13,7 +13,7 @@ from itertools import count
 
 from rotor_ida.explorer.answers import Answer, packed
 from rotor_ida.explorer.questions import FILES, Question
-from rotor_ida.explorer.workers import ASKED_FIRST, LENGTH, Order, example
+from rotor_ida.explorer.workers import ASKED_FIRST, LENGTH, MACHINE_ASKED, Order, example
 
 Deliver = Callable[[bytes], None]
 # Whose question it is: a page, and the panels of one of its rotors.
@@ -187,9 +187,10 @@ class Lane:
     async def _make_ready(self, worker: _Worker) -> None:
         """Have the process answer once, so that it has imported what it needs."""
         for about in set(self.abouts).difference(FILES):
-            number = next(self._numbers)
-            await worker.follow((number, example(about, ASKED_FIRST)))
-            worker.tell((number, "drop"))
+            for beyond in ({}, MACHINE_ASKED):
+                number = next(self._numbers)
+                await worker.follow((number, example(about, ASKED_FIRST, beyond)))
+                worker.tell((number, "drop"))
         if not self._ready:
             self._told(1, 1)
         self._ready = True

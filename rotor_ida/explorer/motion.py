@@ -18,7 +18,7 @@ from rotor_ida.explorer.answers import Answer
 from rotor_ida.explorer.questions import Question
 from rotor_ida.explorer.words import words_of_run
 from rotor_ida.parameters import DimensionalRotor, Rotor
-from rotor_ida.schema import EVENT_KIND
+from rotor_ida.schema import DAMPED_EVENT_KIND, EVENT_KIND
 from rotor_ida.simulation.options import Method
 from rotor_ida.simulation.simulate import simulate
 
@@ -35,17 +35,17 @@ FASTEST_LINE = 5.0
 METHOD: Method = "taylor"
 DRAWN = (
     *("t", "x", "y", "rotating_x", "rotating_y", "radius", "force"),
-    *("event_time", "event_time_error", "event_x", "event_y"),
+    *("event_time", "event_time_error", "event_x", "event_y", "event_radius"),
     *("event_rotating_x", "event_rotating_y", "entry_time", "exit_time", "peak_time", "peak_force"),
 )
 
 
 def show_motion(question: Question) -> Iterator[Answer]:
     """Yield what a page draws of one run."""
-    omega, delta0 = question.rotor.omega, question.rotor.delta0
+    omega = question.rotor.omega
     run = values_of(run_of(question))
-    radius = np.hypot(run["x"], run["y"])
-    run |= {"radius": radius, "force": np.asarray(contact_force(radius, delta0))}
+    run |= {"radius": np.hypot(run["x"], run["y"]), "force": force_of(run, question.rotor)}
+    run["event_radius"] = np.hypot(run["event_x"], run["event_y"])
     turned = rotated(_states(run, ""), -omega * run["t"])
     run |= {"rotating_x": turned[:, 0], "rotating_y": turned[:, 1]}
     met = rotated(_states(run, "event_"), -omega * run["event_time"])
@@ -96,6 +96,7 @@ def facts_of(question: Question) -> dict[str, object]:
         scales = {
             "length": machine.length_scale, "time": machine.time_scale,
             "velocity": machine.velocity_scale, "force": machine.force_scale,
+            "energy": machine.force_scale * machine.length_scale,
             "rate": machine.reference_frequency,
         }  # fmt: skip
     return {"rotor": question.rotor.given, "scales": scales, "start": question.start}
@@ -106,18 +107,35 @@ def values_of(run: xr.Dataset) -> Values:
     return {str(name): variable.values for name, variable in run.variables.items()}
 
 
+def force_of(run: Values, rotor: Rotor) -> npt.NDArray[np.float64]:
+    """Return the force of the ring along a run [1], as `contact_forces` has it."""
+    radius = np.hypot(run["x"], run["y"])
+    force = np.asarray(contact_force(radius, rotor.delta0, rotor.contact_exponent))
+    if rotor.contact_damping == 0.0:
+        return force
+    outwards = run["x"] * run["vx"] + run["y"] * run["vy"]
+    speed = np.divide(outwards, radius, out=np.zeros_like(radius), where=radius > 0.0)
+    held: npt.NDArray[np.float64] = np.maximum(1.0 + rotor.contact_damping * speed, 0.0)
+    return held * force
+
+
 def ending(run: Values, rotor: Rotor) -> dict[str, float]:
-    """Return what a run does over its last half: contacts, their peak force, extreme radii."""
+    """Return what a run does over its last half: contacts, their peak force, extreme radii.
+
+    With contact damping also what a contact that ends there loses by it, in the mean, and how
+    often the force falls to zero inside the ring.
+    """
     end = float(run["t"][-1])
     begin = LAST * end
-    radius = np.hypot(run["x"], run["y"])[run["t"] >= begin]
+    late = run["t"] >= begin
+    radius = np.hypot(run["x"], run["y"])[late]
     peaks = run["peak_force"][run["peak_time"] >= begin]
     entries = (run["event_kind"] == EVENT_KIND["entry"]) & (run["event_time"] >= begin)
     revolutions = (end - begin) * rotor.omega / (2.0 * math.pi)
     entry = np.maximum(np.nan_to_num(run["entry_time"], nan=0.0), begin)
     leaving = np.nan_to_num(run["exit_time"], nan=end)
-    steady = float(contact_force(float(radius.max()), rotor.delta0))
-    return {
+    steady = float(force_of(run, rotor)[late].max())
+    told = {
         "contacts_per_revolution": float(entries.sum()) / revolutions if revolutions else math.nan,
         "contact_fraction": float(np.maximum(leaving - entry, 0.0).sum()) / (end - begin),
         "largest_force": max(steady, float(peaks.max(initial=0.0))),
@@ -125,6 +143,12 @@ def ending(run: Values, rotor: Rotor) -> dict[str, float]:
         "radius_max": float(radius.max()),
         "contacts_in_all": float(run["peak_time"].size),
     }
+    if rotor.contact_damping > 0.0:
+        losses = run["contact_loss"][run["exit_time"] >= begin]
+        loose = (run["event_kind"] == DAMPED_EVENT_KIND["release"]) & (run["event_time"] >= begin)
+        told["loss_per_contact"] = float(losses.mean()) if losses.size else math.nan
+        told["releases"] = float(loose.sum())
+    return told
 
 
 def _states(run: Values, prefix: str) -> npt.NDArray[np.float64]:

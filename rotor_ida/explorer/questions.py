@@ -18,7 +18,13 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import MACHINE_PARAMETERS, PARAMETERS, DimensionalRotor, Rotor
+from rotor_ida.parameters import (
+    DEFAULTS,
+    MACHINE_PARAMETERS,
+    PARAMETERS,
+    DimensionalRotor,
+    Rotor,
+)
 from rotor_ida.simulation.options import LARGEST, check_can_be_followed
 
 About = Literal["motion", "responses", "starts", "nc", "png", "svg", "py", "sh", "html"]
@@ -119,13 +125,15 @@ def read_question(text: str) -> Question:
 def machine_of(given: object) -> Rotor | DimensionalRotor:
     """Return the machine that a mapping of names to numbers is."""
     if isinstance(given, Mapping):
-        if sorted(given) == sorted(PARAMETERS):
+        needed = given.keys() - DEFAULTS.keys()
+        if needed == set(PARAMETERS):
             return Rotor(**given)
-        if sorted(given) == sorted(MACHINE_PARAMETERS):
+        if needed == set(MACHINE_PARAMETERS):
             return DimensionalRotor(**given)
     raise InputError(
         "machine must have omega, zeta and delta0, or mass, contact_stiffness, damping, "
-        f"eccentricity, clearance and speed, got {shown(given)}"
+        "eccentricity, clearance and speed, and may have "
+        f"{', '.join(DEFAULTS)}, got {shown(given)}"
     )
 
 

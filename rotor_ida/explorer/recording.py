@@ -19,7 +19,7 @@ from rotor_ida.explorer.page import page_files
 from rotor_ida.explorer.questions import Question
 from rotor_ida.explorer.responses import show_responses
 from rotor_ida.parallel import Progress
-from rotor_ida.parameters import DimensionalRotor, Rotor, check_papers
+from rotor_ida.parameters import DimensionalRotor, Rotor
 
 Arrays = dict[str, npt.NDArray[np.float64]]
 
@@ -85,7 +85,6 @@ def recording(
         about="motion", number=0, side=0, machine=machine, start=start,
         revolutions=revolutions, speeds=SHOWN, reach=1.0,
     )  # fmt: skip
-    check_papers(beginning.rotor, "the explorer")
     common: dict[str, bytes] = {}
     courses: dict[str, list[list[str]]] = {}
     for course in COURSES:
@@ -94,7 +93,7 @@ def recording(
         for place in range(len(speeds))[:: -1 if course == "down" else 1]:
             question = replace(beginning, machine=_at(machine, speeds[place]), start=here)
             answers = [*_motion(question), *show_responses(question)]
-            own = [each for each in answers if each.part in {"motion", "settled", "section"}]
+            own = [each for each in answers if each.part not in {"curve", "branch"}]
             frames[place] = [_text(_single(each)) for each in own]
             common |= {_name(each): packed(each) for each in answers if each not in own}
             if course != "start":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -13,15 +14,15 @@ import xarray as xr
 
 from rotor_ida.analysis.comparison import compare
 from rotor_ida.analysis.sections import poincare_section
-from rotor_ida.closed_forms.folds import fold_table
-from rotor_ida.closed_forms.response_curve import pieces_over_speed
+from rotor_ida.closed_forms.folds import fold_table, folds
+from rotor_ida.closed_forms.response_curve import pieces_over_speed, response_curve
 from rotor_ida.cycles.branches import branches_through, holds_cycle
-from rotor_ida.errors import RotorError
+from rotor_ida.errors import InputError, RotorError
 from rotor_ida.explorer.answers import Answer
 from rotor_ida.explorer.motion import METHOD, duration_of, ending, facts_of, run_of, values_of
 from rotor_ida.explorer.questions import Question
-from rotor_ida.explorer.words import words_of_response, words_of_transient
-from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.explorer.words import NO_CURVE, words_of_response, words_of_transient
+from rotor_ida.parameters import ALL_PARAMETERS, PARAMETERS, Rotor
 from rotor_ida.schema import EXACT, RESPONSE, STABILITY
 from rotor_ida.simulation.simulate import simulate
 from rotor_ida.sweeps.sweep import sweep
@@ -45,7 +46,13 @@ ONE = (*PARAMETERS, "start", "direction")
 KIND_OF = {number: word for word, number in RESPONSE.items()}
 STABILITY_OF = {number: word for word, number in STABILITY.items()}
 
-_branches: dict[tuple[float, ...], list[xr.Dataset]] = {}
+# A curve on which there is nothing.
+NO_WHIRLS: Arrays = {
+    **dict.fromkeys(("omega", "amplitude", "fold_omega", "fold_amplitude"), np.empty(0)),
+    **dict.fromkeys(("stability", "in_contact", "piece"), np.empty(0, np.int8)),
+}
+
+_branches: dict[tuple[Rotor, tuple[float, float]], list[xr.Dataset]] = {}
 
 
 def show_responses(question: Question) -> Iterator[Answer]:
@@ -56,7 +63,7 @@ def show_responses(question: Question) -> Iterator[Answer]:
     if rotor.zeta == 0.0:
         return  # nothing settles
     swept = sweep(
-        **{name: getattr(rotor, name) for name in PARAMETERS},
+        **{name: getattr(rotor, name) for name in ALL_PARAMETERS},
         starts=[question.start], method=METHOD, executor="serial",
     )  # fmt: skip
     compared = compare(swept).squeeze(ONE)
@@ -70,10 +77,38 @@ def show_responses(question: Question) -> Iterator[Answer]:
 
 
 def _curve(question: Question) -> Answer:
-    """Return the synchronous whirls over the speed, with the folds."""
+    """Return the synchronous whirls over the speed, with the folds; or why there are none."""
     rotor = question.rotor
-    arrays = _arrays_of_curve(rotor.zeta, rotor.delta0, question.speeds)
-    return Answer("curve", facts_of(question), arrays)
+    facts = facts_of(question)
+    if rotor.load > 0.0:
+        return Answer("curve", {**facts, "why": NO_CURVE}, NO_WHIRLS)
+    try:
+        arrays = (
+            _arrays_of_further_curve(_at_rest(rotor), question.speeds)
+            if rotor.beyond
+            else _arrays_of_curve(rotor.zeta, rotor.delta0, question.speeds)
+        )
+    except InputError as error:
+        return Answer("curve", {**facts, "why": f"No exact curve: {error}."}, NO_WHIRLS)
+    return Answer("curve", facts, arrays)
+
+
+def _at_rest(rotor: Rotor) -> Rotor:
+    """Return a rotor that stands for all speeds of it."""
+    return replace(rotor, omega=0.0)
+
+
+@lru_cache(maxsize=MOST_KEPT)
+def _arrays_of_further_curve(rotor: Rotor, speeds: tuple[float, float]) -> Arrays:
+    """Return the curve with a shaft, either contact law and contact damping, with the folds."""
+    given = {name: value for name, value in rotor.given.items() if name != "omega"}
+    curve = response_curve(**given, limits=speeds, points=POINTS_OF_CURVE)
+    names = ("omega", "amplitude", "stability", "in_contact", "piece")
+    arrays = {name: curve[name].values[0, 0] for name in names}
+    found = folds(**given)
+    turns = {name: found[name].values[0, 0] for name in ("fold_omega", "fold_amplitude")}
+    are_there = np.isfinite(turns["fold_omega"])
+    return arrays | {name: values[are_there] for name, values in turns.items()}
 
 
 @lru_cache(maxsize=MOST_KEPT)
@@ -183,8 +218,8 @@ def _end(swept: xr.Dataset) -> list[float]:
     return [float(swept[f"end_{name}"].item()) for name in ("x", "y", "vx", "vy")]
 
 
-def _key(question: Question) -> tuple[float, ...]:
-    return (question.rotor.zeta, question.rotor.delta0, *question.speeds)
+def _key(question: Question) -> tuple[Rotor, tuple[float, float]]:
+    return _at_rest(question.rotor), question.speeds
 
 
 def _known_branches(question: Question) -> Iterator[Answer]:

@@ -77,11 +77,11 @@ def command_of(question: Question) -> str:
     >>> command_of(example("sh", (1.7, 0.07, 0.5))).partition(" --start")[0]
     'rotor-ida simulate --omega 1.7 --zeta 0.07 --delta0 0.5'
     """
-    rotor = question.rotor
+    given = question.rotor.given.items()
+    rotor = " ".join(f"--{name.replace('_', '-')} {value!r}" for name, value in given)
     start = " ".join(repr(float(each)) for each in question.start)
     return (
-        f"rotor-ida simulate --omega {rotor.omega!r} --zeta {rotor.zeta!r} "
-        f"--delta0 {rotor.delta0!r} --start {start} --duration {duration_of(question)!r} "
+        f"rotor-ida simulate {rotor} --start {start} --duration {duration_of(question)!r} "
         f"--samples {samples_of(question)} --method {METHOD} --out {NAME}.nc --figure {NAME}"
     )
 

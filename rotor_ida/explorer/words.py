@@ -19,6 +19,8 @@ KINDS = {
     "chaotic": "chaos: it never repeats itself, and neighbouring motions part",
     "unresolved": "nothing that could be told: it was followed for as long as is allowed",
 }
+NO_CURVE = "Under a load nothing stands still on the turning axes: no exact curve."
+HELD = "the contact-free whirl, the only one that the shaft allows: it stays inside the clearance"
 # A rotor at rest is at the centre, when it is so much closer to it than the mass centre is to the
 # centre of the disc.
 CENTRE = 1e-6
@@ -32,12 +34,16 @@ def words_of_run(machine: Rotor | DimensionalRotor, told: Mapping[str, float]) -
     if told["contact_fraction"] == 0.0:
         return ["It has touched the ring, and no longer does."]
     peak = _force(machine, told["largest_force"])
+    damped = _damped(machine, told)
     if told["contact_fraction"] >= 1.0:
-        return [f"Over the last half it is always in contact, with a force of up to {peak}."]
+        always = f"Over the last half it is always in contact, with a force of up to {peak}."
+        return [always, *damped]
     each = told["contacts_per_revolution"]
-    often = "" if math.isnan(each) else f"{each:.3g} contacts a revolution, "
+    counted = f"{each:.3g} contact" + ("" if f"{each:.3g}" == "1" else "s")
+    often = "" if math.isnan(each) else f"{counted} a revolution, "
     share = 100.0 * told["contact_fraction"]
-    return [f"Over the last half: {often}in contact {share:.3g} % of the time, peak force {peak}."]
+    half = f"Over the last half: {often}in contact {share:.3g} % of the time, peak force {peak}."
+    return [half, *damped]
 
 
 def words_of_response(machine: Rotor | DimensionalRotor, told: Mapping[str, Any]) -> list[str]:
@@ -55,21 +61,23 @@ def words_of_response(machine: Rotor | DimensionalRotor, told: Mapping[str, Any]
     kind = told["response"]
     if kind == "failed":
         return [f"It could not be followed: {told['message']}."]
-    if told["rotor"]["omega"] == 0.0 and kind == "contact_free":
-        if told["radius_max"] < CENTRE:
-            return ["It comes to rest at the centre of the ring."]
-        return ["It comes to rest inside the clearance.", _radii(machine, told)]
-    sentences = [f"It settles on {KINDS[kind]}."]
+    if told["rotor"]["omega"] == 0.0 and kind in {"contact_free", "synchronous"}:
+        return _at_rest(machine, told)
+    held = kind == "contact_free" and machine.shaft_stiffness > 0.0 and machine.load == 0.0
+    sentences = [f"It settles on {HELD if held else KINDS[kind]}."]
     if kind == "chaotic":
         apart = _time(machine, 1.0 / told["lyapunov_exponent"])
         sentences.append(f"The distance between neighbours grows e-fold every {apart}.")
     sentences.append(_radii(machine, told))
+    if kind == "contact_free" and machine.load > 0.0 and machine.shaft_stiffness > 0.0:
+        sag = _length(machine, told["rotor"]["load"] / told["rotor"]["shaft_stiffness"])
+        sentences.append(f"Its centre hangs {sag} below the axis of the bearing.")
     if told["lies_on"] != "nothing":
         what = "whirl" if told["lies_on"] == "whirl" else "cycle"
         digits = math.floor(told["digits"])
         sentences.append(f"The simulated {what} and the exact one agree to {digits} digits.")
     if told.get("contact_fraction", 0.0) > 0.0:
-        sentences.append(_contact(machine, told))
+        sentences += [_contact(machine, told), *_damped(machine, told)]
     return sentences
 
 
@@ -104,6 +112,24 @@ def words_of_transient(
     )
 
 
+def _at_rest(machine: Rotor | DimensionalRotor, told: Mapping[str, Any]) -> list[str]:
+    """Return where a rotor without spin comes to rest."""
+    if told["response"] == "synchronous":
+        return ["It comes to rest on the ring.", _radii(machine, told), _contact(machine, told)]
+    if told["radius_max"] < CENTRE:
+        return ["It comes to rest at the centre of the ring."]
+    return ["It comes to rest inside the clearance.", _radii(machine, told)]
+
+
+def _damped(machine: Rotor | DimensionalRotor, told: Mapping[str, Any]) -> list[str]:
+    """Return what contact damping does, where there is any and a contact has ended."""
+    loss = told.get("loss_per_contact", math.nan)
+    if math.isnan(loss):
+        return []
+    loose = ", and lets go before the rotor has left the ring" if told["releases"] else ""
+    return [f"A contact loses {_energy(machine, loss)} in the mean{loose}."]
+
+
 def _radii(machine: Rotor | DimensionalRotor, told: Mapping[str, Any]) -> str:
     low, high = (_length(machine, told[name]) for name in ("radius_min", "radius_max"))
     if told["response"] == "synchronous":
@@ -115,7 +141,10 @@ def _radii(machine: Rotor | DimensionalRotor, told: Mapping[str, Any]) -> str:
         return f"Its radius {radius}, and leaves a gap of {gap} to the ring."
     period = told.get("period", math.nan)
     again = ""
-    if not math.isnan(period):
+    if not math.isnan(period) and machine.load > 0.0:
+        turns = round(period * told["rotor"]["omega"] / (2.0 * math.pi))
+        again = f", and repeats every {f'{turns} revolutions' if turns > 1 else 'revolution'}"
+    elif not math.isnan(period):
         again = f", and repeats every {_time(machine, period)} as the unbalance sees it"
     return f"Its radius goes from {low} to {high}{again}."
 
@@ -126,8 +155,9 @@ def _contact(machine: Rotor | DimensionalRotor, told: Mapping[str, Any]) -> str:
         steady = told["response"] == "synchronous"
         return f"It presses on the ring with {peak}." if steady else f"Peak force {peak}."
     each, share = told["contacts_per_revolution"], 100.0 * told["contact_fraction"]
+    often = "once" if f"{each:.4g}" == "1" else f"{each:.4g} times"
     return (
-        f"It touches the ring {each:.4g} times a revolution, {share:.3g} % of the time, with a "
+        f"It touches the ring {often} a revolution, {share:.3g} % of the time, with a "
         f"peak force of {peak}."
     )
 
@@ -142,6 +172,11 @@ def _time(machine: Rotor | DimensionalRotor, value: float) -> str:
 
 def _force(machine: Rotor | DimensionalRotor, value: float) -> str:
     return _told(machine, value, "force_scale", "N")
+
+
+def _energy(machine: Rotor | DimensionalRotor, value: float) -> str:
+    length = 1.0 if isinstance(machine, Rotor) else machine.length_scale
+    return _told(machine, length * value, "force_scale", "J")
 
 
 def _told(machine: Rotor | DimensionalRotor, value: float, scale: str, unit: str) -> str:

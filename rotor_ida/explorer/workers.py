@@ -12,7 +12,7 @@ import pickle
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from queue import SimpleQueue
 from types import FrameType
@@ -27,6 +27,8 @@ Order = tuple[int, Question | Literal["next", "drop"]]
 
 # The rotor that a process is asked about before a page is let in.
 ASKED_FIRST = (2.0, 0.07, 2.0)
+# The same with what a machine has beside, which is computed by a library of its own.
+MACHINE_ASKED = {"shaft_stiffness": 0.25, "contact_exponent": 1.0, "contact_damping": 0.5}
 # Seconds after which a part is broken off again.
 SOON = 0.01
 # Bytes that tell the length of an answer, little-endian.
@@ -149,12 +151,14 @@ def _show(about: str) -> Callable[[Question], Iterator[Answer]]:
     return show_file
 
 
-def example(about: str, rotor: tuple[float, float, float]) -> Question:
+def example(
+    about: str, rotor: tuple[float, float, float], beyond: Mapping[str, float] | None = None
+) -> Question:
     """Return a question about a rotor that starts from rest."""
     omega, zeta, delta0 = rotor
     asked = {
         "about": about, "number": 0, "side": 0, "start": [0, 0, 0, 0], "revolutions": 60,
-        "machine": {"omega": omega, "zeta": zeta, "delta0": delta0}, "speeds": [1.6, 2.1],
-        "reach": 8.0,
+        "machine": {"omega": omega, "zeta": zeta, "delta0": delta0, **(beyond or {})},
+        "speeds": [1.6, 2.1], "reach": 8.0,
     }  # fmt: skip
     return read_question(json.dumps(asked))

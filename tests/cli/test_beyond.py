@@ -141,13 +141,6 @@ def test_an_atlas_goes_over_the_parameters_of_machines(program: Program):
     assert program("verify", "atlas.nc").status == 0
 
 
-def test_what_reads_a_run_of_another_rotor_refuses_it(program: Program):
-    assert program(*SIMULATE, "--load", "0.125", "--out", "run.nc").status == 0
-    answer = program("explore", "--no-browser", "--file", "run.nc")
-    assert (answer.status, answer.out) == (2, "")
-    assert answer.err == "rotor-ida: file must be of the paper's rotor, without load 0.125\n"
-
-
 def test_under_a_load_a_cycle_with_a_period_of_its_own_is_not_followed(
     program: Program, archives: Path
 ):

@@ -20,6 +20,14 @@ MACHINE = {
     "mass": 4.0, "contact_stiffness": 1e9, "damping": 280.0, "eccentricity": 1e-6,
     "clearance": 2e-6, "speed": 1000.0,
 }  # fmt: skip
+# What a machine has beside the paper's rotor, without dimensions and in SI units.
+BEYOND = {
+    "shaft_stiffness": 0.25, "contact_exponent": 1.0, "contact_damping": 1.5, "load": 0.5,
+}  # fmt: skip
+BEYOND_IN_SI = {
+    "contact_stiffness": 1e6, "shaft_stiffness": 2.5e5, "contact_exponent": 1.0,
+    "contact_damping": 3e3, "load": 0.5,
+}  # fmt: skip
 # Its basin takes minutes.
 SLOW = {"omega": 1.38, "zeta": 0.07, "delta0": 1.0}
 KINDS = {"f8": "<f8", "f4": "<f4", "i1": "i1"}

@@ -21,8 +21,9 @@ import pytest
 import rotor_ida
 from rotor_ida.cli import main
 from rotor_ida.cli.commands.explore import NEEDED
+from rotor_ida.explorer import explore as explorer
 from rotor_ida.explorer.explore import can_show_a_page
-from tests.explorer.asking import MACHINE, ROTOR, SLOW, asked
+from tests.explorer.asking import BEYOND, BEYOND_IN_SI, MACHINE, ROTOR, SLOW, asked
 from tests.explorer.conftest import MAIN, PATIENCE, Program, wait_until
 
 Start = Callable[..., Program]
@@ -57,6 +58,10 @@ MISTAKES = [
     ("--port 80.5", "port must be a whole number"),
     ("--omega 2", "a rotor must be given by omega, zeta, delta0, or by mass"),
     ("--omega 2 --zeta 0.07 --delta0 2 --mass 1", "a rotor must be given by"),
+    ("--load 1 --shaft-stiffness 2", "clearance, speed, got shaft_stiffness, load"),
+    ("--omega 2 --zeta 0.07 --delta0 2 --contact-exponent 2", "contact_exponent must be 1.5 or 1"),
+    ("--omega 2 --zeta 0.07 --delta0 2 --load -1", "load must be zero or positive, got -1.0"),
+    ("--omega 2 --zeta 0.07 --delta0 0 --contact-damping 1", "contact_damping must be 0 without"),
     ("--mass 4 --speed 100", "a rotor must be given by"),
     ("--omega nan --zeta 0.07 --delta0 2", "omega must be a finite real number, got nan"),
     ("--omega -1 --zeta 0.07 --delta0 2", "omega must be zero or positive, got -1.0"),
@@ -134,6 +139,31 @@ def test_without_the_extra_one_line_says_how_to_install_it(hidden: str):
     assert ended.stderr == (
         f"rotor-ida: explore needs {hidden}: install it with pip install 'rotor-ida[explore]'\n"
     )
+
+
+def first_state(words: list[str], monkeypatch: pytest.MonkeyPatch) -> dict[str, object]:
+    """Return the state with which the page begins."""
+    seen: list[dict[str, object]] = []
+    monkeypatch.setattr(explorer, "explore", lambda state, **_: seen.append(dict(state)))
+    assert main(["explore", "--no-browser", *words]) == 0
+    (state,) = seen
+    return state
+
+
+@pytest.mark.parametrize("given", [ROTOR | BEYOND, MACHINE | BEYOND_IN_SI], ids=["plain", "in SI"])
+def test_the_page_begins_with_a_machine(given: dict[str, float], monkeypatch: pytest.MonkeyPatch):
+    words = [f"--{name.replace('_', '-')}={value!r}" for name, value in given.items()]
+    assert first_state(words, monkeypatch).items() >= given.items()
+
+
+def test_the_page_begins_with_the_machine_of_a_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    rotor = rotor_ida.Rotor(**ROTOR, **BEYOND)
+    run = rotor_ida.simulate(rotor, start=(0.5, 0, 0, 1), duration=40.0)
+    rotor_ida.save(run, tmp_path / "run.nc")
+    state = first_state(["--file", str(tmp_path / "run.nc")], monkeypatch)
+    assert state.items() >= (ROTOR | BEYOND | {"x": 0.5, "vy": 1.0}).items()
 
 
 posix = pytest.mark.skipif(sys.platform != "linux", reason="sends signals, looks into /proc")

@@ -11,8 +11,8 @@ import xarray as xr
 import rotor_ida
 from rotor_ida.explorer.motion import samples_of
 from rotor_ida.explorer.questions import Question
-from rotor_ida.schema import EVENT_KIND
-from tests.explorer.asking import MACHINE, ROTOR, Message, answer_to, question
+from rotor_ida.schema import DAMPED_EVENT_KIND, EVENT_KIND
+from tests.explorer.asking import BEYOND, BEYOND_IN_SI, MACHINE, ROTOR, Message, answer_to, question
 
 QUESTIONS = {
     "bouncing": question(start=[2.6, 0.75, 0.66, -1.65]),
@@ -26,6 +26,11 @@ QUESTIONS = {
     "one revolution": question(revolutions=1),
     "long": question(revolutions=2000, machine={"omega": 1.38, "zeta": 0.07, "delta0": 1.0}),
     "in SI units": question(machine=MACHINE),
+    "a machine": question(machine=ROTOR | BEYOND),
+    "a machine in SI units": question(machine=MACHINE | BEYOND_IN_SI),
+    "a machine in full contact": question(
+        machine={"omega": 1.2, "zeta": 0.07, "delta0": 0.5} | BEYOND | {"load": 0.0}
+    ),
 }  # fmt: skip
 
 
@@ -122,6 +127,37 @@ def test_what_is_told_of_the_end_is_counted_again():
     assert told["contact_fraction"] == pytest.approx(float(inside.clip(min=0.0).sum()) / half)
 
 
+def test_releases_and_presses_stand_where_the_force_is_zero_inside_the_ring():
+    message, rotor = motion(QUESTIONS["a machine"]), QUESTIONS["a machine"].rotor
+    run = simulated(QUESTIONS["a machine"])
+    kinds = message.arrays["event_kind"]
+    within = np.isin(kinds, (DAMPED_EVENT_KIND["release"], DAMPED_EVENT_KIND["press"]))
+    assert within.sum() > 20
+    radius = message.arrays["event_radius"]
+    assert (radius[within] > rotor.delta0 + 1e-3).all()
+    np.testing.assert_allclose(radius[~within], rotor.delta0, rtol=1e-12)
+    outwards = sum(run[f"event_{axis}"] * run[f"event_v{axis}"] for axis in "xy").values
+    held = 1.0 + rotor.contact_damping * outwards / radius
+    np.testing.assert_allclose(held[within], 0.0, atol=1e-9)
+    # between a release and the exit there is no force
+    loose = np.flatnonzero(kinds == DAMPED_EVENT_KIND["release"])
+    for event in loose[kinds[loose + 1] == EVENT_KIND["exit"]]:
+        low, high = message.arrays["event_time"][event : event + 2]
+        inside = (message.arrays["t"] > low) & (message.arrays["t"] < high)
+        assert not message.arrays["force"][inside].any()
+
+
+def test_the_loss_per_contact_is_the_mean_of_those_that_end_in_the_last_half():
+    message, run = motion(QUESTIONS["a machine"]), simulated(QUESTIONS["a machine"])
+    told, half = message.facts["ending"], float(run.attrs["duration"]) / 2.0
+    ended = run["exit_time"].values >= half
+    assert told["loss_per_contact"] == run["contact_loss"].values[ended].mean() > 0.0
+    releases = run["event_time"].values[run["event_kind"].values == DAMPED_EVENT_KIND["release"]]
+    assert told["releases"] == (releases >= half).sum() > 0
+    assert "A contact loses" in message.facts["words"][-1]
+    assert "lets go before" in message.facts["words"][-1]
+
+
 def test_a_machine_has_the_answer_of_its_rotor_and_its_scales():
     in_si, plain = motion(QUESTIONS["in SI units"]), motion(question())
     machine = rotor_ida.DimensionalRotor(**MACHINE)
@@ -134,6 +170,7 @@ def test_a_machine_has_the_answer_of_its_rotor_and_its_scales():
         "time": machine.time_scale,
         "velocity": machine.velocity_scale,
         "force": machine.force_scale,
+        "energy": machine.force_scale * machine.length_scale,
         "rate": machine.reference_frequency,
     }
     run = rotor_ida.dimensional(simulated(question()), machine)
@@ -148,6 +185,11 @@ EDGES = [
     {"zeta": 1e3},  # with more it takes minutes
     {"omega": 0.0, "zeta": 0.0, "delta0": 0.0},
     {"omega": 1e6, "zeta": 1e6, "delta0": 1e6},
+    *(
+        {name: edge}
+        for name in ("shaft_stiffness", "contact_damping", "load")
+        for edge in (1e-6, 1e6)
+    ),
 ]
 
 

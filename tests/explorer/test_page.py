@@ -282,6 +282,113 @@ def test_a_machine_in_si_units(page):
     assert page.facts("motion")["rotor"]["omega"] == pytest.approx(machine.rotor().omega)
 
 
+WHOLE = {"shaft_stiffness": 0.25, "contact_exponent": 1.0, "contact_damping": 1.5, "load": 0.5}
+
+
+def with_machine(page, address, **given):
+    """Open the page with what a machine has beside the paper's rotor."""
+    more = "".join(f"&{name}={value}" for name, value in given.items())
+    return Page(page.driver, address, more)
+
+
+def test_what_a_machine_has_beside_is_folded_away_until_it_is_there(page, address):
+    assert not page.find("#slider-load").is_displayed()
+    page.find("#machine summary").send_keys(Keys.ENTER)
+    assert page.find("#slider-load").is_displayed()
+    assert page.facts("motion")["rotor"] == {"omega": 2.0, "zeta": 0.07, "delta0": 2.0}
+    page = with_machine(page, address, load=0.5)
+    assert page.find("#slider-load").is_displayed()
+    assert float(page.find("#field-load").get_attribute("value")) == 0.5
+    assert page.facts("motion")["rotor"]["load"] == 0.5
+
+
+@pytest.mark.parametrize("name", ["shaft_stiffness", "contact_damping", "load"])
+def test_a_slider_of_the_machine_moves_by_key_and_is_kept_in_the_address(page, name):
+    page.find("#machine summary").click()
+    page.find(f"#slider-{name}").send_keys(Keys.ARROW_RIGHT, Keys.ARROW_RIGHT)
+    page.settle()
+    after = page.state()[name]
+    assert after > 0.0
+    rotor = Rotor(**page.facts("motion")["rotor"])
+    assert rotor.beyond == {name: after}
+    run = shown_run(page, rotor)
+    np.testing.assert_array_equal(page.array("motion", "event_time"), run.event_time.values)
+    page.until("location.hash.includes(arguments[0])", f"{name}={after}")
+    page.find(f"#slider-{name}").send_keys(Keys.ARROW_LEFT, Keys.ARROW_LEFT)
+    page.until("!location.hash.includes(arguments[0])", name)  # the paper's rotor again
+
+
+def test_the_contact_law_is_switched_by_key(page):
+    page.find("#machine summary").click()
+    page.find('[name="exponent"][value="1.5"]').send_keys(Keys.ARROW_RIGHT)
+    page.settle()
+    assert page.facts("motion")["rotor"]["contact_exponent"] == 1.0
+    curve = response_curve(
+        zeta=0.07, delta0=2.0, contact_exponent=1.0, limits=SPEEDS, points=40
+    )  # fmt: skip
+    np.testing.assert_array_equal(page.array("curve", "amplitude"), curve.amplitude.values.ravel())
+
+
+def test_the_whole_machine_in_si_units_is_the_same_rotor(page, address):
+    page = with_machine(page, address, **WHOLE)
+    page.find('[name="units"][value="si"]').click()
+    page.settle()
+    names = [
+        *("mass", "contact_stiffness", "damping", "eccentricity", "clearance", "speed"),
+        *WHOLE,
+    ]
+    state = page.state()
+    machine = DimensionalRotor(**{name: state[name] for name in names})
+    told = page.facts("motion")
+    assert Rotor(**told["rotor"]) == machine.rotor()
+    for name, value in {"omega": 2.0, "zeta": 0.07, "delta0": 2.0, **WHOLE}.items():
+        assert told["rotor"][name] == pytest.approx(value, rel=1e-12)
+    assert told["scales"]["force"] == machine.force_scale
+    assert "[N/m]" in page.find("label[for='field-contact_stiffness']").text
+    # the other law at the same scales: a force of its own unit, and no other frequency
+    page.find('[name="exponent"][value="1.5"]').click()
+    page.settle()
+    assert "[N/m¹·⁵]" in page.find("label[for='field-contact_stiffness']").text
+    other = page.facts("motion")
+    assert other["scales"] == pytest.approx(told["scales"], rel=1e-12)
+    assert "contact_exponent" not in other["rotor"]
+    page.find("#weight").click()
+    page.settle()
+    assert page.state()["load"] == pytest.approx(4 * 9.80665, rel=1e-14)
+    page.find('[name="units"][value="none"]').click()
+    page.settle()
+    rotor = page.facts("motion")["rotor"]
+    assert rotor["shaft_stiffness"] == pytest.approx(0.25, rel=1e-12)
+    assert not page.find("#weight").is_displayed()
+
+
+def test_releases_and_presses_are_counted_and_drawn_with_contact_damping_alone(page, address):
+    keys = "Array.from(document.querySelectorAll('[data-damped]'), (each) => each.offsetParent)"
+    assert page.run(f"return {keys}.some(Boolean)") is False
+    page = with_machine(page, address, **WHOLE)
+    assert page.run(f"return {keys}.every(Boolean)") is True
+    kinds = page.array("motion", "event_kind").tolist()
+    entries, exits, presses, releases = (kinds.count(kind) for kind in (1, -1, 4, -4))
+    assert releases > presses > 0
+    assert (
+        f"{entries} entries and {exits} exits, {releases} releases and {presses} presses"
+        in page.words()
+    )
+    assert "A contact loses" in page.words()
+    shown = page.array("motion", "event_kind") == -4
+    times, radii = (page.array("motion", f"event_{name}")[shown] for name in ("time", "radius"))
+    told = hovered(page, '[data-plot="radius"]', [times[-1], radii[-1]])
+    assert told.startswith("release:")
+
+
+def test_under_a_load_there_is_a_reason_in_place_of_the_curve(page, address):
+    page = with_machine(page, address, load=0.5, shaft_stiffness=0.25)
+    key = page.find("#response-key").text
+    assert key.startswith("Under a load nothing stands still on the turning axes: no exact curve.")
+    assert "whirl" not in key
+    assert page.array("curve", "omega").size == 0
+
+
 def test_a_bad_value_is_told_and_the_page_lives_on(page):
     page.type("#field-zeta", -1)
     said = page.until("document.getElementById('message').textContent")
@@ -558,7 +665,10 @@ def test_the_response_reaches_as_far_as_the_rotor(page, omega):
         ("#share", "address", "http://127.0.0.1:"),
     ],
 )
-def test_what_makes_the_run_again_is_copied(page, button, told, beginning):
+@pytest.mark.parametrize("whole", [False, True])
+def test_what_makes_the_run_again_is_copied(page, address, button, told, beginning, whole):
+    if whole:
+        page = with_machine(page, address, **WHOLE)
     origin = page.run("return location.origin")
     both = ["clipboardReadWrite", "clipboardSanitizedWrite"]
     allowed = {"permissions": both, "origin": origin}
@@ -569,6 +679,7 @@ def test_what_makes_the_run_again_is_copied(page, button, told, beginning):
         "navigator.clipboard.readText().then(arguments[arguments.length - 1])"
     )
     assert text.startswith(beginning)
+    assert ("load" in text) == whole
 
 
 def test_the_page_is_recorded_at_the_press_of_a_button(page):
@@ -777,6 +888,7 @@ def test_nothing_is_cut_off(page, width):
         {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500},
     )
     try:
+        page.find("#machine summary").click()
         time.sleep(0.5)
         assert page.run("return document.documentElement.scrollWidth") <= width
         wide = "Array.from(document.querySelectorAll('canvas'), (each) => each.clientWidth)"
@@ -787,6 +899,7 @@ def test_nothing_is_cut_off(page, width):
 
 def test_a_screen_reader_finds_a_name_for_all(page):
     page.settle("settled")
+    page.find("#machine summary").click()
     page.driver.execute_cdp_cmd("Accessibility.enable", {})
     nodes = page.driver.execute_cdp_cmd("Accessibility.getFullAXTree", {})["nodes"]
     roles = {"slider", "spinbutton", "button", "checkbox", "radio", "image", "combobox"}
@@ -797,6 +910,10 @@ def test_a_screen_reader_finds_a_name_for_all(page):
     ]
     assert {role for role, _ in named} == roles
     assert [role for role, name in named if not name.strip()] == []
+    assert {
+        ("slider", "Shaft stiffness κ"), ("slider", "Contact damping c"), ("slider", "Load γ"),
+        ("radio", "3/2, Hertz"), ("radio", "1, a linear spring"),
+    } <= set(named)  # fmt: skip
 
 
 def test_a_lost_connection_is_told(chromium):

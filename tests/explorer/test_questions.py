@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.questions import Question, read_question
 from rotor_ida.parameters import DimensionalRotor, Rotor
-from tests.explorer.asking import MACHINE, ROTOR, asked
+from tests.explorer.asking import BEYOND, BEYOND_IN_SI, MACHINE, ROTOR, asked
 
 NAN, INFINITY = float("nan"), float("inf")
 HUGE = 10**3000
@@ -76,6 +76,12 @@ MISTAKES = [
     ({"machine": ROTOR | {"delta0": "2"}}, f"delta0 {FINITE} '2'"),
     ({"machine": ROTOR | {"delta0": {"a": 1}}}, f"delta0 {FINITE} {{'a': 1}}"),
     ({"machine": ROTOR | {"omega": HUGE}}, f"omega {FINITE}"),
+    ({"machine": ROTOR | {"friction": 0.1}}, "and may have shaft_stiffness, contact_exponent, "),
+    ({"machine": {"load": 1.0}}, "machine must have"),
+    ({"machine": ROTOR | {"contact_exponent": 2}}, "contact_exponent must be 1.5 or 1, got 2.0"),
+    ({"machine": ROTOR | {"load": -1}}, "load must be zero or positive, got -1.0"),
+    ({"machine": ROTOR | {"shaft_stiffness": NAN}}, f"shaft_stiffness {FINITE} nan"),
+    ({"machine": ROTOR | {"delta0": 0, "contact_damping": 1}}, "contact_damping must be 0 without"),
     ({"machine": MACHINE | {"mass": 0}}, "mass must be positive, got 0.0"),
     ({"machine": MACHINE | {"damping": -1}}, "damping must be zero or positive, got -1.0"),
     ({"machine": MACHINE | {"mass": 1e300}}, "must give scales of frequency, velocity and force"),
@@ -164,6 +170,16 @@ def test_a_machine_in_si_units_is_its_rotor():
     assert read.rotor == Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 
 
+def test_what_a_machine_has_beside_comes_along():
+    assert read_question(json.dumps(asked(machine=ROTOR | BEYOND))).rotor == Rotor(
+        **ROTOR, **BEYOND
+    )
+    read = read_question(json.dumps(asked(machine=MACHINE | BEYOND_IN_SI)))
+    assert read.machine == DimensionalRotor(**MACHINE | BEYOND_IN_SI)
+    for name, value in (ROTOR | BEYOND).items():
+        assert getattr(read.rotor, name) == pytest.approx(value, rel=1e-14)
+
+
 JSON = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20),
     lambda inner: st.lists(inner, max_size=5) | st.dictionaries(st.text(), inner, max_size=5),
@@ -194,7 +210,7 @@ def test_any_value_of_any_name_is_taken_or_refused(name: str, value: Any):
     read_or_refused(json.dumps(asked(**{name: value})))
 
 
-@given(st.sampled_from([ROTOR, MACHINE]), st.data())
+@given(st.sampled_from([ROTOR, MACHINE, ROTOR | BEYOND, MACHINE | BEYOND_IN_SI]), st.data())
 def test_any_machine_is_taken_or_refused(machine: dict[str, float], data: st.DataObject):
     number = st.floats() | st.integers() | st.floats(0.0, 1e6) | JSON
     given = {name: data.draw(number) for name in machine}

@@ -12,12 +12,16 @@ from rotor_ida.cycles.branches import branches_through
 from rotor_ida.explorer import responses
 from rotor_ida.explorer.questions import Question
 from rotor_ida.schema import EXACT, RESPONSE
-from tests.explorer.asking import MACHINE, ROTOR, SLOW, Message, answer_to, question
+from tests.explorer.asking import BEYOND, MACHINE, ROTOR, SLOW, Message, answer_to, question
 
 BOUNCING = question("responses", start=[2.6, 0.75, 0.66, -1.65])
 WHIRL = question("responses", machine={"omega": 1.7, "zeta": 0.07, "delta0": 0.5})
 CHAOS = question("responses", machine=SLOW, start=[1.5, -0.25, 0.0, 0.0])
 FREE = question("responses", machine={"omega": 0.5, "zeta": 0.07, "delta0": 3.0})
+# Machines: a cycle with contact damping, the contact-free whirl that a shaft holds, a load.
+DAMPED = question("responses", machine=ROTOR | BEYOND | {"contact_damping": 0.5, "load": 0.0})
+HELD = question("responses", machine=ROTOR | {"shaft_stiffness": 0.25, "delta0": 6.0})
+LOADED = question("responses", machine=ROTOR | BEYOND)
 ALL = {"bouncing": BOUNCING, "whirl": WHIRL, "chaos": CHAOS, "contact-free": FREE}
 
 
@@ -143,6 +147,63 @@ def test_a_machine_has_the_answer_of_its_rotor():
     for name in told.keys() - {"scales", "words"}:
         assert in_si["settled"].facts[name] == told[name]
     assert any("µm" in sentence for sentence in in_si["settled"].facts["words"])
+
+
+@pytest.mark.parametrize("asking", [DAMPED, HELD], ids=["damped", "held"])
+def test_of_a_machine_curve_and_folds_are_the_closed_forms(asking: Question):
+    curve = answer_to(asking)[0]
+    given = {name: value for name, value in asking.rotor.given.items() if name != "omega"}
+    exact = response_curve(**given, limits=(0.05, 3.0), points=responses.POINTS_OF_CURVE)
+    for name in ("omega", "amplitude", "piece", "stability", "in_contact"):
+        np.testing.assert_array_equal(curve.arrays[name], exact[name].values.ravel(), err_msg=name)
+    turns = rotor_ida.folds(**given)["fold_omega"].values.ravel()
+    np.testing.assert_array_equal(curve.arrays["fold_omega"], turns[np.isfinite(turns)])
+    assert "why" not in curve.facts
+
+
+def test_of_a_machine_the_cycle_its_branch_and_its_section_are_the_library_s():
+    parts = {message.part: message for message in answer_to(DAMPED)}
+    facts = parts["settled"].facts
+    assert (facts["response"], facts["lies_on"]) == ("bouncing", "cycle")
+    assert facts["digits"] > 10
+    cycle = rotor_ida.limit_cycle(DAMPED.rotor, start=facts["end"])
+    assert facts["exact_period"] == pytest.approx(float(cycle["period"]), rel=1e-10)
+    assert facts["radius_max"] == pytest.approx(float(cycle["radius_max"]), rel=1e-9)
+    branch = parts["branch"].arrays
+    place = np.flatnonzero(np.diff(np.sign(branch["omega"] - DAMPED.rotor.omega)))
+    near = branch["radius_max"][place] - facts["radius_max"]
+    assert np.abs(near).min() < 0.05
+    found = rotor_ida.poincare_section(
+        DAMPED.rotor, start=facts["end"], revolutions=256, method="taylor"
+    )
+    np.testing.assert_array_equal(parts["section"].arrays["section_x"], found["rotating_x"].values)
+
+
+def test_with_a_shaft_the_rotor_settles_on_the_one_contact_free_whirl():
+    facts = next(each for each in answer_to(HELD) if each.part == "settled").facts
+    exact = 4.0 / abs(0.25 - 4.0 + 2j * 0.07 * 2.0)
+    assert (facts["lies_on"], facts["response"]) == ("whirl", "contact_free")
+    assert facts["radius_min"] == pytest.approx(exact, rel=1e-6)
+    assert "the only one that the shaft allows" in facts["words"][0]
+
+
+def test_under_a_load_there_is_no_curve_and_the_motion_repeats_itself_after_revolutions():
+    parts = {message.part: message for message in answer_to(LOADED)}
+    curve, facts = parts["curve"], parts["settled"].facts
+    assert curve.facts["why"].startswith("Under a load nothing stands still on the turning axes")
+    assert not any(values.size for values in curve.arrays.values())
+    turns = facts["period"] * LOADED.rotor.omega / (2.0 * np.pi)
+    assert turns == pytest.approx(round(turns), abs=1e-9)
+    assert "every revolution" in facts["words"][1] or f"every {round(turns)}" in facts["words"][1]
+    x = parts["section"].arrays["section_x"]
+    np.testing.assert_allclose(x[round(turns) :], x[: -round(turns)], atol=1e-6)
+
+
+def test_where_no_curve_can_be_drawn_the_reason_is_in_its_place():
+    machine = ROTOR | {"zeta": 0.0, "contact_exponent": 1.0}
+    (curve,) = answer_to(question("responses", machine=machine))
+    assert curve.facts["why"].startswith("No exact curve: zeta must be positive for the curve of a")
+    assert not curve.arrays["omega"].size
 
 
 @pytest.mark.parametrize("omega", [0.0, 2.0])

@@ -15,9 +15,11 @@ import pytest
 import rotor_ida
 from rotor_ida.cli import main
 from rotor_ida.explorer import recording
-from tests.explorer.asking import MACHINE, ROTOR, answer_to, question
+from tests.explorer.asking import BEYOND, BEYOND_IN_SI, MACHINE, ROTOR, answer_to, question
 
 START = [2.6, 0.75, 0.66, -1.65]
+WHOLE = ROTOR | BEYOND
+WHOLE_IN_SI = MACHINE | BEYOND_IN_SI
 SHOWN = ("t", "x", "y", "event_time", "event_x", "event_y")
 
 
@@ -32,7 +34,9 @@ def shown_run(**changes: object) -> dict[str, np.ndarray]:
     return dict(message.arrays)
 
 
-@pytest.mark.parametrize("machine", [ROTOR, MACHINE, ROTOR | {"omega": 0.0}, ROTOR | {"zeta": 0.0}])
+@pytest.mark.parametrize(
+    "machine", [ROTOR, MACHINE, WHOLE, WHOLE_IN_SI, ROTOR | {"omega": 0.0}, ROTOR | {"zeta": 0.0}]
+)
 def test_the_archive_is_of_the_run_that_was_shown_and_verified(
     machine: dict[str, float], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ):
@@ -46,7 +50,7 @@ def test_the_archive_is_of_the_run_that_was_shown_and_verified(
     capsys.readouterr()
 
 
-@pytest.mark.parametrize("machine", [ROTOR, MACHINE, ROTOR | {"omega": 0.0}])
+@pytest.mark.parametrize("machine", [ROTOR, MACHINE, WHOLE, WHOLE_IN_SI, ROTOR | {"omega": 0.0}])
 def test_the_command_makes_the_run_and_its_figure_again(
     machine: dict[str, float], tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
@@ -78,7 +82,7 @@ def test_the_page_is_recorded_step_by_step_and_has_the_speed_that_is_shown(
     assert told["speed"] == own
 
 
-@pytest.mark.parametrize("machine", [ROTOR, MACHINE])
+@pytest.mark.parametrize("machine", [ROTOR, MACHINE, WHOLE, WHOLE_IN_SI])
 def test_the_lines_make_the_run_and_its_figure_again(
     machine: dict[str, float], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):

@@ -17,6 +17,18 @@ ASKING = question(
 )
 
 
+def test_a_machine_has_a_basin_and_under_a_load_a_reason():
+    machine = ROTOR | {"shaft_stiffness": 0.25, "contact_exponent": 1.0, "contact_damping": 0.5}
+    asking = question("starts", machine=machine)
+    first, coarse, _ = answer_to(asking)
+    assert first.facts["attractors"]
+    count = coarse.facts["count"]
+    found = library_basin(asking, count, starts.RTOL)
+    np.testing.assert_array_equal(coarse.arrays["label"], found["label"].values.ravel())
+    (trouble,) = answer_to(question("starts", machine=machine | {"load": 0.5}))
+    assert trouble.facts["message"].startswith("load must be 0 for a basin")
+
+
 @pytest.fixture(scope="module")
 def pictures() -> list[Message]:
     return answer_to(ASKING)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 import pytest
 
 from rotor_ida.explorer.words import words_of_response, words_of_run, words_of_transient
@@ -15,9 +18,13 @@ RUN = {
 }  # fmt: skip
 
 
+DAMPED = {"loss_per_contact": 0.25, "releases": 0.0}
+
+
 @pytest.mark.parametrize(
     ("changes", "told"),
     [
+        ({"contacts_per_revolution": 1.0}, "half: 1 contact a revolution, in contact 25 %"),
         ({}, "0.4 contacts a revolution, in contact 25 % of the time, peak force 0.5."),
         ({"contacts_in_all": 0.0}, "It never touches the ring."),
         ({"contact_fraction": 0.0}, "It has touched the ring, and no longer does."),
@@ -83,6 +90,53 @@ def test_words_of_a_run_that_ends_too_early_are_in_the_units_of_the_machine():
     assert "ends at t = 188.5 (60 revolutions)" in words_of_transient(PLAIN, 2.0, 188.5, 17_000.0)
     assert "settled at t = 34 s (5,411" in words_of_transient(IN_SI, 2.0, 188.5, 17_000.0)
     assert "revolutions" not in words_of_transient(PLAIN, 0.0, 377.0, 17_000.0)
+
+
+def test_what_contact_damping_takes_is_told_in_units_of_energy():
+    machine = replace(IN_SI, contact_damping=3.0)
+    _, loss = words_of_run(PLAIN, RUN | DAMPED)
+    assert loss == "A contact loses 0.25 in the mean."
+    _, loss = words_of_run(machine, RUN | DAMPED | {"releases": 3.0})
+    assert loss == (
+        "A contact loses 250 nJ in the mean, and lets go before the rotor has left the ring."
+    )
+    touched = words_of_response(PLAIN, CYCLE | {"contacts_per_revolution": 1.0})[-1]
+    assert touched.startswith("It touches the ring once a revolution")
+    assert words_of_response(PLAIN, CYCLE | DAMPED)[-1] == "A contact loses 0.25 in the mean."
+    (sentence,) = words_of_run(PLAIN, RUN | DAMPED | {"loss_per_contact": float("nan")})
+    assert "half" in sentence  # no contact has ended
+
+
+def test_with_a_shaft_there_is_one_contact_free_whirl():
+    told = words_of_response(replace(PLAIN, shaft_stiffness=0.25), FREE)
+    assert told[0].startswith("It settles on the contact-free whirl, the only one that the shaft")
+    assert words_of_response(PLAIN, FREE)[0].startswith("It settles on a contact-free whirl")
+
+
+def test_under_a_load_a_cycle_repeats_itself_after_revolutions():
+    loaded = replace(PLAIN, load=0.5)
+    revolution = 2.0 * math.pi / PLAIN.omega
+    for count, said in ((1, "every revolution."), (3, "every 3 revolutions.")):
+        told = words_of_response(loaded, CYCLE | {"period": count * revolution})
+        assert told[1].endswith(said)
+
+
+def test_under_a_load_a_rotor_comes_to_rest_on_the_ring_or_hangs_in_the_clearance():
+    still = {"omega": 0.0, "zeta": 0.07, "delta0": 2.0, "load": 0.125}
+    lying = {
+        "response": "synchronous", "lies_on": "whirl", "digits": 12.0, "exact_amplitude": 2.25,
+        "radius_min": 2.25, "radius_max": 2.25, "contact_fraction": 1.0, "largest_force": 0.125,
+        "rotor": still,
+    }  # fmt: skip
+    assert words_of_response(Rotor(**still), lying) == [
+        "It comes to rest on the ring.",
+        "Its radius is 2.25.",
+        "It presses on the ring with 0.125.",
+    ]
+    held = still | {"omega": 2.0, "shaft_stiffness": 0.25}
+    told = words_of_response(Rotor(**held), FREE | {"rotor": held})
+    assert told[0].startswith("It settles on a contact-free whirl")
+    assert "Its centre hangs 0.5 below the axis of the bearing." in told
 
 
 def test_words_of_chaos_tell_how_fast_neighbours_part():

@@ -13,7 +13,7 @@ from rotor_ida.checks import COMPONENTS, State, shown
 from rotor_ida.cli import options
 from rotor_ida.cli.output import FORCED, read, working
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import PARAMETERS, DimensionalRotor, Rotor
+from rotor_ida.parameters import DimensionalRotor, Rotor
 from rotor_ida.simulation.options import check_can_be_followed
 
 # What serves the page, and the package itself does not need.
@@ -40,6 +40,12 @@ def explore(
     It is served to this machine alone, at the address that is printed, until Ctrl-C:
 
         rotor-ida explore --omega 2 --zeta 0.07 --delta0 2
+
+    A machine in SI units, with its shaft, a linear contact that loses energy, and its weight:
+
+        rotor-ida explore --mass 8 --contact-stiffness 5e7 --damping 240 \
+            --eccentricity 2e-5 --clearance 1e-4 --speed 700 --shaft-stiffness 2e6 \
+            --contact-exponent 1 --contact-damping 7.5 --load 78.5
 
     From the start of a run that simulate wrote:
 
@@ -79,15 +85,14 @@ def _beginning(
         return chosen, begun, REVOLUTIONS
     if given or start is not None:
         raise InputError("file must be given alone: it has a rotor and a start of its own")
-    from rotor_ida.schema import check_papers_result  # noqa: PLC0415 - heavy, and not for --help
+    from rotor_ida.simulation.dataset import rotor_of  # noqa: PLC0415 - heavy, and not for --help
 
     run = read(file)
     if "event_time" not in run or "duration" not in run.attrs or "length_scale" in run.attrs:
         raise InputError(
             f"file must be a run that simulate wrote, dimensionless, got {shown(file)}"
         )
-    check_papers_result("file", run)
-    rotor = Rotor(**{name: float(run[name]) for name in PARAMETERS})
+    rotor = rotor_of(run)
     x, y, vx, vy = map(float, run.attrs["start"])
     turns = float(run.attrs["duration"]) * (rotor.omega or 1.0) / (2.0 * math.pi)
     return rotor, (x, y, vx, vy), min(max(round(turns), 1), MOST_REVOLUTIONS)

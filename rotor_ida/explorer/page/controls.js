@@ -1,6 +1,6 @@
 // Sliders and number fields for the parameters that the state has.
 
-import { DIMENSIONLESS, MACHINE, inSI, referenceFrequency, state } from "./state.js";
+import { DIMENSIONLESS, MACHINE, changeExponent, inSI, namesBeyond, referenceFrequency, scalesBeyond, state } from "./state.js";
 import { SPEED_UNITS } from "./units.js";
 
 const STEPS = 1000;
@@ -30,7 +30,22 @@ const PARAMETERS = {
   mass: { name: "Mass", unit: "kg", slider: logarithmic(0.01, 1e4) },
   contact_stiffness: { name: "Contact stiffness", unit: "N/m¹·⁵", slider: logarithmic(1e5, 1e13) },
   eccentricity: { name: "Eccentricity", unit: "m", slider: logarithmic(1e-8, 1e-2) },
+  contact_exponent: { name: "Contact exponent n", unit: "" },
 };
+/** What a machine has beyond the paper's rotor: without dimensions, and in SI units. */
+const BEYOND = {
+  none: {
+    shaft_stiffness: { name: "Shaft stiffness κ", unit: "", slider: linear(0, 4, 0.01) },
+    contact_damping: { name: "Contact damping c", unit: "", slider: linear(0, 3, 0.01) },
+    load: { name: "Load γ", unit: "", slider: linear(0, 10, 0.02) },
+  },
+  si: {
+    shaft_stiffness: { name: "Shaft stiffness", unit: "N/m", slider: scaled(4, () => scalesBeyond().shaft_stiffness) },
+    contact_damping: { name: "Contact damping", unit: "s/m", slider: scaled(3, () => scalesBeyond().contact_damping) },
+    load: { name: "Load", unit: "N", slider: scaled(10, () => scalesBeyond().load) },
+  },
+};
+const GRAVITY = 9.80665;
 const ORDER = ["omega", "zeta", "delta0", "speed", "damping", "clearance", "mass", "contact_stiffness", "eccentricity"];
 
 /** Return a number as its field has it: short, with a power of ten where that helps. */
@@ -110,8 +125,18 @@ function control(key, parameter, changed, unitChanged) {
   return { box, show };
 }
 
+/** Return the name of a parameter with its unit, as a list has it. */
+export function nameOf(key) {
+  const { name, unit } = BEYOND[inSI() ? "si" : "none"][key] ?? parameterOf(key);
+  return name[0].toLowerCase() + name.slice(1) + (unit && ` [${unit}]`);
+}
+
+/** Return what is known of a parameter; the unit of the contact stiffness hangs on the contact law. */
+const parameterOf = (key) => (key === "contact_stiffness" && state.contact_exponent === 1 ? { ...PARAMETERS[key], unit: "N/m" } : PARAMETERS[key]);
+
 export class Controls {
   constructor(changed, unitChanged) {
+    this.machine = document.getElementById("machine");
     this.unitChanged = () => {
       this.show();
       unitChanged();
@@ -121,23 +146,44 @@ export class Controls {
       this.show();
       changed(key, event);
     };
+    for (const radio of document.querySelectorAll('[name="exponent"]')) {
+      radio.addEventListener("change", (event) => {
+        changeExponent(Number(radio.value));
+        this.build();
+        changed("contact_exponent", event);
+      });
+    }
+    document.getElementById("weight").addEventListener("click", (event) => {
+      state.load = Number((state.mass * GRAVITY).toPrecision(12));
+      this.changed("load", event);
+    });
     this.build();
   }
 
   /** Build the sliders of the units that the state is in. */
   build() {
     const names = ORDER.filter((name) => (inSI() ? MACHINE : DIMENSIONLESS).includes(name));
-    this.controls = names.map((name) => control(name, PARAMETERS[name], this.changed, this.unitChanged));
-    this.controls[0].box.classList.add("first");
-    document.getElementById("sliders").replaceChildren(...this.controls.map(({ box }) => box));
+    const own = names.map((name) => control(name, parameterOf(name), this.changed, this.unitChanged));
+    own[0].box.classList.add("first");
+    document.getElementById("sliders").replaceChildren(...own.map(({ box }) => box));
+    const beyond = Object.entries(BEYOND[inSI() ? "si" : "none"]).map(([name, parameter]) => control(name, parameter, this.changed));
+    beyond.forEach(({ box }, place) => document.getElementById(`beyond-${place}`).replaceChildren(box));
+    document.getElementById("weight").hidden = !inSI();
+    this.controls = [...own, ...beyond];
     const clearance = PARAMETERS[inSI() ? "clearance" : "delta0"];
     this.second = control("second", { ...clearance, name: `${clearance.name}, second` }, this.changed);
     document.getElementById("second").replaceChildren(this.second.box);
     this.show();
   }
 
+  /** Unfold what a machine has beyond the paper's rotor where it has any of it. */
+  unfold() {
+    if (namesBeyond().length) this.machine.open = true;
+  }
+
   /** Show what the state is. */
   show() {
+    for (const radio of document.querySelectorAll('[name="exponent"]')) radio.checked = Number(radio.value) === state.contact_exponent;
     for (const each of this.controls) each.show();
     this.second.box.hidden = state.second === null;
     if (state.second !== null) this.second.show();

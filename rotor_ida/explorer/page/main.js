@@ -1,7 +1,7 @@
 // The page: what is moved becomes a question, what is answered becomes a picture.
 
 import { Live, Recorded } from "./connection.js";
-import { Controls, UP_AND_DOWN, onArrows, written } from "./controls.js";
+import { Controls, UP_AND_DOWN, nameOf, onArrows, written } from "./controls.js";
 import { forgetColours } from "./plot.js";
 import { Response, speedsAround } from "./response.js";
 import { Side } from "./side.js";
@@ -12,10 +12,10 @@ import { SPEED_UNITS, roundUp, told, withUnit } from "./units.js";
 const $ = (id) => document.getElementById(id);
 const PANELS = ["motion", "responses", "starts"];
 const FILES = { nc: "application/x-netcdf", png: "image/png", svg: "image/svg+xml", py: "text/x-python", html: "text/html" };
-const NAMES = {
-  zeta: "damping ζ", delta0: "clearance δ₀", mass: "mass [kg]", contact_stiffness: "contact stiffness [N/m¹·⁵]",
-  damping: "damping [N s/m]", eccentricity: "eccentricity [m]", clearance: "clearance [m]",
-};
+// Signs of what a rotor has beyond the paper's.
+const SIGNS = { shaft_stiffness: "κ", contact_exponent: "n", contact_damping: "c", load: "γ" };
+// Kinds of events in a contact with damping, beside entry (1) and exit (-1).
+const PRESS = 4, RELEASE = -4;
 const KEY = "rotor-ida-key";
 // No start lies further from the axis.
 const FURTHEST = 1e6;
@@ -93,7 +93,8 @@ function question(side) {
 function parametersOf(place) {
   const { rotor, scales } = page.shown[place].motion.facts;
   const si = scales.length ? `, clearance ${withUnit(scales, "length", rotor.delta0)}, speed ${withUnit(scales, "rate", rotor.omega)}` : "";
-  return `ω = ${told(rotor.omega, 6)}, ζ = ${told(rotor.zeta, 6)}, δ₀ = ${told(rotor.delta0, 6)}${si}`;
+  const beyond = Object.entries(SIGNS).filter(([name]) => name in rotor).map(([name, sign]) => `, ${sign} = ${told(rotor[name], 6)}`);
+  return `ω = ${told(rotor.omega, 6)}, ζ = ${told(rotor.zeta, 6)}, δ₀ = ${told(rotor.delta0, 6)}${beyond.join("")}${si}`;
 }
 
 /** Return the speed without dimensions. */
@@ -276,9 +277,12 @@ function showWords() {
 /** Return how many events there are. */
 function eventsOf(motion) {
   const kinds = motion.arrays.event_kind;
-  const entries = kinds.reduce((count, kind) => count + (kind > 0), 0);
-  const counted = (count, one, many) => `${count || "no"} ${count === 1 ? one : many}`;
-  const text = kinds.length ? `${counted(entries, "entry", "entries")} and ${counted(kinds.length - entries, "exit", "exits")}` : "no entries and exits";
+  const counted = (wanted, one, many) => {
+    const count = kinds.reduce((sum, kind) => sum + (kind === wanted), 0);
+    return `${count || "no"} ${count === 1 ? one : many}`;
+  };
+  let text = kinds.length ? `${counted(1, "entry", "entries")} and ${counted(-1, "exit", "exits")}` : "no entries and exits";
+  if (kinds.some((kind) => kind === PRESS || kind === RELEASE)) text += `, ${counted(RELEASE, "release", "releases")} and ${counted(PRESS, "press", "presses")}`;
   return text[0].toUpperCase() + text.slice(1);
 }
 
@@ -586,6 +590,7 @@ function showState() {
   for (const name of ["revolutions", "step", "rate"]) $(name).value = state[name];
   starts = [START, SECOND_START].map((names) => names.map((name, i) => state[name] ?? state[START[i]]));
   controls.build();
+  controls.unfold();
   buildSides();
 }
 
@@ -619,7 +624,7 @@ function beginRecorded() {
   const label = Object.assign(document.createElement("label"), { htmlFor: "recorded-speed" });
   const range = Object.assign(document.createElement("input"), { type: "range", id: "recorded-speed", min: 0, max: speeds.length - 1, step: 1, value: recorded.place });
   const given = Object.entries(recorded.state).filter(([name]) => ![...START, "omega", "speed"].includes(name));
-  const rest = given.map(([name, value]) => `${NAMES[name]} ${told(value)}`).join(", ");
+  const rest = given.map(([name, value]) => `${nameOf(name)} ${told(value)}`).join(", ");
   const rotor = Object.assign(document.createElement("p"), { className: "quiet", textContent: rest });
   const show = () => {
     label.textContent = `Speed ${told(speeds[recorded.place], 5)} ${unit}`;

@@ -14,8 +14,9 @@ export function speedsAround(omega) {
 }
 
 const STABLE = 0, UNSTABLE = 1, STABILITIES = ["stable", "unstable", "neutral"];
-const SPECIAL = { 1: "fold of limit cycles", 2: "period doubling" };
-const SHAPES = { 1: "diamond", 2: "square", 3: "ring", 4: "disc" }; // fold, period doubling, graze, cusp
+const SPECIAL = { 1: "fold of limit cycles", 2: "period doubling", 5: "torus point" };
+const SHAPES = { 1: "diamond", 2: "square", 5: "disc" };
+const TORUS = 5;
 
 export class Response {
   /** Build the panel; `moved` is told the speed to which it is dragged, as the page has it. */
@@ -54,7 +55,7 @@ export class Response {
   take(answer) {
     const side = this.sides[answer.side];
     if (answer.part === "curve") {
-      const key = JSON.stringify([answer.facts.rotor.zeta, answer.facts.rotor.delta0]);
+      const key = JSON.stringify({ ...answer.facts.rotor, omega: 0 });
       if (key !== side.key) Object.assign(side, { key, branches: [], trail: [] });
       side.curve = answer;
     } else if (answer.part === "branch") {
@@ -95,13 +96,16 @@ export class Response {
   }
 
   #key(shown) {
-    const parts = [
-      ["line-key", "exact whirl in contact"], ["line-key dashed", "unstable"], ["mark diamond", "fold"],
-    ];
+    const parts = [];
+    const reasons = new Set(shown.map(({ curve }) => curve.facts.why).filter(Boolean));
+    if (shown.some(({ curve }) => curve.arrays.in_contact.includes(1))) {
+      parts.push(["line-key", "exact whirl in contact"], ["line-key dashed", "unstable"], ["mark diamond", "fold"]);
+    }
     if (shown.some(({ curve }) => curve.arrays.in_contact.includes(0))) parts.push(["line-key free", "contact-free whirl"]);
     if (shown.some(({ branches }) => branches.length)) {
       parts.push(["line-key cycle", "limit cycle, largest radius"], ["line-key cycle thin", "smallest"]);
       parts.push(["mark diamond open cycle", "its fold"], ["mark square cycle", "period doubling"]);
+      if (shown.some(({ branches }) => branches.some(({ arrays }) => arrays.special_kind.includes(TORUS)))) parts.push(["mark open cycle", "torus point"]);
     }
     parts.push(["mark place", this.two ? "the first rotor" : "the rotor"]);
     if (this.two) parts.push(["mark square second", "the second rotor and its curves"]);
@@ -110,7 +114,8 @@ export class Response {
       item.append(Object.assign(document.createElement("i"), { className }), textContent);
       return item;
     });
-    document.getElementById("response-key").replaceChildren(...items);
+    const told = [...reasons].map((textContent) => Object.assign(document.createElement("span"), { className: "reason", textContent }));
+    document.getElementById("response-key").replaceChildren(...told, ...items);
   }
 
   #draw(pen) {
@@ -181,7 +186,7 @@ export class Response {
 
   #drawSpecial(pen, arrays, ys, ink) {
     arrays.special_kind.forEach((kind, i) => {
-      if (kind !== 1 && kind !== 2) return;
+      if (!SPECIAL[kind]) return;
       const point = Math.min(Math.max(arrays.special_point[i], 0), ys.length - 1);
       pen.mark(arrays.special_omega[i] * this.speed.factor, ys[point], 7, { shape: SHAPES[kind], fill: colour("card"), stroke: ink });
     });
@@ -205,7 +210,7 @@ export class Response {
     const { place, curve } = shown[0];
     const folds = curve.arrays.fold_omega.length;
     const here = place ? ` The rotor is at speed ${place.omega.toPrecision(4)} with a radius of up to ${place.high.toPrecision(4)}.` : "";
-    this.plot.say(`Radius of every synchronous whirl over the speed, with ${folds} folds.${here}`);
+    this.plot.say(`${curve.facts.why ?? `Radius of every synchronous whirl over the speed, with ${folds} folds.`}${here}`);
   }
 }
 

@@ -26,6 +26,8 @@ const HATCHED = {
   chaotic: tile((column, row) => column % 9 < 3 && row % 9 < 3),
 };
 const PLAIN = new Uint8Array(TILE * TILE);
+// Events of a contact by their kind; the last two come with damping in it.
+const EVENTS = { 1: "entry", "-1": "exit", 4: "press", "-4": "release" };
 const DARKER = 0.78;
 // Revolutions a second, when the motion is played.
 const PLAYED = 1;
@@ -186,6 +188,7 @@ export class Side {
     this.length = this.#scale("length", drawn);
     const reach = roundUp(1.08 * drawn) * this.length.factor;
     this.plane = { x: [-reach, reach], y: [-reach, reach] };
+    for (const each of this.element.querySelectorAll("[data-damped]")) each.hidden = !facts.rotor.contact_damping;
     const { unit } = this.length;
     this.orbit.show({ ...this.plane, labels: [labelled("x", unit), labelled("y", unit)] });
     this.#drawHistory();
@@ -252,12 +255,18 @@ export class Side {
     const seen = [];
     times.forEach((time, i) => {
       const at = time * this.timeUnit.factor;
-      if (at >= low && at <= high) seen.push([at, kinds[i]]);
+      if (at >= low && at <= high) seen.push([at, this.#radiusOf(i), kinds[i]]);
     });
     if (seen.length <= MANY_EVENTS) {
-      for (const [at, kind] of seen) pen.mark(at, ring, 7, markOf(kind));
+      for (const [at, radius, kind] of seen) pen.mark(at, radius, 7, markOf(kind));
     }
     this.#line(pen, t, 1e9);
+  }
+
+  /** Return the distance from the axis at an event: the ring's, but inside it for the last two kinds. */
+  #radiusOf(event) {
+    const { event_kind: kinds, event_radius: radii } = this.motion.arrays;
+    return this.length.factor * (Math.abs(kinds[event]) === 1 ? this.motion.facts.rotor.delta0 : radii[event]);
   }
 
   #drawForce(pen) {
@@ -389,8 +398,7 @@ export class Side {
     }
     if (panel === "starts") return this.#tableOfStarts();
     const rows = [...times.map((each, i) => [each, "sample", radii[i], forces[i]])];
-    const ring = this.motion.facts.rotor.delta0 * this.length.factor;
-    arrays.event_time.forEach((each, i) => rows.push([each * this.timeUnit.factor, arrays.event_kind[i] > 0 ? "entry" : "exit", ring, 0]));
+    arrays.event_time.forEach((each, i) => rows.push([each * this.timeUnit.factor, EVENTS[arrays.event_kind[i]], this.#radiusOf(i), 0]));
     for (const [at, peak] of this.#peaks(0, times.length - 1)) rows.push([at, "peak", NaN, peak]);
     rows.sort(([one], [other]) => one - other);
     return Object.fromEntries([time, "what", radius, force].map((name, i) => [name, rows.map((row) => row[i])]));
@@ -438,7 +446,7 @@ export class Side {
     const turn = facts.samples_per_revolution;
     for (let i = Math.ceil(this.view.from / turn) * turn; i <= this.view.now; i += turn) look("once a revolution", [xs[i], ys[i]], t[i]);
     times.forEach((time, i) => {
-      if (time >= low && time <= high) look(kinds[i] > 0 ? "entry" : "exit", [arrays[`event_${axes}x`][i], arrays[`event_${axes}y`][i]], time);
+      if (time >= low && time <= high) look(EVENTS[kinds[i]], [arrays[`event_${axes}x`][i], arrays[`event_${axes}y`][i]], time);
     });
     if (!found.at) for (let i = this.view.from; i <= this.view.now; i++) look("at", [xs[i], ys[i]], t[i]);
     const [a, b] = found.at ?? [x, y];
@@ -450,7 +458,7 @@ export class Side {
   #readTime(name, x, _y, distance, near) {
     if (!this.forceUnit) return null;
     const { plot } = this[name];
-    const { arrays, facts } = this.motion;
+    const { arrays } = this.motion;
     const lines = [this.force.plot.axes[0].label, plot.axes[1].label].map(withoutUnit);
     const told_ = (kind, at) => ({ text: `${kind}${this.#tellTime(name, at, lines)}`, at });
     const { factor } = this.timeUnit;
@@ -459,9 +467,9 @@ export class Side {
       const peak = this.#peaks(0, arrays.t.length - 1).find((at) => distance(...at) < near);
       if (peak) return told_("peak: ", peak);
     }
-    const ring = name === "radius" ? facts.rotor.delta0 * this.length.factor : 0;
-    const event = arrays.event_time.findIndex((time) => beside(time) < 0.5 * near && distance(time * factor, ring) < near);
-    if (event >= 0) return told_(arrays.event_kind[event] > 0 ? "entry: " : "exit: ", [arrays.event_time[event] * factor, ring]);
+    const height = (event) => (name === "radius" ? this.#radiusOf(event) : 0);
+    const event = arrays.event_time.findIndex((time, i) => beside(time) < 0.5 * near && distance(time * factor, height(i)) < near);
+    if (event >= 0) return told_(`${EVENTS[arrays.event_kind[event]]}: `, [arrays.event_time[event] * factor, height(event)]);
     const [times, values] = this[name].data;
     const i = plot.valToIdx(x);
     return times.length ? told_("", [times[i], values[i]]) : null;
@@ -542,7 +550,10 @@ export class Side {
 
 const withoutUnit = (label) => label.replace(/ \[.*\]$/, "");
 
-const markOf = (kind) => (kind > 0 ? { fill: colour("ink"), stroke: colour("card"), width: 0.8 } : { fill: colour("card"), stroke: colour("ink"), width: 1.2 });
+const markOf = (kind) => ({
+  shape: Math.abs(kind) === 1 ? "disc" : "square",
+  ...(kind > 0 ? { fill: colour("ink"), stroke: colour("card"), width: 0.8 } : { fill: colour("card"), stroke: colour("ink"), width: 1.2 }),
+});
 
 /** Return a part of some values, times a factor; a view where the factor is 1. */
 function scaled(values, factor, from = 0, to = values.length) {

@@ -2,14 +2,17 @@
 
 export const DIMENSIONLESS = ["omega", "zeta", "delta0"];
 export const MACHINE = ["mass", "contact_stiffness", "damping", "eccentricity", "clearance", "speed"];
+// What a machine has beside either, and the value of each without which it is the paper's rotor.
+export const BEYOND = { shaft_stiffness: 0, contact_exponent: 1.5, contact_damping: 0, load: 0 };
 export const START = ["x", "y", "vx", "vy"];
 const WORDS = { from: ["start", "here"], theme: ["", "light", "dark"], speedIn: ["rad/s", "rpm", "Hz"] };
 // Where the run beside it begins, where that is somewhere else.
 export const SECOND_START = START.map((name) => `${name}2`);
-const NUMBERS = [...SECOND_START, ...DIMENSIONLESS, ...MACHINE, ...START, "revolutions", "second", "step", "rate"];
+const NUMBERS = [...SECOND_START, ...DIMENSIONLESS, ...MACHINE, ...Object.keys(BEYOND), ...START, "revolutions", "second", "step", "rate"];
 
 const DEFAULTS = {
   omega: 2, zeta: 0.07, delta0: 2,
+  ...BEYOND,
   x: 0, y: 0, vx: 0, vy: 0,
   second: null, // clearance of the rotor beside it, in the units of the first one
   revolutions: 60, from: "start", step: 0.01, rate: 10, theme: "", speedIn: "rad/s",
@@ -18,6 +21,9 @@ export const state = { ...DEFAULTS };
 
 /** Whether the rotor is given as a machine in SI units. */
 export const inSI = () => state.mass !== undefined;
+
+/** Return the names of what the machine has beyond the paper's rotor. */
+export const namesBeyond = () => Object.keys(BEYOND).filter((name) => state[name] !== BEYOND[name]);
 
 /** Take over what an address says; return the key in it, if any. What it does not say is default. */
 export function readAddress(hash) {
@@ -43,7 +49,7 @@ export const tellsOfRotor = (hash) => /[#&](omega|mass)=/.test(hash);
 /** Return what an address says of the state, and of the states with which the runs begin. */
 export function address([first, second]) {
   const told = new URLSearchParams();
-  for (const name of inSI() ? MACHINE : DIMENSIONLESS) told.set(name, state[name]);
+  for (const name of [...(inSI() ? MACHINE : DIMENSIONLESS), ...namesBeyond()]) told.set(name, state[name]);
   START.forEach((name, place) => told.set(name, first[place]));
   if (state.second !== null && state.from === "here") {
     SECOND_START.forEach((name, place) => told.set(name, second[place]));
@@ -58,31 +64,51 @@ export function address([first, second]) {
 
 /** Return the machine of one side, as a question has it. */
 export function machine(side) {
-  const names = inSI() ? MACHINE : DIMENSIONLESS;
+  const names = [...(inSI() ? MACHINE : DIMENSIONLESS), ...namesBeyond()];
   const given = Object.fromEntries(names.map((name) => [name, state[name]]));
   if (side === 1) given[inSI() ? "clearance" : "delta0"] = state.second;
   return given;
 }
 
 /** Return the reference frequency in rad/s, the rate of a dimensionless 1. */
-export const referenceFrequency = () =>
-  Math.sqrt((state.contact_stiffness * Math.sqrt(state.eccentricity)) / state.mass);
+export const referenceFrequency = () => Math.sqrt((state.contact_stiffness * slopeScale()) / state.mass);
+
+/** Return what the contact stiffness is multiplied by to be that of a spring, in N/m. */
+const slopeScale = () => (state.contact_exponent > 1 ? Math.sqrt(state.eccentricity) : 1);
+
+/** Return what a dimensionless 1 of the parameters beyond the paper's rotor is in SI units. */
+export function scalesBeyond() {
+  const rate = referenceFrequency();
+  const stiffness = state.mass * rate ** 2;
+  return {
+    shaft_stiffness: stiffness, contact_damping: 1 / (state.eccentricity * rate), load: stiffness * state.eccentricity,
+  };
+}
+
+/** Change the contact law; the force at an indentation of one eccentricity, and all scales, stay. */
+export function changeExponent(exponent) {
+  const before = inSI() ? slopeScale() : 1;
+  state.contact_exponent = exponent;
+  if (inSI()) state.contact_stiffness = Number(((state.contact_stiffness * before) / slopeScale()).toPrecision(12));
+}
 
 /** Describe the same rotor as a machine in SI units, of a size of its own if it had none. */
 export function toSI() {
   const { omega, zeta, delta0, second } = state;
-  Object.assign(state, { mass: 4, contact_stiffness: 1e9, eccentricity: 1e-6 });
+  Object.assign(state, { mass: 4, contact_stiffness: state.contact_exponent > 1 ? 1e9 : 1e6, eccentricity: 1e-6 });
   const rate = referenceFrequency();
   state.damping = 2 * zeta * state.mass * rate;
   state.clearance = delta0 * state.eccentricity;
   state.speed = omega * rate;
   if (second !== null) state.second = second * state.eccentricity;
+  for (const [name, scale] of Object.entries(scalesBeyond())) state[name] *= scale;
   for (const name of DIMENSIONLESS) delete state[name];
 }
 
 /** Describe the machine without dimensions. */
 export function toDimensionless() {
   const rate = referenceFrequency();
+  for (const [name, scale] of Object.entries(scalesBeyond())) state[name] /= scale;
   state.omega = state.speed / rate;
   state.zeta = state.damping / (2 * state.mass * rate);
   state.delta0 = state.clearance / state.eccentricity;

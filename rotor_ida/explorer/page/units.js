@@ -4,7 +4,7 @@ import { state } from "./state.js";
 
 /** How many of a unit of speed are one radian a second. */
 export const SPEED_UNITS = { "rad/s": 1, rpm: 30 / Math.PI, Hz: 0.5 / Math.PI };
-const UNITS = { length: "m", time: "s", force: "N", velocity: "m/s" };
+const UNITS = { length: "m", time: "s", force: "N", velocity: "m/s", energy: "J" };
 const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"], [1e-12, "p"], [1e-15, "f"]];
 
 /** Return the factor and the unit in which to show numbers of a kind, of which `top` is large. */
