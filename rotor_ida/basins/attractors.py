@@ -12,7 +12,7 @@ from scipy.special import gammaincinv
 from rotor_ida.arrays import Values
 from rotor_ida.basins.contact_free_whirls import ContactFree
 from rotor_ida.basins.following import FollowedStarts, Starts
-from rotor_ida.basins.kernel import CHAOTIC, Labels
+from rotor_ida.basins.kernel import CHAOTIC, QUASI_PERIODIC, Labels
 from rotor_ida.checks import State
 from rotor_ida.cycles.limit_cycle import follow
 from rotor_ida.cycles.shooting import Cycle
@@ -37,6 +37,8 @@ NUMBERS = (
 PROVEN, ESTIMATED, NOTHING = "proven", "estimated", "none"
 # Whirls that stay inside the clearance; the outermost of them is reached by touches that fade.
 CONTACT_FREE_FAMILY = (response.CONTACT_FREE, response.TOUCHING)
+# Whose starts come to one of the kind.
+ONLY_BY_KIND = (*CONTACT_FREE_FAMILY, response.QUASI_PERIODIC, response.CHAOTIC)
 # Samples of one period, for the mean whirl.
 SAMPLES = 512
 # The least lifetime of chaos is the one that may be ruled out with this certainty.
@@ -88,7 +90,9 @@ def attractors_of(found: FollowedStarts) -> list[Attractor]:
     """
     known = found.known
     rows: list[tuple[int, Attractor]] = []
-    kind = response.CONTACT_FREE if known.rotor.omega == 0.0 else response.SYNCHRONOUS
+    loaded = known.rotor.load > 0.0
+    still = known.rotor.omega == 0.0 and not loaded  # and comes to rest at the centre
+    kind = response.CONTACT_FREE if still else response.SYNCHRONOUS
     for number, each in enumerate(known.whirls):
         size = each.amplitude
         trapping = PROVEN if each.exists else NOTHING
@@ -96,13 +100,16 @@ def attractors_of(found: FollowedStarts) -> list[Attractor]:
         rows.append((number, row))
     present = _present(found.labels)
     if known.free is not None:
-        rows.append((known.free_label, _contact_free(known.free)))
+        free = _contact_free(known.free)
+        rows.append((known.free_label, replace(free, trapping=NOTHING) if loaded else free))
         if known.fading_label in present:
             rows.append((known.fading_label, _fading(known.free, known.rotor.delta0)))
     stop = np.zeros(1, np.uint8)
     for place in np.argsort([each.radius_max for each in found.cycles], kind="stable").tolist():
         if (number := known.first_cycle + place) in present:
             rows.append((number, attractor_of_cycle(found.cycles[place], found.held[place], stop)))
+    if QUASI_PERIODIC in present:
+        rows.append((QUASI_PERIODIC, _together(response.QUASI_PERIODIC, found.torus)))
     if CHAOTIC in present:
         rows.append((CHAOTIC, _chaos(found)))
     _renumber(found.labels, [label for label, _ in rows])
@@ -150,7 +157,7 @@ def leads_to(
         return settled.response in CONTACT_FREE_FAMILY
     if settled.response != attractor.kind:
         return False
-    if attractor.kind in (response.CONTACT_FREE, response.TOUCHING, response.CHAOTIC):
+    if attractor.kind in ONLY_BY_KIND:
         return True
     return _agrees(settled, attractor)
 
@@ -167,9 +174,11 @@ def _agrees(settled: SettledResponse, attractor: Attractor) -> bool:
 
 
 def _contact_free(free: ContactFree) -> Attractor:
-    size = abs(free.whirl)
-    radius = size if free.alone else math.nan
-    return Attractor(response.CONTACT_FREE, size, phase_lag_of(free.whirl), radius, radius)
+    size, lag = abs(free.whirl), phase_lag_of(free.whirl)
+    if not free.alone:
+        return Attractor(response.CONTACT_FREE, size, lag, math.nan, math.nan)
+    low, high = abs(size - free.sag), size + free.sag
+    return Attractor(response.CONTACT_FREE, size, lag, low, high)
 
 
 def _fading(free: ContactFree, delta0: float) -> Attractor:
@@ -203,13 +212,21 @@ def _chaos(found: FollowedStarts) -> Attractor:
 
     Leaving is taken to be as likely at any time: of orbits watched for the time t together n left.
     """
-    amplitudes, lags, low, high = found.chaos.T
-    whirl = complex(np.mean(amplitudes * np.exp(-1j * lags)))
     most = float(gammaincinv(found.left + 1.0, CERTAINTY))
-    return Attractor(
-        response.CHAOTIC, abs(whirl), -cmath.phase(whirl), float(low.min()), float(high.max()),
-        trapping=NOTHING, lifetime=found.watched / found.left if found.left else math.inf,
+    return replace(
+        _together(response.CHAOTIC, found.chaos),
+        lifetime=found.watched / found.left if found.left else math.inf,
         lifetime_low=found.watched / most,
+    )
+
+
+def _together(kind: str, motions: Values) -> Attractor:
+    """Return motions that are no cycle together, of which these rows are known."""
+    amplitudes, lags, low, high = motions.T
+    whirl = complex(np.mean(amplitudes * np.exp(-1j * lags)))
+    return Attractor(
+        kind, abs(whirl), -cmath.phase(whirl), float(low.min()), float(high.max()),
+        trapping=NOTHING,
     )  # fmt: skip
 
 
@@ -223,8 +240,8 @@ def _present(labels: Labels) -> set[int]:
 
 def _renumber(labels: Labels, kept: list[int]) -> None:
     """Replace labels by their places in a list; those of fates stay."""
-    table = np.arange(max([*kept, 0]) + 1 - CHAOTIC, dtype=np.int16)
-    table[CHAOTIC:] = np.arange(CHAOTIC, 0)
+    table = np.arange(max([*kept, 0]) + 1 - QUASI_PERIODIC, dtype=np.int16)
+    table[QUASI_PERIODIC:] = np.arange(QUASI_PERIODIC, 0)
     table[kept] = np.arange(len(kept))
     for stretch in stretches(labels.size):
         labels[stretch] = table[labels[stretch]]

@@ -13,8 +13,8 @@ from rotor_ida.storage.studies.results import Form
 
 # What is kept of a limit cycle: state, period, and 1 where a section of it holds starts.
 CYCLE = 6
-# And of a chaotic motion: amplitude, phase lag, smallest and largest radius.
-CHAOS = 4
+# And of a chaotic or quasi-periodic motion: amplitude, phase lag, smallest and largest radius.
+MOTION = 4
 
 
 @dataclass(slots=True)
@@ -26,8 +26,8 @@ class BatchResult:
     first : int
         Number of its first start.
     labels : ndarray of int16, shape (n,)
-        Label of the attractor, CHAOTIC, UNDECIDED or NOT_COMPUTED; those of limit cycles number the
-        rows of `cycles`.
+        Label of the attractor, CHAOTIC, QUASI_PERIODIC, UNDECIDED or NOT_COMPUTED; those of limit
+        cycles number the rows of `cycles`.
     times : ndarray of float32, shape (n,)
         Time at which the start was decided, or given up [1]; NaN where not computed.
     cycles : ndarray, shape (m, 6)
@@ -41,6 +41,8 @@ class BatchResult:
         Error allowed in a step [1].
     rechecked : ndarray of int64, shape (2,)
         Number of starts labelled again with a smaller error, and of those with the same label.
+    torus : ndarray, shape (k, 4)
+        As `chaos`, of a quasi-periodic motion [1].
     """
 
     first: int
@@ -51,6 +53,7 @@ class BatchResult:
     watched: Values
     tolerance: Values
     rechecked: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(2, dtype=np.int64))
+    torus: Values = field(default_factory=lambda: np.empty((0, MOTION)))
 
 
 def _as_arrays(batch: BatchResult) -> Arrays:

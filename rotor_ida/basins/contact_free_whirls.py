@@ -69,6 +69,7 @@ class ContactFree:
     room: float  # how far the centre may lie from the bearing axis, or xi reach [1]
     excess: float  # how much farther out touches still fade [1]; 0 where none are known to
     alone: bool = False  # whether a shaft leaves this one whirl of the family
+    sag: float = 0.0  # how far below the bearing axis a load moves its centre [1]
 
     @property
     def numbers(self) -> Values:
@@ -87,6 +88,23 @@ def contact_free_whirls(rotor: Rotor, stop: Stop, *, fading: bool) -> ContactFre
     if kappa > 0.0:
         return ContactFree(whirl, room, 0.0, alone=True)
     return ContactFree(whirl, room, _fading_excess(rotor, whirl, stop) if fading else 0.0)
+
+
+def contact_free_whirl_under_load(rotor: Rotor) -> ContactFree | None:
+    """Return the whirl about where a shaft holds the load, if it does not reach the ring.
+
+    A rotor that does not turn comes to rest there.
+    """
+    kappa = rotor.shaft_stiffness
+    if kappa == 0.0:
+        return None
+    whirl, sag = complex(complex_amplitude(rotor.omega, rotor.zeta, kappa)), rotor.load / kappa
+    room = rotor.delta0 - abs(whirl) - sag
+    if not room > 0.0:
+        return None
+    if rotor.omega == 0.0:
+        return ContactFree(-1j * sag, room, 0.0, alone=True)
+    return ContactFree(whirl, room, 0.0, alone=True, sag=sag)
 
 
 def _fading_excess(rotor: Rotor, whirl: complex, stop: Stop) -> float:

@@ -92,7 +92,12 @@ class CycleSection:
 
 
 def cycle_section(cycle: Cycle, stop: Stop) -> CycleSection:
-    """Return a section of a stable limit cycle with a set that returns into itself, if there is."""
+    """Return a section of a stable limit cycle with a set that returns into itself, if there is.
+
+    Under a load, where what an orbit does next hangs on time as well, none is sought.
+    """
+    if cycle.rotor.load > 0.0:
+        return CycleSection(cycle, cycle.state, np.zeros(4), np.full((3, 4), np.inf))
     try:
         return _widest_section(cycle, stop)
     except (SimulationError, np.linalg.LinAlgError):

@@ -18,6 +18,7 @@ from rotor_ida.basins.fates import ALONE
 from rotor_ida.basins.following import Starts
 from rotor_ida.basins.kernel import Labels
 from rotor_ida.basins.labelling import Labelled
+from rotor_ida.parameters import Rotor
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import FATE, RESPONSE, TRAPPING, Column, labelled, labelled_dataset
 from rotor_ida.simulation.dataset import parameter_coordinates
@@ -33,6 +34,8 @@ LABELLING = (
 )
 # What follows starts side by side, in the core.
 LABELLING_METHOD = "dop853"
+# Under a load.
+ONE_BY_ONE = "every start followed by itself by Taylor series, as in a sweep with labelling_rtol"
 ENTROPIES = ("basin_entropy", "boundary_entropy")
 # Of a larger sample the first so many starts tell the entropies.
 MOST_IN_ENTROPY = 1_000_000
@@ -66,7 +69,9 @@ def fractions_dataset(starts: Starts, found: Labelled, drawn: Mapping[str, objec
     labels, attractors = found.labels, found.attractors
     missing, undecided, *ends = _counts(labels, len(attractors)).tolist()
     # no attractor is of these kinds, the last of them without a load
-    never = {"failed", "not_found", "quasi_periodic"}
+    never = {"failed", "not_found"}
+    if found.rotor.load == 0.0:
+        never.add("quasi_periodic")
     of_kind = {number: 0 for word, number in RESPONSE.items() if word not in never}
     of_kind[RESPONSE["unresolved"]] = undecided
     for each, count in zip(attractors, ends, strict=True):
@@ -99,8 +104,14 @@ def _entropies(values: tuple[float, float]) -> dict[str, xr.Variable]:
     return {name: labelled(name, (), one) for name, one in zip(ENTROPIES, values, strict=True)}
 
 
-def labelled_how(tolerance: float) -> dict[str, object]:
+def labelled_how(tolerance: float, rotor: Rotor | None = None) -> dict[str, object]:
     """Return as attributes what labelled starts, where a step might have such an error [1]."""
+    if rotor is not None and rotor.load > 0.0:
+        return {
+            "labelling": ONE_BY_ONE,
+            "labelling_method": ALONE.method,
+            "labelling_rtol": tolerance,
+        }
     return {
         "labelling": LABELLING,
         "labelling_method": LABELLING_METHOD,
@@ -124,7 +135,7 @@ def agreement_of(rechecked: npt.NDArray[np.int64]) -> dict[str, float]:
 
 def _attributes(found: Labelled, drawn: Mapping[str, object] | None = None) -> dict[str, object]:
     followed = found.followed
-    how = labelled_how(followed.tolerance)
+    how = labelled_how(followed.tolerance, found.rotor)
     if not followed.interrupted:
         how |= followed_by("confirmation", found.options)
     told = {

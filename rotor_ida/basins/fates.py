@@ -8,6 +8,8 @@ each by itself: chaos is told by the exponent of each orbit; the others are foll
 
 The label of a start hangs on the rotor and on the start alone: what else is in the batch, or is
 known by then, decides when it is found, and at what cost.
+
+Under a load, which turns on these axes, no region holds a start: each is followed by itself.
 """
 
 from __future__ import annotations
@@ -19,7 +21,14 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import ROUNDING, Values
-from rotor_ida.basins.kernel import CHAOTIC, NOT_COMPUTED, UNDECIDED, Labels, Times
+from rotor_ida.basins.kernel import (
+    CHAOTIC,
+    NOT_COMPUTED,
+    QUASI_PERIODIC,
+    UNDECIDED,
+    Labels,
+    Times,
+)
 from rotor_ida.basins.known import Known, with_cycle
 from rotor_ida.cycles.limit_cycle import returns
 from rotor_ida.cycles.multipliers import doubling_test, is_stable
@@ -82,6 +91,8 @@ MAYBE_ERRORS, SOME_SPANS, MOST_SPANS = 2.0, 60, 200
 CLOSELY = 1e-11
 # The exponent is clear of 0 where it exceeds so many errors, and neighbours part by exp(20) in all.
 CLEAR_ERRORS, CLEAR_STRETCH = 5.0, 20.0
+# Labels of motions that settle on nothing.
+LASTING = {response.CHAOTIC: CHAOTIC, response.QUASI_PERIODIC: QUASI_PERIODIC}
 # Beside an unstable cycle whose period has just doubled, the doubled one is sought aside at these
 # parts of the size of the state.
 ASIDE = (1e-3, 3e-3, 1e-2, 3e-2, 1e-1)
@@ -99,7 +110,8 @@ class Batch:
     times: Times = field(init=False)  # for how long each was followed [1]
     left: int = 0  # number of orbits that left a chaotic motion while this was watched,
     watched: float = 0.0  # and for how long all of them together were watched [1]
-    chaotic: SettledResponse | None = None  # a chaotic motion, if one was met
+    chaotic: SettledResponse | None = None  # a chaotic motion, if one was met,
+    torus: SettledResponse | None = None  # and a quasi-periodic one
     matched: Known | None = None  # what was known when orbits were last followed together
 
     def __post_init__(self) -> None:
@@ -140,7 +152,9 @@ class Batch:
 
 def decide(batch: Batch) -> Batch:
     """Follow all starts of a batch until what becomes of them is decided; return it."""
-    waiting = match_all(batch)
+    waiting = np.arange(0) if batch.known.rotor.load > 0.0 else match_all(batch)
+    if batch.known.rotor.load > 0.0:
+        label_one_by_one(batch)
     while waiting.size and not batch.stop[0]:
         if seed(batch, waiting):
             waiting = match(batch, waiting, LONGEST_BESIDE_CYCLE)
@@ -149,6 +163,24 @@ def decide(batch: Batch) -> Batch:
     if batch.stop[0]:
         batch.labels[batch.labels == UNDECIDED] = NOT_COMPUTED
     return batch
+
+
+def label_one_by_one(batch: Batch) -> None:
+    """Label each start by following it to its attractor by itself, as in a sweep."""
+    options = Options(method="taylor", rtol=batch.tolerance)
+    for number in range(batch.labels.size):
+        if batch.stop[0]:
+            return
+        x, y, vx, vy = batch.states[:, number].tolist()
+        settled = follow_to_steady_state(
+            batch.known.rotor, (x, y, vx, vy), options, stop=batch.stop
+        )
+        batch.labels[number] = _label_of(batch, settled)
+        batch.times[number] = np.float32(settled.window_end)
+        if settled.response == response.CHAOTIC and batch.chaotic is None:
+            batch.chaotic = settled
+        if settled.response == response.QUASI_PERIODIC and batch.torus is None:
+            batch.torus = settled
 
 
 def match_all(batch: Batch) -> Numbers:
@@ -274,9 +306,9 @@ def fate_of(batch: Batch, number: int, longest: float = LONGEST) -> int:
 
 def _label_of(batch: Batch, settled: SettledResponse) -> int:
     known = batch.known
+    if settled.response in LASTING:
+        return LASTING[settled.response]
     match settled.response:
-        case response.CHAOTIC:
-            return CHAOTIC
         case response.CONTACT_FREE if known.free is not None:
             return known.free_label
         case response.TOUCHING if known.free is not None:

@@ -13,13 +13,14 @@ import numpy.typing as npt
 
 from rotor_ida.arrays import Values
 from rotor_ida.basins.agreement import count_agreeing, rechecked_of_batch, rechecked_of_rotor
-from rotor_ida.basins.batches import CHAOS, CYCLE, BatchResult
-from rotor_ida.basins.fates import Batch, decide
+from rotor_ida.basins.batches import CYCLE, MOTION, BatchResult
+from rotor_ida.basins.fates import ALONE, Batch, decide
 from rotor_ida.basins.kernel import NOT_COMPUTED, Labels, Times
 from rotor_ida.basins.known import Known, known_from_closed_forms, same_cycle
 from rotor_ida.cycles.shooting import Cycle, close_orbit
 from rotor_ida.parallel import FailedJob, Progress, Stop, interruptible, run_all
 from rotor_ida.parameters import Rotor
+from rotor_ida.steady_state.follow import SettledResponse
 from rotor_ida.storage.studies.arrays import scratch
 from rotor_ida.storage.studies.results import Results
 
@@ -29,6 +30,8 @@ Starts = Callable[[int, int], Values]
 SMALLEST_BATCH = 512
 # A larger one would seldom report progress.
 LARGEST_BATCH = 8192
+# Starts under a load, which are followed one by one, come in smaller ones.
+SMALLEST_ALONE = 4
 # Between these, so many share the work evenly. Who does it has no say in that: it leaves no trace
 # in the result.
 FEWEST_BATCHES = 64
@@ -53,8 +56,10 @@ class FollowedStarts:
     # those that starts end on, in the order in which batches met them
     cycles: list[Cycle] = field(default_factory=list)
     held: list[bool] = field(default_factory=list)  # whether a section of each holds starts
-    # amplitude, phase lag and extreme radii of chaotic motions, shape (k, 4) [1]
-    chaos: Values = field(default_factory=lambda: np.empty((0, CHAOS)))
+    # amplitude, phase lag and extreme radii of chaotic motions, shape (k, 4) [1],
+    chaos: Values = field(default_factory=lambda: np.empty((0, MOTION)))
+    # and of quasi-periodic ones
+    torus: Values = field(default_factory=lambda: np.empty((0, MOTION)))
     left: float = 0.0  # number of orbits that left a chaotic motion while this was watched,
     watched: float = 0.0  # and for how long all of them together were watched [1]
     interrupted: bool = False  # by the user
@@ -95,14 +100,18 @@ def follow_starts(
     Batches that are kept already are not followed again; a tolerance of None is chosen, by the
     first starts where they are `drawn`, which are the same however many follow.
     """
-    size = min(max(math.ceil(count / FEWEST_BATCHES), SMALLEST_BATCH), LARGEST_BATCH)
+    alone = known.rotor.load > 0.0
+    smallest = SMALLEST_ALONE if alone else SMALLEST_BATCH
+    size = min(max(math.ceil(count / FEWEST_BATCHES), smallest), LARGEST_BATCH)
     due = [number for number in range(math.ceil(count / size)) if number not in kept.done]
     interrupted, reason = False, ""
     if progress is not None and kept.points_done:
         progress(kept.points_done, count)
     try:
         # whichever are left: the same cycles are known to all
-        if due and (count > size or tolerance is None):
+        if alone:
+            tolerance = tolerance or ALONE.rtol
+        elif due and (count > size or tolerance is None):
             scout = partial(_scouted, known, starts, count, tolerance, drawn)
             known, tolerance = interruptible(scout)
         edges = ((each, each * size, min((each + 1) * size, count)) for each in due)
@@ -182,18 +191,24 @@ def _follow(job: _Job, stop: Stop) -> BatchResult:
     """Follow a batch of starts until what becomes of them is decided."""
     batch = decide(Batch(job.known, job.states, job.tolerance, stop))
     rechecked = count_agreeing(
-        batch.known, job.states, batch.labels, batch.times, job.tolerance, job.rechecked, stop
-    )
+        batch.known, job.states, batch.labels, batch.times, job.tolerance,
+        0 if batch.known.rotor.load > 0.0 else job.rechecked, stop,
+    )  # fmt: skip
     batch.times[batch.labels == NOT_COMPUTED] = np.nan
     cycles = [[*each.cycle.state, each.cycle.period, each.exists] for each in batch.known.cycles]
-    chaos = np.empty((0, CHAOS))
-    if batch.chaotic is not None:
-        seen = batch.chaotic.features
-        chaos = np.array([[seen.amplitude, seen.phase_lag, seen.radius_min, seen.radius_max]])
     return BatchResult(
-        job.first, batch.labels, batch.times, np.array(cycles).reshape(-1, CYCLE), chaos,
-        np.array([batch.left, batch.watched]), np.array(job.tolerance), rechecked,
+        job.first, batch.labels, batch.times, np.array(cycles).reshape(-1, CYCLE),
+        _motion_row(batch.chaotic), np.array([batch.left, batch.watched]), np.array(job.tolerance),
+        rechecked, _motion_row(batch.torus),
     )  # fmt: skip
+
+
+def _motion_row(motion: SettledResponse | None) -> Values:
+    """Return what is kept of a motion that is no cycle, if one was met, shape (k, 4)."""
+    if motion is None:
+        return np.empty((0, MOTION))
+    seen = motion.features
+    return np.array([[seen.amplitude, seen.phase_lag, seen.radius_min, seen.radius_max]])
 
 
 def _gathered(known: Known, count: int, kept: Results[BatchResult]) -> FollowedStarts:
@@ -210,6 +225,7 @@ def _gathered(known: Known, count: int, kept: Results[BatchResult]) -> FollowedS
         found.labels[stretch] = _renumbered(batch, found, numbers)
         found.times[stretch] = batch.times
         found.chaos = np.concatenate([found.chaos, batch.chaos])
+        found.torus = np.concatenate([found.torus, batch.torus])
         found.left += float(batch.watched[0])
         found.watched += float(batch.watched[1])
         found.tolerance = float(batch.tolerance)

@@ -78,6 +78,10 @@ def basin_fractions(
     -----
     The standard error of a fraction p of n starts is ``sqrt(p (1 - p)/n)``.
 
+    Under a load, which turns on the axes on which starts are followed side by side, each is
+    followed to its attractor by itself, as in `rotor_ida.sweep` by Taylor series with `rtol`, by
+    default 1e-10: no region holds it, and no label is found again.
+
     Examples
     --------
     >>> found = basin_fractions(Rotor(omega=1.7, zeta=0.07, delta0=0.0), x=(-15, 15), y=(-15, 15),

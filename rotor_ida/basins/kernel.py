@@ -23,7 +23,7 @@ Labels = npt.NDArray[np.int16]
 Times = npt.NDArray[np.float32]
 
 # Labels of starts that no attractor has.
-CHAOTIC, NOT_COMPUTED, UNDECIDED = -3, -2, -1
+QUASI_PERIODIC, CHAOTIC, NOT_COMPUTED, UNDECIDED = -4, -3, -2, -1
 # So many orbits are followed at a time: they keep the vector units busy.
 LANES = 64
 # Numbers of a trapping region: its centre, and the upper triangular factor of its form.

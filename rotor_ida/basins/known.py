@@ -11,10 +11,15 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rotor_ida.arrays import Values
-from rotor_ida.basins.contact_free_whirls import ContactFree, contact_free_whirls
+from rotor_ida.basins.contact_free_whirls import (
+    ContactFree,
+    contact_free_whirl_under_load,
+    contact_free_whirls,
+)
 from rotor_ida.basins.cycle_sections import CycleSection, cycle_section
 from rotor_ida.basins.kernel import NOT_COMPUTED, REGION, SECTION, Labels, Times, follow
 from rotor_ida.basins.trapping_regions import TrappingRegion, trapping_regions
+from rotor_ida.closed_forms.rest import rest
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.parallel import Stop
 from rotor_ida.parameters import Rotor
@@ -98,12 +103,28 @@ def known_from_closed_forms(rotor: Rotor, stop: Stop, *, fading: bool = True) ->
 
     Without `fading` it is not sought which touches fade; that takes longest.
     """
+    if rotor.load > 0.0:
+        return _under_load(rotor)
     if rotor.omega == 0.0 and rotor.delta0 == 0.0:
         # All comes to rest, for energy only falls, but as slowly as 1/t**2: close by is enough.
         near = TrappingRegion(0.0, 0.0, np.zeros(4), 1e4 * np.eye(4))
         return Known(rotor, [near], None)
     whirls = trapping_regions(rotor) if rotor.omega > 0.0 else []
     return Known(rotor, whirls, contact_free_whirls(rotor, stop, fading=fading))
+
+
+def _under_load(rotor: Rotor) -> Known:
+    """Return the attractors under a load that closed forms give, without what holds starts there.
+
+    That is the whirl about where the shaft holds the load, if it stays inside the clearance, or of
+    a rotor that does not turn the place where it comes to rest.
+    """
+    free = contact_free_whirl_under_load(rotor)
+    if free is not None or rotor.omega > 0.0:
+        return Known(rotor, [], free)
+    size = abs(rest(rotor)["y"].item())
+    centre = np.array([0.0, -size, 0.0, 0.0])
+    return Known(rotor, [TrappingRegion(size, 0.5 * np.pi, centre, np.full((4, 4), np.inf))], None)
 
 
 def with_cycle(known: Known, cycle: Cycle, stop: Stop) -> Known:

@@ -53,10 +53,11 @@ class Labelled:
         return self.followed.labels
 
 
-def check_rotor(rotor: object) -> Rotor:
-    """Return a rotor whose starts can be labelled."""
+def check_rotor(rotor: object, *, one_by_one: bool = False) -> Rotor:
+    """Return a rotor whose starts can be labelled, under a load only where that is `one_by_one`."""
     rotor = check_instance("rotor", rotor, Rotor)
-    check_no_load(rotor, "a basin")
+    if not one_by_one:
+        check_no_load(rotor, "a basin")
     check_can_be_followed(rotor, (0.0, 0.0, 0.0, 0.0), settling=True)
     if not 0.0 < rotor.zeta <= MOST_DAMPING:
         raise InputError(
@@ -89,7 +90,7 @@ def label(
     `starts` gives those from one number up to another, as (4, n), of `drawn` ones the same however
     many there are; `design` says for a study what they are.
     """
-    check_rotor(rotor)
+    check_rotor(rotor, one_by_one=drawn)
     most = MOST_STARTS if study is None else MOST_POINTS_OF_STUDY
     if count > most:
         raise InputError(f"starts must be at most {most}, got {count}: a study keeps more on disk")
