@@ -150,7 +150,7 @@ def continue_attractors(
         for place in product(*(values.tolist() for values in axes.values()))
     ]
     for rotor in rotors:
-        check_rotor(rotor)
+        check_rotor(rotor, "an atlas")
     check_progress(progress)
     states, drawn = _states({"x": x, "y": y, "vx": vx, "vy": vy}, starts, seed)
     tolerance = check_between("rtol", rtol, TIGHTEST, LOOSEST)

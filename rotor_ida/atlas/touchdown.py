@@ -146,7 +146,7 @@ def touchdown_report(
     True
     """
     rotor, length, velocity = _scales(machine)
-    check_rotor(rotor)
+    check_rotor(rotor, "a touchdown report")
     if rotor.omega == 0.0:
         raise InputError("speed must be above 0 for a report on touching, got 0.0")
     count = check_count("starts", starts, maximum=MOST_STARTS)

@@ -56,10 +56,8 @@ class FollowedStarts:
     # those that starts end on, in the order in which batches met them
     cycles: list[Cycle] = field(default_factory=list)
     held: list[bool] = field(default_factory=list)  # whether a section of each holds starts
-    # amplitude, phase lag and extreme radii of chaotic motions, shape (k, 4) [1],
+    # amplitude, phase lag and extreme radii of chaotic motions, shape (k, 4) [1]
     chaos: Values = field(default_factory=lambda: np.empty((0, MOTION)))
-    # and of quasi-periodic ones
-    torus: Values = field(default_factory=lambda: np.empty((0, MOTION)))
     left: float = 0.0  # number of orbits that left a chaotic motion while this was watched,
     watched: float = 0.0  # and for how long all of them together were watched [1]
     interrupted: bool = False  # by the user
@@ -67,6 +65,8 @@ class FollowedStarts:
     tolerance: float = RTOL  # error allowed in a step [1]
     # number of starts labelled again with a smaller error, and of those with the same label
     rechecked: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(2, dtype=np.int64))
+    # as `chaos`, of quasi-periodic motions
+    torus: Values = field(default_factory=lambda: np.empty((0, MOTION)))
 
 
 @dataclass(frozen=True, slots=True)

@@ -53,20 +53,20 @@ class Labelled:
         return self.followed.labels
 
 
-def check_rotor(rotor: object, *, one_by_one: bool = False) -> Rotor:
+def check_rotor(rotor: object, what: str = "a basin", *, one_by_one: bool = False) -> Rotor:
     """Return a rotor whose starts can be labelled, under a load only where that is `one_by_one`."""
     rotor = check_instance("rotor", rotor, Rotor)
     if not one_by_one:
-        check_no_load(rotor, "a basin")
+        check_no_load(rotor, what)
     check_can_be_followed(rotor, (0.0, 0.0, 0.0, 0.0), settling=True)
     if not 0.0 < rotor.zeta <= MOST_DAMPING:
         raise InputError(
-            f"zeta must be above 0, where nothing settles, and at most {MOST_DAMPING:g} for a "
-            f"basin, got {rotor.zeta!r}"
+            f"zeta must be above 0, where nothing settles, and at most {MOST_DAMPING:g} for "
+            f"{what}, got {rotor.zeta!r}"
         )
     if rotor.contact_damping > MOST_CONTACT_DAMPING:
         raise InputError(
-            f"contact_damping must be at most {MOST_CONTACT_DAMPING:g} for a basin, got "
+            f"contact_damping must be at most {MOST_CONTACT_DAMPING:g} for {what}, got "
             f"{rotor.contact_damping!r}"
         )
     return rotor
@@ -90,7 +90,7 @@ def label(
     `starts` gives those from one number up to another, as (4, n), of `drawn` ones the same however
     many there are; `design` says for a study what they are.
     """
-    check_rotor(rotor, one_by_one=drawn)
+    check_rotor(rotor, "fractions" if drawn else "a basin", one_by_one=drawn)
     most = MOST_STARTS if study is None else MOST_POINTS_OF_STUDY
     if count > most:
         raise InputError(f"starts must be at most {most}, got {count}: a study keeps more on disk")
