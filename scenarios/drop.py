@@ -27,7 +27,7 @@ from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 from scipy.optimize import brentq
 
-from rotor_ida import DimensionalRotor, dimensional, impact, simulate
+from rotor_ida import DimensionalRotor, contact_forces, dimensional, impact, simulate
 from rotor_ida.paper.scenario import Settings, progress_bar, run_script
 from rotor_ida.plot import mixed_panels, plot_history, plot_orbit, shared_legend, style
 from rotor_ida.plot.appearance import DASHES, GREY, INK, RED, look
@@ -88,13 +88,8 @@ def drop(machine: DimensionalRotor, duration: float, *, samples: int = 2) -> xr.
 
 
 def with_force(run: xr.Dataset) -> xr.Dataset:
-    """Return a run with the contact force over time: by Hertz, with damping, and never tensile."""
-    radius = np.hypot(run.x, run.y)
-    outwards = (run.x * run.vx + run.y * run.vy) / radius
-    depth = np.maximum(radius - run.delta0, 0.0)
-    force = depth**1.5 * np.maximum(1.0 + run.contact_damping * outwards, 0.0)
-    words = {"long_name": "contact force", "units": "1"}
-    return run.assign(force=("t", force.values, words))
+    """Return a run with the contact force over time."""
+    return run.assign(force=contact_forces(run).force)
 
 
 def time_to_rest(run: xr.Dataset, machine: DimensionalRotor) -> float:

@@ -19,20 +19,18 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from rotor_ida import Rotor, continue_cycle, folds, limit_cycle, sweep, synchronous_response
+from rotor_ida import branches_through, compare, folds, sweep
 from rotor_ida.closed_forms import response_curve
 from rotor_ida.paper.scenario import Settings, progress_bar, run_script, scientific
 from rotor_ida.plot import panels, plot_amplitude, plot_branch, shared_legend
-from rotor_ida.schema import RESPONSE, SPECIAL
+from rotor_ida.schema import EXACT, RESPONSE, SPECIAL
 
 ZETA, DELTA0 = 0.07, 2.0
 SHAFTS = {0.0: "no shaft", 0.05: "soft shaft", 0.25: "stiff shaft"}
 RINGS = {1.0: "linear ring", 1.5: "ring of Hertz"}
 LIMITS = (0.05, 4.2)
 PUSHES = [(4.0, 0.0, 0.0, 0.0), (0.0, 4.0, -2.0, 2.0), (-3.0, 0.0, 0.0, 3.0)]
-CYCLES = [RESPONSE["bouncing"], RESPONSE["full_contact"]]
-# Cycles whose largest radii at one speed are as near as this are one.
-NEAR = 0.03
+WHIRLS, CYCLES = [RESPONSE["synchronous"]], [RESPONSE["bouncing"], RESPONSE["full_contact"]]
 
 
 def main(settings: Settings) -> None:
@@ -56,33 +54,11 @@ def main(settings: Settings) -> None:
                 )
             )  # fmt: skip
         settings.keep(sweeps[-1], name)
-    branches = branches_of(sweeps[1])
+    compared = [compare(swept) for swept in sweeps]
+    branches = branches_through(compared[1], limits=LIMITS)
     for number, branch in enumerate(branches, start=1):
         settings.keep(branch, f"cycles_{number}")
-    draw(exact, sweeps, branches, settings)
-
-
-def branches_of(swept: xr.Dataset) -> list[xr.Dataset]:
-    """Return the branches of limit cycles that simulated rotors are met on."""
-    branches: list[xr.Dataset] = []
-    for point in responses(swept, CYCLES):
-        rotor = rotor_at(point)
-        if nearest(point, of_rotor(branches, point)) is None:
-            start = [point[f"start_{name}"].item() for name in ("x", "y", "vx", "vy")]
-            branches.append(continue_cycle(rotor, start=start, limits=LIMITS))
-    return branches
-
-
-def responses(swept: xr.Dataset, kinds: Sequence[int]) -> list[xr.Dataset]:
-    """Return the points of a sweep at which the rotor has a response of some kinds."""
-    flat = swept.drop_dims("event").stack(point=swept.response.dims)
-    chosen = np.flatnonzero(np.isin(flat.response, kinds))
-    return [flat.isel(point=number) for number in chosen]
-
-
-def rotor_at(point: xr.Dataset) -> Rotor:
-    names = ("omega", "zeta", "delta0", "shaft_stiffness", "contact_exponent")
-    return Rotor(**{name: point[name].item() for name in names})
+    draw(exact, compared, branches, settings)
 
 
 def of_rotor(branches: Sequence[xr.Dataset], here: xr.Dataset) -> list[xr.Dataset]:
@@ -95,48 +71,21 @@ def of_rotor(branches: Sequence[xr.Dataset], here: xr.Dataset) -> list[xr.Datase
     ]  # fmt: skip
 
 
-def nearest(point: xr.Dataset, branches: Sequence[xr.Dataset]) -> xr.Dataset | None:
-    """Return the point of a branch nearest to a simulated cycle, if one passes it."""
-    omega, radius = point.omega.item(), point.radius_max.item()
-    for branch in branches:
-        before = branch.omega.values[:-1] - omega
-        after = branch.omega.values[1:] - omega
-        for place in np.flatnonzero(before * after <= 0.0):
-            part = before[place] / (before[place] - after[place])
-            low, high = branch.radius_max.values[place : place + 2]
-            if abs(low + part * (high - low) - radius) < NEAR:
-                return branch.isel(point=place + round(part))
-    return None
-
-
-def furthest_from_whirls(swept: xr.Dataset) -> float:
-    """Return by how much simulated whirls in contact miss the amplitude of exact ones, at most."""
+def agreement(compared: Sequence[xr.Dataset], kinds: Sequence[int]) -> tuple[int, int, float]:
+    """Return how many responses are of some kinds, how many of these are exact, and how nearly."""
+    met = exactly = 0
     missed = 0.0
-    for point in responses(swept, [RESPONSE["synchronous"]]):
-        whirls = synchronous_response(**rotor_at(point).given)
-        apart = np.abs(whirls.amplitude.values - point.amplitude.item())
-        missed = max(missed, float(np.nanmin(apart)) / point.amplitude.item())
-    return missed
-
-
-def furthest_from_cycles(
-    swept: xr.Dataset, branches: Sequence[xr.Dataset]
-) -> tuple[int, int, float]:
-    """Return how many simulated cycles there are, how many are exact ones, and how nearly."""
-    missed, points = [], responses(swept, CYCLES)
-    for point in points:
-        near = nearest(point, of_rotor(branches, point))
-        if near is None:
-            continue
-        start = [near[name].item() for name in ("x", "y", "vx", "vy")]
-        cycle = limit_cycle(rotor_at(point), start=start, period=near.period.item())
-        missed.append(abs(cycle.radius_max.item() / point.radius_max.item() - 1.0))
-    return len(points), len(missed), max(missed, default=0.0)
+    for each in compared:
+        is_such = each.response.isin(kinds)
+        is_exact = is_such & (each.lies_on != EXACT["nothing"])
+        met, exactly = met + int(is_such.sum()), exactly + int(is_exact.sum())
+        missed = max(missed, float((10.0**-each.digits).where(is_exact, 0.0).max()))
+    return met, exactly, missed
 
 
 def draw(
     exact: xr.Dataset,
-    sweeps: Sequence[xr.Dataset],
+    compared: Sequence[xr.Dataset],
     branches: Sequence[xr.Dataset],
     settings: Settings,
 ) -> None:
@@ -145,8 +94,8 @@ def draw(
     for ax, (shaft, ring) in zip(axes, places, strict=True):
         here = {"shaft_stiffness": shaft, "contact_exponent": ring}
         curve = exact.sel(here)
-        for swept in sweeps:
-            plot_amplitude(curve, simulated=swept.sel(here), fold_points=curve, ax=ax)
+        for each in compared:
+            plot_amplitude(curve, simulated=each.sel(here), fold_points=curve, ax=ax)
         for branch in of_rotor(branches, curve):
             without = np.flatnonzero(branch.special_kind != SPECIAL["graze"])
             plot_branch(branch.isel(special=without), ax=ax)
@@ -162,7 +111,7 @@ def draw(
         shows=f"Amplitude over speed at ζ = {ZETA}, δ₀ = {DELTA0:g} without a shaft, with a soft "
         f"(κ = 0.05) and a stiff one (κ = 0.25), in a linear ring and in one of Hertz: exact "
         "whirls, branches of limit cycles, and simulated rotors.",
-        found=told(exact, sweeps, branches),
+        found=told(exact, compared, branches),
     )  # fmt: skip
 
 
@@ -174,30 +123,29 @@ def is_isola(curve: xr.Dataset) -> bool:
     return bool(ends[0] == ends[1])
 
 
-def told(exact: xr.Dataset, sweeps: Sequence[xr.Dataset], branches: Sequence[xr.Dataset]) -> str:
+def told(exact: xr.Dataset, compared: Sequence[xr.Dataset], branches: Sequence[xr.Dataset]) -> str:
     """Return what the gallery says of the figure."""
     rows, leading = [], {}
     for ring, name in RINGS.items():
         reached = []
         for shaft, words in SHAFTS.items():
             here = {"shaft_stiffness": shaft, "contact_exponent": ring}
-            from_rest = sweeps[0].sel(here)
+            from_rest = compared[0].sel(here)
             largest = (np.nanmax(each.amplitude.values) for each in (from_rest, exact.sel(here)))
             reached.append(" of ".join(f"{each:.2f}" for each in largest))
             if (from_rest.response == RESPONSE["synchronous"]).any():
                 leading[words] = True
         rows.append(f"in the {name} to {', '.join(reached[:-1])} and {reached[-1]}")
-    whirls = max(furthest_from_whirls(swept) for swept in sweeps)
-    counted = [furthest_from_cycles(swept, branches) for swept in sweeps]
-    met, exactly = (sum(each[place] for each in counted) for place in (0, 1))
+    whirls, exact_whirls, whirls_missed = agreement(compared, WHIRLS)
+    cycles, exact_cycles, cycles_missed = agreement(compared, CYCLES)
     closed = sum(int(branch.attrs["closed"]) for branch in branches)
     return (
         f"From rest, with the speed going up and down, the rotor comes {'; '.join(rows)}, without "
         "a shaft, with the soft and with the stiff one. What leads from rest to the whirls in "
-        f"contact: {' and '.join(leading) or 'none'}. Simulated whirls in contact are exact to "
-        f"{scientific(whirls)}. Pushed rotors bounce or stay in contact {met} times, {exactly} of "
-        f"them on one of {len(branches)} branches of limit cycles, {closed} of these isolas, to "
-        f"{scientific(max(each[2] for each in counted))} of the radius."
+        f"contact: {' and '.join(leading) or 'none'}. Of {whirls} simulated whirls in contact "
+        f"{exact_whirls} are exact ones, to {scientific(whirls_missed)}. Pushed rotors bounce or "
+        f"stay in contact {cycles} times, {exact_cycles} of them on one of {len(branches)} "
+        f"branches of limit cycles, {closed} of these isolas, to {scientific(cycles_missed)}."
     )
 
 

@@ -8,7 +8,15 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from rotor_ida import Rotor, limit_cycle, lyapunov_exponent, simulate, sweep
+from rotor_ida import (
+    Rotor,
+    branches_through,
+    compare,
+    limit_cycle,
+    lyapunov_exponent,
+    simulate,
+    sweep,
+)
 from rotor_ida.closed_forms import response_curve
 from rotor_ida.paper.reproduction import scenario_scripts
 from rotor_ida.schema import RESPONSE
@@ -65,7 +73,9 @@ def test_rotor_from_rest_is_led_to_the_whirls_in_contact_by_the_stiff_shaft_alon
     )  # fmt: skip
     reached = (swept.response == RESPONSE["synchronous"]).any("omega").values.ravel()
     assert reached.tolist() == [False, False, True]
-    assert shaft.furthest_from_whirls(swept) < 1e-9
+    met, exactly, missed = shaft.agreement([compare(swept)], shaft.WHIRLS)
+    assert met == exactly > 0
+    assert missed < 1e-9
 
 
 def test_pushed_rotors_bounce_on_the_exact_cycles_of_their_branches(shaft):
@@ -73,9 +83,10 @@ def test_pushed_rotors_bounce_on_the_exact_cycles_of_their_branches(shaft):
         omega=[1.8, 2.0], zeta=shaft.ZETA, delta0=shaft.DELTA0, shaft_stiffness=[0.05],
         contact_exponent=[1.0], starts=shaft.PUSHES, method="taylor",
     )  # fmt: skip
-    branches = shaft.branches_of(swept)
+    compared = compare(swept)
+    branches = branches_through(compared, limits=shaft.LIMITS)
     assert [branch.attrs["closed"] for branch in branches] == [1]
-    met, exactly, missed = shaft.furthest_from_cycles(swept, branches)
+    met, exactly, missed = shaft.agreement([compared], shaft.CYCLES)
     assert met == exactly >= 2
     assert missed < 1e-9
 
