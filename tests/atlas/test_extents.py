@@ -176,6 +176,16 @@ def test_a_cycle_ends_at_the_special_points_of_its_branch(rotor, start, name):
     assert low.value < here < high.value
 
 
+def test_a_cycle_ends_where_a_torus_is_born():
+    """At the point where a pair of multipliers of DOP853 has the modulus 1 (`test_tori`)."""
+    machine = Rotor(omega=1.6, zeta=0.05, delta0=0.75, load=1.6, shaft_stiffness=1.0,
+                    contact_exponent=1.0, contact_damping=0.4)  # fmt: skip
+    guess = guess_of(machine, limit_cycle(machine, start=(0.0, -1.0, 0.0, 0.0)))
+    end = extent_of_cycle(machine, guess.state, guess.period, "contact_damping", STOP)[1]
+    assert end.kind == "torus"
+    assert end.value == pytest.approx(0.52384275, abs=1e-8)
+
+
 @pytest.mark.parametrize("beyond", [1e-6, 1e-5, 1e-4, 1e-2])
 def test_a_whirl_that_barely_touches_ends_on_the_side_of_the_ring(beyond):
     zeta, delta0 = 0.5, 0.9
