@@ -12,7 +12,7 @@ import xarray as xr
 
 from rotor_ida.analysis.spectra import lines_of
 from rotor_ida.checks import COMPONENTS
-from rotor_ida.equations.contact import contact_force
+from rotor_ida.equations.contact import contact_force, damping_factor
 from rotor_ida.equations.model import rotated
 from rotor_ida.explorer.answers import Answer
 from rotor_ida.explorer.questions import Question
@@ -113,17 +113,30 @@ def force_of(run: Values, rotor: Rotor) -> npt.NDArray[np.float64]:
     force = np.asarray(contact_force(radius, rotor.delta0, rotor.contact_exponent))
     if rotor.contact_damping == 0.0:
         return force
-    outwards = run["x"] * run["vx"] + run["y"] * run["vy"]
-    speed = np.divide(outwards, radius, out=np.zeros_like(radius), where=radius > 0.0)
-    held: npt.NDArray[np.float64] = np.maximum(1.0 + rotor.contact_damping * speed, 0.0)
+    held: npt.NDArray[np.float64] = damping_factor(_outwards(run), rotor.contact_damping)
     return held * force
+
+
+def loss_rate_of(run: Values, rotor: Rotor) -> npt.NDArray[np.float64]:
+    """Return the rate at which contact damping takes energy along a run: (N - d**n) d' [1]."""
+    radius = np.hypot(run["x"], run["y"])
+    spring = np.asarray(contact_force(radius, rotor.delta0, rotor.contact_exponent))
+    return (force_of(run, rotor) - spring) * _outwards(run)
+
+
+def _outwards(run: Values) -> npt.NDArray[np.float64]:
+    """Return the radial velocity along a run [1]; of no matter at the axis."""
+    radius = np.hypot(run["x"], run["y"])
+    moment = run["x"] * run["vx"] + run["y"] * run["vy"]
+    return np.divide(moment, radius, out=np.zeros_like(radius), where=radius > 0.0)
 
 
 def ending(run: Values, rotor: Rotor) -> dict[str, float]:
     """Return what a run does over its last half: contacts, their peak force, extreme radii.
 
-    With contact damping also what a contact that ends there loses by it, in the mean, and how
-    often the force falls to zero inside the ring.
+    With contact damping also what a contact that ends there loses by it, in the mean, what all
+    that is in contact there loses in a revolution, and how often the force falls to zero inside the
+    ring.
     """
     end = float(run["t"][-1])
     begin = LAST * end
@@ -148,6 +161,11 @@ def ending(run: Values, rotor: Rotor) -> dict[str, float]:
         loose = (run["event_kind"] == DAMPED_EVENT_KIND["release"]) & (run["event_time"] >= begin)
         told["loss_per_contact"] = float(losses.mean()) if losses.size else math.nan
         told["releases"] = float(loose.sum())
+        # over whole periods, of a motion that repeats itself, it is as exact as the samples
+        rate = loss_rate_of(run, rotor)[late]
+        told["loss_per_revolution"] = (
+            float(np.trapezoid(rate, run["t"][late])) / revolutions if revolutions else math.nan
+        )
     return told
 
 

@@ -15,6 +15,7 @@ import xarray as xr
 from rotor_ida.analysis.comparison import compare
 from rotor_ida.analysis.sections import poincare_section
 from rotor_ida.closed_forms.folds import fold_table, folds
+from rotor_ida.closed_forms.hopf import hopf_points
 from rotor_ida.closed_forms.response_curve import pieces_over_speed, response_curve
 from rotor_ida.cycles.branches import branches_through, holds_cycle
 from rotor_ida.errors import InputError, RotorError
@@ -46,9 +47,10 @@ ONE = (*PARAMETERS, "start", "direction")
 KIND_OF = {number: word for word, number in RESPONSE.items()}
 STABILITY_OF = {number: word for word, number in STABILITY.items()}
 
+FOLD, HOPF = ("fold_omega", "fold_amplitude"), ("hopf_omega", "hopf_amplitude")
 # A curve on which there is nothing.
 NO_WHIRLS: Arrays = {
-    **dict.fromkeys(("omega", "amplitude", "fold_omega", "fold_amplitude"), np.empty(0)),
+    **dict.fromkeys(("omega", "amplitude", *FOLD, *HOPF), np.empty(0)),
     **dict.fromkeys(("stability", "in_contact", "piece"), np.empty(0, np.int8)),
 }
 
@@ -100,15 +102,18 @@ def _at_rest(rotor: Rotor) -> Rotor:
 
 @lru_cache(maxsize=MOST_KEPT)
 def _arrays_of_further_curve(rotor: Rotor, speeds: tuple[float, float]) -> Arrays:
-    """Return the curve with a shaft, either contact law and contact damping, with the folds."""
+    """Return the curve with a shaft, either contact law and contact damping, and what is marked."""
     given = {name: value for name, value in rotor.given.items() if name != "omega"}
     curve = response_curve(**given, limits=speeds, points=POINTS_OF_CURVE)
     names = ("omega", "amplitude", "stability", "in_contact", "piece")
     arrays = {name: curve[name].values[0, 0] for name in names}
-    found = folds(**given)
-    turns = {name: found[name].values[0, 0] for name in ("fold_omega", "fold_amplitude")}
-    are_there = np.isfinite(turns["fold_omega"])
-    return arrays | {name: values[are_there] for name, values in turns.items()}
+    for found, marks, (low, high) in (
+        (folds(**given), FOLD, (0.0, math.inf)), (hopf_points(**given), HOPF, speeds)
+    ):  # fmt: skip
+        omega = found[marks[0]].values[0, 0]
+        are_there = np.isfinite(omega) & (low <= omega) & (omega <= high)
+        arrays |= {name: found[name].values[0, 0][are_there] for name in marks}
+    return arrays
 
 
 @lru_cache(maxsize=MOST_KEPT)
@@ -127,6 +132,7 @@ def _arrays_of_curve(zeta: float, delta0: float, speeds: tuple[float, float]) ->
         ),
         "fold_omega": turns[:, 0],
         "fold_amplitude": turns[:, 1],
+        **dict.fromkeys(HOPF, np.empty(0)),
     }
 
 

@@ -24,6 +24,8 @@ HELD = "the contact-free whirl, the only one that the shaft allows: it stays ins
 # A rotor at rest is at the centre, when it is so much closer to it than the mass centre is to the
 # centre of the disc.
 CENTRE = 1e-6
+# A radius that varies by no more than this part of it belongs to a whirl.
+STEADY = 1e-6
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 
 
@@ -122,12 +124,23 @@ def _at_rest(machine: Rotor | DimensionalRotor, told: Mapping[str, Any]) -> list
 
 
 def _damped(machine: Rotor | DimensionalRotor, told: Mapping[str, Any]) -> list[str]:
-    """Return what contact damping does, where there is any and a contact has ended."""
+    """Return what contact damping does, where there is any and it does something.
+
+    That is told of a contact, or where none ends of a revolution, if the radius varies.
+    """
     loss = told.get("loss_per_contact", math.nan)
     if math.isnan(loss):
-        return []
+        each = told.get("loss_per_revolution", math.nan)
+        if math.isnan(each) or told["contact_fraction"] < 1.0 or _is_steady(told):
+            return []
+        return [f"The contact loses {_energy(machine, each)} a revolution."]
     loose = ", and lets go before the rotor has left the ring" if told["releases"] else ""
     return [f"A contact loses {_energy(machine, loss)} in the mean{loose}."]
+
+
+def _is_steady(told: Mapping[str, Any]) -> bool:
+    """Return whether the radius stays the same."""
+    return bool(told["radius_max"] - told["radius_min"] <= STEADY * told["radius_max"])
 
 
 def _radii(machine: Rotor | DimensionalRotor, told: Mapping[str, Any]) -> str:

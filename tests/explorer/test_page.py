@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import rotor_ida
-from rotor_ida import DimensionalRotor, Rotor, basin, compare, folds, simulate, sweep
+from rotor_ida import DimensionalRotor, Rotor, basin, compare, folds, hopf_points, simulate, sweep
 from rotor_ida.cli import main
 from rotor_ida.closed_forms import response_curve
 from rotor_ida.equations.contact import contact_force
@@ -729,6 +729,19 @@ def test_folds_are_read_under_the_pointer(page):
     assert number_after("speed ω", text) == pytest.approx(omega, rel=1e-5)
     assert number_after("radius", text) == pytest.approx(radius, rel=1e-5)
     assert page.find('[data-panel="response"] .found').is_displayed()
+
+
+def test_hopf_points_are_read_under_the_pointer(page, address):
+    page = with_machine(page, address, shaft_stiffness=3.0, contact_damping=2.0)
+    page.settle("curve")
+    exact = hopf_points(zeta=0.07, delta0=2.0, shaft_stiffness=3.0, contact_damping=2.0)
+    omega, radius = (
+        float(exact[f"hopf_{name}"].values.ravel()[0]) for name in ("omega", "amplitude")
+    )
+    text = hovered(page, '[data-panel="response"]', [omega, radius])
+    assert text.startswith("Hopf point: ")
+    assert number_after("speed ω", text) == pytest.approx(omega, rel=1e-5)
+    assert "Hopf point" in page.find("#response-key").text
 
 
 def test_radii_times_and_lines_are_read_under_the_pointer(page):

@@ -21,6 +21,9 @@ FREE = question("responses", machine={"omega": 0.5, "zeta": 0.07, "delta0": 3.0}
 # Machines: a cycle with contact damping, the contact-free whirl that a shaft holds, a load.
 DAMPED = question("responses", machine=ROTOR | BEYOND | {"contact_damping": 0.5, "load": 0.0})
 HELD = question("responses", machine=ROTOR | {"shaft_stiffness": 0.25, "delta0": 6.0})
+UNSTEADY = question(
+    "responses", machine={"omega": 1.2, "zeta": 0.07, "delta0": 0.5, "contact_damping": 0.5}
+)
 LOADED = question("responses", machine=ROTOR | BEYOND)
 ALL = {"bouncing": BOUNCING, "whirl": WHIRL, "chaos": CHAOS, "contact-free": FREE}
 
@@ -149,7 +152,7 @@ def test_a_machine_has_the_answer_of_its_rotor():
     assert any("µm" in sentence for sentence in in_si["settled"].facts["words"])
 
 
-@pytest.mark.parametrize("asking", [DAMPED, HELD], ids=["damped", "held"])
+@pytest.mark.parametrize("asking", [DAMPED, HELD, UNSTEADY], ids=["damped", "held", "unsteady"])
 def test_of_a_machine_curve_and_folds_are_the_closed_forms(asking: Question):
     curve = answer_to(asking)[0]
     given = {name: value for name, value in asking.rotor.given.items() if name != "omega"}
@@ -158,7 +161,33 @@ def test_of_a_machine_curve_and_folds_are_the_closed_forms(asking: Question):
         np.testing.assert_array_equal(curve.arrays[name], exact[name].values.ravel(), err_msg=name)
     turns = rotor_ida.folds(**given)["fold_omega"].values.ravel()
     np.testing.assert_array_equal(curve.arrays["fold_omega"], turns[np.isfinite(turns)])
+    hopf = rotor_ida.hopf_points(**given)
+    for name in responses.HOPF:
+        shown = hopf[name].values[hopf["hopf_omega"] <= 3.0]
+        np.testing.assert_array_equal(curve.arrays[name], shown, err_msg=name)
+    assert curve.arrays["hopf_omega"].size == (1 if asking is UNSTEADY else 0)
     assert "why" not in curve.facts
+
+
+def test_a_contact_that_never_ends_loses_what_the_unbalance_gives_beyond_damping():
+    """Over whole periods of the cycle the energy comes again."""
+    asking = question(
+        "responses", start=[3.0, 1.0, 0.0, 0.0],
+        machine={"omega": 3.0, "zeta": 0.07, "delta0": 0.5, "contact_damping": 0.1},
+    )  # fmt: skip
+    answers = responses.show_responses(asking)
+    told = next(each for each in answers if each.part == "settled").facts
+    assert told["response"] == "full_contact"
+    rotor, end = asking.rotor, told["end"]
+    cycle = rotor_ida.limit_cycle(rotor, start=end)
+    run = rotor_ida.simulate(
+        rotor, start=end, duration=8.0 * cycle.period.item(), samples=3201, method="taylor"
+    )
+    pulled = np.cos(rotor.omega * run.t) * run.vx + np.sin(rotor.omega * run.t) * run.vy
+    power = rotor.omega**2 * pulled - 2.0 * rotor.zeta * (run.vx**2 + run.vy**2)
+    lost = power.integrate("t").item() / run.t[-1].item() * 2.0 * np.pi / rotor.omega
+    assert told["loss_per_revolution"] == pytest.approx(lost, rel=1e-9)
+    assert "The contact loses 0.840226 a revolution." in told["words"]
 
 
 def test_of_a_machine_the_cycle_its_branch_and_its_section_are_the_library_s():

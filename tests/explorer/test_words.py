@@ -107,6 +107,15 @@ def test_what_contact_damping_takes_is_told_in_units_of_energy():
     assert "half" in sentence  # no contact has ended
 
 
+def test_what_a_contact_that_never_ends_takes_is_told_by_the_revolution():
+    told = {"contact_fraction": 1.0, "loss_per_contact": math.nan, "loss_per_revolution": 0.25}
+    cycle = RUN | told | {"radius_min": 2.25, "radius_max": 2.5}
+    assert words_of_run(PLAIN, cycle)[-1] == "The contact loses 0.25 a revolution."
+    assert words_of_run(IN_SI, cycle)[-1] == "The contact loses 250 nJ a revolution."
+    (sentence,) = words_of_run(PLAIN, cycle | {"radius_min": 2.5})
+    assert "always in contact" in sentence  # a whirl loses nothing there
+
+
 def test_with_a_shaft_there_is_one_contact_free_whirl():
     told = words_of_response(replace(PLAIN, shaft_stiffness=0.25), FREE)
     assert told[0].startswith("It settles on the contact-free whirl, the only one that the shaft")

@@ -1,4 +1,4 @@
-// The response curve: exact whirls with their folds, branches of limit cycles, and where the rotors are.
+// The response curve: exact whirls with their folds and Hopf points, branches of limit cycles, and where the rotors are.
 
 import { Plot, colour } from "./plot.js";
 import { labelled, roundUp, shownIn } from "./units.js";
@@ -41,6 +41,7 @@ export class Response {
       const { omega, amplitude, stability, in_contact: contact, fold_omega: folds, fold_amplitude: heights } = curve.arrays;
       omega.forEach((each, i) => add(number + 1, contact[i] ? "whirl in contact" : "contact-free whirl", each, amplitude[i], amplitude[i], told(stability[i])));
       folds.forEach((each, i) => add(number + 1, "fold", each, heights[i]));
+      curve.arrays.hopf_omega.forEach((each, i) => add(number + 1, "Hopf point", each, curve.arrays.hopf_amplitude[i]));
       for (const { arrays } of branches) {
         arrays.omega.forEach((each, i) => add(number + 1, "limit cycle", each, arrays.radius_max[i], arrays.radius_min[i], told(arrays.stability[i])));
         const points = [];
@@ -101,6 +102,7 @@ export class Response {
     if (shown.some(({ curve }) => curve.arrays.in_contact.includes(1))) {
       parts.push(["line-key", "exact whirl in contact"], ["line-key dashed", "unstable"], ["mark diamond", "fold"]);
     }
+    if (shown.some(({ curve }) => curve.arrays.hopf_omega.length)) parts.push(["mark open", "Hopf point"]);
     if (shown.some(({ curve }) => curve.arrays.in_contact.includes(0))) parts.push(["line-key free", "contact-free whirl"]);
     if (shown.some(({ branches }) => branches.length)) {
       parts.push(["line-key cycle", "limit cycle, largest radius"], ["line-key cycle thin", "smallest"]);
@@ -170,6 +172,9 @@ export class Response {
       pen.line(xs, ys, { from: begin, to, stroke: contact[from] ? ink : colour("contact_free"), width: unstable ? 1.2 : 2, dash });
     }
     folds.forEach((each, i) => pen.mark(each * this.speed.factor, heights[i] * this.length.factor, 8, { shape: "diamond", fill: ink }));
+    arrays.hopf_omega.forEach((each, i) => {
+      pen.mark(each * this.speed.factor, arrays.hopf_amplitude[i] * this.length.factor, 8, { fill: colour("card"), stroke: ink });
+    });
   }
 
   #drawBranch(pen, arrays, ink) {
@@ -208,15 +213,18 @@ export class Response {
 
   #say(shown) {
     const { place, curve } = shown[0];
-    const folds = curve.arrays.fold_omega.length;
+    const folds = curve.arrays.fold_omega.length, hopf = curve.arrays.hopf_omega.length;
+    const also = hopf ? ` and ${hopf} Hopf points` : "";
     const here = place ? ` The rotor is at speed ${place.omega.toPrecision(4)} with a radius of up to ${place.high.toPrecision(4)}.` : "";
-    this.plot.say(`${curve.facts.why ?? `Radius of every synchronous whirl over the speed, with ${folds} folds.`}${here}`);
+    this.plot.say(`${curve.facts.why ?? `Radius of every synchronous whirl over the speed, with ${folds} folds${also}.`}${here}`);
   }
 }
 
-/** Add the folds of a curve of whirls, and where it passes a speed. */
-function readCurve({ omega, amplitude, stability, piece, in_contact: contact, fold_omega: folds, fold_amplitude: heights }, speed, of, points, lines) {
-  folds.forEach((each, i) => points.push([`fold${of}`, each, heights[i]]));
+/** Add the folds and Hopf points of a curve of whirls, and where it passes a speed. */
+function readCurve(arrays, speed, of, points, lines) {
+  const { omega, amplitude, stability, piece, in_contact: contact } = arrays;
+  arrays.fold_omega.forEach((each, i) => points.push([`fold${of}`, each, arrays.fold_amplitude[i]]));
+  arrays.hopf_omega.forEach((each, i) => points.push([`Hopf point${of}`, each, arrays.hopf_amplitude[i]]));
   for (let i = 1; i < omega.length; i++) {
     if (piece[i] !== piece[i - 1] || piece[i] < 0) continue;
     const name = `${stability[i] === UNSTABLE ? "unstable " : ""}${contact[i] ? "whirl in contact" : "contact-free whirl"}${of}`;
