@@ -121,14 +121,18 @@ def loss_rate_of(run: Values, rotor: Rotor) -> npt.NDArray[np.float64]:
     """Return the rate at which contact damping takes energy along a run: (N - d**n) d' [1]."""
     radius = np.hypot(run["x"], run["y"])
     spring = np.asarray(contact_force(radius, rotor.delta0, rotor.contact_exponent))
-    return (force_of(run, rotor) - spring) * _outwards(run)
+    lost: npt.NDArray[np.float64] = (force_of(run, rotor) - spring) * _outwards(run)
+    return lost
 
 
 def _outwards(run: Values) -> npt.NDArray[np.float64]:
     """Return the radial velocity along a run [1]; of no matter at the axis."""
     radius = np.hypot(run["x"], run["y"])
     moment = run["x"] * run["vx"] + run["y"] * run["vy"]
-    return np.divide(moment, radius, out=np.zeros_like(radius), where=radius > 0.0)
+    speed: npt.NDArray[np.float64] = np.divide(
+        moment, radius, out=np.zeros_like(radius), where=radius > 0.0
+    )
+    return speed
 
 
 def ending(run: Values, rotor: Rotor) -> dict[str, float]:
