@@ -1,11 +1,11 @@
 """Extents: between which speeds, dampings and clearances an attractor exists, the others held.
 
-A whirl in contact ends at a fold or where it first touches the ring, a limit cycle at a fold or
-where its period doubles, the contact-free whirl where it fills the clearance. A whirl is followed
-along its exact curve, over the speed (`response_curve`) or the clearance (`clearance_curve`). Over
-the damping a rotor has one whirl at most of each amplitude, so the curve needs no tracing: it turns
-at the folds (`fold_locus`) and ends at first touch and at the whirls without damping. A limit cycle
-is followed along its branch, from the rotor at hand.
+A whirl in contact ends at a fold or where it first touches the ring, a limit cycle at a fold, where
+its period doubles or, with contact damping, a torus is born, the contact-free whirl where it fills
+the clearance. A whirl is followed along its exact curve, over the speed (`response_curve`) or the
+clearance (`clearance_curve`). Over the damping a rotor has one whirl at most of each amplitude, so
+the curve needs no tracing: it turns at the folds (`fold_locus`) and ends at first touch and at the
+whirls without damping. A limit cycle is followed along its branch, from the rotor at hand.
 
 So it is for the paper's rotor. With a shaft, another contact law or contact damping a whirl is
 followed along its exact amplitudes in small steps, and where it ends is sought among ever smaller
@@ -40,6 +40,7 @@ from rotor_ida.cycles.branch import (
     HALVED,
     LIMITS,
     PLACE,
+    TORUS,
     Side,
     advance,
     course_from,
@@ -248,11 +249,11 @@ def extent_of_cycle(
 
 
 def _met(side: Side) -> list[End]:
-    """Return the folds and doublings on what has been followed, in order."""
+    """Return where stability is lost on what has been followed, in order."""
     return [
         End(float(special.point.unknowns[PLACE]), special.name)
         for _, special in side.specials
-        if special.name in (FOLD, DOUBLING)
+        if special.name in (FOLD, DOUBLING, TORUS)
     ]
 
 
