@@ -21,7 +21,7 @@ def doubled():
     return limit_cycle(rotor, start=(1.5, -0.25, 0.0, 0.0))
 
 
-@pytest.mark.parametrize("begin", [0.00565, 0.00581, 0.0059, 0.0062])
+@pytest.mark.parametrize("begin", [0.00565, 0.0059])
 def test_doubled_cycles_come_back_to_the_branch_that_they_left_from_wherever(doubled, begin):
     """Two curves cross there, and beside the crossing rounding may let no step be taken."""
     near = Rotor(omega=1.38, zeta=0.07, delta0=1.0, contact_damping=begin)
@@ -85,14 +85,3 @@ def test_a_branch_ends_where_its_period_grows_without_bound():
     apart = np.diff(last.omega.values)
     falls = np.log(apart[-1] / apart[-2]) / (periods[-1] - periods[-2])
     assert falls == pytest.approx(nearing, rel=0.05)
-
-
-def test_contact_damping_without_bound_ends_a_branch_too():
-    """The longer the rotor is held at the ring the longer its period, and the farther they part."""
-    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
-    branch = continue_cycle(
-        rotor, start=(0, 0, 0, 0), parameter="contact_damping", limits=(0.0, 1000.0),
-        direction="forward",
-    )  # fmt: skip
-    assert branch.attrs["last_end"] == "too_unstable"
-    assert (np.diff(branch.period.values[-40:]) > 0.0).all()
