@@ -77,6 +77,8 @@ SAME_CYCLE = 1e-6
 # Rounding at the start is carried along by M, and changes M itself by 1e-16 times its square: where
 # M is larger than this, multipliers that hang on more than its trace tell nothing.
 LARGEST_M = 1e7
+# Where a curve of bifurcations ends this near a graze, in parts of the clearance, that is why.
+NEAR_A_GRAZE = 1e-4
 # What rounding may do to a period that stands still, in parts of it.
 ROUNDING_OF_PERIOD = 1e-14
 # Where the period doubles, doubled cycles are sought aside at these parts of the size of the state,
@@ -318,6 +320,13 @@ def _end_where_stuck(course: Course, side: Side, reason: str) -> None:
             return
     side.end = CONTACT_FREE if LEFT_THE_RING in reason else STUCK
     side.reason = reason
+    gap = nearest_gap(last.stretch)
+    linear, delta0 = last.stretch.rotor.contact_exponent == 1.0, last.stretch.rotor.delta0
+    if len(course.limits) > 1 and linear and abs(gap) <= NEAR_A_GRAZE * delta0:
+        side.reason += (
+            f"; the radius comes within {abs(gap):.2g} of the ring, and at a graze of a linear "
+            "contact the curve has a corner"
+        )
 
 
 def _is_close_by(course: Course, last: Point[Shot], halved: Point[Shot]) -> bool:

@@ -1,11 +1,18 @@
-"""Where branches of machines end: at a doubling, and where a period grows without bound."""
+"""Where branches of machines end: at a doubling, where a period grows without bound, at a graze."""
 
 import math
 
 import numpy as np
 import pytest
 
-from rotor_ida import Rotor, continue_cycle, hopf_points, limit_cycle, synchronous_response
+from rotor_ida import (
+    Rotor,
+    bifurcation_curve,
+    continue_cycle,
+    hopf_points,
+    limit_cycle,
+    synchronous_response,
+)
 from rotor_ida.closed_forms import eigenvalues
 from rotor_ida.equations.model import rotating_jacobian
 from rotor_ida.schema import SPECIAL
@@ -21,7 +28,7 @@ def doubled():
     return limit_cycle(rotor, start=(1.5, -0.25, 0.0, 0.0))
 
 
-@pytest.mark.parametrize("begin", [0.00565, 0.0059])
+@pytest.mark.parametrize("begin", [0.00581, 0.0059])
 def test_doubled_cycles_come_back_to_the_branch_that_they_left_from_wherever(doubled, begin):
     """Two curves cross there, and beside the crossing rounding may let no step be taken."""
     near = Rotor(omega=1.38, zeta=0.07, delta0=1.0, contact_damping=begin)
@@ -85,3 +92,26 @@ def test_a_branch_ends_where_its_period_grows_without_bound():
     apart = np.diff(last.omega.values)
     falls = np.log(apart[-1] / apart[-2]) / (periods[-1] - periods[-2])
     assert falls == pytest.approx(nearing, rel=0.05)
+
+
+def test_a_curve_that_ends_at_the_graze_of_a_linear_contact_says_so():
+    """There stiffness begins at once: M changes like a root, and the curve of folds has a corner.
+
+    On the cycle that it ends at, an extremum of the radius lies at the ring.
+    """
+    rotor = Rotor(omega=2.0, zeta=0.07, delta0=1.0, contact_exponent=1.0)
+    curve = bifurcation_curve(
+        rotor, start=(0, 0, 0, 0), kind="fold", parameters=("omega", "delta0"),
+        limits=((1.9, 3.2), (0.8, 1.1)),
+    )  # fmt: skip
+    assert curve.attrs["first_end"] == "step_too_small"
+    assert "a graze of a linear contact the curve has a corner" in curve.attrs["first_reason"]
+    last = curve.isel(point=0)
+    there = Rotor(
+        omega=float(last.omega), zeta=0.07, delta0=float(last.delta0), contact_exponent=1.0
+    )
+    state = [float(last[name]) for name in ("x", "y", "vx", "vy")]
+    cycle = limit_cycle(there, start=state, period=float(last.period))
+    radius = np.hypot(cycle.x.values, cycle.y.values)
+    turns = radius[1:-1][np.diff(np.sign(np.diff(radius))) != 0]
+    assert np.abs(turns - there.delta0).min() < 1e-4
