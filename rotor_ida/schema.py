@@ -451,6 +451,14 @@ def origin_of(dataset: xr.Dataset) -> dict[str, object]:
     return {str(name): value for name, value in dataset.attrs.items() if name != "title"}
 
 
+def check_dimensionless(name: str, dataset: xr.Dataset) -> None:
+    """Raise `InputError` for a result in SI units, whose attributes have no dimensions."""
+    if "length_scale" in dataset.attrs:
+        raise InputError(
+            f"{name} must be dimensionless, got one in SI units: convert the result instead"
+        )
+
+
 def check_papers_result(
     name: str, dataset: xr.Dataset, unknown: Sequence[str] = tuple(DEFAULTS)
 ) -> None:

@@ -1,15 +1,24 @@
 """Units are chosen once; the dataset carries them, and what a dimensionless 1 is in them."""
 
+import numpy as np
 import pytest
 
 from rotor_ida import (
     DimensionalRotor,
     InputError,
+    branches_through,
+    compare,
+    contact_forces,
+    contact_summary,
     dimensional,
     limit_cycle,
     lyapunov_exponent,
+    rotating,
     simulate,
+    spectrum,
+    sweep,
 )
+from rotor_ida.cli.describe import describe
 from rotor_ida.schema import QUANTITIES, labelled
 from rotor_ida.si_units import UNITS
 
@@ -113,3 +122,32 @@ def test_other_units_are_refused(plain, units, message):
 def test_units_are_chosen_once(plain):
     with pytest.raises(InputError, match="SI units already"):
         dimensional(dimensional(plain, MACHINE), MACHINE, units={"length": "mm"})
+
+
+def test_what_is_without_dimensions_in_attributes_is_not_mixed_with_si_units(plain):
+    """The time that a run took stays dimensionless, and its contacts are in seconds."""
+    in_si = dimensional(plain, MACHINE)
+    for analysis in (contact_summary, spectrum, rotating, contact_forces):
+        with pytest.raises(InputError, match="run must be dimensionless, got one in SI units"):
+            analysis(in_si)
+    summary = dimensional(contact_summary(plain), MACHINE)
+    assert summary.total_impulse.attrs["units"] == "N s"
+    contacts = in_si.exit_time.fillna(in_si.t[-1]) - in_si.entry_time.fillna(0.0)
+    held = float(contacts.sum() / in_si.t[-1])
+    assert summary.contact_fraction.item() == pytest.approx(held, rel=1e-12)
+    assert summary.total_impulse.item() == pytest.approx(float(in_si.impulse.sum()), rel=1e-12)
+
+
+def test_responses_in_si_units_are_not_held_against_exact_ones():
+    swept = sweep(omega=[1.2], zeta=0.07, delta0=0.5)
+    with pytest.raises(InputError, match="dataset must be dimensionless, got one in SI units"):
+        compare(dimensional(swept, MACHINE))
+    with pytest.raises(InputError, match="compared must be dimensionless, got one in SI units"):
+        branches_through(dimensional(compare(swept), MACHINE), limits=(1.0, 2.0))
+
+
+def test_an_archive_in_si_units_tells_start_and_time_in_them(plain):
+    told = describe(dimensional(plain, MACHINE))[0]["parameters"]
+    assert told["duration"] == pytest.approx(plain.attrs["duration"] * MACHINE.time_scale)
+    scales = [MACHINE.length_scale] * 2 + [MACHINE.velocity_scale] * 2
+    np.testing.assert_allclose(told["start"], plain.attrs["start"] * scales, rtol=1e-15)

@@ -23,6 +23,7 @@ from rotor_ida.schema import (
     EXACT,
     RESPONSE,
     STABILITY,
+    check_dimensionless,
     labelled,
     labelled_dataset,
     origin_of,
@@ -69,7 +70,7 @@ def compare(dataset: xr.Dataset) -> xr.Dataset:
     Raises
     ------
     InputError
-        If the dataset is not a sweep.
+        If the dataset is not a sweep, or in SI units.
 
     Notes
     -----
@@ -189,6 +190,7 @@ def summarise(compared: xr.Dataset) -> list[dict[str, object]]:
 
 def _check_is_sweep(dataset: xr.Dataset) -> None:
     check_instance("dataset", dataset, xr.Dataset)
+    check_dimensionless("dataset", dataset)
     missing = [name for name in (*NEEDED, *PARAMETERS) if name not in dataset.variables]
     missing += [name for name in PARAMETERS if name not in dataset.dims and name not in missing]
     if missing:

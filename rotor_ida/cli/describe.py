@@ -136,7 +136,7 @@ def origin(dataset: xr.Dataset) -> RenderableType:
 def _run(dataset: xr.Dataset, most: int | None) -> Description:
     about = _about(dataset)
     parameters = _parameters(dataset)
-    parameters |= {name: about.pop(name) for name in ("start", "duration") if name in about}
+    parameters |= _begun(dataset, about)
     scalars = {name: value_of(dataset, name) for name in names_on(dataset)}
     events = rows_of(dataset, names_on(dataset, "event"))
     contacts = rows_of(dataset, names_on(dataset, "contact"))
@@ -161,6 +161,19 @@ def _run(dataset: xr.Dataset, most: int | None) -> Description:
     parts += _rows("Events", events, named, most, prefix="event_")
     parts += _rows("Contacts", contacts, CONTACT, most)
     return record, parts
+
+
+def _begun(dataset: xr.Dataset, about: Record) -> Record:
+    """Take from the attributes of a run its start and duration, in the units of the run."""
+    told: Record = {each: about.pop(each) for each in ("start", "duration") if each in about}
+    if "time_scale" in dataset.attrs:
+        length, velocity = dataset.attrs["length_scale"], dataset.attrs["velocity_scale"]
+        if "start" in told:
+            scales = [length, length, velocity, velocity]
+            told["start"] = (np.asarray(dataset.attrs["start"]) * scales).tolist()
+        if "duration" in told:
+            told["duration"] = float(dataset.attrs["duration"] * dataset.attrs["time_scale"])
+    return told
 
 
 def _parameters(dataset: xr.Dataset) -> Record:

@@ -26,7 +26,13 @@ from rotor_ida.cycles.continuation import (
     shooting_equations,
 )
 from rotor_ida.cycles.guess import Guess
-from rotor_ida.cycles.multipliers import doubling_test, fold_test, on_unit_circle, torus_test
+from rotor_ida.cycles.multipliers import (
+    doubling_test,
+    fold_test,
+    has_trace,
+    on_unit_circle,
+    torus_test,
+)
 from rotor_ida.cycles.shooting import (
     LEFT_THE_RING,
     Cycle,
@@ -42,8 +48,8 @@ from rotor_ida.parameters import DEFAULTS, Rotor
 from rotor_ida.stability.orbit import Shot, shoot
 
 # Why a branch ends.
-LIMITS, CLOSED, CONTACT_FREE, HALVED, STUCK, ENOUGH = (
-    "limits", "closed", "contact_free", "halved", "step_too_small", "points",
+LIMITS, CLOSED, CONTACT_FREE, HALVED, STUCK, UNSTABLE, ENOUGH = (
+    "limits", "closed", "contact_free", "halved", "step_too_small", "too_unstable", "points",
 )  # fmt: skip
 FOLD, DOUBLING, GRAZE, TORUS = "fold", "period_doubling", "graze", "torus"
 # Where the (first) parameter stands among the unknowns, behind the state and the period.
@@ -55,6 +61,9 @@ HALF = np.array([1.0, 1.0, 1.0, 1.0, 0.5, 1.0])
 # A cycle is twice one of half its period when the extreme radii of both halves agree to this part;
 # beside a doubling they differ by the root of the distance from it.
 EQUAL_HALVES = 1e-6
+# Two curves cross there, and beside that rounding may let no step be taken: a doubling this near
+# the last point, in parts of the scales, is the end.
+NEAR_A_DOUBLING = 1e-3
 # A step to such a cycle is taken again, this much shorter each time,
 SHORTENED = 0.25
 # until it is so short, a fortieth of the longest, that no special point is overlooked on the way.
@@ -65,6 +74,11 @@ FEWEST_POINTS_ROUND = 8
 PASSES_WITHIN = 0.25
 # and the cycle there is the same to this part, far above rounding.
 SAME_CYCLE = 1e-6
+# Rounding at the start is carried along by M, and changes M itself by 1e-16 times its square: where
+# M is larger than this, multipliers that hang on more than its trace tell nothing.
+LARGEST_M = 1e7
+# Where a curve of bifurcations ends this near a graze, in parts of the clearance, that is why.
+NEAR_A_GRAZE = 1e-4
 # What rounding may do to a period that stands still, in parts of it.
 ROUNDING_OF_PERIOD = 1e-14
 # Where the period doubles, doubled cycles are sought aside at these parts of the size of the state,
@@ -259,8 +273,7 @@ def advance(course: Course, side: Side) -> None:
         try:
             step = line.step(last, length, earlier)
         except SimulationError as error:
-            side.end = CONTACT_FREE if LEFT_THE_RING in error.reason else STUCK
-            side.reason = error.reason
+            _end_where_stuck(course, side, error.reason)
             return
         if len(course.limits) == 1:
             halved = _halved(course, last, step)
@@ -289,8 +302,50 @@ def advance(course: Course, side: Side) -> None:
     side.specials += [(len(side.points) - 1, each) for each in met]
     side.points.append(point)
     side.length = step.length
+    if not side.end and _is_too_unstable(point.stretch):
+        side.end, side.reason = UNSTABLE, _how_unstable(point.stretch)
     if len(side.points) >= course.most and not side.end:
         side.end = ENOUGH
+
+
+def _end_where_stuck(course: Course, side: Side, reason: str) -> None:
+    """End a side from which no step leads on; at the doubling close by, if there is one."""
+    last = side.points[-1]
+    if len(course.limits) == 1 and _halves_agree(last.stretch, NEAR_A_DOUBLING):
+        halved = _cycle_of_half(course, last)
+        if halved is not None and _is_close_by(course, last, halved):
+            side.specials.append((len(side.points) - 1, Special(DOUBLING, halved)))
+            side.points.append(halved)
+            side.end = HALVED
+            return
+    side.end = CONTACT_FREE if LEFT_THE_RING in reason else STUCK
+    side.reason = reason
+    gap = nearest_gap(last.stretch)
+    linear, delta0 = last.stretch.rotor.contact_exponent == 1.0, last.stretch.rotor.delta0
+    if len(course.limits) > 1 and linear and abs(gap) <= NEAR_A_GRAZE * delta0:
+        side.reason += (
+            f"; the radius comes within {abs(gap):.2g} of the ring, and at a graze of a linear "
+            "contact the curve has a corner"
+        )
+
+
+def _is_close_by(course: Course, last: Point[Shot], halved: Point[Shot]) -> bool:
+    """Return whether a cycle of half the period is as near to a point as its halves agree."""
+    apart = (halved.unknowns - last.unknowns * HALF) / course.line.scale
+    return bool((np.abs(apart[PLACE - 1 :]) <= NEAR_A_DOUBLING).all())
+
+
+def _is_too_unstable(shot: Shot) -> bool:
+    """Return whether rounding hides multipliers that hang on more than the trace of M."""
+    return not has_trace(shot) and bool(np.abs(shot.monodromy).max() > LARGEST_M)
+
+
+def _how_unstable(shot: Shot) -> str:
+    return (
+        f"neighbours part by a factor of {np.abs(shot.monodromy).max():.2g} in a period of "
+        f"{shot.duration:.6g}: rounding hides the multipliers, "
+        "as where a period grows without bound"
+    )
 
 
 def _halved(course: Course, last: Point[Shot], step: Step[Shot]) -> Point[Shot] | None:
@@ -306,7 +361,15 @@ def _halved(course: Course, last: Point[Shot], step: Step[Shot]) -> Point[Shot] 
     if not twice and (not turns or any(each.name == FOLD for each in step.met)):
         return None
     near = point if twice or abs(point.tangent[PLACE]) < abs(last.tangent[PLACE]) else last
-    if course.half is None and point.stretch.rotor.load > 0.0:
+    return _cycle_of_half(course, near)
+
+
+def _cycle_of_half(course: Course, near: Point[Shot]) -> Point[Shot] | None:
+    """Return the cycle of half the period, near a point, that doubles its period, if there is one.
+
+    Under a load it takes whole revolutions.
+    """
+    if course.half is None and near.stretch.rotor.load > 0.0:
         return None
     half = Curve(course.half or course.line.problem, course.line.scale * HALF)
     try:
@@ -317,11 +380,16 @@ def _halved(course: Course, last: Point[Shot], step: Step[Shot]) -> Point[Shot] 
 
 def _is_twice_round(shot: Shot) -> bool:
     """Return whether a cycle is one of half its period, followed twice."""
+    return _halves_agree(shot, EQUAL_HALVES)
+
+
+def _halves_agree(shot: Shot, part: float) -> bool:
+    """Return whether the extreme radii of both halves of a cycle agree to a part of the largest."""
     radii = shot.extrema[:, RADIUS].tolist()
     half, odd = divmod(len(radii), 2)
     if odd or not half:
         return False
-    pairs, allowed = zip(radii[:half], radii[half:], strict=True), EQUAL_HALVES * max(radii)
+    pairs, allowed = zip(radii[:half], radii[half:], strict=True), part * max(radii)
     return all(abs(one - other) <= allowed for one, other in pairs)
 
 

@@ -111,7 +111,8 @@ def continue_cycle(
         graze, torus), ``special_value`` of the parameter, ``special_period`` and the state there;
         ``special_point`` is the point before it. The attribute ``closed`` is 1 if the branch comes
         back to its beginning; ``first_end`` and ``last_end`` say why it ends, and
-        ``first_reason`` and ``last_reason`` what stood in the way where no step led on.
+        ``first_reason`` and ``last_reason`` what stood in the way where no step led on, or what
+        hides the multipliers.
 
     Raises
     ------
@@ -132,8 +133,9 @@ def continue_cycle(
     born, on which the motion never repeats itself. Under a load the period is that of k
     revolutions, ``k 2 pi/omega``, all along the branch. Each is found to rounding along the branch.
     A branch ends at the limits, closed, at ``halved`` (a doubled cycle has come back to one of half
-    its period), at ``contact_free`` (its last contact vanishes), where no step can be taken, or
-    after `points`.
+    its period), at ``contact_free`` (its last contact vanishes), where no step can be taken, after
+    `points`, or, with contact damping or a load, at ``too_unstable``: neighbours part so far in a
+    period that rounding hides the multipliers, as where the period grows without bound.
 
     References
     ----------

@@ -11,7 +11,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS, check_between, check_state, shown
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import ALL_PARAMETERS, PARAMETERS, Rotor
-from rotor_ida.schema import SPECIAL
+from rotor_ida.schema import SPECIAL, check_dimensionless
 
 DOUBLING = "period_doubling"
 NO_CYCLE = "start must be a limit cycle, got a result without one"
@@ -59,8 +59,7 @@ def guess_of(rotor: Rotor, start: object, period: object = None) -> Guess:
         return Guess(rotor, state, check_between("period", period, SHORTEST_PERIOD, LONGEST_PERIOD))
     if period is not None:
         raise InputError("period must be left out with a start that has one")
-    if "length_scale" in start.attrs:
-        raise InputError("start must be dimensionless, got one in SI units")
+    check_dimensionless("start", start)
     if "special_value" in start and start["special_value"].ndim == 0:
         return _of_special(rotor, start)
     needed = ("period", *COMPONENTS, *PARAMETERS)

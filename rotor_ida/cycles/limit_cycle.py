@@ -17,7 +17,6 @@ from rotor_ida.cycles.dataset import cycle_columns, of_cycle, state_columns
 from rotor_ida.cycles.guess import Guess, guess_of
 from rotor_ida.cycles.multipliers import is_stable, multipliers_near, multipliers_of
 from rotor_ida.cycles.shooting import (
-    LEFT_THE_RING,
     Cycle,
     close_orbit,
     once_round,
@@ -39,12 +38,8 @@ from rotor_ida.schema import (
 )
 from rotor_ida.simulation.options import Options, check_can_be_followed
 from rotor_ida.stability.orbit import ATOL, RTOL
-from rotor_ida.steady_state.follow import (
-    FAILED,
-    LONGEST,
-    durations,
-    follow_to_steady_state,
-)
+from rotor_ida.steady_state.follow import FAILED, follow_to_steady_state
+from rotor_ida.steady_state.response import UNRESOLVED
 
 NOT_FOUND = "not_found"
 # The rotor is followed to its cycle with the default tolerance of a sweep; Newton's method takes
@@ -73,13 +68,11 @@ ERROR_SAFETY = 5.0
 LOOSER_STILL = (1.0, 3.0, 10.0)
 # Samples of one period, for the spectrum and the picture: a power of two.
 SAMPLES = 1024
-# Under a load the rotor is looked at once a revolution, in stretches of so many of these: cycles of
-# half as many can be found.
-REVOLUTIONS = 256
-# It has come to a cycle where it misses itself by this part of its size at most,
+# Under a load the rotor is looked at once a revolution, over so many of these.
+REVOLUTIONS = 128
+# A motion that no window of fewer has shown to settle has come to a cycle if it misses itself then
+# by this part of its size at most.
 COME_BACK = 1e-6
-# and that which Newton's method finds there is stable, and as near as this.
-ON_THE_CYCLE = 1e-3
 # Lines of the spectrum are told that come to this part of the strongest.
 WEAKEST_LINE = 1e-6
 
@@ -106,13 +99,14 @@ def limit_cycle(
     -------
     Dataset
         ``response``: ``bouncing`` or ``full_contact`` where there is a limit cycle; else what there
-        is instead, or ``not_found``, and all that follows is NaN. The ``period`` on the rotating
-        axes and ``period_error``, ``radius_min``, ``radius_max``, ``contact_count`` in a period,
-        ``largest_force``, ``impulse_per_period``, ``stability``, ``residual`` [1]. On
-        ``multiplier``, by falling modulus, ``multiplier_real``, ``multiplier_imag`` and
-        ``multiplier_error``. On ``t`` one period of ``x y vx vy``, read on the rotating axes. On
-        ``line`` the spectrum on fixed axes: ``frequency``, ``whirl_amplitude`` and ``line_kind``;
-        ``whirl_ratio`` is the frequency of the strongest beside the spin over the spin speed.
+        is instead, under a load also ``quasi_periodic``, or ``not_found``, and all that follows is
+        NaN. The ``period`` on the rotating axes and ``period_error``, ``radius_min``,
+        ``radius_max``, ``contact_count`` in a period, ``largest_force``, ``impulse_per_period``,
+        ``stability``, ``residual`` [1]. On ``multiplier``, by falling modulus, ``multiplier_real``,
+        ``multiplier_imag`` and ``multiplier_error``. On ``t`` one period of ``x y vx vy``, read on
+        the rotating axes. On ``line`` the spectrum on fixed axes: ``frequency``,
+        ``whirl_amplitude`` and ``line_kind``; ``whirl_ratio`` is the frequency
+        of the strongest beside the spin over the spin speed.
 
     Raises
     ------
@@ -136,7 +130,7 @@ def limit_cycle(
     Under a load, which turns on the rotating axes, a motion repeats itself after whole revolutions
     only: ``T = k 2 pi/omega``, the state is at time 0, when the load points down on them, and it is
     a fixed point of the k-th stroboscopic map. No multiplier is trivial, and all four tell the
-    stability. The number k is found in the simulated motion.
+    stability. The number k is found in the simulated motion, up to 128.
 
     References
     ----------
@@ -203,16 +197,21 @@ def found_cycle(guess: Guess, stop: Stop) -> tuple[Cycle | None, str]:
         cycle = once_round(close_orbit(rotor, state, guess.period, stop), stop)
         return cycle, cycle.response
     if rotor.load > 0.0:
-        return found_under_load(rotor, state, stop)
-    near = _near(rotor, state, _time_of_return(rotor, state, stop), stop)
+        time = _time_of_return_under_load(rotor, state, NEAR_ITSELF, stop)
+    else:
+        time = _time_of_return(rotor, state, stop)
+    near = _near(rotor, state, time, stop)
     if near is not None:
         return near, near.response
     options = Options(method="taylor", rtol=STEADY_STATE_RTOL)
     settled = follow_to_steady_state(rotor, _state_of(state), options, stop=stop)
     if settled.response == FAILED:
         raise SimulationError(settled.message)
+    if settled.response == UNRESOLVED and rotor.load > 0.0:
+        near = _of_many_revolutions(rotor, np.array(settled.end), stop)
+        return near, NOT_FOUND if near is None else near.response
     if math.isnan(settled.features.period):
-        unknown = settled.response == "unresolved"
+        unknown = settled.response == UNRESOLVED
         return None, NOT_FOUND if unknown else settled.response
     cycle = close_orbit(rotor, np.array(settled.end), settled.features.period, stop)
     return cycle, cycle.response
@@ -230,41 +229,25 @@ def _near(rotor: Rotor, state: Values, time: float | None, stop: Stop) -> Cycle 
     return cycle if moved <= FARTHER * NEAR_ITSELF * np.linalg.norm(state) else None
 
 
-def found_under_load(rotor: Rotor, state: Values, stop: Stop) -> tuple[Cycle | None, str]:
-    """Return the limit cycle that a start under a load leads to, or None, and the response.
+def _time_of_return_under_load(
+    rotor: Rotor, state: Values, part: float, stop: Stop
+) -> float | None:
+    """Return after how many revolutions an orbit first comes back to a part of itself, as a time.
 
-    The rotor is looked at once a revolution, when the load points down on the rotating axes. A
-    cycle repeats itself there after k of them: the least k is sought, in stretches of the motion
-    that follow each other, ever later, until one is found or it has taken too long.
+    There is a state once a revolution, when the load points down on the rotating axes.
     """
     revolution = period_of(rotor, 1)
-    ahead = follow(rotor, state, revolution, REVOLUTIONS // 2 + 1, stop)
-    size = np.linalg.norm(state)
-    back = np.flatnonzero(np.linalg.norm(ahead[1:] - state, axis=1) <= NEAR_ITSELF * size)
-    if back.size:
-        near = _near(rotor, state, period_of(rotor, int(back[0]) + 1), stop)
-        if near is not None:
-            return near, near.response
-    wait, time = math.ceil(durations(rotor)[0] / revolution), 0.0
-    while time <= LONGEST:
-        state = follow(rotor, state, wait * revolution, 2, stop)[-1]
-        seen = follow(rotor, state, revolution, REVOLUTIONS, stop)
-        time += (wait + REVOLUTIONS) * revolution
-        wait, state = math.ceil(time / revolution), seen[-1]
-        misses = np.linalg.norm(seen[-2 : -REVOLUTIONS // 2 - 1 : -1] - state, axis=1)
-        back = np.flatnonzero(misses <= COME_BACK * np.linalg.norm(state))
-        if not back.size:
-            continue
-        try:
-            cycle = close_orbit(rotor, state, period_of(rotor, int(back[0]) + 1), stop)
-        except SimulationError as error:
-            if LEFT_THE_RING in error.reason:
-                return None, "contact_free"
-            continue
-        moved = np.linalg.norm(cycle.state - state)
-        if is_stable(cycle.shot) and moved <= ON_THE_CYCLE * np.linalg.norm(state):
-            return cycle, cycle.response
-    return None, NOT_FOUND
+    ahead = follow(rotor, state, revolution, REVOLUTIONS + 1, stop)
+    misses = np.linalg.norm(ahead[1:] - state, axis=1)
+    back = np.flatnonzero(misses <= part * float(np.linalg.norm(state)))
+    return period_of(rotor, int(back[0]) + 1) if back.size else None
+
+
+def _of_many_revolutions(rotor: Rotor, state: Values, stop: Stop) -> Cycle | None:
+    """Return the stable cycle that a motion under a load has come to, longer than windows show."""
+    time = _time_of_return_under_load(rotor, state, COME_BACK, stop)
+    cycle = _near(rotor, state, time, stop)
+    return cycle if cycle is not None and is_stable(cycle.shot) else None
 
 
 def _time_of_return(rotor: Rotor, state: Values, stop: Stop) -> float | None:

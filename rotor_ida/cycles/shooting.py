@@ -159,6 +159,8 @@ def close_orbit(
     for _ in range(MOST_STEPS):
         step = _newton_step(shot)
         size = _relative_size(step, shot)
+        if size > STALLED and _closes(shot):  # at a fold: rounding, divided by nothing
+            return checked_cycle(shot)
         if size > LONGEST_STEP:
             step *= LONGEST_STEP / size
         shot = shoot(rotor, shot.start + step[:4], shot.duration + step[4], stop, rtol)
@@ -199,9 +201,8 @@ def checked_cycle(shot: Shot) -> Cycle:
     SimulationError
         If it does not close, is a whirl of constant radius, or never touches the ring.
     """
-    scale = math.hypot(*shot.start) or 1.0
-    residual = math.hypot(*(shot.end - shot.start)) / scale
-    if not residual <= LARGEST_MISS * max(math.hypot(*shot.monodromy.flat), 1.0):
+    residual = _residual(shot)
+    if not _closes(shot):
         raise failure(shot, f"the orbit misses its start by {residual:.3g} of its size")
     if not len(shot.extrema):
         raise failure(shot, FOUND_A_WHIRL)
@@ -212,6 +213,16 @@ def checked_cycle(shot: Shot) -> Cycle:
     if not cycle.touches:
         raise failure(shot, LEFT_THE_RING)
     return cycle
+
+
+def _closes(shot: Shot) -> bool:
+    """Return whether an orbit comes back to its start but for rounding."""
+    return _residual(shot) <= LARGEST_MISS * max(math.hypot(*shot.monodromy.flat), 1.0)
+
+
+def _residual(shot: Shot) -> float:
+    """Return the distance of the end of an orbit from its start, relative to its size."""
+    return math.hypot(*(shot.end - shot.start)) / (math.hypot(*shot.start) or 1.0)
 
 
 def failure(shot: Shot, reason: str) -> SimulationError:

@@ -20,7 +20,7 @@ from urllib.parse import urlencode
 from rotor_ida.checks import check_count
 from rotor_ida.errors import InputError, RotorError
 from rotor_ida.explorer.lanes import NEVER, Lanes
-from rotor_ida.explorer.server import application, server_of
+from rotor_ida.explorer.server import LONGEST_VISIT, application, server_of
 from rotor_ida.parallel.progress import progress_bar
 
 LOOPBACK = "127.0.0.1"
@@ -45,6 +45,7 @@ def explore(
     port: int = PORT,
     browser: bool = True,
     told: Callable[[str], None],
+    longest_visit: float = LONGEST_VISIT,
 ) -> None:
     """Serve the explorer on this machine until it is told to end.
 
@@ -58,6 +59,8 @@ def explore(
         Whether to open the page in a browser.
     told : callable
         Called with what to tell the user: the address, once the page can be opened.
+    longest_visit : float
+        How long a connection that has not shown the key may last, in seconds.
 
     Raises
     ------
@@ -67,7 +70,7 @@ def explore(
         If the processes that compute do not start.
     """
     with closing(_listen(port)) as listening:
-        asyncio.run(_serve(listening, state, browser, told))
+        asyncio.run(_serve(listening, state, browser, told, longest_visit))
 
 
 def _listen(port: int) -> socket.socket:
@@ -92,6 +95,7 @@ async def _serve(
     state: Mapping[str, object],
     browser: bool,
     told: Callable[[str], None],
+    longest_visit: float,
 ) -> None:
     ready, failed, stop = asyncio.Event(), asyncio.Event(), asyncio.Event()
     for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
@@ -114,18 +118,18 @@ async def _serve(
         if failed.is_set():
             raise RotorError("the processes that compute the panels do not start")
         if not stop.is_set():
-            await _let_in(listening, lanes, state, browser, told, stop)
+            await _let_in(listening, lanes, state, browser, told, longest_visit, stop)
     finally:
         await lanes.close()
 
 
 async def _let_in(
     listening: socket.socket, lanes: Lanes, state: Mapping[str, object], browser: bool,
-    told: Callable[[str], None], stop: asyncio.Event,
+    told: Callable[[str], None], longest_visit: float, stop: asyncio.Event,
 ) -> None:  # fmt: skip
     """Serve the page until `stop`."""
     key = secrets.token_hex(16)
-    server = server_of(application(lanes, key))
+    server = server_of(application(lanes, key), longest_visit)
     serving = asyncio.create_task(server.serve([listening]))
     port = listening.getsockname()[1]
     address = f"http://{LOOPBACK}:{port}/#{urlencode({**state, 'key': key})}"

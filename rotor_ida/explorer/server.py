@@ -187,13 +187,21 @@ def is_own(hosts: list[str], origins: list[str], *, needs_origin: bool) -> bool:
     return origins in ([f"http://{hosts[0]}"], [f"https://{hosts[0]}"])
 
 
+class _Config(uvicorn.Config):
+    """What the server takes in, and for how long."""
+
+    longest_visit = LONGEST_VISIT
+
+
 class _Visit(H11Protocol):
     """A connection that fetches files: there are few of them, for a short time."""
+
+    config: _Config
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         super().connection_made(transport)
         self.since = self.loop.time()
-        self._end = self.loop.call_later(LONGEST_VISIT, transport.abort)
+        self._end = self.loop.call_later(self.config.longest_visit, transport.abort)
         # The oldest make room, whatever they have asked or read: none keeps a newcomer out.
         visits = [
             each for each in self.connections
@@ -225,12 +233,13 @@ class _Visit(H11Protocol):
 class _Talk(WebSocketsSansIOProtocol):
     """A connection over which a page asks; it ends even if the page reads nothing any more."""
 
+    config: _Config
     _fragments = 0
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         super().connection_made(transport)
         self.since = self.loop.time()
-        self._end = self.loop.call_later(LONGEST_VISIT, self._end_unless_open)
+        self._end = self.loop.call_later(self.config.longest_visit, self._end_unless_open)
 
     def is_open(self) -> bool:
         """Return whether it has shown the key."""
@@ -285,12 +294,13 @@ class Server(uvicorn.Server):
         yield
 
 
-def server_of(app: ASGIApp) -> Server:
-    """Return a server with limits on what it takes in."""
-    config = uvicorn.Config(
+def server_of(app: ASGIApp, longest_visit: float = LONGEST_VISIT) -> Server:
+    """Return a server with limits on what it takes in, and how long a visit may last [s]."""
+    config = _Config(
         app, http=_Visit, ws=_Talk, lifespan="off", log_config=None, log_level="critical",
         access_log=False, server_header=False, date_header=False, ws_max_size=LARGEST_MESSAGE,
         ws_per_message_deflate=False, h11_max_incomplete_event_size=LARGEST_HEADERS,
         backlog=MOST_AT_ONCE, timeout_keep_alive=5, timeout_graceful_shutdown=1,
     )  # fmt: skip
+    config.longest_visit = longest_visit
     return Server(config)

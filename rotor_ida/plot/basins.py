@@ -27,7 +27,7 @@ from rotor_ida.plot.appearance import (
     title_of,
 )
 from rotor_ida.plot.labels import KIND_WORDS, LABELS, label_axis, number_text, unit_of
-from rotor_ida.schema import FATE, QUANTITIES, RESPONSE, flags_of
+from rotor_ida.schema import FATE, QUANTITIES, RESPONSE, check_dimensionless, flags_of
 
 NEEDED = (*PARAMETERS, "label", "kind", "amplitude", "radius_min", "radius_max", "count")
 UNDECIDED, NOT_COMPUTED = INK, "white"
@@ -234,8 +234,7 @@ def plot_attractor_map(dataset: xr.Dataset, ax: Axes | None = None, *, by: str =
     check_choice("by", by, ("kind", "force", "shock"))
     if by == "shock" and "velocity_shock" not in dataset:
         raise InputError("dataset must have been made with shocks to be mapped by them")
-    if "length_scale" in dataset.attrs:
-        raise InputError("dataset must be dimensionless to be mapped, got one in SI units")
+    check_dimensionless("dataset", dataset)
     varying = _varying(dataset)
     if len(varying) != 2:
         raise InputError(f"dataset must be over two parameters to be mapped, got {len(varying)}")

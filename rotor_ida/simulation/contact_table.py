@@ -13,7 +13,13 @@ from rotor_ida.checks import check_instance
 from rotor_ida.equations.contact import contact_force
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import ALL_PARAMETERS
-from rotor_ida.schema import WHIRL_DIRECTION, Column, labelled_dataset, origin_of
+from rotor_ida.schema import (
+    WHIRL_DIRECTION,
+    Column,
+    check_dimensionless,
+    labelled_dataset,
+    origin_of,
+)
 from rotor_ida.simulation.orbit import ENTRY, EXIT, Orbit
 
 # Below this part of radius times speed, angular momentum is rounding: there is no whirl.
@@ -72,7 +78,7 @@ def contact_summary(run: xr.Dataset) -> xr.Dataset:
     Raises
     ------
     InputError
-        If the dataset is not a run.
+        If the dataset is not a run, or in SI units: the summary can be converted.
 
     Examples
     --------
@@ -85,6 +91,7 @@ def contact_summary(run: xr.Dataset) -> xr.Dataset:
     check_instance("run", run, xr.Dataset)
     if "entry_time" not in run or "duration" not in run.attrs:
         raise InputError("contact_summary needs a run of simulate: it has no table of contacts")
+    check_dimensionless("run", run)
     duration = float(run.attrs["duration"])
     omega = float(run["omega"])
     revolutions = duration * omega / (2.0 * math.pi) if omega > 0.0 else math.nan

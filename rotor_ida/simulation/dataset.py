@@ -12,7 +12,14 @@ from rotor_ida.checks import COMPONENTS, State, check_instance
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import ALL_PARAMETERS, DEFAULTS, PARAMETERS, Rotor
 from rotor_ida.provenance import provenance
-from rotor_ida.schema import DAMPED_EVENT_KIND, Column, Quantity, labelled, labelled_dataset
+from rotor_ida.schema import (
+    DAMPED_EVENT_KIND,
+    Column,
+    Quantity,
+    check_dimensionless,
+    labelled,
+    labelled_dataset,
+)
 from rotor_ida.simulation.contact_table import contact_columns
 from rotor_ida.simulation.event_errors import EventErrors
 from rotor_ida.simulation.orbit import Orbit
@@ -61,8 +68,7 @@ def check_run(run: object, needed: Sequence[str]) -> xr.Dataset:
     several = [name for name in DEFAULTS if name in run.variables and run[name].ndim]
     if several:
         raise InputError(f"run must be one run; its {several[0]} must be a scalar")
-    if "length_scale" in run.attrs:
-        raise InputError("run must be dimensionless, got one in SI units: convert the result")
+    check_dimensionless("run", run)
     return run
 
 

@@ -1,6 +1,7 @@
 """Where attractors end: at the folds of the closed forms, and the special points of branches."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -177,13 +178,22 @@ def test_a_cycle_ends_at_the_special_points_of_its_branch(rotor, start, name):
 
 
 def test_a_cycle_ends_where_a_torus_is_born():
-    """At the point where a pair of multipliers of DOP853 has the modulus 1 (`test_tori`)."""
-    machine = Rotor(omega=1.6, zeta=0.05, delta0=0.75, load=1.6, shaft_stiffness=1.0,
-                    contact_exponent=1.0, contact_damping=0.4)  # fmt: skip
-    guess = guess_of(machine, limit_cycle(machine, start=(0.0, -1.0, 0.0, 0.0)))
-    end = extent_of_cycle(machine, guess.state, guess.period, "contact_damping", STOP)[1]
-    assert end.kind == "torus"
-    assert end.value == pytest.approx(0.52384275, abs=1e-8)
+    """There a pair of multipliers, of an orbit closed at the end itself, is on the unit circle."""
+    rotor = Rotor(
+        omega=1.6, zeta=0.05, delta0=0.75, load=1.6, shaft_stiffness=1.0, contact_exponent=1.0,
+        contact_damping=0.4,
+    )  # fmt: skip
+    cycle = limit_cycle(rotor, start=(0.0, -1.0, 0.0, 0.0))
+    guess = guess_of(rotor, cycle)
+    _, high = extent_of_cycle(rotor, guess.state, guess.period, "contact_damping", STOP)
+    assert high.kind == "torus"
+    sizes = []
+    for part in (1.0 - 1e-4, 1.0, 1.0 + 1e-4):
+        there = replace(rotor, contact_damping=part * high.value)
+        found = limit_cycle(there, start=guess.state, period=guess.period)
+        sizes.append(np.hypot(found.multiplier_real, found.multiplier_imag).values.max())
+    assert sizes[1] == pytest.approx(1.0, abs=1e-9)
+    assert sizes[0] < 1.0 < sizes[2]
 
 
 @pytest.mark.parametrize("beyond", [1e-6, 1e-5, 1e-4, 1e-2])

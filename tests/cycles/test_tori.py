@@ -12,7 +12,7 @@ from rotor_ida.analysis.branch_course import stable_ranges
 from rotor_ida.cycles.limit_cycle import follow
 from rotor_ida.cycles.multipliers import doubling_test, fold_test, torus_test
 from rotor_ida.errors import InputError
-from rotor_ida.schema import SPECIAL
+from rotor_ida.schema import RESPONSE, SPECIAL
 from rotor_ida.stability.orbit import shoot
 from tests.witness import machine_flown
 
@@ -140,3 +140,11 @@ def test_none_is_born_without_contact_damping_and_load():
     rotor = Rotor(omega=3.0, zeta=0.07, delta0=0.5)
     with pytest.raises(InputError, match="contact_damping or load must be above 0 for a torus"):
         bifurcation_curve(rotor, start=(3, 1, 0, 0), kind="torus", limits=((2.5, 3.2), (0.4, 0.6)))
+
+
+@pytest.mark.parametrize(("side", "response"), [(-0.05, "full_contact"), (0.05, "quasi_periodic")])
+def test_what_a_start_leads_to_is_a_cycle_before_it_and_a_torus_behind_it(torus, side, response):
+    machine = replace(MACHINE, contact_damping=float(torus.special_value) + side)
+    found = limit_cycle(machine, start=(0.0, -1.0, 0.0, 0.0))
+    assert found.response.item() == RESPONSE[response]
+    assert np.isnan(found.period) == (response == "quasi_periodic")

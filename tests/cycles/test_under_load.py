@@ -6,7 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotor_ida import Rotor, bifurcation_curve, continue_cycle, limit_cycle
+from rotor_ida import (
+    Rotor,
+    bifurcation_curve,
+    continue_cycle,
+    limit_cycle,
+    lyapunov_exponent,
+    poincare_section,
+)
 from rotor_ida.errors import InputError
 from rotor_ida.schema import LINE_KIND, RESPONSE, SPECIAL
 from tests.witness import machine_flown
@@ -85,6 +92,32 @@ def test_a_given_period_is_of_whole_revolutions(cycles):
     revolution = 2.0 * math.pi / BOUNCING.omega
     with pytest.raises(InputError, match="period must be a whole number of revolutions"):
         limit_cycle(BOUNCING, start=state_of(cycle), period=1.4 * revolution)
+
+
+def test_chaos_under_a_load_is_told():
+    """Bouncing on a soft ring: neighbours part, and the motion never comes again."""
+    machine = Rotor(
+        omega=1.1, zeta=0.1, delta0=4.0, contact_exponent=1.0, contact_damping=0.1, load=0.04
+    )
+    found = limit_cycle(machine, start=(0.0, -0.5, 0.0, 0.0))
+    assert found.response.item() == RESPONSE["chaotic"]
+    exponent = lyapunov_exponent(machine, start=(0.0, -0.5, 0.0, 0.0), duration=3000.0)
+    assert exponent.lyapunov_exponent[0] > 5.0 * exponent.lyapunov_error[0]
+
+
+def test_a_motion_may_repeat_itself_after_forty_revolutions_only():
+    """No window of a sweep shows so many; a section of its own tells that it takes no fewer."""
+    machine = Rotor(
+        omega=1.67, zeta=0.041, delta0=1.0, shaft_stiffness=1.0, contact_exponent=1.0,
+        contact_damping=1.0, load=1.09,
+    )  # fmt: skip
+    cycle = limit_cycle(machine, start=(0.0, -0.5, 0.0, 0.0))
+    assert revolutions(machine, cycle.period.item()) == pytest.approx(40.0, abs=1e-10)
+    section = poincare_section(machine, start=state_of(cycle), revolutions=40)
+    seen = np.stack([section[f"rotating_{name}"] for name in ("x", "y", "vx", "vy")], axis=1)
+    misses = np.abs(seen[1:] - seen[0]).max(axis=1)
+    assert misses[-1] < 1e-7
+    assert misses[:-1].min() > 1e-3
 
 
 def test_a_whirl_inside_the_clearance_is_none():

@@ -24,6 +24,13 @@ from tests.explorer.asking import Message, unpacked
 # How long to wait for what must come: minutes, on a machine that does much else.
 PATIENCE = 200.0
 MAIN = "import sys; from rotor_ida.cli import main; sys.exit(main())"
+# The same, but nobody may come and go for longer than a few seconds.
+SHORT_VISIT = 3.0
+IMPATIENT = (
+    "import sys; from rotor_ida.explorer.explore import explore; "
+    "explore({}, port=0, browser=False, told=lambda said: print(said, file=sys.stderr), "
+    f"longest_visit={SHORT_VISIT})"
+)
 PROGRAM = [sys.executable, "-W", "error", "-c", MAIN, "explore", "--port", "0"]
 
 
@@ -177,9 +184,14 @@ class Program:
 
 def started(*words: str, browser: bool = False, start_new_session: bool = False) -> Program:
     """Start the program, as its user does."""
+    words = (*PROGRAM, *(() if browser else ("--no-browser",)), *words)
+    return _listened_to(list(words), start_new_session)
+
+
+def _listened_to(words: list[str], start_new_session: bool = False) -> Program:
     process = subprocess.Popen(
-        [*PROGRAM, *([] if browser else ["--no-browser"]), *words],
-        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=start_new_session,
+        words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+        start_new_session=start_new_session,
     )  # fmt: skip
     program = Program(process)
     program.listen()
@@ -204,7 +216,16 @@ def start() -> Iterator[Callable[..., Program]]:
 @pytest.fixture(scope="module")
 def served() -> Iterator[Program]:
     """Return a program whose page is served; in the end it must have said nothing else."""
-    program = started()
+    yield from _in_use(started())
+
+
+@pytest.fixture(scope="module")
+def impatient() -> Iterator[Program]:
+    """Return one that ends connections sooner."""
+    yield from _in_use(_listened_to([sys.executable, "-W", "error", "-c", IMPATIENT]))
+
+
+def _in_use(program: Program) -> Iterator[Program]:
     try:
         program.wait_until_ready()
         yield program

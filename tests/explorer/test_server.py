@@ -17,7 +17,7 @@ from websockets.sync.client import ClientConnection
 
 from rotor_ida.explorer import server
 from tests.explorer.asking import ROTOR, Message, asked, unpacked
-from tests.explorer.conftest import PATIENCE, Program, wait_until
+from tests.explorer.conftest import PATIENCE, SHORT_VISIT, Program, wait_until
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
 
@@ -400,9 +400,8 @@ def test_connections_that_never_read_keep_nobody_out(
         assert sockets(served) < 2 * server.MOST_VISITS
 
 
-def test_a_talk_refused_behind_a_file_that_nobody_reads_is_closed(start: Callable[..., Program]):
-    program = start()
-    program.wait_until_ready()
+def test_a_talk_refused_behind_a_file_that_nobody_reads_is_closed(impatient: Program):
+    program = impatient
     wrong = handshake(program).replace(b"Version: 13", b"Version: 7")
     before = sockets(program)
     with contextlib.ExitStack() as open_ones:
@@ -410,7 +409,7 @@ def test_a_talk_refused_behind_a_file_that_nobody_reads_is_closed(start: Callabl
             open_ones.enter_context(unread(program, files * large_file(program) + wrong))
         since = time.monotonic()
         wait_until(lambda: sockets(program) <= before, "connections that are closed")
-        assert time.monotonic() - since > server.LONGEST_VISIT / 2  # some had to be
+        assert time.monotonic() - since > SHORT_VISIT / 2  # some had to be
 
 
 def large_file(program: Program) -> bytes:
@@ -428,9 +427,9 @@ def test_connections_that_break_off_anywhere_do_no_harm(served: Program):
             connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, now)
 
 
-def test_a_header_that_drips_is_not_waited_for_for_ever(served: Program):
-    with opened(served, b"GET / HTTP/1.1\r\n") as connection:
-        end = time.monotonic() + server.LONGEST_VISIT + PATIENCE
+def test_a_header_that_drips_is_not_waited_for_for_ever(impatient: Program):
+    with opened(impatient, b"GET / HTTP/1.1\r\n") as connection:
+        end = time.monotonic() + SHORT_VISIT + PATIENCE
         with pytest.raises(OSError):  # noqa: PT011, PT012 - whichever breaks
             while time.monotonic() < end:
                 connection.sendall(b"X: y\r\n")
