@@ -7,6 +7,7 @@ script for its own: here they are slips.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
@@ -19,7 +20,29 @@ from rotor_ida.errors import InputError
 LARGEST_RANGE = 1_000_000
 MOST_POINTS = 5_000_000
 
+# What cyclopts takes for an option where it is not ``-15:15`` of whole numbers.
+NEGATIVE_RANGE = re.compile(r"-[\d.][^:]*:")
+
 Value = TypeVar("Value")
+
+
+def with_ranges_joined(words: Sequence[str]) -> list[str]:
+    """Return words in which a range that begins below zero is tied to its option by ``=``.
+
+    Examples
+    --------
+    >>> with_ranges_joined(["basin", "--x", "-1.5:1.5:64", "--y", "-2"])
+    ['basin', '--x=-1.5:1.5:64', '--y', '-2']
+    """
+    found: list[str] = []
+    for word in words:
+        option = found[-1] if found else ""
+        opens = len(option) > 2 and option.startswith("--") and "=" not in option
+        if opens and NEGATIVE_RANGE.match(word):
+            found[-1] = f"{option}={word}"
+        else:
+            found.append(word)
+    return found
 
 
 def converter(

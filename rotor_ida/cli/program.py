@@ -37,6 +37,7 @@ from rotor_ida.cli.commands.cycles import continue_, curve, cycle
 from rotor_ida.cli.commands.doctor import doctor
 from rotor_ida.cli.commands.explore import explore
 from rotor_ida.cli.commands.stored import compare, resume, show, status, verify
+from rotor_ida.cli.parsing import with_ranges_joined
 from rotor_ida.cli.report import FAILED, INTERRUPTED, Report, console_on, text_of
 from rotor_ida.cli.streams import results_only
 from rotor_ida.errors import InputError, RotorError
@@ -112,9 +113,9 @@ def application(console: Console) -> App:
 
 def _run(words: list[str], results: TextIO) -> int:
     console = console_on(results)
-    command, bound = application(console).parse_args(words, print_error=False, exit_on_error=False)[
-        :2
-    ]
+    command, bound = application(console).parse_args(
+        with_ranges_joined(words), print_error=False, exit_on_error=False
+    )[:2]
     with console.capture() as help_text:
         answer = command(*bound.args, **bound.kwargs)
     if not isinstance(answer, Report):

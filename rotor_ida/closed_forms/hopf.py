@@ -43,8 +43,11 @@ from rotor_ida.schema import labelled_dataset
 # Two roots nearer to each other than this power of two, in parts of the largest there can be, are
 # not told from none.
 _DEEPEST = 400
-# Roots are narrowed to this power of two, in parts of themselves.
-_FINEST = 70
+# Roots are narrowed to these powers of two, in parts of themselves, one after the other, until
+# speed and frequency are the same at both ends: a whirl next to amplitude 1 may have nearly any.
+_FINER = (70, 140, 280, 560, 1120)
+# The same, in parts of themselves.
+_SAME = Fraction(1, 10**17)
 
 
 def hopf_points(
@@ -149,8 +152,8 @@ def _of_rotor(
         point = whirl.at(root)
         if point is None:
             continue
-        q, squared = point
-        depth = root * root if hertz else root
+        place, q, squared = point
+        depth = place * place if hertz else place
         found.append((math.sqrt(q), float(Fraction(delta0) + depth), math.sqrt(squared)))
     return tuple(sorted(found))
 
@@ -217,17 +220,29 @@ class _Whirl:
         ends, first, last = h2 * r0 - h0 * r2, h2 * r1 - h1 * r2, h1 * r0 - h0 * r1
         return ends * ends - first * last
 
-    def at(self, root: Fraction) -> tuple[Fraction, Fraction] | None:
-        """Return q and the frequency squared at a root, or None where there is no Hopf point."""
+    def at(self, root: Root) -> tuple[Fraction, Fraction, Fraction] | None:
+        """Return a root, q and the frequency squared there, or None where is no Hopf point."""
+        for power in _FINER:
+            low, high = root.narrowed(power)
+            one, other = self._common(low), self._common(high)
+            pairs = list(zip(one, other, strict=True))
+            if pairs and all(abs(a - b) <= _SAME * abs(b) for a, b in pairs):
+                break
+        else:
+            return None
+        q, squared = one
+        return (low, q, squared) if q > 0 and squared > 0 else None
+
+    def _common(self, place: Fraction) -> tuple[Fraction, ...]:
+        """Return the root q that both have at a place, and the frequency squared; or nothing."""
         (r0, r1, r2), (h0, h1, h2) = (
-            [each(root) for each in equation] for equation in (self.curve, self.hopf)
+            [each(place) for each in equation] for equation in (self.curve, self.hopf)
         )
         below = h2 * r1 - h1 * r2
         if below == 0:
-            return None
+            return ()
         q = (h0 * r2 - h2 * r0) / below
-        squared = (self.a1[0](root) + q * self.a1[1](root)) / self.a3(root)
-        return (q, squared) if q > 0 and squared > 0 else None
+        return q, (self.a1[0](place) + q * self.a1[1](place)) / self.a3(place)
 
 
 def _whirl_in(
@@ -262,13 +277,43 @@ def _whirl_in(
 # ---- Roots ----
 
 
-def positive_roots(polynomial: Polynomial) -> list[Fraction]:
-    """Return the positive roots of odd order, each to a part of 1e-21.
+@dataclass(frozen=True, slots=True)
+class Root:
+    """A root of a polynomial with whole coefficients, alone between two places."""
+
+    whole: tuple[int, ...]
+    low: Fraction
+    high: Fraction
+
+    def narrowed(self, power: int) -> tuple[Fraction, Fraction]:
+        """Return places round the root that are apart by so small a power of two, in parts of it.
+
+        Examples
+        --------
+        >>> low, high = Root((-2, 0, 1), Fraction(1), Fraction(2)).narrowed(40)
+        >>> round(float(low), 9), high - low < 1e-11
+        (1.414213562, True)
+        """
+        low, high = self.low, self.high
+        rising = _sign_at(self.whole, high) > 0 or _sign_at(self.whole, low) < 0
+        while high - low > high / 2**power:
+            middle = (low + high) / 2
+            if (sign := _sign_at(self.whole, middle)) == 0:
+                return middle, middle
+            if (sign > 0) == rising:
+                high = middle
+            else:
+                low = middle
+        return low, high
+
+
+def positive_roots(polynomial: Polynomial) -> list[Root]:
+    """Return the positive roots of odd order, each by itself.
 
     Examples
     --------
     >>> found = positive_roots(Polynomial((Fraction(6), Fraction(-5), Fraction(1))))
-    >>> [float(root) for root in found]
+    >>> [float(root.narrowed(60)[0]) for root in found]
     [2.0, 3.0]
     """
     below = math.lcm(*(each.denominator for each in polynomial.coefficients))
@@ -280,7 +325,7 @@ def positive_roots(polynomial: Polynomial) -> list[Fraction]:
     if len(whole) < 2:
         return []
     power = _bound(whole)
-    return [_narrowed(whole, low, high) for low, high in _isolated(whole, power)]
+    return [Root(tuple(whole), low, high) for low, high in _isolated(whole, power)]
 
 
 def _bound(whole: list[int]) -> int:
@@ -336,21 +381,7 @@ def _sign_changes(whole: list[int]) -> int:
     return sum(one != other for one, other in pairwise(signs))
 
 
-def _narrowed(whole: list[int], low: Fraction, high: Fraction) -> Fraction:
-    """Return the root between two places, the only one there."""
-    rising = _sign_at(whole, high) > 0 or _sign_at(whole, low) < 0
-    while high - low > high / 2**_FINEST:
-        middle = (low + high) / 2
-        if (sign := _sign_at(whole, middle)) == 0:
-            return middle
-        if (sign > 0) == rising:
-            high = middle
-        else:
-            low = middle
-    return (low + high) / 2
-
-
-def _sign_at(whole: list[int], place: Fraction) -> int:
+def _sign_at(whole: tuple[int, ...], place: Fraction) -> int:
     """Return the sign of a polynomial at a place."""
     value, power = 0, 1
     for each in whole[::-1]:

@@ -88,7 +88,8 @@ enum { STEPS_AT_ENDS = 10 };
 
 /* Whether energy balances over a contact of so many steps: what the motion has lost went into the
  * ring, into damping, and into the work of the load that turns on these axes. It is measured by the
- * largest energies at the ends and where the contact is deepest. */
+ * largest energies at the ends and where the contact is deepest, and by what the ring holds: a
+ * start deep in it that only creeps back has next to none beside that. */
 static int is_balanced(const struct motion *motion, double absolute, const double *start,
                        const double *deepest, const double *reached, int64_t steps)
 {
@@ -96,7 +97,8 @@ static int is_balanced(const struct motion *motion, double absolute, const doubl
     double scale = 0.0;
     energy_of(m, deepest, &scale);
     scale += fabs(deepest[CONTACT_WORK]) + fabs(deepest[CONTACT_SPENT])
-             + fabs(reached[CONTACT_WORK]) + fabs(reached[CONTACT_SPENT]);
+             + fabs(reached[CONTACT_WORK]) + fabs(reached[CONTACT_SPENT])
+             + held_by(m, start[CONTACT_Q]) + held_by(m, reached[CONTACT_Q]);
     const double before = energy_of(m, start, &scale), after = energy_of(m, reached, &scale);
     const double missing = after - before + reached[CONTACT_WORK] - start[CONTACT_WORK]
                            + reached[CONTACT_SPENT] - start[CONTACT_SPENT];
@@ -441,7 +443,11 @@ static double touch_in_step(struct motion *motion, double delta0)
         const int leaves = radial_rate_of(motion->at(motion, high)) > 0.0;
         return leaves ? larger(turn, 0.5 * (low + high)) : INFINITY;
     }
-    return root_in_step(motion, radius_of, delta0, low, high);
+    const double touch = root_in_step(motion, radius_of, delta0, low, high);
+    if (isnan(touch))
+        return touch;
+    /* by rounding, or by the tolerances, what falls inwards from the ring is outside at first */
+    return radial_rate_of(motion->at(motion, touch)) < 0.0 ? INFINITY : touch;
 }
 
 /* Keep the values of largest radius. On a whirl of constant radius the radial velocity is rounding

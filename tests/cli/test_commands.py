@@ -345,6 +345,14 @@ def test_touchdown_prints_json_in_full_precision(program: Program):
     assert record["omega"] == machine.rotor().omega
 
 
+@pytest.mark.parametrize("low", ["-15e-6", "-.000015", "-0.000015"])
+def test_a_range_below_zero_in_metres_needs_no_equals_sign(program: Program, low: str):
+    tied = program("touchdown", *MACHINE, *NEAR, "--shocks", 0, "--json")
+    apart = ("--x", f"{low}:15e-6", "--y", f"{low}:15e-6", "--starts", 100)
+    answer = program("touchdown", *MACHINE, *apart, "--shocks", 0, "--json")
+    assert (answer.status, answer.out) == (0, tied.out)
+
+
 def test_touchdown_is_a_table_with_units(program: Program):
     answer = program("touchdown", *MACHINE, *NEAR, "--shocks", 256)
     assert (answer.status, answer.err) == (0, "")

@@ -3,6 +3,7 @@
 import math
 from fractions import Fraction
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -135,6 +136,32 @@ def test_axes_are_those_of_folds():
     np.testing.assert_array_equal(same[: one.sizes["hopf"]], one.hopf_omega.values.ravel())
 
 
+@pytest.mark.parametrize(
+    ("exponent", "delta0"), [(1.5, 0.99), (1.5, 1.0 - 1e-7), (1.0, 1.0 - 1e-9)]
+)
+def test_a_far_one_of_a_clearance_hardly_below_one_is_as_exact(exponent, delta0):
+    """By 60 digits the Hurwitz determinant of the whirl changes its sign at that very speed."""
+    machine = {"zeta": 0.07, "delta0": delta0, "contact_damping": 0.2, "contact_exponent": exponent}
+    speed = points_of(machine)[-1, 0]
+    assert speed > 300.0
+    with mpmath.workdps(60):
+        zeta, d, c = (mpmath.mpf(machine[name]) for name in ("zeta", "delta0", "contact_damping"))
+
+        def hurwitz(omega):
+            q, A = omega**2, mpmath.mpf(1)
+            for _ in range(60):  # so fast a whirl has nearly amplitude 1, whatever the ring does
+                depth = A - d
+                f, K = depth**exponent, exponent * depth ** (exponent - 1.0)
+                A = q / mpmath.sqrt((f / A - q) ** 2 + 4 * zeta**2 * q)
+            S, m = f / A, 2 * zeta + c * f
+            a3, a2 = m + 2 * zeta, K + S + 2 * zeta * m + 2 * q
+            a1 = m * S + 2 * zeta * K + (6 * zeta - m) * q
+            return a3 * a2 * a1 - a1**2 - a3**2 * ((K - q) * (S - q) + 4 * zeta**2 * q)
+
+        slightly = mpmath.mpf("1e-14")
+        assert hurwitz(speed * (1 - slightly)) * hurwitz(speed * (1 + slightly)) < 0
+
+
 def test_roots_are_isolated_in_exact_arithmetic():
     """Two roots 1e-12 apart, one that is far away, and a pair that misses the axis by 1e-12."""
     near, tiny = Fraction(1, 3), Fraction(1, 10**12)
@@ -142,7 +169,7 @@ def test_roots_are_isolated_in_exact_arithmetic():
     product = Polynomial((tiny * tiny + 1, Fraction(-2), Fraction(1)))  # (x - 1)^2 + 1e-24
     for root in roots:
         product = product * Polynomial((-root, Fraction(1)))
-    found = positive_roots(product)
+    found = [root.narrowed(70)[0] for root in positive_roots(product)]
     assert [abs(one - two) < tiny / 10**6 for one, two in zip(found, roots[:3], strict=True)]
     assert all(abs(one - two) <= two / 2**60 for one, two in zip(found, roots[:3], strict=True))
 

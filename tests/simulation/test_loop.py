@@ -323,3 +323,15 @@ def test_where_velocity_and_acceleration_vanish_the_jerk_decides(flight):
         run = simulate(rotor, start=(0, y, 0, 0), duration=0.3, samples=5, flight=flight)
         assert run.starts_in_contact == contact
         assert run.sizes["event"] == 0
+
+
+@pytest.mark.parametrize("delta0", [0.77, 1.3, 2.7])
+def test_what_falls_inwards_from_the_ring_is_not_held_for_outside_it(delta0):
+    """At first by less than rounding, as t**3: integrated coarsely it still meets the ring once."""
+    rotor, start = Rotor(omega=3.0, zeta=0.0, delta0=delta0), (0.0, -delta0, 0.0, 0.0)
+    exact, coarse = (
+        simulate(rotor, start=start, duration=1.5, method="bdf", samples=2, **how)
+        for how in ({"rtol": 1e-12}, {"rtol": 1e-4, "atol": 1e-14, "flight": "cvode"})
+    )
+    assert coarse.event_kind.values.tolist() == exact.event_kind.values.tolist() == [1]
+    assert coarse.event_time.item() == pytest.approx(exact.event_time.item(), abs=1e-2)

@@ -309,6 +309,22 @@ def test_grazes_of_a_release_are_decided_above_the_floor_that_is_stated(method, 
             assert kinds_of(machine, start, rtol, method) == exact, machine
 
 
+@pytest.mark.parametrize("exponent", [1.0, 1.5])
+@pytest.mark.parametrize(("method", "rtol"), [("taylor", 1e-12), ("adams", 1e-9), ("bdf", 1e-6)])
+def test_deep_in_the_ring_it_creeps_back_and_energy_balances(exponent, method, rtol):
+    """As fast as the contact damping lets it, 1/c, after a delay of 1/(c h**n): next to no energy.
+
+    What it has at the end, 1/(2 c**2), is a hundred-thousandth of what the ring held.
+    """
+    depth, c = 50.0, 5.0
+    rotor = Rotor(omega=0.0, zeta=0.0, delta0=1.0, contact_exponent=exponent, contact_damping=c)
+    found = simulate(rotor, start=(1.0 + depth, 0, 0, 0), duration=1.0, samples=2, method=method,
+                     rtol=rtol, atol=1e-2 * rtol)  # fmt: skip
+    expected = 1.0 + depth - 1.0 / c + 1.0 / (c * c * depth**exponent)
+    assert found.x.values[-1] == pytest.approx(expected, abs=1e-8 + rtol)
+    assert found.vx.values[-1] == pytest.approx(-1.0 / c, rel=1e-6)
+
+
 def test_a_run_that_contradicts_itself_raises():
     rotor, _ = MACHINES["all of it"]
     times = np.linspace(0.0, DURATION, 11)
