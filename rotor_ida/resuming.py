@@ -85,12 +85,13 @@ def _call(design: dict[str, Any]) -> tuple[Callable[..., xr.Dataset], dict[str, 
         "sweep": sweep, "basin": basin, "basin_fractions": basin_fractions, "branch": branch_from,
     }  # fmt: skip
     given = {name: design[name] for name in _GIVEN[kind]}
+    beyond = {name: design[name] for name in DEFAULTS if name in design}
     if kind == "sweep":
-        given |= {name: design[name] for name in DEFAULTS if name in design}
+        given |= beyond
         return sweep, {**given, "starts": [tuple(start) for start in design["starts"]]}
     if kind == "continue_attractors":
         drawn = {name: design[name] for name in _DRAWN if name in design}
-        return continue_attractors, {**given, **drawn}
+        return continue_attractors, {**given, **beyond, **drawn}
     rotor = Rotor(**{name: design[name] for name in ALL_PARAMETERS if name in design})
     if kind == "branch":
         guess = {name: design[name] for name in ("period", "special", "slope")}

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rotor_ida import Rotor, basin, basin_fractions, load, save, sweep
+from rotor_ida import Rotor, basin, basin_fractions, continue_attractors, load, save, sweep
 from rotor_ida.errors import InputError
 from rotor_ida.resuming import resume
 from rotor_ida.steady_state import follow
@@ -37,6 +37,10 @@ KINDS = {
     "basin": lambda **more: basin(BOUNCER, x=AXIS, y=AXIS, **more),
     "basin_fractions": lambda **more: basin_fractions(
         BOUNCER, x=(-8, 8), y=(-8, 8), vx=(-4, 4), starts=4000, **more
+    ),
+    "atlas of machines": lambda **more: continue_attractors(
+        omega=[1.2, 1.5, 1.8], zeta=0.3, delta0=0.5, shaft_stiffness=0.25, contact_damping=[0.0, 0.5],
+        contact_exponent=1.0, x=(-3, 3), y=(-3, 3), starts=20, **more,
     ),
 }  # fmt: skip
 
@@ -72,6 +76,7 @@ def test_it_goes_on_to_the_same_bits(kind, tmp_path):
     finished = status(tmp_path)
     assert (finished["left"], finished["failed"]) == (0, 0)
     xr.testing.assert_identical(KINDS[kind](study=tmp_path), whole)
+    xr.testing.assert_identical(resume(tmp_path), whole)
 
 
 def test_an_interrupt_leaves_a_study_that_goes_on(tmp_path):
