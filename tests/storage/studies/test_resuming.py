@@ -39,8 +39,8 @@ KINDS = {
         BOUNCER, x=(-8, 8), y=(-8, 8), vx=(-4, 4), starts=4000, **more
     ),
     "atlas of machines": lambda **more: continue_attractors(
-        omega=[1.2, 1.5, 1.8], zeta=0.3, delta0=0.5, shaft_stiffness=0.25, contact_damping=[0.0, 0.5],
-        contact_exponent=1.0, x=(-3, 3), y=(-3, 3), starts=20, **more,
+        omega=[1.2, 1.5, 1.8], zeta=0.3, delta0=0.5, shaft_stiffness=0.25, contact_exponent=1.0,
+        contact_damping=[0.0, 0.5], x=(-3, 3), y=(-3, 3), starts=20, **more,
     ),
 }  # fmt: skip
 
