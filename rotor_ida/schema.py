@@ -69,6 +69,7 @@ TRAPPING = {"none": 0, "estimated": 1, "proven": 2}
 STATUS = {"done": 0, "failed": 1}
 DIRECTION = {"down": -1, "from_start": 0, "up": 1}
 NO_YES = {"no": 0, "yes": 1}
+WHIRL_KIND = {"slipping": 0, "rolling": 1}
 WHIRL_DIRECTION = {"backward": -1, "none": 0, "forward": 1}
 EXACT = {"nothing": 0, "whirl": 1, "cycle": 2}
 LINE_KIND = {"backward": -1, "spin": 0, "forward": 1, "static": 2}
@@ -90,6 +91,7 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "contact_exponent": Quantity("exponent of the contact force"),
     "contact_damping": Quantity("relative rise of the contact force at a speed of approach of 1"),
+    "friction": Quantity("coefficient of friction in the contact"),
     "load": Quantity("static load, downwards, over the contact force at an indentation of 1"),
     "friction": Quantity("coefficient of friction in the contact"),
     "disc_radius": Quantity("radius of the disc over eccentricity"),
@@ -195,6 +197,14 @@ QUANTITIES: dict[str, Quantity] = {
     "hopf_frequency": Quantity(
         "circular frequency on the rotating axes of the cycle that is born there", scale="rate"
     ),
+    "whirl": Quantity("number of the backward whirl"),
+    "backward_amplitude": Quantity("radius of the backward whirl", scale="length"),
+    "whirl_speed": Quantity("angular speed of the whirl, negative if backward", scale="rate"),
+    "backward_kind": Quantity("how the disc moves on the ring", flags=WHIRL_KIND),
+    "backward_stability": Quantity("stability of the backward whirl", flags=STABILITY),
+    "backward_normal_force": Quantity("normal force of the contact", scale="force"),
+    "backward_tangential_force": Quantity("tangential force of the contact", scale="force"),
+    "birth_omega": Quantity("spin speed at which dry whip is born, over the reference frequency"),
     "landing_amplitude": Quantity("amplitude of the whirl that is left at a fold", scale="length"),
     "cusp_zeta": Quantity("damping ratio at the cusp, above which the response curve has no fold"),
     "cusp_omega": Quantity("spin speed at the cusp, where the last folds merge"),
