@@ -10,6 +10,14 @@ is at most one root, so the extrema are found first, from those of the derivativ
 to a quadratic. What decides whether a root exists is the sign of P at an extremum, and that is
 computed with 32 digits. As ``dP/du = 4 u A D``, where D is the determinant that decides stability,
 a whirl is stable exactly where P rises through zero.
+
+Friction turns the force of the contact by the angle ``arctan(mu)``. With ``h = 2 zeta omega`` and
+``m = 1 + mu**2``, the equation of a whirl that slips forwards, times ``1 - i mu``, is
+
+    m u**3 + (mu h - p) A + i (h + mu p) A = (1 - i mu) q exp(i theta),
+
+so that m P is the same polynomial with ``F = m u**3 - (p - mu h) A``, ``(h + mu p)**2`` in place of
+``4 zeta**2 q`` and ``m q**2`` in place of ``q**2``.
 """
 
 from __future__ import annotations
@@ -51,21 +59,26 @@ class ContactingWhirls:
 
 @dataclass(frozen=True, slots=True)
 class _Equation:
-    """The polynomial P of many rotors, with its parameters to 32 digits."""
+    """The polynomial P of many rotors, or m P with friction, with its parameters to 32 digits."""
 
     q: DoubleDouble
     p: DoubleDouble  # q, less the stiffness of the shaft
     damping: DoubleDouble  # 4 zeta**2 q
     delta0: DoubleDouble
+    lead: DoubleDouble | None  # m, with friction
 
     def precise(self, u: DoubleDouble, rows: Rows) -> tuple[Values, Values, Values]:
         """Return P, its slope and F at `u`; P and F come from 32-digit arithmetic."""
         q, p, damping = self.q[rows], self.p[rows], self.damping[rows]
         square = u * u
         amplitude = self.delta0[rows] + square
-        force_excess = square * u - p * amplitude
-        value = (force_excess * force_excess - q * q) + damping * (amplitude * amplitude)
-        slope = 2.0 * force_excess.high * (3.0 * u.high - 2.0 * p.high) * u.high
+        cube, drive, steepness = square * u, q * q, 3.0 * u.high
+        if self.lead is not None:
+            lead = self.lead[rows]
+            cube, drive, steepness = lead * cube, lead * drive, lead.high * steepness
+        force_excess = cube - p * amplitude
+        value = (force_excess * force_excess - drive) + damping * (amplitude * amplitude)
+        slope = 2.0 * force_excess.high * (steepness - 2.0 * p.high) * u.high
         slope += 4.0 * damping.high * amplitude.high * u.high
         return value.high, slope, force_excess.high
 
@@ -73,14 +86,22 @@ class _Equation:
         """Return P and its slope in plain doubles."""
         q, p, damping = self.q.high[rows], self.p.high[rows], self.damping.high[rows]
         amplitude = self.delta0.high[rows] + u * u
-        force_excess = u * u * u - p * amplitude
-        value = force_excess * force_excess - q * q + damping * amplitude * amplitude
-        slope = 2.0 * force_excess * (3.0 * u - 2.0 * p) * u + 4.0 * damping * amplitude * u
+        cube, drive, steepness = u * u * u, q * q, 3.0 * u
+        if self.lead is not None:
+            lead = self.lead.high[rows]
+            cube, drive, steepness = lead * cube, lead * drive, lead * steepness
+        force_excess = cube - p * amplitude
+        value = force_excess * force_excess - drive + damping * amplitude * amplitude
+        slope = 2.0 * force_excess * (steepness - 2.0 * p) * u + 4.0 * damping * amplitude * u
         return value, slope
 
 
 def contacting_whirls(
-    omega: Values, zeta: Values, delta0: Values, shaft_stiffness: Values | None = None
+    omega: Values,
+    zeta: Values,
+    delta0: Values,
+    shaft_stiffness: Values | None = None,
+    friction: Values | None = None,
 ) -> ContactingWhirls:
     """Return all whirls in contact of rotors with ``omega > 0``.
 
@@ -90,6 +111,8 @@ def contacting_whirls(
         Spin speed, damping ratio and clearance [1].
     shaft_stiffness : ndarray, shape (n,), optional
         Stiffness kappa of the shaft [1]; none by default.
+    friction : ndarray, shape (n,), optional
+        Coefficient of friction mu [1], beside a shaft; none by default.
 
     Returns
     -------
@@ -125,9 +148,15 @@ def contacting_whirls(
         impedance = p * p + damping
         stiffness = impedance.high
         contact_free = (clearance * clearance * impedance - q * q).high >= 0.0
-    equation = _Equation(q, p, damping, clearance)
-
-    breakpoints = _extrema(q.high, p.high, stiffness, delta0)
+    if friction is None or shaft_stiffness is None:
+        equation = _Equation(q, p, damping, clearance, None)
+        breakpoints = _extrema(q.high, p.high, stiffness, delta0)
+    else:
+        turned = turned_by_friction(p, omega, zeta, friction)
+        equation = _Equation(q, turned.p, turned.damping, clearance, turned.lead)
+        lead = turned.lead.high
+        reduced = q.high / np.sqrt(lead), turned.p.high / lead, stiffness / lead
+        breakpoints = _extrema(*reduced, delta0)
     signs = _signs(equation, breakpoints, contact_free)
     estimate, rising = _roots_between(equation.plain, breakpoints, signs)
     u = _polished(equation, breakpoints, estimate, rising)
@@ -135,9 +164,14 @@ def contacting_whirls(
     rows, columns = np.nonzero(np.isfinite(estimate))
     _, slope, force_excess = equation.precise(u, rows)
     amplitude = (clearance[rows] + u * u).high
-    lag = np.arctan2(2.0 * zeta[rows] * omega[rows] * amplitude, force_excess)
+    loss, scale = 2.0 * zeta[rows] * omega[rows] * amplitude, 4.0 * u.high * amplitude
+    if equation.lead is not None and friction is not None:
+        cube = u * u * u
+        force_excess = (cube - p[rows] * (clearance[rows] + u * u)).high
+        loss, scale = loss + friction[rows] * cube.high, scale * equation.lead.high[rows]
+    lag = np.arctan2(loss, force_excess)
     # The direction in which P crosses zero is certain; the sign of a rounded D near 0 is not.
-    size = np.maximum(np.abs(slope) / (4.0 * u.high * amplitude), np.finfo(np.float64).tiny)
+    size = np.maximum(np.abs(slope) / scale, np.finfo(np.float64).tiny)
     determinant = np.where(rising[rows, columns], size, -size)
     shape = estimate.shape
     return ContactingWhirls(
@@ -146,6 +180,23 @@ def contacting_whirls(
         determinant=_packed(determinant, rows, shape),
         contact_free=contact_free,
     )
+
+
+@dataclass(frozen=True, slots=True)
+class Turned:
+    """The terms of the whirl's equation, turned until the force of the contact is real."""
+
+    lead: DoubleDouble  # m = 1 + mu**2
+    p: DoubleDouble  # p - mu h
+    damping: DoubleDouble  # (h + mu p)**2
+
+
+def turned_by_friction(p: DoubleDouble, omega: Values, zeta: Values, friction: Values) -> Turned:
+    """Return the terms with ``h = 2 zeta omega``: see the head of this module."""
+    mu, h = DoubleDouble.of(friction), DoubleDouble.of(2.0 * zeta) * DoubleDouble.of(omega)
+    across = h + mu * p
+    one = DoubleDouble.of(np.ones_like(omega))
+    return Turned(one + mu * mu, p - mu * h, across * across)
 
 
 def _extrema(q: Values, p: Values, stiffness: Values, delta0: Values) -> Values:

@@ -44,6 +44,7 @@ def folds(
     shaft_stiffness: object = 0.0,
     contact_exponent: object = 1.5,
     contact_damping: object = 0.0,
+    friction: object = 0.0,
 ) -> xr.Dataset:
     """Return every fold of the contacting whirls.
 
@@ -100,6 +101,7 @@ def folds(
         shaft_stiffness=shaft_stiffness,
         contact_exponent=contact_exponent,
         contact_damping=contact_damping,
+        friction=friction,
         delta0=clearances,
     )
     _checked("shaft_stiffness", further.axes["shaft_stiffness"])
@@ -134,6 +136,7 @@ def jumps(
     shaft_stiffness: object = 0.0,
     contact_exponent: object = 1.5,
     contact_damping: object = 0.0,
+    friction: object = 0.0,
 ) -> xr.Dataset:
     """Return every fold with the whirl that is left there to jump to.
 
@@ -176,6 +179,7 @@ def jumps(
         shaft_stiffness=shaft_stiffness,
         contact_exponent=contact_exponent,
         contact_damping=contact_damping,
+        friction=friction,
     )
     dims, speeds = found["fold_omega"].dims, found["fold_omega"].values
     names = [str(name) for name in found.coords if name != "fold"]
@@ -248,6 +252,7 @@ def cusp(
     shaft_stiffness: object = 0.0,
     contact_exponent: object = 1.5,
     contact_damping: object = 0.0,
+    friction: object = 0.0,
 ) -> xr.Dataset:
     """Return the cusp of each clearance: damping above which the response curve has no fold.
 
@@ -295,6 +300,7 @@ def cusp(
         shaft_stiffness=shaft_stiffness,
         contact_exponent=contact_exponent,
         contact_damping=contact_damping,
+        friction=friction,
         delta0=clearances,
     )
     _checked("shaft_stiffness", further.axes["shaft_stiffness"])

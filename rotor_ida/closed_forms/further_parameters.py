@@ -1,4 +1,4 @@
-"""What a rotor has beyond the paper's: shaft, contact law and contact damping, as axes."""
+"""What a rotor has beyond the paper's: shaft, contact law, contact damping, friction, as axes."""
 
 from __future__ import annotations
 
@@ -12,14 +12,18 @@ from rotor_ida.errors import InputError
 from rotor_ida.parameters import DEFAULTS, check_exponent
 from rotor_ida.schema import Column
 
+# The value of each with which it is the paper's rotor.
+PAPERS = {**DEFAULTS, "friction": 0.0}
+
 
 @dataclass(frozen=True, slots=True)
 class Further:
-    """Stiffness of the shaft, exponent and damping of the contact of many rotors, flat arrays."""
+    """Shaft, and exponent, damping and friction of the contact of many rotors, flat arrays."""
 
     shaft_stiffness: Values
     contact_exponent: Values
     contact_damping: Values
+    friction: Values
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +56,12 @@ class FurtherAxes:
 
 
 def further_axes(
-    *, shaft_stiffness: object, contact_exponent: object, contact_damping: object, delta0: Values
+    *,
+    shaft_stiffness: object,
+    contact_exponent: object,
+    contact_damping: object,
+    friction: object,
+    delta0: Values,
 ) -> FurtherAxes:
     """Return the axes, checked, of rotors with the clearances `delta0`.
 
@@ -60,7 +69,7 @@ def further_axes(
     --------
     >>> found = further_axes(
     ...     shaft_stiffness=[0.0, 0.25], contact_exponent=1.0, contact_damping=0.0,
-    ...     delta0=np.array([1.0]),
+    ...     friction=0.0, delta0=np.array([1.0]),
     ... )
     >>> found.dims, list(found.coordinates)
     (('shaft_stiffness',), ['shaft_stiffness', 'contact_exponent'])
@@ -69,28 +78,32 @@ def further_axes(
         "shaft_stiffness": shaft_stiffness,
         "contact_exponent": contact_exponent,
         "contact_damping": contact_damping,
+        "friction": friction,
     }
     axes = {name: check_axis(name, each, largest=LARGEST_NUMBER) for name, each in given.items()}
-    check_law(axes["contact_exponent"], axes["contact_damping"], delta0)
+    check_law(axes["contact_exponent"], axes["contact_damping"], axes["friction"], delta0)
     coordinates: dict[str, Column] = {}
     for name, axis in axes.items():
         if not is_scalar(name, given[name]):
             coordinates[name] = (name, axis)
-        elif axis[0] != DEFAULTS[name]:
+        elif axis[0] != PAPERS[name]:
             coordinates[name] = ((), axis[0])
     dims = tuple(name for name, (dim, _) in coordinates.items() if dim)
     return FurtherAxes(axes, dims, coordinates)
 
 
-def check_law(exponent: Values, contact_damping: Values, delta0: Values) -> None:
-    """Refuse exponents that are not known, and contact damping without clearance."""
+def check_law(
+    exponent: Values, contact_damping: Values, friction: Values, delta0: Values
+) -> None:
+    """Refuse exponents that are not known, and contact damping or friction without clearance."""
     for each in np.unique(exponent).tolist():
         check_exponent(each)
-    if (contact_damping > 0.0).any() and (delta0 == 0.0).any():
-        raise InputError(
-            "contact_damping must be 0 without clearance, where the radius may vanish in "
-            f"contact, got {float(contact_damping.max())!r} with delta0 0.0"
-        )
+    for name, values in (("contact_damping", contact_damping), ("friction", friction)):
+        if (values > 0.0).any() and (delta0 == 0.0).any():
+            raise InputError(
+                f"{name} must be 0 without clearance, where the radius may vanish in "
+                f"contact, got {float(values.max())!r} with delta0 0.0"
+            )
 
 
 def check_exponents(values: object) -> Values:

@@ -57,6 +57,7 @@ def hopf_points(
     shaft_stiffness: object = 0.0,
     contact_exponent: object = 1.5,
     contact_damping: object = 0.0,
+    friction: object = 0.0,
 ) -> xr.Dataset:
     """Return every Hopf point of the contacting whirls.
 
@@ -106,6 +107,7 @@ def hopf_points(
         shaft_stiffness=shaft_stiffness,
         contact_exponent=contact_exponent,
         contact_damping=contact_damping,
+        friction=friction,
         delta0=clearances,
     )
     for name in ("shaft_stiffness", "contact_damping"):

@@ -8,6 +8,10 @@ With the exponent 1, ``q = omega**2``, a shaft of stiffness kappa, ``k = 1 + kap
 
 where D is the determinant that decides stability. The roots are
 ``(k delta0 +- sqrt(S))/G`` with ``S = q**2 G - 4 zeta**2 q delta0**2``.
+
+With friction, turned as in `contacting_whirls`, and ``m = 1 + mu**2``, delta0 is ``m delta0``, q**2
+is ``m q**2`` and ``4 zeta**2 q`` is ``(2 zeta omega + mu (q - kappa))**2`` here, with
+``k = m - (q - kappa) + 2 mu zeta omega`` and ``dP/dA = 2 m A D``.
 """
 
 from __future__ import annotations
@@ -16,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Values
-from rotor_ida.closed_forms.contacting_whirls import ContactingWhirls
+from rotor_ida.closed_forms.contacting_whirls import ContactingWhirls, turned_by_friction
 from rotor_ida.closed_forms.double_double import DoubleDouble
 
 _COLUMNS = 5  # as many as with a Hertz contact, beside which these stand
@@ -24,7 +28,11 @@ _LARGEST = 1e100  # squares of larger amplitudes leave the range of doubles
 
 
 def linear_whirls(
-    omega: Values, zeta: Values, delta0: Values, shaft_stiffness: Values
+    omega: Values,
+    zeta: Values,
+    delta0: Values,
+    shaft_stiffness: Values,
+    friction: Values | None = None,
 ) -> ContactingWhirls:
     """Return all whirls in contact of rotors with ``omega > 0`` and the exponent 1.
 
@@ -32,6 +40,8 @@ def linear_whirls(
     ----------
     omega, zeta, delta0, shaft_stiffness : ndarray, shape (n,)
         Spin speed, damping ratio, clearance and stiffness of the shaft [1].
+    friction : ndarray, shape (n,), optional
+        Coefficient of friction mu [1]; none by default.
 
     Returns
     -------
@@ -53,27 +63,38 @@ def linear_whirls(
     one = DoubleDouble.of(np.ones_like(omega))
     q = DoubleDouble.of(omega) * DoubleDouble.of(omega)
     resistance = DoubleDouble.of(2.0 * zeta) * DoubleDouble.of(2.0 * zeta) * q
-    d = DoubleDouble.of(delta0)
+    d, drive = DoubleDouble.of(delta0), q * q
     p = q - DoubleDouble.of(shaft_stiffness)
-    k = one - p
+    contact_free = (d * d * (p * p + resistance) - drive).high >= 0.0
+    force = (one - p, d)  # f - p A is the first times A less the second
+    if friction is None:
+        k, start = one - p, one
+    else:
+        turned = turned_by_friction(p, omega, zeta, friction)
+        k, start, resistance = turned.lead - turned.p, turned.lead, turned.damping
+        d, drive = start * d, start * drive
     G = k * k + resistance
-    inside = q * q * G - resistance * d * d
-    contact_free = (d * d * (p * p + resistance) - q * q).high >= 0.0
-    pair = contact_free & (inside.high > 0.0) & ((k - G).high > 0.0)
+    inside = drive * G - resistance * d * d
+    pair = contact_free & (inside.high > 0.0) & ((k * start - G).high > 0.0)
     exists = np.stack([pair, (pair | ~contact_free) & (G.high > 0.0)], axis=1)
 
     root = np.sqrt(np.maximum(inside.high, 0.0))
-    product = (d * d - q * q).high
-    with_root = np.abs(k.high) * delta0 + root
+    product = (d * d - drive).high
+    with_root = np.abs(k.high) * d.high + root
     outer = np.where(k.high >= 0.0, with_root, -product), np.where(k.high >= 0.0, G.high, with_root)
     estimate = np.stack([_ratio(product, with_root), _ratio(*outer)], axis=1)
     exists &= estimate < _LARGEST
     estimate = np.where(exists, estimate, 1.0)
-    amplitude, force_excess = _polished(estimate, (k, G, d, q), root)
-    size = np.maximum(root[:, None] / estimate, np.finfo(np.float64).tiny)
+    A = _polished(estimate, (k, G, d, drive), root)
+    amplitude, force_excess = A.high, (_column(force[0]) * A - _column(force[1])).high
+    loss = (2.0 * zeta * omega)[:, None] * amplitude
+    if friction is not None:
+        loss = loss + friction[:, None] * np.maximum(amplitude - delta0[:, None], 0.0)
+    scale = estimate * start.high[:, None]
+    size = np.maximum(root[:, None] / scale, np.finfo(np.float64).tiny)
     columns = {
         "amplitude": np.maximum(amplitude, delta0[:, None]),
-        "phase_lag": np.arctan2((2.0 * zeta * omega)[:, None] * amplitude, force_excess),
+        "phase_lag": np.arctan2(loss, force_excess),
         "determinant": size * np.array([-1.0, 1.0]),
     }
     placed = {name: _packed(column, exists) for name, column in columns.items()}
@@ -87,15 +108,18 @@ def _ratio(above: Values, below: Values) -> Values:
 
 def _polished(
     estimate: Values, terms: tuple[DoubleDouble, ...], root: Values
-) -> tuple[Values, Values]:
-    """Return amplitude and F after one Newton step with a 32-digit residual, shape (n, 2)."""
-    k, G, d, q = (DoubleDouble(each.high[:, None], each.low[:, None]) for each in terms)
+) -> DoubleDouble:
+    """Return the amplitude after one Newton step with a 32-digit residual, shape (n, 2)."""
+    k, G, d, drive = map(_column, terms)
     A = DoubleDouble.of(estimate)
-    residual = (G * (A * A) - k * d * (A + A) + (d * d - q * q)).high
+    residual = (G * (A * A) - k * d * (A + A) + (d * d - drive)).high
     slope = 2.0 * root[:, None] * np.array([-1.0, 1.0])
     step = np.divide(-residual, slope, out=np.zeros_like(residual), where=slope != 0.0)
-    A = A + DoubleDouble.of(np.where(np.abs(step) < 1e-6 * estimate, step, 0.0))
-    return A.high, (k * A - d).high
+    return A + DoubleDouble.of(np.where(np.abs(step) < 1e-6 * estimate, step, 0.0))
+
+
+def _column(value: DoubleDouble) -> DoubleDouble:
+    return DoubleDouble(value.high[:, None], value.low[:, None])
 
 
 def _packed(values: Values, exists: npt.NDArray[np.bool_]) -> Values:

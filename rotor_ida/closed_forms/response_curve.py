@@ -65,6 +65,7 @@ def response_curve(
     shaft_stiffness: object = 0.0,
     contact_exponent: object = 1.5,
     contact_damping: object = 0.0,
+    friction: object = 0.0,
 ) -> xr.Dataset:
     """Return every synchronous whirl over the spin speed, in order along the curve.
 
@@ -130,6 +131,7 @@ def response_curve(
         shaft_stiffness=shaft_stiffness,
         contact_exponent=contact_exponent,
         contact_damping=contact_damping,
+        friction=friction,
         delta0=clearances,
     )
     if not further.default:
@@ -152,6 +154,7 @@ def clearance_curve(
     shaft_stiffness: object = 0.0,
     contact_exponent: object = 1.5,
     contact_damping: object = 0.0,
+    friction: object = 0.0,
 ) -> xr.Dataset:
     """Return every synchronous whirl over the clearance, in order along the curve.
 
@@ -219,6 +222,7 @@ def clearance_curve(
         shaft_stiffness=shaft_stiffness,
         contact_exponent=contact_exponent,
         contact_damping=contact_damping,
+        friction=friction,
         delta0=np.array(span),
     )
     if not further.default:

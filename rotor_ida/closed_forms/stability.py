@@ -2,7 +2,7 @@
 
 Seen in the frame that turns with the unbalance, a whirl is an equilibrium, and its four
 eigenvalues follow from two quadratic equations, one inside the other. Contact damping acts along
-the radius alone, and then they are roots of a polynomial of degree 4.
+the radius alone, friction across it, and then they are roots of a polynomial of degree 4.
 """
 
 from __future__ import annotations
@@ -13,10 +13,9 @@ import numpy.typing as npt
 from rotor_ida.arrays import Values
 from rotor_ida.checks import LARGEST_NUMBER, check_array, check_axis
 from rotor_ida.closed_forms.contact_laws import force, stiffnesses
-from rotor_ida.closed_forms.further_parameters import Further, check_law
+from rotor_ida.closed_forms.further_parameters import PAPERS, Further, check_law
 from rotor_ida.equations.contact import HERTZ_EXPONENT, contact_stiffness, secant_stiffness
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import DEFAULTS
 
 ComplexValues = npt.NDArray[np.complex128]
 
@@ -30,6 +29,7 @@ def stability_determinant(
     shaft_stiffness: npt.ArrayLike = 0.0,
     contact_exponent: npt.ArrayLike = 1.5,
     contact_damping: npt.ArrayLike = 0.0,
+    friction: npt.ArrayLike = 0.0,
 ) -> Values:
     """Return the determinant whose sign changes at the folds of contacting whirls.
 
@@ -39,25 +39,28 @@ def stability_determinant(
         Amplitude A of the whirl [1].
     omega, zeta, delta0 : array_like
         Spin speed, damping ratio and clearance [1]; all broadcast.
-    shaft_stiffness, contact_exponent, contact_damping : array_like
+    shaft_stiffness, contact_exponent, contact_damping, friction : array_like
         As for `Rotor` [1]. The contact damping does not matter here.
 
     Returns
     -------
     ndarray
         D [1]: positive for a stable whirl, negative for an unstable one, zero at a fold. With
-        contact damping a whirl may be unstable where D is positive, too: see `eigenvalues`.
+        contact damping or friction a whirl may be unstable where D is positive, too: see
+        `eigenvalues`.
 
     Raises
     ------
     InputError
         If a value is not a finite real number within 1e15 of zero, or shapes do not broadcast; if
-        stiffness or contact damping is negative or the exponent is neither 1.5 nor 1.
+        stiffness, contact damping or friction is negative or the exponent is neither 1.5 nor 1; if
+        there is contact damping or friction without clearance.
 
     Notes
     -----
     ``D = a b + 4 zeta**2 q`` with ``a = kappa + f'(A) - q``, ``b = kappa + f(A)/A - q`` and
-    ``q = omega**2``. It is the determinant of the stiffness matrix in the rotating frame.
+    ``q = omega**2``. It is the determinant of the stiffness matrix in the rotating frame. With
+    friction mu it is ``a b + (2 zeta omega + mu f'(A)) (2 zeta omega + mu f(A)/A)``.
 
     References
     ----------
@@ -77,6 +80,7 @@ def stability_determinant(
             "shaft_stiffness": shaft_stiffness,
             "contact_exponent": contact_exponent,
             "contact_damping": contact_damping,
+            "friction": friction,
         }
     )
     return _determinant(*place)
@@ -90,6 +94,8 @@ def _determinant(
     loss = 4.0 * np.square(zeta) * q
     if further is None:
         return np.asarray((tangent - q) * (secant - q) + loss)
+    mu = further.friction
+    loss = loss + mu * (2.0 * zeta * omega * (tangent + secant) + mu * tangent * secant)
     excess = q - further.shaft_stiffness
     return np.asarray((tangent - excess) * (secant - excess) + loss)
 
@@ -103,6 +109,7 @@ def eigenvalues(
     shaft_stiffness: npt.ArrayLike = 0.0,
     contact_exponent: npt.ArrayLike = 1.5,
     contact_damping: npt.ArrayLike = 0.0,
+    friction: npt.ArrayLike = 0.0,
 ) -> ComplexValues:
     """Return the four eigenvalues of a synchronous whirl in the rotating frame.
 
@@ -149,6 +156,7 @@ def eigenvalues(
             "shaft_stiffness": shaft_stiffness,
             "contact_exponent": contact_exponent,
             "contact_damping": contact_damping,
+            "friction": friction,
         }
     )
     return _eigenvalues(_determinant(*place), *place)
@@ -173,17 +181,17 @@ def _checked(
     """Return amplitudes, speeds, dampings and clearances that broadcast, and what is beyond."""
     arrays = [check_array(name, each, largest=LARGEST_NUMBER) for name, each in given.items()]
     try:
-        A, omega, zeta, delta0, kappa, exponent, drag = np.broadcast_arrays(*arrays)
+        A, omega, zeta, delta0, kappa, exponent, drag, mu = np.broadcast_arrays(*arrays)
     except ValueError:
         shapes = ", ".join(str(array.shape) for array in arrays if array.shape)
         raise InputError(
             f"{', '.join(given)} must broadcast, got arrays of shapes {shapes}"
         ) from None
-    for name in DEFAULTS.keys() & given.keys():
+    for name in PAPERS.keys() & given.keys():
         check_axis(name, np.ravel(given[name]))
-    check_law(exponent, drag, delta0)
-    beyond = kappa.any() or drag.any() or (exponent != HERTZ_EXPONENT).any()
-    return A, omega, zeta, delta0, Further(kappa, exponent, drag) if beyond else None
+    check_law(exponent, drag, mu, delta0)
+    beyond = kappa.any() or drag.any() or mu.any() or (exponent != HERTZ_EXPONENT).any()
+    return A, omega, zeta, delta0, Further(kappa, exponent, drag, mu) if beyond else None
 
 
 def _stiffnesses(A: Values, delta0: Values, further: Further | None) -> tuple[Values, Values]:
@@ -226,33 +234,34 @@ def _eigenvalues(
     if further is None:
         return eigenvalues
     drag = further.contact_damping * force(amplitude, delta0, further.contact_exponent)
-    dragged = drag > 0.0
-    if dragged.any():
+    mu = further.friction
+    others = (drag > 0.0) | (mu > 0.0)
+    if others.any():
         b = secant + further.shaft_stiffness - q
-        terms = np.broadcast_arrays(determinant, both, b, damping, drag)
-        eigenvalues[dragged] = _dragged(*(each[dragged] for each in terms))
+        # what friction adds to the coefficients of L and L**2
+        turns = 2.0 * omega * mu
+        first = turns * (tangent + secant) + mu * drag * (2.0 * zeta * omega + mu * secant)
+        terms = (
+            determinant,
+            2.0 * zeta * both + drag * b + first,
+            2.0 * zeta * (2.0 * zeta + drag) + both + turns * drag,
+            4.0 * zeta + drag,
+        )
+        chosen = [each[others] for each in np.broadcast_arrays(*terms)]
+        eigenvalues[others] = _roots_of_quartic(*chosen)
     return eigenvalues
 
 
-def _dragged(
-    determinant: Values, both: Values, b: Values, zeta: Values, drag: Values
-) -> ComplexValues:
-    """Return the eigenvalues where contact damping adds ``drag = c f`` along the radius.
+def _roots_of_quartic(*terms: Values) -> ComplexValues:
+    """Return the roots of ``L**4 + c3 L**3 + c2 L**2 + c1 L + c0``; the lowest term is first.
 
-    ``both`` is ``a + b + 4 q``. The roots of the characteristic polynomial, from its companion
-    matrix, are improved by Newton's method.
+    They are those of the companion matrix, improved by Newton's method.
     """
-    terms = (
-        determinant,
-        2.0 * zeta * both + drag * b,
-        2.0 * zeta * (2.0 * zeta + drag) + both,
-        4.0 * zeta + drag,
-    )
     # lengths of time in which all roots are of order 1 or less
     sizes = [np.abs(term) ** (1.0 / (4 - order)) for order, term in enumerate(terms)]
     scale = np.max(sizes, axis=0)
     scaled = [term / scale ** (4 - order) for order, term in enumerate(terms)]
-    companion = np.zeros((determinant.size, 4, 4))
+    companion = np.zeros((scale.size, 4, 4))
     companion[:, [1, 2, 3], [0, 1, 2]] = 1.0
     companion[:, :, 3] = -np.stack(scaled, axis=-1)
     roots = np.linalg.eigvals(companion).astype(np.complex128)

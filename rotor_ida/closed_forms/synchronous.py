@@ -32,6 +32,7 @@ def synchronous_response(
     shaft_stiffness: object = 0.0,
     contact_exponent: object = 1.5,
     contact_damping: object = 0.0,
+    friction: object = 0.0,
 ) -> xr.Dataset:
     """Return all synchronous whirls, contact-free and contacting, with their stability.
 
@@ -39,7 +40,7 @@ def synchronous_response(
     ----------
     omega, zeta, delta0 : float or sequence of float, shapes (n,), (m,) and (k,)
         Spin speeds, damping ratios and clearances [1].
-    shaft_stiffness, contact_exponent, contact_damping : float or sequence of float
+    shaft_stiffness, contact_exponent, contact_damping, friction : float or sequence of float
         As for `Rotor`, numbers or axes [1].
 
     Returns
@@ -48,7 +49,7 @@ def synchronous_response(
         On the dimensions (omega, zeta, delta0, branch): ``amplitude`` [1], ``phase_lag``
         [rad], ``stability`` and ``in_contact`` (flags) and ``growth_rate`` [1]. The branches
         are in order of amplitude; where there are fewer than the dimension is long, NaN, the
-        flag ``absent``, and 0 for ``in_contact``. Each of the last three parameters that is
+        flag ``absent``, and 0 for ``in_contact``. Each of the last four parameters that is
         given as a sequence is a dimension before ``branch``, in the order of the arguments; as a
         number that is not the default it is a coordinate.
 
@@ -57,7 +58,7 @@ def synchronous_response(
     InputError
         If a value is not a finite real number that is zero or positive, is above 1e15, or is
         a speed above zero and below 1e-50; if an exponent is neither 1.5 nor 1; if there is
-        contact damping without clearance.
+        contact damping or friction without clearance.
 
     Notes
     -----
@@ -72,6 +73,12 @@ def synchronous_response(
     since nothing then decays. Contact damping leaves amplitudes and lags as they are, since the
     indentation of a whirl is constant, but it may take its stability where the whirl lags by more
     than a quarter turn: see `eigenvalues`.
+
+    With friction mu the disc slips forwards on the ring, whatever its radius, and
+    ``(kappa A + f - omega**2 A)**2 + (2 zeta omega A + mu f)**2 = omega**4``, where theta is the
+    angle whose cosine and sine go with what is squared. Friction too may take a whirl its
+    stability where D is positive: at a Hopf point, see `hopf_points`. Without damping it takes it
+    from all.
 
     References
     ----------
@@ -94,6 +101,7 @@ def synchronous_response(
         shaft_stiffness=shaft_stiffness,
         contact_exponent=contact_exponent,
         contact_damping=contact_damping,
+        friction=friction,
         delta0=axes["delta0"],
     )
     all_axes = list(axes.values()) + ([] if further.default else list(further.axes.values()))
@@ -144,6 +152,8 @@ def _branches(
     undamped = zeta == 0.0
     if further is not None:
         undamped = undamped & (further.contact_damping == 0.0)
+        driven = undamped & (further.friction > 0.0)
+        undamped = undamped & ~driven
     free_growth = _contact_free_growth(turning, zeta, delta0, further)
     resting = np.where(touches, undamped[:, None], (free_growth == 0.0)[:, None])
     neutral = present & (determinant > 0.0) & resting
@@ -161,8 +171,8 @@ def _branches(
     )
 
     lasts = determinant > 0.0
-    if beyond:  # contact damping may drive a whirl
-        lasts &= ~(growth > 0.0)
+    if further is not None:  # contact damping or friction may drive a whirl
+        lasts &= ~(growth > 0.0) & ~(touches & driven[:, None])
     stability = np.where(lasts, STABILITY["stable"], STABILITY["unstable"])
     stability[neutral], stability[~present] = STABILITY["neutral"], STABILITY["absent"]
     return {
@@ -177,17 +187,24 @@ def _branches(
 def whirls_in_contact(
     omega: Values, zeta: Values, delta0: Values, further: Further | None
 ) -> ContactingWhirls:
-    """Return the contacting whirls under either contact law."""
+    """Return the contacting whirls under either contact law, with friction or without."""
     if further is None:
         return contacting_whirls(omega, zeta, delta0)
     given = (omega, zeta, delta0, further.shaft_stiffness)
-    linear = further.contact_exponent == 1.0
-    if linear.all():
+    linear, rubs = further.contact_exponent == 1.0, further.friction > 0.0
+    if linear.all() and not rubs.any():
         return linear_whirls(*given)
     found = contacting_whirls(*given)
-    if linear.any():
-        rows = np.nonzero(linear)[0]
-        others = linear_whirls(*(each[rows] for each in given))
+    for whirls, chosen in (
+        (linear_whirls, linear & ~rubs),
+        (contacting_whirls, ~linear & rubs),
+        (linear_whirls, linear & rubs),
+    ):
+        if not chosen.any():
+            continue
+        rows = np.nonzero(chosen)[0]
+        mu = further.friction[rows] if rubs[rows[0]] else None
+        others = whirls(*(each[rows] for each in given), mu)
         found.amplitude[rows], found.phase_lag[rows] = others.amplitude, others.phase_lag
         found.determinant[rows] = others.determinant
     return found
