@@ -277,7 +277,7 @@ def _polished(
         value, slope, _ = equation.precise(DoubleDouble.of(u), rows[chosen])
         return value, slope
 
-    u = _bracketed_newton(
+    u = bracketed_newton(
         evaluate,
         breakpoints[rows, columns],
         breakpoints[rows, columns + 1],
@@ -297,7 +297,7 @@ def _packed(values: Values, rows: Rows, shape: tuple[int, ...]) -> Values:
     return packed
 
 
-def _bracketed_newton(
+def bracketed_newton(
     evaluate: Evaluate,
     low: Values,
     high: Values,
@@ -350,7 +350,7 @@ def _roots_between(
     rows, columns = np.nonzero(left * right < 0.0)
     rising = (left < 0.0) & (right > 0.0)
     roots = np.full(left.shape, np.nan)
-    roots[rows, columns] = _bracketed_newton(
+    roots[rows, columns] = bracketed_newton(
         lambda points, chosen: evaluate(points, rows[chosen]),
         breakpoints[rows, columns],
         breakpoints[rows, columns + 1],

@@ -34,11 +34,12 @@ _REAL = 1e-5
 
 @dataclass(frozen=True, slots=True)
 class Ring:
-    """What springs back: clearance, stiffness of the shaft, and which law the contact has."""
+    """What springs back, and rubs: clearance, stiffness of the shaft, law of contact, friction."""
 
     delta0: float
     shaft_stiffness: float
     hertz: bool
+    friction: float = 0.0
 
     def forces(self, u: Values) -> tuple[Values, Values, Values]:
         """Return A, g and W at ``u = sqrt(A - delta0)``."""

@@ -22,7 +22,9 @@ from rotor_ida.closed_forms.fold_locus_further import (
     points_on_side,
     undamped_folds,
 )
-from rotor_ida.closed_forms.further_parameters import FurtherAxes, further_axes
+from rotor_ida.closed_forms.fold_locus_rubbing import rub_cusp
+from rotor_ida.closed_forms.further_parameters import FurtherAxes, check_law, further_axes
+from rotor_ida.closed_forms.rubs import Rub, rub_folds
 from rotor_ida.closed_forms.synchronous import synchronous_response
 from rotor_ida.equations.contact import HERTZ_EXPONENT
 from rotor_ida.errors import InputError
@@ -52,7 +54,7 @@ def folds(
     ----------
     zeta, delta0 : float or sequence of float, shapes (m,) and (k,)
         Damping ratios and clearances [1].
-    shaft_stiffness, contact_exponent, contact_damping : float or sequence of float
+    shaft_stiffness, contact_exponent, contact_damping, friction : float or sequence of float
         As for `Rotor`, numbers or axes [1]. Contact damping moves no fold.
 
     Returns
@@ -60,7 +62,7 @@ def folds(
     Dataset
         ``fold_omega`` and ``fold_amplitude`` [1] on the dimensions (zeta, delta0, fold), in
         order of speed; NaN where there are fewer folds than the dimension is long. Each of the last
-        three parameters that is given as a sequence is a dimension before ``fold``, as a number
+        four parameters that is given as a sequence is a dimension before ``fold``, as a number
         that is not the default a coordinate.
 
     Raises
@@ -68,7 +70,7 @@ def folds(
     InputError
         If a value is not a finite real number that is zero or positive, or is above 1e6, or is
         above zero and below 1e-20; if an exponent is neither 1.5 nor 1; if there is contact damping
-        without clearance.
+        or friction without clearance.
 
     Notes
     -----
@@ -82,7 +84,8 @@ def folds(
 
     The point where a branch first touches the ring, at A = delta0, is not a fold. With a shaft or a
     linear contact the locus is that of `fold_locus_further`; a linear contact has folds only with
-    clearance and damping.
+    clearance and damping, or friction. With friction the folds are roots of a polynomial in
+    ``u = sqrt(A - delta0)``, isolated in exact arithmetic: see `rubs`.
 
     References
     ----------
@@ -104,7 +107,8 @@ def folds(
         friction=friction,
         delta0=clearances,
     )
-    _checked("shaft_stiffness", further.axes["shaft_stiffness"])
+    for name in ("shaft_stiffness", "friction"):
+        _checked(name, further.axes[name])
     check_points(dampings, clearances, *further.axes.values())
     if further.default:
         table = fold_table(dampings, clearances)
@@ -144,7 +148,7 @@ def jumps(
     ----------
     zeta, delta0 : float or sequence of float, shapes (m,) and (k,)
         Damping ratios and clearances [1].
-    shaft_stiffness, contact_exponent, contact_damping : float or sequence of float
+    shaft_stiffness, contact_exponent, contact_damping, friction : float or sequence of float
         As for `folds`.
 
     Returns
@@ -201,7 +205,11 @@ def jumps(
 
 
 def cusp_zeta(
-    delta0: float, *, shaft_stiffness: float = 0.0, contact_exponent: float = 1.5
+    delta0: float,
+    *,
+    shaft_stiffness: float = 0.0,
+    contact_exponent: float = 1.5,
+    friction: float = 0.0,
 ) -> float:
     """Return the damping ratio of the cusp: above it the response curve has no fold.
 
@@ -209,24 +217,26 @@ def cusp_zeta(
     ----------
     delta0 : float
         Clearance [1].
-    shaft_stiffness, contact_exponent : float
+    shaft_stiffness, contact_exponent, friction : float
         As for `Rotor` [1].
 
     Returns
     -------
     float
         Largest damping ratio with a fold [1]; NaN where none has: in a linear contact without
-        clearance, or with too little.
+        clearance, or with too little, or with much friction.
 
     Raises
     ------
     InputError
         If `delta0` or the stiffness is not a finite real number, is negative or above 1e6, or lies
-        between 0 and 1e-20; if the exponent is neither 1.5 nor 1.
+        between 0 and 1e-20; if the exponent is neither 1.5 nor 1; if there is friction without
+        clearance.
 
     Notes
     -----
-    The maximum of the damping along the locus of `fold_locus`, where two folds merge.
+    The maximum of the damping along the locus of `fold_locus`, where two folds merge. With friction
+    the locus is that of `fold_locus_rubbing`.
 
     References
     ----------
@@ -241,9 +251,11 @@ def cusp_zeta(
     stiffness = _checked("shaft_stiffness", check_real("shaft_stiffness", shaft_stiffness)).item()
     exponent = check_real("contact_exponent", contact_exponent)
     check_exponent(exponent)
-    if stiffness == 0.0 and exponent == HERTZ_EXPONENT:
+    mu = _checked("friction", check_real("friction", friction))
+    check_law(np.array([exponent]), 0.0 * mu, mu, np.array([clearance]))
+    if stiffness == 0.0 and exponent == HERTZ_EXPONENT and mu.item() == 0.0:
         return _cusp(clearance)[0]
-    return _further_cusp(Ring(clearance, stiffness, exponent == HERTZ_EXPONENT))[0]
+    return _further_cusp(Ring(clearance, stiffness, exponent == HERTZ_EXPONENT, mu.item()))[0]
 
 
 def cusp(
@@ -261,7 +273,7 @@ def cusp(
     delta0 : float or sequence of float, shape (k,), optional
         Clearances [1]. By default the one whose cusp has the largest damping: above that no
         rotor jumps, whatever its clearance; this is known of the paper's rotor alone.
-    shaft_stiffness, contact_exponent, contact_damping : float or sequence of float
+    shaft_stiffness, contact_exponent, contact_damping, friction : float or sequence of float
         As for `folds`.
 
     Returns
@@ -275,7 +287,7 @@ def cusp(
     ------
     InputError
         If a value is none that `folds` takes, or `delta0` is left out with a shaft, another contact
-        law or contact damping.
+        law, contact damping or friction.
 
     Notes
     -----
@@ -303,7 +315,8 @@ def cusp(
         friction=friction,
         delta0=clearances,
     )
-    _checked("shaft_stiffness", further.axes["shaft_stiffness"])
+    for name in ("shaft_stiffness", "friction"):
+        _checked(name, further.axes[name])
     if further.default:
         table = np.array([_cusp(float(clearance)) for clearance in clearances])
     elif delta0 is None:
@@ -341,7 +354,9 @@ def _cusp(delta0: float) -> tuple[float, float, float]:
 
 
 def _further_cusp(ring: Ring) -> tuple[float, float, float]:
-    """Return the cusp with a shaft or a linear contact."""
+    """Return the cusp with a shaft, a linear contact or friction."""
+    if ring.friction > 0.0:
+        return rub_cusp(ring)
     best, place, where = 0.0, math.nan, 0
     for locus in further_locus(ring, 1e-3):
         damping = np.where(np.isfinite(locus.damping), locus.damping, -1.0)
@@ -362,14 +377,16 @@ def _over_rings(
     """Return what depends on the ring alone, on (delta0, the dimensions of `further`, ...)."""
     axes = further.axes
     rings = [
-        of_ring(Ring(clearance, stiffness, exponent == HERTZ_EXPONENT))
+        of_ring(Ring(clearance, stiffness, exponent == HERTZ_EXPONENT, friction))
         for clearance in delta0.tolist()
         for stiffness in axes["shaft_stiffness"].tolist()
         for exponent in axes["contact_exponent"].tolist()
+        for friction in axes["friction"].tolist()
     ]
     found = np.array(rings)
-    found = np.repeat(found[:, None], axes["contact_damping"].size, axis=1)
-    return found.reshape(delta0.size, *further.sizes, *found.shape[2:])
+    found = found.reshape(-1, 1, axes["friction"].size, *found.shape[1:])
+    found = np.repeat(found, axes["contact_damping"].size, axis=1)
+    return found.reshape(delta0.size, *further.sizes, *found.shape[3:])
 
 
 def _further_table(zeta: Values, delta0: Values, further: FurtherAxes) -> Values:
@@ -397,6 +414,9 @@ def _folds_of_ring(dampings: tuple[float, ...], ring: Ring) -> Values:
     """Return speed and amplitude of the folds with one shaft and contact, shape (m, most, 2)."""
     zeta = np.array(dampings)
     found: list[list[tuple[float, float]]] = [[] for _ in zeta]
+    if ring.friction > 0.0:
+        rest = ring.delta0, ring.shaft_stiffness, ring.friction, ring.hertz
+        return _tabled([list(rub_folds(Rub(each, *rest))) for each in dampings])
     damped = np.nonzero(zeta > 0.0)[0]
     if damped.size:
         smallest = math.floor(math.log10(4.0 * float(zeta[damped].min()) ** 2))
@@ -406,7 +426,12 @@ def _folds_of_ring(dampings: tuple[float, ...], ring: Ring) -> Values:
                 found[number].append((float(fold[0]), float(fold[1])))
     for number in np.nonzero(zeta == 0.0)[0]:
         found[number] += undamped_folds(ring)
-    table = np.full((zeta.size, max(len(each) for each in found), 2), np.nan)
+    return _tabled(found)
+
+
+def _tabled(found: list[list[tuple[float, float]]]) -> Values:
+    """Return the folds of each damping in order of speed, NaN behind them, shape (m, most, 2)."""
+    table = np.full((len(found), max(len(each) for each in found), 2), np.nan)
     for number, each in enumerate(found):
         table[number, : len(each)] = np.reshape(sorted(each), (-1, 2))
     return table
@@ -454,7 +479,4 @@ def _folds_of(dampings: tuple[float, ...], delta0: float) -> Values:
         undamped = (float(np.sqrt(u**3 / (2.0 * (1.0 - delta0)))), 3.0 - 2.0 * delta0)
         for number in np.nonzero(zeta == 0.0)[0]:
             found[number].append(undamped)
-    table = np.full((zeta.size, max(len(each) for each in found), 2), np.nan)
-    for number, each in enumerate(found):
-        table[number, : len(each)] = np.reshape(sorted(each), (-1, 2))
-    return table
+    return _tabled(found)

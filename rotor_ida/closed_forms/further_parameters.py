@@ -92,9 +92,7 @@ def further_axes(
     return FurtherAxes(axes, dims, coordinates)
 
 
-def check_law(
-    exponent: Values, contact_damping: Values, friction: Values, delta0: Values
-) -> None:
+def check_law(exponent: Values, contact_damping: Values, friction: Values, delta0: Values) -> None:
     """Refuse exponents that are not known, and contact damping or friction without clearance."""
     for each in np.unique(exponent).tolist():
         check_exponent(each)

@@ -28,26 +28,26 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import lru_cache, reduce
-from itertools import pairwise, product
+from functools import lru_cache
+from itertools import product
 
 import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import check_axis, check_points
+from rotor_ida.closed_forms.exact_polynomials import (
+    FINER,
+    SAME,
+    Polynomial,
+    Root,
+    constant,
+    positive_roots,
+)
 from rotor_ida.closed_forms.further_parameters import further_axes
+from rotor_ida.closed_forms.rubs import Rub, rub_hopf_points
 from rotor_ida.equations.contact import HERTZ_EXPONENT
 from rotor_ida.schema import labelled_dataset
-
-# Two roots nearer to each other than this power of two, in parts of the largest there can be, are
-# not told from none.
-_DEEPEST = 400
-# Roots are narrowed to these powers of two, in parts of themselves, one after the other, until
-# speed and frequency are the same at both ends: a whirl next to amplitude 1 may have nearly any.
-_FINER = (70, 140, 280, 560, 1120)
-# The same, in parts of themselves.
-_SAME = Fraction(1, 10**17)
 
 
 def hopf_points(
@@ -65,7 +65,7 @@ def hopf_points(
     ----------
     zeta, delta0 : float or sequence of float, shapes (m,) and (k,)
         Damping ratios and clearances [1].
-    shaft_stiffness, contact_exponent, contact_damping : float or sequence of float
+    shaft_stiffness, contact_exponent, contact_damping, friction : float or sequence of float
         As for `Rotor`, numbers or axes [1].
 
     Returns
@@ -74,7 +74,7 @@ def hopf_points(
         ``hopf_omega`` and ``hopf_amplitude``, the speed and the amplitude of the whirl, and
         ``hopf_frequency``, at which it begins to oscillate on the rotating axes [1], on the
         dimensions (zeta, delta0, hopf), in order of speed; NaN where there are fewer than the
-        dimension is long. Each of the last three parameters that is given as a sequence is a
+        dimension is long. Each of the last four parameters that is given as a sequence is a
         dimension before ``hopf``, as a number that is not the default a coordinate.
 
     Raises
@@ -82,14 +82,15 @@ def hopf_points(
     InputError
         If a value is not a finite real number that is zero or positive, or is above 1e6, or is
         above zero and below 1e-20; if an exponent is neither 1.5 nor 1; if there is contact damping
-        without clearance.
+        or friction without clearance.
 
     Notes
     -----
     There a pair of `eigenvalues` crosses the imaginary axis, and a limit cycle in full contact is
     born with the period ``2 pi/hopf_frequency``, stable or not: `limit_cycle` and `continue_cycle`
-    tell. Without contact damping, or without any other, there is none. They are the roots of a
-    polynomial, isolated in exact arithmetic: all are found but for pairs that nearly coincide.
+    tell. Friction brings some as well: see `rubs`. With neither it nor contact damping there is
+    none, nor without any damping. They are the roots of a polynomial, isolated in exact arithmetic:
+    all are found but for pairs that nearly coincide.
 
     References
     ----------
@@ -101,6 +102,9 @@ def hopf_points(
     >>> found = hopf_points(zeta=0.07, delta0=0.5, contact_damping=0.5)
     >>> found.hopf_omega.values.ravel().round(6)
     array([1.75784])
+    >>> rubbing = hopf_points(zeta=0.07, delta0=0.5, friction=0.1)
+    >>> rubbing.hopf_omega.values.ravel().round(6)
+    array([1.122971, 1.37644 ])
     """
     dampings, clearances = _checked("zeta", zeta), _checked("delta0", delta0)
     further = further_axes(
@@ -110,7 +114,7 @@ def hopf_points(
         friction=friction,
         delta0=clearances,
     )
-    for name in ("shaft_stiffness", "contact_damping"):
+    for name in ("shaft_stiffness", "contact_damping", "friction"):
         _checked(name, further.axes[name])
     check_points(dampings, clearances, *further.axes.values())
     axes = (dampings, clearances, *further.axes.values())
@@ -142,12 +146,19 @@ def _checked(name: str, values: object) -> Values:
 # The figures of response curves ask for those of one rotor again and again.
 @lru_cache(maxsize=1024)
 def _of_rotor(
-    zeta: float, delta0: float, kappa: float, exponent: float, contact_damping: float
+    zeta: float,
+    delta0: float,
+    kappa: float,
+    exponent: float,
+    contact_damping: float,
+    friction: float,
 ) -> tuple[tuple[float, float, float], ...]:
     """Return speed, amplitude and frequency of every Hopf point of a rotor, in order of speed."""
+    hertz = exponent == HERTZ_EXPONENT
+    if friction > 0.0:
+        return rub_hopf_points(Rub(zeta, delta0, kappa, friction, hertz, contact_damping))
     if zeta == 0.0 or contact_damping == 0.0:
         return ()
-    hertz = exponent == HERTZ_EXPONENT
     whirl = _whirl_in(*map(Fraction, (zeta, delta0, kappa, contact_damping)), hertz=hertz)
     found = []
     for root in positive_roots(whirl.resultant()):
@@ -158,50 +169,6 @@ def _of_rotor(
         depth = place * place if hertz else place
         found.append((math.sqrt(q), float(Fraction(delta0) + depth), math.sqrt(squared)))
     return tuple(sorted(found))
-
-
-# ---- Polynomials with rational coefficients, the lowest first ----
-
-
-@dataclass(frozen=True, slots=True)
-class Polynomial:
-    """A polynomial by its coefficients, the lowest first."""
-
-    coefficients: tuple[Fraction, ...]
-
-    def __add__(self, other: Polynomial) -> Polynomial:
-        """Return the sum."""
-        return self._joined(other, 1)
-
-    def __sub__(self, other: Polynomial) -> Polynomial:
-        """Return the difference."""
-        return self._joined(other, -1)
-
-    def __mul__(self, other: Polynomial) -> Polynomial:
-        """Return the product."""
-        one, two = self.coefficients, other.coefficients
-        found = [Fraction(0)] * (len(one) + len(two) - 1)
-        for i, a in enumerate(one):
-            if a:
-                for j, b in enumerate(two):
-                    found[i + j] += a * b
-        return Polynomial(tuple(found))
-
-    def __call__(self, place: Fraction) -> Fraction:
-        """Return the value at a place."""
-        return reduce(lambda value, each: value * place + each, self.coefficients[::-1])
-
-    def _joined(self, other: Polynomial, sign: int) -> Polynomial:
-        one, two = self.coefficients, other.coefficients
-        size = max(len(one), len(two))
-        one += (Fraction(0),) * (size - len(one))
-        two += (Fraction(0),) * (size - len(two))
-        return Polynomial(tuple(a + sign * b for a, b in zip(one, two, strict=True)))
-
-
-def constant(value: Fraction | int) -> Polynomial:
-    """Return a polynomial of degree 0."""
-    return Polynomial((Fraction(value),))
 
 
 @dataclass(frozen=True, slots=True)
@@ -224,11 +191,11 @@ class _Whirl:
 
     def at(self, root: Root) -> tuple[Fraction, Fraction, Fraction] | None:
         """Return a root, q and the frequency squared there, or None where is no Hopf point."""
-        for power in _FINER:
+        for power in FINER:
             low, high = root.narrowed(power)
             one, other = self._common(low), self._common(high)
             pairs = list(zip(one, other, strict=True))
-            if pairs and all(abs(a - b) <= _SAME * abs(b) for a, b in pairs):
+            if pairs and all(abs(a - b) <= SAME * abs(b) for a, b in pairs):
                 break
         else:
             return None
@@ -274,119 +241,3 @@ def _whirl_in(
         two * a3 * A * M1 - M1 * M1 - a3 * a3 * A * A,
     )
     return _Whirl(curve, hopf, (M0, M1), A * a3)
-
-
-# ---- Roots ----
-
-
-@dataclass(frozen=True, slots=True)
-class Root:
-    """A root of a polynomial with whole coefficients, alone between two places."""
-
-    whole: tuple[int, ...]
-    low: Fraction
-    high: Fraction
-
-    def narrowed(self, power: int) -> tuple[Fraction, Fraction]:
-        """Return places round the root that are apart by so small a power of two, in parts of it.
-
-        Examples
-        --------
-        >>> low, high = Root((-2, 0, 1), Fraction(1), Fraction(2)).narrowed(40)
-        >>> round(float(low), 9), high - low < 1e-11
-        (1.414213562, True)
-        """
-        low, high = self.low, self.high
-        rising = _sign_at(self.whole, high) > 0 or _sign_at(self.whole, low) < 0
-        while high - low > high / 2**power:
-            middle = (low + high) / 2
-            if (sign := _sign_at(self.whole, middle)) == 0:
-                return middle, middle
-            if (sign > 0) == rising:
-                high = middle
-            else:
-                low = middle
-        return low, high
-
-
-def positive_roots(polynomial: Polynomial) -> list[Root]:
-    """Return the positive roots of odd order, each by itself.
-
-    Examples
-    --------
-    >>> found = positive_roots(Polynomial((Fraction(6), Fraction(-5), Fraction(1))))
-    >>> [float(root.narrowed(60)[0]) for root in found]
-    [2.0, 3.0]
-    """
-    below = math.lcm(*(each.denominator for each in polynomial.coefficients))
-    whole = [int(each * below) for each in polynomial.coefficients]
-    while whole and whole[-1] == 0:
-        whole.pop()
-    while whole and whole[0] == 0:
-        whole.pop(0)
-    if len(whole) < 2:
-        return []
-    power = _bound(whole)
-    return [Root(tuple(whole), low, high) for low, high in _isolated(whole, power)]
-
-
-def _bound(whole: list[int]) -> int:
-    """Return a power of two that no root exceeds: twice the largest root of a quotient."""
-    degree, highest = len(whole) - 1, abs(whole[-1]).bit_length() - 1
-    powers = [
-        math.ceil((abs(each).bit_length() - highest) / (degree - place))
-        for place, each in enumerate(whole[:-1])
-        if each
-    ]
-    return 1 + max(powers)
-
-
-def _isolated(whole: list[int], power: int) -> list[tuple[Fraction, Fraction]]:
-    """Return intervals of positive numbers that hold one root each, by Descartes' rule.
-
-    A root on the boundary of two of them is an interval of its own, of no width.
-    """
-    degree, width = len(whole) - 1, Fraction(2) ** power
-    scaled = [each * width**place for place, each in enumerate(whole)]
-    below = math.lcm(*(each.denominator for each in scaled))
-    found = []
-    # polynomials on [0, 1], with the interval that this is: its number among 2**depth
-    todo = [([int(each * below) for each in scaled], 0, 0)]
-    while todo:
-        here, number, depth = todo.pop()
-        count = _sign_changes(_shifted(here[::-1]))
-        low = width * number / 2**depth
-        if count == 1:
-            found.append((low, low + width / 2**depth))
-        if count < 2 or depth == _DEEPEST:
-            continue
-        left = [each << (degree - place) for place, each in enumerate(here)]
-        right = _shifted(left)
-        if right[0] == 0:
-            middle = low + width / 2 ** (depth + 1)
-            found.append((middle, middle))
-        todo += [(left, 2 * number, depth + 1), (right, 2 * number + 1, depth + 1)]
-    return sorted(found)
-
-
-def _shifted(whole: list[int]) -> list[int]:
-    """Return the coefficients of ``p(x + 1)``."""
-    found = list(whole)
-    for first in range(len(found) - 1):
-        for place in range(len(found) - 2, first - 1, -1):
-            found[place] += found[place + 1]
-    return found
-
-
-def _sign_changes(whole: list[int]) -> int:
-    signs = [each > 0 for each in whole if each]
-    return sum(one != other for one, other in pairwise(signs))
-
-
-def _sign_at(whole: tuple[int, ...], place: Fraction) -> int:
-    """Return the sign of a polynomial at a place."""
-    value, power = 0, 1
-    for each in whole[::-1]:
-        value = value * place.numerator + each * power
-        power *= place.denominator
-    return (value > 0) - (value < 0)

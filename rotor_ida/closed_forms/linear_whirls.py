@@ -106,9 +106,7 @@ def _ratio(above: Values, below: Values) -> Values:
         return np.divide(above, below, out=np.full_like(above, np.nan), where=below > 0.0)
 
 
-def _polished(
-    estimate: Values, terms: tuple[DoubleDouble, ...], root: Values
-) -> DoubleDouble:
+def _polished(estimate: Values, terms: tuple[DoubleDouble, ...], root: Values) -> DoubleDouble:
     """Return the amplitude after one Newton step with a 32-digit residual, shape (n, 2)."""
     k, G, d, drive = map(_column, terms)
     A = DoubleDouble.of(estimate)

@@ -20,7 +20,8 @@ from rotor_ida.checks import (
 )
 from rotor_ida.closed_forms.contact_laws import stiffnesses
 from rotor_ida.closed_forms.fold_locus_further import Ring, positive_roots
-from rotor_ida.closed_forms.further_parameters import further_axes, law_of
+from rotor_ida.closed_forms.further_parameters import check_law, further_axes, law_of
+from rotor_ida.closed_forms.rubs import Rub, flanks, rub_tips
 from rotor_ida.equations.contact import HERTZ_EXPONENT, contact_force, secant_stiffness
 from rotor_ida.schema import labelled_dataset
 
@@ -83,6 +84,7 @@ def speeds_at_amplitude(
     delta0: float,
     shaft_stiffness: float = 0.0,
     contact_exponent: float = HERTZ_EXPONENT,
+    friction: float = 0.0,
 ) -> Values:
     """Return the two speeds at which a contacting whirl has a given amplitude.
 
@@ -92,7 +94,7 @@ def speeds_at_amplitude(
         Amplitudes A [1].
     zeta, delta0 : float
         Damping ratio and clearance [1].
-    shaft_stiffness, contact_exponent : float
+    shaft_stiffness, contact_exponent, friction : float
         As of `Rotor` [1]; contact damping does not change whirls.
 
     Returns
@@ -105,14 +107,15 @@ def speeds_at_amplitude(
     ------
     InputError
         If a value is not a finite real number that is zero or positive; if the exponent is
-        neither 1.5 nor 1.
+        neither 1.5 nor 1; if there is friction without clearance.
 
     Notes
     -----
     With ``q = omega**2`` and ``s = kappa + f(A)/A`` the curve is the quadratic
     ``(A**2 - 1) q**2 + A**2 (4 zeta**2 - 2 s) q + A**2 s**2 = 0``. Unlike the curve at given
     speeds it needs no search, and it has full resolution near the tip, whose amplitude is
-    `peak_amplitude`. Below A = 1 only the flank below resonance is left.
+    `peak_amplitude`. Below A = 1 only the flank below resonance is left. With friction mu it is a
+    quartic in omega, with ``4 mu zeta A f(A) omega + (mu f(A))**2`` added: see `rubs`.
 
     References
     ----------
@@ -128,6 +131,10 @@ def speeds_at_amplitude(
     A = check_axis("amplitude", amplitude, largest=LARGEST_NUMBER)
     clearance = check_nonnegative("delta0", delta0, LARGEST_NUMBER)
     kappa, exponent, _ = law_of(shaft_stiffness, contact_exponent)
+    mu = _checked_friction(friction, clearance)
+    if mu > 0.0:
+        rub = Rub(check_nonnegative("zeta", zeta), clearance, kappa, mu, exponent == HERTZ_EXPONENT)
+        return _speeds_of_rub(A, rub)
     touching = secant_stiffness(A, clearance, exponent)
     s = touching + kappa
     inside = _discriminant(A, s, m)
@@ -135,6 +142,24 @@ def speeds_at_amplitude(
     slower, faster = speeds_of_stiffness(A, m, s)
     faster = np.where(A > 1.0, faster, np.nan)
     return np.where(exists[:, None], np.stack([slower, faster], axis=1), np.nan)
+
+
+def _checked_friction(friction: object, delta0: float) -> float:
+    """Return the friction, which needs a clearance."""
+    mu = check_nonnegative("friction", friction, LARGEST_NUMBER)
+    none = np.zeros(1)
+    check_law(none + HERTZ_EXPONENT, none, none + mu, none + delta0)
+    return mu
+
+
+def _speeds_of_rub(A: Values, rub: Rub) -> Values:
+    """Return both speeds with friction; NaN where the curve has none."""
+    found = np.full((A.size, 2), np.nan)
+    touching = np.nonzero(rub.delta0 < A)[0]
+    slower, faster, exists = flanks(A[touching], rub)
+    faster[A[touching] <= 1.0] = np.nan
+    found[touching] = np.where(exists[:, None], np.stack([slower, faster], axis=1), np.nan)
+    return found
 
 
 def _discriminant(A: Values, s: Values, m: float) -> Values:
@@ -171,14 +196,16 @@ def peak_amplitude(
     delta0: float,
     shaft_stiffness: float = 0.0,
     contact_exponent: float = HERTZ_EXPONENT,
+    friction: float = 0.0,
 ) -> float:
     """Return the largest amplitude on the response curve of contacting whirls.
 
     Parameters
     ----------
     zeta, delta0 : float
-        Damping ratio, above zero, since without damping the curve has no tip, and clearance [1].
-    shaft_stiffness, contact_exponent : float
+        Damping ratio, above zero, since without damping and friction the curve has no tip, and
+        clearance [1].
+    shaft_stiffness, contact_exponent, friction : float
         As of `Rotor` [1].
 
     Returns
@@ -190,14 +217,16 @@ def peak_amplitude(
     Raises
     ------
     InputError
-        If a value is not a finite real number that is zero or positive, or `zeta` is zero.
+        If a value is not a finite real number that is zero or positive, or `zeta` is zero and
+        there is no friction, or there is friction without clearance.
 
     Notes
     -----
     At the tip the two speeds of `speeds_at_amplitude` are one, which is where
     ``h(A) = (A - delta0)**1.5 / (A**2 (A + sqrt(A**2 - 1))) = 2 zeta**2``. Beyond the last
     maximum of h, a root of ``3 A**4 - (12 delta0**2 - 1) A**2 - 8 delta0 A + 16 delta0**2``,
-    h falls for ever.
+    h falls for ever. With friction the discriminant of a quartic vanishes: see `rubs`. Friction
+    bounds the amplitude without damping too, by ``sqrt(1 + 1/mu**2)`` without a shaft.
 
     References
     ----------
@@ -209,11 +238,14 @@ def peak_amplitude(
     >>> round(tip, 6), speeds_at_amplitude(tip - 1e-9, zeta=0.07, delta0=0.0).round(3).tolist()
     (13.7..., [[1.9..., 1.9...]])
     """
-    damping = check_axis(
-        "zeta", check_positive("zeta", zeta), smallest=SMALLEST_DAMPING, largest=LARGEST_NUMBER
-    )
     clearance = check_nonnegative("delta0", delta0, LARGEST_NUMBER)
     kappa, exponent, beyond = law_of(shaft_stiffness, contact_exponent)
+    mu = _checked_friction(friction, clearance)
+    given = check_nonnegative("zeta", zeta) if mu > 0.0 else check_positive("zeta", zeta)
+    damping = check_axis("zeta", given, smallest=SMALLEST_DAMPING, largest=LARGEST_NUMBER)
+    if mu > 0.0:
+        rub = Rub(float(damping[0]), clearance, kappa, mu, exponent == HERTZ_EXPONENT)
+        return max((A for A, _ in rub_tips(rub)), default=math.nan)
     if beyond:
         ring = Ring(clearance, kappa, exponent == HERTZ_EXPONENT)
         found = tips_of_ring(float(damping[0]), ring)
@@ -294,14 +326,15 @@ def peaks(
     delta0: npt.ArrayLike,
     shaft_stiffness: npt.ArrayLike = 0.0,
     contact_exponent: npt.ArrayLike = HERTZ_EXPONENT,
+    friction: npt.ArrayLike = 0.0,
 ) -> xr.Dataset:
     """Return the largest contacting whirl for each damping and clearance.
 
     Parameters
     ----------
     zeta, delta0 : float or sequence of float, shapes (m,) and (k,)
-        Damping ratios, above zero, and clearances [1].
-    shaft_stiffness, contact_exponent : float or sequence of float
+        Damping ratios, above zero without friction, and clearances [1].
+    shaft_stiffness, contact_exponent, friction : float or sequence of float
         As for `Rotor`, numbers or axes [1].
 
     Returns
@@ -313,14 +346,15 @@ def peaks(
     Raises
     ------
     InputError
-        If a value is not a finite real number that is zero or positive, or a damping is zero; if
-        an exponent is neither 1.5 nor 1.
+        If a value is not a finite real number that is zero or positive, or a damping is zero
+        without friction; if an exponent is neither 1.5 nor 1; if there is friction without
+        clearance.
 
     Notes
     -----
     At the tip the quadratic of `speeds_at_amplitude` has one root,
     ``omega**2 = A**2 (s - 2 zeta**2)/(A**2 - 1)`` with ``s = kappa + f(A)/A``. Contact damping
-    does not change it.
+    does not change it; of friction, see `peak_amplitude`.
 
     References
     ----------
@@ -338,9 +372,10 @@ def peaks(
         shaft_stiffness=shaft_stiffness,
         contact_exponent=contact_exponent,
         contact_damping=0.0,
+        friction=friction,
         delta0=clearances,
     )
-    laws = [further.axes[name] for name in ("shaft_stiffness", "contact_exponent")]
+    laws = [further.axes[name] for name in ("shaft_stiffness", "contact_exponent", "friction")]
     check_points(dampings, clearances, *laws)
     grid = np.meshgrid(dampings, clearances, *laws, indexing="ij")
     rows = zip(*(axis.ravel().tolist() for axis in grid), strict=True)
@@ -362,7 +397,13 @@ def peaks(
     )
 
 
-def _peak(zeta: float, delta0: float, kappa: float, exponent: float) -> tuple[float, float, float]:
+def _peak(
+    zeta: float, delta0: float, kappa: float, exponent: float, friction: float
+) -> tuple[float, float, float]:
+    if friction > 0.0:
+        rub = Rub(zeta, delta0, kappa, friction, exponent == HERTZ_EXPONENT)
+        A, omega = max(rub_tips(rub), default=(math.nan, math.nan))
+        return A, omega, float(contact_force(A, delta0, exponent))
     A = peak_amplitude(zeta=zeta, delta0=delta0, shaft_stiffness=kappa, contact_exponent=exponent)
     if math.isnan(A):
         return math.nan, math.nan, math.nan

@@ -28,7 +28,7 @@ from rotor_ida.closed_forms.contact_laws import stiffnesses
 from rotor_ida.closed_forms.contacting_whirls import contacting_whirls
 from rotor_ida.closed_forms.fold_locus_further import Ring
 from rotor_ida.closed_forms.folds import fold_table, folds
-from rotor_ida.closed_forms.further_parameters import Further, FurtherAxes, further_axes
+from rotor_ida.closed_forms.further_parameters import PAPERS, Further, FurtherAxes, further_axes
 from rotor_ida.closed_forms.peaks import (
     SMALLEST_DAMPING,
     flank_speeds,
@@ -38,11 +38,11 @@ from rotor_ida.closed_forms.peaks import (
     tips,
     tips_of_ring,
 )
+from rotor_ida.closed_forms.rubs import Rub, flanks, rub_tips
 from rotor_ida.closed_forms.stability import eigenvalues
 from rotor_ida.closed_forms.synchronous import SMALLEST_SPEED, whirls_in_contact
 from rotor_ida.equations.contact import HERTZ_EXPONENT, secant_stiffness
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import DEFAULTS
 from rotor_ida.schema import STABILITY, Column, labelled_dataset
 
 # Amplitude and the speed or clearance at which a whirl has it.
@@ -77,7 +77,7 @@ def response_curve(
         Lowest and highest speed [1].
     points : int
         Number of points between one fold, tip, first touch or limit and the next.
-    shaft_stiffness, contact_exponent, contact_damping : float or sequence of float
+    shaft_stiffness, contact_exponent, contact_damping, friction : float or sequence of float
         As for `folds`, numbers or axes [1].
 
     Returns
@@ -94,7 +94,7 @@ def response_curve(
     ------
     InputError
         If `limits` are not two speeds, the lower one first and the higher one at most 1e15, or
-        a value is none that `folds` takes, or `zeta` is 0 in a linear contact.
+        a value is none that `folds` takes, or `zeta` is 0 in a linear contact without friction.
 
     Notes
     -----
@@ -111,6 +111,10 @@ def response_curve(
     A shaft adds its stiffness kappa to s. The contact-free whirl then has a resonance of its own,
     and for ``delta0 > 1`` two pieces where that reaches the ring: see `touch_speeds`. Contact
     damping may make a whirl unstable away from folds, which is told point by point.
+
+    So may friction, with which the speeds at given A are the positive roots of a quartic in omega,
+    two at most as well: see `rubs`. A whirl is on the slower flank where
+    ``omega (1 + A cos(theta)) > zeta A sin(theta)``. Without damping the flanks meet too then.
 
     References
     ----------
@@ -166,7 +170,7 @@ def clearance_curve(
         Smallest and largest clearance [1].
     points : int
         Number of points between one fold, tip, first touch or limit and the next.
-    shaft_stiffness, contact_exponent, contact_damping : float or sequence of float
+    shaft_stiffness, contact_exponent, contact_damping, friction : float or sequence of float
         As for `folds`, numbers or axes [1].
 
     Returns
@@ -179,8 +183,8 @@ def clearance_curve(
     ------
     InputError
         If `limits` are not two clearances, the smaller one first, a damping ratio is above zero
-        and below 1e-20, or 0 in a linear contact, or a value is none that `synchronous_response`
-        takes.
+        and below 1e-20, or 0 in a linear contact without friction, or a value is none that
+        `synchronous_response` takes.
 
     Notes
     -----
@@ -200,7 +204,10 @@ def clearance_curve(
     ``A = 1 + (8/27) q**2``.
 
     A shaft takes its stiffness kappa from s. Below its resonance, ``q <= kappa``, all whirls in
-    contact lie on the stiffer flank. In a linear contact the clearance is ``A - s A``.
+    contact lie on the stiffer flank. In a linear contact the clearance is ``A - s A``. Friction
+    turns the force of the contact (see `contacting_whirls`): all this holds with
+    ``(omega**2 - kappa - 2 mu zeta omega)/m``, ``(2 zeta omega + mu (omega**2 - kappa))/m`` and
+    ``omega**2/sqrt(m)``, where ``m = 1 + mu**2``, for what stands before A and on the right.
 
     References
     ----------
@@ -335,15 +342,16 @@ def _further_curve(
         shaft_stiffness=axes["shaft_stiffness"],
         contact_exponent=axes["contact_exponent"],
         contact_damping=axes["contact_damping"],
+        friction=axes["friction"],
     )
     turns = np.stack([found["fold_omega"].values, found["fold_amplitude"].values], axis=-1)
     curves = []
     for place in np.ndindex(*(axis.size for axis in axes.values())):
         at = {name: float(axis[k]) for (name, axis), k in zip(axes.items(), place, strict=True)}
         damping, hertz = at.pop("zeta"), at["contact_exponent"] == HERTZ_EXPONENT
-        ring = Ring(at["delta0"], at["shaft_stiffness"], hertz)
+        ring = Ring(at["delta0"], at["shaft_stiffness"], hertz, at["friction"])
         pieces = pieces_with_ring(damping, ring, turns[place], span, count)
-        if at["contact_damping"] > 0.0:
+        if at["contact_damping"] > 0.0 or at["friction"] > 0.0:
             for piece in pieces:
                 _drive(piece, piece[0], at | {"zeta": damping})
         curves.append(pieces)
@@ -354,13 +362,19 @@ def pieces_with_ring(
     zeta: float, ring: Ring, turns: Values, limits: _Place, points: int
 ) -> list[Values]:
     """Return the pieces of the curve over the speed, as `pieces_over_speed` does, of any ring."""
-    d = ring.delta0
+    d, rub = ring.delta0, _rub(zeta, ring)
 
     def speed(flank: int, A: Values) -> Values:
-        return speeds_of_stiffness(A, 4.0 * zeta * zeta, ring.stiffness(A))[0 if flank == 1 else 1]
+        if ring.friction > 0.0:
+            slower, faster, _ = flanks(A, rub)
+        else:
+            slower, faster = speeds_of_stiffness(A, 4.0 * zeta * zeta, ring.stiffness(A))
+        return slower if flank == 1 else faster
 
     def lag(A: Values, omega: Values) -> Values:
-        return np.asarray(np.arctan2(2.0 * zeta * omega, ring.stiffness(A) - omega * omega))
+        stiffness = ring.stiffness(A)
+        loss = 2.0 * zeta * omega + ring.friction * (stiffness - ring.shaft_stiffness)
+        return np.asarray(np.arctan2(loss, stiffness - omega * omega))
 
     first, second = (
         each if math.isfinite(each) else math.inf
@@ -372,14 +386,21 @@ def pieces_with_ring(
         if max(limits[0], low) < min(limits[1], high)
     ]
 
-    ends: list[_Place] = [(A, tip_speed_of_ring(A, zeta, ring)) for A in tips_of_ring(zeta, ring)]
+    ends: list[_Place] = (
+        rub_tips(rub)
+        if ring.friction > 0.0
+        else [(A, tip_speed_of_ring(A, zeta, ring)) for A in tips_of_ring(zeta, ring)]
+    )
     chains = []
+    endless = zeta == 0.0 and ring.friction == 0.0
     if math.isfinite(first):
-        far = (math.inf if zeta == 0.0 else 1.0, math.inf)
+        far = (math.inf if endless else 1.0, math.inf)
         top = ends.pop(0) if len(ends) % 2 else far
         chains.append(_Chain(1, (d, first), top, (d, second) if d > 1.0 else (1.0, math.inf)))
-    elif zeta == 0.0:
+    elif endless:
         chains.append(_Chain(1, (d, 0.0), (math.inf, math.inf), (d, 0.0)))
+    elif len(ends) % 2:  # without damping, from rest
+        chains.append(_Chain(1, (d, 0.0), ends.pop(0), (d, 0.0)))
     chains += [_Chain(1, *pair, pair[0]) for pair in zip(ends[::2], ends[1::2], strict=True)]
 
     at_limits = np.array([omega for omega in limits if omega > 0.0])
@@ -387,17 +408,27 @@ def pieces_with_ring(
         0.0 * at_limits + ring.shaft_stiffness,
         0.0 * at_limits + (HERTZ_EXPONENT if ring.hertz else 1.0),
         0.0 * at_limits,
+        0.0 * at_limits + ring.friction,
     )
     whirls = whirls_in_contact(at_limits, 0.0 * at_limits + zeta, 0.0 * at_limits + d, beyond)
     rows, columns = np.nonzero(np.isfinite(whirls.amplitude))
     turns = turns[np.isfinite(turns[:, 0])]
-    # at a fold the phase lag is beyond a quarter turn
-    sine = np.minimum(2.0 * zeta * turns[:, 1] / turns[:, 0], 1.0)
-    lags = np.append(whirls.phase_lag[rows, columns], math.pi - np.arcsin(sine))
     amplitude = np.append(whirls.amplitude[rows, columns], turns[:, 1])
-    slope = 1.0 + np.cos(lags) ** 2 + 2.0 * amplitude * np.cos(lags)
-    marks = _marks(slope, amplitude, np.append(at_limits[rows], turns[:, 0]))
+    omega = np.append(at_limits[rows], turns[:, 0])
+    if ring.friction > 0.0:
+        lags = np.append(whirls.phase_lag[rows, columns], lag(turns[:, 1], turns[:, 0]))
+        slope = omega * (1.0 + amplitude * np.cos(lags)) - zeta * amplitude * np.sin(lags)
+    else:
+        # at a fold the phase lag is beyond a quarter turn
+        sine = np.minimum(2.0 * zeta * turns[:, 1] / turns[:, 0], 1.0)
+        lags = np.append(whirls.phase_lag[rows, columns], math.pi - np.arcsin(sine))
+        slope = 1.0 + np.cos(lags) ** 2 + 2.0 * amplitude * np.cos(lags)
+    marks = _marks(slope, amplitude, omega)
     return pieces + _traced(chains, marks, _Law(speed, lag, limits, points, zeta > 0.0))
+
+
+def _rub(zeta: float, ring: Ring) -> Rub:
+    return Rub(zeta, ring.delta0, ring.shaft_stiffness, ring.friction, ring.hertz)
 
 
 def _contact_free_piece(zeta: float, ring: Ring, ends: _Place, points: int) -> Values:
@@ -425,8 +456,12 @@ def _contact_free_piece(zeta: float, ring: Ring, ends: _Place, points: int) -> V
 
 
 def _check_damped(zeta: Values, further: FurtherAxes) -> None:
-    """Refuse curves of a linear contact without damping, which run to infinity."""
-    if (zeta == 0.0).any() and (further.axes["contact_exponent"] != HERTZ_EXPONENT).any():
+    """Refuse curves of a linear contact without damping or friction, which run to infinity."""
+    if (
+        (zeta == 0.0).any()
+        and (further.axes["contact_exponent"] != HERTZ_EXPONENT).any()
+        and (further.axes["friction"] == 0.0).any()
+    ):
         raise InputError(
             "zeta must be positive for the curve of a linear contact, which is infinite in "
             "resonance without damping, got 0.0"
@@ -441,9 +476,9 @@ def _curves_over_clearance(
     for place in np.ndindex(*(axis.size for axis in axes.values())):
         at = {name: float(axis[k]) for (name, axis), k in zip(axes.items(), place, strict=True)}
         hertz = at["contact_exponent"] == HERTZ_EXPONENT
-        rotor = at["omega"], at["zeta"], at["shaft_stiffness"], hertz
+        rotor = at["omega"], at["zeta"], at["shaft_stiffness"], at["friction"], hertz
         pieces = _ring_over_clearance(*rotor, limits, points)
-        if at["contact_damping"] > 0.0:
+        if at["contact_damping"] > 0.0 or at["friction"] > 0.0:
             for piece in pieces:
                 _drive(piece, 0.0 * piece[0] + at["omega"], at | {"delta0": piece[0]})
         curves.append(pieces)
@@ -451,13 +486,24 @@ def _curves_over_clearance(
 
 
 def _ring_over_clearance(
-    omega: float, zeta: float, kappa: float, hertz: bool, limits: _Place, points: int
+    omega: float,
+    zeta: float,
+    kappa: float,
+    mu: float,
+    hertz: bool,
+    limits: _Place,
+    points: int,
 ) -> list[Values]:
     """Return the pieces of the curve over the clearance, as `_over_clearance` does."""
     q = omega * omega
     p, power = q - kappa, 2.0 / 3.0 if hertz else 1.0
     largest = omega / (2.0 * zeta) if zeta > 0.0 else math.inf
     free = complex_amplitude(omega, zeta, kappa if kappa > 0.0 else None)
+    loss, lead = 2.0 * zeta * omega, 1.0 + mu * mu
+    if mu > 0.0:  # turned until the force of the contact is real
+        across = abs(loss + mu * p) / lead
+        p, q = (p - mu * loss) / lead, q / math.sqrt(lead)
+        largest = q / across if across > 0.0 else math.inf
     touch = min(float(np.abs(free)), largest)
     pieces = []
     if touch < limits[1]:
@@ -473,23 +519,24 @@ def _ring_over_clearance(
     def lag(A: Values, d: Values) -> Values:
         depth = np.maximum(A - d, 0.0)
         force = depth * np.sqrt(depth) if hertz else depth
-        return np.asarray(np.arctan2(2.0 * zeta * omega * A, force - p * A))
+        across = loss * A + mu * force
+        return np.asarray(np.arctan2(across, force - (omega * omega - kappa) * A))
 
     top = (touch, touch)  # below the resonance of the shaft
     if p > 0.0:
         top = (
             (math.inf, math.inf)
-            if zeta == 0.0
+            if math.isinf(largest)
             else (largest, float(clearance(1, np.array(largest))))
         )
     chain = _Chain(-1, (touch, touch), top, (0.0, -(q**power)))
 
     at_limits = np.array(limits)
     like = 0.0 * at_limits
-    beyond = Further(like + kappa, like + (HERTZ_EXPONENT if hertz else 1.0), like)
+    beyond = Further(like + kappa, like + (HERTZ_EXPONENT if hertz else 1.0), like, like + mu)
     whirls = whirls_in_contact(like + omega, like + zeta, at_limits, beyond)
     rows, columns = np.nonzero(np.isfinite(whirls.amplitude))
-    cosine = np.cos(whirls.phase_lag[rows, columns])
+    cosine = np.cos(whirls.phase_lag[rows, columns] - math.atan(mu))
     marks = _marks(cosine, whirls.amplitude[rows, columns], at_limits[rows])
     if p > 0.0:
         turns = _ring_turns(q, p, largest, touch, hertz)
@@ -709,7 +756,7 @@ def _labelled(
         "phase_lag": _phase_lag(amplitude, **parameters),
     }
     coordinates: dict[str, Column] = {
-        name: (name, axis) for name, axis in axes.items() if name not in DEFAULTS
+        name: (name, axis) for name, axis in axes.items() if name not in PAPERS
     }
     if further is not None:  # single numbers are no dimensions
         coordinates |= further.coordinates
@@ -735,13 +782,15 @@ def _phase_lag(
     shaft_stiffness: Values | None = None,
     contact_exponent: Values | None = None,
     contact_damping: Values | None = None,  # noqa: ARG001
+    friction: Values | None = None,
 ) -> Values:
-    stiffness = secant_stiffness(amplitude, delta0)
+    stiffness, loss = secant_stiffness(amplitude, delta0), 2.0 * zeta * omega
     if shaft_stiffness is not None and contact_exponent is not None:
         clearance = np.asarray(delta0)
         _, stiffness = stiffnesses(amplitude, clearance, contact_exponent)
+        loss = loss if friction is None else loss + friction * stiffness
         stiffness = stiffness + shaft_stiffness
-    return np.asarray(np.arctan2(2.0 * zeta * omega, stiffness - omega * omega))
+    return np.asarray(np.arctan2(loss, stiffness - omega * omega))
 
 
 def _checked_limits(limits: object, *, smallest: float = 0.0) -> _Place:

@@ -195,16 +195,14 @@ def whirls_in_contact(
     if linear.all() and not rubs.any():
         return linear_whirls(*given)
     found = contacting_whirls(*given)
-    for whirls, chosen in (
-        (linear_whirls, linear & ~rubs),
-        (contacting_whirls, ~linear & rubs),
-        (linear_whirls, linear & rubs),
-    ):
+    for chosen in (linear & ~rubs, ~linear & rubs, linear & rubs):
         if not chosen.any():
             continue
         rows = np.nonzero(chosen)[0]
+        here = [each[rows] for each in given]
         mu = further.friction[rows] if rubs[rows[0]] else None
-        others = whirls(*(each[rows] for each in given), mu)
+        solve = linear_whirls if linear[rows[0]] else contacting_whirls
+        others = solve(*here, mu)
         found.amplitude[rows], found.phase_lag[rows] = others.amplitude, others.phase_lag
         found.determinant[rows] = others.determinant
     return found

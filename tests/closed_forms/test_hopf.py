@@ -9,7 +9,7 @@ import pytest
 
 from rotor_ida import Rotor, folds, hopf_points, limit_cycle, synchronous_response
 from rotor_ida.closed_forms import eigenvalues
-from rotor_ida.closed_forms.hopf import Polynomial, positive_roots
+from rotor_ida.closed_forms.exact_polynomials import Polynomial, positive_roots
 from rotor_ida.equations.model import rotating_field, rotating_jacobian
 from rotor_ida.errors import InputError
 
