@@ -8,6 +8,7 @@ from .atlas import continue_attractors as continue_attractors
 from .atlas import touchdown_report as touchdown_report
 from .basins import basin as basin
 from .basins import basin_fractions as basin_fractions
+from .closed_forms import backward_whirl as backward_whirl
 from .closed_forms import folds as folds
 from .closed_forms import hopf_points as hopf_points
 from .closed_forms import impact as impact

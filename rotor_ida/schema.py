@@ -66,6 +66,7 @@ TRAPPING = {"none": 0, "estimated": 1, "proven": 2}
 STATUS = {"done": 0, "failed": 1}
 DIRECTION = {"down": -1, "from_start": 0, "up": 1}
 NO_YES = {"no": 0, "yes": 1}
+WHIRL_KIND = {"slipping": 0, "rolling": 1}
 WHIRL_DIRECTION = {"backward": -1, "none": 0, "forward": 1}
 EXACT = {"nothing": 0, "whirl": 1, "cycle": 2}
 LINE_KIND = {"backward": -1, "spin": 0, "forward": 1, "static": 2}
@@ -185,6 +186,14 @@ QUANTITIES: dict[str, Quantity] = {
     "hopf_frequency": Quantity(
         "circular frequency on the rotating axes of the cycle that is born there", scale="rate"
     ),
+    "whirl": Quantity("number of the backward whirl"),
+    "backward_amplitude": Quantity("radius of the backward whirl", scale="length"),
+    "whirl_speed": Quantity("angular speed of the whirl, negative for backward whirl", scale="rate"),
+    "backward_kind": Quantity("how the disc moves on the ring", flags=WHIRL_KIND),
+    "backward_stability": Quantity("stability of the backward whirl", flags=STABILITY),
+    "backward_normal_force": Quantity("normal force of the contact in whirl", scale="force"),
+    "backward_tangential_force": Quantity("tangential force of the contact in whirl", scale="force"),
+    "birth_omega": Quantity("spin speed at which dry whip is born, over the reference frequency"),
     "landing_amplitude": Quantity("amplitude of the whirl that is left at a fold", scale="length"),
     "cusp_zeta": Quantity("damping ratio at the cusp, above which the response curve has no fold"),
     "cusp_omega": Quantity("spin speed at the cusp, where the last folds merge"),

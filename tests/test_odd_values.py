@@ -197,6 +197,7 @@ GIVEN: dict[str, Callable[[Path], dict[str, object]]] = {
     "hopf_points": lambda _: {"zeta": 0.07, "delta0": 0.5, "contact_damping": 0.5},
     "impact": lambda _: {"entry_speed": 1.0, "contact_damping": 0.5},
     "rest": lambda _: {"rotor": ROTOR},
+    "backward_whirl": lambda _: {"rotor": rubbing()},
     "touch_speeds": lambda _: {"zeta": 0.07, "delta0": 0.5, "shaft_stiffness": 0.25},
     "restoring_field": lambda _: {"x": 1.0, "y": 1.0, "delta0": 0.5},
     "flight": lambda _: {"time": 1.0, "rotor": ROTOR, "start": REST},
@@ -205,6 +206,13 @@ GIVEN: dict[str, Callable[[Path], dict[str, object]]] = {
     "stability_determinant": lambda _: {"amplitude": 2.0, "omega": 1.2, "zeta": 0.5, "delta0": 0.5},
     "eigenvalues": lambda _: {"amplitude": 2.0, "omega": 1.2, "zeta": 0.5, "delta0": 0.5},
 }
+
+
+def rubbing() -> Rotor:
+    rotor = Rotor(omega=1.2, zeta=0.1, delta0=1.0)
+    for name, value in (("friction", 0.2), ("disc_radius", 10.0)):
+        object.__setattr__(rotor, name, value)
+    return rotor
 
 
 def archive_in(folder: Path) -> Path:

@@ -4,6 +4,7 @@ Nothing here knows the simulator, and the simulator knows nothing of this: each 
 other's independent witness.
 """
 
+from rotor_ida.closed_forms.backward_whirl import backward_whirl
 from rotor_ida.closed_forms.contact_free import (
     ContactFreeWhirl,
     contact_free_whirl,
@@ -32,6 +33,7 @@ __all__ = [
     "ContactFreeWhirl",
     "amplitude_from_speed",
     "backbone",
+    "backward_whirl",
     "centre_speed",
     "circular_period",
     "clearance_curve",

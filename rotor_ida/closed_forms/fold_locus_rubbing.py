@@ -33,7 +33,7 @@ def rub_locus(u: Values, ring: Ring) -> tuple[Values, Values]:
 
     Examples
     --------
-    >>> lag, zeta = rub_locus(np.array([1.2267]), Ring(0.5, 0.0, True, 0.02))
+    >>> lag, zeta = rub_locus(np.array([1.228255]), Ring(0.5, 0.0, True, 0.02))
     >>> round(float(np.nanmax(zeta)), 4)
     0.07
     """

@@ -107,7 +107,7 @@ def speeds_at_amplitude(
     ------
     InputError
         If a value is not a finite real number that is zero or positive; if the exponent is
-        neither 1.5 nor 1; if there is friction without clearance.
+        neither 1.5 nor 1; if there is friction without clearance, or above zero and below 1e-20.
 
     Notes
     -----
@@ -146,10 +146,14 @@ def speeds_at_amplitude(
 
 def _checked_friction(friction: object, delta0: float) -> float:
     """Return the friction, which needs a clearance."""
-    mu = check_nonnegative("friction", friction, LARGEST_NUMBER)
+    mu = _friction_axis(check_nonnegative("friction", friction))
     none = np.zeros(1)
-    check_law(none + HERTZ_EXPONENT, none, none + mu, none + delta0)
-    return mu
+    check_law(none + HERTZ_EXPONENT, none, mu, none + delta0)
+    return float(mu[0])
+
+
+def _friction_axis(friction: object) -> Values:
+    return check_axis("friction", friction, smallest=SMALLEST_DAMPING, largest=LARGEST_NUMBER)
 
 
 def _speeds_of_rub(A: Values, rub: Rub) -> Values:
@@ -218,7 +222,7 @@ def peak_amplitude(
     ------
     InputError
         If a value is not a finite real number that is zero or positive, or `zeta` is zero and
-        there is no friction, or there is friction without clearance.
+        there is no friction, or there is friction without clearance, or below 1e-20.
 
     Notes
     -----
@@ -348,7 +352,7 @@ def peaks(
     InputError
         If a value is not a finite real number that is zero or positive, or a damping is zero
         without friction; if an exponent is neither 1.5 nor 1; if there is friction without
-        clearance.
+        clearance, or above zero and below 1e-20.
 
     Notes
     -----
@@ -375,6 +379,7 @@ def peaks(
         friction=friction,
         delta0=clearances,
     )
+    _friction_axis(further.axes["friction"])
     laws = [further.axes[name] for name in ("shaft_stiffness", "contact_exponent", "friction")]
     check_points(dampings, clearances, *laws)
     grid = np.meshgrid(dampings, clearances, *laws, indexing="ij")

@@ -67,8 +67,8 @@ def rest(rotor: Rotor) -> xr.Dataset:
         radius = rotor.load / kappa if rotor.load > 0.0 else 0.0
         secant = slope
     growth = max(
-        _slowest(rotor.zeta + 0.5 * rotor.contact_damping * force, kappa + slope),
-        _slowest(rotor.zeta, kappa + secant),
+        slowest_rate(rotor.zeta + 0.5 * rotor.contact_damping * force, kappa + slope),
+        slowest_rate(rotor.zeta, kappa + secant),
     )
     word = "stable" if growth < 0.0 else "neutral"
     values = {
@@ -119,7 +119,7 @@ def _contact(depth: float, rotor: Rotor) -> tuple[float, float]:
     return depth, 1.0 if begun else 0.0
 
 
-def _slowest(damping: float, stiffness: float) -> float:
+def slowest_rate(damping: float, stiffness: float) -> float:
     """Return the largest real part of the roots of ``L**2 + 2 damping L + stiffness``."""
     frequency = math.sqrt(stiffness)
     if damping <= frequency:

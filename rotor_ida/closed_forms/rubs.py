@@ -273,12 +273,13 @@ def _coefficients(A: Values, rub: Rub) -> tuple[DoubleDouble, ...]:
 
 
 def _value(w: Values, coefficients: tuple[DoubleDouble, ...]) -> tuple[Values, Values]:
-    """Return P with 32 digits and its slope by the speed."""
+    """Return P with 32 digits and its slope by the speed; NaN beyond the range of doubles."""
     c0, c1, c2, c4 = coefficients
-    speed = DoubleDouble.of(w)
-    square = speed * speed
-    value = (c4 * square + c2) * square + (c1 * speed + c0)
-    slope = (4.0 * c4.high * w * w + 2.0 * c2.high) * w + c1.high
+    with np.errstate(over="ignore", invalid="ignore"):
+        speed = DoubleDouble.of(w)
+        square = speed * speed
+        value = (c4 * square + c2) * square + (c1 * speed + c0)
+        slope = (4.0 * c4.high * w * w + 2.0 * c2.high) * w + c1.high
     return value.high, slope
 
 

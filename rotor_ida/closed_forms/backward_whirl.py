@@ -1,0 +1,226 @@
+"""Backward whirl by friction alone: the whirl that slips on the ring, and dry whip, which rolls.
+
+Without unbalance a whirl ``z = r exp(i Omega t)`` that slips forwards on the ring obeys
+
+    kappa + f(r)/r - Omega**2 = 0,    2 zeta Omega + mu f(r)/r = 0,
+
+whose one solution with a force that pushes is ``Omega = -(zeta + sqrt(zeta**2 + mu**2 kappa))/mu``,
+whatever the law of contact, the clearance and the speed. It is a saddle: with ``a = kappa + f'(r) -
+Omega**2`` and ``m = 2 zeta + c f(r)`` its eigenvalues, beside the 0 of its phase, are the roots of
+
+    L**3 + (m + 2 zeta) L**2 + (2 zeta m + a + 2 Omega (2 Omega + mu c f)) L
+        + 2 zeta a + 2 Omega (2 zeta Omega + mu f'),
+
+the last term of which is ``2 zeta (f' - f/r) (1 - 2 Omega**2 r/f)``, always negative.
+
+A disc that rolls backwards on the ring has ``r phi' = -V`` with ``V = rho omega``, and its radius
+obeys ``r'' + 2 zeta r' + kappa r + N = V**2/r``: it settles where ``r f + kappa r**2 = V**2``. What
+holds it is the force ``2 zeta V``, which friction can give as long as it is at most ``mu f(r)``.
+Both whirls are one where it can just do so, at the speed ``r |Omega|/rho`` of their birth.
+"""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+import numpy as np
+import xarray as xr
+
+from rotor_ida.checks import LARGEST_NUMBER, check_instance, check_nonnegative
+from rotor_ida.closed_forms.rest import slowest_rate
+from rotor_ida.equations.contact import HERTZ_EXPONENT
+from rotor_ida.errors import InputError
+from rotor_ida.parameters import Rotor, check_no_load
+from rotor_ida.schema import STABILITY, WHIRL_KIND, labelled, labelled_dataset
+
+# With less friction the whirl speed leaves the range of doubles.
+_SMALLEST_FRICTION = 1e-20
+
+
+def backward_whirl(rotor: Rotor) -> xr.Dataset:
+    """Return the backward whirls that friction alone keeps up: the slipping one and dry whip.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        A rotor with friction, whose unbalance is left out of account.
+
+    Returns
+    -------
+    Dataset
+        On ``whirl``, the slipping one and the rolling one (``kind``, flags): ``amplitude`` and
+        ``whirl_speed``, negative as it is backwards [1], ``stability`` (flags) and ``growth_rate``
+        [1], and the ``normal_force`` and ``tangential_force`` of the contact [1]; NaN and the flag
+        ``absent`` where the rotor is too slow for them. ``birth_omega`` is the speed at which both
+        are born [1]; NaN where friction is too weak at any speed.
+
+    Raises
+    ------
+    InputError
+        If `rotor` is no `Rotor`, has no friction, less than 1e-20, no disc radius or a load, or a
+        parameter is above 1e15.
+
+    Notes
+    -----
+    The slipping whirl has the speed ``Omega = -(zeta + sqrt(zeta**2 + mu**2 kappa))/mu`` and the
+    radius at which ``f(r)/r = Omega**2 - kappa``, which a linear contact never reaches where that
+    is 1 or more. It is a saddle: below it a whirl dies, above it grows until the disc rolls. Dry
+    whip rolls at ``-rho omega/r`` with ``r f + kappa r**2 = (rho omega)**2``; its radius obeys an
+    equation that damping makes stable, and friction holds it (``tangential_force`` is at most mu
+    times ``normal_force``) from the birth on. Without damping any touch is driven, and there is
+    no slipping whirl between.
+
+    With unbalance whip at these speeds may roll and slip by turns.
+
+    References
+    ----------
+    H. F. Black, "Interaction of a whirling rotor with a vibrating stator across a clearance
+    annulus", Journal of Mechanical Engineering Science 10, 1968, for dry friction whirl and whip;
+    here the stator does not move.
+
+    Examples
+    --------
+    >>> rotor = Rotor(omega=0.629579808, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
+    >>> found = backward_whirl(rotor)
+    >>> found.amplitude.values.round(6), found.whirl_speed.values.round(6)
+    (array([3.147899, 4.984178]), array([-1.      , -1.263157]))
+    >>> round(found.birth_omega.item(), 9)
+    0.314789904
+    """
+    rho = _checked(rotor)
+    zeta, mu, c = rotor.zeta, rotor.friction, rotor.contact_damping
+    kappa, surface = rotor.shaft_stiffness, rho * rotor.omega
+    speed = -(zeta + math.sqrt(zeta * zeta + mu * mu * kappa)) / mu
+    # Omega**2 - kappa, with nothing that cancels
+    depth = slipping_depth(-2.0 * zeta * speed / mu, rotor.delta0, rotor.contact_exponent)
+    radius = rotor.delta0 + depth
+    birth = radius * -speed / rho if rho > 0.0 and math.isfinite(radius) else math.nan
+
+    rows = {"slipping": (math.nan,) * 5, "rolling": (math.nan,) * 5}
+    stability = {"slipping": "absent", "rolling": "absent"}
+    if rotor.omega >= birth and surface > 0.0:
+        force, slope = _contact(depth, rotor.contact_exponent)
+        if depth > 0.0:
+            growth = _saddle_rate(rotor, radius, speed, force, slope)
+            rows["slipping"] = radius, speed, growth, force, mu * force
+            stability["slipping"] = "unstable"
+        settled = rolling_depth(surface, rotor.delta0, kappa, rotor.contact_exponent)
+        radius = rotor.delta0 + settled
+        force, slope = _contact(settled, rotor.contact_exponent)
+        stiffness = kappa + slope + (surface / radius) ** 2
+        growth = slowest_rate(zeta + 0.5 * c * force, stiffness)
+        rows["rolling"] = radius, -surface / radius, growth, force, 2.0 * zeta * surface
+        stability["rolling"] = "stable" if growth < 0.0 else "neutral"
+
+    dims, table = ("whirl",), np.array(list(rows.values()))
+    flags = np.array([STABILITY[stability[kind]] for kind in rows], dtype=np.int8)
+    kinds = np.array([WHIRL_KIND[kind] for kind in rows], dtype=np.int8)
+    return labelled_dataset(
+        "Backward whirls of a rotor by friction, without unbalance",
+        {
+            "amplitude": labelled("backward_amplitude", dims, table[:, 0]),
+            "whirl_speed": (dims, table[:, 1]),
+            "kind": labelled("backward_kind", dims, kinds),
+            "stability": labelled("backward_stability", dims, flags),
+            "growth_rate": (dims, table[:, 2]),
+            "normal_force": labelled("backward_normal_force", dims, table[:, 3]),
+            "tangential_force": labelled("backward_tangential_force", dims, table[:, 4]),
+            "birth_omega": ((), birth),
+        },
+        {"whirl": ("whirl", np.arange(len(rows)))},
+        {"source": "rotor_ida closed forms: whirls that friction keeps up"},
+    )
+
+
+def _checked(rotor: Rotor) -> float:
+    """Return the radius of the disc of a rotor that has friction."""
+    check_instance("rotor", rotor, Rotor)
+    if rotor.friction == 0.0 or rotor.disc_radius is None:
+        lacks = "friction" if rotor.friction == 0.0 else "disc_radius"
+        raise InputError(f"the rotor of a backward whirl must have {lacks}, got {rotor!r}")
+    check_no_load(rotor, "a backward whirl")
+    for name in ("omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "friction"):
+        check_nonnegative(name, getattr(rotor, name), LARGEST_NUMBER)
+    if rotor.friction < _SMALLEST_FRICTION:
+        raise InputError(
+            f"friction must be at least {_SMALLEST_FRICTION:g} for a backward whirl, "
+            f"got {rotor.friction!r}"
+        )
+    return check_nonnegative("disc_radius", rotor.disc_radius, LARGEST_NUMBER)
+
+
+def slipping_depth(secant: float, delta0: float, exponent: float) -> float:
+    """Return the indentation at which ``f(r)/r`` is `secant`, NaN where there is none.
+
+    Examples
+    --------
+    >>> round(1.0 + slipping_depth(1.0, 1.0, 1.5), 9)
+    3.147899036
+    >>> slipping_depth(0.5, 1.0, 1.0), slipping_depth(1.0, 1.0, 1.0)
+    (1.0, nan)
+    """
+    if exponent != HERTZ_EXPONENT:
+        return secant * delta0 / (1.0 - secant) if secant < 1.0 else math.nan
+    # u**2 (u - secant) = secant delta0: convex beyond, and Newton's method comes down to the root
+    u = secant + math.cbrt(secant * delta0)
+    for _ in range(100):
+        slope = u * (3.0 * u - 2.0 * secant)
+        lower = u - (u * u * (u - secant) - secant * delta0) / slope if slope > 0.0 else u
+        if lower >= u:
+            break
+        u = lower
+    return u * u
+
+
+def rolling_depth(surface: float, delta0: float, kappa: float, exponent: float) -> float:
+    """Return the indentation at which ``r f + kappa r**2`` is the square of the surface's speed.
+
+    Examples
+    --------
+    >>> round(1.0 + rolling_depth(6.29579808, 1.0, 0.0, 1.5), 6)
+    4.984178
+    >>> rolling_depth(2.0, 1.0, 4.0, 1.0)
+    0.0
+    """
+    # exactly, as the two may nearly cancel
+    excess = float(Fraction(surface) ** 2 - Fraction(kappa) * Fraction(delta0) ** 2)
+    if excess <= 0.0:
+        return 0.0
+    if exponent != HERTZ_EXPONENT:
+        first = delta0 * (1.0 + 2.0 * kappa)
+        return 2.0 * excess / (first + math.sqrt(first * first + 4.0 * (1.0 + kappa) * excess))
+    # u**5 + kappa u**4 + delta0 u**3 + 2 kappa delta0 u**2 is convex, and none of its terms alone
+    # exceeds the excess at the root
+    u = min(excess**0.2, math.cbrt(excess / delta0))
+    if kappa > 0.0:
+        u = min(u, math.sqrt(excess / (2.0 * kappa * delta0)))
+    for _ in range(100):
+        value = u * u * (u * (u * (u + kappa) + delta0) + 2.0 * kappa * delta0) - excess
+        slope = u * (u * (u * (5.0 * u + 4.0 * kappa) + 3.0 * delta0) + 4.0 * kappa * delta0)
+        lower = u - value / slope
+        if lower >= u:
+            break
+        u = lower
+    return u * u
+
+
+def _contact(depth: float, exponent: float) -> tuple[float, float]:
+    """Return force and slope of the contact at a depth."""
+    if exponent != HERTZ_EXPONENT:
+        return depth, 1.0
+    root = math.sqrt(depth)
+    return depth * root, HERTZ_EXPONENT * root
+
+
+def _saddle_rate(rotor: Rotor, radius: float, speed: float, force: float, slope: float) -> float:
+    """Return the largest real part of the eigenvalues of the slipping whirl."""
+    zeta, mu, drag = rotor.zeta, rotor.friction, rotor.contact_damping * force
+    m, a = 2.0 * zeta + drag, slope - force / radius
+    terms = (
+        1.0,
+        m + 2.0 * zeta,
+        2.0 * zeta * m + a + 2.0 * speed * (2.0 * speed + mu * drag),
+        2.0 * zeta * a + 2.0 * speed * (2.0 * zeta * speed + mu * slope),
+    )
+    return float(np.roots(terms).real.max())
