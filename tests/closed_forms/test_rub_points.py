@@ -1,0 +1,269 @@
+"""Folds, jumps, cusps and Hopf points with friction, each found by a second way."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from rotor_ida.closed_forms import (
+    cusp,
+    cusp_zeta,
+    eigenvalues,
+    folds,
+    hopf_points,
+    jumps,
+    stability_determinant,
+    synchronous_response,
+)
+from rotor_ida.closed_forms.fold_locus_further import Ring
+from rotor_ida.closed_forms.fold_locus_rubbing import rub_locus
+from rotor_ida.errors import InputError
+
+MACHINES = [
+    {"zeta": 0.07, "delta0": 0.5, "friction": 0.02},
+    {"zeta": 0.02, "delta0": 0.8, "friction": 0.1},
+    {"zeta": 0.03, "delta0": 1.5, "friction": 0.05, "shaft_stiffness": 0.3},
+    {"zeta": 0.02, "delta0": 2.0, "friction": 0.03, "shaft_stiffness": 0.25,
+     "contact_exponent": 1.0},
+    {"zeta": 0.0, "delta0": 0.5, "friction": 0.05},
+    {"zeta": 0.0, "delta0": 1.2, "friction": 0.2, "shaft_stiffness": 0.1},
+]  # fmt: skip
+OSCILLATING = [
+    {"zeta": 0.07, "delta0": 0.5, "friction": 0.1},
+    {"zeta": 0.02, "delta0": 1.0, "friction": 0.01, "shaft_stiffness": 0.2},
+    {"zeta": 0.05, "delta0": 1.2, "friction": 0.1, "contact_exponent": 1.0,
+     "shaft_stiffness": 0.25},
+    {"zeta": 0.07, "delta0": 0.5, "friction": 0.02, "contact_damping": 0.3},
+    {"zeta": 0.0, "delta0": 0.7, "friction": 0.1, "contact_damping": 0.5},
+]  # fmt: skip
+
+
+def points(found, *names):
+    rows = np.stack([found[name].values.ravel() for name in names], axis=1)
+    return rows[np.isfinite(rows).all(axis=1)]
+
+
+def scanned(machine, condition, nodes=60_000):
+    """Amplitudes at which a condition changes sign along either flank, by roots of the quartic.
+
+    The speeds at each amplitude are eigenvalues of a companion matrix: no part of the package.
+    """
+    zeta, d, mu = (machine[name] for name in ("zeta", "delta0", "friction"))
+    kappa, n = machine.get("shaft_stiffness", 0.0), machine.get("contact_exponent", 1.5)
+    depth = np.concatenate([np.geomspace(1e-9, 1e-2, nodes // 4), np.linspace(1e-2, 40.0, nodes)])
+    A, f = d + depth, depth**n
+    g = f + kappa * A
+    scale = np.sqrt(g / A)
+    quartic = np.stack([
+        (g * g + (mu * f) ** 2) / scale**4,
+        4.0 * mu * zeta * A * f / scale**3,
+        A * (4.0 * zeta**2 * A - 2.0 * g) / scale**2,
+        0.0 * A,
+    ])  # fmt: skip
+    companion = np.zeros((A.size, 4, 4))
+    companion[:, [1, 2, 3], [0, 1, 2]] = 1.0
+    companion[:, :, 3] = -(quartic / (A * A - 1.0)).T
+    roots = np.linalg.eigvals(companion) * scale[:, None]
+    real = (np.abs(roots.imag) < 1e-9 * np.abs(roots)) & (roots.real > 0.0)
+    speeds = np.sort(np.where(real, roots.real, np.nan), axis=1)[:, :2]
+    changes = []
+    for w in speeds.T:
+        value = condition(A, w, machine)
+        near = np.isfinite(value[1:] * value[:-1]) & (np.abs(np.diff(w)) < 0.1 * w[1:])
+        changes += A[1:][near & (value[1:] * value[:-1] < 0.0)].tolist()
+    return np.sort(changes)
+
+
+def fold_condition(A, omega, machine):
+    inside = np.where(np.isfinite(omega), omega, 0.0)
+    return np.where(np.isfinite(omega), stability_determinant(A, omega=inside, **machine), np.nan)
+
+
+def hurwitz(A, omega, machine):
+    """a3 a2 a1 - a1**2 - a3**2 a0, from the sums of products of the eigenvalues."""
+    inside = np.where(np.isfinite(omega), omega, 0.0)
+    x = eigenvalues(A, omega=inside, **machine)
+    pairs = [x[:, i] + x[:, j] for i in range(4) for j in range(i)]
+    # the product of all sums of two eigenvalues is, up to a positive factor, minus that
+    return np.where(np.isfinite(omega), np.prod(pairs, axis=0).real, np.nan)
+
+
+@pytest.mark.parametrize("machine", MACHINES)
+def test_no_fold_is_lost_and_none_invented(machine):
+    found = points(folds(**machine), "fold_amplitude")[:, 0]
+    expected = scanned(machine, fold_condition)
+    inside = np.sort(found[found < 40.0])
+    np.testing.assert_allclose(inside, expected, rtol=0.0, atol=1.5e-3)
+
+
+@pytest.mark.parametrize("machine", MACHINES)
+def test_at_a_fold_two_whirls_merge(machine):
+    """A little to one side there are two more of them than to the other, around its amplitude."""
+    for omega, amplitude in points(folds(**machine), "fold_omega", "fold_amplitude"):
+        counts, near = [], []
+        for part in (-1e-6, 1e-6):
+            here = synchronous_response(omega=omega * (1.0 + part), **machine)
+            there = here.amplitude.values.ravel()[here.in_contact.values.ravel() == 1]
+            counts.append(there.size)
+            near.append(there[np.abs(there / amplitude - 1.0) < 2e-2])
+        assert abs(counts[1] - counts[0]) == 2
+        two = max(near, key=len)
+        assert two.size == 2
+        assert two.min() < amplitude < two.max()
+
+
+def test_folds_lie_on_the_locus():
+    """Where speed and damping are eliminated by hand, the fold has the damping that it was for."""
+    draw, count = np.random.default_rng(5), 0
+    for _ in range(60):
+        zeta, d = 10 ** draw.uniform(-2.5, -0.7), 10 ** draw.uniform(-1.0, 0.5)
+        kappa = float(draw.choice([0.0, 10 ** draw.uniform(-2.0, 0.5)]))
+        mu, hertz = 10 ** draw.uniform(-3.0, -0.5), bool(draw.random() < 0.6)
+        found = folds(
+            zeta=zeta,
+            delta0=d,
+            shaft_stiffness=kappa,
+            contact_exponent=1.5 if hertz else 1.0,
+            friction=mu,
+        )
+        for omega, amplitude in points(found, "fold_omega", "fold_amplitude"):
+            lag, damping = rub_locus(np.array([math.sqrt(amplitude - d)]), Ring(d, kappa, hertz, mu))
+            place = int(np.nanargmin(np.abs(damping - zeta)))
+            # the locus is steep where it begins
+            assert damping.ravel()[place] == pytest.approx(zeta, rel=1e-8)
+            f = (amplitude - d) ** (1.5 if hertz else 1.0)
+            across = 2.0 * zeta * omega * amplitude + mu * f
+            along = (kappa - omega**2) * amplitude + f
+            assert lag.ravel()[place] == pytest.approx(math.atan2(across, along), abs=1e-6)
+            assert math.hypot(across, along) == pytest.approx(omega**2, rel=1e-10)
+            count += 1
+    assert count > 60
+
+
+def test_folds_move_continuously_from_those_without_friction():
+    """Twice the friction moves them twice as far, as long as both are small."""
+    without = folds(zeta=0.07, delta0=0.5).fold_omega.values.ravel()
+    little, twice = (
+        folds(zeta=0.07, delta0=0.5, friction=mu).fold_omega.values.ravel() - without
+        for mu in (1e-7, 2e-7)
+    )
+    np.testing.assert_allclose(twice, 2.0 * little, rtol=1e-4)
+    np.testing.assert_array_less(little[2:], 0.0)  # those of the resonance, to lower speeds
+
+
+def test_a_jump_lands_on_what_is_left():
+    found = jumps(zeta=0.07, delta0=0.5, friction=0.02)
+    landing, speeds = found.landing_amplitude.values.ravel(), found.fold_omega.values.ravel()
+    for omega, amplitude in zip(speeds, landing, strict=True):
+        if np.isfinite(amplitude):
+            here = synchronous_response(omega=omega, zeta=0.07, delta0=0.5, friction=0.02)
+            assert np.abs(here.amplitude - amplitude).min() < 1e-12
+    assert np.isfinite(landing).any()
+
+
+@pytest.mark.parametrize(
+    "ring",
+    [
+        {"delta0": 0.5, "friction": 0.05},
+        {"delta0": 0.5, "friction": 0.5},
+        {"delta0": 1.2, "friction": 0.05, "shaft_stiffness": 1.0},
+        {"delta0": 3.0, "friction": 0.1, "shaft_stiffness": 0.1, "contact_exponent": 1.0},
+    ],
+)
+def test_folds_end_at_the_cusp(ring):
+    """Beside its damping there are two, close to its place, and beyond it none."""
+    limit = cusp(**ring)
+    zeta, omega, amplitude = (limit[name].item() for name in limit.data_vars)
+    assert cusp_zeta(**ring) == zeta
+    beneath = points(folds(zeta=zeta * (1.0 - 1e-8), **ring), "fold_omega", "fold_amplitude")
+    assert beneath.shape == (2, 2)
+    np.testing.assert_allclose(beneath.mean(axis=0), (omega, amplitude), rtol=1e-6)
+    assert np.isnan(folds(zeta=zeta * (1.0 + 1e-8), **ring).fold_omega).all()
+
+
+def test_much_friction_leaves_no_fold_at_all():
+    assert math.isnan(cusp_zeta(0.5, friction=2.0))
+    assert np.isnan(folds(zeta=[0.0, 1e-3, 0.07], delta0=0.5, friction=2.0).fold_omega).all()
+    axis = cusp(delta0=0.5, friction=[0.0, 0.1, 2.0])
+    assert axis.cusp_zeta.dims == ("delta0", "friction")
+    np.testing.assert_array_equal(axis.cusp_zeta.values[0, 0], cusp_zeta(0.5))
+    with pytest.raises(InputError, match="delta0 must be given with friction"):
+        cusp(friction=0.1)
+
+
+@pytest.mark.parametrize("machine", OSCILLATING)
+def test_a_pair_of_eigenvalues_is_imaginary_at_a_hopf_point(machine):
+    names = ("hopf_omega", "hopf_amplitude", "hopf_frequency")
+    for omega, amplitude, frequency in points(hopf_points(**machine), *names):
+        found = eigenvalues(amplitude, omega=omega, **machine)
+        assert np.abs(found - 1j * frequency).min() < 1e-12 * max(1.0, frequency)
+        here = synchronous_response(omega=omega, **machine).amplitude
+        assert np.abs(here / amplitude - 1.0).min() < 1e-13
+
+
+@pytest.mark.parametrize("machine", OSCILLATING)
+def test_no_hopf_point_is_lost_and_none_invented(machine):
+    found = points(hopf_points(**machine), "hopf_amplitude")[:, 0]
+
+    def oscillates(A, omega, machine):
+        """That determinant, but for neutral saddles: two real eigenvalues that add up to 0."""
+        value = hurwitz(A, omega, machine)
+        x = eigenvalues(A, omega=np.where(np.isfinite(omega), omega, 0.0), **machine)
+        spread = np.abs(x[:, :, None] + x[:, None, :])
+        spread[:, range(4), range(4)] = np.inf
+        pair = spread.reshape(-1, 16).argmin(axis=1) // 4
+        real = np.abs(x[range(len(x)), pair].imag) < 1e-9 * np.abs(x).max(axis=1)
+        return np.where(real, np.nan, value)
+
+    expected = scanned(machine, oscillates)
+    inside = np.sort(found[found < 40.0])
+    np.testing.assert_allclose(inside, expected, rtol=0.0, atol=1.5e-3)
+
+
+def test_the_stated_condition_of_a_hopf_point():
+    """Without contact damping: 4 zeta a2 a1 = a1**2 + 16 zeta**2 D, solved along the curve."""
+    zeta, d, mu = 0.07, 0.5, 0.1
+
+    def condition(omega):
+        here = synchronous_response(omega=omega, zeta=zeta, delta0=d, friction=mu)
+        A = here.amplitude.values.ravel()[0]
+        f = (A - d) ** 1.5
+        a, b = 1.5 * math.sqrt(A - d) - omega**2, f / A - omega**2
+        c_u, c_v = 2 * zeta * omega + 1.5 * mu * math.sqrt(A - d), 2 * zeta * omega + mu * f / A
+        a2 = 4 * zeta**2 + a + b + 4 * omega**2
+        a1 = 2 * zeta * (a + b) + 2 * omega * (c_u + c_v)
+        return a1**2 + 16 * zeta**2 * (a * b + c_u * c_v) - 4 * zeta * a2 * a1
+
+    begin = brentq(condition, 1.0, 1.2, xtol=1e-15, rtol=1e-15)
+    first = hopf_points(zeta=zeta, delta0=d, friction=mu).hopf_omega.values.ravel()[0]
+    assert first == pytest.approx(begin, rel=1e-12)
+
+
+def test_axes_of_friction_are_dimensions_in_their_order():
+    given = {"zeta": 0.07, "delta0": [0.5, 1.0], "contact_damping": [0.0, 0.1], "friction": [0.0, 0.1]}
+    for found, last in ((folds(**given), "fold"), (hopf_points(**given), "hopf")):
+        name = f"{last}_omega"
+        assert found[name].dims == ("zeta", "delta0", "contact_damping", "friction", last)
+    alone = folds(zeta=0.07, delta0=1.0, friction=0.1).fold_omega.values.ravel()
+    beside = folds(**given).fold_omega.sel(delta0=1.0, contact_damping=0.1, friction=0.1)
+    np.testing.assert_array_equal(beside.values.ravel()[: alone.size], alone)
+    without = folds(zeta=0.07, delta0=0.5).fold_omega.values.ravel()
+    smooth = folds(**given).fold_omega.sel(delta0=0.5, contact_damping=0.0, friction=0.0)
+    np.testing.assert_array_equal(smooth.values.ravel()[: without.size], without)
+
+
+@pytest.mark.parametrize("function", [folds, hopf_points, jumps])
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        ({"friction": -0.1}, "friction must be zero or positive, got -0.1"),
+        ({"friction": 1e9}, "friction must be 0 or between 1e-20 and 1e"),
+        ({"delta0": 0.0}, "friction must be 0 without clearance"),
+    ],
+)
+def test_odd_values_are_refused(function, given, says):
+    with pytest.raises(InputError, match=says):
+        function(**({"zeta": 0.07, "delta0": 0.5, "friction": 0.1} | given))
