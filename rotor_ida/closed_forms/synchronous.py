@@ -201,10 +201,7 @@ def whirls_in_contact(
         rows = np.nonzero(chosen)[0]
         here = omega[rows], zeta[rows], delta0[rows], further.shaft_stiffness[rows]
         mu = further.friction[rows] if rubs[rows[0]] else None
-        if linear[rows[0]]:
-            others = linear_whirls(*here, mu)
-        else:
-            others = contacting_whirls(*here, mu)
+        others = linear_whirls(*here, mu) if linear[rows[0]] else contacting_whirls(*here, mu)
         found.amplitude[rows], found.phase_lag[rows] = others.amplitude, others.phase_lag
         found.determinant[rows] = others.determinant
     return found

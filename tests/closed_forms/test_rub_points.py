@@ -33,8 +33,8 @@ MACHINES = [
 ]  # fmt: skip
 OSCILLATING = [
     {"zeta": 0.07, "delta0": 0.5, "friction": 0.1},
-    {"zeta": 0.02, "delta0": 1.0, "friction": 0.01, "shaft_stiffness": 0.2},
-    {"zeta": 0.05, "delta0": 1.2, "friction": 0.1, "contact_exponent": 1.0,
+    {"zeta": 0.02, "delta0": 1.0, "friction": 0.05, "shaft_stiffness": 0.2},
+    {"zeta": 0.05, "delta0": 1.2, "friction": 0.2, "contact_exponent": 1.0,
      "shaft_stiffness": 0.25},
     {"zeta": 0.07, "delta0": 0.5, "friction": 0.02, "contact_damping": 0.3},
     {"zeta": 0.0, "delta0": 0.7, "friction": 0.1, "contact_damping": 0.5},
@@ -102,7 +102,9 @@ def test_no_fold_is_lost_and_none_invented(machine):
 @pytest.mark.parametrize("machine", MACHINES)
 def test_at_a_fold_two_whirls_merge(machine):
     """A little to one side there are two more of them than to the other, around its amplitude."""
-    for omega, amplitude in points(folds(**machine), "fold_omega", "fold_amplitude"):
+    there = points(folds(**machine), "fold_omega", "fold_amplitude")
+    assert len(there) > 0
+    for omega, amplitude in there:
         counts, near = [], []
         for part in (-1e-6, 1e-6):
             here = synchronous_response(omega=omega * (1.0 + part), **machine)
@@ -130,7 +132,9 @@ def test_folds_lie_on_the_locus():
             friction=mu,
         )
         for omega, amplitude in points(found, "fold_omega", "fold_amplitude"):
-            lag, damping = rub_locus(np.array([math.sqrt(amplitude - d)]), Ring(d, kappa, hertz, mu))
+            lag, damping = rub_locus(
+                np.array([math.sqrt(amplitude - d)]), Ring(d, kappa, hertz, mu)
+            )
             place = int(np.nanargmin(np.abs(damping - zeta)))
             # the locus is steep where it begins
             assert damping.ravel()[place] == pytest.approx(zeta, rel=1e-8)
@@ -197,7 +201,9 @@ def test_much_friction_leaves_no_fold_at_all():
 @pytest.mark.parametrize("machine", OSCILLATING)
 def test_a_pair_of_eigenvalues_is_imaginary_at_a_hopf_point(machine):
     names = ("hopf_omega", "hopf_amplitude", "hopf_frequency")
-    for omega, amplitude, frequency in points(hopf_points(**machine), *names):
+    there = points(hopf_points(**machine), *names)
+    assert len(there) > 0
+    for omega, amplitude, frequency in there:
         found = eigenvalues(amplitude, omega=omega, **machine)
         assert np.abs(found - 1j * frequency).min() < 1e-12 * max(1.0, frequency)
         here = synchronous_response(omega=omega, **machine).amplitude
@@ -243,7 +249,12 @@ def test_the_stated_condition_of_a_hopf_point():
 
 
 def test_axes_of_friction_are_dimensions_in_their_order():
-    given = {"zeta": 0.07, "delta0": [0.5, 1.0], "contact_damping": [0.0, 0.1], "friction": [0.0, 0.1]}
+    given = {
+        "zeta": 0.07,
+        "delta0": [0.5, 1.0],
+        "contact_damping": [0.0, 0.1],
+        "friction": [0.0, 0.1],
+    }
     for found, last in ((folds(**given), "fold"), (hopf_points(**given), "hopf")):
         name = f"{last}_omega"
         assert found[name].dims == ("zeta", "delta0", "contact_damping", "friction", last)

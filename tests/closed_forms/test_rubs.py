@@ -201,4 +201,6 @@ def test_friction_is_a_dimension_or_a_coordinate():
 )
 def test_odd_values_are_refused(given, says):
     with pytest.raises(InputError, match=says):
-        synchronous_response(**({"omega": 1.2, "zeta": 0.07, "delta0": 0.5, "friction": 0.1} | given))
+        synchronous_response(
+            **({"omega": 1.2, "zeta": 0.07, "delta0": 0.5, "friction": 0.1} | given)
+        )
