@@ -192,7 +192,7 @@ def rolling_depth(surface: float, delta0: float, kappa: float, exponent: float) 
         return 2.0 * excess / (first + math.sqrt(first * first + 4.0 * (1.0 + kappa) * excess))
     # u**5 + kappa u**4 + delta0 u**3 + 2 kappa delta0 u**2 is convex, and none of its terms alone
     # exceeds the excess at the root
-    u = min(excess**0.2, math.cbrt(excess / delta0))
+    u = min(math.pow(excess, 0.2), math.cbrt(excess / delta0))
     if kappa > 0.0:
         u = min(u, math.sqrt(excess / (2.0 * kappa * delta0)))
     for _ in range(100):
@@ -210,7 +210,7 @@ def _contact(depth: float, exponent: float) -> tuple[float, float]:
     if exponent != HERTZ_EXPONENT:
         return depth, 1.0
     root = math.sqrt(depth)
-    return depth * root, HERTZ_EXPONENT * root
+    return depth * root, 1.5 * root
 
 
 def _saddle_rate(rotor: Rotor, radius: float, speed: float, force: float, slope: float) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from rotor_ida.closed_forms import (
     folds,
     hopf_points,
     jumps,
+    peaks,
     stability_determinant,
     synchronous_response,
 )
@@ -264,6 +266,28 @@ def test_axes_of_friction_are_dimensions_in_their_order():
     without = folds(zeta=0.07, delta0=0.5).fold_omega.values.ravel()
     smooth = folds(**given).fold_omega.sel(delta0=0.5, contact_damping=0.0, friction=0.0)
     np.testing.assert_array_equal(smooth.values.ravel()[: without.size], without)
+
+
+def test_the_table_of_the_documentation():
+    """docs/whirls.md: how friction moves the boundaries of the paper's Figs 6 and 10."""
+    page = (Path(__file__).parents[2] / "docs" / "whirls.md").read_text()
+    lines = [line.split("|")[1:-1] for line in page.splitlines() if line.startswith("| 0")]
+    assert len(lines) == 5
+    for friction, fold, landing, peak, hopf, limit in lines:
+        given = {"zeta": 0.07, "delta0": 0.5, "friction": float(friction)}
+        found = jumps(**given)
+        large = found.fold_omega.values.ravel() > 1.0
+        speeds, landings = (
+            found[name].values.ravel()[large] for name in ("fold_omega", "landing_amplitude")
+        )
+        assert fold.strip() == (", ".join(f"{each:.5f}" for each in speeds) or "none")
+        words = ["none" if np.isnan(each) else f"{each:.3f}" for each in landings]
+        assert landing.strip() == ", ".join(words)
+        top = peaks(**given)
+        assert peak.strip() == f"{top.peak_amplitude.item():.3f} at {top.peak_omega.item():.4f}"
+        first = np.nanmin(np.append(hopf_points(**given).hopf_omega, np.inf))
+        assert hopf.strip() == (f"{first:.5f}" if np.isfinite(first) else "none")
+        assert limit.strip() == f"{cusp_zeta(0.5, friction=float(friction)):.5f}"
 
 
 @pytest.mark.parametrize("function", [folds, hopf_points, jumps])
