@@ -29,7 +29,6 @@ FINER = (70, 140, 280, 560, 1120)
 SAME = Fraction(1, 10**17)
 
 
-
 @dataclass(frozen=True, slots=True)
 class Polynomial:
     """A polynomial by its coefficients, the lowest first."""
@@ -69,7 +68,6 @@ class Polynomial:
 def constant(value: Fraction | int) -> Polynomial:
     """Return a polynomial of degree 0."""
     return Polynomial((Fraction(value),))
-
 
 
 @dataclass(frozen=True, slots=True)

@@ -36,7 +36,14 @@ import numpy.typing as npt
 from rotor_ida.arrays import Values
 from rotor_ida.closed_forms.contacting_whirls import Rows, bracketed_newton
 from rotor_ida.closed_forms.double_double import DoubleDouble
-from rotor_ida.closed_forms.exact_polynomials import Polynomial, constant, positive_roots
+from rotor_ida.closed_forms.exact_polynomials import (
+    FINER,
+    SAME,
+    Polynomial,
+    Root,
+    constant,
+    positive_roots,
+)
 
 # Coefficients by powers of the speed, the lowest first.
 Equation = tuple[Polynomial, ...]
@@ -192,7 +199,8 @@ def rub_tips(rub: Rub) -> list[Point]:
         )
     begin = Fraction(max(1.0 - rub.delta0, 0.0))
     begin = Fraction(math.sqrt(begin)) if rub.hertz else begin
-    roots = [root for root in positive_roots(discriminant) if root > begin]
+    roots = [root.narrowed(FINER[0])[0] for root in positive_roots(discriminant)]
+    roots = [root for root in roots if root > begin]
     if not roots:
         return []
     edges = [begin, *roots, 2 * roots[-1]]
@@ -322,10 +330,22 @@ def _crossings(first: Equation, second: Equation) -> list[tuple[Fraction, Fracti
         first, second = first[::2], second[::2]
     found = []
     for root in positive_roots(_resultant(first, second)):
-        w = _common([each(root) for each in first], [each(root) for each in second])
+        place, w = _resolved(root, first, second)
         if w is not None and w > 0:
-            found.append((root, Fraction(math.sqrt(w)) if even else w))
+            found.append((place, Fraction(math.sqrt(w)) if even else w))
     return found
+
+
+def _resolved(root: Root, first: Equation, second: Equation) -> tuple[Fraction, Fraction | None]:
+    """Return a root and what both equations have in common there, the root narrowed enough."""
+    for power in FINER[1:]:
+        ends = root.narrowed(power)
+        low, high = (
+            _common([each(end) for each in first], [each(end) for each in second]) for end in ends
+        )
+        if low is not None and high is not None and abs(low - high) <= SAME * abs(high):
+            return ends[0], low
+    return ends[0], None
 
 
 def _vanishes(polynomial: Polynomial) -> bool:
