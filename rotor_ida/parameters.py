@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from rotor_ida.checks import check_nonnegative, check_positive, shown
+from rotor_ida.checks import check_nonnegative, check_positive
 from rotor_ida.errors import InputError
 
 PARAMETERS = ("omega", "zeta", "delta0")
@@ -16,7 +16,9 @@ DEFAULTS = {
     "contact_damping": 0.0,
     "load": 0.0,
 }
-ALL_PARAMETERS = (*PARAMETERS, *DEFAULTS)
+# What friction in the contact takes; without it there is none, and no disc radius is needed.
+OF_FRICTION = ("friction", "disc_radius")
+ALL_PARAMETERS = (*PARAMETERS, *DEFAULTS, *OF_FRICTION)
 # By what the paper's rotor is given in SI units; what is in DEFAULTS comes beside it.
 MACHINE_PARAMETERS = (
     "mass", "contact_stiffness", "damping", "eccentricity", "clearance", "speed",
@@ -47,21 +49,26 @@ class Rotor:
     load : float
         Static load gamma, downwards [1].
     friction : float
-        Coefficient of friction [1]: not there yet, it must be 0.
+        Coefficient mu of Coulomb friction in the contact [1].
     disc_radius : float, optional
-        Radius of the disc over eccentricity [1]: not there yet, as friction is not.
+        Radius rho of the disc over eccentricity [1], which friction needs; without friction it is
+        kept and changes nothing.
 
     Raises
     ------
     InputError
         If a value is not a finite real number that is zero or positive; if the exponent is
-        another; if there is contact damping without clearance.
+        another; if there is contact damping or friction without clearance, or friction without a
+        disc radius.
 
     Notes
     -----
-    ``z'' + 2 zeta z' + kappa z + N z/|z| = omega**2 exp(i omega t) - i gamma``, with
+    ``z'' + 2 zeta z' + kappa z + (N + i T) z/|z| = omega**2 exp(i omega t) - i gamma``, with
     ``N = max(0, d**n (1 + c d'))`` where ``d = |z| - delta0`` is positive, or else 0: never
-    tensile [2]_. With the defaults it is the paper's rotor,
+    tensile [2]_. While the surfaces slide, ``T = mu N sign(v_s)`` with
+    ``v_s = v_t + rho omega``, v_t the tangential velocity of the disc's centre; where v_s is 0 the
+    disc rolls on the ring for as long as ``|T| <= mu N``. With the defaults it is the paper's
+    rotor,
     ``z'' + 2 zeta z' + max(|z| - delta0, 0)**1.5 z/|z| = omega**2 exp(i omega t)``.
 
     References
@@ -93,11 +100,16 @@ class Rotor:
     disc_radius: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ALL_PARAMETERS:
+        for name in (*PARAMETERS, *DEFAULTS):
             object.__setattr__(self, name, check_nonnegative(name, getattr(self, name)))
+        for name, value in _checked_friction(self.friction, self.disc_radius).items():
+            object.__setattr__(self, name, value)
         check_exponent(self.contact_exponent)
-        check_no_friction(self.friction, self.disc_radius)
-        object.__setattr__(self, "friction", 0.0)
+        if self.friction > 0.0 and self.delta0 == 0.0:
+            raise InputError(
+                "friction must be 0 without clearance, where the radius may vanish in contact, "
+                f"got {self.friction!r} with delta0 0.0"
+            )
         if self.contact_damping > 0.0 and self.delta0 == 0.0:
             raise InputError(
                 "contact_damping must be 0 without clearance, where the radius may vanish in "
@@ -109,14 +121,14 @@ class Rotor:
 
     @property
     def beyond(self) -> dict[str, float]:
-        """What it has beyond the paper's rotor: the parameters that are not the default."""
-        values = {name: getattr(self, name) for name in DEFAULTS}
-        return {name: value for name, value in values.items() if value != DEFAULTS[name]}
+        """What makes it move unlike the paper's rotor: the parameters that are not the default."""
+        beyond = _not_default(self)
+        return beyond if self.friction > 0.0 else without(beyond, "disc_radius")
 
     @property
     def given(self) -> dict[str, float]:
-        """What it takes to make the same rotor: those of the paper's, and what is beyond it."""
-        return {name: getattr(self, name) for name in PARAMETERS} | self.beyond
+        """What it takes to make the same rotor: those of the paper's, and what is not default."""
+        return {name: getattr(self, name) for name in PARAMETERS} | _not_default(self)
 
 
 def check_exponent(exponent: float) -> None:
@@ -126,13 +138,36 @@ def check_exponent(exponent: float) -> None:
         raise InputError(f"contact_exponent must be {allowed}, got {exponent!r}")
 
 
-def check_no_friction(friction: object, disc_radius: object) -> None:
-    """Raise `InputError` where there is friction."""
-    if check_nonnegative("friction", friction) != 0.0:
-        raise InputError(f"friction must be 0, as there is none yet, got {shown(friction)}")
-    if disc_radius is not None:
+def _checked_friction(friction: object, disc_radius: object) -> dict[str, float | None]:
+    """Return what friction takes, or raise `InputError`."""
+    coefficient = check_nonnegative("friction", friction)
+    if disc_radius is None:
+        if coefficient > 0.0:
+            raise InputError(
+                f"disc_radius must be given with friction, got None with friction {coefficient!r}"
+            )
+        return {"friction": coefficient, "disc_radius": None}
+    radius = check_nonnegative("disc_radius", disc_radius)
+    return {"friction": coefficient, "disc_radius": radius}
+
+
+def _not_default(rotor: Rotor | DimensionalRotor) -> dict[str, float]:
+    """Return what is not the default, of all that comes beside the paper's parameters."""
+    defaults = DEFAULTS | {"friction": 0.0, "disc_radius": None}
+    values = {name: getattr(rotor, name) for name in defaults}
+    return {name: value for name, value in values.items() if value != defaults[name]}
+
+
+def without(values: dict[str, float], name: str) -> dict[str, float]:
+    """Return values by name, but for one."""
+    return {each: value for each, value in values.items() if each != name}
+
+
+def check_no_friction(rotor: Rotor, what: str) -> None:
+    """Raise `InputError` for a rotor with friction, where that is not known yet."""
+    if rotor.friction > 0.0:
         raise InputError(
-            f"disc_radius must be None, as there is no friction yet, got {shown(disc_radius)}"
+            f"friction must be 0 for {what}, which does not know it yet, got {rotor.friction!r}"
         )
 
 
@@ -179,8 +214,10 @@ class DimensionalRotor:
         force [s/m].
     load : float
         Static load, downwards, L [N]; the weight is mass times 9.80665 m/s^2.
-    friction, disc_radius
-        As for `Rotor`: not there yet.
+    friction : float
+        Coefficient of Coulomb friction in the contact [1].
+    disc_radius : float, optional
+        Radius of the disc, R [m], which friction needs.
 
     Raises
     ------
@@ -193,7 +230,8 @@ class DimensionalRotor:
     -----
     Lengths scale with D, times with 1/omega_0, where ``omega_0**2 = k D**(n - 1)/m``; the paper
     prints ``k/m``, which has the wrong dimension for a Hertz contact. Then
-    ``kappa = k_s/(m omega_0**2)``, ``c = lambda D omega_0`` and ``gamma = L/(m D omega_0**2)``.
+    ``kappa = k_s/(m omega_0**2)``, ``c = lambda D omega_0``, ``gamma = L/(m D omega_0**2)`` and
+    ``rho = R/D``.
 
     References
     ----------
@@ -225,8 +263,9 @@ class DimensionalRotor:
             object.__setattr__(self, name, check_positive(name, getattr(self, name)))
         for name in ("damping", "clearance", "speed", *DEFAULTS):
             object.__setattr__(self, name, check_nonnegative(name, getattr(self, name)))
+        for name, value in _checked_friction(self.friction, self.disc_radius).items():
+            object.__setattr__(self, name, value)
         check_exponent(self.contact_exponent)
-        check_no_friction(self.friction, self.disc_radius)
         scales = (self.reference_frequency, self.velocity_scale, self.force_scale)
         if not all(SMALLEST_SCALE < scale < 1.0 / SMALLEST_SCALE for scale in scales):
             raise InputError(
@@ -267,9 +306,7 @@ class DimensionalRotor:
     @property
     def given(self) -> dict[str, float]:
         """What it takes to make the same machine: those of the paper's, and what is beyond it."""
-        values = {name: getattr(self, name) for name in DEFAULTS}
-        beyond = {name: value for name, value in values.items() if value != DEFAULTS[name]}
-        return {name: getattr(self, name) for name in MACHINE_PARAMETERS} | beyond
+        return {name: getattr(self, name) for name in MACHINE_PARAMETERS} | _not_default(self)
 
     def rotor(self) -> Rotor:
         """Return the dimensionless rotor that moves like this machine."""
@@ -282,4 +319,6 @@ class DimensionalRotor:
             contact_exponent=self.contact_exponent,
             contact_damping=self.contact_damping * self.velocity_scale,
             load=self.load / self.force_scale,
+            friction=self.friction,
+            disc_radius=None if self.disc_radius is None else self.disc_radius / self.eccentricity,
         )

@@ -58,6 +58,9 @@ RESPONSE = {
 EVENT_KIND = {"exit": -1, "entry": 1}
 # What contact damping adds: the force falls to zero inside the ring, or rises from it again.
 DAMPED_EVENT_KIND = EVENT_KIND | {"press": 4, "release": -4}
+# What friction adds: the disc begins to roll, or to slip, or slides the other way.
+OF_FRICTION_EVENT_KIND = {"roll": 2, "slip": -2, "reverse": 3}
+MODE = {"flight": 0, "slipping_forward": 1, "slipping_backward": -1, "rolling": 2, "loose": 3}
 # What became of a start, besides the numbers of the attractors and the kinds of response.
 FATE = {"not_computed": -2, "undecided": -1}
 # What the region of an attractor rests on, which holds starts that end there: a proof that no orbit
@@ -88,6 +91,8 @@ QUANTITIES: dict[str, Quantity] = {
     "contact_exponent": Quantity("exponent of the contact force"),
     "contact_damping": Quantity("relative rise of the contact force at a speed of approach of 1"),
     "load": Quantity("static load, downwards, over the contact force at an indentation of 1"),
+    "friction": Quantity("coefficient of friction in the contact"),
+    "disc_radius": Quantity("radius of the disc over eccentricity"),
     # a run
     "t": Quantity("time", scale="time"),
     "x": Quantity("horizontal displacement", scale="length"),
@@ -114,6 +119,12 @@ QUANTITIES: dict[str, Quantity] = {
     "entry_angle": Quantity("angle from the ring's normal to the velocity at entry", "radian"),
     "energy_lost": Quantity("kinetic energy at entry less that at exit", scale="energy"),
     "contact_loss": Quantity("energy lost in the contact by its damping", scale="energy"),
+    "heat": Quantity("heat of slipping in the contact", scale="energy"),
+    "mode": Quantity("how the rotor moves: in flight, slipping, rolling or loose", flags=MODE),
+    "slip_speed": Quantity(
+        "speed of the disc's rim on the ring, positive forwards", scale="velocity"
+    ),
+    "normal_force": Quantity("normal force of the contact", scale="force"),
     "whirl_direction": Quantity(
         "sense of the motion round the bearing axis at the peak", flags=WHIRL_DIRECTION
     ),

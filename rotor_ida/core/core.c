@@ -2,6 +2,17 @@
 #include "cvode.h"
 #include "events.h"
 
+/* The mode in which a contact begins; with friction it has another, of the same size. */
+static const struct mode *mode_of_contact(const struct rotor *rotor)
+{
+#ifdef WHOLE_MODEL
+    if (rotor->friction > 0.0)
+        return &rub_mode;
+#endif
+    (void)rotor;
+    return &contact_mode;
+}
+
 /* Do what is asked with the motions of a run open. */
 static int with_motions(struct run *run, int (*act)(struct run *, const struct motions *, void *),
                         void *more)
@@ -10,15 +21,16 @@ static int with_motions(struct run *run, int (*act)(struct run *, const struct m
     const struct parameters model = parameters_of(&run->rotor, 0.0);
     if (run->method == TAYLOR) { /* flight is exact, so one of the two is enough */
         struct taylor taylor;
-        const struct mode *mode = model.delta0 > 0.0 ? &contact_mode : &cartesian_mode;
+        const struct mode *mode = model.delta0 > 0.0 ? mode_of_contact(&run->rotor)
+                                                     : &cartesian_mode;
         open_taylor(&taylor, mode, model, run->rtol, tangents);
         const struct motions motions = {&taylor.motion, &taylor.motion};
         return act(run, &motions, more);
     }
     struct cvode contact, free;
     const struct parameters felt = parameters_of(&run->rotor, model.delta0 == 0.0 ? 1.0 : 0.0);
-    int status = open_cvode(&contact, run->sundials, run->method, &contact_mode, model, run->rtol,
-                            tangents);
+    int status = open_cvode(&contact, run->sundials, run->method, mode_of_contact(&run->rotor),
+                            model, run->rtol, tangents);
     const int second = open_cvode(&free, run->sundials, run->method, &cartesian_mode, felt,
                                   run->rtol, tangents);
     status = status == DONE ? second : status;
@@ -146,7 +158,43 @@ void core_rotate(double *states, const double *times, double omega, int64_t coun
 /* Radius at an event against delta0: the state is put there, so only rounding may remain. */
 static const double ON_THE_RING = 8.0 * ROUNDING;
 
+/* The slip speed of a disc that rolls, in parts of its speeds: it is put there likewise. */
+static const double OFF_ROLLING = 256.0 * ROUNDING;
+
 static double radius_at(const double *state) { return length((struct vector){state[0], state[1]}); }
+
+/* Whether what happens with friction, and what follows, fits the way in which the rotor moved. */
+static int is_in_turn(int kind, int before, int now)
+{
+    const int slides = now == SLIDES_FORWARDS || now == SLIDES_BACKWARDS;
+    const int slid = before == SLIDES_FORWARDS || before == SLIDES_BACKWARDS;
+    switch (kind) {
+    case ENTRY:
+        return before == FLIES && (slides || now == ROLLS);
+    case EXIT:
+        return before != FLIES && now == FLIES;
+    case ROLL:
+        return slid && now == ROLLS;
+    case SLIP:
+        return before == ROLLS && slides;
+    case REVERSE:
+        return slid && now == -before;
+    case RELEASE:
+        return (slid || before == ROLLS) && now == IS_LOOSE;
+    case PRESS:
+        return before == IS_LOOSE && (slides || now == ROLLS);
+    default:
+        return 0;
+    }
+}
+
+static int is_of_friction(int kind) { return kind == ROLL || kind == SLIP || kind == REVERSE; }
+
+/* How the rotor moves from an event on; before all with friction as at the start. */
+static int way_from(const struct run *run, int64_t event)
+{
+    return event < 0 ? run->way_began : run->event_ways[event];
+}
 
 static enum fault fault_of_events(const struct run *run, int64_t *row)
 {
@@ -160,6 +208,16 @@ static enum fault fault_of_events(const struct run *run, int64_t *row)
         if (*row > 0 && !(time[0] > time[-1]))
             return BACKWARDS;
         const int kind = run->event_kinds[*row];
+        if (run->event_ways != NULL
+            && !is_in_turn(kind, way_from(run, *row - 1), way_from(run, *row)))
+            return NOT_IN_TURN;
+        if (is_of_friction(kind)) {
+            if (!in_contact || run->event_ways == NULL)
+                return NOT_IN_TURN;
+            if (!(radius_at(state) >= delta0 * (1.0 - ON_THE_RING)))
+                return OFF_THE_RING;
+            continue;
+        }
         if (kind == PRESS || kind == RELEASE) {
             if (!in_contact || kind == last || (last == 0 && kind == PRESS && entered))
                 return NOT_IN_TURN;
@@ -196,6 +254,39 @@ static int is_tensile(const struct run *run, const double *state, int loose, dou
     return (loose ? -held : held) < -least;
 }
 
+/* The tangential force that rolling needs at a time on axes that stand still. */
+static double hold_at(const struct rotor *rotor, const double *state, double time)
+{
+    const struct vector z = {state[0], state[1]}, v = {state[2], state[3]};
+    const double radius = length(z), rim = rotor->disc_radius * rotor->omega;
+    const struct vector drive = {cos(rotor->omega * time), sin(rotor->omega * time)};
+    return (rotor->omega * rotor->omega * cross(z, drive) - rotor->load * z.x) / radius
+           + rim * (2.0 * rotor->zeta + dot(z, v) / (radius * radius));
+}
+
+/* What a sample says against the way in which surfaces slide, or the disc rolls. */
+static enum fault fault_of_way(const struct run *run, const double *state, double time, int way,
+                               double allowed)
+{
+    const struct rotor *rotor = &run->rotor;
+    const struct vector z = {state[0], state[1]}, v = {state[2], state[3]};
+    const double radius = length(z), rim = rotor->disc_radius * rotor->omega;
+    const double slip = cross(z, v) / radius + rim, depth = larger(radius - rotor->delta0, 0.0);
+    const double more = allowed * (1.0 + (length(v) + rim) / rotor->delta0);
+    if (way != ROLLS)
+        return way != IS_LOOSE && way != FLIES && way * slip < -more ? SLIDES_ASTRAY : SOUND;
+    if (!(fabs(slip) <= OFF_ROLLING * (length(v) + rim)))
+        return SLIPS_WHILE_ROLLING;
+    const double spring = pow(depth, rotor->contact_exponent);
+    const double factor = 1.0 + rotor->contact_damping * dot(z, v) / radius;
+    const double grip = rotor->friction * larger(spring * factor, 0.0);
+    const double steep = 1.5 * (1.0 + sqrt(depth)) * (1.0 + fabs(factor))
+                         + rotor->contact_damping * spring + rotor->omega * rotor->omega
+                         + rotor->load;
+    return fabs(hold_at(rotor, state, time)) > grip + more * (1.0 + steep) ? SLIPS_WHILE_ROLLING
+                                                                           : SOUND;
+}
+
 static enum fault fault_of_samples(const struct run *run, double allowed, int64_t *row)
 {
     int64_t passed = 0;
@@ -219,6 +310,12 @@ static enum fault fault_of_samples(const struct run *run, double allowed, int64_
         if (outwards > 0.0 && known && run->rotor.contact_damping > 0.0
             && is_tensile(run, state, loose, allowed))
             return TENSILE;
+        if (run->event_ways != NULL) {
+            const enum fault fault = fault_of_way(run, state, run->sample_times[*row],
+                                                  way_from(run, passed - 1), allowed);
+            if (fault != SOUND)
+                return fault;
+        }
     }
     return SOUND;
 }

@@ -26,6 +26,7 @@ enum status {
 
 struct rotor {
     double omega, zeta, delta0, shaft_stiffness, contact_exponent, contact_damping, load;
+    double friction, disc_radius;
 };
 
 /* A library knows one model: the paper's rotor, or the whole. */
@@ -78,7 +79,9 @@ struct sundials {
 
 enum method { TAYLOR = 0, ADAMS = 1, BDF = 2 };
 enum where { UNDECIDED = -1, IN_FLIGHT = 0, IN_CONTACT = 1 };
-enum event { ENTRY = 1, EXIT = -1, PRESS = 4, RELEASE = -4 };
+enum event { ENTRY = 1, EXIT = -1, ROLL = 2, SLIP = -2, REVERSE = 3, PRESS = 4, RELEASE = -4 };
+/* How a rotor with friction moves: sliding, by the sense in which it does, 1 or -1, or else. */
+enum way { FLIES = 0, SLIDES_FORWARDS = 1, SLIDES_BACKWARDS = -1, ROLLS = 2, IS_LOOSE = 3 };
 
 /* One run: what is asked, where it stands, and what is recorded of it.
  *
@@ -107,13 +110,15 @@ struct run {
     int64_t sample_count, sampled;
     double *event_times, *event_states; /* rows of 4 */
     int8_t *event_kinds;
+    int8_t *event_ways; /* with friction: how it moves from each event on */
     int64_t event_room, events;
     double *contacts; /* rows of entry, exit, time of the peak, its root q, impulse, momentum,
-                         energy lost by contact damping, largest force */
+                         energy lost by contact damping, largest force, heat of sliding */
     int64_t contact_room, contact_count;
     double *extrema; /* of the radius: rows of time, radius, -1 or 1, state */
     int64_t extremum_room, extremum_count;
     int64_t evaluations;
+    int32_t way_began, unused; /* with friction: how it moved at its start: written */
 };
 
 /* Follow a run from where it stands to its end.
@@ -153,6 +158,8 @@ enum fault {
     SAMPLE_NOT_FINITE,
     WRONG_SIDE_OF_THE_RING,
     TENSILE,
+    SLIDES_ASTRAY,
+    SLIPS_WHILE_ROLLING,
     PEAKS_OUTSIDE
 };
 

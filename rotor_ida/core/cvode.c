@@ -26,9 +26,9 @@ static void draw_load(const struct motion *motion, double point, const double *v
     const struct vector down = load_of(motion, values, point);
     double turning = motion->model.omega;
     int place = CARTESIAN_DOWN_X;
-    if (motion->mode == &contact_mode) {
+    if (is_contact(motion)) {
         const double q = values[CONTACT_Q], radius = motion->model.delta0 + q * q;
-        turning = fabs(q) * (turning + fabs(values[CONTACT_H]) / (radius * radius));
+        turning = fabs(q) * (turning + fabs(momentum_of(motion, values)) / (radius * radius));
         place = CONTACT_DOWN_R;
     }
     rates[place] += PULL * turning * (down.x - values[place]);

@@ -767,4 +767,1093 @@ const struct mode cartesian_mode = {
     .expand_differences = cartesian_expand_differences,
 };
 
+/* The rates of change of q, p, slip, c, s, down_r, down_t, t, j, work, spent, heat, drawn back to where they belong. */
+static void rub_field(const struct parameters *m,
+    const double *state, double *rate)
+{
+    const double q = state[RUB_Q];
+    const double p = state[RUB_P];
+    const double slip = state[RUB_SLIP];
+    const double c = state[RUB_C];
+    const double s = state[RUB_S];
+    const double down_r = state[RUB_DOWN_R];
+    const double down_t = state[RUB_DOWN_T];
+    const double of_q = 0.5 * p;
+    const double square = q * q;
+    const double push = (m->hertz * q + m->linear) * square;
+    const double w3 = push * (1.0 + m->contact_damping * p);
+    const double push_ = m->pressed * w3;
+    const double r = m->delta0 + square;
+    const double slip_speed = ratio(slip, r);
+    const double around = slip_speed - m->rim;
+    const double spin = ratio(around, r);
+    const double centrifugal = spin * around;
+    const double outwards = m->omega * m->omega * c - 2.0 * m->zeta * p - push_ - m->shaft_stiffness * r + m->load * down_r + centrifugal;
+    const double of_p = outwards * q;
+    const double drag = m->friction * m->sigma * m->pressed * w3;
+    const double sideways = -(m->omega * m->omega) * s - 2.0 * m->zeta * around + m->load * down_t - drag;
+    const double w14 = sideways * r;
+    const double moment = w14 + m->rim * p;
+    const double of_slip = moment * q;
+    const double turned = spin * q;
+    const double turn = turned - m->omega * q;
+    const double w19 = turn * s;
+    const double of_c = -w19;
+    const double w21 = c * c;
+    const double w22 = s * s;
+    const double w23 = (1.0 - (w21 + w22)) * q;
+    const double w24 = w23 * c;
+    const double of_s = turn * c;
+    const double w26 = w23 * s;
+    const double of_down_r = turned * down_t;
+    const double w28 = down_r * down_r;
+    const double w29 = down_t * down_t;
+    const double w30 = (1.0 - (w28 + w29)) * q;
+    const double w31 = w30 * down_r;
+    const double w32 = turned * down_r;
+    const double of_down_t = -w32;
+    const double w34 = w30 * down_t;
+    const double w35 = w3 * q;
+    const double of_j = m->pressed * w35;
+    const double w37 = w35 * p;
+    const double w38 = p * p;
+    const double h = slip - m->rim * r;
+    const double around_ = ratio(h, r);
+    const double w41 = around_ * around_;
+    const double damped = 2.0 * m->zeta * (w38 + w41 - m->omega * h);
+    const double w43 = r * down_t;
+    const double spent = (damped + m->load * m->omega * w43) * q;
+    const double w45 = w35 * (m->rim + m->omega * r);
+    const double spent_ = spent - m->friction * m->sigma * m->pressed * w45;
+    const double w47 = w35 * slip_speed;
+    const double heat = m->friction * m->sigma * m->pressed * w47;
+    rate[RUB_Q] = of_q;
+    rate[RUB_P] = of_p;
+    rate[RUB_SLIP] = of_slip;
+    rate[RUB_C] = of_c + 0.1 * m->omega * w24;
+    rate[RUB_S] = of_s + 0.1 * m->omega * w26;
+    rate[RUB_DOWN_R] = of_down_r + 0.1 * m->omega * w31;
+    rate[RUB_DOWN_T] = of_down_t + 0.1 * m->omega * w34;
+    rate[RUB_T] = q;
+    rate[RUB_J] = of_j;
+    rate[RUB_WORK] = m->pressed * w37;
+    rate[RUB_SPENT] = spent_;
+    rate[RUB_HEAT] = heat;
+}
+
+/* Their derivatives by each of these, column by column. */
+static void rub_jacobian(const struct parameters *m,
+    const double *state, double *matrix)
+{
+    for (int i = 0; i < 144; i++)
+        matrix[i] = 0.0;
+    const double q = state[RUB_Q];
+    const double p = state[RUB_P];
+    const double slip = state[RUB_SLIP];
+    const double c = state[RUB_C];
+    const double s = state[RUB_S];
+    const double down_r = state[RUB_DOWN_R];
+    const double down_t = state[RUB_DOWN_T];
+    const double w0 = m->hertz * q + m->linear;
+    const double square = q * q;
+    const double push = w0 * square;
+    const double w3 = m->contact_damping * p + 1.0;
+    const double w4 = push * w3;
+    const double w5 = m->pressed * w4;
+    const double w6 = square + m->delta0;
+    const double w7 = ratio(slip, w6);
+    const double w8 = w7 - m->rim;
+    const double w9 = ratio(w8, w6);
+    const double w10 = w9 * w8;
+    const double w11 = w0 * q;
+    const double w12 = (2.0 * w11 + m->hertz * square) * w3;
+    const double w13 = w7 * q;
+    const double w14 = ratio(w13, w6);
+    const double w15 = w14 * w9;
+    const double w16 = w9 * q;
+    const double w17 = ratio(-2.0 * w14 - 2.0 * w16, w6);
+    const double w18 = w17 * w8;
+    const double w19 = (-m->pressed * w12 - 2.0 * m->shaft_stiffness * q + (-2.0 * w15 + w18)) * q;
+    const double w20 = m->pressed * (m->friction * m->sigma) * w4;
+    const double w21 = -(m->omega * m->omega) * s - 2.0 * m->zeta * w8 + m->load * down_t - w20;
+    const double w22 = w21 * w6;
+    const double w23 = w21 * q;
+    const double w24 = (4.0 * m->zeta * w14 - m->pressed * (m->friction * m->sigma) * w12) * w6;
+    const double w25 = (2.0 * w23 + w24) * q;
+    const double w26 = w17 * q;
+    const double w27 = w9 + w26;
+    const double w28 = w27 - m->omega;
+    const double w29 = w28 * s;
+    const double w30 = c * c;
+    const double w31 = s * s;
+    const double w32 = -(w30 + w31) + 1.0;
+    const double w33 = w32 * c;
+    const double w34 = w28 * c;
+    const double w35 = w32 * s;
+    const double w36 = w27 * down_t;
+    const double w37 = down_r * down_r;
+    const double w38 = down_t * down_t;
+    const double w39 = -(w37 + w38) + 1.0;
+    const double w40 = w39 * down_r;
+    const double w41 = w27 * down_r;
+    const double w42 = w39 * down_t;
+    const double w43 = w12 * q;
+    const double w44 = w5 + m->pressed * w43;
+    const double w45 = w44 * p;
+    const double w46 = p * p;
+    const double w47 = slip - m->rim * w6;
+    const double w48 = ratio(w47, w6);
+    const double w49 = w48 * w48;
+    const double w50 = w6 * down_t;
+    const double w51 = w48 * q;
+    const double w52 = ratio(-2.0 * m->rim * q - 2.0 * w51, w6);
+    const double w53 = w52 * w48;
+    const double w54 = q * down_t;
+    const double w55 = (2.0 * m->zeta * (2.0 * w53 - -2.0 * m->rim * m->omega * q) + 2.0 * (m->load * m->omega) * w54) * q;
+    const double w56 = m->omega * w6 + m->rim;
+    const double w57 = (w20 + m->pressed * (m->friction * m->sigma) * w43) * w56;
+    const double w58 = w4 * q;
+    const double w59 = w58 * q;
+    const double w60 = w44 * w7;
+    const double w61 = w14 * w58;
+    const double w62 = (-2.0 * m->zeta - m->pressed * m->contact_damping * push) * q;
+    const double w63 = push * w6;
+    const double w64 = (-(m->pressed * m->contact_damping * (m->friction * m->sigma)) * w63 + m->rim) * q;
+    const double w65 = push * q;
+    const double w66 = w65 * p;
+    const double w67 = q * p;
+    const double w68 = w65 * w56;
+    const double w69 = w65 * w7;
+    const double w70 = ratio(1.0, w6);
+    const double w71 = w9 * w70;
+    const double w72 = ratio(w70, w6);
+    const double w73 = w8 * w72;
+    const double w74 = (w71 + w73) * q;
+    const double w75 = w70 * w6;
+    const double w76 = w75 * q;
+    const double w77 = w72 * q;
+    const double w78 = w77 * s;
+    const double w79 = w77 * c;
+    const double w80 = w77 * down_t;
+    const double w81 = w77 * down_r;
+    const double w82 = w48 * w70;
+    const double w83 = (2.0 * w82 - m->omega) * q;
+    const double w84 = w58 * w70;
+    const double w85 = q * c;
+    const double w86 = w85 * c;
+    const double w87 = w32 * q;
+    const double w88 = 0.1 * m->omega * w87;
+    const double w89 = w16 - m->omega * q;
+    const double w90 = w85 * s;
+    const double w91 = w6 * q;
+    const double w92 = q * s;
+    const double w93 = w92 * c;
+    const double w94 = w92 * s;
+    const double w95 = q * down_r;
+    const double w96 = w95 * down_r;
+    const double w97 = w39 * q;
+    const double w98 = 0.1 * m->omega * w97;
+    const double w99 = w95 * down_t;
+    const double w100 = w54 * down_r;
+    const double w101 = w54 * down_t;
+    matrix[1] = m->omega * m->omega * c - 2.0 * m->zeta * p - w5 - m->shaft_stiffness * w6 + m->load * down_r + w10 + w19;
+    matrix[2] = w22 + m->rim * p + w25;
+    matrix[3] = -w29 + 0.1 * m->omega * w33;
+    matrix[4] = w34 + 0.1 * m->omega * w35;
+    matrix[5] = w36 + 0.1 * m->omega * w40;
+    matrix[6] = -w41 + 0.1 * m->omega * w42;
+    matrix[7] = 1.0;
+    matrix[8] = w44;
+    matrix[9] = w45;
+    matrix[10] = 2.0 * m->zeta * (w46 + w49 - m->omega * w47) + m->load * m->omega * w50 + w55 - (w57 + m->pressed * (m->friction * m->sigma) * (2.0 * m->omega) * w59);
+    matrix[11] = m->friction * m->sigma * (w60 - 2.0 * m->pressed * w61);
+    matrix[12] = 0.5;
+    matrix[13] = w62;
+    matrix[14] = w64;
+    matrix[20] = m->pressed * m->contact_damping * w65;
+    matrix[21] = m->pressed * m->contact_damping * w66 + m->pressed * w58;
+    matrix[22] = 4.0 * m->zeta * w67 - m->pressed * m->contact_damping * (m->friction * m->sigma) * w68;
+    matrix[23] = m->pressed * m->contact_damping * (m->friction * m->sigma) * w69;
+    matrix[25] = w74;
+    matrix[26] = -2.0 * m->zeta * w76;
+    matrix[27] = -w78;
+    matrix[28] = w79;
+    matrix[29] = w80;
+    matrix[30] = -w81;
+    matrix[34] = 2.0 * m->zeta * w83;
+    matrix[35] = m->pressed * (m->friction * m->sigma) * w84;
+    matrix[37] = m->omega * m->omega * q;
+    matrix[39] = -0.2 * m->omega * w86 + w88;
+    matrix[40] = w89 - 0.2 * m->omega * w90;
+    matrix[50] = -(m->omega * m->omega) * w91;
+    matrix[51] = -w89 - 0.2 * m->omega * w93;
+    matrix[52] = -0.2 * m->omega * w94 + w88;
+    matrix[61] = m->load * q;
+    matrix[65] = -0.2 * m->omega * w96 + w98;
+    matrix[66] = -w16 - 0.2 * m->omega * w99;
+    matrix[74] = m->load * w91;
+    matrix[77] = w16 - 0.2 * m->omega * w100;
+    matrix[78] = -0.2 * m->omega * w101 + w98;
+    matrix[82] = m->load * m->omega * w91;
+}
+
+/* The rates of a small difference are this matrix times it. */
+static void rub_growth(const struct parameters *m,
+    const double *state, double growth[4][4])
+{
+    const double q = state[RUB_Q];
+    const double p = state[RUB_P];
+    const double slip = state[RUB_SLIP];
+    const double square = q * q;
+    const double r = m->delta0 + square;
+    const double slip_speed = ratio(slip, r);
+    const double around = slip_speed - m->rim;
+    const double spin = ratio(around, r);
+    const double turned = spin * q;
+    const double w6 = m->contact_damping * p + 1.0;
+    const double w7 = (1.5 * m->hertz * q + m->linear) * w6;
+    const double w8 = (-m->pressed * w7 - m->shaft_stiffness) * q;
+    const double w9 = ratio(1.0, r);
+    const double w10 = around * w9;
+    const double push = (m->hertz * q + m->linear) * square;
+    const double w12 = w10 * push;
+    const double w13 = push * w6;
+    const double w14 = w13 * w9;
+    const double w15 = (-(m->pressed * m->contact_damping) * w12 + m->pressed * (m->friction * m->sigma) * w14) * q;
+    const double w16 = (-2.0 * m->zeta - m->pressed * m->contact_damping * push) * q;
+    const double w17 = w7 * q;
+    const double w18 = (-m->pressed * w14 - m->shaft_stiffness - m->pressed * m->contact_damping * (m->friction * m->sigma) * w12) * q;
+    const double w19 = (-(m->pressed * m->contact_damping * (m->friction * m->sigma)) * push - spin) * q;
+    growth[0][0] = 0.0;
+    growth[0][1] = turned;
+    growth[0][2] = q;
+    growth[0][3] = 0.0;
+    growth[1][0] = -turned;
+    growth[1][1] = 0.0;
+    growth[1][2] = 0.0;
+    growth[1][3] = q;
+    growth[2][0] = w8;
+    growth[2][1] = w15;
+    growth[2][2] = w16;
+    growth[2][3] = turned;
+    growth[3][0] = -(m->pressed * (m->friction * m->sigma)) * w17;
+    growth[3][1] = w18;
+    growth[3][2] = w19;
+    growth[3][3] = -2.0 * m->zeta * q;
+}
+
+/* What omega, zeta, delta0, shaft_stiffness, contact_damping, load add to the rates by time of position and velocity. */
+static void rub_by_parameters(const struct parameters *m,
+    const double *state, double added[PARAMETERS][4])
+{
+    const double q = state[RUB_Q];
+    const double p = state[RUB_P];
+    const double slip = state[RUB_SLIP];
+    const double c = state[RUB_C];
+    const double s = state[RUB_S];
+    const double down_r = state[RUB_DOWN_R];
+    const double down_t = state[RUB_DOWN_T];
+    const double square = q * q;
+    const double r = m->delta0 + square;
+    const double slip_speed = ratio(slip, r);
+    const double around = slip_speed - m->rim;
+    const double w4 = (1.5 * m->hertz * q + m->linear) * (m->contact_damping * p + 1.0);
+    const double push = (m->hertz * q + m->linear) * square;
+    const double w6 = push * p;
+    added[0][0] = 0.0;
+    added[0][1] = -r;
+    added[0][2] = 2.0 * m->omega * c + around;
+    added[0][3] = -2.0 * m->omega * s - p;
+    added[1][0] = 0.0;
+    added[1][1] = 0.0;
+    added[1][2] = -2.0 * p;
+    added[1][3] = -2.0 * around;
+    added[2][0] = 0.0;
+    added[2][1] = 0.0;
+    added[2][2] = m->pressed * w4;
+    added[2][3] = -(-m->pressed * (m->friction * m->sigma)) * w4;
+    added[3][0] = 0.0;
+    added[3][1] = 0.0;
+    added[3][2] = -r;
+    added[3][3] = 0.0;
+    added[4][0] = 0.0;
+    added[4][1] = 0.0;
+    added[4][2] = -m->pressed * w6;
+    added[4][3] = -(m->pressed * (m->friction * m->sigma)) * w6;
+    added[5][0] = 0.0;
+    added[5][1] = 0.0;
+    added[5][2] = down_r;
+    added[5][3] = down_t;
+}
+
+/* The Taylor series of the state: 17 lanes. */
+static void rub_expand(const struct parameters *m,
+    struct series *series, int order)
+{
+    _Static_assert(12 <= WIDTH && 17 <= LANES && 0 <= FACTORS, "series.h has no room for this mode");
+    const double q_first = series->terms[0][RUB_Q];
+    const double inverse_r = inverse(m->delta0 + q_first * q_first);
+    double one = 1.0; /* coefficient n of 1 */
+    begin_lanes(series);
+    for (int n = 0; n < order; n++) {
+        sum_known(series, n, 5);
+        const double *here = series->terms[n];
+        double *terms = series->terms[n + 1];
+        const double share = 1.0 / (n + 1);
+        const double q = here[RUB_Q];
+        const double p = here[RUB_P];
+        const double slip = here[RUB_SLIP];
+        const double c = here[RUB_C];
+        const double s = here[RUB_S];
+        const double down_r = here[RUB_DOWN_R];
+        const double down_t = here[RUB_DOWN_T];
+        const double of_q = 0.5 * p;
+        const double square = times(series, 0, n, q, q); /* q * q */
+        /* (hertz * q + linear) * square */
+        const double push = times(series, 1, n, m->hertz * q + one * m->linear, square);
+        /* push * (1.0 + contact_damping * p) */
+        const double w3 = times(series, 2, n, push, one * 1.0 + m->contact_damping * p);
+        const double push_ = m->pressed * w3;
+        const double r = one * m->delta0 + square;
+        const double slip_speed = over(series, 3, n, slip, r, inverse_r); /* slip / r */
+        const double around = slip_speed - one * m->rim;
+        const double spin = over(series, 4, n, around, r, inverse_r); /* around / r */
+        const double centrifugal = times(series, 5, n, spin, around); /* spin * around */
+        const double outwards = m->omega * m->omega * c - 2.0 * m->zeta * p - push_ - m->shaft_stiffness * r + m->load * down_r + centrifugal;
+        const double of_p = times(series, 6, n, outwards, q); /* outwards * q */
+        const double drag = m->friction * m->sigma * m->pressed * w3;
+        const double sideways = -(m->omega * m->omega) * s - 2.0 * m->zeta * around + m->load * down_t - drag;
+        const double w14 = times(series, 7, n, sideways, r); /* sideways * r */
+        const double moment = w14 + m->rim * p;
+        const double of_slip = times(series, 8, n, moment, q); /* moment * q */
+        const double turned = times(series, 9, n, spin, q); /* spin * q */
+        const double turn = turned - m->omega * q;
+        const double w19 = times(series, 10, n, turn, s); /* turn * s */
+        const double of_c = -w19;
+        const double of_s = times(series, 11, n, turn, c); /* turn * c */
+        const double of_down_r = times(series, 12, n, turned, down_t); /* turned * down_t */
+        const double w23 = times(series, 13, n, turned, down_r); /* turned * down_r */
+        const double of_down_t = -w23;
+        const double w25 = times(series, 14, n, w3, q); /* w3 * q */
+        const double of_j = m->pressed * w25;
+        const double w27 = times(series, 15, n, w25, p); /* w25 * p */
+        const double w28 = times(series, 16, n, w25, slip_speed); /* w25 * slip_speed */
+        const double heat = m->friction * m->sigma * m->pressed * w28;
+        terms[RUB_Q] = of_q * share;
+        terms[RUB_P] = of_p * share;
+        terms[RUB_SLIP] = of_slip * share;
+        terms[RUB_C] = of_c * share;
+        terms[RUB_S] = of_s * share;
+        terms[RUB_DOWN_R] = of_down_r * share;
+        terms[RUB_DOWN_T] = of_down_t * share;
+        terms[RUB_T] = q * share;
+        terms[RUB_J] = of_j * share;
+        terms[RUB_WORK] = m->pressed * w27 * share;
+        terms[RUB_SPENT] = one * 0.0 * share;
+        terms[RUB_HEAT] = heat * share;
+        one = 0.0;
+    }
+}
+
+/* The Taylor series of the state, and the factors of differences: 29 lanes. */
+static void rub_expand_with_factors(const struct parameters *m,
+    struct series *series, int order)
+{
+    _Static_assert(12 <= WIDTH && 29 <= LANES && 8 <= FACTORS, "series.h has no room for this mode");
+    const double q_first = series->terms[0][RUB_Q];
+    const double inverse_r = inverse(m->delta0 + q_first * q_first);
+    double one = 1.0; /* coefficient n of 1 */
+    begin_lanes(series);
+    for (int n = 0; n < order; n++) {
+        sum_known(series, n, 8);
+        const double *here = series->terms[n];
+        double *terms = series->terms[n + 1];
+        const double share = 1.0 / (n + 1);
+        const double q = here[RUB_Q];
+        const double p = here[RUB_P];
+        const double slip = here[RUB_SLIP];
+        const double c = here[RUB_C];
+        const double s = here[RUB_S];
+        const double down_r = here[RUB_DOWN_R];
+        const double down_t = here[RUB_DOWN_T];
+        const double of_q = 0.5 * p;
+        const double square = times(series, 0, n, q, q); /* q * q */
+        /* (hertz * q + linear) * square */
+        const double push = times(series, 1, n, m->hertz * q + one * m->linear, square);
+        const double w3 = m->contact_damping * p;
+        const double w4 = times(series, 2, n, push, one * 1.0 + w3); /* push * (1.0 + w3) */
+        const double push_ = m->pressed * w4;
+        const double r = one * m->delta0 + square;
+        const double slip_speed = over(series, 3, n, slip, r, inverse_r); /* slip / r */
+        const double around = slip_speed - one * m->rim;
+        const double spin = over(series, 4, n, around, r, inverse_r); /* around / r */
+        const double centrifugal = times(series, 5, n, spin, around); /* spin * around */
+        const double outwards = m->omega * m->omega * c - 2.0 * m->zeta * p - push_ - m->shaft_stiffness * r + m->load * down_r + centrifugal;
+        const double of_p = times(series, 6, n, outwards, q); /* outwards * q */
+        const double drag = m->friction * m->sigma * m->pressed * w4;
+        const double sideways = -(m->omega * m->omega) * s - 2.0 * m->zeta * around + m->load * down_t - drag;
+        const double w15 = times(series, 7, n, sideways, r); /* sideways * r */
+        const double moment = w15 + m->rim * p;
+        const double of_slip = times(series, 8, n, moment, q); /* moment * q */
+        const double turned = times(series, 9, n, spin, q); /* spin * q */
+        const double turn = turned - m->omega * q;
+        const double w20 = times(series, 10, n, turn, s); /* turn * s */
+        const double of_c = -w20;
+        const double of_s = times(series, 11, n, turn, c); /* turn * c */
+        const double of_down_r = times(series, 12, n, turned, down_t); /* turned * down_t */
+        const double w24 = times(series, 13, n, turned, down_r); /* turned * down_r */
+        const double of_down_t = -w24;
+        const double w26 = times(series, 14, n, w4, q); /* w4 * q */
+        const double of_j = m->pressed * w26;
+        const double w28 = times(series, 15, n, w26, p); /* w26 * p */
+        const double w29 = times(series, 16, n, w26, slip_speed); /* w26 * slip_speed */
+        const double heat = m->friction * m->sigma * m->pressed * w29;
+        const double w31 = w3 + one * 1.0;
+        /* (1.5 * hertz * q + linear) * w31 */
+        const double w32 = times(series, 17, n, 1.5 * m->hertz * q + one * m->linear, w31);
+        /* (-pressed * w32 - shaft_stiffness) * q */
+        const double w33 = times(series, 18, n, -m->pressed * w32 - one * m->shaft_stiffness, q);
+        const double w34 = over(series, 19, n, one * 1.0, r, inverse_r); /* 1.0 / r */
+        const double w35 = times(series, 20, n, around, w34); /* around * w34 */
+        const double w36 = times(series, 21, n, w35, push); /* w35 * push */
+        const double w37 = times(series, 22, n, push, w31); /* push * w31 */
+        const double w38 = times(series, 23, n, w37, w34); /* w37 * w34 */
+        /* (-(pressed * contact_damping) * w36 + pressed * (friction * sigma) * w38) * q */
+        const double w39 = times(series, 24, n, -(m->pressed * m->contact_damping) * w36 + m->pressed * (m->friction * m->sigma) * w38, q);
+        /* (-2.0 * zeta - pressed * contact_damping * push) * q */
+        const double w40 = times(series, 25, n, one * (-2.0 * m->zeta) - m->pressed * m->contact_damping * push, q);
+        const double w41 = times(series, 26, n, w32, q); /* w32 * q */
+        /* (-pressed * w38 - shaft_stiffness - pressed * contact_damping * (friction * sigma) * w36) * q */
+        const double w42 = times(series, 27, n, -m->pressed * w38 - one * m->shaft_stiffness - m->pressed * m->contact_damping * (m->friction * m->sigma) * w36, q);
+        /* (-(pressed * contact_damping * (friction * sigma)) * push - spin) * q */
+        const double w43 = times(series, 28, n, -(m->pressed * m->contact_damping * (m->friction * m->sigma)) * push - spin, q);
+        terms[RUB_Q] = of_q * share;
+        terms[RUB_P] = of_p * share;
+        terms[RUB_SLIP] = of_slip * share;
+        terms[RUB_C] = of_c * share;
+        terms[RUB_S] = of_s * share;
+        terms[RUB_DOWN_R] = of_down_r * share;
+        terms[RUB_DOWN_T] = of_down_t * share;
+        terms[RUB_T] = q * share;
+        terms[RUB_J] = of_j * share;
+        terms[RUB_WORK] = m->pressed * w28 * share;
+        terms[RUB_SPENT] = one * 0.0 * share;
+        terms[RUB_HEAT] = heat * share;
+        series->factors[0][n] = q;
+        series->factors[1][n] = turned;
+        series->factors[2][n] = w33;
+        series->factors[3][n] = w39;
+        series->factors[4][n] = w40;
+        series->factors[5][n] = -(m->pressed * (m->friction * m->sigma)) * w41;
+        series->factors[6][n] = w42;
+        series->factors[7][n] = w43;
+        one = 0.0;
+    }
+}
+
+/* The Taylor series of four differences, from the factors that the state has given. */
+static void rub_expand_differences(const struct parameters *m,
+    struct series *series, int order)
+{
+    for (int n = 0; n < order; n++) {
+        const vec4 vx = load(&series->apart[n][8]);
+        const vec4 vy = load(&series->apart[n][12]);
+        /* what does not change in time */
+        store(&series->steady[n][0], vx);
+        store(&series->steady[n][4], vy);
+        store(&series->steady[n][8], spread(0.0));
+        store(&series->steady[n][12], spread(-2.0 * m->zeta) * vy);
+        vec4 sum_x = spread(0.0);
+        vec4 sum_y = spread(0.0);
+        vec4 sum_vx = spread(0.0);
+        vec4 sum_vy = spread(0.0);
+        /* the row written last comes last, as it is waited for */
+        for (int k = 0; k <= n; k++) {
+            const vec4 pace = spread(series->factors[0][n - k]);
+            sum_x = fma4(pace, load(&series->steady[k][0]), sum_x);
+            sum_y = fma4(pace, load(&series->steady[k][4]), sum_y);
+            sum_vx = fma4(pace, load(&series->steady[k][8]), sum_vx);
+            sum_vy = fma4(pace, load(&series->steady[k][12]), sum_vy);
+            const vec4 f1 = spread(series->factors[1][n - k]);
+            sum_x = fma4(f1, load(&series->apart[k][4]), sum_x);
+            sum_y = fma4(-f1, load(&series->apart[k][0]), sum_y);
+            sum_vx = fma4(f1, load(&series->apart[k][12]), sum_vx);
+            const vec4 f2 = spread(series->factors[2][n - k]);
+            sum_vx = fma4(f2, load(&series->apart[k][0]), sum_vx);
+            const vec4 f3 = spread(series->factors[3][n - k]);
+            sum_vx = fma4(f3, load(&series->apart[k][4]), sum_vx);
+            const vec4 f4 = spread(series->factors[4][n - k]);
+            sum_vx = fma4(f4, load(&series->apart[k][8]), sum_vx);
+            const vec4 f5 = spread(series->factors[5][n - k]);
+            sum_vy = fma4(f5, load(&series->apart[k][0]), sum_vy);
+            const vec4 f6 = spread(series->factors[6][n - k]);
+            sum_vy = fma4(f6, load(&series->apart[k][4]), sum_vy);
+            const vec4 f7 = spread(series->factors[7][n - k]);
+            sum_vy = fma4(f7, load(&series->apart[k][8]), sum_vy);
+        }
+        const vec4 share = spread(1.0 / (n + 1));
+        store(&series->apart[n + 1][0], share * sum_x);
+        store(&series->apart[n + 1][4], share * sum_y);
+        store(&series->apart[n + 1][8], share * sum_vx);
+        store(&series->apart[n + 1][12], share * sum_vy);
+    }
+}
+
+const struct mode rub_mode = {
+    .size = RUB_SIZE,
+    .field = rub_field,
+    .jacobian = rub_jacobian,
+    .growth = rub_growth,
+    .by_parameters = rub_by_parameters,
+    .expand = rub_expand,
+    .expand_with_factors = rub_expand_with_factors,
+    .expand_differences = rub_expand_differences,
+};
+
+/* The rates of change of q, p, slip, c, s, down_r, down_t, t, j, work, spent, heat, drawn back to where they belong. */
+static void rolling_field(const struct parameters *m,
+    const double *state, double *rate)
+{
+    const double q = state[ROLLING_Q];
+    const double p = state[ROLLING_P];
+    const double c = state[ROLLING_C];
+    const double s = state[ROLLING_S];
+    const double down_r = state[ROLLING_DOWN_R];
+    const double down_t = state[ROLLING_DOWN_T];
+    const double of_q = 0.5 * p;
+    const double square = q * q;
+    const double push = (m->hertz * q + m->linear) * square;
+    const double w3 = push * (1.0 + m->contact_damping * p);
+    const double push_ = m->pressed * w3;
+    const double r = m->delta0 + square;
+    const double w6 = ratio(1.0, r);
+    const double outwards = m->omega * m->omega * c - 2.0 * m->zeta * p - push_ - m->shaft_stiffness * r + m->load * down_r - m->rim * (-m->rim) * w6;
+    const double of_p = outwards * q;
+    const double w9 = w6 * q;
+    const double turned = -m->rim * w9;
+    const double turn = turned - m->omega * q;
+    const double w12 = turn * s;
+    const double of_c = -w12;
+    const double w14 = c * c;
+    const double w15 = s * s;
+    const double w16 = (1.0 - (w14 + w15)) * q;
+    const double w17 = w16 * c;
+    const double of_s = turn * c;
+    const double w19 = w16 * s;
+    const double w20 = w9 * down_t;
+    const double of_down_r = -m->rim * w20;
+    const double w22 = down_r * down_r;
+    const double w23 = down_t * down_t;
+    const double w24 = (1.0 - (w22 + w23)) * q;
+    const double w25 = w24 * down_r;
+    const double w26 = w9 * down_r;
+    const double of_down_t = m->rim * w26;
+    const double w28 = w24 * down_t;
+    const double w29 = w3 * q;
+    const double of_j = m->pressed * w29;
+    const double w31 = w29 * p;
+    const double w32 = p * p;
+    const double w33 = ratio(r, r);
+    const double w34 = w33 * w33;
+    const double damped = 2.0 * m->zeta * (w32 - -(-m->rim * (-m->rim)) * w34 - m->omega * (-m->rim) * r);
+    const double w36 = r * down_t;
+    const double spent = (damped + m->load * m->omega * w36) * q;
+    const double w38 = ratio(p, r);
+    const double hold = -(m->omega * m->omega) * s - 2.0 * m->zeta * (-m->rim) + m->load * down_t + m->rim * w38;
+    const double w40 = hold * q;
+    const double w41 = w40 * (m->rim + m->omega * r);
+    const double spent_ = spent - w41;
+    rate[ROLLING_Q] = of_q;
+    rate[ROLLING_P] = of_p;
+    rate[ROLLING_SLIP] = 0.0;
+    rate[ROLLING_C] = of_c + 0.1 * m->omega * w17;
+    rate[ROLLING_S] = of_s + 0.1 * m->omega * w19;
+    rate[ROLLING_DOWN_R] = of_down_r + 0.1 * m->omega * w25;
+    rate[ROLLING_DOWN_T] = of_down_t + 0.1 * m->omega * w28;
+    rate[ROLLING_T] = q;
+    rate[ROLLING_J] = of_j;
+    rate[ROLLING_WORK] = m->pressed * w31;
+    rate[ROLLING_SPENT] = spent_;
+    rate[ROLLING_HEAT] = 0.0;
+}
+
+/* Their derivatives by each of these, column by column. */
+static void rolling_jacobian(const struct parameters *m,
+    const double *state, double *matrix)
+{
+    for (int i = 0; i < 144; i++)
+        matrix[i] = 0.0;
+    const double q = state[ROLLING_Q];
+    const double p = state[ROLLING_P];
+    const double c = state[ROLLING_C];
+    const double s = state[ROLLING_S];
+    const double down_r = state[ROLLING_DOWN_R];
+    const double down_t = state[ROLLING_DOWN_T];
+    const double w0 = m->hertz * q + m->linear;
+    const double square = q * q;
+    const double push = w0 * square;
+    const double w3 = m->contact_damping * p + 1.0;
+    const double w4 = push * w3;
+    const double w5 = m->pressed * w4;
+    const double w6 = square + m->delta0;
+    const double w7 = ratio(1.0, w6);
+    const double w8 = w0 * q;
+    const double w9 = (2.0 * w8 + m->hertz * square) * w3;
+    const double w10 = w7 * q;
+    const double w11 = ratio(w10, w6);
+    const double w12 = (-m->pressed * w9 - 2.0 * m->shaft_stiffness * q - 2.0 * m->rim * m->rim * w11) * q;
+    const double w13 = w11 * q;
+    const double w14 = -m->rim * w7 + 2.0 * m->rim * w13;
+    const double w15 = w14 - m->omega;
+    const double w16 = w15 * s;
+    const double w17 = c * c;
+    const double w18 = s * s;
+    const double w19 = -(w17 + w18) + 1.0;
+    const double w20 = w19 * c;
+    const double w21 = w15 * c;
+    const double w22 = w19 * s;
+    const double w23 = w14 * down_t;
+    const double w24 = down_r * down_r;
+    const double w25 = down_t * down_t;
+    const double w26 = -(w24 + w25) + 1.0;
+    const double w27 = w26 * down_r;
+    const double w28 = w14 * down_r;
+    const double w29 = w26 * down_t;
+    const double w30 = w9 * q;
+    const double w31 = (w5 + m->pressed * w30) * p;
+    const double w32 = p * p;
+    const double w33 = ratio(w6, w6);
+    const double w34 = w33 * w33;
+    const double w35 = w6 * down_t;
+    const double w36 = w33 * q;
+    const double w37 = ratio(-2.0 * m->rim * q + 2.0 * m->rim * w36, w6);
+    const double w38 = w37 * w33;
+    const double w39 = q * down_t;
+    const double w40 = (2.0 * m->zeta * (-2.0 * m->rim * w38 - -2.0 * m->rim * m->omega * q) + 2.0 * (m->load * m->omega) * w39) * q;
+    const double w41 = ratio(p, w6);
+    const double w42 = -(m->omega * m->omega) * s - 2.0 * m->zeta * (-m->rim) + m->load * down_t + m->rim * w41;
+    const double w43 = w41 * q;
+    const double w44 = ratio(w43, w6);
+    const double w45 = w44 * q;
+    const double w46 = m->omega * w6 + m->rim;
+    const double w47 = (w42 - 2.0 * m->rim * w45) * w46;
+    const double w48 = w42 * q;
+    const double w49 = w48 * q;
+    const double w50 = (-2.0 * m->zeta - m->pressed * m->contact_damping * push) * q;
+    const double w51 = push * q;
+    const double w52 = w51 * p;
+    const double w53 = w4 * q;
+    const double w54 = q * p;
+    const double w55 = w10 * w46;
+    const double w56 = q * c;
+    const double w57 = w56 * c;
+    const double w58 = w19 * q;
+    const double w59 = 0.1 * m->omega * w58;
+    const double w60 = -m->rim * w10;
+    const double w61 = w60 - m->omega * q;
+    const double w62 = w56 * s;
+    const double w63 = q * s;
+    const double w64 = w63 * c;
+    const double w65 = w63 * s;
+    const double w66 = w46 * q;
+    const double w67 = q * down_r;
+    const double w68 = w67 * down_r;
+    const double w69 = w26 * q;
+    const double w70 = 0.1 * m->omega * w69;
+    const double w71 = w67 * down_t;
+    const double w72 = w39 * down_r;
+    const double w73 = w39 * down_t;
+    const double w74 = w6 * q;
+    matrix[1] = m->omega * m->omega * c - 2.0 * m->zeta * p - w5 - m->shaft_stiffness * w6 + m->load * down_r - -m->rim * m->rim * w7 + w12;
+    matrix[3] = -w16 + 0.1 * m->omega * w20;
+    matrix[4] = w21 + 0.1 * m->omega * w22;
+    matrix[5] = w23 + 0.1 * m->omega * w27;
+    matrix[6] = -w28 + 0.1 * m->omega * w29;
+    matrix[7] = 1.0;
+    matrix[8] = w5 + m->pressed * w30;
+    matrix[9] = w31;
+    matrix[10] = 2.0 * m->zeta * (w32 - -(-m->rim * (-m->rim)) * w34 - -m->rim * m->omega * w6) + m->load * m->omega * w35 + w40 - (w47 + 2.0 * m->omega * w49);
+    matrix[12] = 0.5;
+    matrix[13] = w50;
+    matrix[20] = m->pressed * m->contact_damping * w51;
+    matrix[21] = m->pressed * m->contact_damping * w52 + m->pressed * w53;
+    matrix[22] = 4.0 * m->zeta * w54 - m->rim * w55;
+    matrix[37] = m->omega * m->omega * q;
+    matrix[39] = -0.2 * m->omega * w57 + w59;
+    matrix[40] = w61 - 0.2 * m->omega * w62;
+    matrix[51] = -w61 - 0.2 * m->omega * w64;
+    matrix[52] = -0.2 * m->omega * w65 + w59;
+    matrix[58] = m->omega * m->omega * w66;
+    matrix[61] = m->load * q;
+    matrix[65] = -0.2 * m->omega * w68 + w70;
+    matrix[66] = m->rim * w10 - 0.2 * m->omega * w71;
+    matrix[77] = w60 - 0.2 * m->omega * w72;
+    matrix[78] = -0.2 * m->omega * w73 + w70;
+    matrix[82] = m->load * m->omega * w74 - m->load * w66;
+}
+
+/* The rates of a small difference are this matrix times it. */
+static void rolling_growth(const struct parameters *m,
+    const double *state, double growth[4][4])
+{
+    const double q = state[ROLLING_Q];
+    const double p = state[ROLLING_P];
+    const double c = state[ROLLING_C];
+    const double s = state[ROLLING_S];
+    const double down_r = state[ROLLING_DOWN_R];
+    const double down_t = state[ROLLING_DOWN_T];
+    const double square = q * q;
+    const double r = m->delta0 + square;
+    const double w2 = ratio(1.0, r);
+    const double w3 = w2 * q;
+    const double turned = -m->rim * w3;
+    const double w5 = m->contact_damping * p + 1.0;
+    const double w6 = (1.5 * m->hertz * q + m->linear) * w5;
+    const double w7 = (-m->shaft_stiffness - m->pressed * w6) * q;
+    const double push = (m->hertz * q + m->linear) * square;
+    const double w9 = w2 * push;
+    const double w10 = ratio(p, r);
+    const double w11 = (-(-m->rim * (2.0 * m->zeta)) - m->omega * m->omega * s + m->load * down_t + m->rim * w10) * w2;
+    const double w12 = (-(m->pressed * (-m->rim * m->contact_damping)) * w9 + w11) * q;
+    const double w13 = (-2.0 * m->zeta - m->pressed * m->contact_damping * push) * q;
+    const double w14 = ratio(w10, r);
+    const double w15 = w14 * q;
+    const double w16 = push * w5;
+    const double w17 = w16 * w2;
+    const double w18 = (-2.0 * m->zeta * p + m->omega * m->omega * c - m->shaft_stiffness * r + m->load * down_r) * w2;
+    const double w19 = ratio(w2, r);
+    const double w20 = (-m->shaft_stiffness - m->pressed * w17 - (-m->shaft_stiffness - w18 - -(-m->rim * m->rim) * w19)) * q;
+    const double spin = -m->rim * w2;
+    const double w22 = (spin + m->rim * w2) * q;
+    growth[0][0] = 0.0;
+    growth[0][1] = turned;
+    growth[0][2] = q;
+    growth[0][3] = 0.0;
+    growth[1][0] = m->rim * w3;
+    growth[1][1] = 0.0;
+    growth[1][2] = 0.0;
+    growth[1][3] = q;
+    growth[2][0] = w7;
+    growth[2][1] = w12;
+    growth[2][2] = w13;
+    growth[2][3] = turned;
+    growth[3][0] = m->rim * w15;
+    growth[3][1] = w20;
+    growth[3][2] = w22;
+    growth[3][3] = (-2.0 * m->zeta + 2.0 * m->zeta) * q;
+}
+
+/* What omega, zeta, delta0, shaft_stiffness, contact_damping, load add to the rates by time of position and velocity. */
+static void rolling_by_parameters(const struct parameters *m,
+    const double *state, double added[PARAMETERS][4])
+{
+    const double q = state[ROLLING_Q];
+    const double p = state[ROLLING_P];
+    const double c = state[ROLLING_C];
+    const double s = state[ROLLING_S];
+    const double down_r = state[ROLLING_DOWN_R];
+    const double down_t = state[ROLLING_DOWN_T];
+    const double square = q * q;
+    const double r = m->delta0 + square;
+    const double w2 = (1.5 * m->hertz * q + m->linear) * (m->contact_damping * p + 1.0);
+    const double push = (m->hertz * q + m->linear) * square;
+    const double w4 = push * p;
+    added[0][0] = 0.0;
+    added[0][1] = -r;
+    added[0][2] = 2.0 * m->omega * c - m->rim;
+    added[0][3] = -2.0 * m->omega * s + 2.0 * m->omega * s - p;
+    added[1][0] = 0.0;
+    added[1][1] = 0.0;
+    added[1][2] = -2.0 * p;
+    added[1][3] = 2.0 * m->rim - 2.0 * m->rim;
+    added[2][0] = 0.0;
+    added[2][1] = 0.0;
+    added[2][2] = m->pressed * w2;
+    added[2][3] = 0.0;
+    added[3][0] = 0.0;
+    added[3][1] = 0.0;
+    added[3][2] = -r;
+    added[3][3] = 0.0;
+    added[4][0] = 0.0;
+    added[4][1] = 0.0;
+    added[4][2] = -m->pressed * w4;
+    added[4][3] = 0.0;
+    added[5][0] = 0.0;
+    added[5][1] = 0.0;
+    added[5][2] = down_r;
+    added[5][3] = down_t - down_t;
+}
+
+/* What is watched beside the state, and how it changes. */
+static void rolling_watched(const struct parameters *m,
+    const double *state, double *watched, double *rate)
+{
+    const double q = state[ROLLING_Q];
+    const double p = state[ROLLING_P];
+    const double c = state[ROLLING_C];
+    const double s = state[ROLLING_S];
+    const double down_r = state[ROLLING_DOWN_R];
+    const double down_t = state[ROLLING_DOWN_T];
+    const double w0 = m->hertz * q + m->linear;
+    const double square = q * q;
+    const double push = w0 * square;
+    const double w3 = m->contact_damping * p;
+    const double w4 = push * (1.0 + w3);
+    const double grip = m->friction * m->pressed * w4;
+    const double r = m->delta0 + square;
+    const double w7 = ratio(p, r);
+    const double hold = -(m->omega * m->omega) * s - 2.0 * m->zeta * (-m->rim) + m->load * down_t + m->rim * w7;
+    const double w9 = w0 * q;
+    const double w10 = (2.0 * w9 + m->hertz * square) * (w3 + 1.0);
+    const double w11 = w10 * p;
+    const double push_ = m->pressed * w4;
+    const double w13 = ratio(1.0, r);
+    const double outwards = m->omega * m->omega * c - 2.0 * m->zeta * p - push_ - m->shaft_stiffness * r + m->load * down_r - m->rim * (-m->rim) * w13;
+    const double of_p = outwards * q;
+    const double w16 = of_p * push;
+    const double w17 = square + m->delta0;
+    const double w18 = ratio(p, w17);
+    const double w19 = w18 * q;
+    const double w20 = ratio(w19, w17);
+    const double w21 = w20 * p;
+    const double w22 = ratio(1.0, w17);
+    const double w23 = of_p * w22;
+    const double w24 = w13 * q;
+    const double turned = -m->rim * w24;
+    const double turn = turned - m->omega * q;
+    const double of_s = turn * c;
+    const double w28 = w24 * down_r;
+    watched[0] = grip;
+    watched[1] = hold;
+    rate[0] = 0.5 * (m->pressed * m->friction) * w11 + m->pressed * m->contact_damping * m->friction * w16;
+    rate[1] = -m->rim * w21 + m->rim * w23 - m->omega * m->omega * of_s + m->load * m->rim * w28;
+}
+
+/* The Taylor series of the state: 13 lanes. */
+static void rolling_expand(const struct parameters *m,
+    struct series *series, int order)
+{
+    _Static_assert(12 <= WIDTH && 13 <= LANES && 0 <= FACTORS, "series.h has no room for this mode");
+    const double q_first = series->terms[0][ROLLING_Q];
+    const double inverse_r = inverse(m->delta0 + q_first * q_first);
+    double one = 1.0; /* coefficient n of 1 */
+    begin_lanes(series);
+    for (int n = 0; n < order; n++) {
+        sum_known(series, n, 4);
+        const double *here = series->terms[n];
+        double *terms = series->terms[n + 1];
+        const double share = 1.0 / (n + 1);
+        const double q = here[ROLLING_Q];
+        const double p = here[ROLLING_P];
+        const double c = here[ROLLING_C];
+        const double s = here[ROLLING_S];
+        const double down_r = here[ROLLING_DOWN_R];
+        const double down_t = here[ROLLING_DOWN_T];
+        const double of_q = 0.5 * p;
+        const double square = times(series, 0, n, q, q); /* q * q */
+        /* (hertz * q + linear) * square */
+        const double push = times(series, 1, n, m->hertz * q + one * m->linear, square);
+        /* push * (1.0 + contact_damping * p) */
+        const double w3 = times(series, 2, n, push, one * 1.0 + m->contact_damping * p);
+        const double push_ = m->pressed * w3;
+        const double r = one * m->delta0 + square;
+        const double w6 = over(series, 3, n, one * 1.0, r, inverse_r); /* 1.0 / r */
+        const double outwards = m->omega * m->omega * c - 2.0 * m->zeta * p - push_ - m->shaft_stiffness * r + m->load * down_r - m->rim * (-m->rim) * w6;
+        const double of_p = times(series, 4, n, outwards, q); /* outwards * q */
+        const double w9 = times(series, 5, n, w6, q); /* w6 * q */
+        const double turned = -m->rim * w9;
+        const double turn = turned - m->omega * q;
+        const double w12 = times(series, 6, n, turn, s); /* turn * s */
+        const double of_c = -w12;
+        const double of_s = times(series, 7, n, turn, c); /* turn * c */
+        const double w15 = times(series, 8, n, w9, down_t); /* w9 * down_t */
+        const double of_down_r = -m->rim * w15;
+        const double w17 = times(series, 9, n, w9, down_r); /* w9 * down_r */
+        const double of_down_t = m->rim * w17;
+        const double w19 = times(series, 10, n, w3, q); /* w3 * q */
+        const double of_j = m->pressed * w19;
+        const double w21 = times(series, 11, n, w19, p); /* w19 * p */
+        const double grip = m->friction * m->pressed * w3;
+        const double w23 = over(series, 12, n, p, r, inverse_r); /* p / r */
+        const double hold = -(m->omega * m->omega) * s - one * (2.0 * m->zeta * (-m->rim)) + m->load * down_t + m->rim * w23;
+        terms[ROLLING_Q] = of_q * share;
+        terms[ROLLING_P] = of_p * share;
+        terms[ROLLING_SLIP] = one * 0.0 * share;
+        terms[ROLLING_C] = of_c * share;
+        terms[ROLLING_S] = of_s * share;
+        terms[ROLLING_DOWN_R] = of_down_r * share;
+        terms[ROLLING_DOWN_T] = of_down_t * share;
+        terms[ROLLING_T] = q * share;
+        terms[ROLLING_J] = of_j * share;
+        terms[ROLLING_WORK] = m->pressed * w21 * share;
+        terms[ROLLING_SPENT] = one * 0.0 * share;
+        terms[ROLLING_HEAT] = one * 0.0 * share;
+        series->watched[n][0] = grip;
+        series->watched[n][1] = hold;
+        one = 0.0;
+    }
+}
+
+/* The Taylor series of the state, and the factors of differences: 27 lanes. */
+static void rolling_expand_with_factors(const struct parameters *m,
+    struct series *series, int order)
+{
+    _Static_assert(12 <= WIDTH && 27 <= LANES && 8 <= FACTORS, "series.h has no room for this mode");
+    const double q_first = series->terms[0][ROLLING_Q];
+    const double inverse_r = inverse(m->delta0 + q_first * q_first);
+    double one = 1.0; /* coefficient n of 1 */
+    begin_lanes(series);
+    for (int n = 0; n < order; n++) {
+        sum_known(series, n, 7);
+        const double *here = series->terms[n];
+        double *terms = series->terms[n + 1];
+        const double share = 1.0 / (n + 1);
+        const double q = here[ROLLING_Q];
+        const double p = here[ROLLING_P];
+        const double c = here[ROLLING_C];
+        const double s = here[ROLLING_S];
+        const double down_r = here[ROLLING_DOWN_R];
+        const double down_t = here[ROLLING_DOWN_T];
+        const double of_q = 0.5 * p;
+        const double w1 = m->omega * m->omega * c;
+        const double square = times(series, 0, n, q, q); /* q * q */
+        /* (hertz * q + linear) * square */
+        const double push = times(series, 1, n, m->hertz * q + one * m->linear, square);
+        const double w4 = m->contact_damping * p;
+        const double w5 = times(series, 2, n, push, one * 1.0 + w4); /* push * (1.0 + w4) */
+        const double push_ = m->pressed * w5;
+        const double r = one * m->delta0 + square;
+        const double w8 = m->shaft_stiffness * r;
+        const double w9 = m->load * down_r;
+        const double w10 = over(series, 3, n, one * 1.0, r, inverse_r); /* 1.0 / r */
+        const double outwards = w1 - 2.0 * m->zeta * p - push_ - w8 + w9 - m->rim * (-m->rim) * w10;
+        const double of_p = times(series, 4, n, outwards, q); /* outwards * q */
+        const double w13 = times(series, 5, n, w10, q); /* w10 * q */
+        const double turned = -m->rim * w13;
+        const double turn = turned - m->omega * q;
+        const double w16 = times(series, 6, n, turn, s); /* turn * s */
+        const double of_c = -w16;
+        const double of_s = times(series, 7, n, turn, c); /* turn * c */
+        const double w19 = times(series, 8, n, w13, down_t); /* w13 * down_t */
+        const double of_down_r = -m->rim * w19;
+        const double w21 = times(series, 9, n, w13, down_r); /* w13 * down_r */
+        const double of_down_t = m->rim * w21;
+        const double w23 = times(series, 10, n, w5, q); /* w5 * q */
+        const double of_j = m->pressed * w23;
+        const double w25 = times(series, 11, n, w23, p); /* w23 * p */
+        const double w26 = w4 + one * 1.0;
+        /* (1.5 * hertz * q + linear) * w26 */
+        const double w27 = times(series, 12, n, 1.5 * m->hertz * q + one * m->linear, w26);
+        /* (-shaft_stiffness - pressed * w27) * q */
+        const double w28 = times(series, 13, n, one * (-m->shaft_stiffness) - m->pressed * w27, q);
+        const double w29 = times(series, 14, n, w10, push); /* w10 * push */
+        const double w30 = m->load * down_t;
+        const double w31 = over(series, 15, n, p, r, inverse_r); /* p / r */
+        const double w32 = m->rim * w31;
+        /* (-(-rim * (2.0 * zeta)) - omega * omega * s + w30 + w32) * w10 */
+        const double w33 = times(series, 16, n, one * (-(-m->rim * (2.0 * m->zeta))) - m->omega * m->omega * s + w30 + w32, w10);
+        /* (-(pressed * (-rim * contact_damping)) * w29 + w33) * q */
+        const double w34 = times(series, 17, n, -(m->pressed * (-m->rim * m->contact_damping)) * w29 + w33, q);
+        /* (-2.0 * zeta - pressed * contact_damping * push) * q */
+        const double w35 = times(series, 18, n, one * (-2.0 * m->zeta) - m->pressed * m->contact_damping * push, q);
+        const double w36 = over(series, 19, n, w31, r, inverse_r); /* w31 / r */
+        const double w37 = times(series, 20, n, w36, q); /* w36 * q */
+        const double w38 = times(series, 21, n, push, w26); /* push * w26 */
+        const double w39 = times(series, 22, n, w38, w10); /* w38 * w10 */
+        /* (-2.0 * zeta * p + w1 - w8 + w9) * w10 */
+        const double w40 = times(series, 23, n, -2.0 * m->zeta * p + w1 - w8 + w9, w10);
+        const double w41 = over(series, 24, n, w10, r, inverse_r); /* w10 / r */
+        /* (-shaft_stiffness - pressed * w39 - (-shaft_stiffness - w40 - -(-rim * rim) * w41)) * q */
+        const double w42 = times(series, 25, n, one * (-m->shaft_stiffness) - m->pressed * w39 - (one * (-m->shaft_stiffness) - w40 - -(-m->rim * m->rim) * w41), q);
+        const double spin = -m->rim * w10;
+        /* (spin + rim * w10) * q */
+        const double w44 = times(series, 26, n, spin + m->rim * w10, q);
+        const double grip = m->friction * m->pressed * w5;
+        const double hold = -(m->omega * m->omega) * s - one * (2.0 * m->zeta * (-m->rim)) + w30 + w32;
+        terms[ROLLING_Q] = of_q * share;
+        terms[ROLLING_P] = of_p * share;
+        terms[ROLLING_SLIP] = one * 0.0 * share;
+        terms[ROLLING_C] = of_c * share;
+        terms[ROLLING_S] = of_s * share;
+        terms[ROLLING_DOWN_R] = of_down_r * share;
+        terms[ROLLING_DOWN_T] = of_down_t * share;
+        terms[ROLLING_T] = q * share;
+        terms[ROLLING_J] = of_j * share;
+        terms[ROLLING_WORK] = m->pressed * w25 * share;
+        terms[ROLLING_SPENT] = one * 0.0 * share;
+        terms[ROLLING_HEAT] = one * 0.0 * share;
+        series->factors[0][n] = q;
+        series->factors[1][n] = turned;
+        series->factors[2][n] = w28;
+        series->factors[3][n] = w34;
+        series->factors[4][n] = w35;
+        series->factors[5][n] = m->rim * w37;
+        series->factors[6][n] = w42;
+        series->factors[7][n] = w44;
+        series->watched[n][0] = grip;
+        series->watched[n][1] = hold;
+        one = 0.0;
+    }
+}
+
+/* The Taylor series of four differences, from the factors that the state has given. */
+static void rolling_expand_differences(const struct parameters *m,
+    struct series *series, int order)
+{
+    for (int n = 0; n < order; n++) {
+        const vec4 vx = load(&series->apart[n][8]);
+        const vec4 vy = load(&series->apart[n][12]);
+        /* what does not change in time */
+        store(&series->steady[n][0], vx);
+        store(&series->steady[n][4], vy);
+        store(&series->steady[n][8], spread(0.0));
+        store(&series->steady[n][12], spread(-2.0 * m->zeta + 2.0 * m->zeta) * vy);
+        vec4 sum_x = spread(0.0);
+        vec4 sum_y = spread(0.0);
+        vec4 sum_vx = spread(0.0);
+        vec4 sum_vy = spread(0.0);
+        /* the row written last comes last, as it is waited for */
+        for (int k = 0; k <= n; k++) {
+            const vec4 pace = spread(series->factors[0][n - k]);
+            sum_x = fma4(pace, load(&series->steady[k][0]), sum_x);
+            sum_y = fma4(pace, load(&series->steady[k][4]), sum_y);
+            sum_vx = fma4(pace, load(&series->steady[k][8]), sum_vx);
+            sum_vy = fma4(pace, load(&series->steady[k][12]), sum_vy);
+            const vec4 f1 = spread(series->factors[1][n - k]);
+            sum_x = fma4(f1, load(&series->apart[k][4]), sum_x);
+            sum_y = fma4(-f1, load(&series->apart[k][0]), sum_y);
+            sum_vx = fma4(f1, load(&series->apart[k][12]), sum_vx);
+            const vec4 f2 = spread(series->factors[2][n - k]);
+            sum_vx = fma4(f2, load(&series->apart[k][0]), sum_vx);
+            const vec4 f3 = spread(series->factors[3][n - k]);
+            sum_vx = fma4(f3, load(&series->apart[k][4]), sum_vx);
+            const vec4 f4 = spread(series->factors[4][n - k]);
+            sum_vx = fma4(f4, load(&series->apart[k][8]), sum_vx);
+            const vec4 f5 = spread(series->factors[5][n - k]);
+            sum_vy = fma4(f5, load(&series->apart[k][0]), sum_vy);
+            const vec4 f6 = spread(series->factors[6][n - k]);
+            sum_vy = fma4(f6, load(&series->apart[k][4]), sum_vy);
+            const vec4 f7 = spread(series->factors[7][n - k]);
+            sum_vy = fma4(f7, load(&series->apart[k][8]), sum_vy);
+        }
+        const vec4 share = spread(1.0 / (n + 1));
+        store(&series->apart[n + 1][0], share * sum_x);
+        store(&series->apart[n + 1][4], share * sum_y);
+        store(&series->apart[n + 1][8], share * sum_vx);
+        store(&series->apart[n + 1][12], share * sum_vy);
+    }
+}
+
+const struct mode rolling_mode = {
+    .size = ROLLING_SIZE,
+    .field = rolling_field,
+    .jacobian = rolling_jacobian,
+    .growth = rolling_growth,
+    .by_parameters = rolling_by_parameters,
+    .expand = rolling_expand,
+    .expand_with_factors = rolling_expand_with_factors,
+    .expand_differences = rolling_expand_differences,
+    .watched = rolling_watched,
+};
+
 #endif

@@ -6,12 +6,12 @@
 #include "core.h"
 
 struct parameters {
-    double omega, zeta, delta0, shaft_stiffness, contact_damping, load, hertz, linear, felt, pressed;
+    double omega, zeta, delta0, shaft_stiffness, contact_damping, load, hertz, linear, felt, pressed, friction, rim, sigma;
 };
 
 static inline struct parameters parameters_of(const struct rotor *rotor, double felt)
 {
-    return (struct parameters){rotor->omega, rotor->zeta, rotor->delta0, rotor->shaft_stiffness, rotor->contact_damping, rotor->load, rotor->contact_exponent > 1.0 ? 1.0 : 0.0, rotor->contact_exponent > 1.0 ? 0.0 : 1.0, felt, 1.0};
+    return (struct parameters){rotor->omega, rotor->zeta, rotor->delta0, rotor->shaft_stiffness, rotor->contact_damping, rotor->load, rotor->contact_exponent > 1.0 ? 1.0 : 0.0, rotor->contact_exponent > 1.0 ? 0.0 : 1.0, felt, 1.0, rotor->friction, rotor->disc_radius * rotor->omega, 0.0};
 }
 
 enum { PARAMETERS = 6 };
@@ -19,5 +19,12 @@ enum { CONTACT_Q, CONTACT_P, CONTACT_H, CONTACT_C, CONTACT_S, CONTACT_DOWN_R, CO
 enum { CONTACT_EXIT_GUARD = CONTACT_Q };
 enum { CONTACT_EXTREMUM_GUARD = CONTACT_P };
 enum { CARTESIAN_X, CARTESIAN_Y, CARTESIAN_VX, CARTESIAN_VY, CARTESIAN_DOWN_X, CARTESIAN_DOWN_Y, CARTESIAN_SIZE };
+enum { RUB_Q, RUB_P, RUB_SLIP, RUB_C, RUB_S, RUB_DOWN_R, RUB_DOWN_T, RUB_T, RUB_J, RUB_WORK, RUB_SPENT, RUB_HEAT, RUB_SIZE };
+enum { RUB_EXIT_GUARD = RUB_Q };
+enum { RUB_EXTREMUM_GUARD = RUB_P };
+enum { RUB_ROLL_GUARD = RUB_SLIP };
+enum { ROLLING_Q, ROLLING_P, ROLLING_SLIP, ROLLING_C, ROLLING_S, ROLLING_DOWN_R, ROLLING_DOWN_T, ROLLING_T, ROLLING_J, ROLLING_WORK, ROLLING_SPENT, ROLLING_HEAT, ROLLING_SIZE };
+enum { ROLLING_EXIT_GUARD = ROLLING_Q };
+enum { ROLLING_EXTREMUM_GUARD = ROLLING_P };
 
 #endif

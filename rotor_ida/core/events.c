@@ -34,7 +34,8 @@ void advance_run(struct run *run, double span, struct motion_of_centre centre)
 /* ---- Contacts ---- */
 
 static void add_contact(struct run *run, double entry, double leaving, double peak_time,
-                        double root, double impulse, double momentum, double lost, double force)
+                        double root, double impulse, double momentum, double lost, double force,
+                        double heat)
 {
     if (run->contact_room == 0)
         return;
@@ -47,7 +48,16 @@ static void add_contact(struct run *run, double entry, double leaving, double pe
     row[5] = momentum;
     row[6] = lost;
     row[7] = force;
+    row[8] = heat;
     run->contact_count++;
+}
+
+/* Take back what happened in a contact at the very time of its exit. */
+static void take_back(struct run *run)
+{
+    while (run->events > 0 && run->event_times[run->events - 1] >= run->time
+           && run->event_kinds[run->events - 1] != ENTRY)
+        run->events--;
 }
 
 /* Follow one contact, record its exit if it has one, and add its row. */
@@ -57,12 +67,16 @@ static int follow_contact(struct run *run, struct motion *motion, double entry)
     const struct motion_of_centre here = where_it_is(run);
     run->where = IN_CONTACT;
     if (left <= 0.0) {
-        add_contact(run, entry, NAN, began, 0.0, NAN, cross(here.z, here.w), 0.0, 0.0);
-        return DONE;
+        add_contact(run, entry, NAN, began, 0.0, NAN, cross(here.z, here.w), 0.0, 0.0, 0.0);
+        if (!WHOLE)
+            return DONE;
     }
     double start[MOST_VALUES] = {0.0}, atol[MOST_VALUES] = {0.0}, reached[MOST_VALUES];
     begin_contact(here, left, &run->rotor, start);
     contact_tolerances(start, run->rtol, run->atol, atol);
+#ifdef WHOLE_MODEL
+    begin_with_friction(motion, start, atol);
+#endif
     begin_differences(motion, start, atol);
     if (run->differences > 0 && start[CONTACT_T] > 0.0)
         fly_differences(run->bundle, run->differences, start[CONTACT_T], &run->rotor);
@@ -72,6 +86,11 @@ static int follow_contact(struct run *run, struct motion *motion, double entry)
     begin_pressed(motion, start);
 #ifdef WHOLE_MODEL
     motion->down = here.down;
+    settle_friction(motion, start);
+    if (run->event_room > 0)
+        record_way(run, motion);
+    if (left <= 0.0)
+        return DONE;
 #endif
     int leaves = 0, status = motion->restart(motion, start, atol);
     if (status == DONE)
@@ -82,13 +101,17 @@ static int follow_contact(struct run *run, struct motion *motion, double entry)
         return status;
     if (leaves) {
         run->where = IN_FLIGHT;
+        if (WHOLE)
+            take_back(run);
         if (run->event_room > 0)
             record_event(run, EXIT);
+        if (run->event_ways != NULL)
+            run->event_ways[run->events - 1] = FLIES;
     }
     add_contact(run, entry, leaves ? run->time : NAN,
                 smaller(began + peak.values[CONTACT_T], run->time), peak.values[CONTACT_Q],
-                reached[CONTACT_J], peak.values[CONTACT_H], lost_of(motion, start, reached),
-                peak.force);
+                reached[CONTACT_J], momentum_of(motion, peak.values),
+                lost_of(motion, start, reached), peak.force, heat_of(motion, reached));
     return DONE;
 }
 
@@ -101,7 +124,7 @@ static int stay_in_contact(struct run *run, struct motion *motion)
     const int status = follow_freely(run, motion, &peak, &touched);
     const struct motion_of_centre at_peak = centre_of(motion, peak.values);
     add_contact(run, NAN, NAN, began + peak.time, sqrt(length(at_peak.z)), NAN,
-                cross(at_peak.z, at_peak.w), 0.0, NAN);
+                cross(at_peak.z, at_peak.w), 0.0, NAN, 0.0);
     return status;
 }
 

@@ -29,6 +29,35 @@ void begin_differences(const struct motion *motion, double *start, double *atol)
 /* Whether a contact of the whole model begins pressed or loose; and what it has lost. */
 void begin_pressed(struct motion *motion, const double *start);
 double lost_of(const struct motion *motion, const double *start, const double *values);
+/* The heat of sliding in a contact. */
+double heat_of(const struct motion *motion, const double *values);
+#ifdef WHOLE_MODEL
+/* A change of the way in which a contact goes on: where in the last step, and what says so. */
+struct change {
+    double point;
+    enum guard guard;
+};
+
+/* The first of them in the last step, up to `end`: infinite where there is none, NaN where it
+ * cannot be found (guards.c). */
+struct change change_in_step(struct motion *motion, double end);
+/* The radial velocity at which 1 + c d' vanishes. */
+double release_velocity(const struct motion *motion);
+/* The slip below which rounding hides it. */
+double hidden_slip(const struct motion *motion, const double *values);
+
+/* Go on as follows from what happened; return what it is called, or 0 (friction.c). */
+int change_way(struct motion *motion, enum guard guard, double *values);
+/* Begin a contact with friction, if there is any; and decide how it goes on. */
+void begin_with_friction(struct motion *motion, double *start, double *atol);
+void settle_friction(struct motion *motion, double *values);
+enum way way_of(const struct motion *motion);
+/* Write down how a contact goes on from the last event, or from the start; and with it what has
+ * happened. A way that ends as it begins was none. */
+void record_way(struct run *run, const struct motion *motion);
+void record_change(struct run *run, const struct motion *motion, int kind, int began,
+                   const double *values);
+#endif
 int integrate_contact(struct run *run, struct motion *motion, const double *start,
                       const double *atol, double *reached, struct peak *peak, int *left);
 int follow_freely(struct run *run, struct motion *motion, struct peak *peak, int *touched);

@@ -44,16 +44,19 @@ FAULTS = (
     "the state is not finite",
     "a sample lies on the wrong side of the ring",
     "the normal force of a sample is below 0, or missing where it is not",
+    "surfaces slide in another sense than the events say",
+    "the disc slips, or cannot be held, where it should roll",
     "a contact peaks outside its own span",
 )
-FIRST_OF_SAMPLES, OF_CONTACTS = 5, 8
+FIRST_OF_SAMPLES, OF_CONTACTS = 5, 10
 
 METHODS = {"taylor": 0, "adams": 1, "bdf": 2}
 UNDECIDED, IN_FLIGHT, IN_CONTACT = -1, 0, 1
 # Columns of the table of contacts, and of that of the extrema of the radius.
-ENTRY_TIME, EXIT_TIME, PEAK_TIME, PEAK_ROOT, IMPULSE, MOMENTUM, LOST, LARGEST_FORCE = range(8)
+ENTRY_TIME, EXIT_TIME, PEAK_TIME, PEAK_ROOT, IMPULSE, MOMENTUM = range(6)
+LOST, LARGEST_FORCE, HEAT = range(6, 9)
 TIME, RADIUS, KIND, STATE = range(4)
-CONTACT_COLUMNS, EXTREMUM_COLUMNS = 8, 7
+CONTACT_COLUMNS, EXTREMUM_COLUMNS = 9, 7
 
 
 class RotorStruct(Structure):
@@ -64,7 +67,7 @@ class RotorStruct(Structure):
     @classmethod
     def of(cls, rotor: Rotor) -> RotorStruct:
         """Return a rotor as the core takes it."""
-        return cls(*(getattr(rotor, name) for name in ALL_PARAMETERS))
+        return cls(*(getattr(rotor, name) or 0.0 for name in ALL_PARAMETERS))
 
 
 class RunStruct(Structure):
@@ -84,7 +87,8 @@ class RunStruct(Structure):
         *((name, c_void_p) for name in ("bundle", "sample_times", "samples")),
         ("sample_count", c_int64),
         ("sampled", c_int64),
-        *((name, c_void_p) for name in ("event_times", "event_states", "event_kinds")),
+        *((name, c_void_p) for name in ("event_times", "event_states")),
+        *((name, c_void_p) for name in ("event_kinds", "event_ways")),
         ("event_room", c_int64),
         ("events", c_int64),
         ("contacts", c_void_p),
@@ -94,6 +98,8 @@ class RunStruct(Structure):
         ("extremum_room", c_int64),
         ("extremum_count", c_int64),
         ("evaluations", c_int64),
+        ("way_began", c_int32),
+        ("unused", c_int32),
     ]
 
 

@@ -28,9 +28,21 @@ struct mode {
     void (*expand)(const struct parameters *, struct series *, int order);
     void (*expand_with_factors)(const struct parameters *, struct series *, int order);
     void (*expand_differences)(const struct parameters *, struct series *, int order);
+    /* what is beside the state and yet needed to say when the mode ends, and its rates; or NULL */
+    void (*watched)(const struct parameters *, const double *state, double *watched, double *rate);
 };
 
 extern const struct mode contact_mode, cartesian_mode;
+#ifdef WHOLE_MODEL
+/* With friction a contact slides or rolls. All three are laid out alike. */
+extern const struct mode rub_mode, rolling_mode;
+_Static_assert((int)RUB_Q == CONTACT_Q && (int)RUB_P == CONTACT_P && (int)RUB_C == CONTACT_C
+                   && (int)RUB_DOWN_R == CONTACT_DOWN_R && (int)RUB_T == CONTACT_T
+                   && (int)RUB_J == CONTACT_J && (int)RUB_WORK == CONTACT_WORK
+                   && (int)RUB_SPENT == CONTACT_SPENT && (int)RUB_SLIP == (int)ROLLING_SLIP
+                   && (int)RUB_HEAT == (int)ROLLING_HEAT && (int)RUB_SIZE == (int)ROLLING_SIZE,
+               "the modes of a contact must be laid out alike");
+#endif
 
 struct motion {
     const struct mode *mode;
@@ -54,12 +66,30 @@ struct motion {
 #endif
 };
 
+static inline int is_contact(const struct motion *motion)
+{
+    return motion->mode != &cartesian_mode;
+}
+
+/* The angular momentum in a contact: with friction its values hold the moment of the slip. */
+static inline double momentum_of(const struct motion *motion, const double *values)
+{
+#ifdef WHOLE_MODEL
+    if (motion->mode != &contact_mode) {
+        const double q = values[CONTACT_Q];
+        return values[RUB_SLIP] - motion->model.rim * (motion->model.delta0 + q * q);
+    }
+#endif
+    (void)motion;
+    return values[CONTACT_H];
+}
+
 #ifdef WHOLE_MODEL
 /* The direction of the load by time and by the direction of the contact. By its own rate alone it
  * would turn away from the unbalance in a long phase, a tolerance a step. */
 static inline struct vector load_of(const struct motion *motion, const double *values, double point)
 {
-    const int contact = motion->mode == &contact_mode;
+    const int contact = is_contact(motion);
     const double angle = motion->model.omega * (contact ? values[CONTACT_T] : point);
     const struct vector down = product(motion->down, (struct vector){cos(angle), -sin(angle)});
     return contact ? product(down, (struct vector){values[CONTACT_C], -values[CONTACT_S]}) : down;
@@ -70,7 +100,7 @@ static inline void put_load_right(const struct motion *motion, double *values, d
     if (motion->model.load == 0.0)
         return;
     const struct vector down = load_of(motion, values, point);
-    const int place = motion->mode == &contact_mode ? (int)CONTACT_DOWN_R : (int)CARTESIAN_DOWN_X;
+    const int place = is_contact(motion) ? (int)CONTACT_DOWN_R : (int)CARTESIAN_DOWN_X;
     values[place] = down.x;
     values[place + 1] = down.y;
 }
@@ -110,5 +140,22 @@ void open_taylor(struct taylor *taylor, const struct mode *mode, struct paramete
  * chapter 4. */
 double root_in_step(struct motion *motion, double (*function)(const double *values), double level,
                     double low, double high);
+
+#ifdef WHOLE_MODEL
+/* What must not fall below 0 while a contact goes on as it does: the factor of the force (and what
+ * is below it, while that is loose); the slip, in the sense in which surfaces slide; and what is
+ * left of the grip, for a force that would have them slide forwards, or backwards. */
+enum guard { HELD, SLIDING, GRIPS_FORWARDS, GRIPS_BACKWARDS };
+
+/* One of them, at values; and how fast it grows, if that is asked for. */
+double margin_of(const struct motion *motion, enum guard guard, const double *values,
+                 double *growth);
+
+/* The tangential force below which rounding hides the one that rolling needs. */
+double hidden_hold(const struct motion *motion, const double *values);
+
+/* As `root_in_step`, of a guard. */
+double root_of_guard(struct motion *motion, enum guard guard, double low, double high);
+#endif
 
 #endif

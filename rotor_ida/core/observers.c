@@ -26,8 +26,6 @@ double squared_radius_of(const double *values)
     return values[CARTESIAN_X] * values[CARTESIAN_X] + values[CARTESIAN_Y] * values[CARTESIAN_Y];
 }
 
-static int is_contact(const struct motion *motion) { return motion->mode == &contact_mode; }
-
 struct motion_of_centre centre_of(const struct motion *motion, const double *values)
 {
     if (!is_contact(motion))
@@ -35,7 +33,7 @@ struct motion_of_centre centre_of(const struct motion *motion, const double *val
     const struct vector direction = {values[CONTACT_C], values[CONTACT_S]};
     const struct vector outwards = scaled(1.0 / length(direction), direction);
     const double radius = motion->model.delta0 + values[CONTACT_Q] * values[CONTACT_Q];
-    const struct vector velocity = {values[CONTACT_P], values[CONTACT_H] / radius};
+    const struct vector velocity = {values[CONTACT_P], momentum_of(motion, values) / radius};
     return (struct motion_of_centre){.z = scaled(radius, outwards),
                                      .w = product(velocity, outwards)};
 }

@@ -4,7 +4,7 @@
 
 #include "motion.h"
 
-enum { EVENTS_A_CONTACT = 2, CONTACT_COLUMNS = 8, EXTREMUM_COLUMNS = 7 };
+enum { EVENTS_A_CONTACT = 2, CONTACT_COLUMNS = 9, EXTREMUM_COLUMNS = 7 };
 
 /* A stretch of flight: from where, and for how long. */
 struct flight {

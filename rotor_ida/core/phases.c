@@ -19,23 +19,8 @@ void begin_differences(const struct motion *motion, double *start, double *atol)
 /* ---- A contact, in its regularised variables ---- */
 
 #ifdef WHOLE_MODEL
-/* Looks a step by CVODE is given for a release or a press; one by Taylor series is cut so that it
- * has one at most. And most points at which the largest force is sought. */
-enum { LOOKS_FOR_RELEASE = 4, MOST_NARROWING = 60 };
-
-/* The radial velocity at which 1 + c d' vanishes. */
-static double release_velocity(const struct motion *motion)
-{
-    return -1.0 / motion->model.contact_damping;
-}
-
-/* How far the radial velocity is inside the mode: above that of release where the contact is
- * pressed, below it where that is loose. */
-static double within_mode(const struct motion *motion, const double *values)
-{
-    const double above = values[CONTACT_P] - release_velocity(motion);
-    return motion->model.pressed > 0.0 ? above : -above;
-}
+/* Most points at which the largest force is sought. */
+enum { MOST_NARROWING = 60 };
 
 void begin_pressed(struct motion *motion, const double *start)
 {
@@ -68,14 +53,16 @@ double lost_of(const struct motion *motion, const double *start, const double *v
 
 /* What the motion has of the energy on the rotating axes, but for the ring: there the unbalance
  * pulls with a constant force. Its largest part is kept in `scale`. */
-static double energy_of(const struct parameters *m, const double *values, double *scale)
+static double energy_of(const struct motion *motion, const double *values, double *scale)
 {
+    const struct parameters *m = &motion->model;
     const double radius = m->delta0 + values[CONTACT_Q] * values[CONTACT_Q];
-    const double p = values[CONTACT_P], around = values[CONTACT_H] / radius;
+    const double p = values[CONTACT_P], momentum = momentum_of(motion, values);
+    const double around = momentum / radius;
     const double moving = 0.5 * (p * p + around * around);
     const double bent = 0.5 * m->shaft_stiffness * radius * radius;
     const double lifted = m->load * radius * values[CONTACT_DOWN_R];
-    const double turning = m->omega * values[CONTACT_H];
+    const double turning = m->omega * momentum;
     const double pulled = m->omega * m->omega * radius * values[CONTACT_C];
     *scale = larger(*scale, moving + bent + fabs(lifted) + fabs(turning) + fabs(pulled));
     return moving + bent - lifted - turning - pulled;
@@ -95,96 +82,22 @@ static int is_balanced(const struct motion *motion, double absolute, const doubl
 {
     const struct parameters *m = &motion->model;
     double scale = 0.0;
-    energy_of(m, deepest, &scale);
+    energy_of(motion, deepest, &scale);
     scale += fabs(deepest[CONTACT_WORK]) + fabs(deepest[CONTACT_SPENT])
              + fabs(reached[CONTACT_WORK]) + fabs(reached[CONTACT_SPENT])
-             + held_by(m, start[CONTACT_Q]) + held_by(m, reached[CONTACT_Q]);
-    const double before = energy_of(m, start, &scale), after = energy_of(m, reached, &scale);
+             + fabs(heat_of(motion, reached)) + held_by(m, start[CONTACT_Q])
+             + held_by(m, reached[CONTACT_Q]);
+    const double before = energy_of(motion, start, &scale);
+    const double after = energy_of(motion, reached, &scale);
     const double missing = after - before + reached[CONTACT_WORK] - start[CONTACT_WORK]
-                           + reached[CONTACT_SPENT] - start[CONTACT_SPENT];
+                           + reached[CONTACT_SPENT] - start[CONTACT_SPENT]
+                           + heat_of(motion, reached) - heat_of(motion, start);
     /* what errors of angular momentum and of directions come to that are allowed by themselves */
     const double radius = m->delta0 + reached[CONTACT_Q] * reached[CONTACT_Q];
-    const double spin = fabs(reached[CONTACT_H]) / (radius * radius);
+    const double spin = fabs(momentum_of(motion, reached)) / (radius * radius);
     const double apart = m->omega + spin + (m->omega * m->omega + m->load) * radius;
     const double allowed = ENERGY_ERROR * (double)(steps + STEPS_AT_ENDS);
     return fabs(missing) <= allowed * (motion->rtol * scale + absolute * apart);
-}
-
-/* How far inside its mode a contact is at a point of the last step; and how fast that grows, which
- * is not asked of Taylor series. */
-struct margin {
-    double point, value, growth;
-};
-
-static struct margin margin_at(struct motion *motion, double point)
-{
-    double rate[MOST_VALUES] = {0.0};
-    const double *values = motion->at(motion, point);
-    if (!motion->begins_anew)
-        motion->mode->field(&motion->model, values, rate);
-    const double side = motion->model.pressed > 0.0 ? 1.0 : -1.0;
-    return (struct margin){point, within_mode(motion, values), side * rate[CONTACT_P]};
-}
-
-/* A point between two at which the contact is outside its mode, or the second of the two: where the
- * margin falls and rises between them, its least is looked at as long as it may be below 0. */
-static struct margin point_outside(struct motion *motion, struct margin left, struct margin right)
-{
-    const struct margin last = right;
-    for (int i = 0; left.growth < 0.0 && 0.0 < right.growth && i < MOST_NARROWING; i++) {
-        const double reach = right.point - left.point;
-        const double least = larger(left.value + left.growth * reach,
-                                    right.value - right.growth * reach);
-        if (!(least < 0.0) || reach <= ROUNDING * right.point)
-            break;
-        const double part = i % 4 == 3 ? 0.5 : left.growth / (left.growth - right.growth);
-        const struct margin here = margin_at(motion, left.point + part * reach);
-        if (here.value < 0.0)
-            return here;
-        if (here.growth < 0.0)
-            left = here;
-        else
-            right = here;
-    }
-    return last;
-}
-
-/* A point from `from` on, before `to`, that is inside the mode, which begins where it ended last.
- */
-static double point_within_mode(struct motion *motion, double from, double to)
-{
-    double point = from, reach = to - from;
-    while (within_mode(motion, motion->at(motion, point)) <= 0.0 && reach > 1e-14 * to) {
-        reach *= 0.125;
-        point = from + reach;
-    }
-    return point;
-}
-
-/* Where in the last step, up to `end`, the force falls to 0 or comes back: at its beginning where
- * nothing of the step is inside the mode; infinite where it does not, NaN where it cannot be found.
- */
-static double release_in_step(struct motion *motion, double end)
-{
-    if (motion->model.contact_damping == 0.0)
-        return INFINITY;
-    const int looks = motion->begins_anew ? 1 : LOOKS_FOR_RELEASE;
-    struct margin from = margin_at(motion, motion->low);
-    for (int look = 1; look <= looks; look++) {
-        const double low = motion->low;
-        const double next = look < looks ? low + (end - low) * look / looks : end;
-        const struct margin to = margin_at(motion, next);
-        const struct margin outside = to.value < 0.0 ? to : point_outside(motion, from, to);
-        if (outside.value < 0.0) {
-            const double inside = point_within_mode(motion, from.point, outside.point);
-            if (within_mode(motion, motion->at(motion, inside)) <= 0.0)
-                return from.point;
-            return root_in_step(motion, radial_velocity_of, release_velocity(motion), inside,
-                                outside.point);
-        }
-        from = to;
-    }
-    return INFINITY;
 }
 
 /* The normal force of a pressed contact at values, and how fast it grows. */
@@ -249,33 +162,19 @@ static void raise_force(struct peak *peak, struct motion *motion, double end, co
     }
 }
 
-/* Whether the last event is a release or a press of this very time. */
-static int has_just_changed(const struct run *run, double time)
+/* Record that the contact goes on in another way, and begin it there. */
+static int change_mode(struct run *run, struct motion *motion, const struct change *change,
+                       double *start, const double *atol, double *reached)
 {
-    const int64_t last = run->events - 1;
-    return last >= 0 && (run->event_kinds[last] == PRESS || run->event_kinds[last] == RELEASE)
-           && run->event_times[last] >= time;
-}
-
-/* Record that the contact becomes loose, or is pressed again, and begin the other mode there. A
- * mode that ends as it begins was none: what rounding hid then is put right. */
-static int change_mode(struct run *run, struct motion *motion, double turn, double *start,
-                       const double *atol, double *reached)
-{
-    const int pressed = motion->model.pressed > 0.0;
-    reached[CONTACT_P] = release_velocity(motion);
-    if (turn <= motion->low) {
-        if (has_just_changed(run, run->time + reached[CONTACT_T]))
-            run->events--;
-    } else if (run->event_room > 0) {
+    const int began = change->point <= motion->low && motion->low == 0.0;
+    const int kind = change_way(motion, change->guard, reached);
+    if (run->event_room > 0) {
         if (run->events + EVENTS_A_CONTACT > run->event_room)
             return FULL_INSIDE;
-        record_event_inside(run, pressed ? RELEASE : PRESS, reached[CONTACT_T],
-                            centre_of(motion, reached));
+        record_change(run, motion, kind, began, reached);
     }
     observe_phase(run, motion, start, reached);
     run->evaluations += motion->evaluations(motion);
-    motion->model.pressed = pressed ? 0.0 : 1.0;
     double unused[MOST_VALUES];
     copy_values(motion, reached, start);
     put_load_right(motion, start, 0.0);
@@ -288,6 +187,12 @@ void begin_pressed(struct motion *motion, const double *start) { (void)motion, (
 double lost_of(const struct motion *motion, const double *start, const double *values)
 {
     (void)motion, (void)start, (void)values;
+    return 0.0;
+}
+
+double heat_of(const struct motion *motion, const double *values)
+{
+    (void)motion, (void)values;
     return 0.0;
 }
 #endif
@@ -342,10 +247,10 @@ static void raise_peak_of_contact(struct peak *peak, struct motion *motion, doub
         && q + p * (end - low) > peak->values[CONTACT_Q] * (1.0 + NOISE)) {
         const double summit = root_in_step(motion, radial_velocity_of, 0.0, low, end);
         if (!isnan(summit) && motion->at(motion, summit)[CONTACT_Q] > peak->values[CONTACT_Q])
-            memcpy(peak->values, motion->at(motion, summit), sizeof(double) * CONTACT_SIZE);
+            memcpy(peak->values, motion->at(motion, summit), sizeof(double) * (size_t)motion->mode->size);
     }
     if (reached[CONTACT_Q] > peak->values[CONTACT_Q])
-        memcpy(peak->values, reached, sizeof(double) * CONTACT_SIZE);
+        memcpy(peak->values, reached, sizeof(double) * (size_t)motion->mode->size);
 }
 
 /* Integrate one contact until q falls through 0 or the run is at its end. */
@@ -363,7 +268,9 @@ int integrate_contact(struct run *run, struct motion *motion, const double *begu
             return status;
         double end = end_of_step(run, motion, reached, left);
 #ifdef WHOLE_MODEL
-        const double turn = isnan(end) ? NAN : release_in_step(motion, end);
+        const struct change change = isnan(end) ? (struct change){NAN, HELD}
+                                                : change_in_step(motion, end);
+        const double turn = change.point;
         const int changes = turn < end || (turn == end && !*left);
         end = isnan(turn) ? NAN : smaller(turn, end);
         if (changes) {
@@ -393,7 +300,7 @@ int integrate_contact(struct run *run, struct motion *motion, const double *begu
             raise_force(peak, motion, end, reached);
         if (changes) {
             idle = turn <= motion->low ? idle + 1 : 0;
-            status = change_mode(run, motion, turn, start, atol, reached);
+            status = change_mode(run, motion, &change, start, atol, reached);
             if (status == DONE && idle > PATIENCE)
                 status = STUCK;
             if (status != DONE)

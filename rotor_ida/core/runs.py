@@ -113,10 +113,13 @@ class Seen:
         States at the sample times, as far as it came.
     event_times, event_kinds, event_states : ndarray
         The events.
-    contacts : ndarray, shape (k, 8)
+    ways : ndarray, shape (m + 1,), optional
+        With friction how the rotor moves from each event on, and first from its start, as
+        `enum way` has it; None without.
+    contacts : ndarray, shape (k, 9)
         Entry, exit and time of the peak, root of the largest indentation, impulse, angular momentum
-        at the peak, energy lost by contact damping, and with that the largest force, of each
-        contact; NaN where it has none within the run [1].
+        at the peak, energy lost by contact damping, with that the largest force, and the heat of
+        sliding, of each contact; NaN where it has none within the run [1].
     extrema : ndarray, shape (m, 7)
         Time, radius, kind (-1 or 1) and state of each extremum of the radius.
     evaluations : int
@@ -132,6 +135,7 @@ class Seen:
     event_times: Values
     event_kinds: npt.NDArray[np.int8]
     event_states: Values
+    ways: npt.NDArray[np.int8] | None
     contacts: Values
     extrema: Values
     evaluations: int
@@ -149,6 +153,8 @@ class _Tables:
         self.run = run = _struct_of(asked)
         self.samples = self.event_states = _NO_STATES
         self.event_times, self.event_kinds = _NO_TIMES, _NO_KINDS
+        self.event_ways = _NO_KINDS
+        self.slides = asked.rotor.friction > 0.0
         self.contacts, self.extrema = _NO_CONTACTS, _NO_EXTREMA
         if asked.sample_times is not None:
             # kept as long as the run
@@ -170,6 +176,9 @@ class _Tables:
         self.event_states = _longer(self.event_states, room)
         self.contacts = _longer(self.contacts, room // 2 + 1)
         run.event_room, run.contact_room = room, len(self.contacts)
+        if self.slides:
+            self.event_ways = _longer(self.event_ways, room)
+            run.event_ways = address(self.event_ways)
         run.event_times, run.event_kinds = (
             address(self.event_times),
             address(self.event_kinds),
@@ -190,10 +199,19 @@ class _Tables:
             self.event_times[: run.events],
             self.event_kinds[: run.events],
             self.event_states[: run.events],
+            self._ways(),
             self.contacts[: run.contact_count],
             self.extrema[: run.extremum_count],
             run.evaluations,
         )
+
+
+    def _ways(self) -> npt.NDArray[np.int8] | None:
+        """Return how the rotor moves from its start, and from each event on."""
+        if not self.event_ways.size:
+            return None
+        began = np.array([self.run.way_began], np.int8)
+        return np.concatenate([began, self.event_ways[: self.run.events]])
 
 
 def follow(asked: Asked) -> Seen:
@@ -233,7 +251,7 @@ def stretch(asked: Asked, spans: int) -> tuple[Values, Seen]:
     x, y, vx, vy = run.state
     seen = Seen(
         status, run.time, (x, y, vx, vy), run.began, run.where, _NO_STATES, _NO_TIMES, _NO_KINDS,
-        _NO_STATES, _NO_CONTACTS, _NO_EXTREMA, run.evaluations,
+        _NO_STATES, None, _NO_CONTACTS, _NO_EXTREMA, run.evaluations,
     )  # fmt: skip
     return stretches[: done.value], seen
 
@@ -309,6 +327,7 @@ def fault_of(
     events: tuple[Values, npt.NDArray[np.int8], Values],
     contacts: Values,
     allowed: float,
+    ways: npt.NDArray[np.int8] | None = None,
 ) -> tuple[int, int]:
     """Return the first fault of a run against the mechanics, by `FAULTS`, and its row.
 
@@ -322,10 +341,12 @@ def fault_of(
         Times and states of the samples, in either frame [1].
     events : tuple of ndarray
         Times, kinds and states of the events [1].
-    contacts : ndarray, shape (k, 8)
+    contacts : ndarray, shape (k, 9)
         Entry, exit and time of the peak of each contact, and what follows these [1].
     allowed : float
         How far a sample may lie on the wrong side of the ring [1].
+    ways : ndarray, shape (m + 1,), optional
+        With friction how the rotor moves from its start, and from each event on.
     """
     run, row = RunStruct(rotor=RotorStruct.of(rotor), began=began), c_int64(0)
     kinds = [*2 * [np.float64], np.float64, np.int8, np.float64, np.float64]
@@ -345,6 +366,11 @@ def fault_of(
         run.event_states,
         run.contacts,
     ) = (address(table) for table in tables)
+    if ways is not None:
+        if ways.shape != (len(events[0]) + 1,):
+            raise ValueError(f"tables must fit together, got {ways.shape} ways")
+        later = np.ascontiguousarray(np.append(ways[1:], [0]), np.int8)
+        run.way_began, run.event_ways = int(ways[0]), address(later)
     run.sampled, run.events, run.contact_count = len(samples[0]), len(events[0]), len(contacts)
     return int(library_of(rotor).core_fault(byref(run), allowed, byref(row))), row.value
 

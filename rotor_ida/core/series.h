@@ -19,7 +19,7 @@ enum {
     ORDERS = HIGHEST_ORDER + 1,
 #ifdef WHOLE_MODEL
     WIDTH = 12, /* columns of a state, with room to spare */
-    LANES = 28, /* products at most */
+    LANES = 32, /* products at most */
 #else
     WIDTH = 8,
     LANES = 16,
@@ -27,6 +27,7 @@ enum {
     FACTORS = 8,     /* series at most that differences are multiplied by */
     DIFFERENCES = 4, /* followed beside a motion, four components each */
     APART = 16,
+    WATCHED = 2, /* what is beside the state */
     WIDEST_ROW = 16
 };
 
@@ -39,6 +40,9 @@ struct series {
     _Alignas(32) double apart[ORDERS][APART];  /* of the differences: x of all four, then y, ... */
     _Alignas(32) double steady[ORDERS][APART]; /* what the pace multiplies of their rates */
     double factors[FACTORS][ORDERS];
+#ifdef WHOLE_MODEL
+    double watched[ORDERS][WATCHED];
+#endif
 };
 
 typedef double vec4 __attribute__((vector_size(32)));

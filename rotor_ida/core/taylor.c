@@ -85,14 +85,14 @@ static inline double longest_step(struct taylor *taylor, const int components, d
 
 /* Whether a polynomial's own size of terms shows that it is monotonic on (0, step]: where the first
  * term of its slope outweighs all others. */
-static int is_monotonic(const struct taylor *taylor, int component, double step)
+static int is_monotonic(const struct taylor *taylor, const double *terms, int apart, double step)
 {
     double others = 0.0, scale = step;
     for (int n = 2; n <= taylor->order; n++) {
         scale *= step;
-        others += n * scale * fabs(taylor->series.terms[n][component]);
+        others += n * scale * fabs(terms[n * apart]);
     }
-    return others < step * fabs(taylor->series.terms[1][component]);
+    return others < step * fabs(terms[apart]);
 }
 
 /* Write what each power of a polynomial on (0, 1] adds to its Bernstein coefficients: power k adds
@@ -114,7 +114,7 @@ static void write_basis(struct taylor *taylor)
  *
  * By Descartes' rule it vanishes at most as often, or fewer times by an even number. None means no
  * root, one means one. Collins and Akritas, SYMSAC 1976. */
-static int sign_changes(const struct taylor *taylor, int component, double step)
+static int sign_changes(const struct taylor *taylor, const double *terms, int apart, double step)
 {
     const int orders = taylor->order + 1;
     _Alignas(32) double total[32];
@@ -122,7 +122,7 @@ static int sign_changes(const struct taylor *taylor, int component, double step)
         vec4 sum = spread(0.0);
         double scale = 1.0;
         for (int n = 0; n < orders; n++) {
-            const vec4 power = spread(taylor->series.terms[n][component] * scale);
+            const vec4 power = spread(terms[n * apart] * scale);
             sum = fma4(power, load(&taylor->basis[n][v]), sum);
             scale *= step;
         }
@@ -139,18 +139,24 @@ static int sign_changes(const struct taylor *taylor, int component, double step)
     return changes;
 }
 
-/* A step, cut so that a component, of which `size` is the sum of the terms at its end without their
- * signs, vanishes inside it at most once. */
-static double with_one_root(struct taylor *taylor, int component, double size, double step)
+/* A step, cut so that a series, of which `size` is the sum of the terms at its end without their
+ * signs, vanishes inside it at most once. Its terms are so far apart. */
+static double with_one_zero(struct taylor *taylor, const double *terms, int apart, double size,
+                            double step)
 {
-    if (size < 2.0 * fabs(taylor->series.terms[0][component])
-        || is_monotonic(taylor, component, step))
+    if (size < 2.0 * fabs(terms[0]) || is_monotonic(taylor, terms, apart, step))
         return step;
     if (!taylor->has_basis)
         write_basis(taylor);
-    for (int cut = 0; cut < MOST_CUTS && sign_changes(taylor, component, step) > 1; cut++)
+    for (int cut = 0; cut < MOST_CUTS && sign_changes(taylor, terms, apart, step) > 1; cut++)
         step *= 0.5;
     return step;
+}
+
+/* The same of a component. */
+static double with_one_root(struct taylor *taylor, int component, double size, double step)
+{
+    return with_one_zero(taylor, &taylor->series.terms[0][component], WIDTH, size, step);
 }
 
 /* The fastest motion or decay of which a contact is capable, by u. */
@@ -185,6 +191,39 @@ static double with_one_release(struct taylor *taylor, double step)
     *first = velocity;
     return step;
 }
+
+/* A step, cut so that the disc begins to slip inside it at most once in either sense. */
+static double with_one_slip(struct taylor *taylor, double step)
+{
+    struct series *series = &taylor->series;
+    const int order = taylor->order;
+    double left[WATCHED][ORDERS] = {{0.0}}, sizes[WATCHED] = {0.0}, scale = 1.0, hold = 0.0;
+    for (int n = 0; n < order; n++) { /* the last is not there */
+        for (int i = 0; i < WATCHED; i++) {
+            const double with_sign = (i == 0 ? -1.0 : 1.0) * series->watched[n][1];
+            left[i][n] = series->watched[n][0] + with_sign;
+            sizes[i] += fabs(left[i][n]) * scale;
+        }
+        hold += fabs(series->watched[n][1]) * scale;
+        scale *= step;
+    }
+    if (hold <= hidden_hold(&taylor->motion, taylor->motion.before))
+        return step;
+    for (int i = 0; i < WATCHED; i++)
+        step = with_one_zero(taylor, left[i], 1, sizes[i], step);
+    return step;
+}
+
+/* The same for all that friction adds. */
+static double with_one_change(struct taylor *taylor, double step)
+{
+    const struct motion *motion = &taylor->motion;
+    if (motion->mode == &rolling_mode)
+        return with_one_slip(taylor, step);
+    if (motion->mode == &rub_mode && motion->model.sigma != 0.0)
+        return with_one_root(taylor, RUB_ROLL_GUARD, taylor->sizes[RUB_ROLL_GUARD], step);
+    return step;
+}
 #endif
 
 /* How far the series of a contact may be followed. */
@@ -201,6 +240,7 @@ static double contact_step(struct taylor *taylor)
                              step);
 #ifdef WHOLE_MODEL
     step = with_one_release(taylor, step);
+    step = with_one_change(taylor, step);
 #endif
     return step;
 }
@@ -318,7 +358,7 @@ static void begin_step(struct taylor *taylor)
     for (int i = 0; i < size; i++)
         taylor->series.terms[0][i] = motion->values[i];
     /* no step is chosen by the integrals of a contact */
-    const int chosen_by = motion->mode == &contact_mode ? (int)CONTACT_T : size;
+    const int chosen_by = is_contact(motion) ? (int)CONTACT_T : size;
     for (int i = 0; i < chosen_by; i++)
         taylor->inverse[i] = 1.0 / (motion->rtol * fabs(motion->values[i]) + taylor->atol[i]);
 }
@@ -348,7 +388,7 @@ static int advance(struct motion *motion)
         mode->expand_with_factors(&motion->model, &taylor->series, taylor->order);
     else
         mode->expand(&motion->model, &taylor->series, taylor->order);
-    double step = mode == &contact_mode ? contact_step(taylor) : cartesian_step(taylor, inner);
+    double step = is_contact(motion) ? contact_step(taylor) : cartesian_step(taylor, inner);
     if (isnan(step))
         return NOT_FINITE;
     if (motion->tangents)
@@ -359,7 +399,7 @@ static int advance(struct motion *motion)
     if (motion->point <= motion->low)
         return STUCK;
     read(taylor, WIDTH, motion->point - motion->low, motion->values);
-    if (mode == &contact_mode)
+    if (is_contact(motion))
         put_on_circle(&motion->values[CONTACT_C]);
 #ifdef WHOLE_MODEL
     if (++taylor->steps % STEPS_OF_LOAD == 0)
@@ -385,10 +425,40 @@ static const vec4 WEIGHTS[AT_ONCE] = {
     {0.05061426814518813, 0.11119051722668724, 0.15685332293894363, 0.18134189168918100},
     {0.18134189168918100, 0.15685332293894363, 0.11119051722668724, 0.05061426814518813}};
 
+/* The same with friction, for which the drive has to put in T (V + omega r) on these axes. */
+static void spend_with_friction(struct motion *motion, double end, double *reached)
+{
+    const struct parameters *m = &motion->model;
+    const struct series *series = &taylor_of(motion)->series;
+    const double reach = end - motion->low;
+    double total = 0.0;
+    for (int i = 0; i < AT_ONCE * 4; i++) {
+        double values[TO_BE_SEEN];
+        evaluate(series->terms[0], WIDTH, TO_BE_SEEN, taylor_of(motion)->order,
+                 PLACES[i / 4][i % 4] * reach, 0, values);
+        const double q = values[RUB_Q], p = values[RUB_P], r = m->delta0 + q * q;
+        const double h = values[RUB_SLIP] - m->rim * r, around = h / r;
+        const double push = m->pressed * q * q * (m->hertz * q + m->linear)
+                            * (1.0 + m->contact_damping * p);
+        const double across = values[RUB_DOWN_T];
+        const double hold = m->load * across - m->omega * m->omega * values[RUB_S]
+                            + m->rim * (2.0 * m->zeta + p / r);
+        const double along = motion->mode == &rolling_mode ? hold : m->friction * m->sigma * push;
+        const double damped = 2.0 * m->zeta * (p * p + around * around - m->omega * h);
+        const double turned = m->omega * m->load * r * across;
+        total += WEIGHTS[i / 4][i % 4] * q * (damped + turned - along * (m->rim + m->omega * r));
+    }
+    reached[CONTACT_SPENT] += reach * total;
+}
+
 /* What a contact spends, by a quadrature over the last step: a lane of its own would cost more. The
  * formula is written here a second time, as the balance of energy is there to witness. */
 static void spend(struct motion *motion, double end, double *reached)
 {
+    if (motion->mode != &contact_mode) {
+        spend_with_friction(motion, end, reached);
+        return;
+    }
     const struct parameters *m = &motion->model;
     const struct series *series = &taylor_of(motion)->series;
     const double torque = m->omega * m->load, damping = 2.0 * m->zeta, reach = end - motion->low;
@@ -483,12 +553,28 @@ static void interpolated(const double x[3], const double f[3], double *p, double
         *p = -*p;
 }
 
-double root_in_step(struct motion *motion, double (*function)(const double *values), double level,
-                    double low, double high)
+/* What is sought: a function of the values and its level, or a guard. */
+struct sought {
+    double (*function)(const double *values);
+    double level;
+    int guard;
+};
+
+static inline __attribute__((always_inline)) double
+value_of(struct motion *motion, const struct sought *sought, double point)
+{
+#ifdef WHOLE_MODEL
+    if (sought->function == NULL)
+        return margin_of(motion, (enum guard)sought->guard, motion->at(motion, point), NULL);
+#endif
+    return sought->function(motion->at(motion, point)) - sought->level;
+}
+
+static double root_of(struct motion *motion, const struct sought sought, double low, double high)
 {
     double a = low, b = high;
-    double fa = function(motion->at(motion, a)) - level;
-    double fb = function(motion->at(motion, b)) - level;
+    double fa = value_of(motion, &sought, a);
+    double fb = value_of(motion, &sought, b);
     if (fa == 0.0)
         return a;
     if (fa * fb > 0.0 || isnan(fa) || isnan(fb))
@@ -522,7 +608,20 @@ double root_in_step(struct motion *motion, double (*function)(const double *valu
         a = b;
         fa = fb;
         b += fabs(step) > tolerance ? step : copysign(tolerance, half);
-        fb = function(motion->at(motion, b)) - level;
+        fb = value_of(motion, &sought, b);
     }
     return b;
 }
+
+double root_in_step(struct motion *motion, double (*function)(const double *values), double level,
+                    double low, double high)
+{
+    return root_of(motion, (struct sought){function, level, 0}, low, high);
+}
+
+#ifdef WHOLE_MODEL
+double root_of_guard(struct motion *motion, enum guard guard, double low, double high)
+{
+    return root_of(motion, (struct sought){NULL, 0.0, (int)guard}, low, high);
+}
+#endif

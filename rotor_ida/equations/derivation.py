@@ -38,6 +38,8 @@ class Derived:
         What each parameter adds to the rates by time of position and velocity.
     pace : Symbol
         Time by the variable of integration.
+    watched, watched_rates : list of Symbol
+        What is watched beside the state, and its rates of change.
     """
 
     mode: Mode
@@ -47,6 +49,8 @@ class Derived:
     growth: Matrix
     by_parameters: Matrix
     pace: Symbol
+    watched: list[Symbol]
+    watched_rates: list[Symbol]
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +74,9 @@ def derive(mode: Mode, model: Model) -> Derived:
         rates = [graph.of(rate) for rate in mode.rates(state, rotor)]
         drawn_rates = [graph.of(rate) for rate in mode.drawn_rates(state, rotor)]
         growth = _growth(graph, mode, state, rotor)
+        watched = [graph.of(each) for each in mode.watched(state, rotor)] if mode.watched else []
     slopes = mode.drawn_rates(variables(state), rotor)
+    more = mode.watched(variables(state), rotor) if mode.watched else []
     return Derived(
         mode,
         rates,
@@ -79,7 +85,18 @@ def derive(mode: Mode, model: Model) -> Derived:
         [[pace * entry for entry in row] for row in growth],
         _by_parameters(graph, mode, state, rotor, model.columns),
         pace,
+        watched,
+        [_along(graph, _parts(graph, each, len(state)), rates) for each in more],
     )
+
+
+def _along(graph: Graph, parts: list[Symbol], rates: list[Symbol]) -> Symbol:
+    """Return the rate of change of what has these derivatives by the state."""
+    total = graph.of(0.0)
+    for part, rate in zip(parts, rates, strict=True):
+        if not part.is_number(0.0):
+            total = total + part * rate
+    return total
 
 
 def _growth(graph: Graph, mode: Mode, state: list[Symbol], rotor: Any) -> Matrix:

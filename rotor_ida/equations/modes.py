@@ -15,6 +15,9 @@ load and the work of a contact as well. There the contact has two ways: pressed,
 loose, while damping would make the force tensile; `rotor.pressed` is 1 or 0. The exponent of the
 force is 3/2 where `rotor.hertz` is 1, or 1 where `rotor.linear` is.
 
+Friction has modes of its own, so that a contact without it is what it was: in one the surfaces
+slide, forwards or backwards as `rotor.sigma` is 1 or -1, in the other the disc rolls on the ring.
+
 References
 ----------
 .. [1] "Analytical Nonlinear Response for a Rotor with the Hertz Contact and Clearance",
@@ -99,6 +102,9 @@ class Mode:
     drawn_rates : callable
         As `rates`, and what draws the state back to where it belongs: for an integrator that
         cannot put it there after a step. And the rates of what has no series.
+    watched : callable, optional
+        ``watched(state, rotor)`` returns what is no component of the state, and yet is needed to
+        say when the mode ends: of which there are series, values and rates of change.
     """
 
     name: str
@@ -108,6 +114,7 @@ class Mode:
     pace: Callable[[Numbers], Number]
     guards: tuple[Guard, ...]
     drawn_rates: Callable[[Numbers, Any], list[Number]]
+    watched: Callable[[Numbers, Any], list[Number]] | None = None
 
 
 class Neighbour(NamedTuple):
@@ -251,6 +258,155 @@ def contact_neighbour(state: Numbers, apart: Numbers, deeper: Number, rotor: Any
     return Neighbour(position, velocity, forces, spin)
 
 
+def hold_of_rolling(along: Along, r: Number, p: Number, rotor: Any) -> Number:
+    """Return the tangential force F that rolling needs [1].
+
+    While the disc rolls, ``r phi' = -V`` with ``V = rho omega``, so that the angular momentum
+    ``h = -V r`` changes at the rate ``-V r'``: F is the force that sees to it.
+    """
+    return acceleration(along, 0.0, rotor) + rotor.rim * p / r
+
+
+def rub_rates(state: Numbers, rotor: Any) -> list[Number]:
+    """Return the rates of a contact in which surfaces slide, by u, as `contact_rates` has it.
+
+    Instead of the angular momentum h there is the moment of the slip, ``r v_s = h + V r``, which
+    passes through 0 where the surfaces stop sliding. The last component is the heat, the integral
+    of ``mu N |v_s|``.
+    """
+    q, p, slip, c, s, down_r, down_t, *_ = state
+    square = q * q
+    r = rotor.delta0 + square
+    slip_speed = slip / r
+    around = slip_speed - rotor.rim
+    spin = around / r
+    force = damped(spring_of_root(q, rotor), p, rotor)
+    drag = rotor.friction * rotor.sigma * force
+    centrifugal = around * spin
+    outwards = acceleration(Along(r, p, 1.0, c, down_r), force, rotor) + centrifugal
+    sideways = acceleration(Along(0.0, around, 0.0, -s, down_t), force, rotor) - drag
+    moment = r * sideways + rotor.rim * p
+    turned = q * spin
+    turn = turned - rotor.omega * q
+    of_q, of_p, of_slip = 0.5 * p, q * outwards, q * moment
+    of_c, of_s, of_j = -(s * turn), c * turn, q * force
+    of_down_r, of_down_t = turned * down_t, -(turned * down_r)
+    heat = rotor.friction * rotor.sigma * (of_j * slip_speed)
+    return [
+        of_q, of_p, of_slip, of_c, of_s, of_down_r, of_down_t, q, of_j, of_j * p, 0.0 * q, heat,
+    ]  # fmt: skip
+
+
+def rolling_rates(state: Numbers, rotor: Any) -> list[Number]:
+    """Return the rates of a contact in which the disc rolls: its slip is 0 and stays so."""
+    q, p, _, c, s, down_r, down_t, *_ = state
+    square = q * q
+    r = rotor.delta0 + square
+    spin = -(rotor.rim / r)
+    force = damped(spring_of_root(q, rotor), p, rotor)
+    centrifugal = -(rotor.rim * spin)
+    outwards = acceleration(Along(r, p, 1.0, c, down_r), force, rotor) + centrifugal
+    turned = q * spin
+    turn = turned - rotor.omega * q
+    of_q, of_p = 0.5 * p, q * outwards
+    of_c, of_s, of_j = -(s * turn), c * turn, q * force
+    of_down_r, of_down_t = turned * down_t, -(turned * down_r)
+    still = 0.0 * q
+    return [
+        of_q, of_p, still, of_c, of_s, of_down_r, of_down_t, q, of_j, of_j * p, still, still,
+    ]  # fmt: skip
+
+
+def grip_and_hold(state: Numbers, rotor: Any) -> list[Number]:
+    """Return ``mu N`` and F: the disc rolls as long as ``|F|`` is no larger than ``mu N``."""
+    q, p, _, _, s, _, down_t, *_ = state
+    r = rotor.delta0 + q * q
+    grip = rotor.friction * damped(spring_of_root(q, rotor), p, rotor)
+    return [grip, hold_of_rolling(Along(0.0, -rotor.rim, 0.0, -s, down_t), r, p, rotor)]
+
+
+def spent_sliding(state: Numbers, rotor: Any) -> Number:
+    """Return `spent_rate` of a contact with friction.
+
+    Of the power of friction, ``-T v_t``, the heat ``T v_s`` has a series of its own. The rest is
+    what the drive has to put in, ``T (V + omega r)`` on the rotating axes.
+    """
+    q, p, slip, c, s, down_r, down_t, *_ = state
+    r = rotor.delta0 + q * q
+    spent = spent_rate((q, p, slip - rotor.rim * r, c, s, down_r, down_t), rotor)
+    drag = rotor.friction * rotor.sigma * damped(spring_of_root(q, rotor), p, rotor)
+    return spent - q * drag * (rotor.rim + rotor.omega * r)
+
+
+def spent_rolling(state: Numbers, rotor: Any) -> Number:
+    """Return `spent_rate` of a contact in which the disc rolls, as `spent_sliding` has it."""
+    q, p, _, c, s, down_r, down_t, *_ = state
+    r = rotor.delta0 + q * q
+    spent = spent_rate((q, p, -(rotor.rim * r), c, s, down_r, down_t), rotor)
+    _, hold = grip_and_hold(state, rotor)
+    return spent - q * hold * (rotor.rim + rotor.omega * r)
+
+
+def drawn_back(
+    rates: list[Number], state: Numbers, spent: Number, rotor: Any
+) -> list[Number]:
+    """Return rates of a contact with friction, as `drawn_contact_rates` does."""
+    for first in (3, 5):
+        c, s = state[first : first + 2]
+        pull = PULL * rotor.omega * state[0] * (1.0 - (c * c + s * s))
+        rates[first] = rates[first] + pull * c
+        rates[first + 1] = rates[first + 1] + pull * s
+    rates[-2] = spent
+    return rates
+
+
+def drawn_rub_rates(state: Numbers, rotor: Any) -> list[Number]:
+    """Return the rates of a sliding contact, drawn back to where it belongs."""
+    return drawn_back(rub_rates(state, rotor), state, spent_sliding(state, rotor), rotor)
+
+
+def drawn_rolling_rates(state: Numbers, rotor: Any) -> list[Number]:
+    """Return the rates of a rolling contact, drawn back to where it belongs."""
+    return drawn_back(rolling_rates(state, rotor), state, spent_rolling(state, rotor), rotor)
+
+
+def rub_neighbour(state: Numbers, apart: Numbers, deeper: Number, rotor: Any) -> Neighbour:
+    """Return a rotor a little apart from one whose surfaces slide."""
+    q, p, slip, c, s, down_r, down_t, *_ = state
+    r = rotor.delta0 + q * q
+    around = slip / r - rotor.rim
+    near, push, aside = _apart(r, p, around, apart, (q, deeper), rotor)
+    drag = rotor.friction * rotor.sigma * push
+    radial = acceleration(Along(near[0], near[2], 1.0, c, down_r), push, rotor)
+    tangential = acceleration(Along(near[1], near[3], aside, -s, down_t), push, rotor)
+    forces = (radial + drag * aside, tangential - drag)
+    return Neighbour((near[0], near[1]), (near[2], near[3]), forces, around / r)
+
+
+def rolling_neighbour(state: Numbers, apart: Numbers, deeper: Number, rotor: Any) -> Neighbour:
+    """Return a rotor a little apart from one that rolls, of which the slip is as constant."""
+    q, p, _, c, s, down_r, down_t, *_ = state
+    r = rotor.delta0 + q * q
+    around = -rotor.rim
+    near, push, aside = _apart(r, p, around, apart, (q, deeper), rotor)
+    outwards = acceleration(Along(near[0], near[2], 0.0, c, down_r), 0.0, rotor)
+    sideways = acceleration(Along(near[1], near[3], 0.0, -s, down_t), 0.0, rotor)
+    hold = sideways - aside * outwards + rotor.rim * (near[2] + around * aside) / near[0]
+    forces = (outwards - push + hold * aside, sideways - push * aside - hold)
+    return Neighbour((near[0], near[1]), (near[2], near[3]), forces, around / r)
+
+
+def _apart(
+    r: Number, p: Number, around: Number, apart: Numbers, depth: Numbers, rotor: Any
+) -> tuple[Numbers, Number, Number]:
+    """Return position and velocity of a neighbour, its normal force, and how far round it is."""
+    q, deeper = depth
+    near = (r + apart[0], apart[1], p + apart[2], around + apart[3])
+    aside = apart[1] / r
+    push = spring_of_root(q, rotor) + slope_of_root(q, rotor) * deeper
+    return near, damped(push, near[2] + around * aside, rotor), aside
+
+
 def cartesian_rates(state: Numbers, rotor: Any) -> list[Number]:
     """Return the rates by time of displacement and velocity, read on the rotating axes.
 
@@ -303,6 +459,27 @@ CARTESIAN = Mode(
 WHOLE_CONTACT = replace(
     CONTACT, state=(*CONTACT_STATE[:5], "down_r", "down_t", "t", "j", "work", "spent")
 )
+# Laid out like a contact without friction, but for the moment of the slip, and the heat.
+RUB_STATE = (*WHOLE_CONTACT.state[:2], "slip", *WHOLE_CONTACT.state[3:], "heat")
+RUB = Mode(
+    name="rub",
+    state=RUB_STATE,
+    rates=rub_rates,
+    neighbour=rub_neighbour,
+    pace=lambda state: state[0],
+    guards=(*CONTACT.guards, Guard(event="roll", of="slip")),
+    drawn_rates=drawn_rub_rates,
+)
+ROLLING = Mode(
+    name="rolling",
+    state=RUB_STATE,
+    rates=rolling_rates,
+    neighbour=rolling_neighbour,
+    pace=lambda state: state[0],
+    guards=CONTACT.guards,
+    drawn_rates=drawn_rolling_rates,
+    watched=grip_and_hold,
+)
 WHOLE_CARTESIAN = replace(CARTESIAN, state=(*CARTESIAN_STATE, "down_x", "down_y"))
 
 
@@ -332,6 +509,7 @@ class Model:
 
 
 OF_ROTOR = ("omega", "zeta", "delta0")
+# Of friction there is the speed of the rim, rho omega, and the sense in which surfaces slide.
 OF_MACHINE = ("shaft_stiffness", "contact_damping", "load")
 PAPER = Model(
     name="paper",
@@ -345,8 +523,10 @@ PAPER = Model(
 )
 WHOLE = Model(
     name="whole",
-    modes=(WHOLE_CONTACT, WHOLE_CARTESIAN),
-    parameters=(*OF_ROTOR, *OF_MACHINE, "hertz", "linear", "felt", "pressed"),
+    modes=(WHOLE_CONTACT, WHOLE_CARTESIAN, RUB, ROLLING),
+    parameters=(
+        *OF_ROTOR, *OF_MACHINE, "hertz", "linear", "felt", "pressed", "friction", "rim", "sigma",
+    ),
     constants={},
     columns=(*OF_ROTOR, *OF_MACHINE),
 )

@@ -16,6 +16,7 @@ References
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -191,14 +192,30 @@ def write_values(derived: Derived, columns: Sequence[str]) -> list[str]:
             f"What {', '.join(columns)} add to the rates by time of position and velocity.",
             _values(added, mode),
         ),
+        *_write_watched(derived),
     ]
+
+
+def _write_watched(derived: Derived) -> list[str]:
+    """Return the values of what is watched beside the state, and their rates of change."""
+    if not derived.watched:
+        return []
+    places = [(f"watched[{i}]", each) for i, each in enumerate(derived.watched)]
+    places += [(f"rate[{i}]", each) for i, each in enumerate(derived.watched_rates)]
+    return _function(
+        f"{derived.mode.name}_watched",
+        "const double *state, double *watched, double *rate",
+        "What is watched beside the state, and how it changes.",
+        _values(places, derived.mode),
+    )
 
 
 def write_series(derived: Derived, factors: Sequence[Symbol]) -> list[str]:
     """Return the function that expands the state, and with it the factors of differences."""
     mode = derived.mode
-    nodes = [node for node in needed([*derived.rates, *factors]) if node.changes]
-    names = _names_of(nodes, [*derived.rates, *factors])
+    outputs = [*derived.rates, *factors, *derived.watched]
+    nodes = [node for node in needed(outputs) if node.changes]
+    names = _names_of(nodes, outputs)
     lanes = sum(lanes_of(node) for node in nodes if needs_convolution(node))
     before, lines = _recurrences(mode, nodes, names)
     writer = Writer(lambda name: name, names, one="one")
@@ -206,6 +223,8 @@ def write_series(derived: Derived, factors: Sequence[Symbol]) -> list[str]:
         lines.append(f"terms[{_place(mode, name)}] = {writer(rate, PRODUCT)} * share;")
     for number, factor in enumerate(factors):
         lines.append(f"series->factors[{number}][n] = {writer(factor)};")
+    for number, watched in enumerate(derived.watched):
+        lines.append(f"series->watched[n][{number}] = {writer(watched)};")
     changing = [*_given(nodes, mode, "here"), *lines]
     if any("one * " in line for line in changing):
         before.append("double one = 1.0; /* coefficient n of 1 */")
@@ -236,7 +255,9 @@ def write_series(derived: Derived, factors: Sequence[Symbol]) -> list[str]:
 def _is_idle(line: str, body: Sequence[str]) -> bool:
     """Return whether a line names a first value that no other line needs."""
     name = line.removeprefix("const double ").split(" = ")[0]
-    return name.endswith("_first") and not any(name in other for other in body if other != line)
+    if not name.endswith("_first"):
+        return False
+    return not any(re.search(rf"\b{name}\b", other) for other in body if other != line)
 
 
 def _recurrences(
@@ -350,6 +371,7 @@ def write_table(derived: Derived) -> list[str]:
     functions = [
         *("field", "jacobian", "growth", "by_parameters", "expand"),
         *("expand_with_factors", "expand_differences"),
+        *(["watched"] if derived.watched else []),
     ]
     return [
         f"const struct mode {name}_mode = {{",
@@ -368,6 +390,8 @@ def _parameters(model: Model) -> list[str]:
         "pressed": "1.0",
         "hertz": "rotor->contact_exponent > 1.0 ? 1.0 : 0.0",
         "linear": "rotor->contact_exponent > 1.0 ? 0.0 : 1.0",
+        "rim": "rotor->disc_radius * rotor->omega",
+        "sigma": "0.0",
     }
     of_rotor = [special.get(name, f"rotor->{name}") for name in model.parameters]
     return [

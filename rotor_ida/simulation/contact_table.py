@@ -29,7 +29,7 @@ NO_WHIRL = 1e-12
 def contact_columns(orbit: Orbit) -> dict[str, Column]:
     """Return the contacts of an orbit as columns on the dimension ``contact``."""
     contacts = np.ascontiguousarray(orbit.contacts.T)
-    entry, leaving, peak_time, indentation, impulse, moment, lost, largest = contacts
+    entry, leaving, peak_time, indentation, impulse, moment, lost, largest, heat = contacts
     rotor = orbit.rotor
     at_entry = _states_at(orbit, entry, ENTRY)
     at_exit = _states_at(orbit, leaving, EXIT)
@@ -53,6 +53,8 @@ def contact_columns(orbit: Orbit) -> dict[str, Column]:
     }
     if rotor.contact_damping > 0.0:
         columns["contact_loss"] = lost
+    if rotor.friction > 0.0:
+        columns["heat"] = heat
     return {name: ("contact", column) for name, column in columns.items()}
 
 

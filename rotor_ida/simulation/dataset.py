@@ -9,11 +9,14 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.checks import COMPONENTS, State, check_instance
+from rotor_ida.equations.contact import contact_force, damping_factor
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import ALL_PARAMETERS, DEFAULTS, PARAMETERS, Rotor
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import (
     DAMPED_EVENT_KIND,
+    EVENT_KIND,
+    OF_FRICTION_EVENT_KIND,
     Column,
     Quantity,
     check_dimensionless,
@@ -22,7 +25,7 @@ from rotor_ida.schema import (
 )
 from rotor_ida.simulation.contact_table import contact_columns
 from rotor_ida.simulation.event_errors import EventErrors
-from rotor_ida.simulation.orbit import Orbit
+from rotor_ida.simulation.orbit import FLIES, IS_LOOSE, ROLLS, Orbit
 
 
 def run_dataset(orbit: Orbit, start: State, errors: EventErrors) -> xr.Dataset:
@@ -45,6 +48,7 @@ def run_dataset(orbit: Orbit, start: State, errors: EventErrors) -> xr.Dataset:
         "event_time_error": ("event", errors.event_time_errors),
         "horizon": ((), errors.horizon),
         **contact_columns(orbit),
+        **_friction(orbit),
     }
     coordinates = parameter_coordinates(orbit.rotor) | {"t": ("t", orbit.times)}
     attributes = provenance(orbit.options.attributes()) | {
@@ -83,8 +87,13 @@ def parameter_coordinates(rotor: Rotor) -> dict[str, Column]:
 
 
 def _events(orbit: Orbit) -> dict[str, Column | xr.Variable]:
-    """Return times and kinds of the events; with contact damping there may be more kinds."""
-    if not orbit.rotor.contact_damping:
+    """Return times and kinds of the events; a machine may have more kinds of them."""
+    flags = EVENT_KIND
+    if orbit.rotor.friction > 0.0:
+        flags = flags | OF_FRICTION_EVENT_KIND
+    if orbit.rotor.contact_damping > 0.0:
+        flags = flags | {name: DAMPED_EVENT_KIND[name] for name in ("press", "release")}
+    if flags is EVENT_KIND:
         return {
             "event_time": ("event", orbit.event_times),
             "event_kind": ("event", orbit.event_kinds),
@@ -92,8 +101,26 @@ def _events(orbit: Orbit) -> dict[str, Column | xr.Variable]:
     times = labelled("event_time", "event", orbit.event_times)
     kinds = labelled("event_kind", "event", orbit.event_kinds)
     times.attrs["long_name"] = "time of the contact event"
-    kinds.attrs = Quantity(kinds.attrs["long_name"], flags=DAMPED_EVENT_KIND).attributes()
+    kinds.attrs = Quantity(kinds.attrs["long_name"], flags=flags).attributes()
     return {"event_time": times, "event_kind": kinds}
+
+
+def _friction(orbit: Orbit) -> dict[str, Column]:
+    """Return how the rotor moves at each sample, its slip speed and its normal force."""
+    if orbit.ways is None:
+        return {}
+    rotor, (x, y, vx, vy) = orbit.rotor, orbit.states.T
+    ways = orbit.ways[np.searchsorted(orbit.event_times, orbit.times, side="right")]
+    radius = np.hypot(x, y)
+    along, across = (
+        np.divide(part, radius, out=np.zeros_like(radius), where=radius > 0.0)
+        for part in (x * vx + y * vy, x * vy - y * vx)
+    )
+    spring = contact_force(radius, rotor.delta0, rotor.contact_exponent)
+    pressed = (ways != FLIES) & (ways != IS_LOOSE)
+    force = np.where(pressed, spring * damping_factor(along, rotor.contact_damping), 0.0)
+    slip = np.where(ways == ROLLS, 0.0, across + (rotor.disc_radius or 0.0) * rotor.omega)
+    return {"mode": ("t", ways), "slip_speed": ("t", slip), "normal_force": ("t", force)}
 
 
 def _columns(prefix: str, dim: str, table: npt.NDArray[np.float64]) -> dict[str, Column]:

@@ -17,6 +17,9 @@ from rotor_ida.simulation.options import Options
 ENTRY = 1
 EXIT = -1
 PRESS, RELEASE = 4, -4
+ROLL, SLIP, REVERSE = 2, -2, 3
+# How a rotor with friction moves.
+FLIES, SLIDES_FORWARDS, SLIDES_BACKWARDS, ROLLS, IS_LOOSE = 0, 1, -1, 2, 3
 # How far, in tolerances, a sample may lie on the wrong side of the ring.
 WRONG_SIDE = 1e3
 
@@ -41,17 +44,22 @@ class Orbit:
         Whether it starts in contact.
     event_times, event_kinds : ndarray, shape (m,)
         When contact begins (1) and ends (-1), and with contact damping when the surfaces in it
-        come loose (-4) and press again (4) [1].
+        come loose (-4) and press again (4), and with friction when the disc begins to roll (2) and
+        to slip (-2), or slides the other way (3) [1].
     event_states : ndarray, shape (m, 4)
         ``(x, y, vx, vy)`` at the events, fixed frame [1].
-    contacts : ndarray, shape (k, 8)
+    contacts : ndarray, shape (k, 9)
         Entry, exit and peak time, peak indentation, impulse, angular momentum at the peak, energy
-        lost by contact damping, and with that the largest force, of each contact [1]; entry or
-        exit, and the impulse, are NaN where the run began or ended inside the contact.
+        lost by contact damping, with that the largest force, and the heat of sliding, of each
+        contact [1]; entry or exit, and the impulse, are NaN where the run began or ended inside the
+        contact.
     end : ndarray, shape (4,)
         State at the end, fixed frame [1].
     evaluations : int
         Evaluations of the right-hand side.
+    ways : ndarray, shape (m + 1,), optional
+        With friction how the rotor moves from its start, and from each event on: in flight (0),
+        sliding forwards (1) or backwards (-1), rolling (2) or loose (3).
     extrema : ndarray, shape (n, 7), optional
         Time, radius, kind (-1 or 1) and state on the rotating axes of each extremum of the radius
         [1], where they were asked for.
@@ -69,6 +77,7 @@ class Orbit:
     contacts: Values
     end: Values
     evaluations: int
+    ways: npt.NDArray[np.int8] | None = None
     extrema: Values | None = None
 
 
@@ -83,6 +92,7 @@ def check_orbit(orbit: Orbit) -> None:
         (orbit.event_times, orbit.event_kinds, orbit.event_states),
         orbit.contacts,
         allowed,
+        orbit.ways,
     )
     if not fault:
         return

@@ -127,6 +127,7 @@ def _compiled(asked: Asked, sample_times: Values, options: Options) -> Orbit:
         contacts=_contacts_of(seen.contacts, asked.rotor),
         end=np.array(seen.state),
         evaluations=seen.evaluations,
+        ways=seen.ways,
         extrema=seen.extrema if asked.extrema else None,
     )
 

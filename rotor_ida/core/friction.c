@@ -1,0 +1,146 @@
+/* Friction: how a contact begins to slide or to roll, and what follows from what.
+ *
+ * Where the slip speed is 0 the disc rolls as long as friction can hold it; else it slides in the
+ * sense in which the force drives it that rolling would need. */
+#include "events.h"
+
+#ifdef WHOLE_MODEL
+enum way way_of(const struct motion *motion)
+{
+    if (motion->model.pressed == 0.0)
+        return IS_LOOSE;
+    if (motion->mode == &rolling_mode)
+        return ROLLS;
+    return motion->model.sigma < 0.0 ? SLIDES_BACKWARDS : SLIDES_FORWARDS;
+}
+
+static void slide(struct motion *motion, double sense)
+{
+    motion->mode = &rub_mode;
+    motion->model.sigma = copysign(1.0, sense);
+}
+
+static void roll(struct motion *motion)
+{
+    motion->mode = &rolling_mode;
+    motion->model.sigma = 0.0;
+}
+
+/* The force that rolling needs at values; 0 where rounding hides it. And the grip. */
+static double hold_at(const struct motion *motion, const double *values, double *grip)
+{
+    double watched[WATCHED], rates[WATCHED];
+    rolling_mode.watched(&motion->model, values, watched, rates);
+    *grip = watched[0];
+    return fabs(watched[1]) > hidden_hold(motion, values) ? watched[1] : 0.0;
+}
+
+void settle_friction(struct motion *motion, double *values)
+{
+    if (motion->mode == &contact_mode)
+        return;
+    motion->mode = &rub_mode;
+    motion->model.sigma = 0.0;
+    if (motion->model.pressed == 0.0)
+        return;
+    if (fabs(values[RUB_SLIP]) > hidden_slip(motion, values)) {
+        slide(motion, values[RUB_SLIP]);
+        return;
+    }
+    double grip = 0.0;
+    const double hold = hold_at(motion, values, &grip);
+    values[RUB_SLIP] = 0.0;
+    if (fabs(hold) <= grip)
+        roll(motion);
+    else
+        slide(motion, hold);
+}
+
+void begin_with_friction(struct motion *motion, double *start, double *atol)
+{
+    if (motion->mode == &contact_mode)
+        return;
+    const double q = start[CONTACT_Q], r = motion->model.delta0 + q * q;
+    motion->mode = &rub_mode;
+    motion->model.sigma = 0.0;
+    start[RUB_SLIP] = start[CONTACT_H] + motion->model.rim * r;
+    start[RUB_HEAT] = 0.0;
+    atol[RUB_HEAT] = atol[CONTACT_WORK];
+}
+
+double heat_of(const struct motion *motion, const double *values)
+{
+    return motion->mode == &contact_mode ? 0.0 : values[RUB_HEAT];
+}
+
+void record_way(struct run *run, const struct motion *motion)
+{
+    if (motion->mode == &contact_mode)
+        return;
+    if (run->events > 0)
+        run->event_ways[run->events - 1] = (int8_t)way_of(motion);
+    else
+        run->way_began = (int)way_of(motion);
+}
+
+/* Take back the last event, as another comes at the same time: what rounding hid then is put right.
+ * Return what is to be recorded instead, or 0. */
+static int put_right(struct run *run, const struct motion *motion, int kind)
+{
+    const int8_t last = run->event_kinds[run->events - 1];
+    if (last == ENTRY || (last == PRESS && kind != RELEASE))
+        return 0; /* so it began */
+    run->events--;
+    if (last == SLIP && kind == REVERSE)
+        return SLIP;
+    if (last != -kind)
+        return kind;
+    const int way = run->events > 0 ? run->event_ways[run->events - 1] : run->way_began;
+    return kind == SLIP && way != (int)way_of(motion) ? REVERSE : 0;
+}
+
+void record_change(struct run *run, const struct motion *motion, int kind, int began,
+                   const double *values)
+{
+    const double since = values[CONTACT_T], last = run->events > 0
+                                                       ? run->event_times[run->events - 1]
+                                                       : -INFINITY;
+    if (kind != 0 && last >= run->time + since)
+        kind = put_right(run, motion, kind);
+    else if (began)
+        kind = 0;
+    if (kind != 0)
+        record_event_inside(run, (enum event)kind, since, centre_of(motion, values));
+    record_way(run, motion);
+}
+
+/* What a change of friction is called, and what follows; 0 where a margin was touched only. */
+static int change_of_friction(struct motion *motion, enum guard guard, double *values)
+{
+    const double sense = motion->model.sigma;
+    double grip = 0.0;
+    values[RUB_SLIP] = 0.0;
+    if (guard != SLIDING) {
+        slide(motion, guard == GRIPS_FORWARDS ? 1.0 : -1.0);
+        return SLIP;
+    }
+    const double hold = hold_at(motion, values, &grip);
+    if (fabs(hold) <= grip) {
+        roll(motion);
+        return ROLL;
+    }
+    slide(motion, hold);
+    return hold * sense < 0.0 ? REVERSE : 0;
+}
+
+int change_way(struct motion *motion, enum guard guard, double *values)
+{
+    if (guard != HELD)
+        return change_of_friction(motion, guard, values);
+    const int pressed = motion->model.pressed > 0.0;
+    values[CONTACT_P] = release_velocity(motion);
+    motion->model.pressed = pressed ? 0.0 : 1.0;
+    settle_friction(motion, values);
+    return pressed ? RELEASE : PRESS;
+}
+#endif
