@@ -1,7 +1,7 @@
 """Simulate random machines by every method: all must find the same events.
 
-Shaft, contact damping and load are there or not; the contact is Hertz or linear; damping is 0 or
-not. Each start is followed by Taylor series, and by Adams, BDF with integrated flight, and as far
+Shaft, contact damping, load and friction are there or not; the contact is Hertz or linear; damping
+is 0 or not. Each start is followed by Taylor series, and by Adams, BDF with integrated flight, and as far
 as asked the reference. Counted are runs that raise, runs with other events (up to the first that
 either run calls undecided), and event times further apart than the two runs state.
 
@@ -27,6 +27,7 @@ WITNESS = "taylor"
 
 def random_machine(rng):
     """Return a random machine, which has any of what it may have or not."""
+    friction = rng.choice([0.0, rng.uniform(0.0, 0.1), rng.uniform(0.0, 1.0)])
     return Rotor(
         omega=rng.uniform(0.0, 3.0),
         zeta=rng.choice([0.0, 0.01, 0.07, 0.3]),
@@ -35,6 +36,8 @@ def random_machine(rng):
         contact_exponent=rng.choice([1.0, 1.5]),
         load=rng.choice([0.0, rng.uniform(0.0, 1.0)]),
         contact_damping=rng.choice([0.0, rng.uniform(0.0, 0.5), rng.uniform(0.0, 5.0)]),
+        friction=friction,
+        disc_radius=rng.choice([0.0, 1.0, 3.0, 10.0]) if friction else None,
     )
 
 

@@ -129,7 +129,7 @@ def check_can_be_followed(rotor: Rotor, start: State, *, settling: bool = False)
             f"{rotor.delta0!r}"
         )
     for name, value in rotor.beyond.items():
-        if not SMALLEST_BEYOND <= value <= LARGEST:
+        if value != 0.0 and not SMALLEST_BEYOND <= value <= LARGEST:
             raise InputError(
                 f"{name} must be 0, or from {SMALLEST_BEYOND:g} to {LARGEST:g}, to be simulated, "
                 f"got {value!r}"

@@ -6,6 +6,7 @@ exit are found as roots of |z| = delta0, and the integration is restarted there,
 kink. Flight is integrated like a contact; there is no closed form for it here.
 
     decide the mode at the start: flight, pressed contact, or contact that damping holds loose;
+    with friction a pressed contact slides forwards, slides backwards, or rolls;
     integrate inside the mode, step by step;
     look at the end of a step, and where the radius turns inside it, for a crossing;
     find it as a root, record it, and begin anew in the mode that follows.
@@ -40,16 +41,34 @@ from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.options import Options
-from rotor_ida.simulation.orbit import ENTRY, EXIT, PRESS, RELEASE, Orbit
+from rotor_ida.simulation.orbit import (
+    ENTRY,
+    EXIT,
+    FLIES,
+    IS_LOOSE,
+    PRESS,
+    RELEASE,
+    REVERSE,
+    ROLL,
+    ROLLS,
+    SLIDES_BACKWARDS,
+    SLIDES_FORWARDS,
+    SLIP,
+    Orbit,
+)
 
-Function = Callable[[Values], float]
+Function = Callable[[float, Values], float]
 
 # A start on the ring is decided by the first derivative of the radius that rounding cannot hide.
 HIDDEN = 16.0 * ROUNDING
-# Displacement, velocity, impulse of the force since the contact began, and with contact damping the
-# energy lost.
-X, Y, VX, VY, IMPULSE, LOST = range(6)
-FLIGHT, PRESSED, LOOSE = range(3)
+# Displacement, velocity, impulse of the force since the contact began, with contact damping the
+# energy lost, and with friction the heat of sliding.
+X, Y, VX, VY, IMPULSE, LOST, HEAT = range(7)
+FLIGHT, FORWARDS, BACKWARDS, ROLLING, LOOSE = (
+    FLIES, SLIDES_FORWARDS, SLIDES_BACKWARDS, ROLLS, IS_LOOSE,
+)  # fmt: skip
+PRESSED = 4  # without friction
+SLIDING = (FORWARDS, BACKWARDS)
 # Parts of a step that are looked at for a release, a press, and the largest force.
 LOOKS = 4
 # SUNDIALS may need a few calls for a step: after a reading the first one only returns to its end.
@@ -62,26 +81,88 @@ MOST_IDLE_STEPS = 100
 def rates_of(rotor: Rotor, mode: int) -> Callable[[float, Values, Values], None]:
     """Return the right-hand side of the first-order system in one mode.
 
-    In flight there is no force even beyond the ring, so that a step may look ahead smoothly; and in
-    a pressed contact it may pull where the step looks beyond the release.
+    In flight there is no force even beyond the ring, so that a step may look ahead smoothly; in a
+    pressed contact it may pull where the step looks beyond the release; and friction drives surfaces
+    on that slide backwards already. Rolling fixes the tangential velocity: what is integrated of it
+    is not looked at.
     """
     omega, delta0 = rotor.omega, rotor.delta0
     exponent, damping = rotor.contact_exponent, rotor.contact_damping
+    friction = mode * rotor.friction if mode in SLIDING else 0.0
 
     def rates(time: float, state: Values, rate: Values) -> None:
-        x, y, vx, vy = state[:IMPULSE].tolist()
+        seen = rolled(rotor, state) if mode == ROLLING else state
+        x, y, vx, vy = seen[:IMPULSE].tolist()
         radius = math.hypot(x, y)
         spring = force_over_radius(radius, delta0, exponent) if mode != FLIGHT else 0.0
-        approach = radial_rate_of(state) / radius if spring else 0.0
-        secant = spring * (1.0 + damping * approach) if mode == PRESSED else 0.0
+        approach = radial_rate_of(seen) / radius if spring else 0.0
+        secant = spring * (1.0 + damping * approach) if mode != LOOSE else 0.0
         rate[X], rate[Y] = vx, vy
         rate[VX] = acceleration(Along(x, vx, x, math.cos(omega * time)), secant, rotor)
         rate[VY] = acceleration(Along(y, vy, y, math.sin(omega * time), -1.0), secant, rotor)
         rate[IMPULSE] = secant * radius
-        if damping > 0.0:
+        if state.size > LOST:
             rate[LOST] = (secant - spring) * radius * approach
+        if state.size > HEAT:
+            held = hold_of_rolling(rotor, time, seen) if mode == ROLLING else 0.0
+            across = friction * secant + held / radius if radius > 0.0 else 0.0
+            rate[VX] += across * y
+            rate[VY] -= across * x
+            rate[HEAT] = friction * secant * radius * slip_of(rotor, seen)
 
     return rates
+
+
+def slip_of(rotor: Rotor, state: Values) -> float:
+    """Return the slip speed ``v_s = v_t + rho omega``."""
+    around = float(state[X] * state[VY] - state[Y] * state[VX])
+    return around / radius_of(state) + (rotor.disc_radius or 0.0) * rotor.omega
+
+
+def rolled(rotor: Rotor, state: Values) -> Values:
+    """Return a state of which the tangential velocity is that of rolling, ``-rho omega``."""
+    excess, radius, exact = slip_of(rotor, state), radius_of(state), state.copy()
+    exact[VX] += excess * state[Y] / radius
+    exact[VY] -= excess * state[X] / radius
+    return exact
+
+
+def hold_of_rolling(rotor: Rotor, time: float, state: Values) -> float:
+    """Return ``F = omega**2 sin(omega t - phi) - gamma cos phi + V (2 zeta + r'/r)``."""
+    x, y, radius = float(state[X]), float(state[Y]), radius_of(state)
+    rim, angle = (rotor.disc_radius or 0.0) * rotor.omega, rotor.omega * time
+    drive = rotor.omega**2 * (math.sin(angle) * x - math.cos(angle) * y) - rotor.load * x
+    return drive / radius + rim * (2.0 * rotor.zeta + radial_rate_of(state) / radius**2)
+
+
+def hidden_slip(rotor: Rotor, state: Values) -> float:
+    """Return the slip speed that rounding hides."""
+    speed = math.hypot(state[VX], state[VY])
+    return HIDDEN * (float(speed) + (rotor.disc_radius or 0.0) * rotor.omega)
+
+
+def hidden_hold(rotor: Rotor, state: Values) -> float:
+    """Return the size of `hold_of_rolling` that rounding hides."""
+    rim = (rotor.disc_radius or 0.0) * rotor.omega
+    turning = 2.0 * rotor.zeta + abs(radial_rate_of(state)) / radius_of(state) ** 2
+    return HIDDEN * (rotor.omega**2 + rotor.load + rim * turning)
+
+
+def pressed_mode(rotor: Rotor, time: float, state: Values, slip: float | None = None) -> int:
+    """Decide how a pressed contact goes on: it slides where it does, or where grip is not enough.
+
+    `slip` is 0 where that is known.
+    """
+    if rotor.friction == 0.0:
+        return PRESSED
+    sliding = slip_of(rotor, state) if slip is None else slip
+    if abs(sliding) > hidden_slip(rotor, state):
+        return FORWARDS if sliding > 0.0 else BACKWARDS
+    hold = hold_of_rolling(rotor, time, rolled(rotor, state))
+    grip = rotor.friction * force_of(rotor, state)
+    if abs(hold) <= max(grip, hidden_hold(rotor, state)):
+        return ROLLING
+    return FORWARDS if hold > 0.0 else BACKWARDS
 
 
 def mode_of_start(rotor: Rotor, start: State) -> int:
@@ -94,12 +175,13 @@ def mode_of_start(rotor: Rotor, start: State) -> int:
         rate = np.empty_like(state)
         rates_of(rotor, LOOSE)(0.0, state, rate)
         held = hold_of(rotor, state + math.sqrt(HIDDEN) * rate)
-    return PRESSED if held > 0.0 else LOOSE
+    return pressed_mode(rotor, 0.0, state) if held > 0.0 else LOOSE
 
 
 def first_state(rotor: Rotor, start: State) -> Values:
     """Return the state with which a run begins."""
-    return np.array([*start, 0.0, 0.0] if rotor.contact_damping > 0.0 else [*start, 0.0])
+    more = 3 if rotor.friction > 0.0 else 2 if rotor.contact_damping > 0.0 else 1
+    return np.array([*start, *more * (0.0,)])
 
 
 def starts_in_contact(rotor: Rotor, start: State) -> bool:
@@ -238,10 +320,12 @@ class Integration:
         return state
 
     def root(self, function: Function, low: float, high: float) -> float:
-        """Return where in the last step a function of the state, of two signs, vanishes."""
+        """Return where in the last step a function of time and state, of two signs, vanishes."""
         spacing = 4.0 * ROUNDING
         return float(
-            brentq(lambda time: function(self.at(time)), low, high, xtol=spacing, rtol=spacing)
+            brentq(
+                lambda time: function(time, self.at(time)), low, high, xtol=spacing, rtol=spacing
+            )
         )
 
     def failure(self, message: str) -> SimulationError:
@@ -271,6 +355,7 @@ class _Run:
     events: list[tuple[float, int, Values]] = field(default_factory=list)
     contacts: list[tuple[float, ...]] = field(default_factory=list)
     turns: list[tuple[float, float, Values]] = field(default_factory=list)
+    ways: list[int] = field(default_factory=list)
     evaluations: int = 0
 
 
@@ -316,6 +401,7 @@ def run_reference(
     """Do as `rotor_ida.simulation.run.run` does, tolerances of a step given."""
     run = _Run(rotor, options, tolerances, duration, sample_times.tolist(), stop)
     mode = began = mode_of_start(rotor, start)
+    run.ways.append(began)
     contact = _Contact(math.nan, 0.0, first_state(rotor, start))
     time, state, event = 0.0, contact.state, ENTRY
     while event and time < duration:
@@ -323,15 +409,15 @@ def run_reference(
             contact = _Contact(contact.entry, time, state)
         time, state, event = _follow_mode(run, time, state, contact, slack, mode)
         if event:
-            run.events.append((time, event, state))
-            mode = {ENTRY: PRESSED, EXIT: FLIGHT, RELEASE: LOOSE, PRESS: PRESSED}[event]
+            mode = _record_event(run, time, event, state)
         if event == EXIT or (not event and mode != FLIGHT):
             _record_contact(run, contact, time if event else math.nan, state)
         if event in {ENTRY, EXIT}:
             state[IMPULSE:] = 0.0
             contact.entry = time if event == ENTRY else math.nan
-    if event and mode != FLIGHT:  # it touches, comes loose or presses as the run ends
-        _record_contact(run, _Contact(contact.entry, time, state), math.nan, state)
+    if event and mode != FLIGHT:  # it touches, or goes on in another way, as the run ends
+        ending = _Contact(contact.entry, time, state) if event == ENTRY else contact
+        _record_contact(run, ending, math.nan, state)
     return _orbit_of(run, state, began=began != FLIGHT)
 
 
@@ -350,42 +436,113 @@ def _follow_mode(
         motion.advance()
         turn = _turn_in(motion)
         crossing = _crossing_in(motion, turn, run.rotor.delta0, in_contact=mode != FLIGHT)
-        change = _change_in(motion, run.rotor, mode)
+        change, kind = _change_in(motion, run.rotor, mode)
         first = min(crossing, change)
         if first <= run.duration + slack:
             ends = EXIT if mode != FLIGHT else ENTRY
-            event = ends if crossing <= change else (RELEASE if mode == PRESSED else PRESS)
+            event = ends if crossing <= change else kind
         end = first if event else min(motion.high, run.duration)
         for candidate in (turn, end):
             if candidate <= end:
                 contact.pass_by(candidate, motion.at(candidate))
-        if mode == PRESSED and run.rotor.contact_damping > 0.0:
+        if mode not in {FLIGHT, LOOSE} and run.rotor.contact_damping > 0.0:
             contact.feel(run.rotor, motion, end)
-        _record_step(run, motion, turn, end)
+        _record_step(run, motion, turn, end, mode)
     run.evaluations += motion.evaluations
     state = motion.at(end).copy()
+    if mode == ROLLING or event == ROLL:
+        state = rolled(run.rotor, state)
     if event in {ENTRY, EXIT}:
         state[:VX] *= run.rotor.delta0 / radius_of(state)
     return end, state, event
 
 
-def _change_in(motion: Integration, rotor: Rotor, mode: int) -> float:
-    """Return when in the last step the contact comes loose, or presses again; or infinity."""
-    if rotor.contact_damping == 0.0 or mode == FLIGHT:
-        return math.inf
-    side = 1.0 if mode == PRESSED else -1.0
+def _record_event(run: _Run, time: float, event: int, state: Values) -> int:
+    """Record an event, and return the mode that follows; where the surfaces stop, they roll or not.
 
-    def within(state: Values) -> float:
-        return side * hold_of(rotor, state)
+    What comes at the time of the event before, but for rounding, puts that right.
+    """
+    rotor = run.rotor
+    mode = {EXIT: FLIGHT, RELEASE: LOOSE}.get(event, ROLLING)
+    if event in {ENTRY, PRESS, ROLL}:
+        mode = pressed_mode(rotor, time, state, 0.0 if event == ROLL else None)
+    elif event == SLIP:
+        mode = FORWARDS if hold_of_rolling(rotor, time, state) > 0.0 else BACKWARDS
+    if event == ROLL and mode != ROLLING:
+        event = REVERSE if mode == -run.ways[-1] else 0  # or only touched
+    last = run.events[-1][1] if run.events else 0
+    if event in {ROLL, SLIP, REVERSE} and last and time - run.events[-1][0] <= HIDDEN * time:
+        if last in {ENTRY, PRESS}:
+            event = 0
+        elif last in {ROLL, SLIP, REVERSE}:
+            run.events.pop()
+            run.ways.pop()
+            turned = mode != run.ways[-1] and mode != ROLLING
+            event = 0 if mode == run.ways[-1] else REVERSE if turned else ROLL
+        if not event:
+            run.ways[-1] = mode
+    if event:
+        run.events.append((time, event, state))
+        run.ways.append(mode)
+    return mode
 
+
+def _change_in(motion: Integration, rotor: Rotor, mode: int) -> tuple[float, int]:
+    """Return when in the last step the contact goes on in another way, or infinity; and its event.
+
+    It comes loose, or presses again; surfaces stop sliding; or the disc begins to slip.
+    """
+    first = (math.inf, 0)
+    for within, event, hidden in _guards(motion, rotor, mode):
+        time = _first_below(motion, within, hidden)
+        if time < first[0]:
+            first = (time, event)
+    return first
+
+
+def _guards(motion: Integration, rotor: Rotor, mode: int) -> list[tuple[Function, int, float]]:
+    """Return what stays positive in a mode, the event where it does not, and what rounding hides."""
+    guards: list[tuple[Function, int, float]] = []
+    if mode == FLIGHT:
+        return guards
+    if rotor.contact_damping > 0.0:
+        side = -1.0 if mode == LOOSE else 1.0
+        event = PRESS if mode == LOOSE else RELEASE
+        guards.append((lambda _, state: side * hold_of(rotor, state), event, 0.0))
+    if mode in SLIDING:
+        hidden = hidden_slip(rotor, motion.before)
+        guards.append((lambda _, state: mode * slip_of(rotor, state), ROLL, hidden))
+    if mode == ROLLING:
+        hidden = hidden_hold(rotor, motion.before)
+        ends = ((motion.low, motion.before), (motion.high, motion.after))
+        holds = [hold_of_rolling(rotor, time, rolled(rotor, state)) for time, state in ends]
+        if max(map(abs, holds)) > hidden:
+            guards += [(_grip(rotor, sense), SLIP, hidden) for sense in SLIDING]
+    return guards
+
+
+def _grip(rotor: Rotor, sense: int) -> Function:
+    """Return what is left of the grip against sliding in a sense, as a function."""
+
+    def left(time: float, state: Values) -> float:
+        seen = rolled(rotor, state)
+        push = force_over_radius(radius_of(seen), rotor.delta0, rotor.contact_exponent)
+        force = push * radius_of(seen) * hold_of(rotor, seen)
+        return rotor.friction * force - sense * hold_of_rolling(rotor, time, seen)
+
+    return left
+
+
+def _first_below(motion: Integration, within: Function, hidden: float) -> float:
+    """Return when in the last step a function first falls below 0; infinity where it does not."""
     places = np.linspace(motion.low, motion.high, LOOKS + 1).tolist()
     for low, high in pairwise(places):
-        if within(motion.at(high)) < 0.0:
+        if within(high, motion.at(high)) < -hidden:
             point, reach = low, high - low
-            while within(motion.at(point)) <= 0.0 and reach > HIDDEN * high:
+            while within(point, motion.at(point)) <= 0.0 and reach > HIDDEN * high:
                 reach *= 0.125
                 point = low + reach
-            if within(motion.at(point)) > 0.0:
+            if within(point, motion.at(point)) > 0.0:
                 return motion.root(within, point, high)
             return math.nextafter(low, math.inf)
     return math.inf
@@ -394,7 +551,7 @@ def _change_in(motion: Integration, rotor: Rotor, mode: int) -> float:
 def _turn_in(motion: Integration) -> float:
     """Return when in the last step the radius turns; infinity where it does not."""
     if radial_rate_of(motion.before) * radial_rate_of(motion.after) < 0.0:
-        return motion.root(radial_rate_of, motion.low, motion.high)
+        return motion.root(lambda _, state: radial_rate_of(state), motion.low, motion.high)
     return math.inf
 
 
@@ -407,26 +564,31 @@ def _crossing_in(motion: Integration, turn: float, delta0: float, *, in_contact:
         return math.inf
     side = 1.0 if in_contact else -1.0
 
-    def within(state: Values) -> float:
+    def within(_: float, state: Values) -> float:
         return side * (radius_of(state) - delta0)
 
     hidden = HIDDEN * delta0  # so little is rounding, as of a rotor that rests on the ring
     looked_at = [motion.low, turn, motion.high] if turn < math.inf else [motion.low, motion.high]
     for low, high in pairwise(looked_at):
-        if within(motion.at(high)) < -hidden:
-            if within(motion.at(low)) > 0.0:
+        if within(high, motion.at(high)) < -hidden:
+            if within(low, motion.at(low)) > 0.0:
                 return motion.root(within, low, high)
             return math.nextafter(low, math.inf)  # it left as soon as it came
     return math.inf
 
 
-def _record_step(run: _Run, motion: Integration, turn: float, end: float) -> None:
+def _record_step(run: _Run, motion: Integration, turn: float, end: float, mode: int) -> None:
     """Record the samples of the last step up to its end, and where the radius turns."""
+
+    def read(time: float) -> Values:
+        state = motion.at(time)
+        return rolled(run.rotor, state) if mode == ROLLING else state
+
     while len(run.samples) < len(run.sample_times) and run.sample_times[len(run.samples)] <= end:
-        run.samples.append(motion.at(run.sample_times[len(run.samples)]))
+        run.samples.append(read(run.sample_times[len(run.samples)]))
     if turn <= end:
         kind = 1.0 if radial_rate_of(motion.before) > 0.0 else -1.0
-        run.turns.append((turn, kind, motion.at(turn)))
+        run.turns.append((turn, kind, read(turn)))
 
 
 def _record_contact(run: _Run, contact: _Contact, leaving: float, end: Values) -> None:
@@ -435,9 +597,9 @@ def _record_contact(run: _Run, contact: _Contact, leaving: float, end: Values) -
     moment = float(peak[X] * peak[VY] - peak[Y] * peak[VX])
     depth = max(radius_of(peak) - run.rotor.delta0, 0.0)
     impulse = float(end[IMPULSE]) if math.isfinite(contact.entry + leaving) else math.nan
-    lost = float(end[LOST]) if end.size > LOST else 0.0
+    lost, heat = (float(end[each]) if end.size > each else 0.0 for each in (LOST, HEAT))
     run.contacts.append(
-        (contact.entry, leaving, contact.time, depth, impulse, moment, lost, contact.force)
+        (contact.entry, leaving, contact.time, depth, impulse, moment, lost, contact.force, heat)
     )
 
 
@@ -461,5 +623,6 @@ def _orbit_of(run: _Run, end: Values, *, began: bool) -> Orbit:
         contacts=np.array(run.contacts).reshape(-1, CONTACT_COLUMNS),
         end=end[:IMPULSE],
         evaluations=run.evaluations,
+        ways=np.array(run.ways, np.int8) if run.rotor.friction > 0.0 else None,
         extrema=extrema,
     )
