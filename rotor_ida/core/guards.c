@@ -59,7 +59,8 @@ double hidden_hold(const struct motion *motion, const double *values)
 double hidden_slip(const struct motion *motion, const double *values)
 {
     const double r = motion->model.delta0 + values[CONTACT_Q] * values[CONTACT_Q];
-    return HIDDEN * (fabs(momentum_of(motion, values)) + motion->model.rim * r);
+    const double others = fabs(values[CONTACT_P]) + motion->model.rim;
+    return HIDDEN * (fabs(momentum_of(motion, values)) + r * others);
 }
 
 /* A margin that is no further below 0 may be rounding. */
