@@ -824,9 +824,7 @@ static void rub_field(const struct parameters *m,
     const double w43 = r * down_t;
     const double spent = (damped + m->load * m->omega * w43) * q;
     const double w45 = w35 * (m->rim + m->omega * r);
-    const double spent_ = spent - m->friction * m->sigma * m->pressed * w45;
-    const double w47 = w35 * slip_speed;
-    const double heat = m->friction * m->sigma * m->pressed * w47;
+    const double w46 = w35 * slip_speed;
     rate[RUB_Q] = of_q;
     rate[RUB_P] = of_p;
     rate[RUB_SLIP] = of_slip;
@@ -837,8 +835,8 @@ static void rub_field(const struct parameters *m,
     rate[RUB_T] = q;
     rate[RUB_J] = of_j;
     rate[RUB_WORK] = m->pressed * w37;
-    rate[RUB_SPENT] = spent_;
-    rate[RUB_HEAT] = heat;
+    rate[RUB_SPENT] = spent - m->friction * m->sigma * m->pressed * w45;
+    rate[RUB_HEAT] = m->friction * m->sigma * m->pressed * w46;
 }
 
 /* Their derivatives by each of these, column by column. */
@@ -898,23 +896,23 @@ static void rub_jacobian(const struct parameters *m,
     const double w41 = w27 * down_r;
     const double w42 = w39 * down_t;
     const double w43 = w12 * q;
-    const double w44 = w5 + m->pressed * w43;
-    const double w45 = w44 * p;
-    const double w46 = p * p;
-    const double w47 = slip - m->rim * w6;
-    const double w48 = ratio(w47, w6);
-    const double w49 = w48 * w48;
-    const double w50 = w6 * down_t;
-    const double w51 = w48 * q;
-    const double w52 = ratio(-2.0 * m->rim * q - 2.0 * w51, w6);
-    const double w53 = w52 * w48;
-    const double w54 = q * down_t;
-    const double w55 = (2.0 * m->zeta * (2.0 * w53 - -2.0 * m->rim * m->omega * q) + 2.0 * (m->load * m->omega) * w54) * q;
+    const double w44 = (w5 + m->pressed * w43) * p;
+    const double w45 = p * p;
+    const double w46 = slip - m->rim * w6;
+    const double w47 = ratio(w46, w6);
+    const double w48 = w47 * w47;
+    const double w49 = w6 * down_t;
+    const double w50 = w47 * q;
+    const double w51 = ratio(-2.0 * m->rim * q - 2.0 * w50, w6);
+    const double w52 = w51 * w47;
+    const double w53 = q * down_t;
+    const double w54 = (2.0 * m->zeta * (2.0 * w52 - -2.0 * m->rim * m->omega * q) + 2.0 * (m->load * m->omega) * w53) * q;
+    const double w55 = w20 + m->pressed * (m->friction * m->sigma) * w43;
     const double w56 = m->omega * w6 + m->rim;
-    const double w57 = (w20 + m->pressed * (m->friction * m->sigma) * w43) * w56;
+    const double w57 = w55 * w56;
     const double w58 = w4 * q;
     const double w59 = w58 * q;
-    const double w60 = w44 * w7;
+    const double w60 = w55 * w7;
     const double w61 = w14 * w58;
     const double w62 = (-2.0 * m->zeta - m->pressed * m->contact_damping * push) * q;
     const double w63 = push * w6;
@@ -936,7 +934,7 @@ static void rub_jacobian(const struct parameters *m,
     const double w79 = w77 * c;
     const double w80 = w77 * down_t;
     const double w81 = w77 * down_r;
-    const double w82 = w48 * w70;
+    const double w82 = w47 * w70;
     const double w83 = (2.0 * w82 - m->omega) * q;
     const double w84 = w58 * w70;
     const double w85 = q * c;
@@ -954,8 +952,8 @@ static void rub_jacobian(const struct parameters *m,
     const double w97 = w39 * q;
     const double w98 = 0.1 * m->omega * w97;
     const double w99 = w95 * down_t;
-    const double w100 = w54 * down_r;
-    const double w101 = w54 * down_t;
+    const double w100 = w53 * down_r;
+    const double w101 = w53 * down_t;
     matrix[1] = m->omega * m->omega * c - 2.0 * m->zeta * p - w5 - m->shaft_stiffness * w6 + m->load * down_r + w10 + w19;
     matrix[2] = w22 + m->rim * p + w25;
     matrix[3] = -w29 + 0.1 * m->omega * w33;
@@ -963,10 +961,10 @@ static void rub_jacobian(const struct parameters *m,
     matrix[5] = w36 + 0.1 * m->omega * w40;
     matrix[6] = -w41 + 0.1 * m->omega * w42;
     matrix[7] = 1.0;
-    matrix[8] = w44;
-    matrix[9] = w45;
-    matrix[10] = 2.0 * m->zeta * (w46 + w49 - m->omega * w47) + m->load * m->omega * w50 + w55 - (w57 + m->pressed * (m->friction * m->sigma) * (2.0 * m->omega) * w59);
-    matrix[11] = m->friction * m->sigma * (w60 - 2.0 * m->pressed * w61);
+    matrix[8] = w5 + m->pressed * w43;
+    matrix[9] = w44;
+    matrix[10] = 2.0 * m->zeta * (w45 + w48 - m->omega * w46) + m->load * m->omega * w49 + w54 - (w57 + m->pressed * (m->friction * m->sigma) * (2.0 * m->omega) * w59);
+    matrix[11] = w60 - 2.0 * (m->pressed * (m->friction * m->sigma)) * w61;
     matrix[12] = 0.5;
     matrix[13] = w62;
     matrix[14] = w64;
@@ -1086,17 +1084,17 @@ static void rub_by_parameters(const struct parameters *m,
     added[5][3] = down_t;
 }
 
-/* The Taylor series of the state: 17 lanes. */
+/* The Taylor series of the state: 16 lanes. */
 static void rub_expand(const struct parameters *m,
     struct series *series, int order)
 {
-    _Static_assert(12 <= WIDTH && 17 <= LANES && 0 <= FACTORS, "series.h has no room for this mode");
+    _Static_assert(12 <= WIDTH && 16 <= LANES && 0 <= FACTORS, "series.h has no room for this mode");
     const double q_first = series->terms[0][RUB_Q];
     const double inverse_r = inverse(m->delta0 + q_first * q_first);
     double one = 1.0; /* coefficient n of 1 */
     begin_lanes(series);
     for (int n = 0; n < order; n++) {
-        sum_known(series, n, 5);
+        sum_known(series, n, 4);
         const double *here = series->terms[n];
         double *terms = series->terms[n + 1];
         const double share = 1.0 / (n + 1);
@@ -1137,8 +1135,6 @@ static void rub_expand(const struct parameters *m,
         const double w25 = times(series, 14, n, w3, q); /* w3 * q */
         const double of_j = m->pressed * w25;
         const double w27 = times(series, 15, n, w25, p); /* w25 * p */
-        const double w28 = times(series, 16, n, w25, slip_speed); /* w25 * slip_speed */
-        const double heat = m->friction * m->sigma * m->pressed * w28;
         terms[RUB_Q] = of_q * share;
         terms[RUB_P] = of_p * share;
         terms[RUB_SLIP] = of_slip * share;
@@ -1150,22 +1146,22 @@ static void rub_expand(const struct parameters *m,
         terms[RUB_J] = of_j * share;
         terms[RUB_WORK] = m->pressed * w27 * share;
         terms[RUB_SPENT] = one * 0.0 * share;
-        terms[RUB_HEAT] = heat * share;
+        terms[RUB_HEAT] = one * 0.0 * share;
         one = 0.0;
     }
 }
 
-/* The Taylor series of the state, and the factors of differences: 29 lanes. */
+/* The Taylor series of the state, and the factors of differences: 28 lanes. */
 static void rub_expand_with_factors(const struct parameters *m,
     struct series *series, int order)
 {
-    _Static_assert(12 <= WIDTH && 29 <= LANES && 8 <= FACTORS, "series.h has no room for this mode");
+    _Static_assert(12 <= WIDTH && 28 <= LANES && 8 <= FACTORS, "series.h has no room for this mode");
     const double q_first = series->terms[0][RUB_Q];
     const double inverse_r = inverse(m->delta0 + q_first * q_first);
     double one = 1.0; /* coefficient n of 1 */
     begin_lanes(series);
     for (int n = 0; n < order; n++) {
-        sum_known(series, n, 8);
+        sum_known(series, n, 7);
         const double *here = series->terms[n];
         double *terms = series->terms[n + 1];
         const double share = 1.0 / (n + 1);
@@ -1206,27 +1202,25 @@ static void rub_expand_with_factors(const struct parameters *m,
         const double w26 = times(series, 14, n, w4, q); /* w4 * q */
         const double of_j = m->pressed * w26;
         const double w28 = times(series, 15, n, w26, p); /* w26 * p */
-        const double w29 = times(series, 16, n, w26, slip_speed); /* w26 * slip_speed */
-        const double heat = m->friction * m->sigma * m->pressed * w29;
-        const double w31 = w3 + one * 1.0;
-        /* (1.5 * hertz * q + linear) * w31 */
-        const double w32 = times(series, 17, n, 1.5 * m->hertz * q + one * m->linear, w31);
-        /* (-pressed * w32 - shaft_stiffness) * q */
-        const double w33 = times(series, 18, n, -m->pressed * w32 - one * m->shaft_stiffness, q);
-        const double w34 = over(series, 19, n, one * 1.0, r, inverse_r); /* 1.0 / r */
-        const double w35 = times(series, 20, n, around, w34); /* around * w34 */
-        const double w36 = times(series, 21, n, w35, push); /* w35 * push */
-        const double w37 = times(series, 22, n, push, w31); /* push * w31 */
-        const double w38 = times(series, 23, n, w37, w34); /* w37 * w34 */
-        /* (-(pressed * contact_damping) * w36 + pressed * (friction * sigma) * w38) * q */
-        const double w39 = times(series, 24, n, -(m->pressed * m->contact_damping) * w36 + m->pressed * (m->friction * m->sigma) * w38, q);
+        const double w29 = w3 + one * 1.0;
+        /* (1.5 * hertz * q + linear) * w29 */
+        const double w30 = times(series, 16, n, 1.5 * m->hertz * q + one * m->linear, w29);
+        /* (-pressed * w30 - shaft_stiffness) * q */
+        const double w31 = times(series, 17, n, -m->pressed * w30 - one * m->shaft_stiffness, q);
+        const double w32 = over(series, 18, n, one * 1.0, r, inverse_r); /* 1.0 / r */
+        const double w33 = times(series, 19, n, around, w32); /* around * w32 */
+        const double w34 = times(series, 20, n, w33, push); /* w33 * push */
+        const double w35 = times(series, 21, n, push, w29); /* push * w29 */
+        const double w36 = times(series, 22, n, w35, w32); /* w35 * w32 */
+        /* (-(pressed * contact_damping) * w34 + pressed * (friction * sigma) * w36) * q */
+        const double w37 = times(series, 23, n, -(m->pressed * m->contact_damping) * w34 + m->pressed * (m->friction * m->sigma) * w36, q);
         /* (-2.0 * zeta - pressed * contact_damping * push) * q */
-        const double w40 = times(series, 25, n, one * (-2.0 * m->zeta) - m->pressed * m->contact_damping * push, q);
-        const double w41 = times(series, 26, n, w32, q); /* w32 * q */
-        /* (-pressed * w38 - shaft_stiffness - pressed * contact_damping * (friction * sigma) * w36) * q */
-        const double w42 = times(series, 27, n, -m->pressed * w38 - one * m->shaft_stiffness - m->pressed * m->contact_damping * (m->friction * m->sigma) * w36, q);
+        const double w38 = times(series, 24, n, one * (-2.0 * m->zeta) - m->pressed * m->contact_damping * push, q);
+        const double w39 = times(series, 25, n, w30, q); /* w30 * q */
+        /* (-pressed * w36 - shaft_stiffness - pressed * contact_damping * (friction * sigma) * w34) * q */
+        const double w40 = times(series, 26, n, -m->pressed * w36 - one * m->shaft_stiffness - m->pressed * m->contact_damping * (m->friction * m->sigma) * w34, q);
         /* (-(pressed * contact_damping * (friction * sigma)) * push - spin) * q */
-        const double w43 = times(series, 28, n, -(m->pressed * m->contact_damping * (m->friction * m->sigma)) * push - spin, q);
+        const double w41 = times(series, 27, n, -(m->pressed * m->contact_damping * (m->friction * m->sigma)) * push - spin, q);
         terms[RUB_Q] = of_q * share;
         terms[RUB_P] = of_p * share;
         terms[RUB_SLIP] = of_slip * share;
@@ -1238,15 +1232,15 @@ static void rub_expand_with_factors(const struct parameters *m,
         terms[RUB_J] = of_j * share;
         terms[RUB_WORK] = m->pressed * w28 * share;
         terms[RUB_SPENT] = one * 0.0 * share;
-        terms[RUB_HEAT] = heat * share;
+        terms[RUB_HEAT] = one * 0.0 * share;
         series->factors[0][n] = q;
         series->factors[1][n] = turned;
-        series->factors[2][n] = w33;
-        series->factors[3][n] = w39;
-        series->factors[4][n] = w40;
-        series->factors[5][n] = -(m->pressed * (m->friction * m->sigma)) * w41;
-        series->factors[6][n] = w42;
-        series->factors[7][n] = w43;
+        series->factors[2][n] = w31;
+        series->factors[3][n] = w37;
+        series->factors[4][n] = w38;
+        series->factors[5][n] = -(m->pressed * (m->friction * m->sigma)) * w39;
+        series->factors[6][n] = w40;
+        series->factors[7][n] = w41;
         one = 0.0;
     }
 }
@@ -1362,7 +1356,6 @@ static void rolling_field(const struct parameters *m,
     const double hold = -(m->omega * m->omega) * s - 2.0 * m->zeta * (-m->rim) + m->load * down_t + m->rim * w38;
     const double w40 = hold * q;
     const double w41 = w40 * (m->rim + m->omega * r);
-    const double spent_ = spent - w41;
     rate[ROLLING_Q] = of_q;
     rate[ROLLING_P] = of_p;
     rate[ROLLING_SLIP] = 0.0;
@@ -1373,7 +1366,7 @@ static void rolling_field(const struct parameters *m,
     rate[ROLLING_T] = q;
     rate[ROLLING_J] = of_j;
     rate[ROLLING_WORK] = m->pressed * w31;
-    rate[ROLLING_SPENT] = spent_;
+    rate[ROLLING_SPENT] = spent - w41;
     rate[ROLLING_HEAT] = 0.0;
 }
 

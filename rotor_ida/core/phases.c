@@ -286,8 +286,12 @@ int integrate_contact(struct run *run, struct motion *motion, const double *begu
         steps++;
         if (motion->spend != NULL) {
             reached[CONTACT_SPENT] = motion->before[CONTACT_SPENT];
+            if (motion->mode != &contact_mode)
+                reached[RUB_HEAT] = motion->before[RUB_HEAT];
             motion->spend(motion, end, reached);
             motion->values[CONTACT_SPENT] = reached[CONTACT_SPENT];
+            if (motion->mode != &contact_mode)
+                motion->values[RUB_HEAT] = reached[RUB_HEAT];
         }
 #endif
         raise_peak_of_contact(peak, motion, end, reached);

@@ -19,7 +19,7 @@ enum {
     ORDERS = HIGHEST_ORDER + 1,
 #ifdef WHOLE_MODEL
     WIDTH = 12, /* columns of a state, with room to spare */
-    LANES = 32, /* products at most */
+    LANES = 28, /* products at most */
 #else
     WIDTH = 8,
     LANES = 16,

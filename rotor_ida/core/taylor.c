@@ -425,30 +425,53 @@ static const vec4 WEIGHTS[AT_ONCE] = {
     {0.05061426814518813, 0.11119051722668724, 0.15685332293894363, 0.18134189168918100},
     {0.18134189168918100, 0.15685332293894363, 0.11119051722668724, 0.05061426814518813}};
 
-/* The same with friction, for which the drive has to put in T (V + omega r) on these axes. */
+/* Read components of a contact where the quadrature over a step looks at them. */
+static inline __attribute__((always_inline)) void
+look(const struct taylor *taylor, const int *components, const int count, double reach,
+     vec4 (*values)[AT_ONCE])
+{
+    for (int i = 0; i < count; i++)
+        values[i][0] = values[i][1] = spread(0.0);
+    for (int n = taylor->order; n >= 0; n--) {
+        for (int i = 0; i < count; i++) {
+            const vec4 term = spread(taylor->series.terms[n][components[i]]);
+            for (int v = 0; v < AT_ONCE; v++)
+                values[i][v] = fma4(values[i][v], spread(reach) * PLACES[v], term);
+        }
+    }
+}
+
+/* What a contact with friction spends, for which the drive has to put in T (V + omega r) on these
+ * axes; and the heat of sliding. */
 static void spend_with_friction(struct motion *motion, double end, double *reached)
 {
+    enum { COUNT = 5 };
+    static const int components[COUNT] = {RUB_Q, RUB_P, RUB_SLIP, RUB_DOWN_T, RUB_S};
     const struct parameters *m = &motion->model;
-    const struct series *series = &taylor_of(motion)->series;
-    const double reach = end - motion->low;
-    double total = 0.0;
-    for (int i = 0; i < AT_ONCE * 4; i++) {
-        double values[TO_BE_SEEN];
-        evaluate(series->terms[0], WIDTH, TO_BE_SEEN, taylor_of(motion)->order,
-                 PLACES[i / 4][i % 4] * reach, 0, values);
-        const double q = values[RUB_Q], p = values[RUB_P], r = m->delta0 + q * q;
-        const double h = values[RUB_SLIP] - m->rim * r, around = h / r;
-        const double push = m->pressed * q * q * (m->hertz * q + m->linear)
-                            * (1.0 + m->contact_damping * p);
-        const double across = values[RUB_DOWN_T];
-        const double hold = m->load * across - m->omega * m->omega * values[RUB_S]
-                            + m->rim * (2.0 * m->zeta + p / r);
-        const double along = motion->mode == &rolling_mode ? hold : m->friction * m->sigma * push;
-        const double damped = 2.0 * m->zeta * (p * p + around * around - m->omega * h);
-        const double turned = m->omega * m->load * r * across;
-        total += WEIGHTS[i / 4][i % 4] * q * (damped + turned - along * (m->rim + m->omega * r));
+    const double reach = end - motion->low, torque = m->omega * m->load;
+    const double sliding = m->friction * m->sigma * m->pressed;
+    const int rolls = motion->mode == &rolling_mode;
+    vec4 values[COUNT][AT_ONCE], total = spread(0.0), heat = spread(0.0);
+    look(taylor_of(motion), components, COUNT, reach, values);
+    for (int v = 0; v < AT_ONCE; v++) {
+        const vec4 q = values[0][v], p = values[1][v], across = values[3][v], square = q * q;
+        const vec4 r = spread(m->delta0) + square, slip = values[2][v] / r;
+        const vec4 around = slip - spread(m->rim), h = around * r;
+        vec4 drag;
+        if (rolls)
+            drag = spread(m->load) * across - spread(m->omega * m->omega) * values[4][v]
+                   + spread(m->rim) * (spread(2.0 * m->zeta) + p / r);
+        else
+            drag = spread(sliding) * square * (spread(m->hertz) * q + spread(m->linear))
+                   * (spread(1.0) + spread(m->contact_damping) * p);
+        const vec4 damped = spread(2.0 * m->zeta) * (p * p + around * around - spread(m->omega) * h);
+        const vec4 drive = drag * (spread(m->rim) + spread(m->omega) * r);
+        total += WEIGHTS[v] * q * (damped + spread(torque) * r * across - drive);
+        heat += WEIGHTS[v] * q * drag * slip;
     }
-    reached[CONTACT_SPENT] += reach * total;
+    reached[RUB_SPENT] += reach * (total[0] + total[1] + total[2] + total[3]);
+    if (!rolls)
+        reached[RUB_HEAT] += reach * (heat[0] + heat[1] + heat[2] + heat[3]);
 }
 
 /* What a contact spends, by a quadrature over the last step: a lane of its own would cost more. The

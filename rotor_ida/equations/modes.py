@@ -271,8 +271,8 @@ def rub_rates(state: Numbers, rotor: Any) -> list[Number]:
     """Return the rates of a contact in which surfaces slide, by u, as `contact_rates` has it.
 
     Instead of the angular momentum h there is the moment of the slip, ``r v_s = h + V r``, which
-    passes through 0 where the surfaces stop sliding. The last component is the heat, the integral
-    of ``mu N |v_s|``.
+    passes through 0 where the surfaces stop sliding. The last component is the heat of sliding, of
+    which there is no series, as of what `spent_sliding` says.
     """
     q, p, slip, c, s, down_r, down_t, *_ = state
     square = q * q
@@ -291,9 +291,9 @@ def rub_rates(state: Numbers, rotor: Any) -> list[Number]:
     of_q, of_p, of_slip = 0.5 * p, q * outwards, q * moment
     of_c, of_s, of_j = -(s * turn), c * turn, q * force
     of_down_r, of_down_t = turned * down_t, -(turned * down_r)
-    heat = rotor.friction * rotor.sigma * (of_j * slip_speed)
+    still = 0.0 * q
     return [
-        of_q, of_p, of_slip, of_c, of_s, of_down_r, of_down_t, q, of_j, of_j * p, 0.0 * q, heat,
+        of_q, of_p, of_slip, of_c, of_s, of_down_r, of_down_t, q, of_j, of_j * p, still, still,
     ]  # fmt: skip
 
 
@@ -325,30 +325,30 @@ def grip_and_hold(state: Numbers, rotor: Any) -> list[Number]:
     return [grip, hold_of_rolling(Along(0.0, -rotor.rim, 0.0, -s, down_t), r, p, rotor)]
 
 
-def spent_sliding(state: Numbers, rotor: Any) -> Number:
-    """Return `spent_rate` of a contact with friction.
+def spent_sliding(state: Numbers, rotor: Any) -> tuple[Number, Number]:
+    """Return `spent_rate` of a contact with friction, and the rate of its heat ``mu N |v_s|``.
 
-    Of the power of friction, ``-T v_t``, the heat ``T v_s`` has a series of its own. The rest is
-    what the drive has to put in, ``T (V + omega r)`` on the rotating axes.
+    Of the power of friction, ``-T v_t``, this is the heat ``T v_s``, and what the drive has to put
+    in, ``T (V + omega r)`` on the rotating axes.
     """
     q, p, slip, c, s, down_r, down_t, *_ = state
     r = rotor.delta0 + q * q
     spent = spent_rate((q, p, slip - rotor.rim * r, c, s, down_r, down_t), rotor)
     drag = rotor.friction * rotor.sigma * damped(spring_of_root(q, rotor), p, rotor)
-    return spent - q * drag * (rotor.rim + rotor.omega * r)
+    return spent - q * drag * (rotor.rim + rotor.omega * r), q * drag * (slip / r)
 
 
-def spent_rolling(state: Numbers, rotor: Any) -> Number:
-    """Return `spent_rate` of a contact in which the disc rolls, as `spent_sliding` has it."""
+def spent_rolling(state: Numbers, rotor: Any) -> tuple[Number, Number]:
+    """Return what `spent_sliding` does where the disc rolls: there is no heat."""
     q, p, _, c, s, down_r, down_t, *_ = state
     r = rotor.delta0 + q * q
     spent = spent_rate((q, p, -(rotor.rim * r), c, s, down_r, down_t), rotor)
     _, hold = grip_and_hold(state, rotor)
-    return spent - q * hold * (rotor.rim + rotor.omega * r)
+    return spent - q * hold * (rotor.rim + rotor.omega * r), 0.0 * q
 
 
 def drawn_back(
-    rates: list[Number], state: Numbers, spent: Number, rotor: Any
+    rates: list[Number], state: Numbers, spent: tuple[Number, Number], rotor: Any
 ) -> list[Number]:
     """Return rates of a contact with friction, as `drawn_contact_rates` does."""
     for first in (3, 5):
@@ -356,7 +356,7 @@ def drawn_back(
         pull = PULL * rotor.omega * state[0] * (1.0 - (c * c + s * s))
         rates[first] = rates[first] + pull * c
         rates[first + 1] = rates[first + 1] + pull * s
-    rates[-2] = spent
+    rates[-2:] = spent
     return rates
 
 
