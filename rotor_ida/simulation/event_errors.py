@@ -30,7 +30,7 @@ from rotor_ida.errors import SimulationError
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.options import LOOSEST_RTOL_OF_TAYLOR, Options
-from rotor_ida.simulation.orbit import PRESS, Orbit
+from rotor_ida.simulation.orbit import PRESS, REVERSE, ROLL, SLIP, Orbit
 from rotor_ida.simulation.run import run
 
 Event = tuple[int, float, float]
@@ -210,9 +210,47 @@ def _rounding(orbit: Orbit) -> Values:
     turned = orbit.rotor.omega * orbit.event_times
     moved = np.hypot(vx, vy) * orbit.event_times
     radius = 4.0 * ROUNDING * (2.0 + 2.0 * delta0 + turned + moved)
+    if orbit.rotor.friction > 0.0:
+        of_friction = np.isin(orbit.event_kinds, (ROLL, SLIP, REVERSE))
+        sizes, rates = _guards_of_friction(orbit)
+        radius[of_friction] = (4.0 * ROUNDING * (2.0 + turned) * sizes)[of_friction]
+        rate[of_friction] = rates[of_friction]
     spans = np.sqrt(1.0 + np.arange(orbit.event_times.size))
     with np.errstate(divide="ignore"):
         return np.asarray(4.0 * np.spacing(orbit.event_times) * spans + radius / rate)
+
+
+def _guards_of_friction(orbit: Orbit) -> tuple[Values, Values]:
+    """Return what the guards of friction are made of at each event, and how fast they change.
+
+    Before the disc begins to roll, or slides the other way, that is the slip speed, which changes
+    by ``F - mu sigma N``; before it begins to slip, ``mu N - |F|``.
+    """
+    rotor, (x, y, vx, vy) = orbit.rotor, orbit.event_states.T
+    rim, n = (rotor.disc_radius or 0.0) * rotor.omega, rotor.contact_exponent
+    radius = np.hypot(x, y)
+    rise, turn = (x * vx + y * vy) / radius, np.arctan2(y, x)
+    lag, square = rotor.omega * orbit.event_times - turn, rotor.omega**2
+    depth = np.maximum(radius - rotor.delta0, np.finfo(float).tiny)
+    factor = 1.0 + rotor.contact_damping * rise
+    normal = depth**n * factor
+    hold = square * np.sin(lag) - rotor.load * np.cos(turn)
+    hold += rim * (2.0 * rotor.zeta + rise / radius)
+    assert orbit.ways is not None
+    before = orbit.ways[:-1]
+    slowing = np.abs(hold - rotor.friction * before * normal)
+    drive = square * np.cos(lag) - rotor.load * np.sin(turn)
+    bend = drive + rim**2 / radius - 2.0 * rotor.zeta * rise - rotor.shaft_stiffness * radius
+    bend -= normal
+    grip_rate = n * depth ** (n - 1.0) * rise * factor + depth**n * rotor.contact_damping * bend
+    hold_rate = square * np.cos(lag) * (rotor.omega + rim / radius)
+    hold_rate -= rotor.load * np.sin(turn) * rim / radius
+    hold_rate += rim * (bend - rise**2 / radius) / radius
+    losing = np.abs(rotor.friction * grip_rate - np.sign(hold) * hold_rate)
+    slips = orbit.event_kinds == SLIP
+    forces = square + rotor.load + rim * (2.0 * rotor.zeta + np.abs(rise) / radius) + normal
+    speeds = np.hypot(vx, vy) + rim + forces * orbit.event_times
+    return np.where(slips, forces, speeds), np.where(slips, losing, slowing)
 
 
 def _radial_acceleration(orbit: Orbit) -> Values:
