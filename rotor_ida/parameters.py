@@ -17,8 +17,8 @@ DEFAULTS = {
     "load": 0.0,
 }
 # What friction in the contact takes; without it there is none, and no disc radius is needed.
-OF_FRICTION = ("friction", "disc_radius")
-ALL_PARAMETERS = (*PARAMETERS, *DEFAULTS, *OF_FRICTION)
+OF_FRICTION_DEFAULTS: dict[str, float | None] = {"friction": 0.0, "disc_radius": None}
+ALL_PARAMETERS = (*PARAMETERS, *DEFAULTS, *OF_FRICTION_DEFAULTS)
 # By what the paper's rotor is given in SI units; what is in DEFAULTS comes beside it.
 MACHINE_PARAMETERS = (
     "mass", "contact_stiffness", "damping", "eccentricity", "clearance", "speed",
@@ -153,7 +153,7 @@ def _checked_friction(friction: object, disc_radius: object) -> dict[str, float 
 
 def _not_default(rotor: Rotor | DimensionalRotor) -> dict[str, float]:
     """Return what is not the default, of all that comes beside the paper's parameters."""
-    defaults = DEFAULTS | {"friction": 0.0, "disc_radius": None}
+    defaults = DEFAULTS | OF_FRICTION_DEFAULTS
     values = {name: getattr(rotor, name) for name in defaults}
     return {name: value for name, value in values.items() if value != defaults[name]}
 

@@ -8,7 +8,7 @@ from scipy.stats import rankdata
 
 from rotor_ida.arrays import Values
 from rotor_ida.equations.contact import contact_force, damping_factor, secant_stiffness
-from rotor_ida.parameters import Rotor
+from rotor_ida.parameters import Rotor, check_no_friction
 from rotor_ida.schema import Column, labelled_dataset, origin_of
 from rotor_ida.simulation.dataset import check_run, parameter_coordinates, rotor_of
 
@@ -58,6 +58,7 @@ def contact_forces(run: xr.Dataset) -> xr.Dataset:
     """
     run = check_run(run, NEEDED)
     rotor, x, y = rotor_of(run), run["x"].values, run["y"].values
+    check_no_friction(rotor, "contact_forces")
     radius = np.hypot(x, y)
     held = _held(run, radius, rotor) if rotor.contact_damping > 0.0 else 1.0
     stiffness = held * secant_stiffness(radius, rotor.delta0, rotor.contact_exponent)

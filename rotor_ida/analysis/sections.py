@@ -23,7 +23,7 @@ from rotor_ida.checks import (
 from rotor_ida.equations.model import rotated
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Stop, interruptible
-from rotor_ida.parameters import Rotor
+from rotor_ida.parameters import Rotor, check_no_friction
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import Column, labelled_dataset
 from rotor_ida.simulation.dataset import parameter_coordinates
@@ -111,6 +111,7 @@ def poincare_section(
     """
     check_instance("rotor", rotor, Rotor)
     first = check_state("start", start)
+    check_no_friction(rotor, "a section")
     check_can_be_followed(rotor, first)
     if rotor.omega == 0.0:
         raise InputError("omega must be positive for a section, got 0.0: nothing turns")

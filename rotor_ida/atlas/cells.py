@@ -24,7 +24,7 @@ from rotor_ida.basins.kernel import CHAOTIC, NOT_COMPUTED, UNDECIDED
 from rotor_ida.basins.known import known_from_closed_forms, same_cycle, with_cycle
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.parallel import Stop
-from rotor_ida.parameters import ALL_PARAMETERS, PARAMETERS, Rotor
+from rotor_ida.parameters import DEFAULTS, PARAMETERS, Rotor
 from rotor_ida.schema import RESPONSE, TRAPPING
 from rotor_ida.steady_state import response
 from rotor_ida.storage.studies.arrays import Arrays
@@ -33,6 +33,8 @@ from rotor_ida.storage.studies.results import Form
 # Of one rotor, so that its labels fit into memory many times.
 MOST_STARTS = 1_000_000
 # Of the times after which starts are decided: the median, and that of 95 of 100.
+# What an archived cell knows its rotor by.
+OF_MACHINES = (*PARAMETERS, *DEFAULTS)
 QUANTILES = (0.5, 0.95)
 # What these are where no start is.
 NEVER = np.full(2, np.nan)
@@ -132,7 +134,7 @@ def _cycle_of(found: FollowedStarts, attractor: Attractor) -> Cycle | None:
 
 
 def _as_arrays(cell: Cell) -> Arrays:
-    members, names = cell.members, ALL_PARAMETERS if cell.rotor.beyond else PARAMETERS
+    members, names = cell.members, OF_MACHINES if cell.rotor.beyond else PARAMETERS
     attractors = [each.attractor for each in members]
     arrays = {
         "rotor": np.array([getattr(cell.rotor, name) for name in names]),
@@ -155,7 +157,7 @@ def _as_arrays(cell: Cell) -> Arrays:
 
 def _from_arrays(arrays: Arrays) -> Cell:
     # those that follow the paper's are left out where they are the default
-    given = zip(ALL_PARAMETERS, arrays["rotor"].tolist(), strict=False)
+    given = zip(OF_MACHINES, arrays["rotor"].tolist(), strict=False)
     cell = Cell(Rotor(**dict(given)))
     cell.undecided, cell.not_computed = arrays["left"].tolist()
     cell.entropies = tuple(arrays["entropies"].tolist())

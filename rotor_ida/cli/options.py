@@ -249,6 +249,10 @@ class BeyondOptions:
         float, _number("Relative rise of the contact force at a speed of approach of 1.")
     ] = DEFAULTS["contact_damping"]
     load: Annotated[float, _number("Static load, downwards.")] = DEFAULTS["load"]
+    friction: Annotated[float, _number("Coefficient of friction in the contact.")] = 0.0
+    disc_radius: Annotated[
+        float | None, _number("Radius of the disc over eccentricity, which friction needs.")
+    ] = None
 
     def of(self, rotor: Rotor) -> Rotor:
         """Return the rotor with it."""

@@ -9,7 +9,7 @@ import xarray as xr
 
 from rotor_ida.checks import LARGEST_NUMBER, check_instance, check_nonnegative
 from rotor_ida.equations.contact import HERTZ_EXPONENT
-from rotor_ida.parameters import Rotor
+from rotor_ida.parameters import Rotor, check_no_friction
 from rotor_ida.schema import STABILITY, labelled, labelled_dataset
 
 
@@ -56,6 +56,7 @@ def rest(rotor: Rotor) -> xr.Dataset:
     -0.25
     """
     check_instance("rotor", rotor, Rotor)
+    check_no_friction(rotor, "rest")
     for name in ("zeta", "delta0", "shaft_stiffness", "contact_damping", "load"):
         check_nonnegative(name, getattr(rotor, name), LARGEST_NUMBER)
     kappa, depth = rotor.shaft_stiffness, _depth(rotor)

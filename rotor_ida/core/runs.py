@@ -205,7 +205,6 @@ class _Tables:
             run.evaluations,
         )
 
-
     def _ways(self) -> npt.NDArray[np.int8] | None:
         """Return how the rotor moves from its start, and from each event on."""
         if not self.event_ways.size:

@@ -24,6 +24,7 @@ from rotor_ida.parameters import (
     PARAMETERS,
     DimensionalRotor,
     Rotor,
+    check_no_friction,
 )
 from rotor_ida.simulation.options import LARGEST, check_can_be_followed
 
@@ -141,6 +142,7 @@ def _checked(given: Mapping[str, Any]) -> Question:
     machine = machine_of(given["machine"])
     start = check_state("start", given["start"])
     rotor = machine if isinstance(machine, Rotor) else machine.rotor()
+    check_no_friction(rotor, "the explorer")
     check_can_be_followed(rotor, start)
     speeds = given["speeds"]
     if not isinstance(speeds, list) or len(speeds) != 2:

@@ -23,7 +23,7 @@ from rotor_ida.explorer.answers import Answer
 from rotor_ida.explorer.motion import METHOD, duration_of, ending, facts_of, run_of, values_of
 from rotor_ida.explorer.questions import Question
 from rotor_ida.explorer.words import NO_CURVE, words_of_response, words_of_transient
-from rotor_ida.parameters import ALL_PARAMETERS, PARAMETERS, Rotor
+from rotor_ida.parameters import DEFAULTS, PARAMETERS, Rotor
 from rotor_ida.schema import EXACT, RESPONSE, STABILITY
 from rotor_ida.simulation.simulate import simulate
 from rotor_ida.sweeps.sweep import sweep
@@ -65,7 +65,7 @@ def show_responses(question: Question) -> Iterator[Answer]:
     if rotor.zeta == 0.0:
         return  # nothing settles
     swept = sweep(
-        **{name: getattr(rotor, name) for name in ALL_PARAMETERS},
+        **{name: getattr(rotor, name) for name in (*PARAMETERS, *DEFAULTS)},
         starts=[question.start], method=METHOD, executor="serial",
     )  # fmt: skip
     compared = compare(swept).squeeze(ONE)

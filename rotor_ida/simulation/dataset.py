@@ -11,7 +11,7 @@ import xarray as xr
 from rotor_ida.checks import COMPONENTS, State, check_instance
 from rotor_ida.equations.contact import contact_force, damping_factor
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import ALL_PARAMETERS, DEFAULTS, PARAMETERS, Rotor
+from rotor_ida.parameters import ALL_PARAMETERS, PARAMETERS, Rotor
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import (
     DAMPED_EVENT_KIND,
@@ -69,7 +69,7 @@ def check_run(run: object, needed: Sequence[str]) -> xr.Dataset:
         raise InputError(f"run must be a run of simulate; it lacks {', '.join(missing)}")
     if any(run[name].ndim for name in PARAMETERS):
         raise InputError("run must be one run; its omega, zeta and delta0 must be scalars")
-    several = [name for name in DEFAULTS if name in run.variables and run[name].ndim]
+    several = [name for name in ALL_PARAMETERS if name in run.variables and run[name].ndim]
     if several:
         raise InputError(f"run must be one run; its {several[0]} must be a scalar")
     check_dimensionless("run", run)

@@ -26,7 +26,7 @@ from rotor_ida.core.runs import Asked, stretch
 from rotor_ida.equations.model import rotated
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.parallel import Stop, interruptible
-from rotor_ida.parameters import Rotor
+from rotor_ida.parameters import Rotor, check_no_friction
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import Column, labelled_dataset
 from rotor_ida.simulation.dataset import parameter_coordinates
@@ -141,6 +141,7 @@ def lyapunov_exponent(
     """
     check_instance("rotor", rotor, Rotor)
     first = check_state("start", start)
+    check_no_friction(rotor, "exponents")
     check_can_be_followed(rotor, first)
     lead = check_positive("transient", transient, LONGEST)
     length = check_positive("duration", duration, LONGEST)

@@ -14,7 +14,13 @@ from rotor_ida.cli import options
 from rotor_ida.cli.output import Output, answer, answer_whole, read, working
 from rotor_ida.cli.report import FIRST_ROWS, Report
 from rotor_ida.errors import InputError, SimulationError
-from rotor_ida.parameters import ALL_PARAMETERS, DEFAULTS, PARAMETERS, Rotor
+from rotor_ida.parameters import (
+    ALL_PARAMETERS,
+    DEFAULTS,
+    OF_FRICTION_DEFAULTS,
+    PARAMETERS,
+    Rotor,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -41,9 +47,10 @@ class Origin:
     def check(self) -> None:
         """Refuse options that do not go together."""
         of_file = [name for name in ("point", "special") if getattr(self, name) is not None]
+        defaults = DEFAULTS | OF_FRICTION_DEFAULTS
         of_start = [
             name for name in (*PARAMETERS, "start", "period") if getattr(self, name) is not None
-        ] + [name for name, value in asdict(self.beyond).items() if value != DEFAULTS[name]]
+        ] + [name for name, value in asdict(self.beyond).items() if value != defaults[name]]
         if self.from_ is not None:
             if of_start:
                 raise InputError(f"{of_start[0]} must be left out with --from")
