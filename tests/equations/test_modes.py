@@ -1,6 +1,7 @@
 """The modes are DESIGN section 2, in other variables: held against its one line, z'' = ...
 
-Of the paper's rotor, and of the whole model with shaft, contact damping, both exponents and a load.
+Of the paper's rotor, and of the whole model with shaft, contact damping, both exponents, a load,
+and friction that slides and rolls.
 """
 
 import cmath
@@ -9,7 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rotor_ida.equations.modes import MODELS, PAPER, WHOLE
+from rotor_ida.equations.modes import MODELS, PAPER, ROLLING, RUB, WHOLE, grip_and_hold
 from rotor_ida.equations.symbols import variables
 
 STEP = 1e-5
@@ -46,10 +47,23 @@ def normal_force(z, w, rotor):
 
 
 def acceleration(z, w, down, rotor):
-    """z'' = omega**2 e - 2 zeta z' - kappa z - N z/|z| + gamma g, e where the unbalance points."""
-    push = normal_force(z, w, rotor)[0] * z / abs(z)
+    """z'' = omega**2 e - 2 zeta z' - kappa z - (N + i T) z/|z| + gamma g, e where the unbalance
+    points."""
+    push = (normal_force(z, w, rotor)[0] + 1j * tangential_force(z, w, down, rotor)) * z / abs(z)
     slowed = -2.0 * rotor.zeta * w - rotor.shaft_stiffness * z
     return rotor.omega**2 + slowed - push + rotor.load * down
+
+
+def tangential_force(z, w, down, rotor):
+    """T = mu sigma N, or what keeps the moment of the slip, h + V r, as it is; or 0."""
+    way = getattr(rotor, "way", "")
+    if way == "rub":
+        return rotor.friction * rotor.sigma * normal_force(z, w, rotor)[0]
+    if way == "rolling":
+        e = z / abs(z)
+        free = rotor.omega**2 - 2.0 * rotor.zeta * w + rotor.load * down
+        return (free / e).imag + rotor.rim * (w / e).real / abs(z)
+    return 0.0
 
 
 def rotating_rates(z, w, down, rotor):
@@ -85,8 +99,26 @@ def cartesian_states(model, count=50, seed=1, **given):
         yield [*draw.normal(size=4).tolist(), *more], rotor
 
 
+def rub_states(model, count=50, seed=3, way="rub", **given):
+    """Return states with friction, which hold the moment of the slip, and the heat."""
+    draw = np.random.default_rng(seed)
+    for state, rotor in contact_states(model, count, seed, **given):
+        slides = way == "rub"
+        sigma = draw.choice([-1.0, 1.0]) if slides else 0.0
+        friction, rim = draw.uniform(0.0, 2.0), draw.uniform(0.0, 5.0)
+        slip = sigma * abs(draw.normal())
+        yield (
+            [*state[:2], slip, *state[3:], draw.normal()],
+            changed(rotor, friction=friction, rim=rim, sigma=sigma, way=way),
+        )
+
+
+def rolling_states(model, count=50, seed=4, **given):
+    return rub_states(model, count, seed, "rolling", **given)
+
+
 def is_contact(mode):
-    return mode.name == "contact"
+    return mode.name != "cartesian"
 
 
 def centre(mode, state, rotor):
@@ -97,6 +129,7 @@ def centre(mode, state, rotor):
         return complex(*state[:2]), complex(*state[2:4]), down, 1.0 + 0j
     q, p, h, c, s = state[:5]
     r, outwards = rotor.delta0 + q * q, complex(c, s)
+    h = named["slip"] - rotor.rim * r if "slip" in named else h
     down = complex(named.get("down_r", 0.0), named.get("down_t", 0.0)) * outwards
     return r * outwards, complex(p, h / r) * outwards, down, outwards
 
@@ -104,7 +137,9 @@ def centre(mode, state, rotor):
 CASES = [
     pytest.param(model, mode, states, id=f"{model.name}-{mode.name}")
     for model in MODELS
-    for mode, states in zip(model.modes, (contact_states, cartesian_states), strict=True)
+    for mode, states in zip(
+        model.modes, (contact_states, cartesian_states, rub_states, rolling_states), strict=False
+    )
 ]
 of_models = pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
 of_cases = pytest.mark.parametrize(("model", "mode", "states"), CASES)
@@ -210,7 +245,7 @@ def test_duals_are_the_derivatives_of_the_rates(model, mode, states):
 @of_models
 def test_guards_are_what_the_core_watches(model):
     """The exit where q falls through 0, and the extremum where p vanishes."""
-    contact, cartesian = model.modes
+    contact, cartesian, *_ = model.modes
     guards = [(guard.event, guard.of) for guard in contact.guards]
     assert guards == [("exit", "q"), ("extremum", "p")]
     assert cartesian.guards == ()
@@ -260,10 +295,63 @@ def test_energy_on_the_rotating_axes_is_spent_on_damping_the_load_and_the_ring()
 def test_without_more_than_the_paper_s_the_whole_model_moves_alike():
     zeros = dict.fromkeys(("shaft_stiffness", "contact_damping", "load", "linear"), 0.0)
     for states, whole, paper in zip(
-        (contact_states, cartesian_states), WHOLE.modes, PAPER.modes, strict=True
+        (contact_states, cartesian_states), WHOLE.modes[:2], PAPER.modes, strict=True
     ):
         for state, rotor in states(WHOLE, **zeros, hertz=1.0, pressed=1.0):
             rates = dict(zip(whole.state, whole.rates(state, rotor), strict=True))
             named = dict(zip(whole.state, state, strict=True))
             fewer = paper.rates([named[name] for name in paper.state], rotor)
             assert [rates[name] for name in paper.state] == pytest.approx(fewer, rel=1e-14)
+
+
+@pytest.mark.parametrize(("mode", "states"), [(RUB, rub_states), (ROLLING, rolling_states)])
+def test_with_friction_it_slides_and_rolls_by_the_equation(mode, states):
+    """By the chain rule, of z = r e and w = (p + i h/r) e with h = slip - V r: friction acts along
+    the ring, and where the disc rolls its slip stays 0."""
+    for state, rotor in states(WHOLE):
+        rates = dict(zip(mode.state, mode.rates(state, rotor), strict=True))
+        q, p, _, c, s = state[:5]
+        z, w, down, e = centre(mode, state, rotor)
+        r, h = abs(z), (z.conjugate() * w).imag
+        r_, e_ = 2.0 * q * rates["q"], complex(rates["c"], rates["s"])
+        h_ = rates["slip"] - rotor.rim * r_
+        around_ = h_ / r - h * r_ / r**2
+        moved = [
+            r_ * e + r * e_,
+            complex(rates["p"], around_) * e + complex(p, h / r) * e_,
+            complex(rates["down_r"], rates["down_t"]) * e + down / e * e_,
+        ]
+        expected = [q * rate for rate in rotating_rates(z, w, down, rotor)]
+        np.testing.assert_allclose(moved, expected, rtol=1e-11, atol=1e-11)
+        if mode is ROLLING:
+            assert rates["slip"] == 0.0
+
+
+@pytest.mark.parametrize(("mode", "states"), [(RUB, rub_states), (ROLLING, rolling_states)])
+def test_energy_with_friction_goes_into_heat_and_comes_from_the_drive(mode, states):
+    """d(|z'|**2/2 + kappa |z|**2/2 + gamma y - omega h - omega**2 |z| c + work + heat + spent)/du
+    = 0, and the heat is that of ``mu N |v_s|``."""
+    for state, rotor in states(WHOLE):
+        named = dict(zip(mode.state, variables(state), strict=True))
+        q, p, omega = named["q"], named["p"], rotor.omega
+        r = rotor.delta0 + q * q
+        h = named["slip"] - rotor.rim * r
+        energy = 0.5 * (p * p + h * h / (r * r)) + 0.5 * rotor.shaft_stiffness * r * r
+        energy = energy - rotor.load * named["down_r"] * r - omega * h - omega**2 * r * named["c"]
+        total = energy + named["work"] + named["spent"] + named["heat"]
+        rates = [*mode.rates(state, rotor)[:-2], *mode.drawn_rates(state, rotor)[-2:]]
+        parts = np.abs(np.array(total.parts) * rates)
+        assert np.dot(total.parts, rates) == pytest.approx(0.0, abs=1e-12 * (1.0 + parts.max()))
+        z, w, _, _ = centre(mode, state, rotor)
+        slip_speed = (z.conjugate() * w).imag / abs(z) + rotor.rim
+        # the damped force of a random state may be tensile
+        heat = rotor.friction * abs(rotor.sigma * slip_speed) * normal_force(z, w, rotor)[0]
+        assert rates[-1] == pytest.approx(state[0] * heat, rel=1e-9, abs=1e-11)
+
+
+def test_grip_and_hold_are_mu_n_and_the_force_of_rolling():
+    for state, rotor in rolling_states(WHOLE):
+        z, w, down, _ = centre(ROLLING, state, rotor)
+        grip, hold = grip_and_hold(state, rotor)
+        assert grip == pytest.approx(rotor.friction * normal_force(z, w, rotor)[0], rel=1e-11)
+        assert hold == pytest.approx(tangential_force(z, w, down, rotor), rel=1e-10, abs=1e-10)
