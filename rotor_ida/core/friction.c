@@ -95,8 +95,10 @@ static int put_right(struct run *run, const struct motion *motion, int kind)
         return SLIP;
     if (last != -kind)
         return kind;
+    if (kind != SLIP)
+        return 0;
     const int way = run->events > 0 ? run->event_ways[run->events - 1] : run->way_began;
-    return kind == SLIP && way != (int)way_of(motion) ? REVERSE : 0;
+    return way != (int)way_of(motion) ? REVERSE : 0;
 }
 
 void record_change(struct run *run, const struct motion *motion, int kind, int began,

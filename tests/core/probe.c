@@ -6,9 +6,14 @@
 
 static struct taylor taylor;
 
-static const struct mode *mode_of(int in_contact)
+/* By number: 0 anywhere, 1 in contact, with friction 2 where it slides and 3 where it rolls. */
+static const struct mode *mode_of(int number)
 {
-    return in_contact ? &contact_mode : &cartesian_mode;
+#ifdef WHOLE_MODEL
+    if (number > 1)
+        return number > 2 ? &rolling_mode : &rub_mode;
+#endif
+    return number ? &contact_mode : &cartesian_mode;
 }
 
 static struct parameters model_of(const double *model)
@@ -24,10 +29,10 @@ int probe_parameters(void) { return (int)(sizeof(struct parameters) / sizeof(dou
 int probe_order(double rtol) { return order_for(rtol); }
 
 /* Field, Jacobian by columns, growth, and what parameters add, at a state. */
-void probe_values(int in_contact, const double *model, const double *state, double *rate,
+void probe_values(int mode_number, const double *model, const double *state, double *rate,
                   double *matrix, double growth[4][4], double added[PARAMETERS][4])
 {
-    const struct mode *mode = mode_of(in_contact);
+    const struct mode *mode = mode_of(mode_number);
     const struct parameters parameters = model_of(model);
     mode->field(&parameters, state, rate);
     mode->jacobian(&parameters, state, matrix);
@@ -36,10 +41,10 @@ void probe_values(int in_contact, const double *model, const double *state, doub
 }
 
 /* The Taylor series of a state, rows of WIDTH, twice, and of differences, rows of APART. */
-void probe_series(int in_contact, const double *model, const double *state, int order,
+void probe_series(int mode_number, const double *model, const double *state, int order,
                   double *terms, double *with_factors, double *apart)
 {
-    const struct mode *mode = mode_of(in_contact);
+    const struct mode *mode = mode_of(mode_number);
     const struct parameters parameters = model_of(model);
     struct series *series = &taylor.series;
     const size_t bytes = sizeof(double) * WIDTH * (size_t)(order + 1);
@@ -56,13 +61,13 @@ void probe_series(int in_contact, const double *model, const double *state, int 
 }
 
 /* Begin a motion; one tolerance serves all. */
-int probe_begin(int in_contact, const double *model, double rtol, double atol, int tangents,
+int probe_begin(int mode_number, const double *model, double rtol, double atol, int tangents,
                 const double *start)
 {
     double tolerances[MOST_STATE];
     for (int i = 0; i < MOST_STATE; i++)
         tolerances[i] = atol;
-    open_taylor(&taylor, mode_of(in_contact), model_of(model), rtol, tangents);
+    open_taylor(&taylor, mode_of(mode_number), model_of(model), rtol, tangents);
     return taylor.motion.restart(&taylor.motion, start, tolerances);
 }
 

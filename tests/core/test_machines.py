@@ -166,7 +166,7 @@ def test_a_radial_impact_with_contact_damping_rebounds_as_known(x, restitution, 
                   contact_exponent=exponent)  # fmt: skip
     asked = Asked(rotor=rotor, start=(0.0, 0.0, speed, 0.0), duration=8.0, events=True, **HOW)
     seen = follow(asked)
-    _, _, _, root, impulse, _, lost, force = seen.contacts[0]
+    _, _, _, root, impulse, _, lost, force, _ = seen.contacts[0]
     assert seen.event_kinds[:2].tolist() == [1, -1]
     rebound = -seen.event_states[1, 2] / speed
     assert rebound == pytest.approx(restitution, abs=1e-9)

@@ -40,7 +40,13 @@ STARTS = {
     ],
     "cartesian": [ANYWHERE, (-3.0, 2.0, 0.0, 9.0), (1e-3, 0.0, 0.0, 1.0)],
 }
+STARTS["rub"] = STARTS["contact"]
+STARTS["rolling"] = [(*start[:2], 0.0, *start[3:]) for start in STARTS["contact"]]
 DOWN = (0.28, -0.96)
+# Friction, the speed of the rim, and the sense in which surfaces slide.
+SLIDES = (0.3, 1.7, -1.0)
+# As `probe.c` numbers them.
+NUMBERS = {"cartesian": 0, "contact": 1, "rub": 2, "rolling": 3}
 ROTORS = [(1.2, 0.07, 0.5), (0.0, 0.0, 2.0), (8.0, 2.0, 1e-2)]
 # What a machine has beside: shaft, contact damping, load, and whether by Hertz, and pressed.
 MORE = [(0.8, 0.3, 0.5, 1, 1), (0.0, 2.0, 0.0, 0, 1), (1.7, 0.3, 4.0, 1, 0), (2.5, 0.0, 1.0, 0, 0)]
@@ -53,6 +59,7 @@ def parameters_of(model, rotor, more=None, felt=1.0):
         kappa, damping, load, hertz, pressed = (0.0, 0.0, 0.0, 1, 1) if more is None else more
         found |= {"shaft_stiffness": kappa, "contact_damping": damping, "load": load}
         found |= {"hertz": float(hertz), "linear": 1.0 - hertz, "pressed": float(pressed)}
+        found |= dict(zip(("friction", "rim", "sigma"), SLIDES, strict=True))
     return found
 
 
@@ -65,7 +72,10 @@ def start_of(model, name, start):
     """Return a start with what the whole model has beside."""
     if model is PAPER:
         return start
-    return (*start[:5], *DOWN, *start[5:], -0.4, 0.3) if name == "contact" else (*start, *DOWN)
+    if name == "cartesian":
+        return (*start, *DOWN)
+    whole = (*start[:5], *DOWN, *start[5:], -0.4, 0.3)
+    return whole if name == "contact" else (*whole, 0.2)
 
 
 def cases():
@@ -73,7 +83,7 @@ def cases():
         for mode in model.modes:
             for place, start in enumerate(STARTS[mode.name]):
                 for number, rotor in enumerate(ROTORS):
-                    clear = rotor if mode.name == "contact" else (*rotor[:2], 0.0)
+                    clear = rotor if mode.name != "cartesian" else (*rotor[:2], 0.0)
                     # each more with each start, and with each rotor
                     for more in [None] if model is PAPER else MORE[(place + number) % 2 :: 2]:
                         begun = start_of(model, mode.name, start)
@@ -102,7 +112,7 @@ def probes(tmp_path_factory):
     compiler = hatch_build["find_compiler"]()
     if compiler is None:
         pytest.skip("no C compiler is installed")
-    derived = [CORE / f"{name}.c" for name in ("derived", "derived_whole")]
+    derived = [CORE / f"{name}.c" for name in ("derived", "derived_whole", "guards")]
     sources = [str(path) for path in (Path(__file__).parent / "probe.c", *derived)]
     found = {}
     for model in (PAPER, WHOLE):
@@ -209,7 +219,7 @@ def series_of(probe, model, mode, start, parameters, order):
     terms, again = np.zeros((2, order + 1, WIDTH[model.name]))
     differences = np.zeros((order + 1, APART))
     probe.probe_series(
-        int(mode.name == "contact"), as_given(model, parameters), given(start), order,
+        NUMBERS[mode.name], as_given(model, parameters), given(start), order,
         *(given(each, writeable=True) for each in (terms, again, differences)),
     )  # fmt: skip
     return terms, again, differences
@@ -248,7 +258,7 @@ def test_field_and_jacobian_are_those_of_the_model(probes, model, mode, start, p
     rate, matrix = np.zeros(size), np.zeros((size, size))
     growth, added = np.zeros((4, 4)), np.zeros((len(model.columns), 4))
     probes[model.name].probe_values(
-        int(mode.name == "contact"), as_given(model, parameters), given(start),
+        NUMBERS[mode.name], as_given(model, parameters), given(start),
         *(given(each, writeable=True) for each in (rate, matrix, growth, added)),
     )  # fmt: skip
     rotor = SimpleNamespace(**model.constants, **parameters)
