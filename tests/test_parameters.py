@@ -197,3 +197,69 @@ def test_scaling_with_k_sqrt_D_over_m_reproduces_the_dimensional_equation():
     assert run.peak_force.attrs["units"] == "N"
     with pytest.raises(InputError, match="SI units already"):
         dimensional(run, MACHINE)
+
+
+PLAIN = {"omega": 1.2, "zeta": 0.07, "delta0": 0.5}
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"friction": 0.1}, "disc_radius must be given with friction, got None with friction 0.1"),
+        ({"friction": -0.1, "disc_radius": 1.0}, "friction must be zero or positive, got -0.1"),
+        ({"friction": math.nan, "disc_radius": 1.0}, "friction must be a finite real number, got nan"),
+        ({"friction": None}, "friction must be a finite real number, got None"),
+        ({"friction": 0.1, "disc_radius": -1.0}, "disc_radius must be zero or positive, got -1.0"),
+        ({"disc_radius": True}, "disc_radius must be a finite real number, got True"),
+        ({"disc_radius": math.inf}, "disc_radius must be a finite real number, got inf"),
+    ],
+)  # fmt: skip
+def test_bad_friction_is_refused_in_one_line(given, message):
+    for make, others in ((Rotor, PLAIN), (DimensionalRotor, MACHINE.given)):
+        with pytest.raises(InputError) as refused:
+            make(**others | given)
+        assert str(refused.value) == message
+
+
+def test_friction_needs_a_clearance():
+    with pytest.raises(
+        InputError, match=r"^friction must be 0 without clearance, where .*, got 0.1"
+    ):
+        Rotor(omega=1.0, zeta=0.1, delta0=0.0, friction=0.1, disc_radius=2.0)
+    assert Rotor(omega=1.0, zeta=0.1, delta0=0.0, disc_radius=2.0).disc_radius == 2.0
+
+
+def test_friction_is_told_where_there_is_any_and_a_disc_wherever_it_is_given():
+    rubbing = Rotor(**PLAIN, friction=0.1, disc_radius=2)
+    assert rubbing.beyond == {"friction": 0.1, "disc_radius": 2.0}
+    assert repr(rubbing).endswith("delta0=0.5, friction=0.1, disc_radius=2.0)")
+    smooth = Rotor(**PLAIN, disc_radius=2.0)
+    assert smooth.given == PLAIN | {"disc_radius": 2.0}
+    assert smooth.beyond == {}
+    for rotor in (rubbing, smooth):
+        assert Rotor(**rotor.given) == rotor
+    assert Rotor(**PLAIN, friction=0.0).given == PLAIN
+
+
+def test_a_disc_without_friction_changes_no_bit_of_a_run():
+    start = {"start": (0.0, 0.0, 0.0, 0.0), "duration": 30.0}
+    plain, smooth = (
+        simulate(Rotor(**PLAIN, **more), **start) for more in ({}, {"disc_radius": 2.0})
+    )
+    assert smooth.disc_radius == 2.0
+    assert smooth.drop_vars("disc_radius").equals(plain)
+
+
+def test_friction_and_disc_in_si_units():
+    machine = DimensionalRotor(**MACHINE.given, friction=0.2, disc_radius=0.03)
+    assert DimensionalRotor(**machine.given) == machine
+    rotor = machine.rotor()
+    assert (rotor.friction, rotor.disc_radius) == (0.2, pytest.approx(0.03 / 4e-6, rel=1e-15))
+    run = simulate(rotor, start=(0.9, 0.0, 0.0, 0.0), duration=5.0)
+    found = dimensional(run, machine)
+    assert found.slip_speed.attrs["units"] == "m s-1"
+    rim = 0.03 * 1500.0
+    across = (found.x * found.vy - found.y * found.vx) / np.hypot(found.x, found.y)
+    np.testing.assert_allclose(found.slip_speed, across + rim, rtol=1e-12)
+    assert found.heat.attrs["units"] == "J"
+    assert found.normal_force.attrs["units"] == "N"

@@ -121,9 +121,10 @@ def slip_of(rotor: Rotor, state: Values) -> float:
 
 def rolled(rotor: Rotor, state: Values) -> Values:
     """Return a state of which the tangential velocity is that of rolling, ``-rho omega``."""
-    excess, radius, exact = slip_of(rotor, state), radius_of(state), state.copy()
-    exact[VX] += excess * state[Y] / radius
-    exact[VY] -= excess * state[X] / radius
+    rise, radius, exact = radial_rate_of(state), radius_of(state), state.copy()
+    rim = (rotor.disc_radius or 0.0) * rotor.omega
+    exact[VX] = (rise * state[X] / radius + rim * state[Y]) / radius
+    exact[VY] = (rise * state[Y] / radius - rim * state[X]) / radius
     return exact
 
 

@@ -350,9 +350,7 @@ def test_many_releases_in_one_contact_find_room():
     assert (found.event_time.values[: once.event.size] == once.event_time.values).all()
 
 
-def test_without_friction_nothing_is_asked_of_a_disc():
-    with pytest.raises(InputError, match="friction must be 0"):
-        Rotor(omega=1.0, zeta=0.1, delta0=1.0, friction=0.1)
+def test_what_cannot_be_a_machine_is_refused_in_one_line():
     with pytest.raises(InputError, match=r"contact_exponent must be 1.5 or 1, got 2.0"):
         Rotor(omega=1.0, zeta=0.1, delta0=1.0, contact_exponent=2.0)
     with pytest.raises(InputError, match="contact_damping must be 0 without clearance"):
