@@ -207,7 +207,10 @@ PLAIN = {"omega": 1.2, "zeta": 0.07, "delta0": 0.5}
     [
         ({"friction": 0.1}, "disc_radius must be given with friction, got None with friction 0.1"),
         ({"friction": -0.1, "disc_radius": 1.0}, "friction must be zero or positive, got -0.1"),
-        ({"friction": math.nan, "disc_radius": 1.0}, "friction must be a finite real number, got nan"),
+        (
+            {"friction": math.nan, "disc_radius": 1.0},
+            "friction must be a finite real number, got nan",
+        ),
         ({"friction": None}, "friction must be a finite real number, got None"),
         ({"friction": 0.1, "disc_radius": -1.0}, "disc_radius must be zero or positive, got -1.0"),
         ({"disc_radius": True}, "disc_radius must be a finite real number, got True"),
@@ -222,9 +225,7 @@ def test_bad_friction_is_refused_in_one_line(given, message):
 
 
 def test_friction_needs_a_clearance():
-    with pytest.raises(
-        InputError, match=r"^friction must be 0 without clearance, where .*, got 0.1"
-    ):
+    with pytest.raises(InputError, match=r"^friction must be 0 without clearance, .*, got 0.1"):
         Rotor(omega=1.0, zeta=0.1, delta0=0.0, friction=0.1, disc_radius=2.0)
     assert Rotor(omega=1.0, zeta=0.1, delta0=0.0, disc_radius=2.0).disc_radius == 2.0
 
@@ -243,9 +244,8 @@ def test_friction_is_told_where_there_is_any_and_a_disc_wherever_it_is_given():
 
 def test_a_disc_without_friction_changes_no_bit_of_a_run():
     start = {"start": (0.0, 0.0, 0.0, 0.0), "duration": 30.0}
-    plain, smooth = (
-        simulate(Rotor(**PLAIN, **more), **start) for more in ({}, {"disc_radius": 2.0})
-    )
+    disc = {"disc_radius": 2.0}
+    plain, smooth = (simulate(Rotor(**PLAIN, **more), **start) for more in ({}, disc))
     assert smooth.disc_radius == 2.0
     assert smooth.drop_vars("disc_radius").equals(plain)
 

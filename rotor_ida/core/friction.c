@@ -104,9 +104,8 @@ static int put_right(struct run *run, const struct motion *motion, int kind)
 void record_change(struct run *run, const struct motion *motion, int kind, int began,
                    const double *values)
 {
-    const double since = values[CONTACT_T], last = run->events > 0
-                                                       ? run->event_times[run->events - 1]
-                                                       : -INFINITY;
+    const double since = values[CONTACT_T],
+                 last = run->events > 0 ? run->event_times[run->events - 1] : -INFINITY;
     if (kind != 0 && last >= run->time + since)
         kind = put_right(run, motion, kind);
     else if (began)

@@ -115,8 +115,7 @@ static struct margin point_outside(struct motion *motion, enum guard guard, doub
 static double point_within_mode(struct motion *motion, enum guard guard, double from, double to)
 {
     double point = from, reach = to - from;
-    while (margin_of(motion, guard, motion->at(motion, point), NULL) <= 0.0
-           && reach > 1e-14 * to) {
+    while (margin_of(motion, guard, motion->at(motion, point), NULL) <= 0.0 && reach > 1e-14 * to) {
         reach *= 0.125;
         point = from + reach;
     }

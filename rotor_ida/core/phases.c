@@ -166,9 +166,9 @@ static void raise_force(struct peak *peak, struct motion *motion, double end, co
 static int change_mode(struct run *run, struct motion *motion, const struct change *change,
                        double *start, const double *atol, double *reached)
 {
-    /* of friction a margin that rounding hid at the end of a step is found at the next's beginning */
-    const int began = change->point <= motion->low
-                      && (change->guard == HELD || motion->low == 0.0);
+    /* of friction a margin that rounding hid at the end of a step is found at the next's beginning
+     */
+    const int began = change->point <= motion->low && (change->guard == HELD || motion->low == 0.0);
     const int kind = change_way(motion, change->guard, reached);
     if (run->event_room > 0) {
         if (run->events + EVENTS_A_CONTACT > run->event_room)
@@ -249,7 +249,8 @@ static void raise_peak_of_contact(struct peak *peak, struct motion *motion, doub
         && q + p * (end - low) > peak->values[CONTACT_Q] * (1.0 + NOISE)) {
         const double summit = root_in_step(motion, radial_velocity_of, 0.0, low, end);
         if (!isnan(summit) && motion->at(motion, summit)[CONTACT_Q] > peak->values[CONTACT_Q])
-            memcpy(peak->values, motion->at(motion, summit), sizeof(double) * (size_t)motion->mode->size);
+            memcpy(peak->values, motion->at(motion, summit),
+                   sizeof(double) * (size_t)motion->mode->size);
     }
     if (reached[CONTACT_Q] > peak->values[CONTACT_Q])
         memcpy(peak->values, reached, sizeof(double) * (size_t)motion->mode->size);

@@ -426,9 +426,9 @@ static const vec4 WEIGHTS[AT_ONCE] = {
     {0.18134189168918100, 0.15685332293894363, 0.11119051722668724, 0.05061426814518813}};
 
 /* Read components of a contact where the quadrature over a step looks at them. */
-static inline __attribute__((always_inline)) void
-look(const struct taylor *taylor, const int *components, const int count, double reach,
-     vec4 (*values)[AT_ONCE])
+static inline __attribute__((always_inline)) void look(const struct taylor *taylor,
+                                                       const int *components, const int count,
+                                                       double reach, vec4 (*values)[AT_ONCE])
 {
     for (int i = 0; i < count; i++)
         values[i][0] = values[i][1] = spread(0.0);
@@ -464,7 +464,8 @@ static void spend_with_friction(struct motion *motion, double end, double *reach
         else
             drag = spread(sliding) * square * (spread(m->hertz) * q + spread(m->linear))
                    * (spread(1.0) + spread(m->contact_damping) * p);
-        const vec4 damped = spread(2.0 * m->zeta) * (p * p + around * around - spread(m->omega) * h);
+        const vec4 damped = spread(2.0 * m->zeta)
+                            * (p * p + around * around - spread(m->omega) * h);
         const vec4 drive = drag * (spread(m->rim) + spread(m->omega) * r);
         total += WEIGHTS[v] * q * (damped + spread(torque) * r * across - drive);
         heat += WEIGHTS[v] * q * drag * slip;

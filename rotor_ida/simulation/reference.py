@@ -82,8 +82,8 @@ def rates_of(rotor: Rotor, mode: int) -> Callable[[float, Values, Values], None]
     """Return the right-hand side of the first-order system in one mode.
 
     In flight there is no force even beyond the ring, so that a step may look ahead smoothly; in a
-    pressed contact it may pull where the step looks beyond the release; and friction drives surfaces
-    on that slide backwards already. Rolling fixes the tangential velocity: what is integrated of it
+    pressed contact it may pull where the step looks beyond the release; and friction keeps its sense
+    where the step looks beyond a reversal. Rolling fixes the tangential velocity: what is integrated of it
     is not looked at.
     """
     omega, delta0 = rotor.omega, rotor.delta0
@@ -502,7 +502,7 @@ def _change_in(motion: Integration, rotor: Rotor, mode: int) -> tuple[float, int
 
 
 def _guards(motion: Integration, rotor: Rotor, mode: int) -> list[tuple[Function, int, float]]:
-    """Return what stays positive in a mode, the event where it does not, and what rounding hides."""
+    """Return what stays positive in a mode, what happens where not, and what rounding hides."""
     guards: list[tuple[Function, int, float]] = []
     if mode == FLIGHT:
         return guards

@@ -310,7 +310,7 @@ def test_with_friction_it_slides_and_rolls_by_the_equation(mode, states):
     the ring, and where the disc rolls its slip stays 0."""
     for state, rotor in states(WHOLE):
         rates = dict(zip(mode.state, mode.rates(state, rotor), strict=True))
-        q, p, _, c, s = state[:5]
+        q, p = state[:2]
         z, w, down, e = centre(mode, state, rotor)
         r, h = abs(z), (z.conjugate() * w).imag
         r_, e_ = 2.0 * q * rates["q"], complex(rates["c"], rates["s"])
