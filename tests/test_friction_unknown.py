@@ -20,7 +20,11 @@ UNKNOWN: dict[str, Callable[[Rotor], object]] = {
     "a cycle": lambda rotor: rotor_ida.limit_cycle(rotor, start=START),
     "a branch": lambda rotor: rotor_ida.continue_cycle(rotor, start=START, limits=(1.0, 2.0)),
     "a curve": lambda rotor: rotor_ida.bifurcation_curve(
-        rotor, start=START, parameters=("omega", "delta0"), limits=((1.0, 2.0), (0.1, 1.0))
+        rotor,
+        start=START,
+        kind="fold",
+        parameters=("omega", "delta0"),
+        limits=((1.0, 2.0), (0.1, 1.0)),
     ),
     "a basin": lambda rotor: rotor_ida.basin(rotor, x=[0.0, 1.0], y=[0.0, 1.0]),
     "fractions": lambda rotor: rotor_ida.basin_fractions(rotor, **BOX),
