@@ -53,6 +53,7 @@ RESPONSE = {
     "chaotic": 6,
     "not_found": 7,
     "quasi_periodic": 8,
+    "rolling": 9,
     "failed": -1,
 }
 EVENT_KIND = {"exit": -1, "entry": 1}
