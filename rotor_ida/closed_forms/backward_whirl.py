@@ -83,11 +83,11 @@ def backward_whirl(rotor: Rotor) -> xr.Dataset:
     --------
     >>> rotor = Rotor(
     ...     omega=0.629579808, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0
-    ... )  # doctest: +SKIP
-    >>> found = backward_whirl(rotor)  # doctest: +SKIP
-    >>> found.amplitude.values.round(6), found.whirl_speed.values.round(6)  # doctest: +SKIP
+    ... )
+    >>> found = backward_whirl(rotor)
+    >>> found.amplitude.values.round(6), found.whirl_speed.values.round(6)
     (array([3.147899, 4.984178]), array([-1.      , -1.263157]))
-    >>> round(found.birth_omega.item(), 9)  # doctest: +SKIP
+    >>> round(found.birth_omega.item(), 9)
     0.314789904
     """
     rho = _checked(rotor)

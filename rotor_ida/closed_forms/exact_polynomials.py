@@ -16,7 +16,7 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import reduce
-from itertools import pairwise
+from itertools import accumulate, pairwise
 
 # Two roots nearer to each other than this power of two, in parts of the largest there can be, are
 # not told from none.
@@ -161,11 +161,11 @@ def _isolated(whole: list[int], power: int) -> list[tuple[Fraction, Fraction]]:
 
 
 def _shifted(whole: list[int]) -> list[int]:
-    """Return the coefficients of ``p(x + 1)``."""
-    found = list(whole)
-    for first in range(len(found) - 1):
-        for place in range(len(found) - 2, first - 1, -1):
-            found[place] += found[place + 1]
+    """Return the coefficients of ``p(x + 1)``: the remainders of divisions by ``x - 1``."""
+    found, quotient = [], whole[::-1]
+    while quotient:
+        quotient = list(accumulate(quotient))
+        found.append(quotient.pop())
     return found
 
 

@@ -26,6 +26,8 @@ _NODES = 8000
 # So much damping, as 4 zeta**2, must the largest have that is looked for.
 _LEAST = 1e-8
 _STEP = 1e-7
+# The damping where the locus ends without any is 0 up to the root of rounding.
+_ROUNDING = 1e-7
 
 
 def rub_locus(u: Values, ring: Ring) -> tuple[Values, Values]:
@@ -66,7 +68,7 @@ def rub_cusp(ring: Ring) -> tuple[float, float, float]:
     if not ring.hertz:  # the locus of a linear contact may begin at the ring itself
         nodes = np.concatenate([[0.0], nodes])
     lag, zeta = rub_locus(nodes, ring)
-    if np.isnan(zeta).all():
+    if not (zeta > _ROUNDING).any():
         return math.nan, math.nan, math.nan
     row, column = np.unravel_index(int(np.nanargmax(zeta)), zeta.shape)
     place = np.array([nodes[row], lag[row, column]])

@@ -192,6 +192,7 @@ def test_folds_end_at_the_cusp(ring):
 
 def test_much_friction_leaves_no_fold_at_all():
     assert math.isnan(cusp_zeta(0.5, friction=2.0))
+    assert math.isnan(cusp_zeta(0.1, friction=0.4, contact_exponent=1.0))
     assert np.isnan(folds(zeta=[0.0, 1e-3, 0.07], delta0=0.5, friction=2.0).fold_omega).all()
     axis = cusp(delta0=0.5, friction=[0.0, 0.1, 2.0])
     assert axis.cusp_zeta.dims == ("delta0", "friction")
