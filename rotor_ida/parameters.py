@@ -18,7 +18,8 @@ DEFAULTS = {
 }
 # What friction in the contact takes; without it there is none, and no disc radius is needed.
 OF_FRICTION_DEFAULTS: dict[str, float | None] = {"friction": 0.0, "disc_radius": None}
-ALL_PARAMETERS = (*PARAMETERS, *DEFAULTS, *OF_FRICTION_DEFAULTS)
+BEYOND = (*DEFAULTS, *OF_FRICTION_DEFAULTS)
+ALL_PARAMETERS = (*PARAMETERS, *BEYOND)
 # By what the paper's rotor is given in SI units; what is in DEFAULTS comes beside it.
 MACHINE_PARAMETERS = (
     "mass", "contact_stiffness", "damping", "eccentricity", "clearance", "speed",

@@ -15,7 +15,7 @@ from rotor_ida.cycles.continue_cycle import branch_from
 from rotor_ida.cycles.guess import Guess
 from rotor_ida.errors import ArchiveError
 from rotor_ida.parallel import Progress
-from rotor_ida.parameters import ALL_PARAMETERS, DEFAULTS, PARAMETERS, Rotor
+from rotor_ida.parameters import ALL_PARAMETERS, BEYOND, PARAMETERS, Rotor
 from rotor_ida.provenance import computing
 from rotor_ida.storage.studies import design_of, program_of
 from rotor_ida.sweeps.sweep import sweep
@@ -85,7 +85,7 @@ def _call(design: dict[str, Any]) -> tuple[Callable[..., xr.Dataset], dict[str, 
         "sweep": sweep, "basin": basin, "basin_fractions": basin_fractions, "branch": branch_from,
     }  # fmt: skip
     given = {name: design[name] for name in _GIVEN[kind]}
-    beyond = {name: design[name] for name in DEFAULTS if name in design}
+    beyond = {name: design[name] for name in BEYOND if name in design}
     if kind == "sweep":
         given |= beyond
         return sweep, {**given, "starts": [tuple(start) for start in design["starts"]]}

@@ -53,6 +53,7 @@ RESPONSE = {
     "chaotic": 6,
     "not_found": 7,
     "quasi_periodic": 8,
+    "rolling": 9,
     "failed": -1,
 }
 EVENT_KIND = {"exit": -1, "entry": 1}
@@ -122,6 +123,8 @@ QUANTITIES: dict[str, Quantity] = {
     "energy_lost": Quantity("kinetic energy at entry less that at exit", scale="energy"),
     "contact_loss": Quantity("energy lost in the contact by its damping", scale="energy"),
     "heat": Quantity("heat of slipping in the contact", scale="energy"),
+    "slip_distance": Quantity("distance by which the surfaces slip in the contact", scale="length"),
+    "rolling_time": Quantity("time for which the disc rolls in the contact", scale="time"),
     "mode": Quantity("how the rotor moves: in flight, slipping, rolling or loose", flags=MODE),
     "slip_speed": Quantity(
         "speed of the disc's rim on the ring, positive forwards", scale="velocity"
@@ -141,6 +144,10 @@ QUANTITIES: dict[str, Quantity] = {
     "energy_lost_per_revolution": Quantity(
         "kinetic energy lost in whole contacts per revolution", scale="energy"
     ),
+    "total_heat": Quantity("heat of slipping in contacts", scale="energy"),
+    "heat_per_revolution": Quantity("heat of slipping in contacts per revolution", scale="energy"),
+    "total_slip_distance": Quantity("distance by which the surfaces slip", scale="length"),
+    "rolling_fraction": Quantity("part of the time in contact in which the disc rolls"),
     "total_contact_loss": Quantity("energy lost in contacts by their damping", scale="energy"),
     "forward_fraction": Quantity("part of the contacts passed in forward whirl"),
     # a run on axes that turn with the unbalance

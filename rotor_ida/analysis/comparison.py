@@ -90,6 +90,10 @@ def compare(dataset: xr.Dataset) -> xr.Dataset:
     revolutions is held against its limit cycle as without a load. The attribute ``comment`` says
     so.
 
+    With friction the synchronous whirls are exact as well, on which the disc slides forwards
+    whatever its radius; limit cycles, dry whip, and a rest on the ring under a load lie on nothing
+    that is known.
+
     Examples
     --------
     >>> from rotor_ida import sweep
@@ -203,7 +207,7 @@ def _exact_whirls(dataset: xr.Dataset) -> xr.Dataset:
     given = {
         name: dataset[name].values[()]
         for name in ALL_PARAMETERS
-        if name in dataset.variables and name != "load"
+        if name in dataset.variables and name not in {"load", "disc_radius"}
     }
     exact = synchronous_response(**given)
     if "load" not in dataset.variables or not (dataset["load"] > 0.0).any():
@@ -248,7 +252,10 @@ def _rest_beside(exact: xr.Dataset) -> None:
         if name in exact.variables
     }
     for place in zip(*np.nonzero((spread["omega"] == 0.0) & (spread["load"] > 0.0)), strict=True):
-        rotor = Rotor(**{name: float(values[place]) for name, values in spread.items()})
+        at = {name: float(values[place]) for name, values in spread.items()}
+        if at.pop("friction", 0.0) > 0.0:  # which holds it wherever it is
+            continue
+        rotor = Rotor(**at)
         if rotor.delta0 == 0.0 and rotor.contact_damping > 0.0:
             continue
         lying = rest(rotor)
@@ -302,6 +309,8 @@ def _cycles_beside(dataset: xr.Dataset) -> dict[str, npt.NDArray[np.generic]]:
     }
     for place in zip(*np.nonzero(np.isfinite(spread["period"])), strict=True):
         rotor = Rotor(**{name: float(spread[name][place]) for name in parameters})
+        if rotor.friction > 0.0:
+            continue
         end = np.array([spread[name][place] for name in ENDS])
         cycle = _cycle_near(rotor, end, float(spread["period"][place]))
         if cycle is None:

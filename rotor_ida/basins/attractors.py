@@ -11,8 +11,10 @@ from scipy.special import gammaincinv
 
 from rotor_ida.arrays import Values
 from rotor_ida.basins.contact_free_whirls import ContactFree
+from rotor_ida.basins.fates import BY_KIND
 from rotor_ida.basins.following import FollowedStarts, Starts
-from rotor_ida.basins.kernel import CHAOTIC, QUASI_PERIODIC, Labels
+from rotor_ida.basins.kernel import CHAOTIC, LOWEST, QUASI_PERIODIC, Labels
+from rotor_ida.basins.known import followed_alone
 from rotor_ida.checks import State
 from rotor_ida.cycles.limit_cycle import follow
 from rotor_ida.cycles.shooting import Cycle
@@ -90,7 +92,7 @@ def attractors_of(found: FollowedStarts) -> list[Attractor]:
     """
     known = found.known
     rows: list[tuple[int, Attractor]] = []
-    loaded = known.rotor.load > 0.0
+    loaded, alone = known.rotor.load > 0.0, followed_alone(known.rotor)
     still = known.rotor.omega == 0.0 and not loaded  # and comes to rest at the centre
     kind = response.CONTACT_FREE if still else response.SYNCHRONOUS
     for number, each in enumerate(known.whirls):
@@ -101,13 +103,17 @@ def attractors_of(found: FollowedStarts) -> list[Attractor]:
     present = _present(found.labels)
     if known.free is not None:
         free = _contact_free(known.free)
-        rows.append((known.free_label, replace(free, trapping=NOTHING) if loaded else free))
+        rows.append((known.free_label, replace(free, trapping=NOTHING) if alone else free))
         if known.fading_label in present:
             rows.append((known.fading_label, _fading(known.free, known.rotor.delta0)))
     stop = np.zeros(1, np.uint8)
     for place in np.argsort([each.radius_max for each in found.cycles], kind="stable").tolist():
         if (number := known.first_cycle + place) in present:
             rows.append((number, attractor_of_cycle(found.cycles[place], found.held[place], stop)))
+    for kind, label in BY_KIND.items():
+        if label in present:
+            motions = found.by_kind[found.by_kind[:, 0] == label, 1:]
+            rows.append((label, _together(kind, motions)))
     if QUASI_PERIODIC in present:
         rows.append((QUASI_PERIODIC, _together(response.QUASI_PERIODIC, found.torus)))
     if CHAOTIC in present:
@@ -157,7 +163,8 @@ def leads_to(
         return settled.response in CONTACT_FREE_FAMILY
     if settled.response != attractor.kind:
         return False
-    if attractor.kind in ONLY_BY_KIND:
+    together = rotor.friction > 0.0 and attractor.kind in BY_KIND
+    if together or attractor.kind in ONLY_BY_KIND:
         return True
     return _agrees(settled, attractor)
 
@@ -240,8 +247,8 @@ def _present(labels: Labels) -> set[int]:
 
 def _renumber(labels: Labels, kept: list[int]) -> None:
     """Replace labels by their places in a list; those of fates stay."""
-    table = np.arange(max([*kept, 0]) + 1 - QUASI_PERIODIC, dtype=np.int16)
-    table[QUASI_PERIODIC:] = np.arange(QUASI_PERIODIC, 0)
+    table = np.arange(max([*kept, 0]) + 1 - LOWEST, dtype=np.int16)
+    table[LOWEST:] = np.arange(LOWEST, 0)
     table[kept] = np.arange(len(kept))
     for stretch in stretches(labels.size):
         labels[stretch] = table[labels[stretch]]

@@ -43,6 +43,9 @@ class BatchResult:
         Number of starts labelled again with a smaller error, and of those with the same label.
     torus : ndarray, shape (k, 4)
         As `chaos`, of a quasi-periodic motion [1].
+    by_kind : ndarray, shape (k, 5)
+        With friction the labels of motions that are told by their kinds alone, and of each the
+        numbers as of `chaos` [1].
     """
 
     first: int
@@ -54,6 +57,7 @@ class BatchResult:
     tolerance: Values
     rechecked: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(2, dtype=np.int64))
     torus: Values = field(default_factory=lambda: np.empty((0, MOTION)))
+    by_kind: Values = field(default_factory=lambda: np.empty((0, 1 + MOTION)))
 
 
 def _as_arrays(batch: BatchResult) -> Arrays:

@@ -17,6 +17,7 @@ from rotor_ida.basins.entropy import grid_entropy, sample_entropy
 from rotor_ida.basins.fates import ALONE
 from rotor_ida.basins.following import Starts
 from rotor_ida.basins.kernel import Labels
+from rotor_ida.basins.known import followed_alone
 from rotor_ida.basins.labelling import Labelled
 from rotor_ida.parameters import Rotor
 from rotor_ida.provenance import provenance
@@ -68,10 +69,12 @@ def fractions_dataset(starts: Starts, found: Labelled, drawn: Mapping[str, objec
     """Return which parts of the starts, drawn as told, end on which attractor and response."""
     labels, attractors = found.labels, found.attractors
     missing, undecided, *ends = _counts(labels, len(attractors)).tolist()
-    # no attractor is of these kinds, the last of them without a load
+    # no attractor is of these kinds, the last of them without a load or friction
     never = {"failed", "not_found"}
-    if found.rotor.load == 0.0:
-        never.add("quasi_periodic")
+    if found.rotor.friction == 0.0:
+        never.add("rolling")
+        if found.rotor.load == 0.0:
+            never.add("quasi_periodic")
     of_kind = {number: 0 for word, number in RESPONSE.items() if word not in never}
     of_kind[RESPONSE["unresolved"]] = undecided
     for each, count in zip(attractors, ends, strict=True):
@@ -106,7 +109,7 @@ def _entropies(values: tuple[float, float]) -> dict[str, xr.Variable]:
 
 def labelled_how(tolerance: float, rotor: Rotor | None = None) -> dict[str, object]:
     """Return as attributes what labelled starts, where a step might have such an error [1]."""
-    if rotor is not None and rotor.load > 0.0:
+    if rotor is not None and followed_alone(rotor):
         return {
             "labelling": ONE_BY_ONE,
             "labelling_method": ALONE.method,

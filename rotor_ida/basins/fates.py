@@ -9,7 +9,8 @@ each by itself: chaos is told by the exponent of each orbit; the others are foll
 The label of a start hangs on the rotor and on the start alone: what else is in the batch, or is
 known by then, decides when it is found, and at what cost.
 
-Under a load, which turns on these axes, no region holds a start: each is followed by itself.
+Under a load, which turns on these axes, and with friction no region holds a start: each is followed
+by itself. With friction motions that are no whirl are told by their kinds alone.
 """
 
 from __future__ import annotations
@@ -22,14 +23,17 @@ import numpy.typing as npt
 
 from rotor_ida.arrays import ROUNDING, Values
 from rotor_ida.basins.kernel import (
+    BOUNCING,
     CHAOTIC,
+    FULL_CONTACT,
     NOT_COMPUTED,
     QUASI_PERIODIC,
+    ROLLING,
     UNDECIDED,
     Labels,
     Times,
 )
-from rotor_ida.basins.known import Known, with_cycle
+from rotor_ida.basins.known import Known, followed_alone, with_cycle
 from rotor_ida.cycles.limit_cycle import returns
 from rotor_ida.cycles.multipliers import doubling_test, is_stable
 from rotor_ida.cycles.shooting import Cycle, close_orbit, once_round
@@ -93,6 +97,12 @@ CLOSELY = 1e-11
 CLEAR_ERRORS, CLEAR_STRETCH = 5.0, 20.0
 # Labels of motions that settle on nothing.
 LASTING = {response.CHAOTIC: CHAOTIC, response.QUASI_PERIODIC: QUASI_PERIODIC}
+# Labels of motions that with friction are told by their kinds alone.
+BY_KIND = {
+    response.ROLLING: ROLLING,
+    response.BOUNCING: BOUNCING,
+    response.FULL_CONTACT: FULL_CONTACT,
+}
 # Beside an unstable cycle whose period has just doubled, the doubled one is sought aside at these
 # parts of the size of the state.
 ASIDE = (1e-3, 3e-3, 1e-2, 3e-2, 1e-1)
@@ -112,6 +122,8 @@ class Batch:
     watched: float = 0.0  # and for how long all of them together were watched [1]
     chaotic: SettledResponse | None = None  # a chaotic motion, if one was met,
     torus: SettledResponse | None = None  # and a quasi-periodic one
+    # with friction, label and numbers of each motion that is told by its kind alone
+    by_kind: list[list[float]] = field(default_factory=list)
     matched: Known | None = None  # what was known when orbits were last followed together
 
     def __post_init__(self) -> None:
@@ -152,8 +164,9 @@ class Batch:
 
 def decide(batch: Batch) -> Batch:
     """Follow all starts of a batch until what becomes of them is decided; return it."""
-    waiting = np.arange(0) if batch.known.rotor.load > 0.0 else match_all(batch)
-    if batch.known.rotor.load > 0.0:
+    alone = followed_alone(batch.known.rotor)
+    waiting = np.arange(0) if alone else match_all(batch)
+    if alone:
         label_one_by_one(batch)
     while waiting.size and not batch.stop[0]:
         if seed(batch, waiting):
@@ -175,7 +188,11 @@ def label_one_by_one(batch: Batch) -> None:
         settled = follow_to_steady_state(
             batch.known.rotor, (x, y, vx, vy), options, stop=batch.stop
         )
-        batch.labels[number] = _label_of(batch, settled)
+        label = batch.labels[number] = _label_of(batch, settled)
+        if label in BY_KIND.values():
+            seen = settled.features
+            row = [seen.amplitude, seen.phase_lag, seen.radius_min, seen.radius_max]
+            batch.by_kind.append([float(label), *row])
         batch.times[number] = np.float32(settled.window_end)
         if settled.response == response.CHAOTIC and batch.chaotic is None:
             batch.chaotic = settled
@@ -306,8 +323,9 @@ def fate_of(batch: Batch, number: int, longest: float = LONGEST) -> int:
 
 def _label_of(batch: Batch, settled: SettledResponse) -> int:
     known = batch.known
-    if settled.response in LASTING:
-        return LASTING[settled.response]
+    by_kind = LASTING | BY_KIND if known.rotor.friction > 0.0 else LASTING
+    if settled.response in by_kind:
+        return by_kind[settled.response]
     match settled.response:
         case response.CONTACT_FREE if known.free is not None:
             return known.free_label

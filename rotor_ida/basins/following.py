@@ -16,7 +16,7 @@ from rotor_ida.basins.agreement import count_agreeing, rechecked_of_batch, reche
 from rotor_ida.basins.batches import CYCLE, MOTION, BatchResult
 from rotor_ida.basins.fates import ALONE, Batch, decide
 from rotor_ida.basins.kernel import NOT_COMPUTED, Labels, Times
-from rotor_ida.basins.known import Known, known_from_closed_forms, same_cycle
+from rotor_ida.basins.known import Known, followed_alone, known_from_closed_forms, same_cycle
 from rotor_ida.cycles.shooting import Cycle, close_orbit
 from rotor_ida.parallel import FailedJob, Progress, Stop, interruptible, run_all
 from rotor_ida.parameters import Rotor
@@ -67,6 +67,8 @@ class FollowedStarts:
     rechecked: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(2, dtype=np.int64))
     # as `chaos`, of quasi-periodic motions
     torus: Values = field(default_factory=lambda: np.empty((0, MOTION)))
+    # with friction, by label, of motions that are told by their kinds alone, shape (k, 5)
+    by_kind: Values = field(default_factory=lambda: np.empty((0, 1 + MOTION)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +102,7 @@ def follow_starts(
     Batches that are kept already are not followed again; a tolerance of None is chosen, by the
     first starts where they are `drawn`, which are the same however many follow.
     """
-    alone = known.rotor.load > 0.0
+    alone = followed_alone(known.rotor)
     smallest = SMALLEST_ALONE if alone else SMALLEST_BATCH
     size = min(max(math.ceil(count / FEWEST_BATCHES), smallest), LARGEST_BATCH)
     due = [number for number in range(math.ceil(count / size)) if number not in kept.done]
@@ -192,14 +194,14 @@ def _follow(job: _Job, stop: Stop) -> BatchResult:
     batch = decide(Batch(job.known, job.states, job.tolerance, stop))
     rechecked = count_agreeing(
         batch.known, job.states, batch.labels, batch.times, job.tolerance,
-        0 if batch.known.rotor.load > 0.0 else job.rechecked, stop,
+        0 if followed_alone(batch.known.rotor) else job.rechecked, stop,
     )  # fmt: skip
     batch.times[batch.labels == NOT_COMPUTED] = np.nan
     cycles = [[*each.cycle.state, each.cycle.period, each.exists] for each in batch.known.cycles]
     return BatchResult(
         job.first, batch.labels, batch.times, np.array(cycles).reshape(-1, CYCLE),
         _motion_row(batch.chaotic), np.array([batch.left, batch.watched]), np.array(job.tolerance),
-        rechecked, _motion_row(batch.torus),
+        rechecked, _motion_row(batch.torus), np.array(batch.by_kind).reshape(-1, 1 + MOTION),
     )  # fmt: skip
 
 
@@ -226,6 +228,7 @@ def _gathered(known: Known, count: int, kept: Results[BatchResult]) -> FollowedS
         found.times[stretch] = batch.times
         found.chaos = np.concatenate([found.chaos, batch.chaos])
         found.torus = np.concatenate([found.torus, batch.torus])
+        found.by_kind = np.concatenate([found.by_kind, batch.by_kind])
         found.left += float(batch.watched[0])
         found.watched += float(batch.watched[1])
         found.tolerance = float(batch.tolerance)

@@ -54,11 +54,19 @@ class Labelled:
 
 
 def check_rotor(rotor: object, what: str = "a basin", *, one_by_one: bool = False) -> Rotor:
-    """Return a rotor whose starts can be labelled, under a load only where that is `one_by_one`."""
+    """Return a rotor whose starts can be labelled.
+
+    Under a load or with friction only where that is `one_by_one`.
+    """
     rotor = check_instance("rotor", rotor, Rotor)
     if not one_by_one:
         check_no_load(rotor, what)
-    check_no_friction(rotor, what)
+        check_no_friction(rotor, what)
+    if rotor.omega == 0.0 < min(rotor.load, rotor.friction):
+        raise InputError(
+            f"omega must be above 0 for {what} under a load with friction, which holds the rotor "
+            "at many places, got 0.0"
+        )
     check_can_be_followed(rotor, (0.0, 0.0, 0.0, 0.0), settling=True)
     if not 0.0 < rotor.zeta <= MOST_DAMPING:
         raise InputError(

@@ -122,12 +122,34 @@ def trapping_regions(rotor: Rotor) -> list[TrappingRegion]:
     >>> [round(each.amplitude, 4) for each in regions]
     [1.8796, 9.4872]
     """
-    given = {name: value for name, value in rotor.given.items() if name != "load"}
+    return [_trapping_region(rotor, *whirl) for whirl in _stable_whirls(rotor)]
+
+
+def stable_rubs(rotor: Rotor) -> list[TrappingRegion]:
+    """Return the stable whirls in contact of a rotor with friction; no region is known of them."""
+    nothing = np.full((4, 4), np.inf)
+    return [
+        TrappingRegion(amplitude, lag, _state_on(rotor, amplitude, lag), nothing)
+        for amplitude, lag in _stable_whirls(rotor)
+    ]
+
+
+def _stable_whirls(rotor: Rotor) -> list[tuple[float, float]]:
+    """Return amplitude and phase lag of each stable whirl in contact."""
+    apart = {"load", "disc_radius"}
+    given = {name: value for name, value in rotor.given.items() if name not in apart}
     whirls = synchronous_response(**given).squeeze()
     held = np.atleast_1d((whirls.in_contact == 1) & (whirls.stability == STABILITY["stable"]))
     amplitudes = np.atleast_1d(whirls.amplitude)[held].tolist()
     lags = np.atleast_1d(whirls.phase_lag)[held].tolist()
-    return [_trapping_region(rotor, *whirl) for whirl in zip(amplitudes, lags, strict=True)]
+    return list(zip(amplitudes, lags, strict=True))
+
+
+def _state_on(rotor: Rotor, amplitude: float, lag: float) -> Values:
+    """Return the state of a synchronous whirl on the rotating axes."""
+    position = amplitude * complex(math.cos(lag), -math.sin(lag))
+    velocity = 1j * rotor.omega * position
+    return np.array([position.real, position.imag, velocity.real, velocity.imag])
 
 
 def _trapping_region(rotor: Rotor, amplitude: float, lag: float) -> TrappingRegion:
@@ -136,9 +158,7 @@ def _trapping_region(rotor: Rotor, amplitude: float, lag: float) -> TrappingRegi
     forms = problem.candidates()
     levels = problem.largest_levels(forms)
     held = levels > 0.0
-    position = amplitude * complex(math.cos(lag), -math.sin(lag))
-    velocity = 1j * rotor.omega * position
-    centre = np.array([position.real, position.imag, velocity.real, velocity.imag])
+    centre = _state_on(rotor, amplitude, lag)
     if not held.any():
         return TrappingRegion(amplitude, lag, centre, np.full((4, 4), np.inf))
     # the region of largest volume

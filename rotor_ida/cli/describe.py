@@ -14,7 +14,7 @@ from rich.console import RenderableType
 from rotor_ida.analysis.branch_course import parameters_of, stable_ranges
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.cli.report import pairs, table
-from rotor_ida.parameters import ALL_PARAMETERS, DEFAULTS, PARAMETERS
+from rotor_ida.parameters import ALL_PARAMETERS, BEYOND, PARAMETERS
 from rotor_ida.schema import NO_YES, RESPONSE, flags_of, words_of
 
 Record = dict[str, object]
@@ -370,7 +370,7 @@ def _comparison(dataset: xr.Dataset, most: int | None) -> Description:
 
 
 def _whirls(dataset: xr.Dataset, most: int | None) -> Description:
-    more = [name for name in DEFAULTS if name in dataset.variables]
+    more = [name for name in BEYOND if name in dataset.variables]
     every = rows_of(dataset, (*WHIRL, *more))
     whirls = [row for row in every if row["stability"] != "absent"]
     ordered = (
@@ -390,7 +390,7 @@ def _folds(dataset: xr.Dataset, most: int | None) -> Description:
 
 
 def _fold_rows(dataset: xr.Dataset, most: int | None) -> tuple[list[Record], list[RenderableType]]:
-    more = [name for name in DEFAULTS if name in dataset["fold_omega"].coords]
+    more = [name for name in BEYOND if name in dataset["fold_omega"].coords]
     every = rows_of(dataset, (*FOLD, *more))
     rows = [row for row in every if row["fold_omega"] == row["fold_omega"]]
     columns = ("zeta", "delta0", *more, "fold_omega", "fold_amplitude")

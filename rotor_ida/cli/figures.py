@@ -88,6 +88,7 @@ def _exact_beside(part: xr.Dataset) -> tuple[xr.Dataset | None, xr.Dataset | Non
     given = {name: part[name].item() for name in ALL_PARAMETERS[1:] if name in part.variables}
     if given.pop("load", 0.0) > 0.0:
         return None, None
+    given.pop("disc_radius", None)  # of these whirls it moves none
     return response_curve(**given, limits=_limits_of(part)), folds(**given)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 from cyclopts.validators import Number
@@ -16,6 +16,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.parameters import (
     DEFAULTS,
     MACHINE_PARAMETERS,
+    OF_FRICTION_DEFAULTS,
     PARAMETERS,
     DimensionalRotor,
     Rotor,
@@ -276,21 +277,40 @@ class BeyondAxes:
     load: Annotated[
         list[float] | None, _numbers("Static loads, downwards: numbers, or START:STOP:COUNT.")
     ] = None
+    friction: Annotated[
+        list[float] | None, _numbers("Coefficients of friction: numbers, or START:STOP:COUNT.")
+    ] = None
+    disc_radius: Annotated[
+        list[float] | None,
+        _numbers("Radii of the disc, which friction needs: numbers, or START:STOP:COUNT."),
+    ] = None
 
     def axes(self) -> list[list[float]]:
         """Return those that are given."""
         return [values for values in asdict(self).values() if values is not None]
 
-    def without_load(self) -> dict[str, list[float] | float]:
+    def without_friction(self) -> dict[str, Any]:
+        """Return all but friction, where that is not known yet."""
+        given = self.given()
+        friction, _ = given.pop("friction"), given.pop("disc_radius")
+        if friction != 0.0:
+            raise InputError(
+                f"friction must be 0 for an atlas, which does not know it yet, got {friction!r}"
+            )
+        return given
+
+    def without_load(self) -> dict[str, Any]:
         """Return what exact whirls have of it."""
         given = self.given()
         if given.pop("load") != 0.0:
             raise InputError("load must be 0 for exact whirls: under a load there are none")
+        given.pop("disc_radius")  # it moves none
         return given
 
-    def given(self) -> dict[str, list[float] | float]:
+    def given(self) -> dict[str, Any]:
         """Return each by its name; one value is a number, and no axis."""
-        values = {name: values or [DEFAULTS[name]] for name, values in asdict(self).items()}
+        defaults = DEFAULTS | OF_FRICTION_DEFAULTS
+        values = {name: values or [defaults[name]] for name, values in asdict(self).items()}
         return {name: each[0] if len(each) == 1 else each for name, each in values.items()}
 
 

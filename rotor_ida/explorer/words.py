@@ -14,6 +14,7 @@ KINDS = {
     "synchronous": "a synchronous whirl in contact: it turns with the unbalance at constant radius",
     "bouncing": "a bouncing limit cycle (intermittent rub): it enters and leaves contact for ever",
     "full_contact": "a limit cycle in full contact (full annular rub): its radius pulsates",
+    "rolling": "dry whip: it rolls backwards on the ring, for ever",
     "touching": "a contact-free whirl, through ever slighter touches",
     "quasi_periodic": "a torus: it never repeats itself, and neighbouring motions do not part",
     "chaotic": "chaos: it never repeats itself, and neighbouring motions part",

@@ -18,7 +18,7 @@ from matplotlib.transforms import ScaledTranslation
 
 from rotor_ida.checks import check_count
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import DEFAULTS, PARAMETERS
+from rotor_ida.parameters import BEYOND, PARAMETERS
 from rotor_ida.plot.labels import KIND_WORDS, parameter_text
 
 # From matplotlib's petroff10, chosen so that the greys differ too.
@@ -44,6 +44,7 @@ KIND_SHADES = {
     "contact_free": ("#92dadd", "#4f9b9f", "#d5f2f3", "#1f6f73"),
     "bouncing": (ORANGE, "#ffc48a", "#a96b59", "#ffa90e"),
     "full_contact": (PURPLE, "#d7b3ea", "#4b1a68", "#b9ac70"),
+    "rolling": (BROWN, "#dcc3b9", "#5c3222", "#c48a73"),
     "touching": ("#c08878", "#d8b8ae", "#6b3a2c", "#8a7a75"),
     "quasi_periodic": (GREEN, "#a9d3b4", "#174a2b", "#7da453"),
     "chaotic": (RED, "#f0a898", "#6e1200", "#d97b66"),
@@ -336,7 +337,7 @@ def one_value(name: str, dataset: xr.Dataset, parameter: str) -> float:
 def title_of(name: str, dataset: xr.Dataset, parameters: Sequence[str] = PARAMETERS) -> str:
     """Return the parameters of a dataset, which holds one value of each, as a title."""
     # what varies along a branch is on its axis
-    beyond = [each for each in DEFAULTS if each in dataset.variables and not dataset[each].ndim]
+    beyond = [each for each in BEYOND if each in dataset.variables and not dataset[each].ndim]
     return parameter_text({each: one_value(name, dataset, each) for each in (*parameters, *beyond)})
 
 

@@ -20,6 +20,8 @@ LABELS = {
     "contact_damping": "contact damping $c$",
     "contact_exponent": "exponent of the contact $n$",
     "load": r"load $\gamma$",
+    "friction": r"friction $\mu$",
+    "disc_radius": r"radius of the disc $\rho$",
     "amplitude": r"amplitude $A$",
     "phase_lag": r"phase lag $\theta$",
     "t": r"time $t$",
@@ -57,6 +59,7 @@ LABELS = {
 SYMBOLS = {
     "omega": r"\omega", "zeta": r"\zeta", "delta0": r"\delta_0", "shaft_stiffness": r"\kappa",
     "contact_exponent": "n", "contact_damping": "c", "load": r"\gamma",
+    "friction": r"\mu", "disc_radius": r"\rho",
 }  # fmt: skip
 
 # What is written with a capital where it has a unit, as in eqs (1)-(9).
@@ -86,6 +89,7 @@ KIND_WORDS = {
     "contact_free": "contact-free response",
     "bouncing": "bouncing",
     "full_contact": "full contact",
+    "rolling": "rolling (dry whip)",
     "touching": "touching ever more slightly",
     "quasi_periodic": "quasi-periodic",
     "chaotic": "chaotic",

@@ -13,9 +13,10 @@ from matplotlib.axes import Axes
 from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import DEFAULTS, PARAMETERS
+from rotor_ida.parameters import BEYOND, DEFAULTS, PARAMETERS
 from rotor_ida.plot.appearance import (
     BLUE,
+    BROWN,
     CONTACT_FREE,
     FOLD,
     FROM_REST,
@@ -73,6 +74,7 @@ KINDS = {
     "contact_free": _Look(BLUE, False, False),
     "bouncing": _Look(ORANGE, False, True),
     "full_contact": _Look(PURPLE, True, True),
+    "rolling": _Look(BROWN, True, True),
     "touching": _Look(INK, False, False),
     "quasi_periodic": _Look(GREEN, False, True),
     "chaotic": _Look(RED, True, True, dotted=True),
@@ -184,7 +186,7 @@ def plot_over_clearance(
     exact = check_dataset("exact", exact, CURVE)
     held = _held("exact", exact, ("omega", "zeta"))
     if simulated is not None:
-        beyond = {name: value for name, value in held.items() if name in DEFAULTS}
+        beyond = {name: value for name, value in held.items() if name in BEYOND}
         _check_same("simulated", _held("simulated", simulated, ()), beyond)
     with style():
         ax = axes_or_new(ax)
@@ -255,13 +257,14 @@ def _held(
     name: str, dataset: xr.Dataset, of_all: Sequence[str] = ("zeta", "delta0")
 ) -> dict[str, float]:
     """Return the parameters but the one on the axis, of which there is one value each."""
-    names = (*of_all, *(each for each in DEFAULTS if each in dataset.variables))
+    names = (*of_all, *(each for each in BEYOND if each in dataset.variables))
     return {each: one_value(name, dataset, each) for each in names}
 
 
 def _check_same(name: str, here: Mapping[str, float], there: Mapping[str, float]) -> None:
     """Refuse other parameters than those of the exact curve."""
-    of_this, of_exact = {**DEFAULTS, **here}, {**DEFAULTS, **there}
+    papers = {**DEFAULTS, "friction": 0.0}
+    of_this, of_exact = {**papers, **here}, {**papers, **there}
     for parameter, value in of_exact.items():
         # contact damping moves no fold
         skipped = (name, parameter) == ("fold_points", "contact_damping")

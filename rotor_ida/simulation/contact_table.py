@@ -9,7 +9,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_instance
+from rotor_ida.checks import State, check_instance
 from rotor_ida.equations.contact import contact_force
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import ALL_PARAMETERS
@@ -21,13 +21,14 @@ from rotor_ida.schema import (
     origin_of,
 )
 from rotor_ida.simulation.orbit import ENTRY, EXIT, Orbit
+from rotor_ida.simulation.rubbing import rolling_times, slip_distances
 
 # Below this part of radius times speed, angular momentum is rounding: there is no whirl.
 NO_WHIRL = 1e-12
 
 
-def contact_columns(orbit: Orbit) -> dict[str, Column]:
-    """Return the contacts of an orbit as columns on the dimension ``contact``."""
+def contact_columns(orbit: Orbit, start: State) -> dict[str, Column]:
+    """Return the contacts of an orbit from `start` as columns on the dimension ``contact``."""
     contacts = np.ascontiguousarray(orbit.contacts.T)
     entry, leaving, peak_time, indentation, impulse, moment, lost, largest, heat = contacts
     rotor = orbit.rotor
@@ -55,6 +56,8 @@ def contact_columns(orbit: Orbit) -> dict[str, Column]:
         columns["contact_loss"] = lost
     if rotor.friction > 0.0:
         columns["heat"] = heat
+        columns["slip_distance"] = slip_distances(orbit, start)
+        columns["rolling_time"] = rolling_times(orbit)
     return {name: ("contact", column) for name, column in columns.items()}
 
 
@@ -73,7 +76,11 @@ def contact_summary(run: xr.Dataset) -> xr.Dataset:
         time spent in contact), ``largest_force``, ``mean_peak_force``, ``total_impulse``,
         ``impulse_per_revolution``, ``energy_lost_per_revolution``, ``forward_fraction`` (part of
         the contacts whirled through forwards). With contact damping also ``total_contact_loss``
-        and ``contact_loss_per_revolution``, the energy that this takes. Impulse and kinetic energy
+        and ``contact_loss_per_revolution``, the energy that this takes. With friction
+        ``total_heat`` and ``heat_per_revolution``, the heat of sliding, ``total_slip_distance``,
+        how far the surfaces slide over each other, from the samples and NaN where these are too
+        far apart, and ``rolling_fraction``, the part of the time in contact in which the disc rolls
+        on the ring. Impulse and kinetic energy
         are those of whole contacts, the loss that of all the time in contact; what counts per
         revolution is NaN at ``omega = 0``, and means are NaN without contacts.
 
@@ -117,6 +124,15 @@ def contact_summary(run: xr.Dataset) -> xr.Dataset:
     if "contact_loss" in run:
         loss = float(run["contact_loss"].sum())
         values |= {"total_contact_loss": loss, "contact_loss_per_revolution": loss / revolutions}
+    if "heat" in run:
+        heat, contact = float(run["heat"].sum()), float((leaving - entry).sum())
+        rolled = float(run["rolling_time"].sum())
+        values |= {
+            "total_heat": heat,
+            "heat_per_revolution": heat / revolutions,
+            "total_slip_distance": float(run["slip_distance"].sum(skipna=False)),
+            "rolling_fraction": rolled / contact if contact > 0.0 else math.nan,
+        }
     columns: dict[str, Column] = {name: ((), value) for name, value in values.items()}
     coordinates = {name: run[name].variable for name in ALL_PARAMETERS if name in run.variables}
     title = "Contacts of one simulated run, summarised"

@@ -47,7 +47,7 @@ def run_dataset(orbit: Orbit, start: State, errors: EventErrors) -> xr.Dataset:
         **_columns("event_", "event", orbit.event_states),
         "event_time_error": ("event", errors.event_time_errors),
         "horizon": ((), errors.horizon),
-        **contact_columns(orbit),
+        **contact_columns(orbit, start),
         **_friction(orbit),
     }
     coordinates = parameter_coordinates(orbit.rotor) | {"t": ("t", orbit.times)}

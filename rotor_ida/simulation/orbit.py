@@ -81,6 +81,16 @@ class Orbit:
     extrema: Values | None = None
 
 
+def stretches_of_rolling(orbit: Orbit) -> Values:
+    """Return when the disc begins to roll on the ring, and no longer does, shape (n, 2) [1]."""
+    if orbit.ways is None:
+        return np.empty((0, 2))
+    rolls = orbit.ways == ROLLS
+    began = np.concatenate([[0.0], orbit.event_times])
+    ended = np.concatenate([orbit.event_times, [orbit.duration]])
+    return np.column_stack([began[rolls], ended[rolls]])
+
+
 def check_orbit(orbit: Orbit) -> None:
     """Raise `InvariantError` at the first place where an orbit contradicts the mechanics."""
     options = orbit.options

@@ -15,7 +15,7 @@ from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.options import Options
-from rotor_ida.simulation.orbit import ENTRY, Orbit
+from rotor_ida.simulation.orbit import ENTRY, Orbit, stretches_of_rolling
 from rotor_ida.simulation.run import run
 from rotor_ida.stability.lyapunov import largest_exponent
 from rotor_ida.steady_state.periods import (
@@ -34,6 +34,7 @@ from rotor_ida.steady_state.response import (
     CONTACT_FREE,
     FULL_CONTACT,
     QUASI_PERIODIC,
+    ROLLING,
     STEADY,
     SYNCHRONOUS,
     TOUCHING,
@@ -42,6 +43,7 @@ from rotor_ida.steady_state.response import (
     Window,
     kind_at_rest,
     phase_lag_of,
+    rolls_backwards,
     stays_free,
     touches_fade,
     touches_grow_slighter,
@@ -163,6 +165,7 @@ class _Trajectory:
             touches=touches,
             ends_in_contact=orbit.starts_in_contact != bool(touches % 2),
             steady=max(STEADY, STEADY_TOLERANCES * self.options.rtol),
+            rolling=stretches_of_rolling(orbit),
         )
 
     def turns(self, window: Window) -> TurningPoints:
@@ -320,17 +323,22 @@ def _kind_of(window: Window, trajectory: _Trajectory, approach: _Approach) -> tu
         return CONTACT_FREE, features
     period = approach.period(trajectory, window, turns)
     if period is not None:
-        return _kind_of_cycle(window), _features_of_cycle(window, turns, period)
+        return _kind_of_cycle(window, period), _features_of_cycle(window, turns, period)
     kind = TOUCHING if touches_fade(window) else UNRESOLVED
     slighter = kind == TOUCHING or touches_grow_slighter(window)
-    if not approach.recurs and not slighter and _may_be_chaotic(trajectory):
+    undecided = not approach.recurs and not slighter and _may_be_chaotic(trajectory)
+    if undecided and rolls_backwards(window):
+        return ROLLING, features
+    if undecided:
         kind, exponent, error = _kind_by_exponent(trajectory)
         features = replace(features, lyapunov_exponent=exponent, lyapunov_error=error)
     return kind, features
 
 
-def _kind_of_cycle(window: Window) -> str:
+def _kind_of_cycle(window: Window, period: float) -> str:
     """Return the kind of a motion that has come to a cycle."""
+    if rolls_backwards(window, period):
+        return ROLLING
     if window.touches:
         return BOUNCING
     # one that stays free may come so near the ring that its bounds in `stays_free` reach beyond
@@ -344,7 +352,8 @@ def _features_of_cycle(window: Window, turns: TurningPoints, period: float) -> F
     else:
         low, high = extreme_radii(turns, period)
         features = replace(_features(window, turns), radius_min=low, radius_max=high)
-    return features if _kind_of_cycle(window) == CONTACT_FREE else replace(features, period=period)
+    free = _kind_of_cycle(window, period) == CONTACT_FREE
+    return features if free else replace(features, period=period)
 
 
 def _features(window: Window, turns: TurningPoints | None = None) -> Features:

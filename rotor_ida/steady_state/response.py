@@ -5,6 +5,8 @@
 ``synchronous``           whirls in contact with the unbalance, at constant radius
 ``bouncing``              is periodic, and enters and leaves contact (intermittent rub)
 ``full_contact``          is periodic, always in contact, radius not constant (full annular rub)
+``rolling``               whirls backwards, always in contact, and rolls on the ring in every period
+                          (dry whip)
 ``touching``              is contact-free in the limit, through ever slighter touches
 ``quasi_periodic``        never comes again, and neighbouring motions keep apart as they are
 ``chaotic``               is not periodic, and neighbouring motions part
@@ -15,13 +17,13 @@ Periods are those on the rotating axes, where a synchronous whirl stands still. 
 are whole revolutions, and the same on fixed axes. A cycle on the rotating axes whose own period is
 none becomes a torus under a slight load: quasi-periodic, and so it is on fixed axes without one. A
 rotor that does not turn comes to rest under its load: on the ring, which counts as synchronous, or
-inside the clearance, contact-free.
+inside the clearance, contact-free; where friction holds it, it may rest at other places.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -29,13 +31,14 @@ import numpy.typing as npt
 from rotor_ida.arrays import Values
 from rotor_ida.closed_forms.contact_free import complex_amplitude, touch_fading
 from rotor_ida.closed_forms.rest import rest
-from rotor_ida.equations.contact import secant_stiffness
+from rotor_ida.equations.contact import contact_force, secant_stiffness
 from rotor_ida.parameters import Rotor
 
 CONTACT_FREE = "contact_free"
 SYNCHRONOUS = "synchronous"
 BOUNCING = "bouncing"
 FULL_CONTACT = "full_contact"
+ROLLING = "rolling"
 TOUCHING = "touching"
 QUASI_PERIODIC = "quasi_periodic"
 CHAOTIC = "chaotic"
@@ -48,6 +51,8 @@ STEADY = 1e-9
 # than this part of the largest; close to a fold the rotor creeps at nearly constant radius where
 # there is no whirl.
 RESIDUAL = 1e-6
+# A window holds a period, but for rounding, that fits into it to this part of the period.
+SAME_LENGTH = 1e-6
 # Fewer touches in a window tell no law.
 FEWEST_TOUCHES = 3
 # Near the limit the whirl stands still: a touch comes a revolution after the last, to this part.
@@ -78,6 +83,9 @@ class Window:
     steady : float
         By how much, as a part of its amplitude, a whirl may stray from its mean and still count
         as steady [1].
+    rolling : ndarray, shape (m, 2)
+        When the disc began to roll on the ring, and no longer did, from the start of the window
+        [1].
     """
 
     rotor: Rotor
@@ -87,6 +95,7 @@ class Window:
     touches: int
     ends_in_contact: bool
     steady: float
+    rolling: Values = field(default_factory=lambda: np.empty((0, 2)))
 
     @property
     def positions(self) -> npt.NDArray[np.complex128]:
@@ -141,10 +150,13 @@ def whirls_steadily(window: Window) -> bool:
 
 
 def _obeys_the_equation(rotor: Rotor, whirl: complex, steady: float) -> bool:
-    """Return whether ``(s + kappa - omega**2 + 2 i zeta omega) Z = omega**2``."""
+    """Return whether ``(s (1 + i mu) + kappa - omega**2 + 2 i zeta omega) Z = omega**2``.
+
+    The disc slides forwards: so friction pulls it back.
+    """
     omega = rotor.omega
-    stiffness = float(secant_stiffness(abs(whirl), rotor.delta0, rotor.contact_exponent))
-    stiffness += rotor.shaft_stiffness
+    secant = float(secant_stiffness(abs(whirl), rotor.delta0, rotor.contact_exponent))
+    stiffness = complex(secant + rotor.shaft_stiffness, rotor.friction * secant)
     terms = (stiffness * whirl, -(omega**2) * whirl, 2j * rotor.zeta * omega * whirl, -(omega**2))
     return abs(sum(terms)) <= max(RESIDUAL, steady) * max(map(abs, terms))
 
@@ -159,6 +171,26 @@ def stays_free(window: Window) -> bool:
     x, y, vx, vy = window.states[-1].tolist()
     drift, reach = _future_if_free(rotor, complex(x, y), complex(vx, vy))
     return drift <= window.steady * rotor.delta0 and reach <= rotor.delta0
+
+
+def rolls_backwards(window: Window, period: float | None = None) -> bool:
+    """Return whether it is a dry whip.
+
+    It whirls backwards, stays in contact, and has a stretch of rolling in every period, or in every
+    revolution where it has none.
+    """
+    rotor = window.rotor
+    if not len(window.rolling) or window.touches or rotor.omega == 0.0:
+        return False
+    x, y, vx, vy = window.states.T
+    if (x * vy - y * vx).max() >= 0.0:
+        return False
+    length = float(window.times[-1])
+    each = 2.0 * math.pi / rotor.omega if period is None else period
+    starts = length - each * np.arange(1, int(length / each + SAME_LENGTH) + 1)
+    begins, ends = window.rolling.T[:, :, None]
+    overlap = np.minimum(ends, starts + each) - np.maximum(begins, starts)
+    return bool((overlap.max(axis=0) > 0.0).all())
 
 
 def _future_if_free(rotor: Rotor, position: complex, velocity: complex) -> tuple[float, float]:
@@ -194,9 +226,10 @@ def touches_fade(window: Window) -> bool:
     less. A motion that touches more or less often is not near it, and is not decided here.
     """
     growth = _growth_from_touch_to_touch(window)
-    if growth is None or window.rotor.shaft_stiffness > 0.0 or window.rotor.load > 0.0:
+    rotor = window.rotor
+    if growth is None or max(rotor.shaft_stiffness, rotor.load, rotor.friction) > 0.0:
         return False
-    return bool((np.abs(growth / touch_fading(window.rotor) - 1.0) <= LIKE_THE_LAW).all())
+    return bool((np.abs(growth / touch_fading(rotor) - 1.0) <= LIKE_THE_LAW).all())
 
 
 def touches_grow_slighter(window: Window) -> bool:
@@ -226,12 +259,32 @@ def _growth_from_touch_to_touch(window: Window) -> Values | None:
 
 def kind_at_rest(window: Window) -> str:
     """Return the kind of a rotor that does not turn, under a load: at rest, or unresolved."""
+    if window.rotor.friction > 0.0:
+        return _kind_held_by_friction(window)
     place = rest(window.rotor)
     y = place["y"].item()
     off = np.abs(window.states - np.array([0.0, y, 0.0, 0.0])).max()
     if off > window.steady * abs(y):
         return UNRESOLVED
     return SYNCHRONOUS if place["indentation"] > 0.0 else CONTACT_FREE
+
+
+def _kind_held_by_friction(window: Window) -> str:
+    """Return the kind of a rotor at rest, if it is, where friction may hold it off the bottom."""
+    rotor, place = window.rotor, complex(window.positions[-1])
+    off = np.abs(window.states - np.array([place.real, place.imag, 0.0, 0.0])).max()
+    if off > window.steady * abs(place):
+        return UNRESOLVED
+    radius = abs(place)
+    normal = float(contact_force(radius, rotor.delta0, rotor.contact_exponent))
+    # what is left to the contact of load and shaft, along the radius and across it
+    pull = (-1j * rotor.load - rotor.shaft_stiffness * place) * place.conjugate() / radius
+    allowed = RESIDUAL * rotor.load
+    balanced = abs(pull.real - normal) <= allowed
+    held = abs(pull.imag) <= rotor.friction * normal + allowed
+    if not (balanced and held):
+        return UNRESOLVED
+    return SYNCHRONOUS if normal > 0.0 else CONTACT_FREE
 
 
 def phase_lag_of(whirl: complex) -> float:

@@ -24,7 +24,7 @@ from rotor_ida.checks import (
     is_scalar,
 )
 from rotor_ida.parallel import FailedJob, Progress, choose, run_all
-from rotor_ida.parameters import DEFAULTS, Rotor
+from rotor_ida.parameters import DEFAULTS, OF_FRICTION_DEFAULTS, Rotor
 from rotor_ida.provenance import computing
 from rotor_ida.simulation.options import Backend, Flight, Method, Options, check_can_be_followed
 from rotor_ida.steady_state.follow import FAILED, failed
@@ -54,6 +54,8 @@ def sweep(
     contact_exponent: npt.ArrayLike = 1.5,
     contact_damping: npt.ArrayLike = 0.0,
     load: npt.ArrayLike = 0.0,
+    friction: npt.ArrayLike = 0.0,
+    disc_radius: npt.ArrayLike | None = None,
     starts: npt.ArrayLike = (REST,),
     direction: Direction | None = None,
     rtol: float = 1e-10,
@@ -72,9 +74,12 @@ def sweep(
     ----------
     omega, zeta, delta0 : array_like, shape (n,) or scalar
         The parameters to combine [1].
-    shaft_stiffness, contact_exponent, contact_damping, load : array_like, shape (n,) or scalar
-        What a machine has beyond the paper's rotor [1]: more to combine, a dimension where an axis
-        is given, a coordinate where a number is given that is not the default.
+    shaft_stiffness, contact_exponent, contact_damping, load, friction : array_like or scalar
+        What a machine has beyond the paper's rotor [1], numbers or of shape (n,): more to combine,
+        a dimension where an axis is given, a coordinate where a number is given that is not the
+        default.
+    disc_radius : array_like, shape (n,) or scalar, optional
+        The radius of the disc [1], which friction needs; likewise.
     starts : array_like, shape (n, 4)
         Starts ``(x, y, vx, vy)`` [1].
     direction : {"up", "down", "both"}, optional
@@ -130,6 +135,9 @@ def sweep(
     - ``bouncing`` or ``full_contact`` if the states at which its radius is largest come again all
       over a window that holds three periods, and their misses and the cycle's slowest multiplier
       say that it is within 1e-9 of the cycle;
+    - ``rolling`` (dry whip) instead, if it whirls backwards, stays in contact, and has a stretch of
+      rolling on the ring in each period; or in each revolution, where it has no period on the
+      rotating axes and could be ``chaotic``;
     - ``touching`` if it touches once a revolution and 1/h, h the indentation, grows from touch to
       touch by what `rotor_ida.closed_forms.touch_fading` says, to 10 %;
     - ``chaotic`` if it has not settled after 3,000 and 20/zeta, and its largest Lyapunov exponent,
@@ -146,6 +154,10 @@ def sweep(
     that under a slight load. A rotor that does not turn comes to rest, ``contact_free``, or on the
     ring, which is told as ``synchronous``.
 
+    With friction neighbours are followed themselves where tangents do not know the jump: where the
+    disc begins to roll, or slides the other way. No law of touches that fade is known then: what
+    would be ``touching`` is ``unresolved``.
+
     Period and extreme radii are those of the simulated motion in its last period: the roots of
     ``r r'``, found by simulating the window again with samples there. All runs are made with a
     tenth of the tolerances given, down to an ``rtol`` of 1e-12, since errors add up round a cycle.
@@ -158,12 +170,14 @@ def sweep(
     """
     beyond = {
         "shaft_stiffness": shaft_stiffness, "contact_exponent": contact_exponent,
-        "contact_damping": contact_damping, "load": load,
+        "contact_damping": contact_damping, "load": load, "friction": friction,
+        **({} if disc_radius is None else {"disc_radius": disc_radius}),
     }  # fmt: skip
     given = {"omega": omega, "zeta": zeta, "delta0": delta0, **beyond}
     axes = {name: check_axis(name, values) for name, values in given.items()}
     numbers = {name for name, values in beyond.items() if is_scalar(name, values)}
-    absent = {name for name in numbers if axes[name].tolist() == [DEFAULTS[name]]}
+    defaults = DEFAULTS | OF_FRICTION_DEFAULTS
+    absent = {name for name in numbers if axes[name].tolist() == [defaults[name]]}
     axes = {name: axis for name, axis in axes.items() if name not in absent}
     checked = check_states("starts", starts)
     if direction is not None:

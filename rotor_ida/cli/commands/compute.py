@@ -127,6 +127,8 @@ def sweep(
             contact_exponent=given["contact_exponent"],
             contact_damping=given["contact_damping"],
             load=given["load"],
+            friction=given["friction"],
+            disc_radius=given["disc_radius"],
             starts=start,
             direction=direction,
             **asdict(solver),
@@ -251,7 +253,7 @@ def atlas(
     output.check()
     if output.figure is not None:
         options.check_varies(omega, zeta, delta0, *beyond.axes())
-    given = beyond.given()
+    given = beyond.without_friction()
     with working("atlas", study) as progress:
         dataset = rotor_ida.continue_attractors(
             omega=omega,

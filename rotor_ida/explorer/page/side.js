@@ -8,8 +8,8 @@ import { labelled, roundUp, shownIn, told } from "./units.js";
 const MANY_EVENTS = 160;
 const KINDS = {
   contact_free: "contact-free", synchronous: "synchronous in contact", bouncing: "bouncing",
-  full_contact: "full contact", touching: "touching", quasi_periodic: "quasi-periodic", chaotic: "chaotic",
-  undecided: "not decided",
+  full_contact: "full contact", rolling: "rolling", touching: "touching", quasi_periodic: "quasi-periodic",
+  chaotic: "chaotic", undecided: "not decided",
 };
 // Of the motion before so many revolutions are drawn faintly.
 const EARLIER = 24;
