@@ -26,14 +26,14 @@ from rotor_ida import Rotor, backward_whirl, hopf_points, simulate, synchronous_
 from rotor_ida.closed_forms import response_curve
 from rotor_ida.paper.scenario import Settings, progress_bar, run_script, scientific
 from rotor_ida.paper.whip import is_whip
-from rotor_ida.plot import mixed_panels, plot_amplitude, plot_orbit, shared_legend, style
+from rotor_ida.plot import mixed_panels, panels, plot_amplitude, plot_orbit, shared_legend, style
 from rotor_ida.plot.appearance import BLUE, BROWN, DASHES, GREY, INK, ORANGE, PURPLE, RED, SHADE
 from rotor_ida.schema import MODE, STABILITY
 
 ZETA, DELTA0, RHO = 0.07, 0.5, 10.0
 FRICTIONS = (0.0, 0.05, 0.1, 0.2)
 LIMITS = (0.05, 3.0)
-LASTS = 1000.0  # time of a run beside the exact curves
+LASTS = (300.0, 10_000.0)  # shortest and longest run beside the exact curves
 ENDS = {"contact_free": 0, "synchronous": 1, "full_contact": 2, "bouncing": 3, "whip": 4}
 LOOKS = {"full_contact": (PURPLE, "full contact"), "bouncing": (ORANGE, "bouncing"),
          "whip": (RED, "dry whip")}  # fmt: skip
@@ -54,7 +54,7 @@ def main(settings: Settings) -> None:
         compat="equals", join="exact", combine_attrs="override",
     )  # fmt: skip
     settings.keep(curves, "curves")
-    ends = simulated_ends(np.linspace(0.2, 2.9, 7 if settings.quick else 28), frictions, settings)
+    ends = simulated_ends(np.linspace(0.2, 2.9, 4 if settings.quick else 28), frictions, settings)
     settings.keep(ends, "simulated")
     draw_curves(curves, ends, settings)
 
@@ -65,8 +65,8 @@ def main(settings: Settings) -> None:
     draw_knocks(runs, settings)
 
     smallest = smallest_knocks(
-        np.linspace(0.2, 1.6, 5 if settings.quick else 29),
-        np.array([0.4, 0.8]) if settings.quick else np.linspace(0.35, 1.15, 9),
+        np.linspace(0.2, 1.6, 3 if settings.quick else 29),
+        np.array([0.5]) if settings.quick else np.linspace(0.35, 1.15, 9),
         settings,
     )
     settings.keep(smallest, "knocks")
@@ -76,7 +76,7 @@ def main(settings: Settings) -> None:
 def simulated_ends(
     speeds: np.ndarray, frictions: Sequence[float], settings: Settings
 ) -> xr.Dataset:
-    """Return what becomes of rotors that start 1% off each whirl in contact."""
+    """Return what becomes of rotors that start beside each whirl in contact."""
     whirls = synchronous_response(omega=speeds, zeta=ZETA, delta0=DELTA0, friction=list(frictions))
     whirls = whirls.squeeze(["zeta", "delta0"]).transpose("omega", "friction", "branch")
     places = np.argwhere(whirls.in_contact.values == 1)
@@ -112,14 +112,21 @@ def simulated_ends(
 
 
 def beside(whirl: xr.Dataset) -> xr.Dataset:
-    """Return the motion of a rotor from 1% beside a synchronous whirl."""
+    """Return the motion of a rotor from 1% beside a synchronous whirl, 10% where it is unstable.
+
+    It lasts as long as the growth rate of the whirl asks for.
+    """
     mu, omega = whirl.friction.item(), whirl.omega.item()
     rotor = Rotor(
         omega=omega, zeta=ZETA, delta0=DELTA0, friction=mu, disc_radius=RHO if mu > 0.0 else None
     )
-    z = 1.01 * whirl.amplitude.item() * np.exp(-1j * whirl.phase_lag.item())
+    stable = whirl.stability.item() == STABILITY["stable"]
+    off, needed = (1.01, 20.0) if stable else (1.1, 10.0)
+    duration = float(np.clip(needed / abs(whirl.growth_rate.item()), *LASTS))
+    z = off * whirl.amplitude.item() * np.exp(-1j * whirl.phase_lag.item())
     start = (z.real, z.imag, -omega * z.imag, omega * z.real)
-    return simulate(rotor, start=start, duration=LASTS, samples=5001, method="taylor")
+    samples = 5 * math.ceil(duration)
+    return simulate(rotor, start=start, duration=duration, samples=samples, method="taylor")
 
 
 def late_radii(run: xr.Dataset) -> tuple[float, float, float]:
@@ -150,7 +157,8 @@ def missed(ends: xr.Dataset) -> tuple[int, float]:
 
 def draw_curves(curves: xr.Dataset, ends: xr.Dataset, settings: Settings) -> None:
     frictions = curves.friction.values
-    figure, axes = mixed_panels(-(-frictions.size // 2), 2, height=2.9 * (-(-frictions.size // 2)))
+    rows = -(-frictions.size // 2)
+    figure, axes = panels(rows, 2, height=1.2 + 2.6 * rows)
     for ax, mu in zip(axes, frictions, strict=True):
         curve, here = curves.sel(friction=mu), ends.sel(friction=mu)
         plot_amplitude(curve, hopf_points=curve, ax=ax)
@@ -158,12 +166,14 @@ def draw_curves(curves: xr.Dataset, ends: xr.Dataset, settings: Settings) -> Non
             draw_ends(ax, here)
         ax.set_title(f"$\\mu = {mu:g}$", fontsize=9.5)
         ax.set(xlim=(0.0, LIMITS[1]), ylabel="amplitude $A$, radius $|z|$")
-    shared_legend(figure, axes, columns=4, outer=False)
+        ax.set(yscale="log", ylim=(0.1, 50.0))
+        ax.set_yticks([0.1, 1.0, 10.0], ["0.1", "1", "10"])
+    shared_legend(figure, axes, columns=3)
     settings.show(
         figure, "curves", archives=["curves", "simulated"],
         shows=f"Amplitude over speed at ζ = {ZETA}, δ₀ = {DELTA0:g} and a disc of radius "
         f"{RHO:g} with more and more friction: exact whirls with their Hopf points, and where "
-        "rotors end that start 1% off each of them.",
+        "rotors end that start 1% off each stable and 10% off each unstable one.",
         found=told_of_curves(curves, ends),
     )  # fmt: skip
 
@@ -171,6 +181,8 @@ def draw_curves(curves: xr.Dataset, ends: xr.Dataset, settings: Settings) -> Non
 def draw_ends(ax: Axes, ends: xr.Dataset) -> None:
     """Draw simulated rotors: amplitudes as points, all else as ranges of the radius."""
     speeds = np.broadcast_to(ends.omega.values[:, None], ends.end.shape)
+    # what starts beside several whirls at one speed is drawn side by side
+    aside = speeds + 0.02 * (ends.branch.values - 1)
     chosen = ends.end.values == ENDS["synchronous"]
     ax.plot(speeds[chosen], ends.radius_mean.values[chosen], ls="", marker="o", ms=4.2, color=BLUE,
             mfc="none", mew=1.0, label="simulated, synchronous", zorder=3.0)  # fmt: skip
@@ -178,8 +190,8 @@ def draw_ends(ax: Axes, ends: xr.Dataset) -> None:
         chosen = ends.end.values == ENDS[name]
         if chosen.any():
             ax.vlines(
-                speeds[chosen], ends.radius_min.values[chosen], ends.radius_max.values[chosen],
-                color=colour, lw=2.2, alpha=0.75, label=f"simulated, {words}: its range", zorder=2.0,
+                aside[chosen], ends.radius_min.values[chosen], ends.radius_max.values[chosen],
+                color=colour, lw=1.6, label=f"simulated, {words}: its range", zorder=2.0,
             )  # fmt: skip
 
 
@@ -304,7 +316,7 @@ def smallest_radius(omega: float, delta0: float, angle: float) -> float:
     saddle = saddle_of(rotor)[0]
     return smallest(
         lambda factor: is_whip(whirling(rotor, factor * saddle, angle, 250.0)),
-        np.array([0.4, 0.7, 1.0, 1.4, 2.0]), 1e-3,
+        np.array([0.0, 0.4, 0.7, 1.0, 1.4, 2.0]), 1e-3,
     )  # fmt: skip
 
 
@@ -354,6 +366,7 @@ def draw_knocks(runs: dict[str, xr.Dataset], settings: Settings) -> None:
         plot_orbit(run, ax=orbit)
         orbit.set_title(f"knock of {KNOCKS[name]:g}: {'whip' if name == 'whips' else 'dies away'}",
                         fontsize=9.5)  # fmt: skip
+        orbit.set(ylim=(-5.6, 5.6))
         orbit.set_aspect("equal", adjustable="datalim")
         with style():
             speed.plot(run.t, run.whirl_speed, color=INK, lw=0.8, label="simulated")
@@ -362,7 +375,7 @@ def draw_knocks(runs: dict[str, xr.Dataset], settings: Settings) -> None:
                 ((BROWN, DASHES), (BLUE, (0, (1.2, 1.4)))), strict=True,
             ):  # fmt: skip
                 speed.axhline(value, color=look[0], ls=look[1], label=words)
-            speed.set(ylabel="whirl speed $\\varphi'$", ylim=(-5.0, 2.0))
+            speed.set(ylabel="whirl speed $\\varphi$′", ylim=(-5.0, 2.0))
             slip.plot(run.t, run.slip_speed, color=INK, lw=0.8, label="simulated")
             slip.set(ylabel="slip speed $v_s$", ylim=(-0.5, 9.5))
             force.fill_between(run.t, -run.force_limit, run.force_limit, color=SHADE, lw=0.0,
@@ -387,7 +400,7 @@ def draw_rolls(run: xr.Dataset, rows: Sequence[tuple[Axes, xr.DataArray]]) -> No
     for kind, marker, face, words in ((2, "^", RED, "roll"), (-2, "v", "white", "slip")):
         times = run.event_time.values[run.event_kind.values == kind]
         for ax, values in rows:
-            ax.plot(times, np.interp(times, run.t, values), ls="", marker=marker, ms=4.0, mec=RED,
+            ax.plot(times, np.interp(times, run.t, values), ls="", marker=marker, ms=3.4, mec=RED,
                     mfc=face, mew=0.7, label=words, zorder=3.0)  # fmt: skip
 
 
@@ -395,12 +408,14 @@ def told_of_knocks(runs: dict[str, xr.Dataset], whip: xr.Dataset) -> str:
     """Return what the gallery says of both knocks."""
     dies, whips = runs.values()
     kinds = whips.event_kind.values
+    leaves = dies.event_time.values[(dies.event_kind.values == -1) & (dies.event_time > 20.0)][0]
     first = whips.event_time.values[kinds == 2][0]
     late = whips.isel(t=whips.t.values > 0.5 * SHOWN)
     slow, fast = (float(each) for each in (late.whirl_speed.max(), late.whirl_speed.min()))
     share = float((late["mode"] == MODE["rolling"]).mean())
     return (
-        f"The knock of {KNOCKS['dies']:g} dies away in {dies.sizes['contact']} contacts. That of "
+        f"After the knock of {KNOCKS['dies']:g} the rotor whirls backwards, more and more slowly, "
+        f"until it leaves the ring at t = {leaves:.1f}. The whirl after one of "
         f"{KNOCKS['whips']:g} grows: at t = {first:.1f} the disc begins to roll, and from then on "
         f"it rolls and slips by turns ({int((kinds == 2).sum())} times up to t = {SHOWN:g}), as "
         f"the unbalance pulls to and fro; late in the run it rolls {100.0 * share:.0f}% of the "
