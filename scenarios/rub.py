@@ -35,8 +35,8 @@ FRICTIONS = (0.0, 0.05, 0.1, 0.2)
 LIMITS = (0.05, 3.0)
 LASTS = (300.0, 10_000.0)  # shortest and longest run beside the exact curves
 ENDS = {"contact_free": 0, "synchronous": 1, "full_contact": 2, "bouncing": 3, "whip": 4}
-LOOKS = {"full_contact": (PURPLE, "full contact"), "bouncing": (ORANGE, "bouncing"),
-         "whip": (RED, "dry whip")}  # fmt: skip
+LOOKS = {"full_contact": (PURPLE, "in full contact"), "bouncing": (ORANGE, "bouncing"),
+         "whip": (RED, "in dry whip")}  # fmt: skip
 
 KNOCKED = {"zeta": 0.1, "friction": 0.2}
 OMEGA = 0.62962981  # twice the speed at which whip is born
@@ -54,7 +54,7 @@ def main(settings: Settings) -> None:
         compat="equals", join="exact", combine_attrs="override",
     )  # fmt: skip
     settings.keep(curves, "curves")
-    ends = simulated_ends(np.linspace(0.2, 2.9, 4 if settings.quick else 28), frictions, settings)
+    ends = simulated_ends(np.linspace(0.15, 2.85, 4 if settings.quick else 28), frictions, settings)
     settings.keep(ends, "simulated")
     draw_curves(curves, ends, settings)
 
@@ -166,8 +166,8 @@ def draw_curves(curves: xr.Dataset, ends: xr.Dataset, settings: Settings) -> Non
             draw_ends(ax, here)
         ax.set_title(f"$\\mu = {mu:g}$", fontsize=9.5)
         ax.set(xlim=(0.0, LIMITS[1]), ylabel="amplitude $A$, radius $|z|$")
-        ax.set(yscale="log", ylim=(0.1, 50.0))
-        ax.set_yticks([0.1, 1.0, 10.0], ["0.1", "1", "10"])
+    axes[0].set(yscale="log", ylim=(0.1, 50.0))
+    axes[0].set_yticks([0.1, 1.0, 10.0], ["0.1", "1", "10"])
     shared_legend(figure, axes, columns=3)
     settings.show(
         figure, "curves", archives=["curves", "simulated"],
@@ -182,7 +182,7 @@ def draw_ends(ax: Axes, ends: xr.Dataset) -> None:
     """Draw simulated rotors: amplitudes as points, all else as ranges of the radius."""
     speeds = np.broadcast_to(ends.omega.values[:, None], ends.end.shape)
     # what starts beside several whirls at one speed is drawn side by side
-    aside = speeds + 0.02 * (ends.branch.values - 1)
+    aside = speeds + 0.02 * ends.branch.values
     chosen = ends.end.values == ENDS["synchronous"]
     ax.plot(speeds[chosen], ends.radius_mean.values[chosen], ls="", marker="o", ms=4.2, color=BLUE,
             mfc="none", mew=1.0, label="simulated, synchronous", zorder=3.0)  # fmt: skip
@@ -207,15 +207,13 @@ def told_of_curves(curves: xr.Dataset, ends: xr.Dataset) -> str:
             row += f" (Hopf point{'s' * (hopf.size > 1)} at ω = {points})"
         rows.append(row)
     number, worst = missed(ends)
-    others = " and ".join(
-        f"{int((ends.end == ENDS[name]).sum())} in {words}" for name, (_, words) in LOOKS.items()
-        if name != "bouncing"
-    )  # fmt: skip
+    others = ", ".join(
+        f"{int((ends.end == ENDS[name]).sum())} {words}" for name, (_, words) in LOOKS.items()
+    )
     return (
         f"The largest amplitude is {', '.join(rows)}. Of {int((ends.end >= 0).sum())} simulated "
-        f"rotors {number} end on an exact stable whirl, to {scientific(worst)} of its amplitude; "
-        f"{others}, past a Hopf point or where the start was unstable, and the others bounce or "
-        "leave the ring."
+        f"rotors {number} end on an exact stable whirl, to {scientific(worst)} of its amplitude. "
+        f"Past Hopf points and beside other unstable whirls they end otherwise: {others}."
     )
 
 
@@ -223,7 +221,9 @@ def rotor_at(omega: float, delta0: float = 1.0) -> Rotor:
     """Return the rotor that is knocked, with a disc as large beside the saddle at any clearance."""
     known = Rotor(omega=omega, delta0=delta0, disc_radius=RHO, **KNOCKED)
     radius = saddle_of(known)[0]
-    disc_radius = RHO * radius / saddle_of(Rotor(omega=1.0, delta0=1.0, disc_radius=RHO, **KNOCKED))[0]
+    disc_radius = (
+        RHO * radius / saddle_of(Rotor(omega=1.0, delta0=1.0, disc_radius=RHO, **KNOCKED))[0]
+    )
     return Rotor(omega=omega, delta0=delta0, disc_radius=disc_radius, **KNOCKED)
 
 
@@ -258,7 +258,10 @@ def whirling(rotor: Rotor, radius: float, angle: float, duration: float) -> xr.D
 def with_forces(run: xr.Dataset) -> xr.Dataset:
     """Return a run with its whirl speed, the force of friction, and what friction can hold."""
     rotor = Rotor(
-        **{name: run[name].item() for name in ("omega", "zeta", "delta0", "friction", "disc_radius")}
+        **{
+            name: run[name].item()
+            for name in ("omega", "zeta", "delta0", "friction", "disc_radius")
+        }
     )
     radius = np.hypot(run.x, run.y)
     radial = (run.x * run.vx + run.y * run.vy) / radius
@@ -359,15 +362,15 @@ def smallest_knocks(speeds: np.ndarray, sparse: np.ndarray, settings: Settings) 
 
 
 def draw_knocks(runs: dict[str, xr.Dataset], settings: Settings) -> None:
-    figure, axes = mixed_panels(4, 2, height=9.6)
+    figure, axes = mixed_panels(4, 2, height=10.0)
     whip = backward_whirl(rotor_at(OMEGA))
     for column, (name, run) in enumerate(runs.items()):
         orbit, speed, slip, force = axes[column::2]
         plot_orbit(run, ax=orbit)
         orbit.set_title(f"knock of {KNOCKS[name]:g}: {'whip' if name == 'whips' else 'dies away'}",
                         fontsize=9.5)  # fmt: skip
-        orbit.set(ylim=(-5.6, 5.6))
-        orbit.set_aspect("equal", adjustable="datalim")
+        orbit.set_aspect("equal", adjustable="box")
+        orbit.set(xlim=(-5.6, 5.6), ylim=(-5.6, 5.6))
         with style():
             speed.plot(run.t, run.whirl_speed, color=INK, lw=0.8, label="simulated")
             for value, words, look in zip(
@@ -442,7 +445,7 @@ def draw_smallest(found: xr.Dataset, settings: Settings) -> None:
                 label=f"simulated, $\\delta_0$ = {delta0:g}",
             )  # fmt: skip
         radii.set(xlabel=r"spin speed $\omega$", ylabel="smallest radius / saddle's $r_w$",
-                  xlim=(0.0, 1.2))  # fmt: skip
+                  xlim=(0.0, 1.2), ylim=(0.0, 1.15))  # fmt: skip
         radii.set_title("smallest whirl at the saddle's speed", fontsize=9.5)
         for ax in (speeds, radii):
             ax.axvspan(0.0, birth, color=GREY, alpha=0.3, lw=0.0, label="no whip exists (exact)")
@@ -464,7 +467,7 @@ def told_of_smallest(found: xr.Dataset) -> str:
         delta0: float(np.abs(found.radius_ratio.sel(clearance=delta0) - 1.0).max())
         for delta0 in CLEARANCES
     }
-    least = found.isel(omega=int(found.knock_speed.fillna(np.inf).argmin()))
+    least = found.isel(omega=int(np.nanargmin(found.knock_speed.values)))
     return (
         f"Whip exists from ω = {found.birth_omega.item():.6f} on (exact); of the speeds tried the "
         f"first at which a knock starts it is {reached.min():.2f}. The least knock is "

@@ -3,7 +3,8 @@
 In dry whip the disc rolls backwards round the ring, and friction holds it there. From which speed
 on it exists at a coefficient of friction is known exactly without unbalance: from the birth of whip
 and of the whirl that slips. Whether a rotor comes to it is another question. Two rotors are
-simulated, each from rest on the axis and from a knock backwards along the ring: one with a shaft
+simulated, each from rest on the axis, from a knock backwards along the ring, and on whip itself:
+one with a shaft
 (kappa = 0.05) in a linear ring, as in most publications, and one without in a ring of Hertz
 (zeta = 0.05, delta0 = 1, rho = 10). In a linear ring friction below a certain coefficient leaves no
 whip at any speed: the whirl that slips would need a stiffer ring.
@@ -36,14 +37,15 @@ ROTORS = {
     "hertz": SAME,
 }
 WORDS = {"shaft": "shaft, linear ring", "hertz": "no shaft, ring of Hertz"}
+STARTS = {"rest": "rest on the axis", "knock": "a knock backwards", "whip": "whip itself"}
 KNOCK = 10.0  # speed along the ring, backwards
 LASTS = 250.0
 SPEEDS, FRICTIONS = (0.05, 3.0), (0.03, 0.8)
 
 
 def main(settings: Settings) -> None:
-    omega = np.geomspace(*SPEEDS, 7 if settings.quick else 28)
-    friction = np.geomspace(*FRICTIONS, 5 if settings.quick else 20)
+    omega = np.geomspace(*SPEEDS, 6 if settings.quick else 24)
+    friction = np.geomspace(*FRICTIONS, 4 if settings.quick else 18)
     maps = {}
     for name in ROTORS:
         maps[name] = map_of(name, omega, friction, settings)
@@ -51,17 +53,21 @@ def main(settings: Settings) -> None:
     draw(maps, settings)
 
 
-def starts(rotor: Rotor) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Return rest on the axis, and a knock backwards along the ring."""
-    return (0.0, 0.0, 0.0, 0.0), (rotor.delta0, 0.0, 0.0, -KNOCK)
+def starts(rotor: Rotor) -> list[tuple[float, ...]]:
+    """Return rest on the axis, a knock backwards along the ring, and whip if it exists."""
+    radius = backward_whirl(rotor).amplitude.values[1]
+    surface = rotor.disc_radius * rotor.omega
+    rest, knock = (0.0, 0.0, 0.0, 0.0), (rotor.delta0, 0.0, 0.0, -KNOCK)
+    return [rest, knock] + ([] if math.isnan(radius) else [(radius, 0.0, 0.0, -surface)])
 
 
 def ends_of(rotor: Rotor) -> list[int]:
-    """Return how runs from rest and from a knock end."""
-    return [
+    """Return how runs from rest, a knock and whip end; -1 where there is no whip to start on."""
+    ends = [
         end_of(simulate(rotor, start=start, duration=LASTS, samples=201, method="taylor"))
         for start in starts(rotor)
     ]
+    return ends + [-1] * (len(STARTS) - len(ends))
 
 
 def birth(name: str, friction: float) -> float:
@@ -87,25 +93,24 @@ def weakest_friction(name: str) -> float:
 
 
 def map_of(name: str, omega: np.ndarray, friction: np.ndarray, settings: Settings) -> xr.Dataset:
-    """Return how runs from rest and from a knock end, and where whip is born."""
-    rotors = [
-        Rotor(omega=speed, friction=mu, **ROTORS[name]) for mu in friction for speed in omega
-    ]
+    """Return how runs end from each start, and where whip is born."""
+    rotors = [Rotor(omega=speed, friction=mu, **ROTORS[name]) for mu in friction for speed in omega]
     found = []
     with progress_bar(WORDS[name]) as progress, ThreadPoolExecutor(settings.workers) as pool:
         for ends in pool.map(ends_of, rotors):
             found.append(ends)
             progress(len(found), len(rotors))
-    ends = np.array(found, dtype=np.int8).reshape(friction.size, omega.size, 2)
+    ends = np.array(found, dtype=np.int8).reshape(friction.size, omega.size, -1)
     flags = {
-        "flag_values": np.array(list(ENDS.values()), dtype=np.int8), "flag_meanings": " ".join(ENDS)
+        "flag_values": np.array([-1, *ENDS.values()], dtype=np.int8),
+        "flag_meanings": " ".join(["not_started", *ENDS]),
     }  # fmt: skip
     dims = ("friction", "omega")
     return xr.Dataset(
         {
-            "end_from_rest": (dims, ends[..., 0], {"long_name": "end of a run from rest", **flags}),
-            "end_from_knock": (
-                dims, ends[..., 1], {"long_name": "end of a run from a knock", **flags}),
+            **{f"end_from_{name}": (dims, ends[..., place],
+                                    {"long_name": f"end of a run from {words}", **flags})
+               for place, (name, words) in enumerate(STARTS.items())},
             "birth_omega": (
                 "friction", [birth(name, mu) for mu in friction],
                 {"long_name": "speed from which whip exists without unbalance", "units": "1"}),
@@ -121,20 +126,20 @@ def map_of(name: str, omega: np.ndarray, friction: np.ndarray, settings: Setting
 
 
 def reached(mapped: xr.Dataset) -> xr.DataArray:
-    """Return 2 where whip is reached from rest, 1 where from a knock alone, 0 where from neither."""
-    rest, knock = (mapped[name] >= FIRST_OF_WHIP for name in ("end_from_rest", "end_from_knock"))
-    return xr.where(rest, 2, xr.where(knock, 1, 0))
+    """Return whence whip is reached: 3 from rest, 2 from the knock, 1 from itself alone, 0 never."""
+    rest, knock, whip = (mapped[f"end_from_{name}"] >= FIRST_OF_WHIP for name in STARTS)
+    return xr.where(rest, 3, xr.where(knock, 2, xr.where(whip, 1, 0)))
 
 
 def draw(maps: dict[str, xr.Dataset], settings: Settings) -> None:
-    figure, axes = mixed_panels(1, 2, height=4.0)
-    colours = ("white", "#ffd0a8", "#d98a78")
+    figure, axes = mixed_panels(1, 2, height=4.2)
+    colours = ("white", "#cfe3f5", "#ffd0a8", "#d98a78")
     lines = []
     for ax, (name, mapped) in zip(axes, maps.items(), strict=True):
         with style():
             ax.pcolormesh(
                 mapped.omega, mapped.friction, reached(mapped), cmap=ListedColormap(colours),
-                vmin=-0.5, vmax=2.5, shading="nearest", rasterized=True,
+                vmin=-0.5, vmax=3.5, shading="nearest", rasterized=True,
             )  # fmt: skip
             fine = np.geomspace(*FRICTIONS, 400)
             lines = ax.plot([birth(name, mu) for mu in fine], fine, color=INK, lw=1.6,
@@ -154,16 +159,17 @@ def draw(maps: dict[str, xr.Dataset], settings: Settings) -> None:
     patches = [
         Patch(facecolor=colour, edgecolor=GREY, lw=0.6, label=words)
         for colour, words in zip(
-            colours, ("not reached", "reached from the knock alone", "reached from rest"),
+            colours, ("no whip", "lasts if started on it alone", "reached from the knock",
+                      "reached from rest"),
             strict=True,
         )
     ]  # fmt: skip
     with style():
-        figure.legend(handles=[*lines, *patches], loc="outside lower center", ncols=3)
+        figure.legend(handles=[*lines, *patches], loc="outside lower center", ncols=2)
     settings.show(
         figure, "whip_map", archives=list(maps),
         shows="Where dry whip exists over speed and friction (line, exact without unbalance), and "
-        f"where a rotor reaches it from rest and from a knock of {KNOCK:g} backwards along the "
+        f"where a rotor stays in it, and reaches it from rest and from a knock of {KNOCK:g} backwards along the "
         "ring: with a shaft (κ = 0.05) in a linear ring, and without in one of Hertz "
         "(ζ = 0.05, δ₀ = 1, ρ = 10).",
         found=" ".join(told(name, mapped) for name, mapped in maps.items()),
@@ -175,16 +181,17 @@ def told(name: str, mapped: xr.Dataset) -> str:
     exists = mapped.omega >= mapped.birth_omega
     state = reached(mapped)
     beyond, without = int(exists.sum()), int((~exists).sum())
-    counted = [int(((state >= least) & exists).sum()) for least in (1, 2)]
+    counted = [int(((state >= least) & exists).sum()) for least in (1, 2, 3)]
     outside = int(((state > 0) & ~exists).sum())
-    kinds = mapped.end_from_knock.where(state > 0)
+    kinds = mapped.end_from_knock
     rolling, by_turns, reversing = (
         int((kinds == ENDS[end]).sum()) for end in ("rolling", "rolling_by_turns", "reversing")
     )
-    first = mapped.omega.values[(state == 2).any("friction").values]
+    first = mapped.omega.values[(state == 3).any("friction").values]
     text = (
-        f"{WORDS[name].capitalize()}: of {beyond} places where whip exists, the knock or rest "
-        f"leads to it in {counted[0]}, rest in {counted[1]}"
+        f"{WORDS[name][0].upper()}{WORDS[name][1:]}: of {beyond} places where whip exists, a rotor "
+        f"that starts on it stays in it in {counted[0]}; the knock leads to it in {counted[1]}, "
+        f"rest in {counted[2]}"
         + (f" (from ω = {first.min():.2g} on)" if first.size else "")
         + f"; of the {without} where it does not, {outside or 'none'} lead to it. After the knock "
         f"the disc rolls on in {rolling}, rolls and slips by turns in {by_turns}, and slides to "
