@@ -218,12 +218,10 @@ def told_of_curves(curves: xr.Dataset, ends: xr.Dataset) -> str:
 
 
 def rotor_at(omega: float, delta0: float = 1.0) -> Rotor:
-    """Return the rotor that is knocked, with a disc as large beside the saddle at any clearance."""
-    known = Rotor(omega=omega, delta0=delta0, disc_radius=RHO, **KNOCKED)
-    radius = saddle_of(known)[0]
-    disc_radius = (
-        RHO * radius / saddle_of(Rotor(omega=1.0, delta0=1.0, disc_radius=RHO, **KNOCKED))[0]
-    )
+    """Return the rotor that is knocked; at any clearance whip is born at the same speed."""
+    known = Rotor(omega=omega, delta0=1.0, disc_radius=RHO, **KNOCKED)
+    wider = Rotor(omega=omega, delta0=delta0, disc_radius=RHO, **KNOCKED)
+    disc_radius = RHO * saddle_of(wider)[0] / saddle_of(known)[0]
     return Rotor(omega=omega, delta0=delta0, disc_radius=disc_radius, **KNOCKED)
 
 
@@ -257,12 +255,8 @@ def whirling(rotor: Rotor, radius: float, angle: float, duration: float) -> xr.D
 
 def with_forces(run: xr.Dataset) -> xr.Dataset:
     """Return a run with its whirl speed, the force of friction, and what friction can hold."""
-    rotor = Rotor(
-        **{
-            name: run[name].item()
-            for name in ("omega", "zeta", "delta0", "friction", "disc_radius")
-        }
-    )
+    names = ("omega", "zeta", "delta0", "friction", "disc_radius")
+    rotor = Rotor(**{name: run[name].item() for name in names})
     radius = np.hypot(run.x, run.y)
     radial = (run.x * run.vx + run.y * run.vy) / radius
     surface = rotor.disc_radius * rotor.omega
@@ -270,7 +264,7 @@ def with_forces(run: xr.Dataset) -> xr.Dataset:
     holding = holding + surface * (2.0 * rotor.zeta + radial / radius)
     limit = rotor.friction * run.normal_force
     sliding = limit * np.sign(run.slip_speed)
-    names = {
+    columns = {
         "whirl_speed": (
             (run.x * run.vy - run.y * run.vx) / radius**2, "whirl speed, negative backwards"),
         "holding_force": (
@@ -280,7 +274,7 @@ def with_forces(run: xr.Dataset) -> xr.Dataset:
     return run.assign(
         {
             name: ("t", values.values, {"long_name": words, "units": "1"})
-            for name, (values, words) in names.items()
+            for name, (values, words) in columns.items()
         }
     )
 
@@ -313,13 +307,13 @@ def smallest_speed(omega: float) -> float:
     )
 
 
-def smallest_radius(omega: float, delta0: float, angle: float) -> float:
+def smallest_radius(omega: float, delta0: float, angle: float, *, near: float = 1e-3) -> float:
     """Return the smallest radius over that of the saddle from which a whirl goes into whip."""
     rotor = rotor_at(omega, delta0)
     saddle = saddle_of(rotor)[0]
     return smallest(
         lambda factor: is_whip(whirling(rotor, factor * saddle, angle, 250.0)),
-        np.array([0.0, 0.4, 0.7, 1.0, 1.4, 2.0]), 1e-3,
+        np.array([0.0, 0.4, 0.7, 1.0, 1.4, 2.0]), near,
     )  # fmt: skip
 
 
@@ -367,7 +361,7 @@ def draw_knocks(runs: dict[str, xr.Dataset], settings: Settings) -> None:
     for column, (name, run) in enumerate(runs.items()):
         orbit, speed, slip, force = axes[column::2]
         plot_orbit(run, ax=orbit)
-        orbit.set_title(f"knock of {KNOCKS[name]:g}: {'whip' if name == 'whips' else 'dies away'}",
+        orbit.set_title(f"{KNOCKS[name]:g}: {'whip' if name == 'whips' else 'dies away'}",
                         fontsize=9.5)  # fmt: skip
         orbit.set_aspect("equal", adjustable="box")
         orbit.set(xlim=(-5.6, 5.6), ylim=(-5.6, 5.6))
@@ -384,7 +378,7 @@ def draw_knocks(runs: dict[str, xr.Dataset], settings: Settings) -> None:
             force.fill_between(run.t, -run.force_limit, run.force_limit, color=SHADE, lw=0.0,
                                label="what friction can hold")  # fmt: skip
             force.plot(run.t, run.holding_force, color=INK, lw=0.8, label="simulated")
-            force.set(ylabel="tangential force $T$", ylim=(-3.2, 3.2))
+            force.set(ylabel="tangential force $T$", ylim=(-2.2, 2.2))
             for ax in (speed, slip, force):
                 ax.set(xlabel="time $t$", xlim=(0.0, SHOWN))
             draw_rolls(run, ((slip, run.slip_speed), (force, run.holding_force)))

@@ -126,7 +126,7 @@ def map_of(name: str, omega: np.ndarray, friction: np.ndarray, settings: Setting
 
 
 def reached(mapped: xr.Dataset) -> xr.DataArray:
-    """Return whence whip is reached: 3 from rest, 2 from the knock, 1 from itself alone, 0 never."""
+    """Return whence there is whip: 3 from rest, 2 from the knock, 1 from itself alone, 0 never."""
     rest, knock, whip = (mapped[f"end_from_{name}"] >= FIRST_OF_WHIP for name in STARTS)
     return xr.where(rest, 3, xr.where(knock, 2, xr.where(whip, 1, 0)))
 
@@ -142,13 +142,13 @@ def draw(maps: dict[str, xr.Dataset], settings: Settings) -> None:
                 vmin=-0.5, vmax=3.5, shading="nearest", rasterized=True,
             )  # fmt: skip
             fine = np.geomspace(*FRICTIONS, 400)
-            lines = ax.plot([birth(name, mu) for mu in fine], fine, color=INK, lw=1.6,
+            born = ax.plot([birth(name, mu) for mu in fine], fine, color=INK, lw=1.6,
                             label="whip is born (exact, no unbalance)")  # fmt: skip
             weakest = weakest_friction(name)
             if weakest > 0.0:
                 limit = ax.axhline(weakest, color=GREY, lw=1.2, ls=(0, (4, 2)),
                                    label="below it no whip at any speed (exact)")  # fmt: skip
-                lines = [*lines, limit]
+                lines.append(limit)
             ax.set(xscale="log", yscale="log", xlim=SPEEDS, ylim=FRICTIONS,
                    xlabel=r"spin speed $\omega$", ylabel=r"friction $\mu$")  # fmt: skip
             ax.set_xticks([0.1, 0.3, 1.0, 3.0], ["0.1", "0.3", "1", "3"])
@@ -165,13 +165,13 @@ def draw(maps: dict[str, xr.Dataset], settings: Settings) -> None:
         )
     ]  # fmt: skip
     with style():
-        figure.legend(handles=[*lines, *patches], loc="outside lower center", ncols=2)
+        figure.legend(handles=[*born, *lines, *patches], loc="outside lower center", ncols=2)
     settings.show(
         figure, "whip_map", archives=list(maps),
         shows="Where dry whip exists over speed and friction (line, exact without unbalance), and "
-        f"where a rotor stays in it, and reaches it from rest and from a knock of {KNOCK:g} backwards along the "
-        "ring: with a shaft (κ = 0.05) in a linear ring, and without in one of Hertz "
-        "(ζ = 0.05, δ₀ = 1, ρ = 10).",
+        f"where a rotor stays in it, and reaches it from rest and from a knock of {KNOCK:g} "
+        "backwards along the ring: with a shaft (κ = 0.05) in a linear ring, and without in one of "
+        "Hertz (ζ = 0.05, δ₀ = 1, ρ = 10).",
         found=" ".join(told(name, mapped) for name, mapped in maps.items()),
     )  # fmt: skip
 
