@@ -98,8 +98,8 @@ def simulated_ends(
     dims = whirls.amplitude.dims
     end = (dims, table[..., 3].astype(np.int8), {
         "long_name": "what the rotor does at the end, -1 where none was simulated",
-        "flag_values": np.array(list(ENDS.values()), dtype=np.int8),
-        "flag_meanings": " ".join(ENDS),
+        "flag_values": np.array([-1, *ENDS.values()], dtype=np.int8),
+        "flag_meanings": " ".join(["not_started", *ENDS]),
     })  # fmt: skip
     return whirls.assign(end=end).assign(
         {
@@ -407,7 +407,7 @@ def told_of_knocks(runs: dict[str, xr.Dataset], whip: xr.Dataset) -> str:
     kinds = whips.event_kind.values
     leaves = dies.event_time.values[(dies.event_kind.values == -1) & (dies.event_time > 20.0)][0]
     first = whips.event_time.values[kinds == 2][0]
-    late = whips.isel(t=whips.t.values > 0.5 * SHOWN)
+    late = whips.isel(t=whips.t.values > first)
     slow, fast = (float(each) for each in (late.whirl_speed.max(), late.whirl_speed.min()))
     share = float((late["mode"] == MODE["rolling"]).mean())
     return (
@@ -415,9 +415,9 @@ def told_of_knocks(runs: dict[str, xr.Dataset], whip: xr.Dataset) -> str:
         f"until it leaves the ring at t = {leaves:.1f}. The whirl after one of "
         f"{KNOCKS['whips']:g} grows: at t = {first:.1f} the disc begins to roll, and from then on "
         f"it rolls and slips by turns ({int((kinds == 2).sum())} times up to t = {SHOWN:g}), as "
-        f"the unbalance pulls to and fro; late in the run it rolls {100.0 * share:.0f}% of the "
-        f"time. It whirls at {fast:.3f} to {slow:.3f}, where whip without unbalance has exactly "
-        f"{whip.whirl_speed.values[1]:.6f}, against ω = {OMEGA:.3f} of the spin."
+        f"the unbalance pulls one way and the other, and rolls {100.0 * share:.0f}% of the time. "
+        f"It then whirls at −{-fast:.3f} to −{-slow:.3f}, where whip without unbalance has exactly "
+        f"−{-whip.whirl_speed.values[1]:.6f}, against ω = {OMEGA:.3f} of the spin."
     )
 
 
@@ -466,7 +466,7 @@ def told_of_smallest(found: xr.Dataset) -> str:
         f"Whip exists from ω = {found.birth_omega.item():.6f} on (exact); of the speeds tried the "
         f"first at which a knock starts it is {reached.min():.2f}. The least knock is "
         f"{least.knock_speed.item():.2f}, at ω = {least.omega.item():.2f}. The saddle has the "
-        f"radius {radius:.6f} and the whirl speed {speed:.6f} at any speed of the spin. With a "
+        f"radius {radius:.6f} and the whirl speed −{-speed:.6f} at any speed of the spin. With a "
         f"clearance of one eccentricity the smallest whirl lies up to "
         f"{100.0 * spread[CLEARANCES[0]]:.0f}% off that radius, by the angle of the unbalance; "
         f"with {CLEARANCES[1]:g} eccentricities up to {100.0 * spread[CLEARANCES[1]]:.1f}%."

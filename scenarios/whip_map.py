@@ -10,7 +10,7 @@ one with a shaft
 whip at any speed: the whirl that slips would need a stiffer ring.
 
 Whip is told by the end of a run: in contact for good, the whirl backward, and the disc rolling, or
-sliding to and fro where the unbalance is too strong for it to roll.
+sliding both ways by turns where the unbalance is too strong for it to roll.
 
 Writes the map of each rotor (shaft.nc, hertz.nc) and the figure as PNG and SVG.
 """
@@ -194,8 +194,8 @@ def told(name: str, mapped: xr.Dataset) -> str:
         f"rest in {counted[2]}"
         + (f" (from ω = {first.min():.2g} on)" if first.size else "")
         + f"; of the {without} where it does not, {outside or 'none'} lead to it. After the knock "
-        f"the disc rolls on in {rolling}, rolls and slips by turns in {by_turns}, and slides to "
-        f"and fro in {reversing}."
+        f"the disc rolls on in {rolling}, rolls and slips by turns in {by_turns}, and slides "
+        f"both ways in {reversing}."
     )
     weakest = weakest_friction(name)
     return text + (f" No whip at any speed below μ = {weakest:.6f}." if weakest else "")
