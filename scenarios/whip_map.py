@@ -4,10 +4,9 @@ In dry whip the disc rolls backwards round the ring, and friction holds it there
 on it exists at a coefficient of friction is known exactly without unbalance: from the birth of whip
 and of the whirl that slips. Whether a rotor comes to it is another question. Two rotors are
 simulated, each from rest on the axis, from a knock backwards along the ring, and on whip itself:
-one with a shaft
-(kappa = 0.05) in a linear ring, as in most publications, and one without in a ring of Hertz
-(zeta = 0.05, delta0 = 1, rho = 10). In a linear ring friction below a certain coefficient leaves no
-whip at any speed: the whirl that slips would need a stiffer ring.
+one with a shaft (kappa = 0.05) in a linear ring, as in most publications, and one without in a ring
+of Hertz (zeta = 0.05, delta0 = 1, rho = 10). In a linear ring friction below a certain coefficient
+leaves no whip at any speed: the whirl that slips would need a stiffer ring.
 
 Whip is told by the end of a run: in contact for good, the whirl backward, and the disc rolling, or
 sliding both ways by turns where the unbalance is too strong for it to roll.
