@@ -2,8 +2,8 @@
 
 Shaft, contact damping, load and friction are there or not; the contact is Hertz or linear; damping
 is 0 or not. Each start is followed by Taylor series, and by Adams, BDF with integrated flight, and
-as far as asked the reference. Counted are runs that raise, runs with other events (up to the first that
-either run calls undecided), and event times further apart than the two runs state.
+as far as asked the reference. Counted are runs that raise, runs with other events (up to the first
+that either run calls undecided), and event times further apart than the two runs state.
 
     python benchmarks/random_machines.py --count 1500
     python benchmarks/random_machines.py --count 1500 --reference 100 --seed 2

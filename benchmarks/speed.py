@@ -14,8 +14,8 @@ events). Beside them stand
 
     pip install -e '.[bench]' && python benchmarks/speed.py
 
-`--only machines` sets a machine with shaft, contact damping and load beside the paper's rotor, both
-bouncing for 200 revolutions, by Taylor series: what it takes, for each event.
+`--only machines` sets machines with shaft, contact damping, load and friction beside the paper's
+rotor, all bouncing for 200 revolutions, by Taylor series: what it takes, for each event.
 """
 
 import argparse
@@ -183,6 +183,7 @@ MACHINES = {
     "load": {"load": 0.02},
     "contact damping": {"contact_damping": 0.01},
     "all three": {"shaft_stiffness": 0.02, "load": 0.02, "contact_damping": 0.01},
+    "friction": {"friction": 0.001, "disc_radius": 10.0},
 }
 
 

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import pytest
 import xarray as xr
 
 import rotor_ida
 from rotor_ida import DimensionalRotor, InputError, Rotor
-from rotor_ida.explorer.questions import machine_of
-from rotor_ida.explorer.recording import record
 from rotor_ida.paper.errata.scaling import check_scaling
 
 REST = (0.0, 0.0, 0.0, 0.0)
@@ -23,34 +19,11 @@ MACHINE = {
     "clearance": 2e-6, "speed": 600.0,
 }  # fmt: skip
 
-OF_A_ROTOR: dict[str, Callable[[Rotor], object]] = {
-    "record": lambda rotor: record(rotor, start=REST, revolutions=1, speeds=[1.0]),
-}
-
-
-@pytest.mark.parametrize("what", OF_A_ROTOR)
-@pytest.mark.parametrize("name", BEYOND)
-def test_a_rotor_with_more_is_refused(what: str, name: str):
-    rotor = Rotor(**PLAIN, **{name: BEYOND[name]})
-    with pytest.raises(InputError) as refused:
-        OF_A_ROTOR[what](rotor)
-    message = str(refused.value)
-    assert message.startswith("the rotor of ")
-    assert message.endswith(f" must be the paper's, without {name} {BEYOND[name]!r}")
-    assert "\n" not in message
-
 
 def test_a_machine_with_more_is_refused():
     machine = DimensionalRotor(**MACHINE, load=39.2)
     with pytest.raises(InputError, match=r"^the rotor of check_scaling must be the paper's"):
         check_scaling(machine, duration=10.0)
-
-
-@pytest.mark.parametrize("given", [PLAIN, MACHINE])
-def test_the_explorer_knows_no_more(given: dict[str, float]):
-    assert machine_of(given).given == given
-    with pytest.raises(InputError, match=r"^machine must have omega, zeta and delta0, or mass"):
-        machine_of({**given, "load": 0.125})
 
 
 def with_load(dataset: xr.Dataset) -> xr.Dataset:

@@ -311,11 +311,12 @@ def tips_of_ring(zeta: float, ring: Ring) -> list[float]:
     least = 2.0 * zeta * zeta
     highest = 10.0 * (1.0 + math.sqrt(d) + math.cbrt(1.0 / least) + ((1.0 + kappa) / least) ** 0.25)
     edges = [lowest, *np.sort(turns[(turns > lowest) & (turns < highest)]).tolist(), highest]
-    return [
+    found = [
         d + float(brentq(excess, low, high, xtol=1e-300, rtol=4.0 * np.finfo(float).eps)) ** 2
         for low, high in pairwise(edges)
         if (excess(low) >= 0.0) != (excess(high) >= 0.0)
     ]
+    return [A for A in found if A > 1.0]  # at 1 itself they meet at no speed
 
 
 def tip_speed_of_ring(A: float, zeta: float, ring: Ring) -> float:

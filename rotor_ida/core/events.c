@@ -55,7 +55,7 @@ static void add_contact(struct run *run, double entry, double leaving, double pe
 /* Take back what happened in a contact at the very time of its exit. */
 static void take_back(struct run *run)
 {
-    while (run->events > 0 && run->event_times[run->events - 1] >= run->time
+    while (run->event_room > 0 && run->events > 0 && run->event_times[run->events - 1] >= run->time
            && run->event_kinds[run->events - 1] != ENTRY)
         run->events--;
 }
@@ -105,7 +105,7 @@ static int follow_contact(struct run *run, struct motion *motion, double entry)
             take_back(run);
         if (run->event_room > 0)
             record_event(run, EXIT);
-        if (run->event_ways != NULL)
+        if (run->event_room > 0 && run->event_ways != NULL)
             run->event_ways[run->events - 1] = FLIES;
     }
     add_contact(run, entry, leaves ? run->time : NAN,

@@ -452,7 +452,13 @@ static void spend_with_friction(struct motion *motion, double end, double *reach
     const double sliding = m->friction * m->sigma * m->pressed;
     const int rolls = motion->mode == &rolling_mode;
     vec4 values[COUNT][AT_ONCE], total = spread(0.0), heat = spread(0.0);
-    look(taylor_of(motion), components, COUNT, reach, values);
+    values[3][0] = values[3][1] = spread(0.0);
+    if (rolls)
+        look(taylor_of(motion), components, COUNT, reach, values);
+    else if (m->load > 0.0) /* as far as they are needed */
+        look(taylor_of(motion), components, COUNT - 1, reach, values);
+    else
+        look(taylor_of(motion), components, COUNT - 2, reach, values);
     for (int v = 0; v < AT_ONCE; v++) {
         const vec4 q = values[0][v], p = values[1][v], across = values[3][v], square = q * q;
         const vec4 r = spread(m->delta0) + square, slip = values[2][v] / r;

@@ -82,9 +82,9 @@ def rates_of(rotor: Rotor, mode: int) -> Callable[[float, Values, Values], None]
     """Return the right-hand side of the first-order system in one mode.
 
     In flight there is no force even beyond the ring, so that a step may look ahead smoothly; in a
-    pressed contact it may pull where the step looks beyond the release; and friction keeps its sense
-    where the step looks beyond a reversal. Rolling fixes the tangential velocity: what is integrated of it
-    is not looked at.
+    pressed contact it may pull where the step looks beyond the release; and friction keeps its
+    sense where the step looks beyond a reversal. Rolling fixes the tangential velocity: what is
+    integrated of it is not looked at.
     """
     omega, delta0 = rotor.omega, rotor.delta0
     exponent, damping = rotor.contact_exponent, rotor.contact_damping

@@ -80,6 +80,8 @@ def simulate(
         peak_indentation peak_force contact_duration impulse entry_speed entry_angle
         energy_lost whirl_direction``, NaN where the run began or ended inside the contact; the
         scalars ``starts_in_contact`` and ``horizon``; ``omega zeta delta0`` as coordinates.
+        With friction ``mode``, ``slip_speed`` and ``normal_force`` on ``t``, ``heat`` on
+        ``contact``, and three more kinds of event: ``roll``, ``slip`` and ``reverse``.
 
     Raises
     ------

@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 from rotor_ida import InputError, synchronous_response
-from rotor_ida.closed_forms import backbone, peak_amplitude, peaks, speeds_at_amplitude
+from rotor_ida.closed_forms import (
+    backbone,
+    peak_amplitude,
+    peaks,
+    response_curve,
+    speeds_at_amplitude,
+)
 from rotor_ida.equations.contact import contact_force
 
 
@@ -185,3 +191,11 @@ def test_backbone_of_a_machine_is_its_free_whirl():
     middle = backbone([1.2, 2.0], 0.5, **law)
     assert (slower < middle).all()
     assert (faster > middle).all()
+
+
+def test_flanks_that_meet_at_no_speed_are_no_peak():
+    """A linear ring with f(1) = 2 zeta**2: the curve only rises towards 1."""
+    curve = response_curve(zeta=0.5, delta0=0.5, contact_exponent=1.0, limits=(0.5, 50.0))
+    assert float(curve.amplitude.max()) < 1.0
+    found = peaks(zeta=0.5, delta0=0.5, contact_exponent=1.0)
+    assert not (found.peak_omega < np.inf).any()

@@ -307,6 +307,8 @@ static void furnish(struct run *run, struct room room)
     run->event_times = room_for(room.events, sizeof(double));
     run->event_states = room_for(room.events, 4 * sizeof(double));
     run->event_kinds = room_for(room.events, 1);
+    if (run->rotor.friction > 0.0)
+        run->event_ways = room_for(room.events, 1);
     run->event_room = room.events;
     run->contacts = room_for(room.contacts, CONTACT_COLUMNS * sizeof(double));
     run->contact_room = room.contacts;
@@ -325,6 +327,7 @@ static void clear(struct run *run)
                       run->event_times,
                       run->event_states,
                       run->event_kinds,
+                      run->event_ways,
                       run->contacts,
                       run->extrema,
                       run->bundle};
@@ -349,17 +352,27 @@ static int followed(struct run run, struct room room)
     return status;
 }
 
-/* Omega, zeta, delta0; shaft, exponent, contact damping and load. The first few are also followed
- * by name. */
+/* Omega, zeta, delta0; shaft, exponent, contact damping and load; friction and radius of the disc.
+ * The first few are also followed by name. */
 #ifdef WHOLE_MODEL
-static const struct rotor ROTORS[] = {
-    {2.0, 0.07, 2.0, 0.3, 1.5, 0.4, 0.5},     {3.0, 0.07, 0.5, 2.0, 1.0, 5.0, 1.0},
-    {1.7, 0.07, 0.0, 0.5, 1.0, 0.0, 0.3},     {0.0, 0.0, 1.0, 0.0, 1.5, 1.0, 0.0},
-    {0.6, 0.0, 1e-9, 0.36, 1.5, 1e3, 1e-3},   {1.3, 2.0, 50.0, 4.0, 1.0, 1e-300, 9.0},
-    {1e3, 1e2, 1e3, 1e4, 1.0, 1e2, 1e3},      {0.0, 0.0, 0.0, 0.0, 1.5, 0.0, 1.0},
-    {0.0, 0.0, 1.0, 0.0, 1.0, 2.0, 1.0},      {1.5, 1e-300, 2.0, 2.25, 1.5, 0.1, 0.0},
-    {1.2, 0.0, 0.7, 9.0, 1.5, 20.0, 2.0},     {0.0, 0.0, 0.3, 5.0, 1.0, 3.0, 0.0},
-    {1e-200, 0.3, 1.0, 1e-20, 1.5, 0.0, 0.1}, {1.7, 0.0, 0.0, 0.0, 1.5, 0.0, 1e300}};
+static const struct rotor ROTORS[] = {{2.0, 0.07, 2.0, 0.3, 1.5, 0.4, 0.5, 0.0, 0.0},
+                                      {3.0, 0.07, 0.5, 2.0, 1.0, 5.0, 1.0, 0.0, 0.0},
+                                      {1.7, 0.07, 0.0, 0.5, 1.0, 0.0, 0.3, 0.0, 0.0},
+                                      {0.0, 0.0, 1.0, 0.0, 1.5, 1.0, 0.0, 0.0, 0.0},
+                                      {0.6, 0.0, 1e-9, 0.36, 1.5, 1e3, 1e-3, 0.0, 0.0},
+                                      {1.3, 2.0, 50.0, 4.0, 1.0, 1e-300, 9.0, 0.0, 0.0},
+                                      {1e3, 1e2, 1e3, 1e4, 1.0, 1e2, 1e3, 0.0, 0.0},
+                                      {0.0, 0.0, 0.0, 0.0, 1.5, 0.0, 1.0, 0.0, 0.0},
+                                      {0.0, 0.0, 1.0, 0.0, 1.0, 2.0, 1.0, 0.0, 0.0},
+                                      {1.5, 1e-300, 2.0, 2.25, 1.5, 0.1, 0.0, 0.0, 0.0},
+                                      {1.2, 0.0, 0.7, 9.0, 1.5, 20.0, 2.0, 0.0, 0.0},
+                                      {0.0, 0.0, 0.3, 5.0, 1.0, 3.0, 0.0, 0.0, 0.0},
+                                      {1e-200, 0.3, 1.0, 1e-20, 1.5, 0.0, 0.1, 0.0, 0.0},
+                                      {1.7, 0.0, 0.0, 0.0, 1.5, 0.0, 1e300, 0.0, 0.0},
+                                      {2.0, 0.07, 2.0, 0.3, 1.0, 2.0, 1.5, 0.4, 0.5},
+                                      {1.2, 0.07, 0.5, 0.0, 1.5, 0.0, 0.0, 0.3, 0.6},
+                                      {1e3, 1e2, 1e3, 1e4, 1.0, 1e2, 1e3, 1e3, 1e3},
+                                      {0.6, 0.0, 1e-9, 0.36, 1.5, 1e3, 1e-3, 1e-300, 1e6}};
 #else
 static const struct rotor ROTORS[] = {
     {.omega = 2.0, .zeta = 0.07, .delta0 = 2.0}, {.omega = 3.0, .zeta = 0.07, .delta0 = 0.5},
