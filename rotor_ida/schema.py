@@ -94,7 +94,6 @@ QUANTITIES: dict[str, Quantity] = {
     "contact_damping": Quantity("relative rise of the contact force at a speed of approach of 1"),
     "friction": Quantity("coefficient of friction in the contact"),
     "load": Quantity("static load, downwards, over the contact force at an indentation of 1"),
-    "friction": Quantity("coefficient of friction in the contact"),
     "disc_radius": Quantity("radius of the disc over eccentricity"),
     # a run
     "t": Quantity("time", scale="time"),
