@@ -25,6 +25,7 @@ from rotor_ida.arrays import ROUNDING, Values
 from rotor_ida.basins.kernel import (
     BOUNCING,
     CHAOTIC,
+    FADING,
     FULL_CONTACT,
     NOT_COMPUTED,
     QUASI_PERIODIC,
@@ -102,6 +103,7 @@ BY_KIND = {
     response.ROLLING: ROLLING,
     response.BOUNCING: BOUNCING,
     response.FULL_CONTACT: FULL_CONTACT,
+    response.TOUCHING: FADING,
 }
 # Beside an unstable cycle whose period has just doubled, the doubled one is sought aside at these
 # parts of the size of the state.

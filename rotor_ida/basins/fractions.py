@@ -81,9 +81,8 @@ def basin_fractions(
     Under a load, which turns on the axes on which starts are followed side by side, each is
     followed to its attractor by itself, as in `rotor_ida.sweep` by Taylor series with `rtol`, by
     default 1e-10: no region holds it, and no label is found again. So it is with friction, where
-    only whirls are told apart: what bounces, or is in full contact, or rolls, or is on a torus, is
-    one attractor together with all of its kind, without a period, and what touches ever more
-    slightly is undecided.
+    only whirls are told apart: what bounces, or is in full contact, or rolls, or touches ever more
+    slightly, is one attractor together with all of its kind, without a period.
 
     Examples
     --------

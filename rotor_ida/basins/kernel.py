@@ -25,8 +25,8 @@ Times = npt.NDArray[np.float32]
 # Labels of starts that no attractor has.
 QUASI_PERIODIC, CHAOTIC, NOT_COMPUTED, UNDECIDED = -4, -3, -2, -1
 # And with friction, where motions are told by their kinds alone.
-FULL_CONTACT, BOUNCING, ROLLING = -7, -6, -5
-LOWEST = FULL_CONTACT
+FADING, FULL_CONTACT, BOUNCING, ROLLING = -8, -7, -6, -5
+LOWEST = FADING
 # So many orbits are followed at a time: they keep the vector units busy.
 LANES = 64
 # Numbers of a trapping region: its centre, and the upper triangular factor of its form.

@@ -246,7 +246,8 @@ def touch_fading(rotor: Rotor) -> float:
     so 1/h grows by C from touch to touch, and the n-th has ``h = 1/(C n)``, to leading order in
     h: the touches never end, and the limit is the whirl that just reaches the ring. A linear
     contact gives the impulse ``(4/3) h**1.5 sqrt(2/kappa)``; there ``1/sqrt(h)`` grows, by
-    ``C = sqrt(2/kappa)/(3 zeta)``. Contact damping does not count to leading order.
+    ``C = sqrt(2/kappa)/(3 zeta)``. Contact damping does not count to leading order,
+    nor does friction, which carries the centre along the ring.
 
     Examples
     --------

@@ -78,7 +78,8 @@ def simulate(
         ``x y vx vy`` on ``t``; ``event_time event_kind event_time_error event_x event_y
         event_vx event_vy`` on ``event``; on ``contact`` ``entry_time exit_time peak_time
         peak_indentation peak_force contact_duration impulse entry_speed entry_angle
-        energy_lost whirl_direction``, NaN where the run began or ended inside the contact; the
+        energy_lost whirl_direction``, with friction ``heat slip_distance rolling_time`` too, NaN
+        where the run began or ended inside the contact, or samples are too far apart; the
         scalars ``starts_in_contact`` and ``horizon``; ``omega zeta delta0`` as coordinates.
         With friction ``mode``, ``slip_speed`` and ``normal_force`` on ``t``, ``heat`` on
         ``contact``, and three more kinds of event: ``roll``, ``slip`` and ``reverse``.

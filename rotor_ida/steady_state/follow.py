@@ -384,6 +384,8 @@ def _may_be_chaotic(trajectory: _Trajectory) -> bool:
 def _kind_by_exponent(trajectory: _Trajectory) -> tuple[str, float, float]:
     """Return the kind of a motion that never comes again, its largest exponent, and its error."""
     rotor = trajectory.rotor
+    if rotor.friction > 0.0:  # tangents do not know its jumps
+        return UNRESOLVED, math.nan, math.nan
     duration = max(EXPONENT_TIME, EXPONENT_TIMES * trajectory.time)
     exponent, error = largest_exponent(rotor, trajectory.state, duration, trajectory.stop)
     if exponent > CLEAR_ERRORS * error and exponent * duration > CLEAR_STRETCH:

@@ -227,7 +227,7 @@ def touches_fade(window: Window) -> bool:
     """
     growth = _growth_from_touch_to_touch(window)
     rotor = window.rotor
-    if growth is None or max(rotor.shaft_stiffness, rotor.load, rotor.friction) > 0.0:
+    if growth is None or rotor.shaft_stiffness > 0.0 or rotor.load > 0.0:
         return False
     return bool((np.abs(growth / touch_fading(rotor) - 1.0) <= LIKE_THE_LAW).all())
 

@@ -155,8 +155,8 @@ def sweep(
     ring, which is told as ``synchronous``.
 
     With friction neighbours are followed themselves where tangents do not know the jump: where the
-    disc begins to roll, or slides the other way. No law of touches that fade is known then: what
-    would be ``touching`` is ``unresolved``.
+    disc begins to roll, or slides the other way. Exponents with friction are not there yet: what
+    might be ``chaotic`` or on a torus is ``unresolved``.
 
     Period and extreme radii are those of the simulated motion in its last period: the roots of
     ``r r'``, found by simulating the window again with samples there. All runs are made with a

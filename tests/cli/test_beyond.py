@@ -12,7 +12,8 @@ import pytest
 
 import rotor_ida
 from rotor_ida.cli.options import BeyondAxes, MachineOptions
-from rotor_ida.parameters import DEFAULTS, DimensionalRotor, Rotor
+from rotor_ida.errors import InputError
+from rotor_ida.parameters import DEFAULTS, OF_FRICTION_DEFAULTS, DimensionalRotor, Rotor
 
 Program = Callable[..., Any]
 
@@ -152,9 +153,10 @@ def test_under_a_load_a_cycle_with_a_period_of_its_own_is_not_followed(
 
 
 def test_a_sweep_that_is_given_nothing_of_it_is_of_the_papers_rotor():
-    assert BeyondAxes().given() == DEFAULTS
+    papers = DEFAULTS | OF_FRICTION_DEFAULTS
+    assert BeyondAxes().given() == papers
     assert BeyondAxes(load=[0.1], shaft_stiffness=[0.0, 0.5]).given() == {
-        **DEFAULTS, "load": 0.1, "shaft_stiffness": [0.0, 0.5],
+        **papers, "load": 0.1, "shaft_stiffness": [0.0, 0.5],
     }  # fmt: skip
 
 
@@ -228,3 +230,8 @@ def test_a_branch_begins_at_a_result_of_a_machine(
     points = record["points"]
     assert points[0]["omega"] != points[-1]["omega"]
     assert any(abs(each["period"] / float(place["period"]) - 1.0) < 1e-6 for each in points)
+
+
+def test_an_atlas_with_friction_is_refused():
+    with pytest.raises(InputError, match="friction must be 0 for an atlas"):
+        BeyondAxes(friction=[0.2], disc_radius=[10.0]).without_friction()

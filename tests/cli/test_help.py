@@ -18,7 +18,7 @@ import rotor_ida
 from rotor_ida.cli.commands.compute import atlas, basin, fractions, simulate, sweep, touchdown
 from rotor_ida.cli.commands.cycles import continue_, curve, cycle
 from rotor_ida.cli.options import BeyondAxes
-from rotor_ida.parameters import DEFAULTS
+from rotor_ida.parameters import BEYOND
 
 Program = Callable[..., Any]
 
@@ -130,7 +130,7 @@ def test_defaults_are_those_of_the_library(command: Callable[..., object], libra
     for name, parameter in inspect.signature(getattr(rotor_ida, library)).parameters.items():
         if name in ours and parameter.default is not inspect.Parameter.empty and name != "workers":
             default = ours[name][1]
-            if default is None and name in DEFAULTS:  # no axis is given
+            if default is None and name in BEYOND:  # no axis is given
                 default = BeyondAxes().given()[name]
             assert default == parameter.default, name
 

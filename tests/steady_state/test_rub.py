@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from rotor_ida import Rotor, compare, sweep, synchronous_response
+from rotor_ida import Rotor, compare, simulate, sweep, synchronous_response
+from rotor_ida.closed_forms.contact_free import touch_fading
 from rotor_ida.equations.model import rotated
 from rotor_ida.schema import EXACT, RESPONSE
 from rotor_ida.simulation.options import Options
@@ -186,3 +187,15 @@ def test_friction_that_cannot_be_is_refused_in_one_line(given, words):
     with pytest.raises(ValueError, match=words) as refused:
         sweep(omega=1.0, zeta=0.1, **given)
     assert "\n" not in str(refused.value)
+
+
+def test_touches_fade_by_the_law_that_friction_leaves_as_it_is():
+    """Friction carries the centre along the ring: 1/h grows as without, ever more closely."""
+    rotor = Rotor(omega=1.6, zeta=0.2, delta0=1.4, friction=0.35, disc_radius=1.0)
+    settled = follow_to_steady_state(rotor, (3.4, -0.3, -0.4, -0.4), TAYLOR)
+    assert settled.response == "touching"
+    run = simulate(rotor, start=(3.4, -0.3, -0.4, -0.4), duration=4000.0, method="taylor")
+    growth = np.diff(1.0 / run.peak_indentation.values)
+    off = np.abs(growth / touch_fading(rotor) - 1.0)
+    assert off[-20:].max() < 0.01
+    assert off[-20:].max() < 0.5 * off[20:40].max()
