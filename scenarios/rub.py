@@ -361,7 +361,7 @@ def draw_knocks(runs: dict[str, xr.Dataset], settings: Settings) -> None:
     for column, (name, run) in enumerate(runs.items()):
         orbit, speed, slip, force = axes[column::2]
         plot_orbit(run, ax=orbit)
-        orbit.set_title(f"{KNOCKS[name]:g}: {'whip' if name == 'whips' else 'dies away'}",
+        orbit.set_title(f"knock {KNOCKS[name]:g}: {'whip' if name == 'whips' else 'dies away'}",
                         fontsize=9.5)  # fmt: skip
         orbit.set_aspect("equal", adjustable="box")
         orbit.set(xlim=(-5.6, 5.6), ylim=(-5.6, 5.6))
