@@ -27,7 +27,6 @@ UNKNOWN: dict[str, Callable[[Rotor], object]] = {
         limits=((1.0, 2.0), (0.1, 1.0)),
     ),
     "a basin": lambda rotor: rotor_ida.basin(rotor, x=[0.0, 1.0], y=[0.0, 1.0]),
-    "fractions": lambda rotor: rotor_ida.basin_fractions(rotor, **BOX),
     "a report": lambda rotor: rotor_ida.touchdown_report(rotor, **BOX),
     "rest": rotor_ida.rest,
     "forces": lambda rotor: contact_forces(simulate(rotor, start=START, duration=1.0, samples=3)),
