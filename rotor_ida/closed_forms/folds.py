@@ -414,11 +414,14 @@ def _folds_of_ring(dampings: tuple[float, ...], ring: Ring) -> Values:
     """Return speed and amplitude of the folds with one shaft and contact, shape (m, most, 2)."""
     zeta = np.array(dampings)
     found: list[list[tuple[float, float]]] = [[] for _ in zeta]
+    rest = ring.delta0, ring.shaft_stiffness, ring.friction, ring.hertz
     if ring.friction > 0.0:
-        rest = ring.delta0, ring.shaft_stiffness, ring.friction, ring.hertz
         return _tabled([list(rub_folds(Rub(each, *rest))) for each in dampings])
     damped = np.nonzero(zeta > 0.0)[0]
-    if damped.size:
+    if rest == (1.0, 0.0, 0.0, False):  # there the sides of the locus meet all along
+        for number in damped.tolist():
+            found[number] += rub_folds(Rub(dampings[number], *rest))
+    elif damped.size:
         smallest = math.floor(math.log10(4.0 * float(zeta[damped].min()) ** 2))
         for side in _further_locus(ring, smallest):
             rows, omega, amplitude = further_folds(side, zeta[damped])

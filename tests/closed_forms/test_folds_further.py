@@ -246,3 +246,14 @@ def test_parameters_out_of_range_are_refused(function, given_values, message):
         given["zeta"] = 0.07
     with pytest.raises(InputError, match=message):
         function(**given)
+
+
+@pytest.mark.parametrize("zeta", [1.3e-6, 1e-5, 1e-3, 0.05])
+def test_folds_of_a_linear_ring_whose_clearance_is_one_are_roots_of_a_cubic(zeta):
+    """There ``4 zeta**2 = (2 - A) (A - 1)/A``: two folds, however slight the damping."""
+    least = 4.0 * zeta * zeta
+    # A**2 - (3 - 4 zeta**2) A + 2 = 0, written so that the smaller root does not cancel
+    large = 0.5 * ((3.0 - least) + np.sqrt((1.0 - least) * (1.0 - least) - 4.0 * least))
+    found = folds(zeta=zeta, delta0=1.0, contact_exponent=1.0)
+    amplitudes = np.sort(found.fold_amplitude.values.ravel())
+    np.testing.assert_allclose(amplitudes, [2.0 / large, large], rtol=1e-14)
