@@ -419,8 +419,8 @@ def _folds_of_ring(dampings: tuple[float, ...], ring: Ring) -> Values:
         return _tabled([list(rub_folds(Rub(each, *rest))) for each in dampings])
     damped = np.nonzero(zeta > 0.0)[0]
     if rest == (1.0, 0.0, 0.0, False):  # there the sides of the locus meet all along
-        for number in damped.tolist():
-            found[number] += rub_folds(Rub(dampings[number], *rest))
+        for one in damped.tolist():
+            found[one] += rub_folds(Rub(dampings[one], *rest))
     elif damped.size:
         smallest = math.floor(math.log10(4.0 * float(zeta[damped].min()) ** 2))
         for side in _further_locus(ring, smallest):
