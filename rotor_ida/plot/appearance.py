@@ -44,7 +44,7 @@ KIND_SHADES = {
     "contact_free": ("#92dadd", "#4f9b9f", "#d5f2f3", "#1f6f73"),
     "bouncing": (ORANGE, "#ffc48a", "#a96b59", "#ffa90e"),
     "full_contact": (PURPLE, "#d7b3ea", "#4b1a68", "#b9ac70"),
-    "rolling": (BROWN, "#dcc3b9", "#5c3222", "#c48a73"),
+    "rolling": ("#8a4f3d", "#dcc3b9", "#5c3222", "#c48a73"),
     "touching": ("#c08878", "#d8b8ae", "#6b3a2c", "#8a7a75"),
     "quasi_periodic": (GREEN, "#a9d3b4", "#174a2b", "#7da453"),
     "chaotic": (RED, "#f0a898", "#6e1200", "#d97b66"),
