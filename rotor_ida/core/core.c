@@ -3,13 +3,14 @@
 #include "events.h"
 
 /* The mode in which a contact begins; with friction it has another, of the same size. */
-static const struct mode *mode_of_contact(const struct rotor *rotor)
+static const struct mode *mode_of_contact(const struct run *run)
 {
 #ifdef WHOLE_MODEL
-    if (rotor->friction > 0.0)
+    const int is_varied = run->differences > DIFFERENCES && run->rotor.disc_radius > 0.0;
+    if (run->rotor.friction > 0.0 || (is_varied && run->rotor.delta0 > 0.0))
         return &rub_mode;
 #endif
-    (void)rotor;
+    (void)run;
     return &contact_mode;
 }
 
@@ -21,16 +22,15 @@ static int with_motions(struct run *run, int (*act)(struct run *, const struct m
     const struct parameters model = parameters_of(&run->rotor, 0.0);
     if (run->method == TAYLOR) { /* flight is exact, so one of the two is enough */
         struct taylor taylor;
-        const struct mode *mode = model.delta0 > 0.0 ? mode_of_contact(&run->rotor)
-                                                     : &cartesian_mode;
+        const struct mode *mode = model.delta0 > 0.0 ? mode_of_contact(run) : &cartesian_mode;
         open_taylor(&taylor, mode, model, run->rtol, tangents);
         const struct motions motions = {&taylor.motion, &taylor.motion};
         return act(run, &motions, more);
     }
     struct cvode contact, free;
     const struct parameters felt = parameters_of(&run->rotor, model.delta0 == 0.0 ? 1.0 : 0.0);
-    int status = open_cvode(&contact, run->sundials, run->method, mode_of_contact(&run->rotor),
-                            model, run->rtol, tangents);
+    int status = open_cvode(&contact, run->sundials, run->method, mode_of_contact(run), model,
+                            run->rtol, tangents);
     const int second = open_cvode(&free, run->sundials, run->method, &cartesian_mode, felt,
                                   run->rtol, tangents);
     status = status == DONE ? second : status;
@@ -64,10 +64,10 @@ int core_run(struct run *run)
 
 /* ---- Stretching ---- */
 
-/* Make four rows orthonormal by Gram and Schmidt, twice; write the logarithms of their lengths. */
-static void orthonormalise(double *rows, double *stretch)
+/* Make rows orthonormal by Gram and Schmidt, twice; write the logarithms of their lengths. */
+static void orthonormalise(double *rows, int count, double *stretch)
 {
-    for (int i = 0; i < DIFFERENCES; i++) {
+    for (int i = 0; i < count; i++) {
         double *row = &rows[4 * i];
         for (int again = 0; again < 2; again++) {
             for (int j = 0; j < i; j++) {
@@ -89,6 +89,24 @@ static void orthonormalise(double *rows, double *stretch)
     }
 }
 
+/* Put a new direction in the place of the last of four, which is lost: one along an axis, the
+ * farthest from the others. */
+static void replace_last(double *rows)
+{
+    double *last = &rows[4 * (DIFFERENCES - 1)], unused[DIFFERENCES], least = INFINITY;
+    int axis = 0;
+    for (int k = 0; k < 4; k++) {
+        double along = 0.0;
+        for (int i = 0; i < DIFFERENCES - 1; i++)
+            along += rows[4 * i + k] * rows[4 * i + k];
+        axis = along < least ? k : axis;
+        least = smaller(least, along);
+    }
+    for (int k = 0; k < 4; k++)
+        last[k] = k == axis ? 1.0 : 0.0;
+    orthonormalise(rows, DIFFERENCES, unused);
+}
+
 struct stretching {
     int64_t spans;
     double *stretches;
@@ -103,7 +121,15 @@ static int stretch(struct run *run, const struct motions *motions, void *more)
         run->time = 0.0;
         status = follow_events(run, motions);
         if (status == DONE) {
-            orthonormalise(run->bundle, &asked->stretches[4 * *asked->done]);
+            double *row = &asked->stretches[STRETCH_COLUMNS * *asked->done];
+            orthonormalise(run->bundle, DIFFERENCES - run->flattened, row);
+            row[DIFFERENCES] = run->volume_lost;
+            if (run->flattened) {
+                row[DIFFERENCES - 1] = -INFINITY;
+                replace_last(run->bundle);
+            }
+            run->flattened = 0;
+            run->volume_lost = 0.0;
             run->shift += run->duration;
             ++*asked->done;
         }

@@ -102,7 +102,7 @@ struct run {
     double time, state[4];
     double shift; /* how long before time 0 the axes began to turn: a load has turned with them */
     int32_t where;
-    int32_t differences; /* rows of `bundle`: 0, 4, or 7 (whole: 10) with parameters */
+    int32_t differences; /* rows of `bundle`: 0, 4, or 7 (whole: 12) with parameters */
     double *bundle;      /* differences from the motion, carried along; read like a state */
 
     const double *sample_times;
@@ -118,7 +118,9 @@ struct run {
     double *extrema; /* of the radius: rows of time, radius, -1 or 1, state */
     int64_t extremum_room, extremum_count;
     int64_t evaluations;
-    int32_t way_began, unused; /* with friction: how it moved at its start: written */
+    int32_t way_began;  /* with friction: how it moved at its start: written */
+    int32_t flattened;  /* whether rolling has taken a dimension from the bundle: written */
+    double volume_lost; /* logarithm of what reversals have left of its volume: written */
 };
 
 /* Follow a run from where it stands to its end.
@@ -130,7 +132,10 @@ CORE_API int core_run(struct run *run);
 
 /* Follow a run over many spans of its duration, each from where the one before ended, and write
  * into each row of `stretches` the logarithms of the factors by which a span has stretched the four
- * differences of its bundle, which are made orthonormal after each. */
+ * differences of its bundle, which are made orthonormal after each; and of that by which reversals
+ * have changed their volume. Where the disc has rolled the last of the four is lost, of which the
+ * logarithm is that of 0, and another takes its place. */
+enum { STRETCH_COLUMNS = 5 };
 CORE_API int core_stretch(struct run *run, int64_t spans, double *stretches, int64_t *done);
 
 /* Whether a rotor at a state begins in contact. */

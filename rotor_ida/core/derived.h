@@ -14,7 +14,7 @@ static inline struct parameters parameters_of(const struct rotor *rotor, double 
     return (struct parameters){rotor->omega, rotor->zeta, rotor->delta0, felt};
 }
 
-enum { PARAMETERS = 3 };
+enum { BY_OMEGA, BY_ZETA, BY_DELTA0, PARAMETERS };
 enum { CONTACT_Q, CONTACT_P, CONTACT_H, CONTACT_C, CONTACT_S, CONTACT_T, CONTACT_J, CONTACT_SIZE };
 enum { CONTACT_EXIT_GUARD = CONTACT_Q };
 enum { CONTACT_EXTREMUM_GUARD = CONTACT_P };

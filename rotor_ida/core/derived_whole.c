@@ -244,7 +244,7 @@ static void contact_growth(const struct parameters *m,
     growth[3][3] = -2.0 * m->zeta * q;
 }
 
-/* What omega, zeta, delta0, shaft_stiffness, contact_damping, load add to the rates by time of position and velocity. */
+/* What omega, zeta, delta0, shaft_stiffness, contact_damping, load, friction, disc_radius add to the rates by time of position and velocity. */
 static void contact_by_parameters(const struct parameters *m,
     const double *state, double added[PARAMETERS][4])
 {
@@ -285,6 +285,14 @@ static void contact_by_parameters(const struct parameters *m,
     added[5][1] = 0.0;
     added[5][2] = down_r;
     added[5][3] = down_t;
+    added[6][0] = 0.0;
+    added[6][1] = 0.0;
+    added[6][2] = 0.0;
+    added[6][3] = 0.0;
+    added[7][0] = 0.0;
+    added[7][1] = 0.0;
+    added[7][2] = 0.0;
+    added[7][3] = 0.0;
 }
 
 /* The Taylor series of the state: 16 lanes. */
@@ -591,7 +599,7 @@ static void cartesian_growth(const struct parameters *m,
     growth[3][3] = -2.0 * m->zeta;
 }
 
-/* What omega, zeta, delta0, shaft_stiffness, contact_damping, load add to the rates by time of position and velocity. */
+/* What omega, zeta, delta0, shaft_stiffness, contact_damping, load, friction, disc_radius add to the rates by time of position and velocity. */
 static void cartesian_by_parameters(const struct parameters *m,
     const double *state, double added[PARAMETERS][4])
 {
@@ -625,6 +633,14 @@ static void cartesian_by_parameters(const struct parameters *m,
     added[5][1] = 0.0;
     added[5][2] = down_x;
     added[5][3] = down_y;
+    added[6][0] = 0.0;
+    added[6][1] = 0.0;
+    added[6][2] = 0.0;
+    added[6][3] = 0.0;
+    added[7][0] = 0.0;
+    added[7][1] = 0.0;
+    added[7][2] = 0.0;
+    added[7][3] = 0.0;
 }
 
 /* The Taylor series of the state: 6 lanes. */
@@ -1040,7 +1056,7 @@ static void rub_growth(const struct parameters *m,
     growth[3][3] = -2.0 * m->zeta * q;
 }
 
-/* What omega, zeta, delta0, shaft_stiffness, contact_damping, load add to the rates by time of position and velocity. */
+/* What omega, zeta, delta0, shaft_stiffness, contact_damping, load, friction, disc_radius add to the rates by time of position and velocity. */
 static void rub_by_parameters(const struct parameters *m,
     const double *state, double added[PARAMETERS][4])
 {
@@ -1055,9 +1071,11 @@ static void rub_by_parameters(const struct parameters *m,
     const double r = m->delta0 + square;
     const double slip_speed = ratio(slip, r);
     const double around = slip_speed - m->rim;
-    const double w4 = (1.5 * m->hertz * q + m->linear) * (m->contact_damping * p + 1.0);
+    const double w4 = m->contact_damping * p + 1.0;
+    const double w5 = (1.5 * m->hertz * q + m->linear) * w4;
     const double push = (m->hertz * q + m->linear) * square;
-    const double w6 = push * p;
+    const double w7 = push * p;
+    const double w8 = push * w4;
     added[0][0] = 0.0;
     added[0][1] = -r;
     added[0][2] = 2.0 * m->omega * c + around;
@@ -1068,20 +1086,28 @@ static void rub_by_parameters(const struct parameters *m,
     added[1][3] = -2.0 * around;
     added[2][0] = 0.0;
     added[2][1] = 0.0;
-    added[2][2] = m->pressed * w4;
-    added[2][3] = -(-m->pressed * (m->friction * m->sigma)) * w4;
+    added[2][2] = m->pressed * w5;
+    added[2][3] = -(m->friction * m->sigma * (-m->pressed)) * w5;
     added[3][0] = 0.0;
     added[3][1] = 0.0;
     added[3][2] = -r;
     added[3][3] = 0.0;
     added[4][0] = 0.0;
     added[4][1] = 0.0;
-    added[4][2] = -m->pressed * w6;
-    added[4][3] = -(m->pressed * (m->friction * m->sigma)) * w6;
+    added[4][2] = -m->pressed * w7;
+    added[4][3] = -(m->friction * m->sigma * m->pressed) * w7;
     added[5][0] = 0.0;
     added[5][1] = 0.0;
     added[5][2] = down_r;
     added[5][3] = down_t;
+    added[6][0] = 0.0;
+    added[6][1] = 0.0;
+    added[6][2] = 0.0;
+    added[6][3] = -(m->sigma * m->pressed) * w8;
+    added[7][0] = 0.0;
+    added[7][1] = 0.0;
+    added[7][2] = 0.0;
+    added[7][3] = 0.0;
 }
 
 /* The Taylor series of the state: 16 lanes. */
@@ -1506,7 +1532,7 @@ static void rolling_growth(const struct parameters *m,
     const double push = (m->hertz * q + m->linear) * square;
     const double w9 = w2 * push;
     const double w10 = ratio(p, r);
-    const double w11 = (-(-m->rim * (2.0 * m->zeta)) - m->omega * m->omega * s + m->load * down_t + m->rim * w10) * w2;
+    const double w11 = (-(-m->rim * (2.0 * m->zeta)) - m->omega * m->omega * s + m->load * down_t + m->disc_radius * m->omega * w10) * w2;
     const double w12 = (-(m->pressed * (-m->rim * m->contact_damping)) * w9 + w11) * q;
     const double w13 = (-2.0 * m->zeta - m->pressed * m->contact_damping * push) * q;
     const double w14 = ratio(w10, r);
@@ -1515,9 +1541,8 @@ static void rolling_growth(const struct parameters *m,
     const double w17 = w16 * w2;
     const double w18 = (-2.0 * m->zeta * p + m->omega * m->omega * c - m->shaft_stiffness * r + m->load * down_r) * w2;
     const double w19 = ratio(w2, r);
-    const double w20 = (-m->shaft_stiffness - m->pressed * w17 - (-m->shaft_stiffness - w18 - -(-m->rim * m->rim) * w19)) * q;
-    const double spin = -m->rim * w2;
-    const double w22 = (spin + m->rim * w2) * q;
+    const double w20 = (-m->shaft_stiffness - m->pressed * w17 - (-m->shaft_stiffness - w18 - -(-m->rim * (m->disc_radius * m->omega)) * w19)) * q;
+    const double w21 = (-(m->disc_radius * m->omega) * w2 + m->rim * w2) * q;
     growth[0][0] = 0.0;
     growth[0][1] = turned;
     growth[0][2] = q;
@@ -1530,13 +1555,13 @@ static void rolling_growth(const struct parameters *m,
     growth[2][1] = w12;
     growth[2][2] = w13;
     growth[2][3] = turned;
-    growth[3][0] = m->rim * w15;
+    growth[3][0] = m->disc_radius * m->omega * w15;
     growth[3][1] = w20;
-    growth[3][2] = w22;
+    growth[3][2] = w21;
     growth[3][3] = (-2.0 * m->zeta + 2.0 * m->zeta) * q;
 }
 
-/* What omega, zeta, delta0, shaft_stiffness, contact_damping, load add to the rates by time of position and velocity. */
+/* What omega, zeta, delta0, shaft_stiffness, contact_damping, load, friction, disc_radius add to the rates by time of position and velocity. */
 static void rolling_by_parameters(const struct parameters *m,
     const double *state, double added[PARAMETERS][4])
 {
@@ -1548,20 +1573,22 @@ static void rolling_by_parameters(const struct parameters *m,
     const double down_t = state[ROLLING_DOWN_T];
     const double square = q * q;
     const double r = m->delta0 + square;
-    const double w2 = (1.5 * m->hertz * q + m->linear) * (m->contact_damping * p + 1.0);
+    const double w2 = -2.0 * m->omega * s;
+    const double w3 = ratio(p, r);
+    const double w4 = (1.5 * m->hertz * q + m->linear) * (m->contact_damping * p + 1.0);
     const double push = (m->hertz * q + m->linear) * square;
-    const double w4 = push * p;
+    const double w6 = push * p;
     added[0][0] = 0.0;
     added[0][1] = -r;
     added[0][2] = 2.0 * m->omega * c - m->rim;
-    added[0][3] = -2.0 * m->omega * s + 2.0 * m->omega * s - p;
+    added[0][3] = w2 - (w2 + m->disc_radius * w3) - p;
     added[1][0] = 0.0;
     added[1][1] = 0.0;
     added[1][2] = -2.0 * p;
     added[1][3] = 2.0 * m->rim - 2.0 * m->rim;
     added[2][0] = 0.0;
     added[2][1] = 0.0;
-    added[2][2] = m->pressed * w2;
+    added[2][2] = m->pressed * w4;
     added[2][3] = 0.0;
     added[3][0] = 0.0;
     added[3][1] = 0.0;
@@ -1569,12 +1596,20 @@ static void rolling_by_parameters(const struct parameters *m,
     added[3][3] = 0.0;
     added[4][0] = 0.0;
     added[4][1] = 0.0;
-    added[4][2] = -m->pressed * w4;
+    added[4][2] = -m->pressed * w6;
     added[4][3] = 0.0;
     added[5][0] = 0.0;
     added[5][1] = 0.0;
     added[5][2] = down_r;
     added[5][3] = down_t - down_t;
+    added[6][0] = 0.0;
+    added[6][1] = 0.0;
+    added[6][2] = 0.0;
+    added[6][3] = 0.0;
+    added[7][0] = 0.0;
+    added[7][1] = 0.0;
+    added[7][2] = 0.0;
+    added[7][3] = -m->omega * w3;
 }
 
 /* What is watched beside the state, and how it changes. */
@@ -1742,27 +1777,25 @@ static void rolling_expand_with_factors(const struct parameters *m,
         const double w29 = times(series, 14, n, w10, push); /* w10 * push */
         const double w30 = m->load * down_t;
         const double w31 = over(series, 15, n, p, r, inverse_r); /* p / r */
-        const double w32 = m->rim * w31;
-        /* (-(-rim * (2.0 * zeta)) - omega * omega * s + w30 + w32) * w10 */
-        const double w33 = times(series, 16, n, one * (-(-m->rim * (2.0 * m->zeta))) - m->omega * m->omega * s + w30 + w32, w10);
-        /* (-(pressed * (-rim * contact_damping)) * w29 + w33) * q */
-        const double w34 = times(series, 17, n, -(m->pressed * (-m->rim * m->contact_damping)) * w29 + w33, q);
+        /* (-(-rim * (2.0 * zeta)) - omega * omega * s + w30 + disc_radius * omega * w31) * w10 */
+        const double w32 = times(series, 16, n, one * (-(-m->rim * (2.0 * m->zeta))) - m->omega * m->omega * s + w30 + m->disc_radius * m->omega * w31, w10);
+        /* (-(pressed * (-rim * contact_damping)) * w29 + w32) * q */
+        const double w33 = times(series, 17, n, -(m->pressed * (-m->rim * m->contact_damping)) * w29 + w32, q);
         /* (-2.0 * zeta - pressed * contact_damping * push) * q */
-        const double w35 = times(series, 18, n, one * (-2.0 * m->zeta) - m->pressed * m->contact_damping * push, q);
-        const double w36 = over(series, 19, n, w31, r, inverse_r); /* w31 / r */
-        const double w37 = times(series, 20, n, w36, q); /* w36 * q */
-        const double w38 = times(series, 21, n, push, w26); /* push * w26 */
-        const double w39 = times(series, 22, n, w38, w10); /* w38 * w10 */
+        const double w34 = times(series, 18, n, one * (-2.0 * m->zeta) - m->pressed * m->contact_damping * push, q);
+        const double w35 = over(series, 19, n, w31, r, inverse_r); /* w31 / r */
+        const double w36 = times(series, 20, n, w35, q); /* w35 * q */
+        const double w37 = times(series, 21, n, push, w26); /* push * w26 */
+        const double w38 = times(series, 22, n, w37, w10); /* w37 * w10 */
         /* (-2.0 * zeta * p + w1 - w8 + w9) * w10 */
-        const double w40 = times(series, 23, n, -2.0 * m->zeta * p + w1 - w8 + w9, w10);
-        const double w41 = over(series, 24, n, w10, r, inverse_r); /* w10 / r */
-        /* (-shaft_stiffness - pressed * w39 - (-shaft_stiffness - w40 - -(-rim * rim) * w41)) * q */
-        const double w42 = times(series, 25, n, one * (-m->shaft_stiffness) - m->pressed * w39 - (one * (-m->shaft_stiffness) - w40 - -(-m->rim * m->rim) * w41), q);
-        const double spin = -m->rim * w10;
-        /* (spin + rim * w10) * q */
-        const double w44 = times(series, 26, n, spin + m->rim * w10, q);
+        const double w39 = times(series, 23, n, -2.0 * m->zeta * p + w1 - w8 + w9, w10);
+        const double w40 = over(series, 24, n, w10, r, inverse_r); /* w10 / r */
+        /* (-shaft_stiffness - pressed * w38 - (-shaft_stiffness - w39 - -(-rim * (disc_radius * omega)) * w40)) * q */
+        const double w41 = times(series, 25, n, one * (-m->shaft_stiffness) - m->pressed * w38 - (one * (-m->shaft_stiffness) - w39 - -(-m->rim * (m->disc_radius * m->omega)) * w40), q);
+        /* (-(disc_radius * omega) * w10 + rim * w10) * q */
+        const double w42 = times(series, 26, n, -(m->disc_radius * m->omega) * w10 + m->rim * w10, q);
         const double grip = m->friction * m->pressed * w5;
-        const double hold = -(m->omega * m->omega) * s - one * (2.0 * m->zeta * (-m->rim)) + w30 + w32;
+        const double hold = -(m->omega * m->omega) * s - one * (2.0 * m->zeta * (-m->rim)) + w30 + m->rim * w31;
         terms[ROLLING_Q] = of_q * share;
         terms[ROLLING_P] = of_p * share;
         terms[ROLLING_SLIP] = one * 0.0 * share;
@@ -1778,11 +1811,11 @@ static void rolling_expand_with_factors(const struct parameters *m,
         series->factors[0][n] = q;
         series->factors[1][n] = turned;
         series->factors[2][n] = w28;
-        series->factors[3][n] = w34;
-        series->factors[4][n] = w35;
-        series->factors[5][n] = m->rim * w37;
-        series->factors[6][n] = w42;
-        series->factors[7][n] = w44;
+        series->factors[3][n] = w33;
+        series->factors[4][n] = w34;
+        series->factors[5][n] = m->disc_radius * m->omega * w36;
+        series->factors[6][n] = w41;
+        series->factors[7][n] = w42;
         series->watched[n][0] = grip;
         series->watched[n][1] = hold;
         one = 0.0;

@@ -6,15 +6,15 @@
 #include "core.h"
 
 struct parameters {
-    double omega, zeta, delta0, shaft_stiffness, contact_damping, load, hertz, linear, felt, pressed, friction, rim, sigma;
+    double omega, zeta, delta0, shaft_stiffness, contact_damping, load, hertz, linear, felt, pressed, friction, disc_radius, rim, sigma;
 };
 
 static inline struct parameters parameters_of(const struct rotor *rotor, double felt)
 {
-    return (struct parameters){rotor->omega, rotor->zeta, rotor->delta0, rotor->shaft_stiffness, rotor->contact_damping, rotor->load, rotor->contact_exponent > 1.0 ? 1.0 : 0.0, rotor->contact_exponent > 1.0 ? 0.0 : 1.0, felt, 1.0, rotor->friction, rotor->disc_radius * rotor->omega, 0.0};
+    return (struct parameters){rotor->omega, rotor->zeta, rotor->delta0, rotor->shaft_stiffness, rotor->contact_damping, rotor->load, rotor->contact_exponent > 1.0 ? 1.0 : 0.0, rotor->contact_exponent > 1.0 ? 0.0 : 1.0, felt, 1.0, rotor->friction, rotor->disc_radius, rotor->disc_radius * rotor->omega, 0.0};
 }
 
-enum { PARAMETERS = 6 };
+enum { BY_OMEGA, BY_ZETA, BY_DELTA0, BY_SHAFT_STIFFNESS, BY_CONTACT_DAMPING, BY_LOAD, BY_FRICTION, BY_DISC_RADIUS, PARAMETERS };
 enum { CONTACT_Q, CONTACT_P, CONTACT_H, CONTACT_C, CONTACT_S, CONTACT_DOWN_R, CONTACT_DOWN_T, CONTACT_T, CONTACT_J, CONTACT_WORK, CONTACT_SPENT, CONTACT_SIZE };
 enum { CONTACT_EXIT_GUARD = CONTACT_Q };
 enum { CONTACT_EXTREMUM_GUARD = CONTACT_P };

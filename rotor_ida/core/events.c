@@ -87,6 +87,7 @@ static int follow_contact(struct run *run, struct motion *motion, double entry)
 #ifdef WHOLE_MODEL
     motion->down = here.down;
     settle_friction(motion, start);
+    observe_jump(run, motion, 0.0, start);
     if (run->event_room > 0)
         record_way(run, motion);
     if (left <= 0.0)

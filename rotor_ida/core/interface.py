@@ -56,7 +56,7 @@ UNDECIDED, IN_FLIGHT, IN_CONTACT = -1, 0, 1
 ENTRY_TIME, EXIT_TIME, PEAK_TIME, PEAK_ROOT, IMPULSE, MOMENTUM = range(6)
 LOST, LARGEST_FORCE, HEAT = range(6, 9)
 TIME, RADIUS, KIND, STATE = range(4)
-CONTACT_COLUMNS, EXTREMUM_COLUMNS = 9, 7
+CONTACT_COLUMNS, EXTREMUM_COLUMNS, STRETCH_COLUMNS = 9, 7, 5
 
 
 class RotorStruct(Structure):
@@ -99,7 +99,8 @@ class RunStruct(Structure):
         ("extremum_count", c_int64),
         ("evaluations", c_int64),
         ("way_began", c_int32),
-        ("unused", c_int32),
+        ("flattened", c_int32),
+        ("volume_lost", c_double),
     ]
 
 

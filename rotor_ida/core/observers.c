@@ -444,13 +444,22 @@ static void add_rows(struct run *run, const double p[4][4], double drawn[PARAMET
 
 /* Add to what omega adds to the rate of change that a load, which stands still, turns faster on
  * axes that do, the more the later: it hangs on the time since the start of the run. */
-static void add_turn_of_load(const struct run *run, double since, double added[PARAMETERS][4])
+static void add_turn_of_load(const struct run *run, const struct mode *mode,
+                             const struct parameters *model, const double *values, double since,
+                             double added[PARAMETERS][4])
 {
-    const double *down = added[PARAMETERS - 1], turn = run->rotor.load * (run->time + since);
+    const double turn = model->load * (run->time + since);
     if (turn == 0.0)
         return;
-    added[0][2] += turn * down[3];
-    added[0][3] -= turn * down[2];
+    double turned[MOST_STATE], by_turned[PARAMETERS][4];
+    memcpy(turned, values, sizeof(double) * (size_t)mode->size);
+    double *down = &turned[mode == &cartesian_mode ? (int)CARTESIAN_DOWN_X : (int)CONTACT_DOWN_R];
+    const double along = down[0];
+    down[0] = down[1];
+    down[1] = -along;
+    mode->by_parameters(model, turned, by_turned);
+    for (int i = 2; i < 4; i++)
+        added[BY_OMEGA][i] += turn * by_turned[BY_LOAD][i];
 }
 
 /* Add to the last rows of a bundle what each parameter adds over a step.
@@ -472,7 +481,7 @@ static void add_by_parameters(struct run *run, const struct step *step)
                                                 : motion->low + PLACES[place] * reach;
         double added[PARAMETERS][4], x[4];
         motion->mode->by_parameters(&motion->model, read, added);
-        add_turn_of_load(run, since, added);
+        add_turn_of_load(run, motion->mode, &motion->model, read, since, added);
         memcpy(p, &read[size], sizeof p);
         for (int row = 0; row < PARAMETERS; row++) {
             solve(p, added[row], x);
@@ -515,7 +524,7 @@ static void carry_over_flight(struct run *run, const struct flight *flight)
                                                   there.w.y, there.down.x, there.down.y};
             double added[PARAMETERS][4], x[4];
             cartesian_mode.by_parameters(&model, state, added);
-            add_turn_of_load(run, done * length + passed, added);
+            add_turn_of_load(run, &cartesian_mode, &model, state, done * length + passed, added);
             flown(rotor, passed, p);
             for (int row = 0; row < PARAMETERS; row++) {
                 solve(p, added[row], x);
@@ -542,6 +551,50 @@ void observe_phase(struct run *run, struct motion *motion, const double *start,
     }
     turn_rows(run, basis_of(motion, reached));
 }
+
+#ifdef WHOLE_MODEL
+/* The part of its slip speed by which a neighbour's jumps, as friction does: of a neighbour that is
+ * a little earlier or later it acts so much longer or shorter. */
+static double jump_of_slip(const struct motion *motion, double sense, const double *values)
+{
+    if (motion->mode == &rolling_mode)
+        return -1.0;
+    if (sense * motion->model.sigma >= 0.0)
+        return 0.0;
+    double watched[WATCHED], rates[WATCHED];
+    rolling_mode.watched(&motion->model, values, watched, rates);
+    return -2.0 * watched[0] / (fabs(watched[1]) + watched[0]);
+}
+
+/* The saltation matrix, I + (f+ - f-) grad(v_s)' / (grad(v_s) . f-): the fields before and after
+ * differ by the tangential force alone. So all that jumps is the tangential velocity of a
+ * neighbour; where the disc rolls, to where it slips no more. A parameter that moves v_s itself
+ * adds its own. Leine and Nijmeijer 2004, chapter 7. */
+void observe_jump(struct run *run, const struct motion *motion, double sense, const double *values)
+{
+    if (run->differences == 0)
+        return;
+    const double part = jump_of_slip(motion, sense, values);
+    if (part == 0.0)
+        return;
+    const double r = motion->model.delta0 + values[CONTACT_Q] * values[CONTACT_Q];
+    turn_rows(run, mirrored(basis_of(motion, values)));
+    for (int i = 0; i < run->differences; i++) {
+        double *row = &run->bundle[4 * i];
+        double slip = row[3] - values[CONTACT_P] * row[1] / r;
+        if (i == DIFFERENCES + BY_OMEGA)
+            slip += run->rotor.disc_radius;
+        if (i == DIFFERENCES + BY_DISC_RADIUS)
+            slip += run->rotor.omega;
+        row[3] += part * slip;
+    }
+    turn_rows(run, basis_of(motion, values));
+    if (motion->mode == &rolling_mode)
+        run->flattened = 1;
+    else
+        run->volume_lost += log1p(part);
+}
+#endif
 
 /* ---- All of them ---- */
 

@@ -169,6 +169,7 @@ static int change_mode(struct run *run, struct motion *motion, const struct chan
     /* of friction a margin that rounding hid at the end of a step is found at the next's beginning
      */
     const int began = change->point <= motion->low && (change->guard == HELD || motion->low == 0.0);
+    const double sense = motion->mode == &rub_mode ? motion->model.sigma : 0.0;
     const int kind = change_way(motion, change->guard, reached);
     if (run->event_room > 0) {
         if (run->events + EVENTS_A_CONTACT > run->event_room)
@@ -176,6 +177,7 @@ static int change_mode(struct run *run, struct motion *motion, const struct chan
         record_change(run, motion, kind, began, reached);
     }
     observe_phase(run, motion, start, reached);
+    observe_jump(run, motion, sense, reached);
     run->evaluations += motion->evaluations(motion);
     double unused[MOST_VALUES];
     copy_values(motion, reached, start);

@@ -18,6 +18,7 @@ from rotor_ida.core.interface import (
     FULL,
     FULL_INSIDE,
     METHODS,
+    STRETCH_COLUMNS,
     UNDECIDED,
     RotorStruct,
     RunStruct,
@@ -34,7 +35,10 @@ FIRST_ROOM = 64
 # Rows of a bundle of differences: of the state, and with those that the parameters add.
 DIFFERENCES = 4
 # By which parameters the core differentiates: in the paper's model by the first three.
-COLUMNS = (*PARAMETERS, "shaft_stiffness", "contact_damping", "load")
+COLUMNS = (
+    *PARAMETERS,
+    *("shaft_stiffness", "contact_damping", "load", "friction", "disc_radius"),
+)
 NO_STOP: Stop = np.zeros(1, np.uint8)
 
 
@@ -66,7 +70,7 @@ class Asked:
         Whether events and contacts, and the extrema of the radius, are recorded.
     bundle : ndarray, shape (4, 4) or (4 + n, 4), optional
         Differences from the motion, carried along in place; by Taylor series the last n rows become
-        what the parameters add, by `COLUMNS`: three in the paper's model, six in the whole [1].
+        what the parameters add, by `COLUMNS`: three in the paper's model, eight in the whole [1].
     whole : bool
         Whether the core of the whole model follows it, even if the paper's would do.
     stop : ndarray of uint8, shape (1,)
@@ -154,7 +158,8 @@ class _Tables:
         self.samples = self.event_states = _NO_STATES
         self.event_times, self.event_kinds = _NO_TIMES, _NO_KINDS
         self.event_ways = _NO_KINDS
-        self.slides = asked.rotor.friction > 0.0
+        varied = asked.bundle is not None and len(asked.bundle) > DIFFERENCES
+        self.slides = asked.rotor.friction > 0.0 or (varied and bool(asked.rotor.disc_radius))
         self.contacts, self.extrema = _NO_CONTACTS, _NO_EXTREMA
         if asked.sample_times is not None:
             # kept as long as the run
@@ -236,15 +241,16 @@ def stretch(asked: Asked, spans: int) -> tuple[Values, Seen]:
 
     Returns
     -------
-    stretches : ndarray, shape (n, 4)
+    stretches : ndarray, shape (n, 5)
         Logarithms of the factors by which each span stretched the four differences, as far as it
-        came.
+        came, and of that by which reversals of sliding have changed their volume in it. Where the
+        disc rolled the fourth is minus infinity: a direction is lost.
     seen : Seen
         What came of the last span.
     """
     if asked.bundle is None:
         raise ValueError("a stretching must have a bundle, got none")
-    run, stretches, done = _struct_of(asked), np.empty((spans, 4)), c_int64(0)
+    run, stretches, done = _struct_of(asked), np.empty((spans, STRETCH_COLUMNS)), c_int64(0)
     written = pointer(stretches, np.float64, writeable=True)
     status = library_of(asked.rotor).core_stretch(byref(run), spans, written, byref(done))
     x, y, vx, vy = run.state

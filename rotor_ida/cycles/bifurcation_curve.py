@@ -33,9 +33,9 @@ from rotor_ida.checks import (
 )
 from rotor_ida.cycles.branch import (
     CLOSED,
+    COUNTS,
     DOUBLING,
     FOLD,
-    GRAZE,
     PLACE,
     TORUS,
     Course,
@@ -44,7 +44,6 @@ from rotor_ida.cycles.branch import (
     closing_equations,
     course_from,
     may_have_tori,
-    nearest_gap,
     shot_of,
 )
 from rotor_ida.cycles.continuation import Curve, Point, Problem
@@ -52,8 +51,7 @@ from rotor_ida.cycles.continue_cycle import CONTINUED, branch_dataset, check_lim
 from rotor_ida.cycles.guess import Guess, guess_of
 from rotor_ida.cycles.limit_cycle import check_revolutions, check_turns_and_settles, cycle_from
 from rotor_ida.cycles.multipliers import doubling_test, fold_test, on_unit_circle, torus_test
-from rotor_ida.cycles.shooting import Cycle, checked_cycle, contacts_of, failure, revolutions_of
-from rotor_ida.cycles.special_points import Count
+from rotor_ida.cycles.shooting import Cycle, checked_cycle, failure, revolutions_of
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress, Stop
 from rotor_ida.parameters import Rotor
@@ -152,7 +150,8 @@ def bifurcation_curve(
     check_revolutions(guess)
     if kind == TORUS and not may_have_tori(guess.rotor):
         raise InputError(
-            "contact_damping or load must be above 0 for a torus to be born, got a rotor without"
+            "contact_damping, friction or load must be above 0 for a torus to be born, got a rotor "
+            "without"
         )
     bounds = _checked_limits((first, second), limits, guess.rotor)
     go_on = np.zeros(1, np.uint8)
@@ -269,7 +268,7 @@ def _problem(
         equations,
         _checked_torus if kind == TORUS else checked_cycle,
         {CUSP: _turning},
-        {GRAZE: Count(contacts_of, nearest_gap)},
+        COUNTS,
         autonomous=rotor.load == 0.0,
     )
 

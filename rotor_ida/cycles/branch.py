@@ -44,14 +44,15 @@ from rotor_ida.cycles.shooting import (
 from rotor_ida.cycles.special_points import Count, Special
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel.jobs import Stop
-from rotor_ida.parameters import DEFAULTS, Rotor
+from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.simulation.orbit import REVERSE, ROLL
 from rotor_ida.stability.orbit import Shot, shoot
 
 # Why a branch ends.
 LIMITS, CLOSED, CONTACT_FREE, HALVED, STUCK, UNSTABLE, ENOUGH = (
     "limits", "closed", "contact_free", "halved", "step_too_small", "too_unstable", "points",
 )  # fmt: skip
-FOLD, DOUBLING, GRAZE, TORUS = "fold", "period_doubling", "graze", "torus"
+FOLD, DOUBLING, GRAZE, TORUS, SLIDING = "fold", "period_doubling", "graze", "torus", "sliding"
 # Where the (first) parameter stands among the unknowns, behind the state and the period.
 PLACE = 5
 # A rotor that does not turn, or is not damped, has no cycles; one without a load has others.
@@ -165,6 +166,24 @@ def course_from(
     return Course(line, first, {PLACE: limits}, most, half=half)
 
 
+def nearest_gap(shot: Shot) -> float:
+    """Return the extremum of the radius that is nearest to the ring, from there: 0 at a graze."""
+    gaps: list[float] = (shot.extrema[:, RADIUS] - shot.rotor.delta0).tolist()
+    return min(gaps, key=abs)
+
+
+def changes_of(shot: Shot) -> int:
+    """Return how often on an orbit the disc begins to roll, or slides the other way."""
+    return int(np.isin(shot.event_kinds, (ROLL, REVERSE)).sum())
+
+
+# What is counted on an orbit; of the second no function of the orbit is 0 where it changes.
+COUNTS = {
+    GRAZE: Count(contacts_of, nearest_gap),
+    SLIDING: Count(changes_of, lambda _shot: math.inf),
+}
+
+
 def cycles_over(rotor: Rotor, parameter: str, stop: Stop, revolutions: int) -> Problem[Shot]:
     """Return the cycles of a rotor over one of its parameters.
 
@@ -183,14 +202,15 @@ def cycles_over(rotor: Rotor, parameter: str, stop: Stop, revolutions: int) -> P
         ),
         checked_cycle,
         tests,
-        {GRAZE: Count(contacts_of, nearest_gap)},
+        COUNTS,
         autonomous=rotor.load == 0.0,
     )
 
 
 def may_have_tori(rotor: Rotor, *varied: str) -> bool:
     """Return whether a torus may be born from cycles of a rotor, some parameters of it varied."""
-    return any(name in varied or getattr(rotor, name) > 0.0 for name in ("contact_damping", "load"))
+    where = ("contact_damping", "friction", "load")
+    return any(name in varied or getattr(rotor, name) > 0.0 for name in where)
 
 
 def closing_equations(
@@ -220,12 +240,12 @@ def shot_of(rotor: Rotor, unknowns: Values, parameters: Sequence[str], stop: Sto
     """
     values, below = dict[str, float](), dict[str, float]()
     for name, value in zip(parameters, unknowns[5:].tolist(), strict=True):
-        if value < 0.0 and name in DEFAULTS:
+        if value < 0.0 and name not in PARAMETERS:
             below[name] = value
         elif value < 0.0 or (value == 0.0 and name in NEVER_ZERO):
             raise SimulationError(f"{name} falls to {value:.3g}")
         values[name] = max(value, 0.0)
-    here, whole = replace(rotor, **values), any(name in DEFAULTS for name in parameters)
+    here, whole = replace(rotor, **values), any(name not in PARAMETERS for name in parameters)
     shot = shoot(here, unknowns[:4], float(unknowns[4]), stop, whole=whole)
     for name, value in below.items():
         shot = replace(shot, end=shot.end + value * shot.by_parameter[:, COLUMNS.index(name)])
@@ -391,12 +411,6 @@ def _halves_agree(shot: Shot, part: float) -> bool:
         return False
     pairs, allowed = zip(radii[:half], radii[half:], strict=True), part * max(radii)
     return all(abs(one - other) <= allowed for one, other in pairs)
-
-
-def nearest_gap(shot: Shot) -> float:
-    """Return the extremum of the radius that is nearest to the ring, from there: 0 at a graze."""
-    gaps: list[float] = (shot.extrema[:, RADIUS] - shot.rotor.delta0).tolist()
-    return min(gaps, key=abs)
 
 
 def _passed(course: Course, point: Point[Shot]) -> tuple[int, float] | None:

@@ -37,14 +37,17 @@ from rotor_ida.cycles.shooting import checked_cycle
 from rotor_ida.cycles.special_points import Special
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress
-from rotor_ida.parameters import Rotor
+from rotor_ida.parameters import OF_FRICTION_DEFAULTS, Rotor
 from rotor_ida.provenance import computing, provenance
 from rotor_ida.schema import SPECIAL, labelled, labelled_dataset
 from rotor_ida.stability.orbit import Shot
 from rotor_ida.storage.studies.arrays import Arrays
 from rotor_ida.storage.studies.results import Form, Results, open_results
 
-Parameter = Literal["omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "load"]
+Parameter = Literal[
+    "omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "load", "friction",
+    "disc_radius",
+]  # fmt: skip
 CONTINUED: tuple[Parameter, ...] = get_args(Parameter)
 Direction = Literal["both", "forward", "backward"]
 
@@ -85,7 +88,8 @@ def continue_cycle(
         A start ``(x, y, vx, vy)`` that leads to the cycle [1]; or what `limit_cycle` returned; or
         one point of a branch, ``branch.isel(point=...)``; or one of its special points,
         ``branch.isel(special=...)``: at a period doubling the branch of doubled cycles is followed.
-    parameter : {"omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "load"}
+    parameter : {"omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "load", \
+            "friction", "disc_radius"}
         The parameter to vary; the others stay as they are. A load cannot fall to 0, where cycles
         have other periods.
     limits : tuple of float
@@ -171,7 +175,14 @@ def check_limits(parameter: str, limits: object, rotor: Rotor) -> tuple[float, f
     low, high = values.tolist()
     if low == 0.0 and parameter in NEVER_ZERO:
         raise InputError(f"limits of {parameter} must be above 0, got {shown(limits)}")
+    if parameter in OF_FRICTION_DEFAULTS and rotor.disc_radius is None:
+        raise InputError(f"disc_radius must be given for {parameter} to be continued, got None")
     here = getattr(rotor, parameter)
+    if parameter == "disc_radius" and rotor.friction == 0.0:
+        raise InputError(
+            "friction must be above 0 for disc_radius to be continued, got 0.0: without it nothing "
+            "hangs on the disc"
+        )
     if parameter == "load" and here == 0.0:
         raise InputError(
             "load must be above 0 to be continued, got 0.0: without one a cycle has a period of "

@@ -10,7 +10,7 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS, check_between, check_state, shown
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import ALL_PARAMETERS, PARAMETERS, Rotor, check_no_friction
+from rotor_ida.parameters import ALL_PARAMETERS, PARAMETERS, Rotor
 from rotor_ida.schema import SPECIAL, check_dimensionless
 
 DOUBLING = "period_doubling"
@@ -52,7 +52,6 @@ def guess_of(rotor: Rotor, start: object, period: object = None) -> Guess:
     A point of a branch, special or not, brings its continued parameter and its period; a state has
     none but that given. InputError if it is none of these, or of another rotor.
     """
-    check_no_friction(rotor, "limit cycles")
     if not isinstance(start, xr.Dataset):
         state = np.array(check_state("start", start))
         if period is None:

@@ -20,6 +20,10 @@ field, a fold is where ``(1 - mu_1) (1 - mu_2) (1 - mu_3)`` vanishes, a doubling
 where ``(1 - mu_1 mu_2) (1 - mu_1 mu_3) (1 - mu_2 mu_3)`` vanishes. There two real multipliers may
 have the product 1 as well, which is no bifurcation.
 
+Friction does not depend on velocity while surfaces slide, so that volumes shrink as they do without
+it, but there are no pairs either; where the disc rolls, neighbours come to roll as well, and one
+multiplier is 0.
+
 Under a load the motion repeats itself with the load, and no multiplier is trivial: the same
 products run over all four. Without contact damping these are two pairs of product q still, but two
 complex pairs may part from the circle of radius sqrt(q) and cross the unit circle together.
@@ -63,7 +67,7 @@ def contraction(zeta: float, period: float) -> float:
 def fold_test(shot: Shot) -> float:
     """Return ``2 (1 + q) - tr M``: 0 at a fold, and below 0 where a real multiplier is above 1.
 
-    With contact damping or a load the product of ``1 - mu`` over those that are not trivial.
+    Where the trace does not tell all, the product of ``1 - mu`` over those that are not trivial.
     """
     if not has_trace(shot):
         return float(np.prod(1.0 - _others_of(shot)).real)
@@ -73,7 +77,7 @@ def fold_test(shot: Shot) -> float:
 def doubling_test(shot: Shot) -> float:
     """Return ``tr M``: 0 at a period doubling, and below 0 where a real multiplier is below -1.
 
-    With contact damping or a load the product of ``1 + mu`` over those that are not trivial.
+    Where the trace does not tell all, the product of ``1 + mu`` over those that are not trivial.
     """
     if not has_trace(shot):
         return float(np.prod(1.0 + _others_of(shot)).real)
@@ -103,8 +107,8 @@ def is_stable(shot: Shot) -> bool:
 
 
 def has_pairs(shot: Shot) -> bool:
-    """Return whether the multipliers come in pairs: all damping is uniform."""
-    return shot.rotor.contact_damping == 0.0
+    """Return whether the multipliers come in pairs: damping is uniform, without friction."""
+    return shot.rotor.contact_damping == 0.0 and shot.rotor.friction == 0.0
 
 
 def has_trace(shot: Shot) -> bool:
@@ -129,6 +133,8 @@ def multipliers_of(shot: Shot) -> Complex:
     if not has_trace(shot):
         trivial = [] if shot.rotor.load > 0.0 else [1.0]
         found = np.append(trivial, _others_of(shot))
+        if shot.rolls:  # but for rounding
+            found[np.argmin(np.abs(found))] = 0.0
         return np.asarray(found[np.argsort(-np.abs(found), kind="stable")])
     q = _contraction_of(shot)
     half = 0.5 * (float(shot.monodromy.trace()) - 1.0 - q)
@@ -166,8 +172,8 @@ def defects_of(shot: Shot) -> tuple[float, float]:
         under a load, where it is none.
     symplectic : float
         The largest element of ``M^T S M - q S``, as a part of that of ``M^T S M`` with all signs
-        positive: what rounding can do at most is of the order 1e-15 [1]. NaN with contact damping,
-        where there is no such structure.
+        positive: what rounding can do at most is of the order 1e-15 [1]. NaN with contact damping
+        or friction, where there is no such structure.
     """
     rate, matrix = shot.start_rate, shot.monodromy
     trivial = np.linalg.norm(matrix @ rate - shot.end_rate) / np.linalg.norm(rate)

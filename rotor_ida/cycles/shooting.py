@@ -29,6 +29,7 @@ from rotor_ida.core.interface import (
     KIND,
     LARGEST_FORCE,
     RADIUS,
+    STATE,
 )
 from rotor_ida.equations.contact import contact_force
 from rotor_ida.errors import SimulationError
@@ -111,8 +112,16 @@ class Cycle:
 
     @property
     def response(self) -> str:
-        """Kind of response: ``bouncing`` or ``full_contact``."""
-        return "bouncing" if self.contacts else "full_contact"
+        """Kind of response: ``bouncing``, ``full_contact``, or ``rolling`` where it is dry whip."""
+        if self.contacts:
+            return "bouncing"
+        return "rolling" if self.shot.rolls and self._is_backward else "full_contact"
+
+    @property
+    def _is_backward(self) -> bool:
+        """Whether it whirls backwards, by its angular momentum wherever the radius turns."""
+        x, y, vx, vy = self.shot.extrema[:, STATE:].T
+        return bool((x * vy - y * vx).max() < 0.0)
 
     @property
     def largest_force(self) -> float:

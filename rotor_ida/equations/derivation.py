@@ -110,16 +110,23 @@ def _growth(graph: Graph, mode: Mode, state: list[Symbol], rotor: Any) -> Matrix
 def _by_parameters(
     graph: Graph, mode: Mode, state: list[Symbol], rotor: Any, columns: tuple[str, ...]
 ) -> Matrix:
-    """Return the derivatives of the rates on the rotating axes: a row for each parameter."""
-    names = [name for name in columns if name != "delta0"]
+    """Return the derivatives of the rates on the rotating axes: a row for each parameter.
+
+    Those of what the rates do not hang on are 0.
+    """
+    names = [name for name in columns if name != "delta0" and hasattr(rotor, name)]
     varied = variables([getattr(rotor, name) for name in names], others=1)
     changed = SimpleNamespace(**vars(rotor) | dict(zip(names, varied, strict=True)))
     # where the rotor is, more clearance is as much less indentation
     deeper = Dual(graph.of(0.0), (*(0.0 for _ in names), -1.0))
     here = mode.neighbour(state, [graph.of(0.0)] * 4, deeper, changed)
     rates = turned_rates(here.position, here.velocity, here.acceleration, changed.omega)
-    found = [_parts(graph, rate, len(columns)) for rate in rates]
-    return [[parts[[*names, "delta0"].index(name)] for parts in found] for name in columns]
+    found = [_parts(graph, rate, len(names) + 1) for rate in rates]
+    places = {name: place for place, name in enumerate([*names, "delta0"])}
+    still = graph.of(0.0)
+    return [
+        [parts[places[name]] if name in places else still for parts in found] for name in columns
+    ]
 
 
 def _parts(graph: Graph, value: Any, count: int) -> list[Symbol]:

@@ -391,7 +391,8 @@ def rolling_neighbour(state: Numbers, apart: Numbers, deeper: Number, rotor: Any
     near, push, aside = _apart(r, p, around, apart, (q, deeper), rotor)
     outwards = acceleration(Along(near[0], near[2], 0.0, c, down_r), 0.0, rotor)
     sideways = acceleration(Along(near[1], near[3], 0.0, -s, down_t), 0.0, rotor)
-    hold = sideways - aside * outwards + rotor.rim * (near[2] + around * aside) / near[0]
+    rim = rotor.disc_radius * rotor.omega  # and not what the motion has, which stays as it is
+    hold = sideways - aside * outwards + rim * (near[2] + around * aside) / near[0]
     forces = (outwards - push + hold * aside, sideways - push * aside - hold)
     return Neighbour((near[0], near[1]), (near[2], near[3]), forces, around / r)
 
@@ -532,10 +533,11 @@ WHOLE = Model(
         "felt",
         "pressed",
         "friction",
+        "disc_radius",
         "rim",
         "sigma",
     ),
     constants={},
-    columns=(*OF_ROTOR, *OF_MACHINE),
+    columns=(*OF_ROTOR, *OF_MACHINE, "friction", "disc_radius"),
 )
 MODELS = (PAPER, WHOLE)

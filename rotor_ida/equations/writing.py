@@ -425,7 +425,8 @@ def sources_of(model: Model) -> dict[str, str]:
     body = [*head, f"#{other} WHOLE_MODEL", '#include "motion.h"', ""]
     declared = [*head, f"#ifndef {marker}", f"#define {marker}", ""]
     declared += ['#include "core.h"', "", *_parameters(model), ""]
-    declared += [f"enum {{ PARAMETERS = {len(model.columns)} }};"]
+    columns = [f"BY_{name.upper()}" for name in model.columns]
+    declared += [f"enum {{ {', '.join([*columns, 'PARAMETERS'])} }};"]
     for mode in model.modes:
         derived = derive(mode, model)
         factors, _ = factors_of(derived)

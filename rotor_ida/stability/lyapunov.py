@@ -26,7 +26,7 @@ from rotor_ida.core.runs import Asked, stretch
 from rotor_ida.equations.model import rotated
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.parallel import Stop, interruptible
-from rotor_ida.parameters import Rotor, check_no_friction
+from rotor_ida.parameters import Rotor
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import Column, labelled_dataset
 from rotor_ida.simulation.dataset import parameter_coordinates
@@ -87,7 +87,8 @@ def lyapunov_exponent(
     -------
     Dataset
         ``lyapunov_exponent`` and ``lyapunov_error`` on ``exponent``, the largest first [1];
-        their sum ``exponent_sum`` beside the exact ``divergence`` of the flow;
+        their sum ``exponent_sum`` beside what is exact, the ``divergence`` of the flow with the
+        volume lost in reversals of sliding;
         ``running_exponent`` on ``t`` and ``exponent``, the plain mean so far.
 
     Raises
@@ -106,6 +107,10 @@ def lyapunov_exponent(
     orthonormal by Gram and Schmidt; the mean rates at which its columns were stretched are the
     exponents.
 
+    With friction M jumps, as the tangential force does, where the disc begins to roll or to slide
+    the other way; it is multiplied by a saltation matrix there. Rolling takes a dimension away: of
+    a motion that rolls again and again the last exponent is minus infinity.
+
     The mean is weighted by ``exp(-1/(u (1 - u)))``, u from 0 to 1 along `duration`. On a
     periodic or quasi-periodic motion it converges faster than any power of the time, where a
     plain mean is off by its last unfinished oscillation; on a chaotic one it is a mean like
@@ -117,7 +122,8 @@ def lyapunov_exponent(
 
     Witnesses: the four exponents add up to the divergence of the flow, ``-4 zeta``, the first
     and the last, like the two between them, to ``-2 zeta`` (not so with contact damping, where
-    the divergence differs from place to place: NaN is stated); on a motion that is no synchronous
+    the divergence differs from place to place: NaN is stated; nor with friction, where reversals
+    add to it ``ln((|F| - mu N)/(|F| + mu N))`` each); on a motion that is no synchronous
     whirl one exponent is zero, that of a shift in time (but under a load there is none); on a
     synchronous whirl they are the real parts of its eigenvalues. A chaotic motion may be a long
     transient: a run that leaves it half way shows by a large error.
@@ -141,7 +147,6 @@ def lyapunov_exponent(
     """
     check_instance("rotor", rotor, Rotor)
     first = check_state("start", start)
-    check_no_friction(rotor, "exponents")
     check_can_be_followed(rotor, first)
     lead = check_positive("transient", transient, LONGEST)
     length = check_positive("duration", duration, LONGEST)
@@ -162,11 +167,10 @@ def lyapunov_exponent(
     stretches = interruptible(
         lambda stop: _stretches(rotor, first, *spans, span, tolerance, stop, method)
     )
-    divergence = _divergence(rotor)
-    exponents, errors = _means(stretches / span, count, divergence)
+    exponents, errors, divergence = _means(stretches / span, count, _divergence(rotor))
     order = np.argsort(-exponents, kind="stable")
     shown = np.unique(np.linspace(1, count * each, min(POINTS_SHOWN, count * each)).astype(int))
-    running = np.cumsum(stretches, axis=0)[shown - 1] / (span * shown[:, None])
+    running = np.cumsum(stretches[:, :4], axis=0)[shown - 1] / (span * shown[:, None])
     columns: dict[str, Column] = {
         "lyapunov_exponent": ("exponent", exponents[order]),
         "lyapunov_error": ("exponent", errors[order]),
@@ -183,26 +187,26 @@ def lyapunov_exponent(
     return labelled_dataset("Lyapunov exponents of one motion", columns, coordinates, attributes)
 
 
-def largest_exponent(
+def exponents_of(
     rotor: Rotor, start: State, duration: float, stop: Stop, *, rtol: float = 1e-10
-) -> tuple[float, float]:
-    """Return the largest Lyapunov exponent of a motion that has settled, and its error.
+) -> tuple[Values, Values]:
+    """Return the Lyapunov exponents of a motion that has settled, falling, and their errors.
 
-    From `start`, on the rotating axes, as a mean over `duration`. SimulationError if the
+    From `start`, on the rotating axes, as means over `duration`. SimulationError if the
     integration was stuck, or asked to stop.
     """
     spans = (math.ceil(TURNING_TIME / SPAN), BATCHES * math.ceil(duration / (BATCHES * SPAN)))
     stretches = _stretches(rotor, start, *spans, SPAN, rtol, stop, "taylor")
-    exponents, errors = _means(stretches / SPAN, BATCHES, _divergence(rotor))
-    largest = int(np.argmax(exponents))
-    return float(exponents[largest]), float(errors[largest])
+    exponents, errors, _ = _means(stretches / SPAN, BATCHES, _divergence(rotor))
+    order = np.argsort(-exponents, kind="stable")
+    return exponents[order], errors[order]
 
 
 def _stretches(
     rotor: Rotor, start: State, lead: int, count: int, span: float, rtol: float, stop: Stop,
     method: MethodOfTangents,
 ) -> Values:  # fmt: skip
-    """Return the logarithms of the stretching over each span after the transient."""
+    """Return the logarithms of stretching over each span after the transient, shape (n, 5)."""
     # Not along the axes: these are special directions of a rotor that starts at rest.
     bundle = np.ascontiguousarray(np.linalg.qr(np.vander([1.0, 0.7, -0.4, -0.9]))[0])
     asked = Asked(
@@ -210,7 +214,7 @@ def _stretches(
         bundle=bundle, stop=stop,
     )  # fmt: skip
     stretches, seen = stretch(asked, lead + count)
-    whole = np.isfinite(stretches).all(axis=1)
+    whole = np.isfinite(stretches[:, :3]).all(axis=1) & (stretches[:, 3] < np.inf)
     if seen.status != DONE or not whole.all():
         time = span * int(whole.sum()) + (seen.time if seen.status != DONE else 0.0)
         x, y, vx, vy = rotated(seen.state, rotor.omega * time).tolist()
@@ -226,19 +230,35 @@ def _divergence(rotor: Rotor) -> float:
     return math.nan if rotor.contact_damping > 0.0 else -4.0 * rotor.zeta
 
 
-def _means(rates: Values, count: int, divergence: float) -> tuple[Values, Values]:
-    """Return the mean of rates, shape (n, 4), and its standard error from `count` batches."""
-    means = _weighted(rates.reshape(count, -1, 4))
+def _means(rates: Values, count: int, divergence: float) -> tuple[Values, Values, float]:
+    """Return the means of four rates, their standard errors from `count` batches, and their sum.
+
+    That is what it would be exactly: the divergence, and what jumps add, of which the rate is the
+    last of the five. A rate is minus infinity where it ever is, and has no error.
+    """
+    exact = divergence + float(_weighted(rates[:, 4:])[0])
+    lost = bool((rates[:, 3] == -np.inf).any())
+    known = 3 if lost else 4
+    exponents, errors = np.full(4, -np.inf), np.zeros(4)
+    exponents[:known], errors[:known] = _means_of_finite(rates[:, :known], count)
+    if lost:
+        return exponents, errors, -math.inf
+    defect = 0.0 if math.isnan(exact) else abs(float(exponents.sum()) - exact)
+    return exponents, errors + defect, exact
+
+
+def _means_of_finite(rates: Values, count: int) -> tuple[Values, Values]:
+    """Return the mean of rates, shape (n, m), and its standard error from `count` batches."""
+    means = _weighted(rates.reshape(count, -1, rates.shape[1]))
     centred = means - means.mean(axis=0)
     variance = (centred**2).sum(axis=0)
     following = (centred[1:] * centred[:-1]).sum(axis=0)
     # rounding alone may make all batches alike
-    correlation = np.divide(following, variance, out=np.zeros(4), where=variance > 0.0)
+    correlation = np.divide(following, variance, out=np.zeros_like(variance), where=variance > 0.0)
     widening = np.sqrt(np.maximum((1.0 + correlation) / (1.0 - correlation), 1.0))
     scatter = widening * np.sqrt(variance / (count - 1) / count)
     exponents = _weighted(rates)
-    defect = 0.0 if math.isnan(divergence) else abs(float(exponents.sum()) - divergence)
-    return exponents, np.maximum(scatter, np.abs(exponents - means.mean(axis=0))) + defect
+    return exponents, np.maximum(scatter, np.abs(exponents - means.mean(axis=0)))
 
 
 def _weighted(rates: Values) -> Values:

@@ -1,8 +1,9 @@
 """A stretch of an orbit with all that Newton's method asks of it, and all that happens on it.
 
 State and four differences from it are followed together by the core, by one Taylor series in
-contact and in closed form in flight; what small changes of omega, zeta and delta0 make of it
-follows. Field and Jacobian are continuous where contact begins and ends, so nothing is added there.
+contact and in closed form in flight; what small changes of the parameters make of it follows. The
+field is continuous where contact begins and ends, so nothing is added there; where friction jumps,
+as the disc begins to roll or to slide the other way, differences jump with it.
 """
 
 from __future__ import annotations
@@ -11,19 +12,23 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from rotor_ida.arrays import Values
 from rotor_ida.core.interface import DONE, STUCK, message_of
 from rotor_ida.core.runs import COLUMNS, DIFFERENCES, Asked, follow
-from rotor_ida.equations.model import rotating_field
+from rotor_ida.equations.model import push_over_radius, rotating_field
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.simulation.orbit import ROLLS, SLIDES_BACKWARDS, SLIDES_FORWARDS
 
 MAXIMUM = 1.0  # the kind of an extremum
 RTOL = 1e-15
 # Absolute tolerance of one step in parts of the relative one.
 ATOL = 1e-2
+# A slip this small beside the speeds that it is the difference of is what solving leaves.
+HIDDEN_SLIP = 1e-12
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +58,10 @@ class Shot:
         them [1].
     start_rate, end_rate : ndarray, shape (4,)
         Rate of change of the state at the start and at the end [1].
+    event_kinds : ndarray, shape (k,)
+        What happens on it.
+    ways : ndarray, shape (k + 1,), optional
+        With friction how the rotor moves from its start, and from each event on; None without.
     """
 
     rotor: Rotor
@@ -65,6 +74,13 @@ class Shot:
     extrema: Values
     start_rate: Values
     end_rate: Values
+    event_kinds: npt.NDArray[np.int8]
+    ways: npt.NDArray[np.int8] | None = None
+
+    @property
+    def rolls(self) -> bool:
+        """Whether the disc ever rolls on the ring."""
+        return self.ways is not None and bool((self.ways == ROLLS).any())
 
 
 def shoot(
@@ -98,6 +114,8 @@ def shoot(
     SimulationError
         If it could not be followed.
     """
+    if rotor.friction > 0.0:
+        start = put_on_rolling(rotor, start)
     columns = len(COLUMNS) if whole or rotor.beyond else len(PARAMETERS)
     bundle = np.eye(DIFFERENCES + columns, 4)
     seen = follow(
@@ -122,8 +140,44 @@ def shoot(
         x, y, vx, vy = start.tolist()
         reason = f"an orbit could not be followed round: {message_of(status)}"
         raise SimulationError(reason, time=0.0, state=(x, y, vx, vy))
-    rates = rotating_field(start, rotor), rotating_field(end, rotor, duration)
+    ways = (0, 0) if seen.ways is None else (int(seen.ways[0]), int(seen.ways[-1]))
+    rates = (
+        rotating_field(start, rotor) + _friction_at(start, rotor, 0.0, ways[0]),
+        rotating_field(end, rotor, duration) + _friction_at(end, rotor, duration, ways[1]),
+    )
     return Shot(
         rotor, start, end, duration, bundle[:DIFFERENCES].T, bundle[DIFFERENCES:].T,
-        seen.contacts, seen.extrema, *rates,
+        seen.contacts, seen.extrema, *rates, seen.event_kinds, seen.ways,
     )  # fmt: skip
+
+
+def put_on_rolling(rotor: Rotor, state: Values) -> Values:
+    """Return a state whose slip, if it is but rounding, is none: there the disc may roll."""
+    x, y, vx, vy = state.tolist()
+    radius, speed = math.hypot(x, y), math.hypot(vx, vy)
+    rim = (rotor.disc_radius or 0.0) * rotor.omega
+    if not radius > rotor.delta0:
+        return state
+    slip = (x * vy - y * vx) / radius + rim
+    if abs(slip) > HIDDEN_SLIP * (speed + rim):
+        return state
+    across: Values = np.array([0.0, 0.0, -y, x]) / radius
+    return state - slip * across
+
+
+def _friction_at(state: Values, rotor: Rotor, time: float, way: int) -> Values:
+    """Return what the tangential force adds to the rates of a state on the rotating axes."""
+    if way not in {SLIDES_FORWARDS, SLIDES_BACKWARDS, ROLLS}:
+        return np.zeros(4)
+    x, y, vx, vy = state.tolist()
+    radius = math.hypot(x, y)
+    if way == ROLLS:
+        turned = rotor.omega * time
+        down = -rotor.load * (x * math.cos(turned) - y * math.sin(turned)) / radius
+        force = -(rotor.omega**2) * y / radius + down
+        rise = (x * vx + y * vy) / radius
+        force += (rotor.disc_radius or 0.0) * rotor.omega * (2.0 * rotor.zeta + rise / radius)
+    else:
+        force = way * rotor.friction * radius * push_over_radius((x, y, vx, vy), rotor)
+    across: Values = np.array([0.0, 0.0, -y, x]) / radius
+    return -force * across

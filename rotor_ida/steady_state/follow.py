@@ -17,7 +17,7 @@ from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import ENTRY, Orbit, stretches_of_rolling
 from rotor_ida.simulation.run import run
-from rotor_ida.stability.lyapunov import largest_exponent
+from rotor_ida.stability.lyapunov import exponents_of
 from rotor_ida.steady_state.periods import (
     SAME_TURN,
     Recurrence,
@@ -384,15 +384,18 @@ def _may_be_chaotic(trajectory: _Trajectory) -> bool:
 def _kind_by_exponent(trajectory: _Trajectory) -> tuple[str, float, float]:
     """Return the kind of a motion that never comes again, its largest exponent, and its error."""
     rotor = trajectory.rotor
-    if rotor.friction > 0.0:  # tangents do not know its jumps
-        return UNRESOLVED, math.nan, math.nan
     duration = max(EXPONENT_TIME, EXPONENT_TIMES * trajectory.time)
-    exponent, error = largest_exponent(rotor, trajectory.state, duration, trajectory.stop)
+    exponents, errors = exponents_of(rotor, trajectory.state, duration, trajectory.stop)
+    exponent, error = float(exponents[0]), float(errors[0])
     if exponent > CLEAR_ERRORS * error and exponent * duration > CLEAR_STRETCH:
         return CHAOTIC, exponent, error
-    # without a load that of a shift in time is zero on any motion
-    is_zero = abs(exponent) * duration <= NO_STRETCH and error * duration <= CLEAR_STRETCH
-    return QUASI_PERIODIC if is_zero and rotor.load > 0.0 else UNRESOLVED, exponent, error
+    # without a load that of a shift in time is zero on any motion, and on a torus one more is
+    zeros = slice(0, 1 if rotor.load > 0.0 else 2)
+    are_zero = (np.abs(exponents[zeros]) * duration <= NO_STRETCH) & (
+        errors[zeros] * duration <= CLEAR_STRETCH
+    )
+    has_tori = rotor.load > 0.0 or rotor.friction > 0.0 or rotor.contact_damping > 0.0
+    return QUASI_PERIODIC if are_zero.all() and has_tori else UNRESOLVED, exponent, error
 
 
 def failed(rotor: Rotor, start: State, options: Options, reason: str) -> SettledResponse:

@@ -24,11 +24,10 @@ import numpy.typing as npt
 from rotor_ida.arrays import Values
 from rotor_ida.checks import State
 from rotor_ida.core.interface import DONE, KIND, STATE, TIME, message_of
-from rotor_ida.core.runs import Asked, Seen, follow
+from rotor_ida.core.runs import Asked, follow
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
 from rotor_ida.parameters import Rotor
-from rotor_ida.simulation.orbit import REVERSE, ROLL, ROLLS
 from rotor_ida.stability.orbit import ATOL
 from rotor_ida.steady_state.response import STEADY
 
@@ -38,8 +37,6 @@ FEWEST_PERIODS = 3
 CLEAR_SWING = 1e6
 # Tolerance of the multiplier, which decides when to stop and is stated nowhere.
 MULTIPLIER_RTOL = 1e-12
-# How far off neighbours are followed, in parts of the size of the state, where tangents are not.
-ASIDE = 1e-6
 # Times of turns that differ by less are one: rounding moves none so far, and two lie farther apart.
 SAME_TURN = 1e-6
 
@@ -165,9 +162,7 @@ def slowest_multiplier(rotor: Rotor, state: State, period: float, stop: Stop) ->
     -----
     Damping is uniform, so the multipliers are 1, ``q = exp(-2 zeta period)``, mu and ``q/mu``:
     the sum of all four, the trace of the monodromy matrix, gives mu. With contact damping or
-    friction they come in no pairs. Where the disc rolls, or slides the other way, neighbours are
-    followed themselves: on a cycle that rolls at its ends each comes back rolling, so that what
-    lies aside of that has the multiplier 0.
+    friction they come in no pairs.
 
     References
     ----------
@@ -175,9 +170,16 @@ def slowest_multiplier(rotor: Rotor, state: State, period: float, stop: Stop) ->
     systems with viscous damping", Physical Review A 38, 1988.
     """
     bundle = np.eye(4)
-    seen = _once_round(rotor, state, period, stop, bundle)
-    if rotor.friction > 0.0 and _rolls_or_reverses(seen):
-        bundle = _by_differences(rotor, state, period, stop)
+    seen = follow(
+        Asked(
+            rotor=rotor, start=state, duration=period, rtol=MULTIPLIER_RTOL,
+            atol=ATOL * MULTIPLIER_RTOL, bundle=bundle, stop=stop,
+        )
+    )  # fmt: skip
+    if seen.status != DONE:
+        raise SimulationError(
+            f"a cycle could not be followed round: {message_of(seen.status)}", time=0.0, state=state
+        )
     if rotor.load > 0.0:
         multipliers = np.linalg.eigvals(bundle)
         return complex(multipliers[np.argmax(np.abs(multipliers))])
@@ -190,44 +192,3 @@ def slowest_multiplier(rotor: Rotor, state: State, period: float, stop: Stop) ->
     both = float(np.trace(bundle)) - 1.0 - product
     apart = cmath.sqrt(both * both - 4.0 * product)
     return 0.5 * max(both + apart, both - apart, key=abs)
-
-
-def _once_round(
-    rotor: Rotor, state: State, period: float, stop: Stop, bundle: Values | None = None
-) -> Seen:
-    """Follow a rotor for a period, or raise `SimulationError`."""
-    seen = follow(
-        Asked(
-            rotor=rotor, start=state, duration=period, rtol=MULTIPLIER_RTOL,
-            atol=ATOL * MULTIPLIER_RTOL, bundle=bundle, events=rotor.friction > 0.0, stop=stop,
-        )
-    )  # fmt: skip
-    if seen.status != DONE:
-        raise SimulationError(
-            f"a cycle could not be followed round: {message_of(seen.status)}", time=0.0, state=state
-        )
-    return seen
-
-
-def _rolls_or_reverses(seen: Seen) -> bool:
-    """Return whether neighbours are carried across a jump that their tangents do not know."""
-    rolls = seen.ways is not None and bool((seen.ways == ROLLS).any())
-    return rolls or bool(np.isin(seen.event_kinds, (ROLL, REVERSE)).any())
-
-
-def _by_differences(rotor: Rotor, state: State, period: float, stop: Stop) -> Values:
-    """Return how small differences come back after a period, in rows, from neighbours."""
-    aside = ASIDE * float(np.abs(state).max())
-    rows = []
-    for direction in np.eye(4):
-        ends = [
-            np.array(_once_round(rotor, _moved(state, way * direction), period, stop).state)
-            for way in (aside, -aside)
-        ]
-        rows.append((ends[0] - ends[1]) / (2.0 * aside))
-    return np.array(rows)
-
-
-def _moved(state: State, by: Values) -> State:
-    x, y, vx, vy = (np.array(state) + by).tolist()
-    return x, y, vx, vy

@@ -154,9 +154,8 @@ def sweep(
     that under a slight load. A rotor that does not turn comes to rest, ``contact_free``, or on the
     ring, which is told as ``synchronous``.
 
-    With friction neighbours are followed themselves where tangents do not know the jump: where the
-    disc begins to roll, or slides the other way. Exponents with friction are not there yet: what
-    might be ``chaotic`` or on a torus is ``unresolved``.
+    With friction, or contact damping, there are tori without a load too: on these the two largest
+    exponents are zero.
 
     Period and extreme radii are those of the simulated motion in its last period: the roots of
     ``r r'``, found by simulating the window again with samples there. All runs are made with a
