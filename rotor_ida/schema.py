@@ -74,7 +74,15 @@ WHIRL_KIND = {"slipping": 0, "rolling": 1}
 WHIRL_DIRECTION = {"backward": -1, "none": 0, "forward": 1}
 EXACT = {"nothing": 0, "whirl": 1, "cycle": 2}
 LINE_KIND = {"backward": -1, "spin": 0, "forward": 1, "static": 2}
-SPECIAL = {"fold": 1, "period_doubling": 2, "graze": 3, "cusp": 4, "torus": 5, "sliding": 6}
+SPECIAL = {
+    "fold": 1,
+    "period_doubling": 2,
+    "graze": 3,
+    "cusp": 4,
+    "torus": 5,
+    "sliding": 6,
+    "hopf": 7,
+}
 END = {
     "not_found": -1, "none": 0, "fold": 1, "period_doubling": 2, "touch": 3, "hopf": 4, "torus": 5,
 }  # fmt: skip

@@ -17,6 +17,8 @@ from rotor_ida.schema import words_of
 
 # At each of these a cycle that was stable is so no more, or the other way round.
 CHANGES = ("fold", "period_doubling", "torus")
+# Ends that are points of a branch, and at which its stability changes.
+BORDERS = ("halved", "hopf")
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +61,7 @@ def course_of(branch: xr.Dataset) -> Course:
     )
     if specials < branch.sizes["special"]:
         stability = _of_neighbours(branch, stability)
-    several = bool({"contact_damping", "load"} & set(branch.coords))
+    several = bool({"contact_damping", "friction", "load"} & set(branch.coords))
     stable, touching = [], []
     for number in order.tolist():
         if number < points:
@@ -109,15 +111,15 @@ def stable_ranges(branch: xr.Dataset) -> list[tuple[float, float]]:
 
 
 def _beside_halves(branch: xr.Dataset) -> xr.Dataset:
-    """Return a branch less the period doublings that are points of it: the ends, if halved."""
+    """Return a branch less the special points that are points of it: ends halved, or born."""
     ends = {0: "first_end", branch.sizes["special"] - 1: "last_end"}
-    left_out = [place for place, end in ends.items() if branch.attrs.get(end) == "halved"]
+    left_out = [place for place, end in ends.items() if branch.attrs.get(end) in BORDERS]
     return branch.drop_isel(special=left_out)
 
 
 def _of_neighbours(branch: xr.Dataset, stability: list[str]) -> list[str]:
-    """Return stability where halved ends, at which it changes, have that of their neighbours."""
+    """Return stability where ends at which it changes have that of their neighbours."""
     inner = stability[1:-1]
-    first = inner[:1] if branch.attrs.get("first_end") == "halved" else stability[:1]
-    last = inner[-1:] if branch.attrs.get("last_end") == "halved" else stability[-1:]
+    first = inner[:1] if branch.attrs.get("first_end") in BORDERS else stability[:1]
+    last = inner[-1:] if branch.attrs.get("last_end") in BORDERS else stability[-1:]
     return [*(first or stability[:1]), *inner, *(last or stability[-1:])]

@@ -34,6 +34,7 @@ from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.closed_forms.contacting_whirls import contacting_whirls
 from rotor_ida.closed_forms.fold_locus import LocusSide, fold_locus, locus_points
 from rotor_ida.cycles.branch import (
+    BORN,
     CONTACT_FREE,
     DOUBLING,
     FOLD,
@@ -266,6 +267,8 @@ def _end_of_side(side: Side, way: int, begin: float) -> End:
         return End(0.0, "none")
     if side.end == HALVED:
         return End(last, DOUBLING)
+    if side.end == BORN:
+        return End(last, "hopf")
     return End(last, "touch") if side.end == CONTACT_FREE else UNKNOWN
 
 

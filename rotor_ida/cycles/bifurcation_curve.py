@@ -244,7 +244,7 @@ def _course(
     scale[5:] = [value or high - low for value, (low, high) in zip(values, limits, strict=True)]
     line = Curve(_problem(guess.rotor, kind, names, scale, stop), scale)
     first = line.first(np.append(guess.state, (period, *values)))
-    return Course(line, first, {PLACE: limits[0], PLACE + 1: limits[1]}, most)
+    return Course(line, names[0], first, {PLACE: limits[0], PLACE + 1: limits[1]}, most)
 
 
 def _problem(

@@ -16,6 +16,7 @@ import numpy as np
 from rotor_ida.arrays import Values
 from rotor_ida.core.interface import RADIUS
 from rotor_ida.core.runs import COLUMNS
+from rotor_ida.cycles.birth import birth_between, turns_round
 from rotor_ida.cycles.continuation import (
     EARLIER,
     FIRST_STEP,
@@ -49,10 +50,13 @@ from rotor_ida.simulation.orbit import REVERSE, ROLL
 from rotor_ida.stability.orbit import Shot, shoot
 
 # Why a branch ends.
-LIMITS, CLOSED, CONTACT_FREE, HALVED, STUCK, UNSTABLE, ENOUGH = (
-    "limits", "closed", "contact_free", "halved", "step_too_small", "too_unstable", "points",
+LIMITS, CLOSED, CONTACT_FREE, HALVED, BORN, STUCK, UNSTABLE, ENOUGH = (
+    "limits", "closed", "contact_free", "halved", "hopf", "step_too_small", "too_unstable",
+    "points",
 )  # fmt: skip
-FOLD, DOUBLING, GRAZE, TORUS, SLIDING = "fold", "period_doubling", "graze", "torus", "sliding"
+FOLD, DOUBLING, GRAZE, TORUS, SLIDING, HOPF = (
+    "fold", "period_doubling", "graze", "torus", "sliding", "hopf",
+)  # fmt: skip
 # Where the (first) parameter stands among the unknowns, behind the state and the period.
 PLACE = 5
 # A rotor that does not turn, or is not damped, has no cycles; one without a load has others.
@@ -97,6 +101,8 @@ class Course:
     ----------
     line : Curve
         What takes the steps.
+    name : str
+        The (first) parameter.
     first : Point
         Its first point, led forward.
     limits : dict of int to tuple of float
@@ -110,6 +116,7 @@ class Course:
     """
 
     line: Curve[Shot]
+    name: str
     first: Point[Shot]
     limits: dict[int, tuple[float, float]]
     most: int
@@ -160,10 +167,10 @@ def course_from(
     half = None if times % 2 else cycles_over(rotor, parameter, stop, times // 2)
     if doubles:
         first = _doubled(line, guess, value)
-        return Course(line, first, {PLACE: limits}, most, both=False, half=half)
+        return Course(line, parameter, first, {PLACE: limits}, most, both=False, half=half)
     first = line.first(np.append(guess.state, (period, value)))
     first = first.reversed() if guess.slope < 0.0 else first
-    return Course(line, first, {PLACE: limits}, most, half=half)
+    return Course(line, parameter, first, {PLACE: limits}, most, half=half)
 
 
 def nearest_gap(shot: Shot) -> float:
@@ -319,6 +326,10 @@ def advance(course: Course, side: Side) -> None:
         met = [each for each in met if not any(_same(each, known) for _, known in side.specials)]
     if halved is not None:
         met, point, side.end = [*met, Special(DOUBLING, halved)], halved, HALVED
+    elif (born := _birth(course, last, step.point)) is not None:
+        # what follows on the step is what came before, half a period later
+        met = [each for each in met if not turns_round(last, each.point)]
+        met, point, side.end = [*met, Special(HOPF, born)], born, BORN
     side.specials += [(len(side.points) - 1, each) for each in met]
     side.points.append(point)
     side.length = step.length
@@ -358,6 +369,14 @@ def _is_close_by(course: Course, last: Point[Shot], halved: Point[Shot]) -> bool
 def _is_too_unstable(shot: Shot) -> bool:
     """Return whether rounding hides multipliers that hang on more than the trace of M."""
     return not has_trace(shot) and bool(np.abs(shot.monodromy).max() > LARGEST_M)
+
+
+def _birth(course: Course, last: Point[Shot], point: Point[Shot]) -> Point[Shot] | None:
+    """Return the cycle at which a branch over one parameter is born on a step, if there is one."""
+    problem = course.line.problem
+    if len(course.limits) > 1 or not problem.autonomous or not turns_round(last, point):
+        return None
+    return birth_between(last, point, course.name, problem)
 
 
 def _how_unstable(shot: Shot) -> str:

@@ -59,6 +59,9 @@ CUT = 0.5
 LEAST_COSINE = 0.92
 # or Newton's method corrects it by more than this part of its length.
 MOST_CORRECTION = 0.25
+# where a count changes it may have a corner. It is passed with a step no longer than this, at
+# which it may turn by as much as 84 degrees.
+CORNER, SHARPEST = 1e-7, 10.0
 # After an easy one, with so few steps of Newton's method and a turn below 10 degrees,
 EASY_STEPS = 4
 GOOD_COSINE = 0.985
@@ -244,6 +247,11 @@ class Curve(Generic[S]):
                 if cosine >= LEAST_COSINE and moved <= MOST_CORRECTION * length:
                     met = self._met(last, (point, *earlier), length)
                     break
+                if length <= CORNER and moved <= SHARPEST * length and self._changes(last, point):
+                    # multipliers jump there: none passes the unit circle
+                    met = self._met(last, (point,), length)
+                    met = [each for each in met if each.name in self.problem.counts]
+                    break
                 reason = "the curve bends too much"
             except SimulationError as error:
                 reason = error.reason
@@ -254,6 +262,13 @@ class Curve(Generic[S]):
         easy = newton_steps <= EASY_STEPS and cosine >= GOOD_COSINE
         longer = min(length * GROWTH, LONGEST_STEP) if easy else length
         return Step(self._led_on(point), met, length, longer)
+
+    def _changes(self, last: Point[S], point: Point[S]) -> bool:
+        """Return whether a count differs between two points."""
+        return any(
+            count.number(last.stretch) != count.number(point.stretch)
+            for count in self.problem.counts.values()
+        )
 
     def crossing(self, last: Point[S], point: Point[S], place: int, value: float) -> Point[S]:
         """Return the point at which an unknown has a value that it passes on a step."""

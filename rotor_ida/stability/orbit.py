@@ -161,8 +161,7 @@ def put_on_rolling(rotor: Rotor, state: Values) -> Values:
     slip = (x * vy - y * vx) / radius + rim
     if abs(slip) > HIDDEN_SLIP * (speed + rim):
         return state
-    across: Values = np.array([0.0, 0.0, -y, x]) / radius
-    return state - slip * across
+    return np.array([x, y, vx + slip * y / radius, vy - slip * x / radius])
 
 
 def _friction_at(state: Values, rotor: Rotor, time: float, way: int) -> Values:
@@ -179,5 +178,4 @@ def _friction_at(state: Values, rotor: Rotor, time: float, way: int) -> Values:
         force += (rotor.disc_radius or 0.0) * rotor.omega * (2.0 * rotor.zeta + rise / radius)
     else:
         force = way * rotor.friction * radius * push_over_radius((x, y, vx, vy), rotor)
-    across: Values = np.array([0.0, 0.0, -y, x]) / radius
-    return -force * across
+    return np.array([0.0, 0.0, force * y / radius, -force * x / radius])

@@ -553,7 +553,7 @@ static void stretches(void)
             start_of(number, ROTORS[i].delta0, start);
             struct run run = run_of(ROTORS[i], start, 0.5);
             furnish(&run, (struct room){0, 0, 0, 0, 4});
-            double *rows = room_for(20, 4 * sizeof(double));
+            double *rows = room_for(20, STRETCH_COLUMNS * sizeof(double));
             int64_t done = 0;
             stop_after(50000);
             core_stretch(&run, 20, rows, &done);
