@@ -112,9 +112,9 @@ def continue_cycle(
         ``stability``, ``response``, ``contact_count``, ``largest_force``, ``impulse_per_period``,
         ``trace``, the multipliers, ``residual``, and a state ``x y vx vy`` on the rotating axes
         [1]. On ``special``, in order along the branch, ``special_kind`` (fold, period doubling,
-        graze, torus), ``special_value`` of the parameter, ``special_period`` and the state there;
-        ``special_point`` is the point before it. The attribute ``closed`` is 1 if the branch comes
-        back to its beginning; ``first_end`` and ``last_end`` say why it ends, and
+        graze, torus, sliding, hopf), ``special_value`` of the parameter, ``special_period`` and the
+        state there; ``special_point`` is the point before it. The attribute ``closed`` is 1 if the
+        branch comes back to its beginning; ``first_end`` and ``last_end`` say why it ends, and
         ``first_reason`` and ``last_reason`` what stood in the way where no step led on, or what
         hides the multipliers.
 
@@ -131,15 +131,19 @@ def continue_cycle(
     by single shooting with Taylor series of order 19; see docs/cycles.md. With M the monodromy
     matrix and ``q = exp(-2 zeta T)`` a fold is a zero of ``2 (1 + q) - tr M``, a period doubling
     one of ``tr M``; a graze is where the number of contacts changes, and an extremum of the radius
-    touches the ring. With contact damping or a load there are no such pairs of multipliers, and
+    touches the ring; likewise ``sliding`` is where the number of times changes that the disc begins
+    to roll, or slides the other way: there the slip speed just comes to 0, multipliers jump, and
+    the branch has a corner, round which it is followed. With contact damping, friction or a load
+    there are no such pairs of multipliers, and
     the products of ``1 - mu`` and of ``1 + mu`` over those that are not trivial stand in; there a
     complex pair may cross the unit circle, where the product of ``1 - mu_i mu_j`` is 0: a torus is
     born, on which the motion never repeats itself. Under a load the period is that of k
     revolutions, ``k 2 pi/omega``, all along the branch. Each is found to rounding along the branch.
     A branch ends at the limits, closed, at ``halved`` (a doubled cycle has come back to one of half
-    its period), at ``contact_free`` (its last contact vanishes), where no step can be taken, after
-    `points`, or, with contact damping or a load, at ``too_unstable``: neighbours part so far in a
-    period that rounding hides the multipliers, as where the period grows without bound.
+    its period), at ``hopf`` (its cycles shrink to a whirl, from which they are born: located by the
+    closed form), at ``contact_free`` (its last contact vanishes), where no step can be taken, after
+    `points`, or, where the trace does not tell all, at ``too_unstable``: neighbours part so far in
+    a period that rounding hides the multipliers, as where the period grows without bound.
 
     References
     ----------

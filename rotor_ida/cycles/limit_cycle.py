@@ -98,15 +98,15 @@ def limit_cycle(
     Returns
     -------
     Dataset
-        ``response``: ``bouncing`` or ``full_contact`` where there is a limit cycle; else what there
-        is instead, under a load also ``quasi_periodic``, or ``not_found``, and all that follows is
-        NaN. The ``period`` on the rotating axes and ``period_error``, ``radius_min``,
-        ``radius_max``, ``contact_count`` in a period, ``largest_force``, ``impulse_per_period``,
-        ``stability``, ``residual`` [1]. On ``multiplier``, by falling modulus, ``multiplier_real``,
-        ``multiplier_imag`` and ``multiplier_error``. On ``t`` one period of ``x y vx vy``, read on
-        the rotating axes. On ``line`` the spectrum on fixed axes: ``frequency``,
-        ``whirl_amplitude`` and ``line_kind``; ``whirl_ratio`` is the frequency
-        of the strongest beside the spin over the spin speed.
+        ``response``: ``bouncing``, ``full_contact``, or with friction ``rolling``, which is dry
+        whip, where there is a limit cycle; else what there is instead, also ``quasi_periodic``, or
+        ``not_found``, and all that follows is NaN. The ``period`` on the rotating axes and
+        ``period_error``, ``radius_min``, ``radius_max``, ``contact_count`` in a period,
+        ``largest_force``, ``impulse_per_period``, ``stability``, ``residual`` [1]. On
+        ``multiplier``, by falling modulus, ``multiplier_real``, ``multiplier_imag`` and
+        ``multiplier_error``. On ``t`` one period of ``x y vx vy``, read on the rotating axes. On
+        ``line`` the spectrum on fixed axes: ``frequency``, ``whirl_amplitude`` and ``line_kind``;
+        ``whirl_ratio`` is the frequency of the strongest beside the spin over the spin speed.
 
     Raises
     ------
@@ -126,7 +126,9 @@ def limit_cycle(
     are five times the largest differences from three more solutions, begun elsewhere on the cycle
     and with 30 times the tolerance.
 
-    With contact damping there are no such pairs, and the multipliers are eigenvalues of the matrix.
+    With contact damping or friction there are no such pairs, and the multipliers are eigenvalues of
+    the matrix. Where the disc begins to roll or to slide the other way, friction jumps, and so does
+    the matrix, by a saltation matrix; where a cycle rolls, one multiplier is 0.
     Under a load, which turns on the rotating axes, a motion repeats itself after whole revolutions
     only: ``T = k 2 pi/omega``, the state is at time 0, when the load points down on them, and it is
     a fixed point of the k-th stroboscopic map. No multiplier is trivial, and all four tell the
@@ -136,7 +138,7 @@ def limit_cycle(
     ----------
     R. Seydel, "Practical Bifurcation and Stability Analysis", Springer, 2010, chapter 7.
     R. I. Leine, H. Nijmeijer, "Dynamics and Bifurcations of Non-Smooth Mechanical Systems",
-    Springer, 2004, chapter 7: the jump of M at a discontinuity, which vanishes here.
+    Springer, 2004, chapter 7: the jump of M at a discontinuity, which vanishes at entry and exit.
 
     Examples
     --------

@@ -58,7 +58,9 @@ FROM_REST, FROM_START = "each speed from rest", "each speed from its start"
 GOING_UP, GOING_DOWN = "speed going up", "speed going down"
 STABLE_CYCLE, UNSTABLE_CYCLE = "stable cycle", "unstable cycle"
 BOUNCING_CYCLE, FULL_CONTACT_CYCLE = "bouncing cycle", "full-contact cycle"
+ROLLING_CYCLE = "dry whip"
 FOLD_OF_CYCLES, DOUBLING, GRAZE, TORUS = "fold of cycles", "period doubling", "graze", "torus"
+SLIDING, BIRTH = "slip comes to 0", "Hopf point"
 _ORDER = [
     STABLE,
     UNSTABLE,
@@ -72,11 +74,14 @@ _ORDER = [
     GOING_DOWN,
     BOUNCING_CYCLE,
     FULL_CONTACT_CYCLE,
+    ROLLING_CYCLE,
     STABLE_CYCLE,
     UNSTABLE_CYCLE,
     FOLD_OF_CYCLES,
     DOUBLING,
     GRAZE,
+    SLIDING,
+    BIRTH,
 ]
 
 _SETTINGS: Any = {

@@ -17,6 +17,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.plot.appearance import (
+    BIRTH,
     BLUE,
     BOUNCING_CYCLE,
     BROWN,
@@ -30,6 +31,8 @@ from rotor_ida.plot.appearance import (
     ORANGE,
     PURPLE,
     RED,
+    ROLLING_CYCLE,
+    SLIDING,
     STABLE_CYCLE,
     TORUS,
     UNSTABLE_CYCLE,
@@ -59,7 +62,11 @@ FLOOR = 1e-5
 # How far a band covers what is under it, and how its edges are drawn, by its stability.
 COVER = {"stable": 0.28, "unstable": 0.09}
 EDGES = {"stable": (STABLE_CYCLE, "-", 1.1), "unstable": (UNSTABLE_CYCLE, (0, (3.2, 1.8)), 0.9)}
-BANDS = {"bouncing": (BOUNCING_CYCLE, ORANGE), "full_contact": (FULL_CONTACT_CYCLE, PURPLE)}
+BANDS = {
+    "bouncing": (BOUNCING_CYCLE, ORANGE),
+    "full_contact": (FULL_CONTACT_CYCLE, PURPLE),
+    "rolling": (ROLLING_CYCLE, BROWN),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,6 +85,8 @@ MARKS = {
     "graze": _Mark(GRAZE, "x", 3.8, BROWN),
     "cusp": _Mark("cusp", "*", 7.5, "white"),
     "torus": _Mark(TORUS, "D", 3.8, "white"),
+    "sliding": _Mark(SLIDING, "1", 5.4, BROWN),
+    "hopf": _Mark(BIRTH, "o", 4.2, "white"),
 }
 # Bifurcation curves: one look for each kind, as long as they are of one rotor.
 CURVES = {
@@ -178,8 +187,8 @@ def plot_multipliers(cycle: xr.Dataset, *, ax: Axes | None = None) -> Axes:
 
     A shift along the cycle has the multiplier 1, with the partner ``q = exp(-2 zeta T)``. The other
     two have the product q: a pair on the dashed circle of radius ``sqrt(q)``, or real numbers. With
-    contact damping there is only the 1 of a shift. Under a load there is none, and without contact
-    damping two pairs of product q.
+    contact damping or friction there is only the 1 of a shift. Under a load there is none, and
+    without these two pairs of product q.
 
     Parameters
     ----------
@@ -205,13 +214,14 @@ def plot_multipliers(cycle: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     period = one_value("cycle", cycle, "period") / scale_of(cycle, "time")
     q = math.exp(-2.0 * one_value("cycle", cycle, "zeta") * period)
     found = cycle["multiplier_real"].values + 1j * cycle["multiplier_imag"].values
-    damped, loaded = (
+    damped, rubs, loaded = (
         name in cycle.coords and one_value("cycle", cycle, name) > 0.0
-        for name in ("contact_damping", "load")
+        for name in ("contact_damping", "friction", "load")
     )
+    damped = damped or rubs
     known = [] if loaded else [1.0] if damped else [1.0, q]
     others, along = _parted(found, known)
-    shift, rest = ("1", r"$\mu$") if damped else ("1 and $q$", r"$\mu$ and $q/\mu$")
+    shift, rest = ("1, of a shift", "others") if damped else ("1 and $q$", r"$\mu$ and $q/\mu$")
     turn = np.linspace(0.0, 2.0 * math.pi, 361)
     with style():
         ax = axes_or_new(ax, width=4.0, height=3.6)

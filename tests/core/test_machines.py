@@ -99,7 +99,7 @@ def test_a_load_alone_leads_from_rest_at_the_axis(exponent):
 def test_a_machine_has_more_columns_of_parameters_than_the_paper_s_rotor():
     rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0, contact_damping=0.1)
     asked = Asked(rotor=rotor, start=(0.0,) * 4, duration=1.0, bundle=np.zeros((7, 4)), **HOW)
-    with pytest.raises(ValueError, match=r"a bundle must have 4 or 10 rows of 4, got \(7, 4\)"):
+    with pytest.raises(ValueError, match=r"a bundle must have 4 or 12 rows of 4, got \(7, 4\)"):
         follow(asked)
 
 

@@ -43,7 +43,7 @@ STARTS = {
 STARTS["rub"] = STARTS["contact"]
 STARTS["rolling"] = [(*start[:2], 0.0, *start[3:]) for start in STARTS["contact"]]
 DOWN = (0.28, -0.96)
-# Friction, the speed of the rim, and the sense in which surfaces slide.
+# Friction, the radius of the disc, and the sense in which surfaces slide.
 SLIDES = (0.3, 1.7, -1.0)
 # As `probe.c` numbers them.
 NUMBERS = {"cartesian": 0, "contact": 1, "rub": 2, "rolling": 3}
@@ -59,7 +59,8 @@ def parameters_of(model, rotor, more=None, felt=1.0):
         kappa, damping, load, hertz, pressed = (0.0, 0.0, 0.0, 1, 1) if more is None else more
         found |= {"shaft_stiffness": kappa, "contact_damping": damping, "load": load}
         found |= {"hertz": float(hertz), "linear": 1.0 - hertz, "pressed": float(pressed)}
-        found |= dict(zip(("friction", "rim", "sigma"), SLIDES, strict=True))
+        found |= dict(zip(("friction", "disc_radius", "sigma"), SLIDES, strict=True))
+        found["rim"] = found["disc_radius"] * found["omega"]
     return found
 
 

@@ -66,6 +66,21 @@ def born_at_the_hopf_point():
     return rotor, limit_cycle(rotor, start=start, period=2.0 * math.pi / frequency)
 
 
+def test_a_branch_that_contact_damping_brings_begins_at_its_hopf_point():
+    """There its swing vanishes, and beyond it would come back along itself."""
+    rotor, cycle = born_at_the_hopf_point()
+    branch = continue_cycle(
+        rotor, start=cycle, limits=(0.99 * rotor.omega, 1.01 * rotor.omega), direction="backward"
+    )
+    assert branch.attrs["first_end"] == "hopf"
+    assert branch.special_kind.values.tolist() == [SPECIAL["hopf"]]
+    known = hopf_points(**MACHINE)
+    assert branch.special_value.item() == pytest.approx(known.hopf_omega.item(), rel=1e-11)
+    swing = (branch.radius_max - branch.radius_min).values
+    assert (np.diff(swing) > 0.0).all()
+    assert swing[0] < 1e-6 * branch.radius_max.values[0]
+
+
 def test_a_branch_ends_where_its_period_grows_without_bound():
     """It comes to a saddle whirl, whose closed form tells how neighbours part, and how it nears.
 

@@ -136,9 +136,9 @@ def test_two_real_multipliers_of_product_one_make_no_torus():
     assert multipliers[other][:2].prod().real == pytest.approx(1.0, abs=0.1)
 
 
-def test_none_is_born_without_contact_damping_and_load():
+def test_none_is_born_without_contact_damping_friction_and_load():
     rotor = Rotor(omega=3.0, zeta=0.07, delta0=0.5)
-    with pytest.raises(InputError, match="contact_damping or load must be above 0 for a torus"):
+    with pytest.raises(InputError, match="contact_damping, friction or load must be above 0"):
         bifurcation_curve(rotor, start=(3, 1, 0, 0), kind="torus", limits=((2.5, 3.2), (0.4, 0.6)))
 
 

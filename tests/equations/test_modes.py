@@ -33,6 +33,7 @@ def random_rotor(model, draw, **given):
     if model is WHOLE:
         hertz = float(draw.integers(2))
         drawn |= {"hertz": hertz, "linear": 1.0 - hertz, "pressed": float(draw.integers(2))}
+        drawn |= {"friction": 0.3, "disc_radius": 1.5}
     return rotor_of(model, **drawn | given)
 
 
@@ -62,7 +63,7 @@ def tangential_force(z, w, down, rotor):
     if way == "rolling":
         e = z / abs(z)
         free = rotor.omega**2 - 2.0 * rotor.zeta * w + rotor.load * down
-        return (free / e).imag + rotor.rim * (w / e).real / abs(z)
+        return (free / e).imag + rotor.disc_radius * rotor.omega * (w / e).real / abs(z)
     return 0.0
 
 
@@ -105,11 +106,14 @@ def rub_states(model, count=50, seed=3, way="rub", **given):
     for state, rotor in contact_states(model, count, seed, **given):
         slides = way == "rub"
         sigma = draw.choice([-1.0, 1.0]) if slides else 0.0
-        friction, rim = draw.uniform(0.0, 2.0), draw.uniform(0.0, 5.0)
+        friction, disc_radius = draw.uniform(0.0, 2.0), draw.uniform(0.0, 5.0)
+        rim = disc_radius * rotor.omega
         slip = sigma * abs(draw.normal())
         yield (
             [*state[:2], slip, *state[3:], draw.normal()],
-            changed(rotor, friction=friction, rim=rim, sigma=sigma, way=way),
+            changed(
+                rotor, friction=friction, disc_radius=disc_radius, rim=rim, sigma=sigma, way=way
+            ),
         )
 
 

@@ -113,7 +113,7 @@ def test_exponents_are_stated_only_where_they_were_asked_for():
 
 def test_touches_that_fade_slowly_are_not_asked_for_chaos(monkeypatch):
     """Of a fast rotor they follow the law only after 3,000: an exponent takes far longer."""
-    monkeypatch.setattr(follow, "largest_exponent", None)  # called, it would raise
+    monkeypatch.setattr(follow, "exponents_of", None)  # called, it would raise
     settled = followed(100.0, 1.0, (3.0, 0.0, 0.0, 0.0), zeta=1.0, options=Options(method="taylor"))
     assert settled.response == "touching"
     assert settled.window_end > follow.LATE
