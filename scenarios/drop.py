@@ -9,17 +9,23 @@ back what the impacts lose, and the rotor bounces on. How much is enough, how lo
 large the forces get is mapped over clearance and contact damping.
 
 At rest means: on the ring for the last quarter of a second simulated, and the time to rest is that
-of the last entry. The speed is held, and the ring has no friction, which in a machine may drive a
-whirl backwards.
+of the last entry. The speed is held.
 
-Writes both drops in SI units (resting.nc, bouncing.nc), the map (map.nc), and the figures as PNG
-and SVG.
+In these drops the ring has no friction. With friction the rim, which turns at 31 m/s, drives the
+rotor backwards round the ring. If it is driven beyond the whirl that slips, nothing of this model
+stops it before the disc rolls, in dry whip, at a force that no machine lives to see. The share of
+drops that end so, let go at several places near the axis, is mapped over friction and damping
+for both contact dampings, beside the exact border beyond which no whip exists.
+
+Writes both drops in SI units (resting.nc, bouncing.nc), the map (map.nc), a drop that rests and one
+that whirls (lies.nc, whirls.nc), the shares (whip.nc), and the figures as PNG and SVG.
 """
 
 import math
 import sys
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
@@ -27,14 +33,23 @@ from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 from scipy.optimize import brentq
 
-from rotor_ida import DimensionalRotor, contact_forces, dimensional, impact, simulate
+from rotor_ida import (
+    DimensionalRotor,
+    backward_whirl,
+    contact_forces,
+    dimensional,
+    impact,
+    simulate,
+)
 from rotor_ida.paper.scenario import Settings, progress_bar, run_script
+from rotor_ida.paper.whip import is_whip
 from rotor_ida.plot import mixed_panels, plot_history, plot_orbit, shared_legend, style
-from rotor_ida.plot.appearance import DASHES, GREY, INK, RED, look
+from rotor_ida.plot.appearance import BLUE, DASHES, GREY, INK, RED, look
 
 GRAVITY = 9.80665  # m/s^2
 MASS = 20.0  # kg
 CLEARANCE = 0.2e-3  # m
+DAMPING = 50.0  # N s/m
 # Contact damping with which the drop ends in rest, and with which it does not [s/m].
 DROPS = {"resting": 10.0, "bouncing": 3.0}
 UNITS = {"length": "mm", "force": "kN"}
@@ -42,6 +57,11 @@ SHOWN = 0.1  # s
 LASTS = 1.0  # s, simulated
 STAYS = 0.25  # s on the ring, by which a rotor is told to be at rest
 FORCES = [1.0, 5.0, 20.0, 40.0]  # contact damping of the curves of forces [s/m]
+DISC_RADIUS = 20e-3  # m, where the rotor touches
+PUSHED = {"lies": 0.2, "whirls": 0.4}  # friction of two drops
+DECIDED = 0.2  # s, by which a drop has ended in whip or will not
+AWAY = 0.1  # distance from the axis at which rotors are let go, over the clearance
+HARD = 20e3  # N, a force of a hundred weights
 
 
 def main(settings: Settings) -> None:
@@ -59,28 +79,49 @@ def main(settings: Settings) -> None:
     )
     settings.keep(mapped, "map")
     draw_map(mapped, settings)
+    rubs = {name: rubbed(friction) for name, friction in PUSHED.items()}
+    for name, run in rubs.items():
+        settings.keep(run, name)
+    shares = whip_shares(
+        friction=np.geomspace(0.1, 1.0, 4 if settings.quick else 12),
+        damping=np.geomspace(20.0, 4e4, 4 if settings.quick else 10),
+        angles=np.arange(4 if settings.quick else 8) * 2.0 * math.pi / (4 if settings.quick else 8),
+        settings=settings,
+    )
+    settings.keep(shares, "whip")
+    draw_whip(rubs, shares, settings)
 
 
-def machine_with(contact_damping: float, clearance: float) -> DimensionalRotor:
-    """Return the rotor in a touchdown ring with this contact damping [s/m] and clearance [m]."""
+def machine_with(
+    contact_damping: float, clearance: float = CLEARANCE, friction: float = 0.0
+) -> DimensionalRotor:
+    """Return the rotor in a ring with this contact damping [s/m], clearance [m] and friction."""
     return DimensionalRotor(
         mass=MASS,
         contact_stiffness=2e9,  # N/m^1.5
-        damping=50.0,  # N s/m
+        damping=DAMPING,
         eccentricity=4e-6,  # m
         clearance=clearance,
         speed=15_000.0 * 2.0 * math.pi / 60.0,  # rad/s
         contact_damping=contact_damping,
         load=MASS * GRAVITY,
+        friction=friction,
+        disc_radius=DISC_RADIUS if friction > 0.0 else None,
     )
 
 
-def drop(machine: DimensionalRotor, duration: float, *, samples: int = 2) -> xr.Dataset:
-    """Return the motion of a rotor that is let go while its centre of mass rests on the axis."""
+def drop(
+    machine: DimensionalRotor, duration: float, *, samples: int = 2, away: complex = 0.0
+) -> xr.Dataset:
+    """Return the motion of a rotor that is let go while its centre of mass rests.
+
+    It rests on the axis, or `away` from it (over the clearance).
+    """
     rotor = machine.rotor()
+    place = away * rotor.delta0 - 1.0
     return simulate(
         rotor,
-        start=(-1.0, 0.0, 0.0, -rotor.omega),
+        start=(place.real, place.imag, 0.0, -rotor.omega),
         duration=duration / machine.time_scale,
         samples=samples,
         method="taylor",
@@ -156,6 +197,68 @@ def map_of(*, contact_damping: np.ndarray, clearance: np.ndarray, settings: Sett
     )  # fmt: skip
 
 
+def rubbed(friction: float) -> xr.Dataset:
+    """Return the drop of a rotor into a ring with friction until it rests or rolls, in SI units."""
+    machine = machine_with(DROPS["resting"], friction=friction)
+    run = drop(machine, 0.06, samples=6001)
+    return dimensional(run, machine, units=UNITS)
+
+
+def largest_whip_damping(friction: float) -> float:
+    """Return the damping [N s/m] above which no whip exists, load and unbalance aside.
+
+    Rolling backwards takes ``n V`` of friction along the ring and has ``N = m r Omega**2`` across
+    it, so that ``n <= mu m |Omega|``; damping does not change Omega.
+    """
+    machine = replace(machine_with(0.0, friction=friction), load=0.0, damping=0.0)
+    rolling = backward_whirl(machine.rotor()).whirl_speed.values[1]
+    return float(-friction * MASS * rolling / machine.time_scale)
+
+
+def whip_shares(
+    *, friction: np.ndarray, damping: np.ndarray, angles: np.ndarray, settings: Settings
+) -> xr.Dataset:
+    """Return the share of drops that end in whip, of rotors let go at angles round the axis."""
+    dampings = list(DROPS.values())
+    places = [(contact, each, mu) for contact in dampings for each in damping for mu in friction]
+
+    def share(place: tuple[float, float, float]) -> float:
+        machine = replace(machine_with(place[0], friction=place[2]), damping=place[1])
+        whips = [
+            is_whip(drop(machine, DECIDED, samples=201, away=complex(AWAY * np.exp(1j * angle))))
+            for angle in angles
+        ]
+        return float(np.mean(whips))
+
+    found = []
+    with (
+        progress_bar("drops with friction") as progress,
+        ThreadPoolExecutor(settings.workers) as pool,
+    ):
+        for value in pool.map(share, places):
+            found.append(value)
+            progress(len(found), len(places))
+    coordinates = {
+        "contact_damping": (dampings, "contact damping of Hunt and Crossley", "s m-1"),
+        "damping": (damping, "viscous damping", "N s m-1"),
+        "friction": (friction, "coefficient of friction in the contact", "1"),
+    }
+    shares = np.reshape(found, [len(values) for values, _, _ in coordinates.values()])
+    border = [largest_whip_damping(mu) for mu in friction]
+    return xr.Dataset(
+        {
+            "whip_share": (tuple(coordinates), shares, {
+                "long_name": "share of drops that end in dry whip", "units": "1"}),
+            "largest_whip_damping": ("friction", border, {
+                "long_name": "damping above which no dry whip exists, exact without load and "
+                "unbalance", "units": "N s m-1"}),
+        },
+        {name: (name, values, {"long_name": words, "units": unit})
+         for name, (values, words, unit) in coordinates.items()},
+        {"title": "Drops into a touchdown ring with friction", "starts": angles.size},
+    )  # fmt: skip
+
+
 def draw_drops(runs: Mapping[str, xr.Dataset], settings: Settings) -> None:
     figure, axes = mixed_panels(3, 2, height=8.0)
     counted = {}
@@ -163,7 +266,7 @@ def draw_drops(runs: Mapping[str, xr.Dataset], settings: Settings) -> None:
         machine = machine_with(DROPS[name], CLEARANCE)
         counted[name] = drop(machine, LASTS)
         orbit, height, force = axes[column::2]
-        plot_orbit(run, ax=orbit).set_title("")
+        plot_orbit(run, ax=orbit)
         orbit.set_aspect("equal", adjustable="box")
         orbit.set(xlim=(-0.32, 0.32), ylim=(-0.32, 0.24))
         plot_history(run, "y", ax=height)
@@ -174,7 +277,8 @@ def draw_drops(runs: Mapping[str, xr.Dataset], settings: Settings) -> None:
             force.axhline(weight, color=GREY, lw=1.0, label="weight")
             force.set(xlabel="time $T$ [s]", ylabel="contact force $F$ [kN]", ylim=(0.0, 1.9))
             force.set_xlim(0.0, SHOWN)
-            height.set_title(f"$\\lambda$ = {DROPS[name]:g} s/m: {told(counted[name], machine)}")
+            words = f"$\\lambda$ = {DROPS[name]:g} s/m: {told(counted[name], machine)}"
+            orbit.set_title(words, fontsize=9.5)
     shared_legend(figure, axes, columns=7, outer=False)
     first = 1e3 * runs["resting"].event_time.values[0]
     free = 1e3 * math.sqrt(2.0 * CLEARANCE / GRAVITY)
@@ -244,7 +348,8 @@ def draw_map(mapped: xr.Dataset, settings: Settings) -> None:
                                 colors=INK, linewidths=0.8)  # fmt: skip
         for words in rest.clabel(contours, fmt="$e$ = %.1f", fontsize=8.0):
             words.set_path_effects([withStroke(linewidth=2.0, foreground="white")])
-        rest.set(xlabel="clearance [mm]", ylabel="contact damping $\\lambda$ [s/m]", yscale="log")
+        rest.set(xlabel="clearance [mm]", ylabel="contact damping $\\lambda$ [s/m]", yscale="log",
+                 ylim=mapped.damping.values[[0, -1]])  # fmt: skip
         rest.set_yticks([1, 2, 5, 10, 20, 40], ["1", "2", "5", "10", "20", "40"])
         rest.minorticks_off()
         rest.set_title(f"grey: not at rest within {LASTS - STAYS:g} s", fontsize=9.5)
@@ -263,6 +368,102 @@ def draw_map(mapped: xr.Dataset, settings: Settings) -> None:
         "that of an elastic fall, in waves by the phase of the first impact; damping lowers it "
         "little, and raises it where it is strong.",
     )  # fmt: skip
+
+
+def draw_whip(runs: Mapping[str, xr.Dataset], shares: xr.Dataset, settings: Settings) -> None:
+    figure, axes = mixed_panels(2, 2, height=6.8)
+    orbit, force, *maps = axes
+    draw_rubs(runs, orbit, force)
+    fine = np.geomspace(shares.friction.values[0], shares.friction.values[-1], 200)
+    border = [largest_whip_damping(mu) for mu in fine]
+    for ax, contact in zip(maps, sorted(DROPS.values()), strict=True):
+        with style():
+            shown = ax.pcolormesh(
+                shares.friction, shares.damping, shares.whip_share.sel(contact_damping=contact),
+                cmap="Reds", vmin=0.0, vmax=1.0, shading="nearest", rasterized=True,
+            )  # fmt: skip
+            ax.plot(fine, border, color=INK, lw=1.6, label="above it no whip exists (exact)")
+            ax.set(xscale="log", yscale="log", xlabel=r"friction $\mu$", xlim=fine[[0, -1]],
+                   ylabel="damping $n$ [N s/m]", ylim=shares.damping.values[[0, -1]])  # fmt: skip
+            ax.set_xticks([0.1, 0.2, 0.5, 1.0], ["0.1", "0.2", "0.5", "1"])
+            ax.minorticks_off()
+            ax.grid(visible=False)
+            ax.set_title(f"drops with $\\lambda$ = {contact:g} s/m", fontsize=9.5)
+            figure.colorbar(shown, ax=ax, label="share that ends in whip")
+            for mu, colour in zip(PUSHED.values(), (BLUE, RED), strict=True):
+                if contact == DROPS["resting"]:
+                    ax.plot(
+                        mu, DAMPING, ls="", marker="o", ms=5.0, mfc=colour, mec="white", mew=0.8
+                    )
+    shared_legend(figure, axes, columns=5, outer=False)
+    settings.show(
+        figure, "whip", archives=[*runs, "whip"],
+        shows=f"The rotor of {MASS:g} kg falls into a ring with friction, with its rim at a radius "
+        f"of {1e3 * DISC_RADIUS:g} mm: two drops, and the share of drops that end in dry whip over "
+        "friction and damping, for two contact dampings λ; above the line no whip exists (exact "
+        "without load and unbalance).",
+        found=told_of_whip(runs, shares),
+    )  # fmt: skip
+
+
+def draw_rubs(runs: Mapping[str, xr.Dataset], orbit: Axes, force: Axes) -> None:
+    """Draw orbits until the force is out of all bounds, and forces over time."""
+    looks = {"lies": (BLUE, "rests"), "whirls": (RED, "whirls")}
+    around = np.exp(2j * math.pi * np.linspace(0.0, 1.0, 361)) * CLEARANCE * 1e3
+    with style():
+        orbit.plot(around.real, around.imag, color=INK, lw=0.9, ls=DASHES, label="clearance")
+        for name, run in runs.items():
+            colour, words = looks[name]
+            words = f"$\\mu$ = {PUSHED[name]:g}: {words}"
+            before = run.t < beyond(run, HARD)
+            orbit.plot(run.x.where(before), run.y.where(before), color=colour, lw=0.9)
+            pressed = run.normal_force.where(run.normal_force > 0.0)
+            force.plot(1e3 * run.t, pressed, color=colour, lw=0.9, label=words)
+        for ax in (orbit, force):
+            ax.set_title(
+                f"$\\lambda$ = {DROPS['resting']:g} s/m, $n$ = {DAMPING:g} N s/m", fontsize=9.5
+            )
+        orbit.set_aspect("equal", adjustable="box")
+        orbit.set(xlabel="displacement $X$ [mm]", ylabel="displacement $Y$ [mm]",
+                  xlim=(-0.6, 0.6), ylim=(-0.6, 0.6))  # fmt: skip
+        force.axhline(1e-3 * MASS * GRAVITY, color=GREY, lw=1.0, label="weight")
+        force.set(xlabel="time $T$ [ms]", ylabel="normal force $N$ [kN]", yscale="log",
+                  xlim=(0.0, 60.0), ylim=(0.01, 2e4))  # fmt: skip
+
+
+def beyond(run: xr.Dataset, force: float) -> float:
+    """Return when the normal force first exceeds a force [N], in s; infinity if it does not."""
+    over = run.t.values[1e3 * run.normal_force.values > force]
+    return float(over[0]) if over.size else math.inf
+
+
+def told_of_whip(runs: Mapping[str, xr.Dataset], shares: xr.Dataset) -> str:
+    """Return what the gallery says of drops with friction."""
+    whirls = runs["whirls"]
+    rows = []
+    for contact in sorted(DROPS.values()):
+        share = shares.whip_share.sel(contact_damping=contact)
+        some = shares.friction.values[(share > 0.0).any("damping").values]
+        light = shares.friction.values[(share.isel(damping=0) == 1.0).values]
+        rows.append(
+            f"with λ = {contact:g} s/m {100.0 * float(share.mean()):.0f}% end in whip, some from "
+            f"μ = {some.min():.2f} on, all with the least damping from μ = {light.min():.2f} on"
+        )
+    exists = shares.damping <= shares.largest_whip_damping
+    there = float(shares.whip_share.where(exists).mean())
+    outside = float(shares.whip_share.where(~exists).max())
+    rests, goes_round = PUSHED.values()
+    return (
+        f"With λ = {DROPS['resting']:g} s/m and μ = {rests:g} the rotor stays on the ring, on the "
+        f"side to which friction pulls it. With μ = {goes_round:g} it goes round: the force "
+        f"exceeds {1e-3 * HARD:g} kN, a hundred weights, {1e3 * beyond(whirls, HARD):.1f} ms after "
+        "release, and grows until the disc rolls at "
+        f"{1e-3 * float(whirls.normal_force[-1]):.1f} MN, which the model's ring bears and no "
+        f"other. Of all drops {'; '.join(rows)}. Where whip exists {100.0 * there:.0f}% of drops "
+        f"end in it, elsewhere {'none does' if outside == 0.0 else 'some do'}: what counts is "
+        "whether the first impacts throw the rotor round the ring faster than the whirl that "
+        "slips, which more damping makes faster and more friction slower."
+    )
 
 
 if __name__ == "__main__":

@@ -22,7 +22,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.colors import ListedColormap
 from matplotlib.patches import Patch
-from scipy.optimize import brentq
 
 from rotor_ida import Rotor, backward_whirl, simulate
 from rotor_ida.paper.scenario import Settings, progress_bar, run_script
@@ -78,17 +77,13 @@ def birth(name: str, friction: float) -> float:
 def weakest_friction(name: str) -> float:
     """Return the friction that a ring needs for whip at some speed: none by Hertz.
 
-    In a linear ring the whirl that slips needs ``Omega**2 - kappa < 1``.
+    A linear ring holds a backward whirl of any size by itself, ``Omega**2 = kappa + 1``, and
+    friction drives it where it exceeds damping, ``mu > 2 zeta |Omega|``.
     """
     rotor = Rotor(omega=1.0, friction=1.0, **ROTORS[name])
     if rotor.contact_exponent != 1.0:
         return 0.0
-
-    def excess(friction: float) -> float:
-        root = math.hypot(rotor.zeta, friction * math.sqrt(rotor.shaft_stiffness))
-        return ((rotor.zeta + root) / friction) ** 2 - rotor.shaft_stiffness - 1.0
-
-    return float(brentq(excess, 1e-6, 10.0, xtol=1e-15))
+    return 2.0 * rotor.zeta * math.sqrt(rotor.shaft_stiffness + 1.0)
 
 
 def map_of(name: str, omega: np.ndarray, friction: np.ndarray, settings: Settings) -> xr.Dataset:
@@ -158,7 +153,7 @@ def draw(maps: dict[str, xr.Dataset], settings: Settings) -> None:
     patches = [
         Patch(facecolor=colour, edgecolor=GREY, lw=0.6, label=words)
         for colour, words in zip(
-            colours, ("no whip", "lasts if started on it alone", "reached from the knock",
+            colours, ("no whip", "lasts only if started on it", "reached from the knock",
                       "reached from rest"),
             strict=True,
         )
