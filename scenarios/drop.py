@@ -85,7 +85,7 @@ def main(settings: Settings) -> None:
     shares = whip_shares(
         friction=np.geomspace(0.1, 1.0, 4 if settings.quick else 12),
         damping=np.geomspace(20.0, 4e4, 4 if settings.quick else 10),
-        angles=np.arange(4 if settings.quick else 8) * 2.0 * math.pi / (4 if settings.quick else 8),
+        angles=np.linspace(0.0, 2.0 * math.pi, 2 if settings.quick else 8, endpoint=False),
         settings=settings,
     )
     settings.keep(shares, "whip")
@@ -460,9 +460,9 @@ def told_of_whip(runs: Mapping[str, xr.Dataset], shares: xr.Dataset) -> str:
         "release, and grows until the disc rolls at "
         f"{1e-3 * float(whirls.normal_force[-1]):.1f} MN, which the model's ring bears and no "
         f"other. Of all drops {'; '.join(rows)}. Where whip exists {100.0 * there:.0f}% of drops "
-        f"end in it, elsewhere {'none does' if outside == 0.0 else 'some do'}: what counts is "
-        "whether the first impacts throw the rotor round the ring faster than the whirl that "
-        "slips, which more damping makes faster and more friction slower."
+        f"end in it, elsewhere {'none does' if outside == 0.0 else 'some do'}: the first impacts "
+        "must throw the rotor round the ring faster than the whirl that slips, which is the faster "
+        "the more damping and the less friction there is."
     )
 
 

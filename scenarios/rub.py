@@ -356,7 +356,10 @@ def smallest_knocks(speeds: np.ndarray, sparse: np.ndarray, settings: Settings) 
 
 
 def draw_knocks(runs: dict[str, xr.Dataset], settings: Settings) -> None:
-    figure, axes = mixed_panels(4, 2, height=10.0)
+    figure, axes = mixed_panels(4, 2, height=10.6)
+    grid = axes[0].get_gridspec()
+    if grid is not None:
+        grid.set_height_ratios([1.7, 1.0, 1.0, 1.0])
     whip = backward_whirl(rotor_at(OMEGA))
     for column, (name, run) in enumerate(runs.items()):
         orbit, speed, slip, force = axes[column::2]
@@ -397,8 +400,9 @@ def draw_rolls(run: xr.Dataset, rows: Sequence[tuple[Axes, xr.DataArray]]) -> No
     for kind, marker, face, words in ((2, "^", RED, "roll"), (-2, "v", "white", "slip")):
         times = run.event_time.values[run.event_kind.values == kind]
         for ax, values in rows:
-            ax.plot(times, np.interp(times, run.t, values), ls="", marker=marker, ms=3.4, mec=RED,
-                    mfc=face, mew=0.7, label=words, zorder=3.0)  # fmt: skip
+            after = values.values[np.searchsorted(run.t.values, times)]
+            ax.plot(times, after, ls="", marker=marker, ms=3.0, mec=RED, mfc=face, mew=0.6,
+                    label=words, zorder=3.0)  # fmt: skip
 
 
 def told_of_knocks(runs: dict[str, xr.Dataset], whip: xr.Dataset) -> str:

@@ -2,6 +2,7 @@
 
 import importlib.util
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from scipy.optimize import brentq
 
 from rotor_ida import (
     Rotor,
+    backward_whirl,
     branches_through,
     compare,
     limit_cycle,
@@ -19,6 +21,7 @@ from rotor_ida import (
 )
 from rotor_ida.closed_forms import response_curve
 from rotor_ida.paper.reproduction import scenario_scripts
+from rotor_ida.paper.whip import ENDS, end_of, is_whip
 from rotor_ida.schema import RESPONSE
 
 
@@ -202,6 +205,49 @@ def test_unbalance_keeps_the_rotor_bouncing_that_would_rest_without_spin(drop):
     duration = drop.LASTS / machine.time_scale
     run = simulate(still, start=(0.0, 0.0, 0.0, 0.0), duration=duration, method="taylor")
     assert drop.time_to_rest(run, machine) < 0.3
+
+
+@pytest.mark.parametrize("friction", [0.1, 0.2, 0.3])
+def test_rotor_that_rests_lies_on_the_side_by_the_angle_of_friction(drop, friction):
+    """Forces on a body at rest: its weight, and a contact tilted by the angle of friction."""
+    machine = drop.machine_with(10.0, friction=friction)
+    run = drop.drop(machine, 1.0, samples=20_001)
+    assert end_of(run) == ENDS["no_whip"]
+    late = run.isel(t=slice(10_000, None))
+    assert (late.normal_force > 0.0).all()
+    x, y = float(late.x.mean()), float(late.y.mean())
+    # the rim slides on towards positive x, so friction pulls the other way; it rocks about there
+    assert x / y == pytest.approx(friction, rel=0.03)
+    assert x < 0.0
+
+
+def test_whip_of_the_dropped_machine_ends_at_the_damping_of_the_border(drop):
+    for friction in (0.1, 0.4):
+        damping = drop.largest_whip_damping(friction)
+        machine = replace(drop.machine_with(0.0, friction=friction), load=0.0, damping=damping)
+        rotor = machine.rotor()
+        # by SciPy: the rolling disc asks for 2 zeta V of friction, and mu N is there
+        surface = rotor.disc_radius * rotor.omega
+
+        def excess(r, rotor=rotor, surface=surface):
+            return r * (r - rotor.delta0) ** 1.5 - surface**2
+
+        radius = brentq(excess, rotor.delta0, 1e6, xtol=1e-9)
+        holding = friction * (radius - rotor.delta0) ** 1.5
+        assert 2.0 * rotor.zeta * surface == pytest.approx(holding, rel=1e-10)
+        assert backward_whirl(rotor).birth_omega.item() == pytest.approx(rotor.omega, rel=1e-10)
+
+
+def test_drop_that_ends_in_whip_does_so_by_another_method_and_for_good(drop):
+    for friction, whips in ((0.2, False), (0.4, True)):
+        machine = drop.machine_with(10.0, friction=friction)
+        rotor = machine.rotor()
+        run = simulate(
+            rotor, start=(-1.0, 0.0, 0.0, -rotor.omega),
+            duration=5.0 * drop.DECIDED / machine.time_scale, samples=401, method="adams",
+        )  # fmt: skip
+        assert is_whip(run) == whips
+        assert is_whip(drop.drop(machine, drop.DECIDED, samples=201)) == whips
 
 
 def test_elastic_fall_without_unbalance_bears_the_force_of_its_energy(drop):
