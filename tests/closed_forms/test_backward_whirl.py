@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from rotor_ida import Rotor, backward_whirl
+from rotor_ida import Rotor, backward_whirl, simulate
 from rotor_ida.errors import InputError
 from rotor_ida.schema import STABILITY, WHIRL_KIND
 
@@ -218,6 +218,49 @@ def test_radii_over_many_orders_of_magnitude():
         settled = brentq(rolls, d, d + surface**2 + 1.0, xtol=1e-300, rtol=1e-14, maxiter=1000)
         assert row(found, "slipping")["amplitude"] == pytest.approx(radius, rel=1e-11)
         assert row(found, "rolling")["amplitude"] == pytest.approx(settled, rel=1e-11)
+
+
+def test_linear_ring_has_whip_where_friction_drives_its_backward_mode():
+    """Far out a linear ring is a spring: an eigenvalue says when friction drives the whirl.
+
+    z'' + 2 zeta z' + (kappa + 1 + i mu) z = 0 grows for mu > 2 zeta sqrt(kappa + 1), backwards
+    with the natural frequency of shaft and ring together.
+    """
+    rng = np.random.default_rng(5)
+    for _ in range(50):
+        zeta, kappa = 10.0 ** rng.uniform(-2.5, 0.0), 10.0 ** rng.uniform(-3.0, 1.0)
+        delta0, rho = 10.0 ** rng.uniform(-1.0, 1.0), 10.0 ** rng.uniform(-1.0, 2.0)
+        bound = 2.0 * zeta * math.sqrt(kappa + 1.0)
+        for factor, born in ((1.0 - 1e-9, False), (1.0 + 1e-9, True)):
+            mu = factor * bound
+            given = {"zeta": zeta, "delta0": delta0, "shaft_stiffness": kappa, "friction": mu,
+                     "contact_exponent": 1.0, "disc_radius": rho}  # fmt: skip
+            eigenvalues = np.roots([1.0, 2.0 * zeta, kappa + 1.0 + 1j * mu])
+            fastest = eigenvalues[eigenvalues.real.argmax()]
+            assert (fastest.real > 0.0) == born
+            assert fastest.imag == pytest.approx(-math.sqrt(kappa + 1.0), rel=1e-8)
+            assert np.isfinite(backward_whirl(rubbing(omega=1.0, **given)).birth_omega) == born
+
+
+@pytest.mark.parametrize("friction", [0.09, 0.12])
+def test_wide_backward_whirl_grows_at_the_rate_of_the_linear_ring(friction):
+    """Just below and just above the bound; the clearance matters less and less far out."""
+    zeta, kappa, span = 0.05, 0.05, 20.0
+    eigenvalues = np.roots([1.0, 2.0 * zeta, kappa + 1.0 + 1j * friction])
+    backwards = eigenvalues[eigenvalues.imag.argmin()]
+    rotor = Rotor(
+        omega=0.5, zeta=zeta, delta0=1.0, shaft_stiffness=kappa, contact_exponent=1.0,
+        friction=friction, disc_radius=1e6,
+    )  # fmt: skip
+    off = []
+    for radius in (1e3, 1e4):
+        velocity = backwards * radius
+        start = (radius, 0.0, velocity.real, velocity.imag)
+        run = simulate(rotor, start=start, duration=span, samples=2, method="taylor")
+        grown = np.hypot(run.x.values[-1], run.y.values[-1]) / radius
+        off.append(abs(math.log(grown) / span - backwards.real))
+    assert off[0] < 2e-5
+    assert 0.09 < off[1] / off[0] < 0.11
 
 
 def test_without_damping_any_touch_is_driven():

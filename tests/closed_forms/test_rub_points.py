@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -303,3 +304,32 @@ def test_the_table_of_the_documentation():
 def test_odd_values_are_refused(function, given, says):
     with pytest.raises(InputError, match=says):
         function(**({"zeta": 0.07, "delta0": 0.5, "friction": 0.1} | given))
+
+
+def test_rub_loses_its_stability_to_a_backward_whirl_of_the_natural_frequency():
+    """On fixed axes the mode that grows at a Hopf point turns backwards.
+
+    Its speed is that of the rotor on shaft and ring, which gives way with the mean s of its
+    stiffnesses along and across the radius, and there mu s is 2 zeta times that speed. Both hold
+    the better, the less friction exceeds what would drive the rotor in a ring without clearance.
+    """
+    zeta, kappa, delta0 = 0.005, 0.04, 1.5
+    bound = 2.0 * zeta * math.sqrt(kappa + 1.0)
+    off = []
+    for excess in (0.2, 0.1, 0.05):
+        mu = (1.0 + excess) * bound
+        found = hopf_points(
+            zeta=zeta, delta0=delta0, shaft_stiffness=kappa, contact_exponent=1.0, friction=mu
+        )
+        omega, amplitude, frequency = (
+            found[f"hopf_{name}"].values.ravel() for name in ("omega", "amplitude", "frequency")
+        )
+        assert np.isfinite(omega).sum() == 2
+        whirl = omega - frequency
+        mean = 1.0 - 0.5 * delta0 / amplitude
+        assert (whirl < 0.0).all()
+        np.testing.assert_allclose(2.0 * zeta * -whirl / (mu * mean), 1.0, atol=0.5 * excess**2)
+        off.append(float(np.abs(-whirl / np.sqrt(kappa + mean) - 1.0).max()))
+    assert off[0] < 0.012
+    for coarse, fine in pairwise(off):
+        assert 0.2 < fine / coarse < 0.3
