@@ -5,7 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from rotor_ida import Rotor, compare, simulate, sweep, synchronous_response
+from rotor_ida import (
+    Rotor,
+    compare,
+    lyapunov_exponent,
+    simulate,
+    sweep,
+    synchronous_response,
+)
 from rotor_ida.closed_forms.contact_free import touch_fading
 from rotor_ida.equations.model import rotated
 from rotor_ida.schema import EXACT, RESPONSE
@@ -199,3 +206,26 @@ def test_touches_fade_by_the_law_that_friction_leaves_as_it_is():
     off = np.abs(growth / touch_fading(rotor) - 1.0)
     assert off[-20:].max() < 0.01
     assert off[-20:].max() < 0.5 * off[20:40].max()
+
+
+def test_friction_makes_tori_without_a_load():
+    """Where a pair of multipliers has crossed the unit circle the motion never repeats itself.
+
+    Two exponents are zero; others begun aside come to the same torus.
+    """
+    rotor = Rotor(
+        omega=2.37, zeta=0.02, delta0=1.0, contact_exponent=1.0, friction=0.05, disc_radius=5.0
+    )
+    near = np.array([0.157, 1.116, 0.906, -4.344])
+    found = sweep(
+        omega=2.37, zeta=0.02, delta0=1.0, contact_exponent=1.0, friction=0.05, disc_radius=5.0,
+        starts=[near, 1.003 * near], method="taylor",
+    ).squeeze()  # fmt: skip
+    assert (found.response == RESPONSE["quasi_periodic"]).all()
+    one, other = found["radius_max"].values
+    assert other == pytest.approx(one, abs=0.02)
+    exponents = lyapunov_exponent(rotor, start=near, transient=2000.0, duration=3000.0)
+    first, second, third, _ = exponents.lyapunov_exponent.values
+    assert abs(first) < 1e-4
+    assert abs(second) < 1e-4
+    assert third < -2e-3
