@@ -43,7 +43,7 @@ OF_MOTION = {
     ),
 }
 # Ends of a branch that do not hang on its steps.
-SHARP = ("limits", "closed", "halved", "start")
+SHARP = ("limits", "closed", "halved", "hopf", "start")
 # How far numbers may be off on another machine, relative to their size: those of responses, and
 # those of cycles. Lengths, forces and multipliers of cycles are of the size of 1.
 CLOSE, CLOSE_OF_CYCLES = 1e-6, 1e-8
