@@ -91,8 +91,8 @@ def compare(dataset: xr.Dataset) -> xr.Dataset:
     so.
 
     With friction the synchronous whirls are exact as well, on which the disc slides forwards
-    whatever its radius; limit cycles, dry whip, and a rest on the ring under a load lie on nothing
-    that is known.
+    whatever its radius, and dry whip with unbalance is held against its limit cycle; a rest on the
+    ring under a load lies on nothing that is known, as friction may hold it at many places.
 
     Examples
     --------
@@ -309,8 +309,6 @@ def _cycles_beside(dataset: xr.Dataset) -> dict[str, npt.NDArray[np.generic]]:
     }
     for place in zip(*np.nonzero(np.isfinite(spread["period"])), strict=True):
         rotor = Rotor(**{name: float(spread[name][place]) for name in parameters})
-        if rotor.friction > 0.0:
-            continue
         end = np.array([spread[name][place] for name in ENDS])
         cycle = _cycle_near(rotor, end, float(spread["period"][place]))
         if cycle is None:

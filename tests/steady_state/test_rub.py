@@ -111,7 +111,11 @@ def test_dry_whip_starts_from_a_knock_and_rubs_are_those_of_the_closed_form():
     assert whips.response.values.tolist() == [RESPONSE[kind] for kind in kinds]
     assert found.disc_radius.item() == 10.0
     compared = compare(found)
-    assert (compared.lies_on.where(rolling, EXACT["nothing"]) == EXACT["nothing"]).all()
+    # with unbalance whip is a cycle on the turning axes
+    repeats = rolling & found.period.notnull()
+    assert repeats.any()
+    assert (compared.lies_on.where(repeats, EXACT["cycle"]) == EXACT["cycle"]).all()
+    assert float(compared.digits.where(repeats).min()) > 6.0
     rubs = compared.response == RESPONSE["synchronous"]
     assert rubs.sel(friction=0.2).any()
     assert (compared.lies_on.where(rubs, EXACT["whirl"]) == EXACT["whirl"]).all()
