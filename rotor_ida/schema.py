@@ -175,6 +175,7 @@ QUANTITIES: dict[str, Quantity] = {
     "force": Quantity("contact force", scale="force"),
     "force_x": Quantity("horizontal contact force on the rotor", scale="force"),
     "force_y": Quantity("vertical contact force on the rotor", scale="force"),
+    "tangential_force": Quantity("force along the ring, back on the rotor", scale="force"),
     "peak_fraction": Quantity("part of the contacts whose largest force is no larger"),
     # Lyapunov exponents
     "exponent": Quantity("number of the Lyapunov exponent, the largest first"),

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 
 import rotor_ida
-from rotor_ida import InputError, Rotor, contact_forces, simulate
+from rotor_ida import InputError, Rotor, simulate
 from rotor_ida.simulation.dataset import rotor_of
 
 RUBBING = Rotor(omega=1.2, zeta=0.07, delta0=0.5, friction=0.3, disc_radius=0.6)
@@ -16,7 +16,6 @@ BOX = {"x": (-1.0, 1.0), "y": (-1.0, 1.0), "starts": 10}
 
 UNKNOWN: dict[str, Callable[[Rotor], object]] = {
     "exponents": lambda rotor: rotor_ida.lyapunov_exponent(rotor, start=START),
-    "sections": lambda rotor: rotor_ida.poincare_section(rotor, start=START, revolutions=10),
     "a cycle": lambda rotor: rotor_ida.limit_cycle(rotor, start=START),
     "a branch": lambda rotor: rotor_ida.continue_cycle(rotor, start=START, limits=(1.0, 2.0)),
     "a curve": lambda rotor: rotor_ida.bifurcation_curve(
@@ -29,7 +28,6 @@ UNKNOWN: dict[str, Callable[[Rotor], object]] = {
     "a basin": lambda rotor: rotor_ida.basin(rotor, x=[0.0, 1.0], y=[0.0, 1.0]),
     "a report": lambda rotor: rotor_ida.touchdown_report(rotor, **BOX),
     "rest": rotor_ida.rest,
-    "forces": lambda rotor: contact_forces(simulate(rotor, start=START, duration=1.0, samples=3)),
 }
 
 

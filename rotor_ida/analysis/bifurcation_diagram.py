@@ -43,6 +43,8 @@ def bifurcation_diagram(
     contact_exponent: npt.ArrayLike = 1.5,
     contact_damping: npt.ArrayLike = 0.0,
     load: npt.ArrayLike = 0.0,
+    friction: npt.ArrayLike = 0.0,
+    disc_radius: npt.ArrayLike | None = None,
     starts: int | npt.ArrayLike = 8,
     seed: int = 0,
     reach: float = 5.0,
@@ -60,8 +62,10 @@ def bifurcation_diagram(
     ----------
     omega, zeta, delta0 : array_like, shape (n,) or scalar
         The parameters to combine [1].
-    shaft_stiffness, contact_exponent, contact_damping, load : array_like, shape (n,) or scalar
+    shaft_stiffness, contact_exponent, contact_damping, load, friction : array_like or scalar
         As for `rotor_ida.sweep`: more to combine, a dimension where an axis is given [1].
+    disc_radius : array_like, shape (n,), or scalar, optional
+        The radius of the disc [1], which friction needs; likewise.
     starts : int or array_like, shape (n, 4)
         Number of random starts, or the starts ``(x, y, vx, vy)`` themselves [1]. Each speed has
         the same ones.
@@ -130,8 +134,8 @@ def bifurcation_diagram(
     swept = sweep(
         omega=omega, zeta=zeta, delta0=delta0, shaft_stiffness=shaft_stiffness,
         contact_exponent=contact_exponent, contact_damping=contact_damping, load=load,
-        starts=starts, rtol=rtol, atol=atol, method=method, workers=workers, executor=executor,
-        progress=progress,
+        friction=friction, disc_radius=disc_radius, starts=starts, rtol=rtol, atol=atol,
+        method=method, workers=workers, executor=executor, progress=progress,
     )  # fmt: skip
     settled = swept.isel(direction=0, drop=True).drop_dims("event")
     options = Options(rtol=rtol, atol=atol, method=method)

@@ -23,17 +23,20 @@ from rotor_ida.checks import (
 from rotor_ida.equations.model import rotated
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Stop, interruptible
-from rotor_ida.parameters import Rotor, check_no_friction
+from rotor_ida.parameters import Rotor
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import Column, labelled_dataset
 from rotor_ida.simulation.dataset import parameter_coordinates
 from rotor_ida.simulation.options import Method, Options, check_can_be_followed
-from rotor_ida.simulation.orbit import ENTRY, EXIT
+from rotor_ida.simulation.orbit import ENTRY, EXIT, REVERSE, ROLL, SLIP
 from rotor_ida.simulation.run import run
 
-At = Literal["revolution", "entry", "exit", "peak"]
+At = Literal["revolution", "entry", "exit", "peak", "roll", "slip", "reverse"]
 
-PLACES = ("revolution", "entry", "exit", "peak")
+# Events of a run by name; the last ones need friction.
+RUBS = {"roll": ROLL, "slip": SLIP, "reverse": REVERSE}
+EVENTS = {"entry": ENTRY, "exit": EXIT, **RUBS}
+PLACES = ("revolution", "entry", "exit", "peak", *RUBS)
 NAMES = ("rotating_x", "rotating_y", "rotating_vx", "rotating_vy")
 
 
@@ -61,9 +64,10 @@ def poincare_section(
         Number of revolutions in the section, at most 10 million.
     skip : int
         Number of revolutions before these, left out as a transient, at most 10 million.
-    at : {"revolution", "entry", "exit", "peak"}
-        Once a revolution, when the unbalance points along x; at each contact entry or exit; or
-        at each local maximum of the distance from the bearing axis.
+    at : {"revolution", "entry", "exit", "peak", "roll", "slip", "reverse"}
+        Once a revolution, when the unbalance points along x; at each contact entry or exit; at
+        each local maximum of the distance from the bearing axis; or with friction where the disc
+        begins to roll, begins to slip, or slides the other way.
     phase : float
         Angle from x at which the unbalance points once a revolution, below 2 pi [rad]: under a
         load the section differs from angle to angle.
@@ -89,13 +93,14 @@ def poincare_section(
     -----
     On the rotating axes the motion is autonomous. A synchronous whirl is one point of the
     section by revolutions; a response of period n revolutions is n points, a quasi-periodic one
-    a closed curve. At entries, exits and peaks, which lie on a surface of the phase space, a
+    a closed curve. At events and peaks, which lie on a surface of the phase space, a
     motion that is periodic on the rotating axes is a few points whatever its period.
     A load turns on these axes: under one only the section by revolutions is of a map of its own,
-    the stroboscopic one, whose fixed points and cycles are the periodic motions; at entries,
-    exits and peaks the angle of the load is left out.
-    Revolutions are sampled at exactly ``(phase + 2 pi n)/omega``; entries and exits are the
-    events of the simulation; peaks are roots of ``x vx + y vy``, polished to about 1e-12 of the
+    the stroboscopic one, whose fixed points and cycles are the periodic motions; at events
+    and peaks the angle of the load is left out. A disc that rolls on the ring is at most
+    three numbers there, as its velocity along the ring is that of the rim.
+    Revolutions are sampled at exactly ``(phase + 2 pi n)/omega``; entries, exits and the like are
+    the events of the simulation; peaks are roots of ``x vx + y vy``, polished to about 1e-12 of the
     state. A constant radius has no peaks.
 
     References
@@ -111,7 +116,6 @@ def poincare_section(
     """
     check_instance("rotor", rotor, Rotor)
     first = check_state("start", start)
-    check_no_friction(rotor, "a section")
     check_can_be_followed(rotor, first)
     if rotor.omega == 0.0:
         raise InputError("omega must be positive for a section, got 0.0: nothing turns")
@@ -122,7 +126,9 @@ def poincare_section(
         raise InputError(f"phase must be below 2 pi, got {phase!r}")
     if at != "revolution" and phase:
         raise InputError(f"phase must be 0 for a section at each {at}, got {phase!r}")
-    if at in ("entry", "exit") and rotor.delta0 == 0.0:
+    if at in RUBS and rotor.friction == 0.0:
+        raise InputError(f"friction must be positive for a section at each {at}, got 0.0")
+    if at in EVENTS and rotor.delta0 == 0.0:
         raise InputError(f"delta0 must be positive for a section at each {at}, got 0.0")
     options = Options(rtol=rtol, atol=atol, method=method)
     period = 2.0 * math.pi / rotor.omega
@@ -170,6 +176,6 @@ def _crossings(
         # turning by whole revolutions would only add rounding
         return times, rotated(orbit.states, np.float64(-phase)) if phase else orbit.states
     orbit = run(rotor, start, duration, np.empty(0), options, stop=stop)
-    chosen = orbit.event_kinds == (ENTRY if at == "entry" else EXIT)
+    chosen = orbit.event_kinds == EVENTS[at]
     times = orbit.event_times[chosen]
     return times, rotated(orbit.event_states[chosen], -rotor.omega * times)

@@ -22,6 +22,7 @@ from rotor_ida.plot.appearance import (
     BLUE,
     DASHES,
     INK,
+    ORANGE,
     RED,
     SHADE,
     axes_or_new,
@@ -280,6 +281,8 @@ def plot_machine(run: xr.Dataset) -> Figure:
 def plot_forces(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     """Draw the contact force over time, with the peak of each contact.
 
+    With friction that is the normal force, and beside it the force along the ring.
+
     Parameters
     ----------
     forces : Dataset
@@ -300,12 +303,20 @@ def plot_forces(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         ax = axes_or_new(ax)
         label_axis(ax.xaxis, "t", forces["t"])
         label_axis(ax.yaxis, "force", forces["force"])
-        ax.plot(time, forces["force"].values, color=BLUE, lw=0.9, label="force")
-        peaks = _peaks_on(forces, time, forces["force"].values)
+        rubs, lowest = "tangential_force" in forces, 0.0
+        normal = forces["normal_force" if rubs else "force"].values
+        ax.plot(time, normal, color=BLUE, lw=0.9, label="normal force" if rubs else "force")
+        if rubs:
+            along = forces["tangential_force"].values
+            ax.plot(time, along, color=ORANGE, lw=0.9, label="force along the ring")
+            lowest = min(lowest, 1.1 * float(along.min(initial=0.0)))
+        peaks = _peaks_on(forces, time, normal)
         ax.plot(*peaks, ls="", marker="o", ms=2.8, mec=RED, mfc="white", mew=0.8,
                 label="peak of a contact")  # fmt: skip
         ax.set_xlim(float(time[0]), float(time[-1]))
-        ax.set_ylim(bottom=0.0)
+        ax.set_ylim(bottom=lowest)
+        if rubs:
+            legend_below(ax, columns=3)
     return ax
 
 

@@ -213,3 +213,23 @@ def test_failure_says_where(monkeypatch):
     message = r"followed to its extrema: time no longer advances \(at t = 0\.04"
     with pytest.raises(SimulationError, match=message):
         radius_extrema(BOUNCING, REST, 10.0, 1e-10, GO_ON)
+
+
+def test_with_friction_the_extrema_of_dry_whip_are_those_of_its_samples():
+    """Beside the rub, which has one radius: both from the same rotor."""
+    machine = {"omega": [0.6, 1.2], "zeta": 0.1, "delta0": 1.0, "friction": [0.0, 0.2]}
+    starts = [(0.0, 0.0, 0.0, 0.0), (5.0, 0.0, 0.0, -6.3)]
+    found = bifurcation_diagram(**machine, disc_radius=10.0, starts=starts, extrema_time=60.0)
+    assert found.extremum_count.dims == ("omega", "zeta", "delta0", "friction", "start")
+    whips = found.response == RESPONSE["rolling"]
+    assert whips.values.ravel().tolist() == [False, False, False, True, False, False, False, True]
+    ends = np.cumsum(found.extremum_count.values.ravel())
+    for place, omega in ((3, 0.6), (7, 1.2)):
+        own = slice(ends[place - 1], ends[place])
+        kinds, radii = found.extremum_kind.values[own], found.extremum_radius.values[own]
+        rotor = Rotor(omega=omega, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
+        run = simulate(rotor, start=starts[1], duration=1000.0, samples=200_001, method="taylor")
+        radius = np.hypot(run.x, run.y).values[-4000:]
+        for kind, limit in ((1, radius.max()), (-1, radius.min())):
+            np.testing.assert_allclose(radii[kinds == kind], limit, atol=1e-4)
+            assert (kinds == kind).sum() > 10

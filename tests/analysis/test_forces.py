@@ -12,9 +12,13 @@ from rotor_ida import (
     simulate,
 )
 from rotor_ida.plot import plot_forces, plot_machine
+from rotor_ida.simulation.dataset import rotor_of
+from tests.simulation.test_friction import MACHINES
 
 REST = (0.0, 0.0, 0.0, 0.0)
 PLAIN = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+# All ways to move: rolling beside sliding both ways, loose, under a load, on a shaft.
+RUBBING = ("dry whip", "small disc, that chatters", "slow, under a load", "all of it")
 
 
 @pytest.fixture(scope="module")
@@ -155,3 +159,58 @@ def test_peaks_of_damped_contacts_are_drawn_on_the_force(loose):
     on = np.interp(marks.get_xdata(), curve.get_xdata(), curve.get_ydata())
     np.testing.assert_allclose(on, marks.get_ydata(), rtol=1e-4)
     assert (marks.get_xdata() < loose.peak_time.values[: marks.get_xdata().size]).all()
+
+
+def test_forces_of_friction_are_drawn_apart():
+    rotor, start, duration, _ = MACHINES["dry whip"]
+    ax = plot_forces(contact_forces(simulate(rotor, start=start, duration=duration)))
+    assert [line.get_label() for line in ax.lines][:2] == ["normal force", "force along the ring"]
+    assert ax.get_ylim()[0] < 0.0  # it begins a little too fast, and slides backwards
+
+
+@pytest.fixture(scope="module", params=RUBBING)
+def rub(request):
+    rotor, start, duration, _ = MACHINES[request.param]
+    return simulate(rotor, start=start, duration=duration, samples=40_001, method="taylor")
+
+
+def test_with_friction_the_balance_of_momentum_leaves_the_whole_force(rub):
+    """z'' by differences of the velocity, where no event lies between the samples."""
+    forces, rotor = contact_forces(rub), rotor_of(rub)
+    t, step = rub.t.values, float(rub.t[1])
+    z, velocity = rub.x.values + 1j * rub.y.values, rub.vx.values + 1j * rub.vy.values
+    left = rotor.omega**2 * np.exp(1j * rotor.omega * t) - 1j * rotor.load
+    left -= 2.0 * rotor.zeta * velocity + rotor.shaft_stiffness * z
+    force = forces.force_x.values + 1j * forces.force_y.values
+    off = (velocity[2:] - velocity[:-2]) / (2.0 * step) - (left + force)[1:-1]
+    passed = np.searchsorted(rub.event_time.values, t)
+    smooth = passed[2:] == passed[:-2]
+    # differences over 0.001 err by its square times the third derivative, and by the kinks of
+    # entries; the force along the ring is 0.4 to 3, and jumps by up to 1.3 at events
+    assert np.abs(off[smooth]).max() < 1e-4
+    assert smooth.sum() > 39_000
+
+
+def test_what_slides_takes_the_heat_of_each_contact(rub):
+    """The power of the force along the ring, ``T v_s``: 0 while the disc rolls."""
+    forces = contact_forces(rub)
+    power = forces.tangential_force.values * rub.slip_speed.values
+    assert (power >= 0.0).all()
+    assert np.trapezoid(power, rub.t) == pytest.approx(float(rub.heat.sum()), rel=2e-6)
+
+
+def test_friction_holds_no_more_than_it_can(rub):
+    forces, rotor = contact_forces(rub), rotor_of(rub)
+    grip = rotor.friction * forces.normal_force.values
+    along, mode = forces.tangential_force.values, rub["mode"].values
+    rolls, slides = mode == 2, np.abs(mode) == 1
+    assert (np.abs(along[rolls]) <= grip[rolls] * (1.0 + 1e-9) + 1e-12).all()
+    np.testing.assert_array_equal(along[slides], (mode * grip)[slides])
+    assert not along[~rolls & ~slides].any()
+    size = np.hypot(forces.normal_force, along)
+    np.testing.assert_allclose(forces.force, size, rtol=1e-13)
+
+
+def test_a_run_with_friction_of_before_lacks_its_modes(rub):
+    with pytest.raises(InputError, match="it lacks mode"):
+        contact_forces(rub.drop_vars("mode"))

@@ -153,3 +153,34 @@ def test_entries_and_peaks_of_a_machine_are_those_of_its_run(machine):
 def test_bad_input_is_refused(rotor, wrong, message):
     with pytest.raises(InputError, match=message):
         poincare_section(rotor, **{"start": REST, "revolutions": 2, **wrong})
+
+
+WHIP = Rotor(omega=0.62962981, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
+KNOCKED = (5.0, 0.0, 0.0, -6.3)
+
+
+@pytest.mark.parametrize(("at", "kind"), [("roll", 2), ("slip", -2)])
+def test_rolls_and_slips_are_the_events_of_the_simulation(at, kind):
+    """There the disc slides no longer, or not yet: ``v_t = -rho omega``."""
+    section = poincare_section(WHIP, start=KNOCKED, revolutions=4, at=at)
+    run = simulate(WHIP, start=KNOCKED, duration=8.0 * math.pi / WHIP.omega, samples=2)
+    chosen = run.event_kind.values == kind
+    assert chosen.sum() > 5
+    np.testing.assert_allclose(section.crossing_time, run.event_time[chosen], atol=1e-9)
+    x, y, vx, vy = states(section).T
+    np.testing.assert_allclose((x * vy - y * vx) / np.hypot(x, y), -6.2962981, rtol=1e-12)
+
+
+def test_dry_whip_is_one_point_by_peaks_and_skipping_in_it_changes_nothing():
+    """Also where what is skipped ends while the disc rolls, as it does here."""
+    late = poincare_section(WHIP, start=KNOCKED, revolutions=20, skip=50, at="peak")
+    long = poincare_section(WHIP, start=KNOCKED, revolutions=70, at="peak")
+    assert simulate(WHIP, start=KNOCKED, duration=100.0 * math.pi / WHIP.omega)["mode"][-1] == 2
+    last = late.sizes["crossing"]
+    np.testing.assert_allclose(states(late), states(long)[-last:], atol=1e-8)
+    assert np.ptp(states(late), axis=0).max() < 1e-7
+
+
+def test_without_friction_nothing_rolls():
+    with pytest.raises(InputError, match="friction must be positive for a section at each roll"):
+        poincare_section(BOUNCING, start=REST, revolutions=5, at="roll")
