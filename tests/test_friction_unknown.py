@@ -25,7 +25,6 @@ UNKNOWN: dict[str, Callable[[Rotor], object]] = {
         parameters=("omega", "delta0"),
         limits=((1.0, 2.0), (0.1, 1.0)),
     ),
-    "a basin": lambda rotor: rotor_ida.basin(rotor, x=[0.0, 1.0], y=[0.0, 1.0]),
     "a report": lambda rotor: rotor_ida.touchdown_report(rotor, **BOX),
     "rest": rotor_ida.rest,
 }

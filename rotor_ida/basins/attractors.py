@@ -14,7 +14,7 @@ from rotor_ida.basins.contact_free_whirls import ContactFree
 from rotor_ida.basins.fates import BY_KIND
 from rotor_ida.basins.following import FollowedStarts, Starts
 from rotor_ida.basins.kernel import CHAOTIC, LOWEST, QUASI_PERIODIC, Labels
-from rotor_ida.basins.known import followed_alone
+from rotor_ida.basins.known import followed_alone, told_by_kind
 from rotor_ida.checks import State
 from rotor_ida.cycles.limit_cycle import follow
 from rotor_ida.cycles.shooting import Cycle
@@ -163,7 +163,7 @@ def leads_to(
         return settled.response in CONTACT_FREE_FAMILY
     if settled.response != attractor.kind:
         return False
-    together = rotor.friction > 0.0 and attractor.kind in BY_KIND
+    together = told_by_kind(rotor) and attractor.kind in BY_KIND
     if together or attractor.kind in ONLY_BY_KIND:
         return True
     return _agrees(settled, attractor)

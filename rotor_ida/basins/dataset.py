@@ -17,7 +17,7 @@ from rotor_ida.basins.entropy import grid_entropy, sample_entropy
 from rotor_ida.basins.fates import ALONE
 from rotor_ida.basins.following import Starts
 from rotor_ida.basins.kernel import Labels
-from rotor_ida.basins.known import followed_alone
+from rotor_ida.basins.known import followed_alone, told_by_kind
 from rotor_ida.basins.labelling import Labelled
 from rotor_ida.parameters import Rotor
 from rotor_ida.provenance import provenance
@@ -32,6 +32,12 @@ LABELLING = (
     "found by Newton's method, some orbits followed one by one by Taylor series, as in a sweep "
     "with left_over_rtol, and what lasts told to be chaotic by an exponent of its own, or followed "
     "on; some starts labelled again with the error agreement_rtol"
+)
+LABELLING_RUBS = (
+    "every start followed beside others by DOP853 on the rotating axes, with the error "
+    "labelling_rtol in a step, for as long as the disc slides forwards, until a region holds it; "
+    "the others followed from their starts one by one by Taylor series, as in a sweep with "
+    "left_over_rtol; some starts labelled again with the error agreement_rtol"
 )
 # What follows starts side by side, in the core.
 LABELLING_METHOD = "dop853"
@@ -115,8 +121,9 @@ def labelled_how(tolerance: float, rotor: Rotor | None = None) -> dict[str, obje
             "labelling_method": ALONE.method,
             "labelling_rtol": tolerance,
         }
+    rubs = rotor is not None and told_by_kind(rotor)
     return {
-        "labelling": LABELLING,
+        "labelling": LABELLING_RUBS if rubs else LABELLING,
         "labelling_method": LABELLING_METHOD,
         "labelling_rtol": tolerance,
         "left_over_method": ALONE.method,

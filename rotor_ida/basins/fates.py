@@ -9,8 +9,9 @@ each by itself: chaos is told by the exponent of each orbit; the others are foll
 The label of a start hangs on the rotor and on the start alone: what else is in the batch, or is
 known by then, decides when it is found, and at what cost.
 
-Under a load, which turns on these axes, and with friction no region holds a start: each is followed
-by itself. With friction motions that are no whirl are told by their kinds alone.
+Under a load, which turns on these axes, no region holds a start: each is followed by itself. With
+friction motions that are no whirl are told by their kinds alone. What no region holds there, or
+does not slide forwards throughout, is followed by itself from its start on.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ from rotor_ida.basins.kernel import (
     Labels,
     Times,
 )
-from rotor_ida.basins.known import Known, followed_alone, with_cycle
+from rotor_ida.basins.known import Known, followed_alone, told_by_kind, with_cycle
 from rotor_ida.cycles.limit_cycle import returns
 from rotor_ida.cycles.multipliers import doubling_test, is_stable
 from rotor_ida.cycles.shooting import Cycle, close_orbit, once_round
@@ -166,10 +167,14 @@ class Batch:
 
 def decide(batch: Batch) -> Batch:
     """Follow all starts of a batch until what becomes of them is decided; return it."""
-    alone = followed_alone(batch.known.rotor)
-    waiting = np.arange(0) if alone else match_all(batch)
-    if alone:
-        label_one_by_one(batch)
+    rotor, every = batch.known.rotor, np.arange(batch.labels.size)
+    waiting = every[:0]
+    if followed_alone(rotor):
+        label_one_by_one(batch, every, Options(method="taylor", rtol=batch.tolerance))
+    elif told_by_kind(rotor):
+        label_rubs(batch)
+    else:
+        waiting = match_all(batch)
     while waiting.size and not batch.stop[0]:
         if seed(batch, waiting):
             waiting = match(batch, waiting, LONGEST_BESIDE_CYCLE)
@@ -180,10 +185,25 @@ def decide(batch: Batch) -> Batch:
     return batch
 
 
-def label_one_by_one(batch: Batch) -> None:
-    """Label each start by following it to its attractor by itself, as in a sweep."""
-    options = Options(method="taylor", rtol=batch.tolerance)
-    for number in range(batch.labels.size):
+def label_rubs(batch: Batch) -> None:
+    """Label starts with friction: where no region holds them, each from its start by itself.
+
+    As long as some are held that were not before, the others may only be slow.
+    """
+    starts, every = batch.states.copy(), np.arange(batch.labels.size)
+    waiting, before = batch.follow(every, batch.known.first_wait), every.size
+    while 0 < waiting.size < before and not batch.stop[0]:
+        before = waiting.size
+        waiting = match(batch, waiting, min(LONGEST_TOGETHER, _late(batch)))
+    left = every[batch.labels < 0]
+    batch.labels[left], batch.times[left] = NOT_COMPUTED, 0.0
+    batch.states[:, left] = starts[:, left]
+    label_one_by_one(batch, left, ALONE)
+
+
+def label_one_by_one(batch: Batch, numbers: Numbers, options: Options) -> None:
+    """Label some starts by following each to its attractor by itself, as in a sweep."""
+    for number in numbers.tolist():
         if batch.stop[0]:
             return
         x, y, vx, vy = batch.states[:, number].tolist()
@@ -325,7 +345,7 @@ def fate_of(batch: Batch, number: int, longest: float = LONGEST) -> int:
 
 def _label_of(batch: Batch, settled: SettledResponse) -> int:
     known = batch.known
-    by_kind = LASTING | BY_KIND if known.rotor.friction > 0.0 else LASTING
+    by_kind = LASTING | BY_KIND if told_by_kind(known.rotor) else LASTING
     if settled.response in by_kind:
         return by_kind[settled.response]
     match settled.response:

@@ -15,8 +15,14 @@ from rotor_ida.arrays import Values
 from rotor_ida.basins.agreement import count_agreeing, rechecked_of_batch, rechecked_of_rotor
 from rotor_ida.basins.batches import CYCLE, MOTION, BatchResult
 from rotor_ida.basins.fates import ALONE, Batch, decide
-from rotor_ida.basins.kernel import NOT_COMPUTED, Labels, Times
-from rotor_ida.basins.known import Known, followed_alone, known_from_closed_forms, same_cycle
+from rotor_ida.basins.kernel import LANES, NOT_COMPUTED, Labels, Times
+from rotor_ida.basins.known import (
+    Known,
+    followed_alone,
+    known_from_closed_forms,
+    same_cycle,
+    told_by_kind,
+)
 from rotor_ida.cycles.shooting import Cycle, close_orbit
 from rotor_ida.parallel import FailedJob, Progress, Stop, interruptible, run_all
 from rotor_ida.parameters import Rotor
@@ -30,8 +36,10 @@ Starts = Callable[[int, int], Values]
 SMALLEST_BATCH = 512
 # A larger one would seldom report progress.
 LARGEST_BATCH = 8192
-# Starts under a load, which are followed one by one, come in smaller ones.
+# Starts under a load, which are followed one by one, come in smaller ones,
 SMALLEST_ALONE = 4
+# and so do those with friction, of which some are.
+SMALLEST_RUBBING = LANES
 # Between these, so many share the work evenly. Who does it has no say in that: it leaves no trace
 # in the result.
 FEWEST_BATCHES = 64
@@ -103,7 +111,8 @@ def follow_starts(
     first starts where they are `drawn`, which are the same however many follow.
     """
     alone = followed_alone(known.rotor)
-    smallest = SMALLEST_ALONE if alone else SMALLEST_BATCH
+    smallest = SMALLEST_RUBBING if told_by_kind(known.rotor) else SMALLEST_BATCH
+    smallest = SMALLEST_ALONE if alone else smallest
     size = min(max(math.ceil(count / FEWEST_BATCHES), smallest), LARGEST_BATCH)
     due = [number for number in range(math.ceil(count / size)) if number not in kept.done]
     interrupted, reason = False, ""
@@ -142,7 +151,7 @@ def follow_starts(
 
 def follow_here(known: Known, states: Values, tolerance: float, stop: Stop) -> FollowedStarts:
     """Follow starts of shape (4, n) in this process, the first of them before the others."""
-    known = decide(Batch(known, states[:, :SCOUTS], tolerance, stop)).known
+    known = _with_cycles(known, states[:, :SCOUTS], tolerance, stop)
     kept: Results[BatchResult] = Results()
     job = _Job(known, 0, states, tolerance, rechecked_of_rotor(states.shape[1]))
     kept.keep(0, _follow(job, stop), states.shape[1])
@@ -166,7 +175,7 @@ def _scouted(
 ) -> tuple[Known, float]:
     """Return what is known once a few starts have been followed, and the error to allow."""
     scouts = _few(starts, count, SCOUTS, drawn)
-    known = decide(Batch(known, scouts, tolerance or RTOL, stop)).known
+    known = _with_cycles(known, scouts, tolerance or RTOL, stop)
     if tolerance is not None:
         return known, tolerance
     sample = _few(starts, count, CHECKED, drawn)
@@ -176,6 +185,13 @@ def _scouted(
     decided = (roughly >= 0) & (closely >= 0)
     alike = bool((roughly == closely)[decided].all())
     return known, RTOL if alike else SMALL_RTOL
+
+
+def _with_cycles(known: Known, scouts: Values, tolerance: float, stop: Stop) -> Known:
+    """Return what is known once scouts have been followed, where these tell limit cycles."""
+    if followed_alone(known.rotor) or told_by_kind(known.rotor):
+        return known
+    return decide(Batch(known, scouts, tolerance, stop)).known
 
 
 def _few(starts: Starts, count: int, most: int, drawn: bool) -> Values:

@@ -80,9 +80,12 @@ def basin_fractions(
 
     Under a load, which turns on the axes on which starts are followed side by side, each is
     followed to its attractor by itself, as in `rotor_ida.sweep` by Taylor series with `rtol`, by
-    default 1e-10: no region holds it, and no label is found again. So it is with friction, where
-    only whirls are told apart: what bounces, or is in full contact, or rolls, or touches ever more
-    slightly, is one attractor together with all of its kind, without a period.
+    default 1e-10: no region holds it, and no label is found again.
+
+    With friction starts are followed side by side for as long as the disc slides forwards, up to a
+    region of a whirl. The others are followed by themselves from the beginning on, with `rtol`
+    1e-10. Only whirls are told apart: what bounces, or is in full contact, or rolls, or touches
+    ever more slightly, is one attractor together with all of its kind, without a period.
 
     Examples
     --------

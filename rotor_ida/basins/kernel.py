@@ -27,6 +27,8 @@ QUASI_PERIODIC, CHAOTIC, NOT_COMPUTED, UNDECIDED = -4, -3, -2, -1
 # And with friction, where motions are told by their kinds alone.
 FADING, FULL_CONTACT, BOUNCING, ROLLING = -8, -7, -6, -5
 LOWEST = FADING
+# Of starts that have yet to be followed alone, as their discs do not slide forwards throughout.
+NOT_FORWARDS = -9
 # So many orbits are followed at a time: they keep the vector units busy.
 LANES = 64
 # Numbers of a trapping region: its centre, and the upper triangular factor of its form.
@@ -56,9 +58,10 @@ def follow(
         Starts on the rotating axes [1]; overwritten by the states at the end.
     labels : ndarray of int16, shape (n,)
         Becomes the number of the trapping region, ``len(regions)`` for the contact-free ones, one
-        more for fading touches, from two more on that of the limit cycle, or UNDECIDED. What is
-        not done when `stop` is set stays NOT_COMPUTED. Starts that have a label of zero or more
-        already are left alone.
+        more for fading touches, from two more on that of the limit cycle, or UNDECIDED; with
+        friction NOT_FORWARDS where the disc may not slide forwards throughout. What is not done
+        when `stop` is set stays NOT_COMPUTED. Starts that have a label of zero or more already
+        are left alone.
     times : ndarray of float32, shape (n,)
         The time that each took is added [1].
     rotor : Rotor

@@ -18,7 +18,7 @@ from rotor_ida.basins.contact_free_whirls import (
 )
 from rotor_ida.basins.cycle_sections import CycleSection, cycle_section
 from rotor_ida.basins.kernel import NOT_COMPUTED, REGION, SECTION, Labels, Times, follow
-from rotor_ida.basins.trapping_regions import TrappingRegion, stable_rubs, trapping_regions
+from rotor_ida.basins.trapping_regions import TrappingRegion, trapping_regions
 from rotor_ida.closed_forms.rest import rest
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.parallel import Stop
@@ -32,8 +32,16 @@ NO_FREE = np.array([0.0, 0.0, -1.0, -1.0])
 
 
 def followed_alone(rotor: Rotor) -> bool:
-    """Return whether each start is followed by itself, as a load or friction leave no region."""
-    return rotor.load > 0.0 or rotor.friction > 0.0
+    """Return whether each start is followed by itself, as a load leaves no region."""
+    return rotor.load > 0.0
+
+
+def told_by_kind(rotor: Rotor) -> bool:
+    """Return whether motions that are no whirl are told by their kinds alone: with friction.
+
+    What lanes cannot follow, or no region holds, is followed by itself there.
+    """
+    return rotor.friction > 0.0
 
 
 @dataclass(slots=True)
@@ -114,10 +122,8 @@ def known_from_closed_forms(rotor: Rotor, stop: Stop, *, fading: bool = True) ->
         # All comes to rest, for energy only falls, but as slowly as 1/t**2: close by is enough.
         near = TrappingRegion(0.0, 0.0, np.zeros(4), 1e4 * np.eye(4))
         return Known(rotor, [near], None)
-    if rotor.friction > 0.0:
-        whirls = stable_rubs(rotor) if rotor.omega > 0.0 else []
-        return Known(rotor, whirls, contact_free_whirls(rotor, stop, fading=False))
     whirls = trapping_regions(rotor) if rotor.omega > 0.0 else []
+    fading = fading and not told_by_kind(rotor)
     return Known(rotor, whirls, contact_free_whirls(rotor, stop, fading=fading))
 
 

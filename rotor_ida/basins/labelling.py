@@ -15,7 +15,7 @@ from rotor_ida.basins.known import known_from_closed_forms
 from rotor_ida.checks import MOST_POINTS_OF_STUDY, check_between, check_instance, check_progress
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress, choose, interruptible
-from rotor_ida.parameters import Rotor, check_no_friction, check_no_load
+from rotor_ida.parameters import Rotor, check_no_load
 from rotor_ida.provenance import computing
 from rotor_ida.simulation.options import Options, check_can_be_followed
 from rotor_ida.storage.studies.results import open_results
@@ -54,14 +54,10 @@ class Labelled:
 
 
 def check_rotor(rotor: object, what: str = "a basin", *, one_by_one: bool = False) -> Rotor:
-    """Return a rotor whose starts can be labelled.
-
-    Under a load or with friction only where that is `one_by_one`.
-    """
+    """Return a rotor whose starts can be labelled: under a load only where that is `one_by_one`."""
     rotor = check_instance("rotor", rotor, Rotor)
     if not one_by_one:
         check_no_load(rotor, what)
-        check_no_friction(rotor, what)
     if rotor.omega == 0.0 < min(rotor.load, rotor.friction):
         raise InputError(
             f"omega must be above 0 for {what} under a load with friction, which holds the rotor "

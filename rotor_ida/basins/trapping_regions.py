@@ -32,6 +32,11 @@ the velocity as well. With w the velocity on the rotating axes, t across n, and 
 so the box has seven entries, four and three, and 128 corners. How large w is on the ellipsoid
 bounds g, which must stay above 0: where the contact lets go the force is not as written.
 
+Friction turns the force of a ring on which the disc slides forwards, ``N (1 + i mu) n``: each DF is
+multiplied by one constant matrix, so J stays affine in the same entries, though K is symmetric no
+more. The slip speed is ``t.w + omega (|v| + rho)``. It must stay above 0 on the ellipsoid, where
+|t.w| is bounded as g is.
+
 References
 ----------
 .. [1] Boyd, El Ghaoui, Feron and Balakrishnan, Linear Matrix Inequalities in System and Control
@@ -125,15 +130,6 @@ def trapping_regions(rotor: Rotor) -> list[TrappingRegion]:
     return [_trapping_region(rotor, *whirl) for whirl in _stable_whirls(rotor)]
 
 
-def stable_rubs(rotor: Rotor) -> list[TrappingRegion]:
-    """Return the stable whirls in contact of a rotor with friction; no region is known of them."""
-    nothing = np.full((4, 4), np.inf)
-    return [
-        TrappingRegion(amplitude, lag, _state_on(rotor, amplitude, lag), nothing)
-        for amplitude, lag in _stable_whirls(rotor)
-    ]
-
-
 def _stable_whirls(rotor: Rotor) -> list[tuple[float, float]]:
     """Return amplitude and phase lag of each stable whirl in contact."""
     apart = {"load", "disc_radius"}
@@ -175,6 +171,8 @@ class _Problem:
 
     def __init__(self, rotor: Rotor, amplitude: float):
         self.rotor, self.amplitude = rotor, amplitude
+        # what friction makes of the normal force, as long as the disc slides forwards
+        self.friction = np.array([[1.0, -rotor.friction], [rotor.friction, 1.0]])
         self.linear = rotating_jacobian((0.0, 0.0, 0.0, 0.0), Rotor(
             omega=rotor.omega, zeta=rotor.zeta, delta0=1.0,
             shaft_stiffness=rotor.shaft_stiffness))  # fmt: skip
@@ -189,7 +187,7 @@ class _Problem:
         """Return J for stiffness matrices K, shape (..., 4, 4)."""
         found = np.tile(self.linear, (*along.shape, 1, 1))
         stiffness = np.stack([along, mixed, mixed, across], axis=-1)
-        found[..., 2:, :2] -= stiffness.reshape(*along.shape, 2, 2)
+        found[..., 2:, :2] -= self.with_friction(stiffness.reshape(*along.shape, 2, 2))
         return found
 
     def damped_matrices(self, stiffness: Values, drag: Values) -> Values:
@@ -197,9 +195,13 @@ class _Problem:
         found = np.tile(self.linear, (*stiffness.shape[:-2], 1, 1))
         # w is the velocity of the state less that of the axes, i omega v
         turned = self.rotor.omega * np.array([[0.0, -1.0], [1.0, 0.0]])
-        found[..., 2:, :2] -= stiffness - drag @ turned
-        found[..., 2:, 2:] -= drag
+        found[..., 2:, :2] -= self.with_friction(stiffness - drag @ turned)
+        found[..., 2:, 2:] -= self.with_friction(drag)
         return found
+
+    def with_friction(self, of_normal: Values) -> Values:
+        """Return the derivative of the whole force from that of the normal force."""
+        return self.friction @ of_normal if self.rotor.friction > 0.0 else of_normal
 
     def corners(self, half_along: Values, half_across: Values) -> Values:
         """Return J at the corners of the boxes that hold DF on rectangles, shape (m, 8, 4, 4)."""
@@ -256,6 +258,8 @@ class _Problem:
         inverse: Values = np.linalg.inv(forms).astype(np.float64, copy=False)
         along, across = (np.sqrt(levels * inverse[:, place, place]) for place in (0, 1))
         inside = self.amplitude - along > self.rotor.delta0
+        if self.rotor.friction > 0.0:
+            inside &= self.slides(inverse, levels)
         if self.rotor.contact_damping > 0.0:
             w_along, w_across = self.widths_of_velocity(inverse, levels)
             # n.w, with n at most at a right angle to the whirl
@@ -269,6 +273,15 @@ class _Problem:
         rates += 2.0 * MARGIN * self.rotor.zeta * weights
         inside[inside] = np.linalg.eigvalsh(rates).max(axis=(1, 2)) < 0.0
         return inside
+
+    def slides(self, inverse: Values, levels: Values) -> npt.NDArray[np.bool_]:
+        """Return on which ellipsoids the disc slides forwards, of those that stay off the axis."""
+        along, across = (np.sqrt(levels * inverse[:, place, place]) for place in (0, 1))
+        w_along, w_across = self.widths_of_velocity(inverse, levels)
+        nearest = np.maximum(self.amplitude - along, 0.0)
+        sine = across / np.hypot(nearest, across)
+        rim = nearest + (self.rotor.disc_radius or 0.0)
+        return np.asarray(self.rotor.omega * rim > (1.0 + MARGIN) * (sine * w_along + w_across))
 
     def widths_of_velocity(self, inverse: Values, levels: Values) -> tuple[Values, Values]:
         """Return how large w becomes on some ellipsoids, along and across the whirl."""

@@ -7,6 +7,9 @@
  * The method is that of Dormand and Prince of order 8 with the error estimate of DOP853: Hairer,
  * Nørsett and Wanner, Solving Ordinary Differential Equations I, 2nd ed., 1993, section II.5.
  *
+ * With friction the disc slides forwards in every lane. An orbit whose slip speed comes near to 0
+ * in contact, where it might roll or slide the other way, leaves its lane with a label of its own.
+ *
  * The model is written by hand here, and the whole of it but for a load, under which the motion on
  * the rotating axes hangs on time; tests/basins/test_lanes.py holds it against equations/modes.py.
  */
@@ -19,6 +22,8 @@
 /* So many keep the vector units busy while the rows stay in the innermost cache. */
 enum { LANES = 64 };
 enum { NO_ATTRACTOR = -1, NO_START = -1, MOST_STEPS = 200000 };
+/* The label of an orbit that does not slide forwards throughout, as in basins/kernel.py. */
+enum { NOT_FORWARDS = -9 };
 /* So many steps are allowed, and as many again for each such time that is asked for; but not where
  * that is longer than any motion is followed, as with hardly any damping it may be for ever. */
 static const double TIME_OF_STEPS = 5000.0, MOST_TIME = 40000.0;
@@ -31,6 +36,9 @@ static const double SEEN = 1e-8, KINK = 2.5, SHARPER_KINK = 2.0, SHORTEST = 0.25
 /* Below this a radius or a depth counts as this; its force is nothing. */
 static const double TINY = 1e-30;
 static const double HOPELESS = 1e30;
+/* The slip speed is seen at the stages of a step, which leave gaps of up to 0.27 of it: a parabola
+ * may dip in one by 0.073 of its range below what is seen. It must keep clear of 0 by this part. */
+static const double CLEAR = 0.1;
 /* A whirl's touches fade if its drift is at most this part of how much too far out it ends. */
 static const double MOST_DRIFT = 0.3;
 /* Steps of the classic Runge-Kutta method to a section, halvings of a cubic that find the place of
@@ -87,6 +95,7 @@ struct lanes {
     struct rows was; /* before the last step */
     double step[LANES];
     double inside[LANES]; /* 1 + the number of the attractor that holds the lane, or 0 */
+    double turns[LANES];  /* with friction 1 where the last step does not slide forwards, or 0 */
     int64_t steps[LANES];
 };
 
@@ -153,11 +162,18 @@ inlined double inverse_root(double value)
 struct law {
     bool always; /* in contact: without a clearance it takes less arithmetic */
     bool linear;
+    bool rubs; /* with friction, sliding forwards */
+};
+
+/* With friction the slip speeds that are seen in a step, and the largest squared radius. */
+struct slide {
+    double lowest, highest, farthest;
 };
 
 static struct law law_of(struct rotor rotor)
 {
-    return (struct law){rotor.delta0 == 0.0, WHOLE && rotor.contact_exponent == 1.0};
+    return (struct law){rotor.delta0 == 0.0, WHOLE && rotor.contact_exponent == 1.0,
+                        WHOLE && rotor.friction > 0.0};
 }
 
 /* s(r) = f(r)/r from r**2. */
@@ -183,6 +199,15 @@ inlined double damped_part(struct state z, double contact_damping)
 }
 #endif
 
+#ifdef WHOLE_MODEL
+/* The normal force over the radius, N/r. */
+inlined double push_over_radius(struct state z, struct rotor rotor, struct law law)
+{
+    const double s = secant(squares(z.x, z.y), rotor.delta0, law);
+    return s * larger(damped_part(z, rotor.contact_damping), 0.0);
+}
+#endif
+
 /* What draws towards the bearing axis, over the radius. */
 inlined double restoring(struct state z, struct rotor rotor, struct law law)
 {
@@ -194,18 +219,46 @@ inlined double restoring(struct state z, struct rotor rotor, struct law law)
 #endif
 }
 
+/* See how fast the surfaces slide: v_s = (x v - y u)/r + rho omega. */
+inlined void see_slide(struct slide *seen, struct state z, struct rotor rotor)
+{
+    const double square = larger(squares(z.x, z.y), TINY);
+    const double around = fma(z.x, z.v, -(z.y * z.u)) * inverse_root(square);
+    const double slip = fma(rotor.disc_radius, rotor.omega, around);
+    seen->lowest = smaller(seen->lowest, slip);
+    seen->highest = larger(seen->highest, slip);
+    seen->farthest = larger(seen->farthest, square);
+}
+
 /* x' = u + omega y                              y' = v - omega x
- * u' = omega**2 - 2 zeta u + omega v - s x      v' = -2 zeta v - omega u - s y */
-inlined struct state rate(struct state z, struct rotor rotor, struct law law)
+ * u' = omega**2 - 2 zeta u + omega v - s x      v' = -2 zeta v - omega u - s y
+ *
+ * and with friction mu N/r y in u', and -mu N/r x in v'. */
+inlined struct state seen_rate(struct state z, struct rotor rotor, struct law law,
+                               struct slide *seen)
 {
     const double omega = rotor.omega, damping = 2.0 * rotor.zeta;
     const double s = restoring(z, rotor, law);
-    return (struct state){
+    struct state k = {
         fma(omega, z.y, z.u),
         fma(-omega, z.x, z.v),
         fma(-s, z.x, fma(-damping, z.u, fma(omega, z.v, omega * omega))),
         -fma(s, z.y, fma(damping, z.v, omega * z.u)),
     };
+#ifdef WHOLE_MODEL
+    if (law.rubs) {
+        const double drag = rotor.friction * push_over_radius(z, rotor, law);
+        k.u = fma(drag, z.y, k.u), k.v = fma(-drag, z.x, k.v);
+        see_slide(seen, z, rotor);
+    }
+#endif
+    return k;
+}
+
+inlined struct state rate(struct state z, struct rotor rotor, struct law law)
+{
+    struct slide seen = {0.0, 0.0, 0.0};
+    return seen_rate(z, rotor, law, &seen);
 }
 
 /* How long a step may be to just short of a kink of the force, where it passes one that the
@@ -244,22 +297,23 @@ inlined void step_all(struct lanes *lanes, struct rotor rotor, struct law law, d
     for (int i = 0; i < LANES; i++) {
         const struct state z = state_in(now, i);
         const double h = lanes->step[i];
-        const struct state k1 = rate(z, rotor, law);
-        const struct state k2 = rate(moved(z, h, sum(1, STAGE_2, &k1)), rotor, law);
+        struct slide seen = {HOPELESS, -HOPELESS, 0.0};
+        const struct state k1 = seen_rate(z, rotor, law, &seen);
+        const struct state k2 = seen_rate(moved(z, h, sum(1, STAGE_2, &k1)), rotor, law, &seen);
         struct state early[3] = {k1, k2};
-        const struct state k3 = rate(moved(z, h, sum(2, STAGE_3, early)), rotor, law);
+        const struct state k3 = seen_rate(moved(z, h, sum(2, STAGE_3, early)), rotor, law, &seen);
         early[1] = k3; /* the stages after it know nothing of the second */
-        const struct state k4 = rate(moved(z, h, sum(2, STAGE_4, early)), rotor, law);
+        const struct state k4 = seen_rate(moved(z, h, sum(2, STAGE_4, early)), rotor, law, &seen);
         early[2] = k4;
-        const struct state k5 = rate(moved(z, h, sum(3, STAGE_5, early)), rotor, law);
+        const struct state k5 = seen_rate(moved(z, h, sum(3, STAGE_5, early)), rotor, law, &seen);
         struct state k[10] = {k1, k4, k5}; /* nor those after it of the third */
-        k[3] = rate(moved(z, h, sum(3, STAGE_6, k)), rotor, law);
-        k[4] = rate(moved(z, h, sum(4, STAGE_7, k)), rotor, law);
-        k[5] = rate(moved(z, h, sum(5, STAGE_8, k)), rotor, law);
-        k[6] = rate(moved(z, h, sum(6, STAGE_9, k)), rotor, law);
-        k[7] = rate(moved(z, h, sum(7, STAGE_10, k)), rotor, law);
-        k[8] = rate(moved(z, h, sum(8, STAGE_11, k)), rotor, law);
-        k[9] = rate(moved(z, h, sum(9, STAGE_12, k)), rotor, law);
+        k[3] = seen_rate(moved(z, h, sum(3, STAGE_6, k)), rotor, law, &seen);
+        k[4] = seen_rate(moved(z, h, sum(4, STAGE_7, k)), rotor, law, &seen);
+        k[5] = seen_rate(moved(z, h, sum(5, STAGE_8, k)), rotor, law, &seen);
+        k[6] = seen_rate(moved(z, h, sum(6, STAGE_9, k)), rotor, law, &seen);
+        k[7] = seen_rate(moved(z, h, sum(7, STAGE_10, k)), rotor, law, &seen);
+        k[8] = seen_rate(moved(z, h, sum(8, STAGE_11, k)), rotor, law, &seen);
+        k[9] = seen_rate(moved(z, h, sum(9, STAGE_12, k)), rotor, law, &seen);
         const struct state late[8] = {k1, k[3], k[4], k[5], k[6], k[7], k[8], k[9]};
         const struct state some[3] = {k1, k[6], k[9]};
         const struct state mean = sum(8, ADVANCE, late), next = moved(z, h, mean);
@@ -282,6 +336,12 @@ inlined void step_all(struct lanes *lanes, struct rotor rotor, struct law law, d
         now->y[i] = grade <= 1.0 ? next.y : z.y;
         now->u[i] = grade <= 1.0 ? next.u : z.u;
         now->v[i] = grade <= 1.0 ? next.v : z.v;
+        if (law.rubs) {
+            const double least = CLEAR * (seen.highest - seen.lowest);
+            const double turns = seen.lowest <= least ? 1.0 : 0.0;
+            const double touching = seen.farthest > rotor.delta0 * rotor.delta0 ? turns : 0.0;
+            lanes->turns[i] = grade <= 1.0 ? touching : 0.0;
+        }
     }
 }
 
@@ -291,14 +351,18 @@ static void step_lanes(struct lanes *lanes, struct rotor rotor, double tolerance
     const double kink = law.linear || (WHOLE && rotor.contact_damping > 0.0) ? SHARPER_KINK : KINK;
     const double over = tolerance < SEEN ? SHORTEST * pow(tolerance, 1.0 / kink) : INFINITY;
     /* each a loop of its own */
-    if (law.always && law.linear)
-        step_all(lanes, rotor, (struct law){true, true}, tolerance, over);
+    if (WHOLE && law.rubs && law.linear)
+        step_all(lanes, rotor, (struct law){false, true, WHOLE}, tolerance, over);
+    else if (WHOLE && law.rubs)
+        step_all(lanes, rotor, (struct law){false, false, WHOLE}, tolerance, over);
+    else if (law.always && law.linear)
+        step_all(lanes, rotor, (struct law){true, true, false}, tolerance, over);
     else if (law.always)
-        step_all(lanes, rotor, (struct law){true, false}, tolerance, over);
+        step_all(lanes, rotor, (struct law){true, false, false}, tolerance, over);
     else if (law.linear)
-        step_all(lanes, rotor, (struct law){false, true}, tolerance, over);
+        step_all(lanes, rotor, (struct law){false, true, false}, tolerance, over);
     else
-        step_all(lanes, rotor, (struct law){false, false}, tolerance, over);
+        step_all(lanes, rotor, (struct law){false, false, false}, tolerance, over);
 }
 
 /* Write the code of a trapping region into `inside` where it holds the lane. */
@@ -473,7 +537,8 @@ static bool find_ended(struct lanes *lanes, double duration, int64_t ended[LANES
     for (int i = 0; i < LANES; i++) {
         lanes->steps[i]++;
         const int64_t late = (double)lanes->steps[i] >= most_steps;
-        const int64_t held = lanes->inside[i] > 0.0 ? 1 : late;
+        const bool decided = (lanes->inside[i] > 0.0) | (lanes->turns[i] > 0.0);
+        const int64_t held = decided ? 1 : late;
         ended[i] = lanes->now.time[i] < duration ? held : 1;
         any |= ended[i];
     }
@@ -492,6 +557,7 @@ static void load_state(struct lanes *lanes, int i, struct state z, double step)
 {
     lanes->now.x[i] = z.x, lanes->now.y[i] = z.y, lanes->now.u[i] = z.u, lanes->now.v[i] = z.v;
     lanes->now.time[i] = 0.0, lanes->step[i] = step, lanes->steps[i] = 0;
+    lanes->turns[i] = 0.0;
 }
 
 /* One of `count` states that are kept as four rows. */
@@ -524,7 +590,8 @@ static void record_result(const struct lanes *lanes, int i, const struct starts 
                           int64_t number)
 {
     const int code = (int)lanes->inside[i];
-    starts->labels[number] = (int16_t)(code > 0 ? code - 1 : NO_ATTRACTOR);
+    const int label = code > 0 ? code - 1 : NO_ATTRACTOR;
+    starts->labels[number] = (int16_t)(lanes->turns[i] > 0.0 ? NOT_FORWARDS : label);
     starts->times[number] += (float)lanes->now.time[i];
     double *x = starts->states + number;
     x[0] = lanes->now.x[i];

@@ -77,6 +77,7 @@ def test_python_and_c_agree_on_what_both_state():
     assert constant("REGION") == kernel.REGION
     assert constant("SECTION") == SECTION
     assert constant("NO_ATTRACTOR") == UNDECIDED
+    assert constant("NOT_FORWARDS") == kernel.NOT_FORWARDS
     assert constant("MOST_DRIFT") == contact_free_whirls.MOST_DRIFT
     assert constant("FIRST_STEP") == FIRST_STEP
 

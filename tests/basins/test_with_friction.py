@@ -1,18 +1,52 @@
-"""Fractions of starts with friction: each is followed by itself, to rubs or into dry whip."""
+"""Basins with friction: lanes that slide forwards to rubs, and starts that end in dry whip."""
 
 import math
 
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.integrate import solve_ivp
 
-from rotor_ida import InputError, Rotor, basin, basin_fractions, sweep, touchdown_report
+from rotor_ida import InputError, Rotor, basin, basin_fractions, simulate, sweep
 from rotor_ida.analysis.verification import rerun
+from rotor_ida.basins import kernel
+from rotor_ida.basins.fates import Batch, decide
 from rotor_ida.basins.fractions import drawn_from
-from rotor_ida.schema import RESPONSE
+from rotor_ida.basins.known import known_from_closed_forms
+from rotor_ida.basins.trapping_regions import trapping_regions
+from rotor_ida.equations.model import push_over_radius, rotated, rotating_field
+from rotor_ida.schema import RESPONSE, TRAPPING
+from rotor_ida.simulation.options import Options
+from rotor_ida.steady_state.follow import follow_to_steady_state
 
 WHIP = Rotor(omega=0.62962981, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
 BOX = {"x": (-6, 6), "y": (-6, 6), "vx": (-6, 6), "vy": (-6, 6)}
+GO_ON = np.zeros(1, np.uint8)
+MACHINES = {
+    "beside dry whip": WHIP,
+    "that bounces": Rotor(omega=2.0, zeta=0.07, delta0=2.0, friction=0.1, disc_radius=10.0),
+    "above resonance": Rotor(omega=1.7, zeta=0.07, delta0=0.5, friction=0.05, disc_radius=20.0),
+    "shaft, linear contact, contact damping": Rotor(
+        omega=1.2, zeta=0.1, delta0=0.5, shaft_stiffness=0.3, contact_exponent=1.0,
+        contact_damping=0.5, friction=0.1, disc_radius=5.0,
+    ),
+    "slow, with a disc of no radius": Rotor(
+        omega=0.3, zeta=1.5, delta0=0.05, friction=0.3, disc_radius=0.0
+    ),
+}  # fmt: skip
+machines = pytest.mark.parametrize("rotor", MACHINES.values(), ids=MACHINES)
+
+
+def slip_of(states, rotor):
+    """Return the slip speed ``v_t + rho omega`` of states, shape (4, ...)."""
+    x, y, u, v = states
+    return (x * v - y * u) / np.hypot(x, y) + rotor.disc_radius * rotor.omega
+
+
+def forwards(state, rotor):
+    """Return the rate of a state on the rotating axes while the disc slides forwards."""
+    drag = rotor.friction * push_over_radius(state, rotor)
+    return rotating_field(state, rotor) + drag * np.array([0.0, 0.0, state[1], -state[0]])
 
 
 def test_starts_end_in_dry_whip_or_on_the_rub_as_a_sweep_from_each_does():
@@ -27,7 +61,8 @@ def test_starts_end_in_dry_whip_or_on_the_rub_as_a_sweep_from_each_does():
         told = found.response_count.sel(response=RESPONSE[kind])
         assert int(told) == here
     assert int(found.undecided_count) == 0
-    assert (found.trapping == 0).all()
+    proven = found.trapping.values == TRAPPING["proven"]
+    assert (proven == (found.kind.values != RESPONSE["rolling"])).all()
     assert (found.confirmed.values == (found["count"].values > 0)).all()
     rolls = found.isel(attractor=int(np.argmax(found.kind.values == RESPONSE["rolling"])))
     whips = alone.where(alone.response == RESPONSE["rolling"])
@@ -48,7 +83,8 @@ def test_motions_that_bounce_are_one_attractor_together():
 def test_they_are_followed_again_and_a_study_goes_on(tmp_path):
     asked = {**BOX, "starts": 9, "study": tmp_path / "study"}
     found, again = basin_fractions(WHIP, **asked), basin_fractions(WHIP, **asked)
-    assert found.attrs["labelling_method"] == "taylor"
+    assert found.attrs["labelling_method"] == "dop853"
+    assert found.attrs["left_over_method"] == "taylor"
     assert found.attrs["friction"] == found.friction.item() == 0.2
     for name in ("count", "radius_max"):
         np.testing.assert_array_equal(found[name], again[name])
@@ -60,24 +96,130 @@ def test_without_friction_no_kind_is_told_that_cannot_be():
     assert RESPONSE["rolling"] not in found.response.values
 
 
+@machines
+def test_no_label_differs_from_that_of_a_start_followed_by_itself(rotor):
+    """Taylor series from each start on, roll by roll: no lane knows what becomes of a disc then."""
+    starts = np.random.default_rng(5).uniform(-6.0, 6.0, (4, 60))
+    known = known_from_closed_forms(rotor, GO_ON)
+    labels = decide(Batch(known, starts, 1e-6, GO_ON)).labels
+    kinds = {0: "synchronous"} if known.whirls else {}
+    kinds |= {known.free_label: "contact_free"} if known.free else {}
+    kinds |= {kernel.ROLLING: "rolling", kernel.BOUNCING: "bouncing"}
+    kinds |= {kernel.FADING: "touching", kernel.FULL_CONTACT: "full_contact"}
+    alone = Options(method="taylor", rtol=1e-11)
+    for label, start in zip(labels.tolist(), starts.T.tolist(), strict=True):
+        settled = follow_to_steady_state(rotor, tuple(start), alone)
+        assert kinds[label] == settled.response
+        if kinds[label] == "synchronous":
+            assert settled.features.amplitude == pytest.approx(known.whirls[0].amplitude, rel=1e-6)
+
+
+def test_a_grid_of_starts_is_labelled_as_they_are_one_by_one():
+    axis = np.linspace(-6.0, 6.0, 9)
+    found = basin(WHIP, x=axis, y=0.0, vx=0.0, vy=axis)
+    starts = [(x, 0.0, 0.0, vy) for x in axis for vy in axis]
+    alone = sweep(**WHIP.given, starts=starts, method="taylor").squeeze()
+    np.testing.assert_array_equal(found.response.values.ravel(), alone.response)
+    assert {RESPONSE["rolling"], RESPONSE["synchronous"]} <= set(alone.response.values.tolist())
+    whirls = np.isin(found.kind.values, [RESPONSE["synchronous"], RESPONSE["contact_free"]])
+    assert ((found.trapping.values == TRAPPING["proven"]) == whirls).all()
+    assert found.agreement == 1.0
+
+
+@machines
+def test_a_step_of_the_lanes_is_one_of_the_model_that_slides_forwards(rotor):
+    """To rounding, but for depths where the force has hardly begun, or contact damping ends it."""
+    states = np.random.default_rng(0).normal(0.0, 3.0, (4, kernel.LANES))
+    states[:2] *= np.geomspace(0.3, 1.5, kernel.LANES)
+    ends = states.copy()
+    labels, times = np.full(kernel.LANES, kernel.NOT_COMPUTED, np.int16), np.zeros(64, np.float32)
+    nothing = np.empty((0, kernel.REGION)), np.array([0.0, 0.0, -1.0, -1.0])
+    step, compared = 0.02, 0
+    kernel.follow(
+        ends, labels, times, rotor, *nothing, np.empty((0, kernel.SECTION)), step, 1e3, GO_ON
+    )
+    for number, start in enumerate(states.T):
+        exact = solve_ivp(
+            lambda _, state: forwards(state, rotor), (0.0, step), start,
+            method="DOP853", rtol=1e-13, atol=1e-13,
+        ).y[:, -1]  # fmt: skip
+        both = np.stack([start, exact], axis=1)
+        depths = np.hypot(*both[:2]) - rotor.delta0
+        touches = depths > 0.0
+        slip = slip_of(both, rotor)
+        if touches.any() and slip.min() <= 0.0:
+            assert labels[number] == kernel.NOT_FORWARDS
+        elif not touches.any() or slip.min() > abs(slip[1] - slip[0]):
+            assert labels[number] == kernel.UNDECIDED
+        pushes = [push_over_radius(state, rotor) > 0.0 for state in both.T]
+        if (depths.max() < 0.0 or depths.min() > 0.1) and pushes[0] == pushes[1]:
+            size = 1.0 + np.abs(start).max() ** 1.5
+            np.testing.assert_allclose(ends[:, number], exact, rtol=0.0, atol=1e-12 * size)
+            compared += 1
+    assert compared > kernel.LANES // 2
+
+
+@machines
+def test_in_a_region_the_disc_slides_forwards_and_v_falls(rotor):
+    """Of states all over it: nothing leaves it, as V falls, and no other force acts in it."""
+    random = np.random.default_rng(3)
+    for each in trapping_regions(rotor):
+        assert each.exists
+        directions = random.normal(size=(4, 500))
+        directions /= np.linalg.norm(directions, axis=0)
+        for scale in (1.0, 0.7, 0.3, 1e-3):
+            inside = np.linalg.solve(np.linalg.cholesky(each.form).T, directions)
+            states = each.centre[:, None] + scale * inside
+            assert (np.hypot(*states[:2]) > rotor.delta0).all()
+            assert (slip_of(states, rotor) > 0.0).all()
+            for state in states.T:
+                assert (state - each.centre) @ each.form @ forwards(state, rotor) < 0.0
+
+
+def test_a_region_ends_where_the_disc_might_roll():
+    """A slow disc of no radius would hold more if it could not: the region takes up the slip."""
+    small = MACHINES["slow, with a disc of no radius"]
+    large = Rotor(**small.given | {"disc_radius": 100.0})
+    (bound,), (free,) = trapping_regions(small), trapping_regions(large)
+    assert bound.amplitude == free.amplitude
+    volumes = [np.linalg.det(each.form) ** -0.5 for each in (bound, free)]
+    assert volumes[0] < 0.5 * volumes[1]
+    # some state of what holds the large disc would slide backwards with the small one
+    random = np.random.default_rng(3).normal(size=(4, 4000))
+    random /= np.linalg.norm(random, axis=0)
+    states = free.centre[:, None] + np.linalg.solve(np.linalg.cholesky(free.form).T, random)
+    assert (slip_of(states, small) < 0.0).any()
+
+
+@pytest.mark.parametrize("name", ["beside dry whip", "shaft, linear contact, contact damping"])
+def test_no_orbit_leaves_a_region_and_all_converge(name):
+    """CVODE from its boundary: inside at every sample, and no event."""
+    rotor = MACHINES[name]
+    (each,) = trapping_regions(rotor)
+    random = np.random.default_rng(1).normal(size=(4, 4))
+    random /= np.linalg.norm(random, axis=0)
+    states = each.centre[:, None] + 0.999 * np.linalg.solve(np.linalg.cholesky(each.form).T, random)
+    for state in states.T:
+        run = simulate(rotor, start=state, duration=600.0, samples=2001)
+        fixed = np.stack([run[component] for component in ("x", "y", "vx", "vy")], axis=-1)
+        turning = rotated(fixed, -rotor.omega * run.t.values)
+        assert run.sizes["event"] == 0
+        assert each.holds(turning).all()
+        assert np.linalg.norm(turning[-1] - each.centre) < 1e-3 * np.linalg.norm(
+            state - each.centre
+        )
+
+
 @pytest.mark.parametrize(
-    ("ask", "words"),
+    ("rotor", "words"),
     [
-        (lambda: basin(WHIP, x=[0.0, 1.0], y=[0.0, 1.0]), "friction must be 0 for a basin"),
         (
-            lambda: touchdown_report(WHIP, x=(-1, 1), y=(-1, 1)),
-            "friction must be 0 for a touchdown",
-        ),
-        (
-            lambda: basin_fractions(
-                Rotor(omega=0.0, zeta=0.1, delta0=1.0, load=0.3, friction=0.2, disc_radius=1.0),
-                **BOX,
-            ),
+            Rotor(omega=0.0, zeta=0.1, delta0=1.0, load=0.3, friction=0.2, disc_radius=1.0),
             "omega must be above 0",
         ),
     ],
 )
-def test_what_is_not_known_with_friction_is_refused_in_one_line(ask, words):
+def test_what_is_not_known_with_friction_is_refused_in_one_line(rotor, words):
     with pytest.raises(InputError, match=words) as refused:
-        ask()
+        basin_fractions(rotor, **BOX)
     assert "\n" not in str(refused.value)
