@@ -87,7 +87,7 @@ END = {
     "not_found": -1, "none": 0, "fold": 1, "period_doubling": 2, "touch": 3, "hopf": 4, "torus": 5,
 }  # fmt: skip
 # Between whose values attractors are known to exist, where they are not 0.
-WITH_EXTENTS = ("omega", "zeta", "delta0", "shaft_stiffness", "contact_damping")
+WITH_EXTENTS = ("omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "friction")
 EXTREMUM = {"minimum": -1, "constant": 0, "maximum": 1}
 
 QUANTITIES: dict[str, Quantity] = {
@@ -154,6 +154,9 @@ QUANTITIES: dict[str, Quantity] = {
     "total_heat": Quantity("heat of slipping in contacts", scale="energy"),
     "heat_per_revolution": Quantity("heat of slipping in contacts per revolution", scale="energy"),
     "total_slip_distance": Quantity("distance by which the surfaces slip", scale="length"),
+    "slip_distance_per_revolution": Quantity(
+        "distance by which the surfaces slip per revolution", scale="length"
+    ),
     "rolling_fraction": Quantity("part of the time in contact in which the disc rolls"),
     "total_contact_loss": Quantity("energy lost in contacts by their damping", scale="energy"),
     "forward_fraction": Quantity("part of the contacts passed in forward whirl"),

@@ -12,7 +12,6 @@ from rotor_ida.simulation.dataset import rotor_of
 
 RUBBING = Rotor(omega=1.2, zeta=0.07, delta0=0.5, friction=0.3, disc_radius=0.6)
 START = (1.0, 0.0, 0.0, 0.0)
-BOX = {"x": (-1.0, 1.0), "y": (-1.0, 1.0), "starts": 10}
 
 UNKNOWN: dict[str, Callable[[Rotor], object]] = {
     "exponents": lambda rotor: rotor_ida.lyapunov_exponent(rotor, start=START),
@@ -25,7 +24,6 @@ UNKNOWN: dict[str, Callable[[Rotor], object]] = {
         parameters=("omega", "delta0"),
         limits=((1.0, 2.0), (0.1, 1.0)),
     ),
-    "a report": lambda rotor: rotor_ida.touchdown_report(rotor, **BOX),
     "rest": rotor_ida.rest,
 }
 

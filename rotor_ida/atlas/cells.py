@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from rotor_ida.arrays import Values
 from rotor_ida.atlas.resilience import Resilience, Search, Subject, resilience_of
+from rotor_ida.atlas.rubbing import KINDS_BY_RUN, settled_state
 from rotor_ida.basins.attractors import (
     CONTACT_FREE_FAMILY,
     NUMBERS,
@@ -19,12 +20,13 @@ from rotor_ida.basins.attractors import (
     family_of,
 )
 from rotor_ida.basins.entropy import sample_entropy
+from rotor_ida.basins.fates import BY_KIND
 from rotor_ida.basins.following import FollowedStarts, follow_here
 from rotor_ida.basins.kernel import CHAOTIC, NOT_COMPUTED, UNDECIDED
-from rotor_ida.basins.known import known_from_closed_forms, same_cycle, with_cycle
+from rotor_ida.basins.known import known_from_closed_forms, same_cycle, told_by_kind, with_cycle
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.parallel import Stop
-from rotor_ida.parameters import DEFAULTS, PARAMETERS, Rotor
+from rotor_ida.parameters import DEFAULTS, OF_FRICTION_DEFAULTS, PARAMETERS, Rotor
 from rotor_ida.schema import RESPONSE, TRAPPING
 from rotor_ida.steady_state import response
 from rotor_ida.storage.studies.arrays import Arrays
@@ -33,8 +35,9 @@ from rotor_ida.storage.studies.results import Form
 # Of one rotor, so that its labels fit into memory many times.
 MOST_STARTS = 1_000_000
 # Of the times after which starts are decided: the median, and that of 95 of 100.
-# What an archived cell knows its rotor by.
+# What an archived cell knows its rotor by: of the paper's, of a machine, and with a disc radius.
 OF_MACHINES = (*PARAMETERS, *DEFAULTS)
+OF_RUBS = (*OF_MACHINES, *OF_FRICTION_DEFAULTS)
 QUANTILES = (0.5, 0.95)
 # What these are where no start is.
 NEVER = np.full(2, np.nan)
@@ -50,7 +53,8 @@ class Member:
     attractor: Attractor
     count: int  # number of these starts
     settling: Values  # median and 95 % of the times after which they are decided [1]; else NaN
-    state: Values  # on the rotating axes, of a limit cycle [1]; else NaN
+    # on the rotating axes, of a limit cycle, or of a motion with friction told by its kind [1];
+    state: Values  # else NaN
     # how far it is from being left, to the other attractors in their order; None if not asked for
     resilience: Resilience | None = None
     identity: int = -1  # number of the attractor along the atlas; -1 until it is known
@@ -94,8 +98,7 @@ def fill_cell(job: CellJob, stop: Stop) -> Cell:
         own = found.labels == number
         times = found.times[own]
         settling = np.quantile(times, QUANTILES) if times.size else NEVER
-        cycle = _cycle_of(found, attractor)
-        state = np.full(4, np.nan) if cycle is None else cycle.state
+        state = _state_on(job, found, number, attractor)
         cell.members.append(Member(attractor, int(own.sum()), settling, state))
     if job.shocks and not stop[0]:
         search = _search_among(job, found, attractors, stop)
@@ -103,6 +106,16 @@ def fill_cell(job: CellJob, stop: Stop) -> Cell:
         for member, resilience in zip(cell.members, resilience_of(search), strict=True):
             member.resilience = resilience
     return cell
+
+
+def _state_on(job: CellJob, found: FollowedStarts, number: int, attractor: Attractor) -> Values:
+    """Return a state on an attractor, where its numbers do not say all."""
+    own, cycle = np.flatnonzero(found.labels == number), _cycle_of(found, attractor)
+    if cycle is not None:
+        return cycle.state
+    if told_by_kind(job.rotor) and attractor.kind in KINDS_BY_RUN and own.size:
+        return settled_state(job.rotor, job.states[:, own[0]])
+    return np.full(4, np.nan)
 
 
 def _search_among(
@@ -124,6 +137,8 @@ def _search_among(
             label = known.free_label
         elif attractor.kind == response.CHAOTIC:
             label = CHAOTIC
+        elif told_by_kind(job.rotor):
+            label = BY_KIND.get(attractor.kind, number)
         subjects.append(Subject(attractor, label, own_cycle, start))
     return Search(known, subjects, job.shocks, job.tolerance, stop)
 
@@ -135,6 +150,7 @@ def _cycle_of(found: FollowedStarts, attractor: Attractor) -> Cycle | None:
 
 def _as_arrays(cell: Cell) -> Arrays:
     members, names = cell.members, OF_MACHINES if cell.rotor.beyond else PARAMETERS
+    names = names if cell.rotor.disc_radius is None else OF_RUBS
     attractors = [each.attractor for each in members]
     arrays = {
         "rotor": np.array([getattr(cell.rotor, name) for name in names]),
@@ -157,7 +173,7 @@ def _as_arrays(cell: Cell) -> Arrays:
 
 def _from_arrays(arrays: Arrays) -> Cell:
     # those that follow the paper's are left out where they are the default
-    given = zip(OF_MACHINES, arrays["rotor"].tolist(), strict=False)
+    given = zip(OF_RUBS, arrays["rotor"].tolist(), strict=False)
     cell = Cell(Rotor(**dict(given)))
     cell.undecided, cell.not_computed = arrays["left"].tolist()
     cell.entropies = tuple(arrays["entropies"].tolist())

@@ -7,6 +7,7 @@ import os
 from collections.abc import Mapping
 from contextlib import closing
 from itertools import product
+from operator import attrgetter
 
 import numpy as np
 import numpy.typing as npt
@@ -35,7 +36,7 @@ from rotor_ida.checks import (
 )
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import FailedJob, Progress, choose, interruptible, run_all
-from rotor_ida.parameters import DEFAULTS, Rotor
+from rotor_ida.parameters import DEFAULTS, OF_FRICTION_DEFAULTS, Rotor
 from rotor_ida.provenance import computing
 from rotor_ida.simulation.options import LARGEST
 from rotor_ida.storage.studies.results import Results, open_results
@@ -55,6 +56,8 @@ def continue_attractors(
     contact_exponent: npt.ArrayLike = 1.5,
     contact_damping: npt.ArrayLike = 0.0,
     load: npt.ArrayLike = 0.0,
+    friction: npt.ArrayLike = 0.0,
+    disc_radius: npt.ArrayLike | None = None,
     x: npt.ArrayLike = 0.0,
     y: npt.ArrayLike = 0.0,
     vx: npt.ArrayLike = 0.0,
@@ -79,6 +82,10 @@ def continue_attractors(
         coordinate where a number is given that is not the default.
     load : float
         Must be 0: under a load nothing stands still on the turning axes.
+    friction : float or array_like, shape (n,)
+        Coefficient of friction in the contact [1]; likewise.
+    disc_radius : float or array_like, shape (n,), optional
+        Radius of the disc [1], which friction needs; likewise.
     x, y, vx, vy : float or array_like, shape (2,)
         Components of the start [1]: numbers, or ranges ``(low, high)`` from which they are drawn,
         independently and uniformly.
@@ -127,6 +134,9 @@ def continue_attractors(
     on it is listed there with the fraction 0: its basin is smaller than the sample can tell. Where
     a period doubles, the cycle of twice the period is a new attractor.
 
+    With friction motions that are no whirl are one attractor together with all of their kind, as
+    for `rotor_ida.basin_fractions`, and the same for neighbours that both have friction.
+
     References
     ----------
     G. Datseris, K. Luiz Rossi, A. Wagemakers, "Framework for global stability analysis of dynamical
@@ -144,6 +154,7 @@ def continue_attractors(
     axes, held = _axes({
         "omega": omega, "zeta": zeta, "delta0": delta0, "shaft_stiffness": shaft_stiffness,
         "contact_exponent": contact_exponent, "contact_damping": contact_damping, "load": load,
+        "friction": friction, **({} if disc_radius is None else {"disc_radius": disc_radius}),
     })  # fmt: skip
     rotors = [
         Rotor(**dict(zip(axes, place, strict=True)), **held)
@@ -170,7 +181,8 @@ def continue_attractors(
     lines = _lines({name: values.size for name, values in axes.items()})
     interruptible(lambda stop: identify(cells, lines, stop))
     told = {f"range_{each}" if each in COMPONENTS else each: drawn[each] for each in drawn}
-    attributes = {**how_computed(tolerance, tried), **told}
+    rubs_most = max(rotors, key=attrgetter("friction"))
+    attributes = {**how_computed(tolerance, tried, rubs_most), **told}
     if reason:
         attributes["not_computed_reason"] = reason
     return atlas_dataset(axes, held, cells, states.shape[1], attributes)
@@ -207,7 +219,8 @@ def _axes(given: Mapping[str, npt.ArrayLike]) -> tuple[dict[str, Values], dict[s
     axes = {
         name: check_increasing(name, check_vector(name, value)) for name, value in given.items()
     }
-    numbers = [name for name in DEFAULTS if is_scalar(name, given[name])]
+    defaults = DEFAULTS | OF_FRICTION_DEFAULTS
+    numbers = [name for name in defaults if name in given and is_scalar(name, given[name])]
     held = {name: axes.pop(name).item() for name in numbers}
     longer = [name for name, axis in axes.items() if axis.size > 1]
     if len(longer) > MOST_AXES:
@@ -215,7 +228,7 @@ def _axes(given: Mapping[str, npt.ArrayLike]) -> tuple[dict[str, Values], dict[s
             f"two of the parameters at most may be arrays, got {len(longer)}: {', '.join(longer)}"
         )
     check_points(*axes.values(), most=MOST_ROTORS)
-    return axes, {name: value for name, value in held.items() if value != DEFAULTS[name]}
+    return axes, {name: value for name, value in held.items() if value != defaults[name]}
 
 
 def _states(

@@ -81,9 +81,9 @@ def atlas_dataset(
     return labelled_dataset(title, variables, coordinates, _flat(attributes))
 
 
-def how_computed(tolerance: float, shocks: int) -> dict[str, object]:
+def how_computed(tolerance: float, shocks: int, rotor: Rotor) -> dict[str, object]:
     """Return as attributes what labelled starts and, if any were tried, followed shocks."""
-    how = labelled_how(tolerance)
+    how = labelled_how(tolerance, rotor)
     if shocks:
         how |= followed_by("witness", witness_options())
     return {**provenance(how), "shocks": shocks}

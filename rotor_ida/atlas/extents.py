@@ -7,9 +7,9 @@ whirl is followed along its exact curve, over the speed (`response_curve`) or th
 needs no tracing: it turns at the folds (`fold_locus`) and ends at first touch and at the whirls
 without damping. A limit cycle is followed along its branch, from the rotor at hand.
 
-So it is for the paper's rotor. With a shaft, another contact law or contact damping a whirl is
-followed along its exact amplitudes in small steps, and where it ends is sought among ever smaller
-ones; contact damping may end it at a Hopf point.
+So it is for the paper's rotor. With a shaft, another contact law, contact damping or friction a
+whirl is followed along its exact amplitudes in small steps, and where it ends is sought among ever
+smaller ones; contact damping and friction may end it at a Hopf point.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ from rotor_ida.cycles.branch import (
 from rotor_ida.cycles.guess import Guess
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
-from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.parameters import PARAMETERS, Rotor, without
 from rotor_ida.schema import STABILITY, WITH_EXTENTS
 
 # What lasts down to this part of a parameter's value is said to last down to zero.
@@ -90,7 +90,7 @@ def varied(rotor: Rotor) -> tuple[str, ...]:
 def extent_of_contact_free(rotor: Rotor, parameter: str) -> tuple[End, End]:
     """Return between which values the contact-free whirl has room: |w| is at most delta0."""
     below, above = End(0.0, "none"), End(math.inf, "none")
-    if parameter == "contact_damping":
+    if parameter in ("contact_damping", "friction"):
         return below, above
     if rotor.shaft_stiffness > 0.0:
         low, high = _room_with_shaft(rotor, parameter)
@@ -168,7 +168,7 @@ def amplitudes_along(rotor: Rotor, amplitude: float, parameter: str, values: Val
 
     Where a branch ends at a fold, the nearest of the others is farther off than it can have moved.
     """
-    given = {name: value for name, value in rotor.given.items() if name != "load"}
+    given = _of_whirls(rotor)
     whirls = synchronous_response(**given | {parameter: values})
     stands = (whirls["stability"] == STABILITY["stable"]) & (whirls["in_contact"] == 1)
     sizes = whirls["amplitude"].where(stands).transpose(parameter, ..., "branch").values
@@ -179,6 +179,11 @@ def amplitudes_along(rotor: Rotor, amplitude: float, parameter: str, values: Val
             break
         found[place] = amplitude = float(row[np.nanargmin(apart)])
     return found
+
+
+def _of_whirls(rotor: Rotor) -> dict[str, float]:
+    """Return what exact whirls have of a rotor: no load, and the radius of the disc moves none."""
+    return without(without(rotor.given, "load"), "disc_radius")
 
 
 def _end_of_steps(rotor: Rotor, amplitude: float, parameter: str, values: Values) -> End:
@@ -220,7 +225,7 @@ def _how_whirl_ends(rotor: Rotor, amplitude: float) -> str:
     """Return how a stable whirl ends that does so beside a rotor."""
     if amplitude - rotor.delta0 <= AT_RING * rotor.delta0:
         return "touch"
-    given = {name: value for name, value in rotor.given.items() if name != "load"}
+    given = _of_whirls(rotor)
     rates = eigenvalues(amplitude, **given)
     slowest = rates[np.argmax(rates.real)]
     return "fold" if slowest.imag == 0.0 else "hopf"

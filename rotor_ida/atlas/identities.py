@@ -3,7 +3,8 @@
 A limit cycle is followed along its branch by pseudo-arclength, a whirl along its exact response
 curve. One that comes to the neighbour stable is an attractor there, whether a start ended on it or
 not: a basin that no start has hit is found so. The contact-free family, its touching edge and chaos
-carry on where both neighbours have them.
+carry on where both neighbours have them; and so do motions with friction that are told by their
+kinds alone. Such a one is not followed to a neighbour without friction, whose cycles are known.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from rotor_ida.atlas.cells import NEVER, Cell, Member
 from rotor_ida.atlas.extents import amplitudes_along
 from rotor_ida.basins.attractors import CONTACT_FREE_FAMILY, attractor_of_cycle
 from rotor_ida.basins.cycle_sections import cycle_section
-from rotor_ida.basins.known import same_numbers
+from rotor_ida.basins.known import same_numbers, told_by_kind
 from rotor_ida.cycles.branch import LIMITS, PLACE, Side, advance, course_from
 from rotor_ida.cycles.guess import Guess
 from rotor_ida.cycles.multipliers import is_stable
@@ -45,6 +46,7 @@ KINDS = (
     response.SYNCHRONOUS,
     response.BOUNCING,
     response.FULL_CONTACT,
+    response.ROLLING,
     response.CHAOTIC,
 )
 
@@ -78,8 +80,9 @@ def identify(cells: Sequence[Cell], lines: Sequence[Sequence[int]], stop: Stop) 
 def _successor(member: Member, rotor: Rotor, there: Cell, stop: Stop) -> Member | None:
     """Return what an attractor of a rotor is in a neighbouring cell."""
     kind = member.attractor.kind
-    if kind in SHARED:
-        return next((each for each in there.members if each.attractor.kind == kind), None)
+    rubs = told_by_kind(rotor) or told_by_kind(there.rotor)
+    if kind in SHARED or (rubs and kind != response.SYNCHRONOUS):
+        return _of_kind(there, kind) if math.isnan(member.attractor.period) else None
     if kind == response.SYNCHRONOUS:
         amplitude = followed_whirl(member.attractor.amplitude, rotor, there.rotor)
         for each in there.members:
@@ -100,13 +103,22 @@ def _successor(member: Member, rotor: Rotor, there: Cell, stop: Stop) -> Member 
     return added
 
 
+def _of_kind(there: Cell, kind: str) -> Member | None:
+    """Return the attractor that is told by its kind alone, if there is."""
+    alike = [each for each in there.members if each.attractor.kind == kind]
+    return next((each for each in alike if math.isnan(each.attractor.period)), None)
+
+
 def followed_cycle(member: Member, here: Rotor, there: Rotor, stop: Stop) -> Cycle | None:
     """Return the stable limit cycle that one becomes as a parameter changes; None if it ends."""
     name = _changed(here, there)
     begin, end = getattr(here, name), getattr(there, name)
-    guess = Guess(here, member.state, member.attractor.period)
+    period = member.attractor.period
     limits = (min(begin, end), max(begin, end))
     try:
+        if name == "disc_radius":  # without friction no cycle knows it
+            return close_orbit(there, member.state, period, stop)
+        guess = Guess(here, member.state, period)
         course = course_from(guess, name, limits, MOST_POINTS, stop)
         rising = course.first.tangent[PLACE] > 0.0
         side = Side([course.first if rising == (end > begin) else course.first.reversed()])
@@ -123,6 +135,8 @@ def followed_cycle(member: Member, here: Rotor, there: Rotor, stop: Stop) -> Cyc
 def followed_whirl(amplitude: float, here: Rotor, there: Rotor) -> float:
     """Return the amplitude that a whirl takes on as parameters change; NaN if it ends."""
     name = _changed(here, there)
+    if name == "disc_radius":  # whirls do not know it
+        return amplitude
     begin, end = getattr(here, name), getattr(there, name)
     # amplitudes are powers of a small speed
     spread = np.geomspace if begin > 0.0 and end > 0.0 else np.linspace

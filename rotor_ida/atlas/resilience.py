@@ -23,6 +23,7 @@ from rotor_ida.atlas.extents import (
     extent_of_whirl,
     varied,
 )
+from rotor_ida.atlas.rubbing import states_of_rub
 from rotor_ida.atlas.shocks import (
     KINDS,
     Shocks,
@@ -37,7 +38,7 @@ from rotor_ida.basins.attractors import CONTACT_FREE_FAMILY, Attractor, leads_to
 from rotor_ida.basins.contact_free_whirls import ContactFree
 from rotor_ida.basins.cycle_sections import CycleSection
 from rotor_ida.basins.kernel import CHAOTIC, UNDECIDED
-from rotor_ida.basins.known import Known
+from rotor_ida.basins.known import Known, told_by_kind
 from rotor_ida.cycles.limit_cycle import follow
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.errors import SimulationError
@@ -63,6 +64,7 @@ SAMPLES = 1024
 CHAOS_BEGINS = 2000
 # Chaos that is left before so few of them is not shocked.
 FEWEST = 128
+_NONE = np.empty((4, 0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -233,6 +235,9 @@ def _states_of(search: Search, subject: Subject) -> Values:
     if subject.cycle is not None:
         cycle = subject.cycle
         return follow(known.rotor, cycle.state, cycle.period / SAMPLES, SAMPLES, stop).T
+    if told_by_kind(known.rotor):
+        start = subject.start
+        return states_of_rub(known.rotor, start, SAMPLES) if np.isfinite(start).all() else _NONE
     # chaos, as long as it lasts: what ends elsewhere by itself needs no shock
     states = follow(known.rotor, subject.start, 1.0, CHAOS_BEGINS + SAMPLES, stop)[-SAMPLES:].T
     left = np.flatnonzero(ends_of(known, states, search.tolerance, stop) != UNDECIDED)

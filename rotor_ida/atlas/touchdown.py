@@ -11,6 +11,7 @@ import xarray as xr
 
 from rotor_ida.atlas.cells import MOST_STARTS, Cell, CellJob, Member, fill_cell
 from rotor_ida.atlas.dataset import column_of, how_computed, member_row, missed_fraction
+from rotor_ida.atlas.rubbing import KINDS_BY_RUN, numbers_of_rub, numbers_of_whirl
 from rotor_ida.atlas.shocks import KINDS
 from rotor_ida.basins.dataset import ENTROPIES, agreement_of
 from rotor_ida.basins.following import RTOL
@@ -48,6 +49,8 @@ NUMBERS = (
     "largest_force", "mean_force", "contacts_per_revolution", "contact_fraction",
     "dissipation_per_revolution", "whirl_ratio", "excursion",
 )  # fmt: skip
+# and with friction.
+OF_FRICTION = ("heat_per_revolution", "slip_distance_per_revolution", "rolling_fraction")
 
 
 def touchdown_report(
@@ -87,10 +90,14 @@ def touchdown_report(
     Dataset
         On ``attractor``: ``kind``; ``fraction`` and ``fraction_error`` of the starts that end
         there, ``settling_median`` and ``settling_95`` [s]; ``largest_force`` and its mean over the
-        time, ``mean_force`` (the impulse a second) [N]; ``contacts_per_revolution`` and
+        time, ``mean_force`` (the impulse a second) [N], both of the normal force;
+        ``contacts_per_revolution`` and
         ``contact_fraction``, the share of time in contact; ``dissipation_per_revolution``, the
         energy that damping takes [J], and with contact damping what that takes of it,
-        ``contact_loss_per_revolution``; ``whirl_ratio`` and ``whirl_direction`` of the strongest
+        ``contact_loss_per_revolution``; with friction, of which the heat counts as well,
+        ``heat_per_revolution`` [J], ``slip_distance_per_revolution``, how far the surfaces slide
+        over each other [m], and ``rolling_fraction``, the part of the time in contact in which the
+        disc rolls; ``whirl_ratio`` and ``whirl_direction`` of the strongest
         whirl beside the spin; ``radius_min``, ``radius_max``, ``period`` [m], [s]; ``excursion``,
         the largest distance from the bearing axis over the clearance; the scalars
         ``basin_entropy`` and ``boundary_entropy``, and ``agreement``, the part of the labels that
@@ -116,8 +123,9 @@ def touchdown_report(
 
     Notes
     -----
-    Energy comes from the drive and leaves through damping alone, ``2 zeta |z'|**2``, and through
-    contact damping: without it the contact gives back all that it takes.
+    Energy comes from the drive and leaves through damping alone, ``2 zeta |z'|**2``, through
+    contact damping, and as heat of friction: without these the contact gives back all that it
+    takes. With friction the drive is the torque, too, that turns the disc against it.
 
     Starts are labelled as by `rotor_ida.basin_fractions`, with the same `rtol` for any machine;
     CVODE confirms no attractor.
@@ -127,6 +135,11 @@ def touchdown_report(
     it is a witness, and a smaller one may exist, down to the bound. All whirls
     that stay inside the clearance, with the touches that fade towards them, are one attractor
     here: of its outermost whirls, which just reach the ring, no bound is known but 0.
+
+    With friction motions that are no whirl are told by their kinds alone, as by
+    `rotor_ida.basin_fractions`, without a period: what they do is that of one of them, followed
+    over whole periods. A shock that no region holds is followed to its end by itself, which takes
+    some ten milliseconds: so it does where one may throw the rotor into dry whip.
 
     References
     ----------
@@ -157,7 +170,7 @@ def touchdown_report(
     tried = check_count("shocks", shocks, minimum=0, maximum=MOST_SHOCKS)
     job = CellJob(rotor, drawn_from(scaled, chosen, 0, count), tolerance, tried)
     cell = interruptible(lambda stop: fill_cell(job, stop))
-    told = {**how_computed(tolerance, tried), "starts": count, "seed": chosen}
+    told = {**how_computed(tolerance, tried, rotor), "starts": count, "seed": chosen}
     ranges = {f"range_{name}": ends for name, ends in zip(COMPONENTS, box, strict=True)}
     report = _dataset(cell, count, {**told, **ranges})
     return dimensional(report, machine) if isinstance(machine, DimensionalRotor) else report
@@ -222,6 +235,9 @@ def _numbers(rotor: Rotor, member: Member) -> dict[str, float]:
     exponent, damped = rotor.contact_exponent, rotor.contact_damping > 0.0
     if damped:
         numbers["contact_loss_per_revolution"] = math.nan
+    rubs = rotor.friction > 0.0
+    if rubs:
+        numbers |= dict.fromkeys(OF_FRICTION, math.nan)
     if rotor.delta0 > 0.0:  # NaN where the radius hangs on the start
         numbers["excursion"] = attractor.radius_max / rotor.delta0
     if attractor.kind == response.CHAOTIC:
@@ -229,6 +245,8 @@ def _numbers(rotor: Rotor, member: Member) -> dict[str, float]:
             force = contact_force(attractor.radius_max, rotor.delta0, exponent)
             numbers["largest_force"] = float(force)
         return numbers
+    if rubs and attractor.kind in KINDS_BY_RUN:
+        return numbers | numbers_of_rub(rotor, member.state)
     if attractor.period > 0.0:
         return numbers | _of_cycle(rotor, member)
     steady = 0.0
@@ -242,6 +260,13 @@ def _numbers(rotor: Rotor, member: Member) -> dict[str, float]:
     numbers["contacts_per_revolution"] = float(attractor.kind == response.TOUCHING)
     speed = rotor.omega * attractor.amplitude
     numbers["dissipation_per_revolution"] = 4.0 * math.pi * rotor.zeta * speed**2 / rotor.omega
+    if rubs:
+        whirls = attractor.kind == response.SYNCHRONOUS
+        if whirls:
+            numbers |= numbers_of_whirl(rotor, attractor.amplitude, steady)
+        else:
+            numbers["heat_per_revolution"] = numbers["slip_distance_per_revolution"] = 0.0
+        numbers["dissipation_per_revolution"] += numbers["heat_per_revolution"]
     return numbers
 
 

@@ -40,6 +40,7 @@ DONE_TO_MACHINE = (
     *("fraction", "fraction_error", "settling_median", "settling_95"),
     *("largest_force", "mean_force", "contacts_per_revolution", "contact_fraction"),
     *("dissipation_per_revolution", "contact_loss_per_revolution"),
+    *("heat_per_revolution", "slip_distance_per_revolution", "rolling_fraction"),
     *("whirl_ratio", "whirl_direction"),
     *("radius_min", "radius_max", "excursion", "period", "lifetime", "trapping"),
     *("velocity_shock_bound", "displacement_shock_bound"),

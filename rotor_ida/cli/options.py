@@ -289,16 +289,6 @@ class BeyondAxes:
         """Return those that are given."""
         return [values for values in asdict(self).values() if values is not None]
 
-    def without_friction(self) -> dict[str, Any]:
-        """Return all but friction, where that is not known yet."""
-        given = self.given()
-        friction, _ = given.pop("friction"), given.pop("disc_radius")
-        if friction != 0.0:
-            raise InputError(
-                f"friction must be 0 for an atlas, which does not know it yet, got {friction!r}"
-            )
-        return given
-
     def without_load(self) -> dict[str, Any]:
         """Return what exact whirls have of it."""
         given = self.given()
@@ -342,11 +332,15 @@ class MachineOptions:
         _number("Relative rise of the contact force over the speed of approach: in s/m."),
     ] = None
     load: Annotated[float | None, _number("Static load, downwards: with a mass in N.")] = None
+    friction: Annotated[float | None, _number("Coefficient of friction in the contact.")] = None
+    disc_radius: Annotated[
+        float | None, _number("Radius of the disc, which friction needs: with a mass in m.")
+    ] = None
 
     def machine(self) -> Rotor | DimensionalRotor:
         """Return the rotor or the machine, whichever is given whole."""
         given = {name: value for name, value in asdict(self).items() if value is not None}
-        needed = given.keys() - DEFAULTS.keys()
+        needed = given.keys() - DEFAULTS.keys() - OF_FRICTION_DEFAULTS.keys()
         if needed == set(PARAMETERS):
             return Rotor(**given)
         if needed == set(MACHINE_PARAMETERS):

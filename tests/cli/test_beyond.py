@@ -12,7 +12,6 @@ import pytest
 
 import rotor_ida
 from rotor_ida.cli.options import BeyondAxes, MachineOptions
-from rotor_ida.errors import InputError
 from rotor_ida.parameters import DEFAULTS, OF_FRICTION_DEFAULTS, DimensionalRotor, Rotor
 
 Program = Callable[..., Any]
@@ -232,6 +231,23 @@ def test_a_branch_begins_at_a_result_of_a_machine(
     assert any(abs(each["period"] / float(place["period"]) - 1.0) < 1e-6 for each in points)
 
 
-def test_an_atlas_with_friction_is_refused():
-    with pytest.raises(InputError, match="friction must be 0 for an atlas"):
-        BeyondAxes(friction=[0.2], disc_radius=[10.0]).without_friction()
+def test_what_starts_end_on_with_friction(program: Program):
+    """A knock backwards, at the speed of the rim, rolls on in dry whip; an atlas verifies."""
+    rubbing = "--omega 0.63 --zeta 0.1 --delta0 1 --friction 0.2 --disc-radius 10 "
+    over = "--x 0:5:2 --y 0 --vx 0 --vy=-6.3:0:2 --json"
+    answer = program(*("basin " + rubbing + over).split())
+    assert (answer.status, answer.err) == (0, "")
+    assert "rolling" in {each["kind"] for each in json.loads(answer.out)["attractors"]}
+    box = "--x=-6:6 --y=-6:6 --vx=-6:6 --vy=-6:6 --starts 24 --json "
+    answer = program(*("touchdown " + rubbing + box + "--shocks 0").split())
+    assert (answer.status, answer.err) == (0, "")
+    rows = {each["kind"]: each for each in json.loads(answer.out)["attractors"]}
+    assert rows["synchronous"]["rolling_fraction"] == 0.0 < rows["rolling"]["rolling_fraction"]
+    several = rubbing.replace("--friction 0.2", "--friction 0.1 0.2")
+    answer = program(*("atlas " + several + box + "--figure atlas --out atlas.nc").split())
+    assert (answer.status, answer.err) == (0, "")
+    told = json.loads(answer.out)
+    assert told["parameters"]["friction"] == [0.1, 0.2]
+    (whip,) = (row for row in told["attractors"] if row["kind"] == "rolling")
+    assert whip["friction"] == "0.2 to 0.2"
+    assert program("verify", "atlas.nc").status == 0

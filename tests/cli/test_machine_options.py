@@ -28,6 +28,9 @@ BEYOND_IN_SI = {
 
 def test_what_a_machine_has_beside_is_in_the_units_of_the_rest():
     assert MachineOptions(**ROTOR, **BEYOND).machine() == Rotor(**ROTOR, **BEYOND)
+    rubbing = {"friction": 0.2, "disc_radius": 1e-5}
+    assert MachineOptions(**ROTOR, **rubbing).machine() == Rotor(**ROTOR, **rubbing)
+    assert MachineOptions(**MACHINE, **rubbing).machine() == DimensionalRotor(**MACHINE, **rubbing)
     whole = MACHINE | BEYOND_IN_SI
     assert MachineOptions(**whole).machine() == DimensionalRotor(**whole)
 
@@ -40,6 +43,7 @@ MISTAKES = [
     ({**MACHINE, "contact_exponent": 2.0}, "contact_exponent must be 1.5 or 1, got 2.0"),
     ({**MACHINE, "load": -1.0}, "load must be zero or positive, got -1.0"),
     ({**ROTOR, "delta0": 0.0, "contact_damping": 1.0}, "contact_damping must be 0 without"),
+    ({**ROTOR, "friction": 0.1}, "disc_radius must be given with friction, got None"),
 ]
 
 

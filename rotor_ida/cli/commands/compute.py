@@ -253,7 +253,7 @@ def atlas(
     output.check()
     if output.figure is not None:
         options.check_varies(omega, zeta, delta0, *beyond.axes())
-    given = beyond.without_friction()
+    given = beyond.given()
     with working("atlas", study) as progress:
         dataset = rotor_ida.continue_attractors(
             omega=omega,
@@ -263,6 +263,8 @@ def atlas(
             contact_exponent=given["contact_exponent"],
             contact_damping=given["contact_damping"],
             load=given["load"],
+            friction=given["friction"],
+            disc_radius=given["disc_radius"],
             x=x,
             y=y,
             vx=vx,

@@ -1,0 +1,104 @@
+"""What a motion with friction does to a machine: from a run over whole periods of it.
+
+With friction motions that are no whirl are told by their kinds alone. Such an attractor is known by
+a state on it, and what it does by following it on.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.arrays import Values
+from rotor_ida.basins.fates import ALONE
+from rotor_ida.checks import State
+from rotor_ida.equations.model import rotated
+from rotor_ida.parameters import Rotor
+from rotor_ida.simulation.contact_table import contact_summary
+from rotor_ida.simulation.orbit import ENTRY
+from rotor_ida.simulation.simulate import simulate
+from rotor_ida.steady_state import response
+from rotor_ida.steady_state.follow import follow_to_steady_state
+
+# Those that bounce, stay in contact, or roll; touches that fade are nothing in the limit.
+KINDS_BY_RUN = (response.BOUNCING, response.FULL_CONTACT, response.ROLLING)
+# A run is of whole periods, or revolutions where there is none, so many revolutions at least,
+REVOLUTIONS = 64
+# with so many samples in each.
+SAMPLES = 256
+
+
+def settled_state(rotor: Rotor, start: Values) -> Values:
+    """Return a state of the motion that a start ends on, shape (4,), on the rotating axes [1]."""
+    return np.array(follow_to_steady_state(rotor, _state(start), ALONE).end)
+
+
+def states_of_rub(rotor: Rotor, start: Values, count: int) -> Values:
+    """Return so many states of the motion that a start ends on, shape (4, count)."""
+    duration = REVOLUTIONS * 2.0 * math.pi / rotor.omega
+    run = simulate(
+        rotor, start=settled_state(rotor, start), duration=duration, samples=count, method="taylor"
+    )
+    states = np.stack([run[name].values for name in ("x", "y", "vx", "vy")], axis=-1)
+    return rotated(states, -rotor.omega * run["t"].values).T
+
+
+def numbers_of_rub(rotor: Rotor, start: Values) -> dict[str, float]:
+    """Return what the motion does that a start ends on, dimensionless."""
+    revolution = 2.0 * math.pi / rotor.omega
+    settled = follow_to_steady_state(rotor, _state(start), ALONE)
+    period = settled.features.period
+    unit = period if period > 0.0 else revolution
+    duration = unit * math.ceil(REVOLUTIONS * revolution / unit)
+    samples = math.ceil(SAMPLES * duration / revolution) + 1
+    run = simulate(rotor, start=settled.end, duration=duration, samples=samples, method="taylor")
+    told = contact_summary(run)
+    turns = duration / revolution
+    viscous = 2.0 * rotor.zeta * float((run["vx"] ** 2 + run["vy"] ** 2)[:-1].mean())
+    heat = float(told["total_heat"]) / turns
+    numbers = {
+        "largest_force": float(told["largest_force"]),
+        "mean_force": float(run["normal_force"][:-1].mean()),
+        "contacts_per_revolution": float((run["event_kind"] == ENTRY).sum()) / turns,
+        "contact_fraction": float(told["contact_fraction"]),
+        "dissipation_per_revolution": viscous * revolution + heat,
+        "heat_per_revolution": heat,
+        "slip_distance_per_revolution": float(told["total_slip_distance"]) / turns,
+        "rolling_fraction": float(told["rolling_fraction"]),
+    }
+    if rotor.contact_damping > 0.0:
+        loss = float(told["total_contact_loss"]) / turns
+        numbers["contact_loss_per_revolution"] = loss
+        numbers["dissipation_per_revolution"] += loss
+    fixed = run["x"].values + 1j * run["y"].values
+    turning = fixed * np.exp(-1j * rotor.omega * run["t"].values)
+    numbers["whirl_ratio"] = _strongest_whirl(turning[:-1], turns)
+    return numbers
+
+
+def numbers_of_whirl(rotor: Rotor, amplitude: float, force: float) -> dict[str, float]:
+    """Return what friction takes on a whirl in contact, which slides forwards all the time."""
+    distance = 2.0 * math.pi * (amplitude + (rotor.disc_radius or 0.0))
+    return {
+        "heat_per_revolution": rotor.friction * force * distance,
+        "slip_distance_per_revolution": distance,
+        "rolling_fraction": 0.0,
+    }
+
+
+def _strongest_whirl(position: npt.NDArray[np.complex128], turns: float) -> float:
+    """Return the frequency over the spin speed of the strongest whirl beside the spin.
+
+    The position, complex, is that of so many revolutions on the rotating axes.
+    """
+    sizes = np.abs(np.fft.fft(position))
+    orders = np.fft.fftfreq(position.size, 1.0 / position.size)
+    sizes[orders == 0.0] = 0.0
+    return 1.0 + float(orders[np.argmax(sizes)]) / turns
+
+
+def _state(values: Values) -> State:
+    x, y, vx, vy = np.asarray(values).tolist()
+    return (x, y, vx, vy)
