@@ -20,7 +20,7 @@ from rotor_ida.basins.attractors import (
     family_of,
 )
 from rotor_ida.basins.entropy import sample_entropy
-from rotor_ida.basins.fates import BY_KIND
+from rotor_ida.basins.fates import BY_KIND, LASTING
 from rotor_ida.basins.following import FollowedStarts, follow_here
 from rotor_ida.basins.kernel import CHAOTIC, NOT_COMPUTED, UNDECIDED
 from rotor_ida.basins.known import known_from_closed_forms, same_cycle, told_by_kind, with_cycle
@@ -138,7 +138,7 @@ def _search_among(
         elif attractor.kind == response.CHAOTIC:
             label = CHAOTIC
         elif told_by_kind(job.rotor):
-            label = BY_KIND.get(attractor.kind, number)
+            label = (BY_KIND | LASTING).get(attractor.kind, number)
         subjects.append(Subject(attractor, label, own_cycle, start))
     return Search(known, subjects, job.shocks, job.tolerance, stop)
 

@@ -47,6 +47,7 @@ KINDS = (
     response.BOUNCING,
     response.FULL_CONTACT,
     response.ROLLING,
+    response.QUASI_PERIODIC,
     response.CHAOTIC,
 )
 

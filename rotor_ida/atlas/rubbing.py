@@ -22,8 +22,13 @@ from rotor_ida.simulation.simulate import simulate
 from rotor_ida.steady_state import response
 from rotor_ida.steady_state.follow import follow_to_steady_state
 
-# Those that bounce, stay in contact, or roll; touches that fade are nothing in the limit.
-KINDS_BY_RUN = (response.BOUNCING, response.FULL_CONTACT, response.ROLLING)
+# Touches that fade are nothing in the limit, and chaos has no period to be told over.
+KINDS_BY_RUN = (
+    response.BOUNCING,
+    response.FULL_CONTACT,
+    response.ROLLING,
+    response.QUASI_PERIODIC,
+)
 # A run is of whole periods, or revolutions where there is none, so many revolutions at least,
 REVOLUTIONS = 64
 # with so many samples in each.

@@ -14,6 +14,7 @@ from rotor_ida.checks import LARGEST_SEED, MOST_NUMBERS, MOST_SHOCKS, MOST_WORKE
 from rotor_ida.cli import parsing
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import (
+    BEYOND,
     DEFAULTS,
     MACHINE_PARAMETERS,
     OF_FRICTION_DEFAULTS,
@@ -340,7 +341,7 @@ class MachineOptions:
     def machine(self) -> Rotor | DimensionalRotor:
         """Return the rotor or the machine, whichever is given whole."""
         given = {name: value for name, value in asdict(self).items() if value is not None}
-        needed = given.keys() - DEFAULTS.keys() - OF_FRICTION_DEFAULTS.keys()
+        needed = given.keys() - set(BEYOND)
         if needed == set(PARAMETERS):
             return Rotor(**given)
         if needed == set(MACHINE_PARAMETERS):
