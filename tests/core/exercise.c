@@ -611,9 +611,9 @@ static void lanes(void)
 {
     const int64_t counts[] = {0, 1, LANES_OF_KERNEL - 1, LANES_OF_KERNEL, LANES_OF_KERNEL + 1, 200};
     for (size_t c = 0; c < sizeof counts / sizeof *counts; c++) {
-        for (int kind = 0; kind < 8; kind++) {
+        for (int kind = 0; kind < 12; kind++) { /* the last rotors of the whole model rub */
             const int64_t count = counts[c], regions = kind % 3, sections = kind % 2;
-            const struct rotor rotor = ROTORS[kind];
+            const struct rotor rotor = ROTORS[kind < 8 ? kind : ROTOR_COUNT + 7 - kind];
             double *states = room_for(4 * count, sizeof(double));
             int16_t *labels = room_for(count, sizeof(int16_t));
             float *times = room_for(count, sizeof(float));
