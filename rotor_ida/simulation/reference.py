@@ -496,9 +496,24 @@ def _change_in(motion: Integration, rotor: Rotor, mode: int) -> tuple[float, int
     first = (math.inf, 0)
     for within, event, hidden in _guards(motion, rotor, mode):
         time = _first_below(motion, within, hidden)
+        if event == ROLL and time == _next(motion.low) and _drives_on(motion, rotor, mode):
+            continue
         if time < first[0]:
             first = (time, event)
     return first
+
+
+def _drives_on(motion: Integration, rotor: Rotor, mode: int) -> bool:
+    """Return whether surfaces that stand still at the beginning of a step are driven on as they slid.
+
+    After a slip their speed grows like the square of time: the error of a step may exceed it.
+    """
+    return pressed_mode(rotor, motion.low, motion.before, 0.0) == mode
+
+
+def _next(time: float) -> float:
+    """Return the time after one: that of an event where a mode is left as soon as it begins."""
+    return math.nextafter(time, math.inf)
 
 
 def _guards(motion: Integration, rotor: Rotor, mode: int) -> list[tuple[Function, int, float]]:
@@ -545,7 +560,7 @@ def _first_below(motion: Integration, within: Function, hidden: float) -> float:
                 point = low + reach
             if within(point, motion.at(point)) > 0.0:
                 return motion.root(within, point, high)
-            return math.nextafter(low, math.inf)
+            return _next(low)
     return math.inf
 
 
@@ -574,7 +589,7 @@ def _crossing_in(motion: Integration, turn: float, delta0: float, *, in_contact:
         if within(high, motion.at(high)) < -hidden:
             if within(low, motion.at(low)) > 0.0:
                 return motion.root(within, low, high)
-            return math.nextafter(low, math.inf)  # it left as soon as it came
+            return _next(low)  # it left as soon as it came
     return math.inf
 
 
