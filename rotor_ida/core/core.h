@@ -67,6 +67,7 @@ struct sundials {
     int (*init)(void *memory, int (*field)(double, void *, void *, void *), double, void *state);
     int (*reinit)(void *memory, double point, void *state);
     int (*tolerances)(void *memory, double rtol, void *atol);
+    int (*weigh_by)(void *memory, int (*weights)(void *state, void *weights, void *user));
     int (*user_data)(void *memory, void *user);
     int (*linear_use)(void *memory, void *linear, void *matrix);
     int (*jacobian)(void *memory, int (*jacobian)(double, void *, void *, void *, void *, void *,

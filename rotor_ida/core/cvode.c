@@ -80,6 +80,38 @@ static int derivative_of_it(double point, void *state, void *rate, void *matrix,
     return 0;
 }
 
+#ifdef WHOLE_MODEL
+/* So many roundings of a value no tolerance may ask for less than. */
+static const double LEAST_ERROR = 16.0 * ROUNDING;
+
+/* With friction no tolerance is in proportion to a value alone: see `size_of`. */
+static int weights_of(void *state, void *weights, void *user)
+{
+    const struct cvode *cvode = user;
+    const struct motion *motion = &cvode->motion;
+    const double *values = cvode->sundials->vector_data(state);
+    double *found = cvode->sundials->vector_data(weights);
+    if (values == NULL || found == NULL)
+        return -1;
+    for (int i = 0; i < values_of(motion); i++) {
+        const double allowed = motion->rtol * size_of(motion, values, i) + cvode->atol[i];
+        found[i] = 1.0 / larger(allowed, LEAST_ERROR * fabs(values[i]));
+    }
+    return 0;
+}
+#endif
+
+/* Hand the tolerances of a motion over. */
+static int set_tolerances(struct cvode *cvode)
+{
+    const struct sundials *sundials = cvode->sundials;
+#ifdef WHOLE_MODEL
+    if (cvode->motion.model.friction > 0.0)
+        return sundials->weigh_by(cvode->memory, weights_of);
+#endif
+    return sundials->tolerances(cvode->memory, cvode->motion.rtol, cvode->tolerances);
+}
+
 /* Remember that a reading failed: it ends the run, though its values look like others. */
 static int noted(struct cvode *cvode, int flag)
 {
@@ -102,7 +134,7 @@ static int restart(struct motion *motion, const double *start, const double *ato
     const int status = cvode->sundials->reinit(cvode->memory, 0.0, cvode->state);
     if (status != DONE)
         return status;
-    return cvode->sundials->tolerances(cvode->memory, motion->rtol, cvode->tolerances);
+    return set_tolerances(cvode);
 }
 
 static int advance(struct motion *motion)
@@ -226,7 +258,7 @@ static int make(struct cvode *cvode, int method, int64_t size)
     if (status == 0)
         status = sundials->user_data(cvode->memory, cvode);
     if (status == 0)
-        status = sundials->tolerances(cvode->memory, motion->rtol, cvode->tolerances);
+        status = set_tolerances(cvode);
     if (status == 0)
         status = sundials->linear_use(cvode->memory, cvode->linear, cvode->matrix);
     if (status == 0 && !motion->tangents)

@@ -26,13 +26,14 @@ static void roll(struct motion *motion)
     motion->model.sigma = 0.0;
 }
 
-/* The force that rolling needs at values; 0 where rounding hides it. And the grip. */
-static double hold_at(const struct motion *motion, const double *values, double *grip)
+/* The force at values by which the grip is not enough for the disc to roll; 0 where it is, or where
+ * rounding hides that it is not. */
+static double ungripped(const struct motion *motion, const double *values)
 {
     double watched[WATCHED], rates[WATCHED];
     rolling_mode.watched(&motion->model, values, watched, rates);
-    *grip = watched[0];
-    return fabs(watched[1]) > hidden_hold(motion, values) ? watched[1] : 0.0;
+    const double beyond = fabs(watched[1]) - watched[0];
+    return beyond > hidden_hold(motion, values) ? copysign(beyond, watched[1]) : 0.0;
 }
 
 void settle_friction(struct motion *motion, double *values)
@@ -47,13 +48,12 @@ void settle_friction(struct motion *motion, double *values)
         slide(motion, values[RUB_SLIP]);
         return;
     }
-    double grip = 0.0;
-    const double hold = hold_at(motion, values, &grip);
+    const double force = ungripped(motion, values);
     values[RUB_SLIP] = 0.0;
-    if (fabs(hold) <= grip)
+    if (force == 0.0)
         roll(motion);
     else
-        slide(motion, hold);
+        slide(motion, force);
 }
 
 void begin_with_friction(struct motion *motion, double *start, double *atol)
@@ -119,19 +119,18 @@ void record_change(struct run *run, const struct motion *motion, int kind, int b
 static int change_of_friction(struct motion *motion, enum guard guard, double *values)
 {
     const double sense = motion->model.sigma;
-    double grip = 0.0;
     values[RUB_SLIP] = 0.0;
     if (guard != SLIDING) {
         slide(motion, guard == GRIPS_FORWARDS ? 1.0 : -1.0);
         return SLIP;
     }
-    const double hold = hold_at(motion, values, &grip);
-    if (fabs(hold) <= grip) {
+    const double force = ungripped(motion, values);
+    if (force == 0.0) {
         roll(motion);
         return ROLL;
     }
-    slide(motion, hold);
-    return hold * sense < 0.0 ? REVERSE : 0;
+    slide(motion, force);
+    return force * sense < 0.0 ? REVERSE : 0;
 }
 
 int change_way(struct motion *motion, enum guard guard, double *values)

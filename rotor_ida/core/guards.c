@@ -122,6 +122,17 @@ static double point_within_mode(struct motion *motion, enum guard guard, double 
     return point;
 }
 
+/* Whether surfaces that stand still at a point are driven on in the sense in which they slide, but
+ * for rounding. After a slip their speed grows like the square of time: the error of a step may
+ * exceed it. */
+static int is_driven_on(struct motion *motion, double point)
+{
+    const double *values = motion->at(motion, point);
+    double watched[WATCHED], rates[WATCHED];
+    rolling_mode.watched(&motion->model, values, watched, rates);
+    return motion->model.sigma * watched[1] > watched[0] - hidden_hold(motion, values);
+}
+
 /* Where in the last step, up to `end`, a margin falls through 0: at its beginning where nothing of
  * the step is inside the mode; infinite where it does not, NaN where it cannot be found. */
 static double crossing_in_step(struct motion *motion, enum guard guard, double end)
@@ -138,9 +149,10 @@ static double crossing_in_step(struct motion *motion, enum guard guard, double e
                                           : point_outside(motion, guard, lowest, from, to);
         if (outside.value < lowest) {
             const double inside = point_within_mode(motion, guard, from.point, outside.point);
-            if (margin_of(motion, guard, motion->at(motion, inside), NULL) <= 0.0)
+            if (margin_of(motion, guard, motion->at(motion, inside), NULL) > 0.0)
+                return root_of_guard(motion, guard, inside, outside.point);
+            if (guard != SLIDING || !is_driven_on(motion, from.point))
                 return from.point;
-            return root_of_guard(motion, guard, inside, outside.point);
         }
         from = to;
     }

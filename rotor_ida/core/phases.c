@@ -166,9 +166,9 @@ static void raise_force(struct peak *peak, struct motion *motion, double end, co
 static int change_mode(struct run *run, struct motion *motion, const struct change *change,
                        double *start, const double *atol, double *reached)
 {
-    /* of friction a margin that rounding hid at the end of a step is found at the next's beginning
-     */
-    const int began = change->point <= motion->low && (change->guard == HELD || motion->low == 0.0);
+    /* with friction what rounding hid at the end of a step is found at the next's beginning */
+    const int began = change->point <= motion->low
+                      && (motion->low == 0.0 || motion->mode == &contact_mode);
     const double sense = motion->mode == &rub_mode ? motion->model.sigma : 0.0;
     const int kind = change_way(motion, change->guard, reached);
     if (run->event_room > 0) {

@@ -39,6 +39,7 @@ FUNCTIONS = {
     "init": ("cvode", "CVodeInit"),
     "reinit": ("cvode", "CVodeReInit"),
     "tolerances": ("cvode", "CVodeSVtolerances"),
+    "weigh_by": ("cvode", "CVodeWFtolerances"),
     "user_data": ("cvode", "CVodeSetUserData"),
     "linear_use": ("cvode", "CVodeSetLinearSolver"),
     "jacobian": ("cvode", "CVodeSetJacFn"),

@@ -360,7 +360,8 @@ static void begin_step(struct taylor *taylor)
     /* no step is chosen by the integrals of a contact */
     const int chosen_by = is_contact(motion) ? (int)CONTACT_T : size;
     for (int i = 0; i < chosen_by; i++)
-        taylor->inverse[i] = 1.0 / (motion->rtol * fabs(motion->values[i]) + taylor->atol[i]);
+        taylor->inverse[i] =
+            1.0 / (motion->rtol * size_of(motion, motion->values, i) + taylor->atol[i]);
 }
 
 /* Put the direction of a contact back on the unit circle, off which each step carries it a little:

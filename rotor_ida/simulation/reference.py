@@ -161,7 +161,7 @@ def pressed_mode(rotor: Rotor, time: float, state: Values, slip: float | None = 
         return FORWARDS if sliding > 0.0 else BACKWARDS
     hold = hold_of_rolling(rotor, time, rolled(rotor, state))
     grip = rotor.friction * force_of(rotor, state)
-    if abs(hold) <= max(grip, hidden_hold(rotor, state)):
+    if abs(hold) <= grip + hidden_hold(rotor, state):
         return ROLLING
     return FORWARDS if hold > 0.0 else BACKWARDS
 
