@@ -84,7 +84,7 @@ static int derivative_of_it(double point, void *state, void *rate, void *matrix,
 /* So many roundings of a value no tolerance may ask for less than. */
 static const double LEAST_ERROR = 16.0 * ROUNDING;
 
-/* With friction no tolerance is in proportion to a value alone: see `size_of`. */
+/* With friction not every tolerance is in proportion to a value: see `size_of_slip`. */
 static int weights_of(void *state, void *weights, void *user)
 {
     const struct cvode *cvode = user;
@@ -93,9 +93,12 @@ static int weights_of(void *state, void *weights, void *user)
     double *found = cvode->sundials->vector_data(weights);
     if (values == NULL || found == NULL)
         return -1;
-    for (int i = 0; i < values_of(motion); i++) {
-        const double allowed = motion->rtol * size_of(motion, values, i) + cvode->atol[i];
-        found[i] = 1.0 / larger(allowed, LEAST_ERROR * fabs(values[i]));
+    for (int i = 0; i < values_of(motion); i++)
+        found[i] = 1.0 / (motion->rtol * fabs(values[i]) + cvode->atol[i]);
+    if (motion->mode == &rub_mode) {
+        const double slip = motion->rtol * size_of_slip(motion, values, 1.0);
+        const double least = LEAST_ERROR * fabs(values[RUB_SLIP]);
+        found[RUB_SLIP] = 1.0 / larger(slip + cvode->atol[RUB_SLIP], least);
     }
     return 0;
 }

@@ -106,18 +106,14 @@ static inline void put_load_right(const struct motion *motion, double *values, d
 }
 #endif
 
-/* The size that a part of the values is measured by: its own, but of the moment of the slip, which
- * a large disc has however slowly its centre moves, no more than that of the angular momentum. */
-static inline double size_of(const struct motion *motion, const double *values, int component)
-{
-    const double size = fabs(values[component]);
 #ifdef WHOLE_MODEL
-    if (component == (int)RUB_SLIP && motion->mode == &rub_mode)
-        return fmin(size, fabs(momentum_of(motion, values)));
-#endif
-    (void)motion;
-    return size;
+/* What the error of the moment of the slip is measured by: that is large of a large disc, however
+ * slowly its centre moves, and no more than so many times the angular momentum. */
+static inline double size_of_slip(const struct motion *motion, const double *values, double times)
+{
+    return fmin(fabs(values[RUB_SLIP]), times * fabs(momentum_of(motion, values)));
 }
+#endif
 
 static inline int values_of(const struct motion *motion)
 {

@@ -16,6 +16,11 @@ static const double UNLIMITED = 100.0;
 static const double FALL = 2.0, RATIO = 7.38905609893065;
 enum { LOOKED_AT = 6, MOST_CUTS = 60 };
 #ifdef WHOLE_MODEL
+/* The moment of the slip counts as no more than so many times the angular momentum: of less a step
+ * would become shorter, for digits that a series has anyway. */
+static const double OF_MOMENTUM = 32.0;
+#endif
+#ifdef WHOLE_MODEL
 /* After so many steps the load is put where it points. */
 enum { STEPS_OF_LOAD = 4 };
 #endif
@@ -360,8 +365,13 @@ static void begin_step(struct taylor *taylor)
     /* no step is chosen by the integrals of a contact */
     const int chosen_by = is_contact(motion) ? (int)CONTACT_T : size;
     for (int i = 0; i < chosen_by; i++)
-        taylor->inverse[i] =
-            1.0 / (motion->rtol * size_of(motion, motion->values, i) + taylor->atol[i]);
+        taylor->inverse[i] = 1.0 / (motion->rtol * fabs(motion->values[i]) + taylor->atol[i]);
+#ifdef WHOLE_MODEL
+    if (motion->mode == &rub_mode) {
+        const double slip = size_of_slip(motion, motion->values, OF_MOMENTUM);
+        taylor->inverse[RUB_SLIP] = 1.0 / (motion->rtol * slip + taylor->atol[RUB_SLIP]);
+    }
+#endif
 }
 
 /* Put the direction of a contact back on the unit circle, off which each step carries it a little:

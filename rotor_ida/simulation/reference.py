@@ -482,6 +482,8 @@ def _record_event(run: _Run, time: float, event: int, state: Values) -> int:
             event = 0 if mode == run.ways[-1] else REVERSE if turned else ROLL
         if not event:
             run.ways[-1] = mode
+    elif event in {ROLL, SLIP, REVERSE} and not last and time <= _next(0.0):
+        event, run.ways[-1] = 0, mode  # so it began
     if event:
         run.events.append((time, event, state))
         run.ways.append(mode)
