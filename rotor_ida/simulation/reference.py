@@ -506,7 +506,7 @@ def _change_in(motion: Integration, rotor: Rotor, mode: int) -> tuple[float, int
 
 
 def _drives_on(motion: Integration, rotor: Rotor, mode: int) -> bool:
-    """Return whether surfaces that stand still at the beginning of a step are driven on as they slid.
+    """Return whether surfaces that stand still as a step begins are driven on as they slid.
 
     After a slip their speed grows like the square of time: the error of a step may exceed it.
     """

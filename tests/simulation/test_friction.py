@@ -227,6 +227,25 @@ def test_grazes_of_slip_speed_and_grip_are_decided_above_the_floor_that_is_state
             assert kinds_of(family(value), start, 5.0, rtol, method) == exact, family(value)
 
 
+@pytest.mark.parametrize("kind", [2, -2])
+def test_a_pair_of_events_comes_with_the_root_of_the_distance_from_its_border(kind):
+    """A guard that is touched is a parabola there: so its two zeros part. A million times nearer
+    to the border they lie a thousand times closer together, and neither is missed."""
+    draw = np.random.default_rng(3)
+    distances = 10.0 ** np.arange(-11.0, -4.0)
+    for _ in range(4):
+        family, start, low, high = graze(draw, kind)
+        few, apart = kinds_of(family(low * (1.0 - 1e-6)), start, 5.0, 1e-15), []
+        for distance in distances:
+            assert kinds_of(family(low * (1.0 - distance)), start, 5.0, 1e-15) == few
+            how = Options(method="taylor", rtol=1e-15, atol=1e-17)
+            found = run(family(high * (1.0 + distance)), start, 5.0, np.array([0.0, 5.0]), how)
+            assert found.event_times.size == len(few) + 2
+            apart.append(np.diff(found.event_times).min())
+        slope = np.polyfit(np.log(distances[:5]), np.log(apart[:5]), 1)[0]
+        assert slope == pytest.approx(0.5, abs=0.01)
+
+
 # ---- Starts ----
 
 
