@@ -58,6 +58,7 @@ struct made_up_solver {
     struct made_up_vector *state;
     double point, before[MOST_VALUES], low;
     long count;
+    int (*weights)(void *state, void *found, void *user);
 };
 
 static int calls_until_failure; /* how many calls of SUNDIALS are left; negative: without end */
@@ -180,6 +181,12 @@ static int tolerances(void *memory, double rtol, void *atol)
     return fails() ? -1 : 0;
 }
 
+static int weigh_by(void *memory, int (*weights)(void *state, void *found, void *user))
+{
+    ((struct made_up_solver *)memory)->weights = weights;
+    return fails() ? -1 : 0;
+}
+
 static int user_data(void *memory, void *user)
 {
     ((struct made_up_solver *)memory)->user = user;
@@ -213,6 +220,12 @@ static int solve(void *memory, double goal, void *state, double *reached, int ta
         return -4;
     memcpy(now, values->data, count * sizeof(double));
     memcpy(solver->before, now, count * sizeof(double));
+    if (solver->weights) {
+        double room[MOST_VALUES];
+        struct made_up_vector found = {values->size, room};
+        if (solver->weights(state, &found, solver->user) != 0)
+            return -8;
+    }
     if (solver->jacobian) {
         struct made_up_vector matrix = {values->size, room_for(values->size * values->size, 8)};
         const int status = solver->jacobian(0.0, state, state, &matrix, solver->user, NULL, NULL,
@@ -269,10 +282,10 @@ static int evaluations(void *memory, long *count)
 }
 
 static const struct sundials made_up = {
-    context_new, forget,       handlers_clear, vector_over, vector_fuse, discard,
-    vector_data, matrix_new,   matrix_free,    vector_data, linear_new,  linear_free,
-    create,      solver_free,  init,           reinit,      tolerances,  user_data,
-    linear_use,  jacobian_use, solve,          derivative,  last_order,  evaluations,
+    context_new, forget,      handlers_clear, vector_over, vector_fuse, discard,    vector_data,
+    matrix_new,  matrix_free, vector_data,    linear_new,  linear_free, create,     solver_free,
+    init,        reinit,      tolerances,     weigh_by,    user_data,   linear_use, jacobian_use,
+    solve,       derivative,  last_order,     evaluations,
 };
 
 /* ---- Runs ---- */
