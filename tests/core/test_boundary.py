@@ -12,6 +12,7 @@ import subprocess
 import sys
 import threading
 import time
+from dataclasses import replace
 from pathlib import Path
 from runpy import run_path
 
@@ -405,7 +406,8 @@ FAILING = {
     # those whose result is a flag
     **dict.fromkeys(
         ("context_new", "handlers_clear", "vector_fuse", "init", "reinit", "tolerances",
-         "weigh_by", "user_data", "linear_use", "jacobian", "solve", "derivative", "evaluations"), -28,
+         "weigh_by", "user_data", "linear_use", "jacobian", "solve", "derivative",
+         "evaluations"), -28,
     ),
 }  # fmt: skip
 NOT_LOOKED_AT = {"context_free", "vector_free", "matrix_free", "linear_free", "free"}
