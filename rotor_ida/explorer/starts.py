@@ -12,6 +12,7 @@ from rotor_ida.basins.attractors import attractors_of
 from rotor_ida.basins.basin import basin
 from rotor_ida.basins.following import first_look
 from rotor_ida.basins.labelling import check_rotor
+from rotor_ida.errors import InputError
 from rotor_ida.explorer.answers import Answer
 from rotor_ida.explorer.motion import facts_of
 from rotor_ida.explorer.questions import Question
@@ -29,7 +30,13 @@ TOLD = ("amplitude", "radius_min", "radius_max")
 
 def show_starts(question: Question) -> Iterator[Answer]:
     """Yield the basin over starts in x and y that have the velocity of the start."""
-    check_rotor(question.rotor)
+    rotor = question.rotor
+    if rotor.friction > 0.0:
+        raise InputError(
+            "friction must be 0 for a basin on this page: with it starts are followed one by one, "
+            f"which takes minutes (rotor_ida.basin_fractions), got {rotor.friction!r}"
+        )
+    check_rotor(rotor)
     yield _first_look(question)
     for count, rtol in ((COARSE, RTOL), (FINE, None)):
         axis = _middles(question.reach, count)

@@ -10,14 +10,14 @@ import rotor_ida
 from rotor_ida.explorer import starts
 from rotor_ida.explorer.questions import Question
 from rotor_ida.schema import RESPONSE
-from tests.explorer.asking import MACHINE, ROTOR, Message, answer_to, question
+from tests.explorer.asking import MACHINE, ROTOR, RUB, Message, answer_to, question
 
 ASKING = question(
     "starts", machine={"omega": 1.7, "zeta": 0.07, "delta0": 0.5}, start=[0, 0, 1, -1]
 )
 
 
-def test_a_machine_has_a_basin_and_under_a_load_a_reason():
+def test_a_machine_has_a_basin_and_under_a_load_or_with_friction_a_reason():
     machine = ROTOR | {"shaft_stiffness": 0.25, "contact_exponent": 1.0, "contact_damping": 0.5}
     asking = question("starts", machine=machine)
     first, coarse, _ = answer_to(asking)
@@ -27,6 +27,11 @@ def test_a_machine_has_a_basin_and_under_a_load_a_reason():
     np.testing.assert_array_equal(coarse.arrays["label"], found["label"].values.ravel())
     (trouble,) = answer_to(question("starts", machine=machine | {"load": 0.5}))
     assert trouble.facts["message"].startswith("load must be 0 for a basin")
+    (trouble,) = answer_to(question("starts", machine=machine | RUB))
+    assert trouble.facts["message"] == (
+        "friction must be 0 for a basin on this page: with it starts are followed one by one, "
+        "which takes minutes (rotor_ida.basin_fractions), got 0.2"
+    )
 
 
 @pytest.fixture(scope="module")
