@@ -20,7 +20,7 @@ FUNCTIONS: dict[str, Callable[..., object]] = {
     "folds": lambda **given: rotor_ida.folds(zeta=0.07, **given),
     "jumps": lambda **given: jumps(zeta=0.07, **given),
     "hopf_points": lambda **given: rotor_ida.hopf_points(zeta=0.07, **given),
-    "cusp": lambda **given: cusp(**given),
+    "cusp": cusp,
     "peaks": lambda **given: peaks(zeta=0.07, **given),
     "response_curve": lambda **given: response_curve(zeta=0.07, limits=(0.1, 2.0), **given),
 }

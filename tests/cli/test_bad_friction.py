@@ -35,7 +35,7 @@ COMMANDS = {
 # Exact whirls slip, whatever the disc: they need no radius.
 WITHOUT_DISC = {"response", "folds"}
 MISTAKES = [
-    ("0.5", "--friction 0.1", "disc_radius must be given with friction, got None with friction 0.1"),
+    ("0.5", "--friction 0.1", "disc_radius must be given with friction, got None with friction"),
     ("0.5", "--friction -0.1 --disc-radius 10", "friction must be zero or positive, got -0.1"),
     ("0.5", "--friction nan --disc-radius 10", "friction must be a finite real number, got nan"),
     ("0.5", "--friction 0.1 --disc-radius -1", "disc_radius must be zero or positive, got -1.0"),
