@@ -62,7 +62,7 @@ STABLE_CYCLE, UNSTABLE_CYCLE = "stable cycle", "unstable cycle"
 BOUNCING_CYCLE, FULL_CONTACT_CYCLE = "bouncing cycle", "full-contact cycle"
 ROLLING_CYCLE = "dry whip"
 FOLD_OF_CYCLES, DOUBLING, GRAZE, TORUS = "fold of cycles", "period doubling", "graze", "torus"
-SLIDING, BIRTH = "slip comes to 0", "Hopf point"
+SLIDING, BIRTH = "slip comes to 0", HOPF
 _ORDER = [
     STABLE,
     UNSTABLE,
@@ -84,7 +84,6 @@ _ORDER = [
     DOUBLING,
     GRAZE,
     SLIDING,
-    BIRTH,
 ]
 
 _SETTINGS: Any = {

@@ -115,7 +115,7 @@ function paintIcon(ctx, icon, left, middle, pixel) {
     // as the pen draws marks: in pixels of the picture
     const shape = ["up", "down", "cross"].find(is);
     const pen = new Pen(ctx, (x) => x, (y) => y, pixel, null);
-    pen.mark(centre, middle, 8, { shape, fill: colour(is("down") ? "card" : "ink"), stroke: colour("ink"), width: 1.2 });
+    pen.mark(centre, middle, 8, { shape, fill: colour(is("down") ? "card" : "ink"), stroke: colour(is("cycle") ? "full_contact" : "ink"), width: 1.2 });
     return;
   }
   if (is("swatch") || is("square")) ctx.rect(centre - half, middle - half, 2 * half, 2 * half);

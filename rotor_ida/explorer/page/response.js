@@ -14,9 +14,9 @@ export function speedsAround(omega) {
 }
 
 const STABLE = 0, UNSTABLE = 1, STABILITIES = ["stable", "unstable", "neutral"];
-const SPECIAL = { 1: "fold of limit cycles", 2: "period doubling", 5: "torus point" };
-const SHAPES = { 1: "diamond", 2: "square", 5: "disc" };
-const TORUS = 5;
+const SPECIAL = { 1: "fold of limit cycles", 2: "period doubling", 5: "torus point", 6: "slip comes to 0", 7: "Hopf point" };
+const SHAPES = { 1: "diamond", 2: "square", 5: "disc", 6: "cross", 7: "disc" };
+const TORUS = 5, SLIDING = 6;
 // Whirls that friction keeps up: the name, the radii and the stability of each.
 const WHIRLS = [["slipping backward whirl", "saddle_radius", "unstable"], ["dry whip without unbalance", "whip_radius", "stable"]];
 const WHIP_ROOM = 1.5;
@@ -122,6 +122,7 @@ export class Response {
       parts.push(["line-key cycle", "limit cycle, largest radius"], ["line-key cycle thin", "smallest"]);
       parts.push(["mark diamond open cycle", "its fold"], ["mark square cycle", "period doubling"]);
       if (shown.some(({ branches }) => branches.some(({ arrays }) => arrays.special_kind.includes(TORUS)))) parts.push(["mark open cycle", "torus point"]);
+      if (shown.some(({ branches }) => branches.some(({ arrays }) => arrays.special_kind.includes(SLIDING)))) parts.push(["mark cross cycle", "slip comes to 0"]);
     }
     parts.push(["mark place", this.two ? "the first rotor" : "the rotor"]);
     if (this.two) parts.push(["mark square second", "the second rotor and its curves"]);
