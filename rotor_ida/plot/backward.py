@@ -45,7 +45,7 @@ def plot_backward_whirl(whirls: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     >>> rotor = Rotor(omega=0.63, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
     >>> ax = plot_backward_whirl(backward_whirl(rotor))
     >>> [text.get_text().partition(":")[0] for text in ax.get_legend().get_texts()]
-    ['clearance', 'slipping whirl', 'dry whip']
+    ['dry whip', 'clearance', 'slipping whirl']
     """
     whirls = check_dataset("whirls", whirls, (*PARAMETERS, *NEEDED))
     kinds = {number: word for word, number in flags_of(whirls["kind"]).items()}

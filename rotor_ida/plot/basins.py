@@ -156,7 +156,7 @@ def plot_attractor_fractions(dataset: xr.Dataset, ax: Axes | None = None) -> Axe
     >>> found = basin_fractions(Rotor(omega=1.7, zeta=0.07, delta0=0.0), x=(-15, 15), y=(-15, 15),
     ...                         starts=50)
     >>> [text.get_text() for text in plot_attractor_fractions(found).get_yticklabels()]
-    ['synchronous response, $A = 9.49$', 'synchronous response, $A = 1.88$']
+    ['synchronous response, $A = 1.88$', 'synchronous response, $A = 9.49$']
     """
     needed = (*PARAMETERS, "kind", "fraction", "fraction_error", "amplitude", "radius_min",
               "radius_max")  # fmt: skip
