@@ -24,7 +24,7 @@ from selenium.webdriver.chrome.service import Service
 ROTORS = ((1.7, 0.07, 0.0), (1.2, 0.07, 0.5), (1.7, 0.07, 0.5), (1.7, 0.07, 1.0), (2.0, 0.07, 2.0))
 # What a machine has beside them; its clearance must not be 0.
 MACHINE = {"shaft_stiffness": 0.25, "contact_exponent": 1, "contact_damping": 0.5}
-# With friction there is no basin to be timed, and a slider more.
+# With friction there is a slider more.
 RUB = {"friction": 0.1, "disc_radius": 10}
 REST, QUICK = 400, 50  # milliseconds from step to step
 # Of how much each slider is moved in all.

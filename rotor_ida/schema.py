@@ -176,9 +176,6 @@ QUANTITIES: dict[str, Quantity] = {
     "frequency_over_omega": Quantity("frequency over spin speed, positive for forward whirl"),
     "whirl_amplitude": Quantity("amplitude of the whirl at the frequency", scale="length"),
     "force": Quantity("contact force", scale="force"),
-    "tangential_force": Quantity(
-        "tangential force of the contact, positive backwards", scale="force"
-    ),
     "force_x": Quantity("horizontal contact force on the rotor", scale="force"),
     "force_y": Quantity("vertical contact force on the rotor", scale="force"),
     "tangential_force": Quantity("force along the ring, back on the rotor", scale="force"),

@@ -122,8 +122,6 @@ def poincare_section(
     count = check_count("revolutions", revolutions)
     left_out = check_count("skip", skip, minimum=0)
     check_choice("at", at, PLACES)
-    if at == "peak":
-        check_no_friction(rotor, "a section at each peak")
     if check_nonnegative("phase", phase) >= 2.0 * math.pi:
         raise InputError(f"phase must be below 2 pi, got {phase!r}")
     if at != "revolution" and phase:

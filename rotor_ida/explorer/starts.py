@@ -12,7 +12,6 @@ from rotor_ida.basins.attractors import attractors_of
 from rotor_ida.basins.basin import basin
 from rotor_ida.basins.following import first_look
 from rotor_ida.basins.labelling import check_rotor
-from rotor_ida.errors import InputError
 from rotor_ida.explorer.answers import Answer
 from rotor_ida.explorer.motion import facts_of
 from rotor_ida.explorer.questions import Question
@@ -31,20 +30,19 @@ TOLD = ("amplitude", "radius_min", "radius_max")
 def show_starts(question: Question) -> Iterator[Answer]:
     """Yield the basin over starts in x and y that have the velocity of the start."""
     rotor = question.rotor
-    if rotor.friction > 0.0:
-        raise InputError(
-            "friction must be 0 for a basin on this page: with it starts are followed one by one, "
-            f"which takes minutes (rotor_ida.basin_fractions), got {rotor.friction!r}"
-        )
     check_rotor(rotor)
-    yield _first_look(question)
-    for count, rtol in ((COARSE, RTOL), (FINE, None)):
+    pictures = ((COARSE, RTOL), (FINE, None))
+    if rotor.friction > 0.0:  # there the first look tells nothing, and starts take far longer
+        pictures = ((COARSE // 2, RTOL), (COARSE, None))
+    else:
+        yield _first_look(question)
+    for count, rtol in pictures:
         axis = _middles(question.reach, count)
         found = basin(
-            question.rotor, x=axis, y=axis, vx=question.start[2], vy=question.start[3],
+            rotor, x=axis, y=axis, vx=question.start[2], vy=question.start[3],
             rtol=rtol, workers=1, executor="serial",
         )  # fmt: skip
-        yield _picture(question, found["label"].values, _attractors(found), finest=count == FINE)
+        yield _picture(question, found["label"].values, _attractors(found), finest=rtol is None)
 
 
 def _first_look(question: Question) -> Answer:

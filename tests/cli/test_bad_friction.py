@@ -25,6 +25,7 @@ COMMANDS = {
     "sweep": f"sweep {ROTOR}",
     "basin": f"basin {ROTOR} {PLANE}",
     "fractions": f"fractions {ROTOR} {BOX}",
+    "atlas": f"atlas --omega 1.2 1.3 --zeta 0.07 --delta0 {{delta0}} {BOX}",
     "touchdown": f"touchdown {ROTOR}",
     "touchdown of a machine": f"touchdown {MACHINE}",
     "explore": f"explore {ROTOR} --export page.html --speeds 1:1.2:2",
@@ -58,13 +59,3 @@ def test_each_mistake_gets_one_line(
         assert (answer.status, answer.out) == (2, ""), line
         assert re.fullmatch(rf"rotor-ida: [^\n]*{re.escape(message)}[^\n]*\n", answer.err), line
     assert not list(tmp_path.iterdir())
-
-
-def test_an_atlas_says_that_it_does_not_know_friction(program: Program):
-    for given in ("--friction 0.1 --disc-radius 10", "--friction 0.1"):
-        line = f"atlas --omega 1:2:2 --zeta 0.07 --delta0 0.5 {BOX} {given}"
-        answer = program(*line.split())
-        assert (answer.status, answer.out) == (2, "")
-        assert answer.err == (
-            "rotor-ida: friction must be 0 for an atlas, which does not know it yet, got 0.1\n"
-        )
