@@ -6,6 +6,7 @@ its driver.
 
     python benchmarks/explorer.py --steps 60
     python benchmarks/explorer.py --steps 60 --machine
+    python benchmarks/explorer.py --steps 60 --machine --friction
 """
 
 import argparse
@@ -23,9 +24,11 @@ from selenium.webdriver.chrome.service import Service
 ROTORS = ((1.7, 0.07, 0.0), (1.2, 0.07, 0.5), (1.7, 0.07, 0.5), (1.7, 0.07, 1.0), (2.0, 0.07, 2.0))
 # What a machine has beside them; its clearance must not be 0.
 MACHINE = {"shaft_stiffness": 0.25, "contact_exponent": 1, "contact_damping": 0.5}
+# With friction there is a slider more.
+RUB = {"friction": 0.1, "disc_radius": 10}
 REST, QUICK = 400, 50  # milliseconds from step to step
 # Of how much each slider is moved in all.
-SPANS = {"omega": 0.2, "zeta": 0.05, "delta0": 0.3}
+SPANS = {"omega": 0.2, "zeta": 0.05, "delta0": 0.3, "friction": 0.1}
 MOVE = """
 const [name, from, to, count, gap, done] = arguments;
 const slider = document.getElementById(`slider-${name}`);
@@ -95,8 +98,10 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--steps", type=int, default=60)
     parser.add_argument("--machine", action="store_true")
+    parser.add_argument("--friction", action="store_true")
     given = parser.parse_args()
-    steps, beyond = given.steps, MACHINE if given.machine else {}
+    steps = given.steps
+    beyond = (MACHINE if given.machine else {}) | (RUB if given.friction else {})
     process, address, seconds = served()
     driver = chromium()
     try:
@@ -108,14 +113,17 @@ def main():
         )
         everything = {"steps": [], "drags": [], "basins": []}
         for rotor in [each for each in ROTORS if each[2] > 0.0 or not beyond]:
-            for name, value in zip(SPANS, rotor, strict=True):
+            moved = dict(zip(("omega", "zeta", "delta0"), rotor, strict=True))
+            for name, value in moved.items():
                 driver.execute_script(
                     "const field = document.getElementById(`field-${arguments[0]}`);"
                     "field.value = arguments[1]; field.dispatchEvent(new Event('input'));",
                     name, value,
                 )  # fmt: skip
             time.sleep(3.0)
-            for name, value in zip(SPANS, rotor, strict=True):
+            if given.friction:
+                moved["friction"] = RUB["friction"]
+            for name, value in moved.items():
                 ends = (name, value, value + SPANS[name], steps)
                 delays, basins = driver.execute_async_script(MOVE, *ends, REST)
                 drags, _ = driver.execute_async_script(MOVE, *ends, QUICK)

@@ -20,7 +20,8 @@ from rotor_ida.schema import NO_YES, RESPONSE, flags_of, words_of
 Record = dict[str, object]
 Kind = Literal[
     "run", "sweep", "bifurcation_diagram", "basin", "basin_fractions", "atlas", "comparison",
-    "whirls", "folds", "cycle", "branch", "curve", "touchdown", "other",
+    "whirls", "folds", "hopf_points", "backward_whirl", "cycle", "branch", "curve", "touchdown",
+    "other",
 ]  # fmt: skip
 Description = tuple[Record, list[RenderableType]]
 METHOD = ("method", "flight", "backend", "rtol", "atol")
@@ -29,7 +30,12 @@ VERSION = "_version"
 HOUSEKEEPING = ("Conventions", "content_sha256", "rotor_ida_format")
 
 EVENT = ("event_time", "event_kind", "event_x", "event_y", "event_time_error")
-CONTACT = ("entry_time", "exit_time", "peak_time", "peak_indentation", "peak_force")
+CONTACT = (
+    *("entry_time", "exit_time", "peak_time", "peak_indentation", "peak_force"),
+    *("heat", "slip_distance", "rolling_time"),
+)
+BACKWARD = ("kind", "amplitude", "whirl_speed", "stability", "growth_rate", "normal_force",
+            "tangential_force")  # fmt: skip
 WHIRL = ("amplitude", *PARAMETERS, "branch", "phase_lag", "stability", "growth_rate", "in_contact")
 FOLD = ("fold_omega", "fold_amplitude", "zeta", "delta0", "fold")
 ATTRACTOR = (
@@ -94,6 +100,8 @@ def kind_of(dataset: xr.Dataset) -> Kind:
         "run": "event_time" in dataset and "t" in dataset.dims,
         "whirls": "amplitude" in dataset and "branch" in dataset.dims,
         "folds": "fold_omega" in dataset,
+        "hopf_points": "hopf_omega" in dataset,
+        "backward_whirl": "birth_omega" in dataset and "whirl" in dataset.dims,
         "curve": "special_second_value" in dataset,
         "branch": "special_value" in dataset and "special" in dataset.dims,
         "cycle": {"period_error", "multiplier_error"} <= set(dataset.variables),
@@ -114,6 +122,8 @@ def describe(dataset: xr.Dataset, *, most: int | None = None) -> Description:
         "comparison": _comparison,
         "whirls": _whirls,
         "folds": _folds,
+        "hopf_points": _hopf_points,
+        "backward_whirl": _backward_whirl,
         "cycle": _cycle,
         "branch": _branch,
         "curve": _curve,
@@ -157,10 +167,14 @@ def _run(dataset: xr.Dataset, most: int | None) -> Description:
         "peak_indentation": _largest(row["peak_indentation"] for row in contacts),
         "peak_force": _largest(row["peak_force"] for row in contacts),
     }
+    for name in ("heat", "rolling_time"):
+        if name in dataset:
+            summary[name] = float(dataset[name].sum())
     parts: list[RenderableType] = [pairs("Run", summary)]
     named = [name for name in EVENT if name in dataset]
     parts += _rows("Events", events, named, most, prefix="event_")
-    parts += _rows("Contacts", contacts, CONTACT, most)
+    columns = [name for name in CONTACT if name in dataset]
+    parts += _rows("Contacts", contacts, columns, most)
     return record, parts
 
 
@@ -396,6 +410,30 @@ def _fold_rows(dataset: xr.Dataset, most: int | None) -> tuple[list[Record], lis
     rows = [row for row in every if row["fold_omega"] == row["fold_omega"]]
     columns = ("zeta", "delta0", *more, "fold_omega", "fold_amplitude")
     return rows, _rows("Folds", rows, columns, most)
+
+
+def _hopf_points(dataset: xr.Dataset, most: int | None) -> Description:
+    more = [name for name in BEYOND if name in dataset.variables]
+    found = ("hopf_omega", "hopf_amplitude", "hopf_frequency")
+    every = rows_of(dataset, (*found, "zeta", "delta0", *more))
+    rows = [row for row in every if row["hopf_omega"] == row["hopf_omega"]]
+    parts = _rows("Hopf points", rows, ("zeta", "delta0", *more, *found), most)
+    return {"kind": "hopf_points", "hopf_points": rows, **attributes_of(dataset)}, parts
+
+
+def _backward_whirl(dataset: xr.Dataset, most: int | None) -> Description:
+    every = rows_of(dataset, BACKWARD)
+    whirls = [row for row in every if row["stability"] != "absent"]
+    parameters, birth = _parameters(dataset), float(dataset["birth_omega"])
+    record: Record = {
+        "kind": "backward_whirl",
+        "parameters": parameters,
+        "whirls": whirls,
+        "birth_omega": birth,
+        **attributes_of(dataset),
+    }
+    parts = _rows("Backward whirls without unbalance", whirls, BACKWARD, most)
+    return record, [*parts, pairs("Machine", {**parameters, "birth_omega": birth})]
 
 
 def _cycle(dataset: xr.Dataset, most: int | None) -> Description:

@@ -10,7 +10,14 @@ from typing import Annotated, Any, Literal
 from cyclopts import Parameter
 from cyclopts.validators import Number
 
-from rotor_ida.checks import LARGEST_SEED, MOST_NUMBERS, MOST_SHOCKS, MOST_WORKERS, State
+from rotor_ida.checks import (
+    LARGEST_SEED,
+    MOST_NUMBERS,
+    MOST_SHOCKS,
+    MOST_WORKERS,
+    State,
+    check_axis,
+)
 from rotor_ida.cli import parsing
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import (
@@ -295,7 +302,9 @@ class BeyondAxes:
         given = self.given()
         if given.pop("load") != 0.0:
             raise InputError("load must be 0 for exact whirls: under a load there are none")
-        given.pop("disc_radius")  # it moves none
+        radii = given.pop("disc_radius")  # it moves none
+        if radii is not None:
+            check_axis("disc_radius", radii)
         return given
 
     def given(self) -> dict[str, Any]:

@@ -53,7 +53,8 @@ def backward_whirl(rotor: Rotor) -> xr.Dataset:
         ``whirl_speed``, negative as it is backwards [1], ``stability`` (flags) and ``growth_rate``
         [1], and the ``normal_force`` and ``tangential_force`` of the contact [1]; NaN and the flag
         ``absent`` where the rotor is too slow for them. ``birth_omega`` is the speed at which both
-        are born [1]; NaN where friction is too weak at any speed.
+        are born [1]; NaN where friction is too weak at any speed. The parameters are scalar
+        coordinates.
 
     Raises
     ------
@@ -130,7 +131,10 @@ def backward_whirl(rotor: Rotor) -> xr.Dataset:
             "tangential_force": labelled("backward_tangential_force", dims, table[:, 4]),
             "birth_omega": ((), birth),
         },
-        {"whirl": ("whirl", np.arange(len(rows)))},
+        {
+            **{name: ((), value) for name, value in rotor.given.items()},
+            "whirl": ("whirl", np.arange(len(rows))),
+        },
         {"source": "rotor_ida closed forms: whirls that friction keeps up"},
     )
 

@@ -18,7 +18,7 @@ from rotor_ida.explorer.answers import Answer
 from rotor_ida.explorer.questions import Question
 from rotor_ida.explorer.words import words_of_run
 from rotor_ida.parameters import DimensionalRotor, Rotor
-from rotor_ida.schema import DAMPED_EVENT_KIND, EVENT_KIND
+from rotor_ida.schema import DAMPED_EVENT_KIND, EVENT_KIND, MODE
 from rotor_ida.simulation.options import Method
 from rotor_ida.simulation.simulate import simulate
 
@@ -62,6 +62,8 @@ def show_motion(question: Question) -> Iterator[Answer]:
     }
     arrays: Arrays = {name: run[name] for name in DRAWN}
     arrays["event_kind"] = run["event_kind"].astype(np.int8)
+    if "mode" in run:
+        arrays |= {"mode": run["mode"].astype(np.int8), "slip_speed": run["slip_speed"]}
     arrays |= {f"section_{axis}": run[f"rotating_{axis}"][::each] for axis in ("x", "y")}
     yield Answer("motion", facts, arrays | _lines(run, omega))
 
@@ -108,7 +110,7 @@ def values_of(run: xr.Dataset) -> Values:
 
 
 def force_of(run: Values, rotor: Rotor) -> npt.NDArray[np.float64]:
-    """Return the force of the ring along a run [1], as `contact_forces` has it."""
+    """Return the normal force of the ring along a run [1], as `contact_forces` has it."""
     radius = np.hypot(run["x"], run["y"])
     force = np.asarray(contact_force(radius, rotor.delta0, rotor.contact_exponent))
     if rotor.contact_damping == 0.0:
@@ -123,6 +125,24 @@ def loss_rate_of(run: Values, rotor: Rotor) -> npt.NDArray[np.float64]:
     spring = np.asarray(contact_force(radius, rotor.delta0, rotor.contact_exponent))
     lost: npt.NDArray[np.float64] = (force_of(run, rotor) - spring) * _outwards(run)
     return lost
+
+
+def rubbing_of(run: Values, rotor: Rotor, revolutions: float) -> dict[str, float]:
+    """Return what friction does in a part of a run: shares of the time in contact, and heat.
+
+    As told by the samples, from one of which to the next the heat grows by mu N |v_s|.
+    """
+    mode, force = run["mode"], run["normal_force"]
+    touching = max(int(np.count_nonzero(mode != MODE["flight"])), 1)
+    rate = rotor.friction * force * np.abs(run["slip_speed"])
+    heat = float(np.trapezoid(rate, run["t"]))
+    return {
+        "heat_per_revolution": heat / revolutions if revolutions else math.nan,
+        **{
+            f"{name}_fraction": int(np.count_nonzero(mode == MODE[name])) / touching
+            for name in ("slipping_forward", "slipping_backward", "rolling")
+        },
+    }
 
 
 def _outwards(run: Values) -> npt.NDArray[np.float64]:
@@ -140,7 +160,7 @@ def ending(run: Values, rotor: Rotor) -> dict[str, float]:
 
     With contact damping also what a contact that ends there loses by it, in the mean, what all
     that is in contact there loses in a revolution, and how often the force falls to zero inside the
-    ring.
+    ring. With friction also how much of the time in contact it slips and rolls, and the heat.
     """
     end = float(run["t"][-1])
     begin = LAST * end
@@ -170,6 +190,9 @@ def ending(run: Values, rotor: Rotor) -> dict[str, float]:
         told["loss_per_revolution"] = (
             float(np.trapezoid(rate, run["t"][late])) / revolutions if revolutions else math.nan
         )
+    if rotor.friction > 0.0:
+        names = ("t", "mode", "normal_force", "slip_speed")
+        told |= rubbing_of({name: run[name][late] for name in names}, rotor, revolutions)
     return told
 
 

@@ -19,12 +19,11 @@ from rotor_ida.checks import (
 )
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import (
-    DEFAULTS,
+    BEYOND,
     MACHINE_PARAMETERS,
     PARAMETERS,
     DimensionalRotor,
     Rotor,
-    check_no_friction,
 )
 from rotor_ida.simulation.options import LARGEST, check_can_be_followed
 
@@ -126,7 +125,7 @@ def read_question(text: str) -> Question:
 def machine_of(given: object) -> Rotor | DimensionalRotor:
     """Return the machine that a mapping of names to numbers is."""
     if isinstance(given, Mapping):
-        needed = given.keys() - DEFAULTS.keys()
+        needed = given.keys() - set(BEYOND)
         if needed == set(PARAMETERS):
             return Rotor(**given)
         if needed == set(MACHINE_PARAMETERS):
@@ -134,7 +133,7 @@ def machine_of(given: object) -> Rotor | DimensionalRotor:
     raise InputError(
         "machine must have omega, zeta and delta0, or mass, contact_stiffness, damping, "
         "eccentricity, clearance and speed, and may have "
-        f"{', '.join(DEFAULTS)}, got {shown(given)}"
+        f"{', '.join(BEYOND)}, got {shown(given)}"
     )
 
 
@@ -142,7 +141,6 @@ def _checked(given: Mapping[str, Any]) -> Question:
     machine = machine_of(given["machine"])
     start = check_state("start", given["start"])
     rotor = machine if isinstance(machine, Rotor) else machine.rotor()
-    check_no_friction(rotor, "the explorer")
     check_can_be_followed(rotor, start)
     speeds = given["speeds"]
     if not isinstance(speeds, list) or len(speeds) != 2:

@@ -14,6 +14,7 @@ import xarray as xr
 
 from rotor_ida.analysis.comparison import compare
 from rotor_ida.analysis.sections import poincare_section
+from rotor_ida.closed_forms.backward_whirl import backward_whirl
 from rotor_ida.closed_forms.folds import fold_table, folds
 from rotor_ida.closed_forms.hopf import hopf_points
 from rotor_ida.closed_forms.response_curve import pieces_over_speed, response_curve
@@ -22,15 +23,20 @@ from rotor_ida.errors import InputError, RotorError
 from rotor_ida.explorer.answers import Answer
 from rotor_ida.explorer.motion import METHOD, duration_of, ending, facts_of, run_of, values_of
 from rotor_ida.explorer.questions import Question
-from rotor_ida.explorer.words import NO_CURVE, words_of_response, words_of_transient
-from rotor_ida.parameters import DEFAULTS, PARAMETERS, Rotor
+from rotor_ida.explorer.words import (
+    NO_CURVE,
+    words_of_response,
+    words_of_transient,
+    words_of_whip,
+)
+from rotor_ida.parameters import PARAMETERS, Rotor
 from rotor_ida.schema import EXACT, RESPONSE, STABILITY
 from rotor_ida.simulation.simulate import simulate
 from rotor_ida.sweeps.sweep import sweep
 
 Arrays = dict[str, npt.NDArray[np.generic]]
 
-POINTS_OF_CURVE = 40
+POINTS_OF_CURVE, POINTS_OF_WHIP = 40, 60
 # A branch of limit cycles is followed over so much of the speeds that are shown, and so far.
 MOST_POINTS_OF_BRANCH = 2000
 # What is settled on is watched for so long: whole periods, or so many revolutions.
@@ -60,17 +66,18 @@ _branches: dict[tuple[Rotor, tuple[float, float]], list[xr.Dataset]] = {}
 def show_responses(question: Question) -> Iterator[Answer]:
     """Yield the response curve, what is settled on, its section, and its branch."""
     rotor = question.rotor
-    yield _curve(question)
+    curve = _curve(question)
+    yield curve
     yield from _known_branches(question)
     if rotor.zeta == 0.0:
         return  # nothing settles
-    swept = sweep(
-        **{name: getattr(rotor, name) for name in (*PARAMETERS, *DEFAULTS)},
-        starts=[question.start], method=METHOD, executor="serial",
-    )  # fmt: skip
+    given: dict[str, Any] = dict(rotor.given)
+    swept = sweep(**given, starts=[question.start], method=METHOD, executor="serial")
     compared = compare(swept).squeeze(ONE)
     settled = {**_seen(swept.squeeze(ONE)), **_exact(compared)}
     yield _settled(question, settled, swept)
+    if rotor.friction > 0.0 and curve.arrays["omega"].size:
+        yield _with_hopf_points(question, curve)
     if settled["response"] == "failed" or rotor.omega == 0.0:
         return
     yield _section(question, settled, swept)
@@ -79,7 +86,10 @@ def show_responses(question: Question) -> Iterator[Answer]:
 
 
 def _curve(question: Question) -> Answer:
-    """Return the synchronous whirls over the speed, with the folds; or why there are none."""
+    """Return the whirls over the speed, with what is marked on them; or why there are none.
+
+    The Hopf points of rubs take longer than the curve, and come later.
+    """
     rotor = question.rotor
     facts = facts_of(question)
     if rotor.load > 0.0:
@@ -102,18 +112,50 @@ def _at_rest(rotor: Rotor) -> Rotor:
 
 @lru_cache(maxsize=MOST_KEPT)
 def _arrays_of_further_curve(rotor: Rotor, speeds: tuple[float, float]) -> Arrays:
-    """Return the curve with a shaft, either contact law and contact damping, and what is marked."""
-    given = {name: value for name, value in rotor.given.items() if name != "omega"}
+    """Return the curve with a shaft, either contact law, damping and friction in the contact."""
+    given = _of_whirls(rotor)
     curve = response_curve(**given, limits=speeds, points=POINTS_OF_CURVE)
     names = ("omega", "amplitude", "stability", "in_contact", "piece")
     arrays = {name: curve[name].values[0, 0] for name in names}
-    for found, marks, (low, high) in (
-        (folds(**given), FOLD, (0.0, math.inf)), (hopf_points(**given), HOPF, speeds)
-    ):  # fmt: skip
-        omega = found[marks[0]].values[0, 0]
-        are_there = np.isfinite(omega) & (low <= omega) & (omega <= high)
-        arrays |= {name: found[name].values[0, 0][are_there] for name in marks}
-    return arrays
+    arrays |= _marked(folds(**given), FOLD, (0.0, math.inf))
+    if rotor.friction > 0.0:
+        return arrays | dict.fromkeys(HOPF, np.empty(0)) | _backward_whirls(rotor, speeds)
+    return arrays | _marked(hopf_points(**given), HOPF, speeds)
+
+
+def _of_whirls(rotor: Rotor) -> dict[str, Any]:
+    """Return what whirls over the speed depend on; with unbalance they slip, whatever the disc."""
+    return {
+        name: value for name, value in rotor.given.items() if name not in {"omega", "disc_radius"}
+    }
+
+
+def _marked(found: xr.Dataset, marks: tuple[str, str], limits: tuple[float, float]) -> Arrays:
+    """Return speed and amplitude of the points that are marked on a curve."""
+    omega, (low, high) = found[marks[0]].values[0, 0], limits
+    are_there = np.isfinite(omega) & (low <= omega) & (omega <= high)
+    return {name: found[name].values[0, 0][are_there] for name in marks}
+
+
+def _with_hopf_points(question: Question, curve: Answer) -> Answer:
+    """Return a curve of rubs again, with its Hopf points."""
+    found = _hopf_points(_at_rest(question.rotor), question.speeds)
+    return replace(curve, arrays=curve.arrays | found)
+
+
+@lru_cache(maxsize=MOST_KEPT)
+def _hopf_points(rotor: Rotor, speeds: tuple[float, float]) -> Arrays:
+    return _marked(hopf_points(**_of_whirls(rotor)), HOPF, speeds)
+
+
+def _backward_whirls(rotor: Rotor, speeds: tuple[float, float]) -> Arrays:
+    """Return the whirls that friction keeps up, over the speed: the slipping one and dry whip."""
+    birth = float(backward_whirl(rotor)["birth_omega"])
+    low, high = max(birth, speeds[0]), speeds[1]
+    omega = np.linspace(low, high, POINTS_OF_WHIP) if low <= high else np.empty(0)
+    found = [backward_whirl(replace(rotor, omega=each)).amplitude.values for each in omega.tolist()]
+    slipping, rolling = np.reshape(found, (omega.size, 2)).T
+    return {"whip_omega": omega, "saddle_radius": slipping, "whip_radius": rolling}
 
 
 @lru_cache(maxsize=MOST_KEPT)
@@ -176,10 +218,19 @@ def _settled(question: Question, settled: dict[str, object], swept: xr.Dataset) 
         facts |= {name: settled[name] for name in ("radius_min", "radius_max")}
         facts["end"] = _end(swept)
     words = words_of_response(question.machine, facts)
+    if rotor.friction > 0.0 and rotor.load == 0.0:
+        words.append(words_of_whip(question.machine, *_whip(rotor)))
     if _is_repeated(settled) and _is_under_way(question, facts):
         drawn, by = duration_of(question), float(swept["window_start"].item())
         words.append(words_of_transient(question.machine, rotor.omega, drawn, by))
     return Answer("settled", {**facts, "words": words})
+
+
+def _whip(rotor: Rotor) -> tuple[float, float, float]:
+    """Return the radii of the slipping whirl and of dry whip, and the speed at which they begin."""
+    found = backward_whirl(rotor)
+    slipping, rolling = found["amplitude"].values.tolist()
+    return slipping, rolling, float(found["birth_omega"])
 
 
 def _is_repeated(settled: Mapping[str, object]) -> bool:

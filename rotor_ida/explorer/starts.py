@@ -29,15 +29,20 @@ TOLD = ("amplitude", "radius_min", "radius_max")
 
 def show_starts(question: Question) -> Iterator[Answer]:
     """Yield the basin over starts in x and y that have the velocity of the start."""
-    check_rotor(question.rotor)
-    yield _first_look(question)
-    for count, rtol in ((COARSE, RTOL), (FINE, None)):
+    rotor = question.rotor
+    check_rotor(rotor)
+    pictures = ((COARSE, RTOL), (FINE, None))
+    if rotor.friction > 0.0:  # there the first look tells nothing, and starts take far longer
+        pictures = ((COARSE // 2, RTOL), (COARSE, None))
+    else:
+        yield _first_look(question)
+    for count, rtol in pictures:
         axis = _middles(question.reach, count)
         found = basin(
-            question.rotor, x=axis, y=axis, vx=question.start[2], vy=question.start[3],
+            rotor, x=axis, y=axis, vx=question.start[2], vy=question.start[3],
             rtol=rtol, workers=1, executor="serial",
         )  # fmt: skip
-        yield _picture(question, found["label"].values, _attractors(found), finest=count == FINE)
+        yield _picture(question, found["label"].values, _attractors(found), finest=rtol is None)
 
 
 def _first_look(question: Question) -> Answer:

@@ -14,7 +14,7 @@ KINDS = {
     "synchronous": "a synchronous whirl in contact: it turns with the unbalance at constant radius",
     "bouncing": "a bouncing limit cycle (intermittent rub): it enters and leaves contact for ever",
     "full_contact": "a limit cycle in full contact (full annular rub): its radius pulsates",
-    "rolling": "dry whip: it rolls backwards on the ring, for ever",
+    "rolling": "dry whip: it whirls backwards, and rolls on the ring again and again",
     "touching": "a contact-free whirl, through ever slighter touches",
     "quasi_periodic": "a torus: it never repeats itself, and neighbouring motions do not part",
     "chaotic": "chaos: it never repeats itself, and neighbouring motions part",
@@ -25,6 +25,8 @@ HELD = "the contact-free whirl, the only one that the shaft allows: it stays ins
 # A rotor at rest is at the centre, when it is so much closer to it than the mass centre is to the
 # centre of the disc.
 CENTRE = 1e-6
+# What a disc that does not turn does where another rolls.
+STILL = "does not slide"
 # A radius that varies by no more than this part of it belongs to a whirl.
 STEADY = 1e-6
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
@@ -37,7 +39,7 @@ def words_of_run(machine: Rotor | DimensionalRotor, told: Mapping[str, float]) -
     if told["contact_fraction"] == 0.0:
         return ["It has touched the ring, and no longer does."]
     peak = _force(machine, told["largest_force"])
-    damped = _damped(machine, told)
+    damped = [*_damped(machine, told), *_rubbing(machine, told)]
     if told["contact_fraction"] >= 1.0:
         always = f"Over the last half it is always in contact, with a force of up to {peak}."
         return [always, *damped]
@@ -80,7 +82,7 @@ def words_of_response(machine: Rotor | DimensionalRotor, told: Mapping[str, Any]
         digits = math.floor(told["digits"])
         sentences.append(f"The simulated {what} and the exact one agree to {digits} digits.")
     if told.get("contact_fraction", 0.0) > 0.0:
-        sentences += [_contact(machine, told), *_damped(machine, told)]
+        sentences += [_contact(machine, told), *_damped(machine, told), *_rubbing(machine, told)]
     return sentences
 
 
@@ -115,6 +117,42 @@ def words_of_transient(
     )
 
 
+def words_of_whip(
+    machine: Rotor | DimensionalRotor, saddle: float, whip: float, birth: float
+) -> str:
+    """Return whether friction alone, without the unbalance, could keep up dry whip.
+
+    Parameters
+    ----------
+    machine : Rotor or DimensionalRotor
+        The rotor.
+    saddle, whip : float
+        Radii of the slipping backward whirl and of dry whip [1]; NaN where there is none.
+    birth : float
+        Speed at which both are born [1]; NaN where friction is too weak at any speed.
+
+    Examples
+    --------
+    >>> rotor = Rotor(omega=0.5, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
+    >>> words_of_whip(rotor, 3.1479, 4.25, 0.31479)
+    'Without unbalance dry whip would have a radius of 4.25, and a backward whirl beyond 3.1479
+    would grow into it.'
+    >>> words_of_whip(rotor, math.nan, math.nan, 0.31479)
+    'Without unbalance dry whip begins at a speed of 0.31479.'
+    """
+    if not math.isnan(whip):
+        grown = "any backward whirl on the ring"
+        if not math.isnan(saddle):
+            grown = f"a backward whirl beyond {_length(machine, saddle)}"
+        return (
+            f"Without unbalance dry whip would have a radius of {_length(machine, whip)}, and "
+            f"{grown} would grow into it."
+        )
+    if not math.isnan(birth):
+        return f"Without unbalance dry whip begins at a speed of {_rate(machine, birth)}."
+    return "Friction is too weak for dry whip at any speed."
+
+
 def _at_rest(machine: Rotor | DimensionalRotor, told: Mapping[str, Any]) -> list[str]:
     """Return where a rotor without spin comes to rest."""
     if told["response"] == "synchronous":
@@ -137,6 +175,31 @@ def _damped(machine: Rotor | DimensionalRotor, told: Mapping[str, Any]) -> list[
         return [f"The contact loses {_energy(machine, each)} a revolution."]
     loose = ", and lets go before the rotor has left the ring" if told["releases"] else ""
     return [f"A contact loses {_energy(machine, loss)} in the mean{loose}."]
+
+
+def _rubbing(machine: Rotor | DimensionalRotor, told: Mapping[str, Any]) -> list[str]:
+    """Return how much of the time in contact the disc slips and rolls, and what heat that makes."""
+    if "rolling_fraction" not in told:
+        return []
+    turns = machine.omega if isinstance(machine, Rotor) else machine.speed
+    rolls = "rolls" if turns > 0.0 else STILL
+    ways = [
+        (told["rolling_fraction"], rolls),
+        (told["slipping_forward_fraction"], "slips forwards"),
+        (told["slipping_backward_fraction"], "slips backwards"),
+    ]
+    seen = [(part, word) for part, word in ways if part > 0.0]
+    if len(seen) == 1 and seen[0][1] == STILL:
+        return [f"In contact it {STILL}."]
+    if len(seen) == 1:
+        told_of = f"In contact it {seen[0][1]} all the time"
+    else:
+        parts = [f"{word} {100.0 * part:.3g} %" for part, word in seen]
+        told_of = f"Of the time in contact it {', '.join(parts[:-1])} and {parts[-1]}"
+    heat = told["heat_per_revolution"]
+    if math.isnan(heat) or all(word == rolls for _, word in seen):
+        return [f"{told_of}."]
+    return [f"{told_of}, with a heat of {_energy(machine, heat)} a revolution."]
 
 
 def _is_steady(told: Mapping[str, Any]) -> bool:
@@ -191,6 +254,12 @@ def _force(machine: Rotor | DimensionalRotor, value: float) -> str:
 def _energy(machine: Rotor | DimensionalRotor, value: float) -> str:
     length = 1.0 if isinstance(machine, Rotor) else machine.length_scale
     return _told(machine, length * value, "force_scale", "J")
+
+
+def _rate(machine: Rotor | DimensionalRotor, value: float) -> str:
+    if isinstance(machine, Rotor):
+        return f"{value:.6g}"
+    return f"{value * machine.reference_frequency:.4g} rad/s"
 
 
 def _told(machine: Rotor | DimensionalRotor, value: float, scale: str, unit: str) -> str:

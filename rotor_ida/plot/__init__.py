@@ -7,7 +7,9 @@ values of a parameter that the picture has one of, axes of another kind or in ot
 """
 
 from rotor_ida.plot.appearance import mixed_panels, panels, shared_legend, style
+from rotor_ida.plot.backward import plot_backward_whirl
 from rotor_ida.plot.basins import (
+    plot_attractor_fractions,
     plot_attractor_map,
     plot_attractors,
     plot_basin,
@@ -57,9 +59,11 @@ __all__ = [
     "panels",
     "parameter_text",
     "plot_amplitude",
+    "plot_attractor_fractions",
     "plot_attractor_map",
     "plot_attractors",
     "plot_backbone",
+    "plot_backward_whirl",
     "plot_basin",
     "plot_basin_fractions",
     "plot_branch",

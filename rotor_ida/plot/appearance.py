@@ -19,17 +19,19 @@ from matplotlib.transforms import ScaledTranslation
 from rotor_ida.checks import check_count
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import BEYOND, PARAMETERS
-from rotor_ida.plot.labels import KIND_WORDS, parameter_text
+from rotor_ida.plot.labels import KIND_WORDS, SEPARATOR, parameter_text
 
 # From matplotlib's petroff10, chosen so that the greys differ too.
 BLUE, ORANGE, RED, PURPLE, GREY = "#3f90da", "#e76300", "#bd1f01", "#832db6", "#94a4a2"
-BROWN = "#a96b59"
+BROWN, DARK_BROWN = "#a96b59", "#8a4f3d"
 GREEN = "#2f8f57"
 INK = "#1a1a1a"
 DASHES = (0, (4, 2))
 # Where a legend under the axes begins, clear of ticks and label [point].
 BELOW = 36.0
 SHADE = "#ffe3c4"
+# With more parameters a title has two lines.
+MOST_IN_A_LINE = 5
 # Colour and dashes, so that the curves stay apart without colour too.
 LOOKS: tuple[tuple[str, object], ...] = (
     (INK, "-"),
@@ -44,7 +46,7 @@ KIND_SHADES = {
     "contact_free": ("#92dadd", "#4f9b9f", "#d5f2f3", "#1f6f73"),
     "bouncing": (ORANGE, "#ffc48a", "#a96b59", "#ffa90e"),
     "full_contact": (PURPLE, "#d7b3ea", "#4b1a68", "#b9ac70"),
-    "rolling": ("#8a4f3d", "#dcc3b9", "#5c3222", "#c48a73"),
+    "rolling": (DARK_BROWN, "#dcc3b9", "#5c3222", "#c48a73"),
     "touching": ("#c08878", "#d8b8ae", "#6b3a2c", "#8a7a75"),
     "quasi_periodic": (GREEN, "#a9d3b4", "#174a2b", "#7da453"),
     "chaotic": (RED, "#f0a898", "#6e1200", "#d97b66"),
@@ -53,20 +55,21 @@ KIND_SHADES = {
 
 # Legends list what they hold in this order, whatever was drawn first.
 STABLE, UNSTABLE, NEUTRAL = "stable whirl", "unstable whirl", "neutral whirl"
-CONTACT_FREE, FOLD = "contact-free whirl", "fold"
+CONTACT_FREE, FOLD, HOPF = "contact-free whirl", "fold", "Hopf point"
 FROM_REST, FROM_START = "each speed from rest", "each speed from its start"
 GOING_UP, GOING_DOWN = "speed going up", "speed going down"
 STABLE_CYCLE, UNSTABLE_CYCLE = "stable cycle", "unstable cycle"
 BOUNCING_CYCLE, FULL_CONTACT_CYCLE = "bouncing cycle", "full-contact cycle"
 ROLLING_CYCLE = "dry whip"
 FOLD_OF_CYCLES, DOUBLING, GRAZE, TORUS = "fold of cycles", "period doubling", "graze", "torus"
-SLIDING, BIRTH = "slip comes to 0", "Hopf point"
+SLIDING, BIRTH = "slip comes to 0", HOPF
 _ORDER = [
     STABLE,
     UNSTABLE,
     NEUTRAL,
     CONTACT_FREE,
     FOLD,
+    HOPF,
     *KIND_WORDS.values(),
     FROM_REST,
     FROM_START,
@@ -81,7 +84,6 @@ _ORDER = [
     DOUBLING,
     GRAZE,
     SLIDING,
-    BIRTH,
 ]
 
 _SETTINGS: Any = {
@@ -337,6 +339,15 @@ def one_value(name: str, dataset: xr.Dataset, parameter: str) -> float:
             f".sel({parameter}=...)"
         )
     return float(values[0])
+
+
+def lines_of(name: str, dataset: xr.Dataset) -> str:
+    """Return the parameters of a dataset as a title of two lines where one is too long."""
+    parts = title_of(name, dataset).split(SEPARATOR)
+    if len(parts) <= MOST_IN_A_LINE:
+        return SEPARATOR.join(parts)
+    papers, beyond = parts[: len(PARAMETERS)], parts[len(PARAMETERS) :]
+    return f"{SEPARATOR.join(papers)}\n{SEPARATOR.join(beyond)}"
 
 
 def title_of(name: str, dataset: xr.Dataset, parameters: Sequence[str] = PARAMETERS) -> str:

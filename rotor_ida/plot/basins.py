@@ -22,6 +22,7 @@ from rotor_ida.plot.appearance import (
     axes_or_new,
     check_dataset,
     legend_below,
+    lines_of,
     own_legend,
     style,
     title_of,
@@ -35,6 +36,7 @@ NOTHING_ELSE = "#d5e8d4"
 FATE_WORDS = {"undecided": "undecided", "not_computed": "not computed"}
 CONSTANT_RADIUS = 1e-3
 MOST_IN_A_COLUMN = 6
+ROUNDING = 1e-9
 
 
 def plot_basin(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
@@ -135,6 +137,48 @@ def plot_basin_fractions(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         ax.set_title(title_of("dataset", dataset, ("zeta", "delta0")))
         if alone:
             own_legend(ax)
+    return ax
+
+
+def plot_attractor_fractions(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
+    """Draw the fractions of starts that end on each attractor of one rotor, with their errors.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        What `rotor_ida.basin_fractions` returned.
+    ax : Axes, optional
+        Where to draw, and what is returned; by default the axes of a new figure.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, basin_fractions
+    >>> found = basin_fractions(Rotor(omega=1.7, zeta=0.07, delta0=0.0), x=(-15, 15), y=(-15, 15),
+    ...                         starts=50)
+    >>> [text.get_text() for text in plot_attractor_fractions(found).get_yticklabels()]
+    ['synchronous response, $A = 1.88$', 'synchronous response, $A = 9.49$']
+    """
+    needed = (*PARAMETERS, "kind", "fraction", "fraction_error", "amplitude", "radius_min",
+              "radius_max")  # fmt: skip
+    dataset = check_dataset("dataset", dataset, needed)
+    shades, shares = _shades(dataset["kind"]), dataset["fraction"].values
+    names = [_name(dataset.isel(attractor=number)) for number in range(shares.size)]
+    errors = dataset["fraction_error"].values.tolist()
+    rows = [*zip(names, shares.tolist(), errors, shades, strict=True)]
+    lost = 1.0 - float(shares.sum())
+    if lost > ROUNDING:
+        rows.append((FATE_WORDS["undecided"], lost, 0.0, UNDECIDED))
+    rows.sort(key=lambda row: row[1])
+    with style():
+        ax = axes_or_new(ax, width=6.4, height=1.4 + 0.3 * len(rows))
+        for place, (_, share, error, colour) in enumerate(rows):
+            ax.barh(place, share, xerr=error or None, color=colour, height=0.7,
+                    error_kw={"lw": 0.9, "capsize": 2.5, "ecolor": INK})  # fmt: skip
+        ax.set_yticks(range(len(rows)), [name for name, *_ in rows])
+        ax.grid(visible=False, axis="y")
+        ax.set_xlim(0.0, 1.0)
+        ax.set_xlabel("share of starts")
+        ax.set_title(lines_of("dataset", dataset))
     return ax
 
 

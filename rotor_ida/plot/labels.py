@@ -44,6 +44,9 @@ LABELS = {
     "peak_fraction": "share of contacts up to this force",
     "running_exponent": r"Lyapunov exponent $\lambda$",
     "peak_force": r"peak force $f$",
+    "normal_force": r"normal force $N$",
+    "slip_speed": r"slip speed $v_s$",
+    "whirl_speed": r"whirl speed $\Omega$",
     "zeta": r"damping ratio $\zeta$",
     "delta0": r"clearance $\delta_0$",
     "restoring_x": r"force $f_x$",
@@ -62,6 +65,8 @@ SYMBOLS = {
     "friction": r"\mu", "disc_radius": r"\rho",
 }  # fmt: skip
 
+SEPARATOR = ",  "
+
 # What is written with a capital where it has a unit, as in eqs (1)-(9).
 IN_UNITS = {
     "t": "time $T$",
@@ -79,6 +84,8 @@ IN_UNITS = {
     "force": "contact force $F$",
     "contact_force": "contact force $F$",
     "peak_force": "peak force $F$",
+    "normal_force": "normal force $N$",
+    "slip_speed": "slip speed $V_s$",
     "restoring_x": "force $F_x$",
     "restoring_y": "force $F_y$",
 }
@@ -105,7 +112,7 @@ def parameter_text(values: Mapping[str, float]) -> str:
     >>> parameter_text({"zeta": 0.07})
     '$\\zeta = 0.07$'
     """
-    return ",  ".join(f"${SYMBOLS[name]} = {value:.4g}$" for name, value in values.items())
+    return SEPARATOR.join(f"${SYMBOLS[name]} = {value:.4g}$" for name, value in values.items())
 
 
 def number_text(value: float, form: str = "#.3g") -> str:

@@ -16,8 +16,8 @@ from rotor_ida.errors import InputError
 from rotor_ida.parameters import BEYOND, DEFAULTS, PARAMETERS
 from rotor_ida.plot.appearance import (
     BLUE,
-    BROWN,
     CONTACT_FREE,
+    DARK_BROWN,
     FOLD,
     FROM_REST,
     FROM_START,
@@ -25,6 +25,7 @@ from rotor_ida.plot.appearance import (
     GOING_UP,
     GREEN,
     GREY,
+    HOPF,
     INK,
     NEUTRAL,
     ORANGE,
@@ -66,19 +67,20 @@ class _Look:
     colour: str
     filled: bool
     is_range: bool
-    dotted: bool = False
+    dashes: object = "-"
 
 
+DOTS, LONG = (0, (1, 1.6)), (0, (4, 1.4))
 KINDS = {
     "synchronous": _Look(BLUE, True, False),
     "contact_free": _Look(BLUE, False, False),
     "bouncing": _Look(ORANGE, False, True),
     "full_contact": _Look(PURPLE, True, True),
-    "rolling": _Look(BROWN, True, True),
+    "rolling": _Look(DARK_BROWN, True, True, LONG),
     "touching": _Look(INK, False, False),
     "quasi_periodic": _Look(GREEN, False, True),
-    "chaotic": _Look(RED, True, True, dotted=True),
-    "unresolved": _Look(GREY, False, True, dotted=True),
+    "chaotic": _Look(RED, True, True, DOTS),
+    "unresolved": _Look(GREY, False, True, DOTS),
 }
 DIRECTIONS = {0: ("o", 4.2), 1: ("^", 3.4), -1: ("v", 3.4)}
 
@@ -317,7 +319,7 @@ def _draw_hopf_points(ax: Axes, hopf_points: xr.Dataset, exact: xr.Dataset) -> N
     here = (omega >= lowest) & (omega <= highest)
     if here.any():
         ax.plot(omega[here], hopf_points["hopf_amplitude"].values.ravel()[here], ls="",
-                marker="o", ms=4.6, mfc="white", mec=INK, mew=1.0, label="Hopf point",
+                marker="o", ms=4.6, mfc="white", mec=INK, mew=1.0, label=HOPF,
                 zorder=3.7)  # fmt: skip
 
 
@@ -377,7 +379,7 @@ def _draw_ranges(ax: Axes, look: _Look, points: dict[str, Values], words: str) -
     ax.vlines(
         points["omega"], points["radius_min"], points["radius_max"], color=look.colour,
         lw=1.8 if look.filled else 0.9,
-        ls=(0, (1, 1.6)) if look.dotted else "-", zorder=3.0, label=words,
+        ls=look.dashes, zorder=3.0, label=words,
     )  # fmt: skip
     for end in ("radius_min", "radius_max"):
         _draw_marks(ax, look, points, points[end], 0.75)
@@ -418,8 +420,8 @@ def _draw_over_clearance(ax: Axes, simulated: xr.Dataset) -> None:
         delta0 = flat["delta0"][of_kind]
         if looks.is_range:
             low, high = flat["radius_min"][of_kind], flat["radius_max"][of_kind]
-            ax.vlines(delta0, low, high, color=looks.colour, lw=1.2 if looks.dotted else 2.0,
-                      ls=(0, (1, 1.6)) if looks.dotted else "-", zorder=3.0,
+            width = 1.2 if looks.dashes == DOTS else 2.0
+            ax.vlines(delta0, low, high, color=looks.colour, lw=width, ls=looks.dashes, zorder=3.0,
                       label=f"{KIND_WORDS[kind]}: range of $|z|$")  # fmt: skip
             continue
         ax.plot(delta0, flat["amplitude"][of_kind], ls="", marker="o", ms=4.2, mec=looks.colour,

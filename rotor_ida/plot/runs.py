@@ -12,6 +12,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.patheffects import Stroke
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS, check_choice
@@ -20,9 +21,11 @@ from rotor_ida.errors import InputError
 from rotor_ida.parameters import DEFAULTS, PARAMETERS
 from rotor_ida.plot.appearance import (
     BLUE,
+    DARK_BROWN,
     DASHES,
     INK,
     ORANGE,
+    PURPLE,
     RED,
     SHADE,
     axes_or_new,
@@ -30,14 +33,14 @@ from rotor_ida.plot.appearance import (
     draw_ring,
     finish_solid,
     legend_below,
+    lines_of,
     one_value,
     shared_legend,
     solid_axes,
     style,
-    title_of,
 )
 from rotor_ida.plot.labels import LABELS, label_axis, label_of, scale_of, unit_of
-from rotor_ida.schema import flags_of
+from rotor_ida.schema import MODE, flags_of
 
 NEEDED = (*PARAMETERS, "t", "x", "y", "vx", "vy", "starts_in_contact", "event_time",
           "event_kind", "event_x", "event_y", "event_vx", "event_vy", "entry_time",
@@ -49,6 +52,28 @@ FEW_EVENTS, MANY_EVENTS = 40, 120
 # they lie closer than this part of a revolution; farther apart it would be an invention.
 SMOOTH_BELOW = 0.2
 POINTS_A_REVOLUTION = 90
+# Events: the mark of each, its colour, and whether it is filled.
+MARKS = {
+    "entry": ("^", RED, True),
+    "exit": ("v", RED, False),
+    "roll": ("o", DARK_BROWN, True),
+    "slip": ("o", DARK_BROWN, False),
+    "reverse": ("x", PURPLE, True),
+    "press": ("s", INK, True),
+    "release": ("s", INK, False),
+}
+# With friction a motion has a colour, a line and a width for each way in which it goes on. What
+# is loose in the ring slips too, though nothing presses it on.
+WAYS: tuple[tuple[tuple[str, ...], str, str, object, float], ...] = (
+    (("flight",), "flight", BLUE, "-", 1.0),
+    (("slipping_forward", "loose"), "slips forwards", RED, "-", 1.2),
+    (("slipping_backward",), "slips backwards", PURPLE, (0, (1.2, 0.7)), 1.7),
+    (("rolling",), "rolls", DARK_BROWN, "-", 3.0),
+)
+# How a motion goes on after events that tell it; after the others it slips.
+AFTER = {"exit": "flight", "roll": "rolling", "release": "loose"}
+# Where it rolls the line has sleepers, so that it is told from the others without colour too.
+SLEEPERS = {"dash_offset": 0.0, "dash_list": [2.0, 2.5]}
 
 
 def plot_run(run: xr.Dataset) -> Figure:
@@ -63,7 +88,9 @@ def plot_run(run: xr.Dataset) -> Figure:
     -------
     Figure
         The figure. Its axes are x, y, radius and peak force over time, and the orbit. Contact
-        is shaded; entries and exits are marked while they are few enough to tell apart.
+        is shaded; events are marked while they are few enough to tell apart. With friction there
+        is the slip speed too, the force is the normal one over time, and orbit and radius have
+        the colours of slip, forwards and backwards, and of rolling.
 
     Examples
     --------
@@ -78,30 +105,40 @@ def plot_run(run: xr.Dataset) -> Figure:
     path = path_of(run)
     with style():
         layout = ConstrainedLayoutEngine(h_pad=0.03, hspace=0.0)
-        figure = Figure(figsize=(7.2, 4.8), layout=layout)
-        grid = figure.add_gridspec(4, 2, width_ratios=(1.0, 1.0))
+        rows = 4 if path.mode is None else 5
+        figure = Figure(figsize=(7.2, 1.2 * rows), layout=layout)
+        grid = figure.add_gridspec(rows, 2, width_ratios=(1.0, 1.0))
         first = figure.add_subplot(grid[0, 0])
-        history = [first] + [figure.add_subplot(grid[row, 0], sharex=first) for row in (1, 2, 3)]
+        history = [first]
+        history += [figure.add_subplot(grid[row, 0], sharex=first) for row in range(1, rows)]
         for ax, name, values in zip(
             history, ("x", "y", "radius"), (path.x, path.y, path.radius), strict=False
         ):
             _shade_contacts(ax, run)
-            ax.plot(path.time, values, color=INK, lw=_line_width(run))
+            if name == "radius" and path.mode is not None:
+                draw_motion(ax, path, path.time, values, width=_line_width(run))
+            else:
+                ax.plot(path.time, values, color=INK, lw=_line_width(run))
             ax.set_ylabel(_row_label(name, run["x"]))
-            ax.tick_params(labelbottom=False)
         history[2].axhline(clearance, color=INK, lw=0.7, ls=DASHES, zorder=2.6)
         history[2].set_ylim(bottom=0.0)
         times = run["event_time"].values
-        _mark_events(history[2], run, times, np.full(times.shape, clearance))
+        radius = np.hypot(run["event_x"].values, run["event_y"].values)
+        on_ring = np.isin(run["event_kind"].values, (1, -1))
+        _mark_events(history[2], run, times, np.where(on_ring, clearance, radius))
         _draw_forces(history[3], run)
+        if path.mode is not None:
+            _draw_slip(history[4], run)
         first.set_xlim(float(path.time[0]), float(path.time[-1]))
-        history[3].set_xlabel(label_of("t", run["t"]))
+        for ax in history[:-1]:
+            ax.tick_params(labelbottom=False)
+        history[-1].set_xlabel(label_of("t", run["t"]))
         figure.align_ylabels(history)
         orbit = figure.add_subplot(grid[:, 1])
         orbit.set(xlabel=label_of("x", run["x"]), ylabel=label_of("y", run["y"]))
         _draw_orbit(orbit, run, path)
         shared_legend(figure, [history[2], orbit], columns=7, outer=False)
-        figure.suptitle(title_of("run", run), fontsize=10.0)
+        figure.suptitle(lines_of("run", run), fontsize=10.0)
     return figure
 
 
@@ -254,14 +291,19 @@ def plot_machine(run: xr.Dataset) -> Figure:
         draw_ring(orbit, ring)
         orbit.set_aspect("equal", adjustable="datalim")
         orbit.set(xlabel=label_of("x", run["x"]), ylabel=label_of("y", run["y"]))
-        orbit.legend(loc="upper center", bbox_to_anchor=(0.5, 1.12), ncols=3, handlelength=1.6,
+        above = 1.12 if path.mode is None else 1.18
+        orbit.legend(loc="upper center", bbox_to_anchor=(0.5, above), ncols=3, handlelength=1.6,
                      columnspacing=1.0)  # fmt: skip
-        history.plot(path.time, path.radius, color=INK, lw=0.8)
+        if path.mode is None:
+            history.plot(path.time, path.radius, color=INK, lw=0.8)
+        else:
+            draw_motion(history, path, path.time, path.radius, width=0.8)
         history.axhline(ring, color=INK, lw=0.8, ls=DASHES)
         history.tick_params(labelbottom=False)
         history.set(ylabel=label_of("radius", run["x"]), ylim=(0.0, None))
-        history.set_title(title_of("run", run))
+        history.set_title(lines_of("run", run))
         forces = _force_along(run, path)
+        words = "contact_force" if path.mode is None else "normal_force"
         force.plot(path.time, forces, color=RED, lw=0.8)
         force.plot(
             *_peaks_on(run, path.time, forces),
@@ -271,8 +313,9 @@ def plot_machine(run: xr.Dataset) -> Figure:
             color=INK,
             label="peak of a contact",
         )
-        force.set(xlabel=label_of("t", run["t"]), ylim=(0.0, None),
-                  ylabel=label_of("contact_force", run["peak_force"]))  # fmt: skip
+        # room for the legend
+        force.set(xlabel=label_of("t", run["t"]), ylim=(0.0, 1.25 * float(forces.max()) or 1.0),
+                  ylabel=label_of(words, run["peak_force"]))  # fmt: skip
         force.set_xlim(float(path.time[0]), float(path.time[-1]))
         force.legend(loc="upper right")
     return figure
@@ -367,6 +410,8 @@ class Path:
     in_contact: npt.NDArray[np.bool_]
     # how fast the distance from the bearing axis grows, where that is known
     radial_speed: Values | None = None
+    # with friction, how the stretch that begins at each time goes on: a number of `MODE`
+    mode: npt.NDArray[np.int8] | None = None
 
     @property
     def radius(self) -> Values:
@@ -405,7 +450,7 @@ def path_of(run: xr.Dataset) -> Path:
     vx, vy = np.concatenate([states[:1, 2:], speeds]).T
     radius = np.hypot(x, y)
     outwards = np.divide(x * vx + y * vy, radius, out=np.zeros_like(radius), where=radius > 0.0)
-    return Path(time, x, y, _in_contact(run, time), outwards)
+    return Path(time, x, y, _in_contact(run, time), outwards, _modes(run, time))
 
 
 def _cubic(part: Values, step: Values, before: Values, after: Values) -> tuple[Values, Values]:
@@ -439,6 +484,33 @@ def _in_contact(run: xr.Dataset, time: Values) -> npt.NDArray[np.bool_]:
     return np.asarray(after[passed], dtype=bool)
 
 
+def _modes(run: xr.Dataset, time: Values) -> npt.NDArray[np.int8] | None:
+    """Return how the stretch that begins at each time goes on; None without friction."""
+    if "mode" not in run.variables:
+        return None
+    met = run["event_time"].values
+    between = _modes_without_samples(run)
+    seen, first = np.unique(np.searchsorted(met, run["t"].values, side="right"), return_index=True)
+    between[seen] = run["mode"].values[first]
+    return between[np.searchsorted(met, time, side="right")]
+
+
+def _modes_without_samples(run: xr.Dataset) -> npt.NDArray[np.int8]:
+    """Return how the motion goes on from its start and from each event, as far as events tell."""
+    x, y, vx, vy = (run[f"event_{name}"].values for name in COMPONENTS)
+    rim = run["disc_radius"].item() * run["omega"].item() * scale_of(run, "velocity")
+    slip = np.append((x * vy - y * vx) / np.hypot(x, y) + rim, 0.0)
+    # it keeps its sense from one event to the next, at one of which it may be 0
+    senses = np.where(slip[:-1] + slip[1:] < 0.0, -1, 1).tolist()
+    words = {number: word for word, number in flags_of(run["event_kind"]).items()}
+    modes = [int(run["mode"].values[0])]
+    for kind, sense in zip(run["event_kind"].values.tolist(), senses, strict=True):
+        word = words[kind]
+        turned = -modes[-1] if word == "reverse" else sense
+        modes.append(MODE[AFTER[word]] if word in AFTER else turned)
+    return np.array(modes, dtype=np.int8)
+
+
 def _rotated_back(x: Values, y: Values, angle: Values) -> tuple[Values, Values]:
     rotated = (x + 1j * y) * np.exp(-1j * angle)
     return rotated.real, rotated.imag
@@ -463,16 +535,16 @@ def _shade_contacts(ax: Axes, run: xr.Dataset) -> None:
 
 
 def _mark_events(ax: Axes, run: xr.Dataset, across: Values, up: Values) -> None:
-    """Mark entries and exits at their places, while they are few enough to tell apart."""
+    """Mark events at their places, while they are few enough to tell apart."""
     kinds, flags = run["event_kind"].values, flags_of(run["event_kind"])
     if kinds.size > MANY_EVENTS:
         return
-    for name, marker, face in (("entry", "^", RED), ("exit", "v", "white")):
-        of_kind = kinds == flags[name]
+    for name, (marker, colour, filled) in MARKS.items():
+        of_kind = kinds == flags.get(name)
         if of_kind.any():
             ax.plot(
-                across[of_kind], up[of_kind], ls="", marker=marker, ms=_mark_size(run), mec=RED,
-                mfc=face, mew=0.7, label=name, zorder=3.0,
+                across[of_kind], up[of_kind], ls="", marker=marker, ms=_mark_size(run), mec=colour,
+                mfc=colour if filled else "white", mew=0.7, label=name, zorder=3.0,
             )  # fmt: skip
 
 
@@ -483,24 +555,63 @@ def _row_label(name: str, variable: xr.DataArray) -> str:
 
 
 def _draw_forces(ax: Axes, run: xr.Dataset) -> None:
+    """Draw the peaks of the contacts; with friction on the normal force over time."""
     _shade_contacts(ax, run)
     times, forces = _peaks(run)
-    ax.vlines(times, 0.0, forces, color=RED, lw=0.8)
+    highest, name = float(forces.max(initial=0.0)), "peak_force"
+    if "normal_force" in run.variables:
+        normal, name = run["normal_force"].values, "normal_force"
+        ax.plot(run["t"].values, normal, color=RED, lw=0.8)
+        highest = max(highest, float(normal.max(initial=0.0)))
+    else:
+        ax.vlines(times, 0.0, forces, color=RED, lw=0.8)
     ax.plot(times, forces, ls="", marker="o", ms=max(2.0, 0.7 * _mark_size(run)), color=RED)
-    ax.set_ylim(0.0, 1.12 * float(forces.max(initial=0.0)) or 1.0)
-    ax.set_ylabel(_row_label("peak_force", run["peak_force"]))
-    if not times.size:
+    ax.set_ylim(0.0, 1.12 * highest or 1.0)
+    ax.set_ylabel(_row_label(name, run["peak_force"]))
+    if not run.sizes["contact"]:
         ax.text(0.5, 0.5, "no contact", transform=ax.transAxes, ha="center", va="center")
 
 
+def _draw_slip(ax: Axes, run: xr.Dataset) -> None:
+    """Draw the slip speed over time, in contact."""
+    _shade_contacts(ax, run)
+    slip = np.where(run["mode"].values == MODE["flight"], np.nan, run["slip_speed"].values)
+    ax.axhline(0.0, color=INK, lw=0.7, ls=DASHES)
+    ax.plot(run["t"].values, slip, color=INK, lw=_line_width(run))
+    ax.set_ylabel(_row_label("slip_speed", run["slip_speed"]))
+
+
 def draw_motion(ax: Any, path: Path, *columns: Values, width: float, heavier: float = 1.0) -> None:
-    """Draw flight and contact in their colours, contact this much heavier."""
+    """Draw flight and contact in their colours, contact this much heavier.
+
+    With friction slip in either sense and rolling have looks of their own.
+    """
+    if path.mode is not None:
+        _draw_ways(ax, path, path.mode, columns, width)
+        return
     for chosen, colour, lw, label in (
         (~path.in_contact, BLUE, width, "flight"),
         (path.in_contact, RED, heavier * width, "contact"),
     ):
         if chosen[:-1].any():
             ax.plot(*path.stretches(chosen, *columns), color=colour, lw=lw, label=label)
+
+
+def _draw_ways(
+    ax: Any, path: Path, ways: npt.NDArray[np.int8], columns: tuple[Values, ...], width: float
+) -> None:
+    """Draw flight, slip and rolling."""
+    for modes, label, colour, dashes, heavier in WAYS:
+        chosen = np.isin(ways, [MODE[mode] for mode in modes])
+        if not chosen[:-1].any():
+            continue
+        line: Any = {"color": colour, "lw": heavier * width, "ls": dashes, "label": label}
+        if label == "rolls":
+            line["solid_capstyle"] = "butt"
+            line["path_effects"] = [
+                Stroke(), Stroke(linewidth=width, foreground="white", dashes=SLEEPERS)
+            ]  # fmt: skip
+        ax.plot(*path.stretches(chosen, *columns), **line)
 
 
 def _peaks(dataset: xr.Dataset) -> tuple[Values, Values]:
@@ -538,7 +649,7 @@ def _plot_orbit(run: xr.Dataset, path: Path, names: tuple[str, str], ax: Axes | 
         label_axis(ax.yaxis, names[1], run["y"])
         _draw_orbit(ax, run, path)
         legend_below(ax)
-        ax.set_title(title_of("run", run))
+        ax.set_title(lines_of("run", run))
     return ax
 
 

@@ -2,8 +2,19 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
-from rotor_ida import Rotor, basin, sweep, synchronous_response
+from rotor_ida import (
+    Rotor,
+    backward_whirl,
+    basin,
+    basin_fractions,
+    folds,
+    hopf_points,
+    sweep,
+    synchronous_response,
+)
+from rotor_ida.cli.describe import describe
 from rotor_ida.cli.figures import figure_of
 
 
@@ -58,3 +69,53 @@ def test_whirls_of_a_machine_are_drawn_on_its_curve():
     whirls = synchronous_response(omega=[1.0, 2.0], zeta=0.2, delta0=1.0, shaft_stiffness=0.25)
     (ax,) = figure_of(whirls).axes
     assert r"$\kappa = 0.25$" in ax.get_title()
+
+
+def test_a_sweep_with_friction_has_hopf_points_on_its_curve():
+    found = sweep(omega=[1.0, 2.0], zeta=0.07, delta0=0.5, friction=[0.0, 0.1], disc_radius=10.0,
+                  method="taylor")  # fmt: skip
+    smooth, rubbing = figure_of(found).axes
+    exact = hopf_points(zeta=0.07, delta0=0.5, friction=0.1).hopf_omega.values.ravel()
+    lines = {line.get_label(): line for line in rubbing.lines}
+    np.testing.assert_array_equal(lines["Hopf point"].get_xdata(), exact)
+    assert "Hopf point" not in [line.get_label() for line in smooth.lines]
+    assert r"$\mu = 0.1$" in rubbing.get_title()
+
+
+@pytest.mark.parametrize("found", [hopf_points, folds])
+def test_folds_and_hopf_points_are_shown_on_their_curves(found):
+    dataset = found(zeta=0.07, delta0=[0.5, 1.0], friction=0.1)
+    axes = figure_of(dataset).axes
+    assert len(axes) == 2
+    for ax, delta0 in zip(axes, (0.5, 1.0), strict=True):
+        lines = {line.get_label(): line for line in ax.lines}
+        for word, of in (("Hopf point", hopf_points), ("fold", folds)):
+            name = "hopf_omega" if of is hopf_points else "fold_omega"
+            exact = of(zeta=0.07, delta0=delta0, friction=0.1)[name].values.ravel()
+            np.testing.assert_array_equal(
+                lines[word].get_xdata(), exact[np.isfinite(exact)], err_msg=word
+            )
+
+
+def test_fractions_have_a_figure_over_the_speed_or_of_one_rotor():
+    rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
+    found = basin_fractions(rotor, x=(-15, 15), y=(-15, 15), starts=20)
+    (ax,) = figure_of(found).axes
+    assert ax.get_xlabel() == "share of starts"
+    other = found.assign_coords(omega=1.9)
+    both = xr.concat([found[["response_fraction"]], other[["response_fraction"]]], dim="omega")
+    (ax,) = figure_of(both).axes
+    assert ax.get_ylabel() == "share of starts"
+
+
+def test_backward_whirls_are_described_and_drawn():
+    rotor = Rotor(omega=0.63, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
+    whirls = backward_whirl(rotor)
+    record, _ = describe(whirls)
+    assert record["kind"] == "backward_whirl"
+    assert [row["kind"] for row in record["whirls"]] == ["slipping", "rolling"]
+    assert record["parameters"] == rotor.given
+    (ax,) = figure_of(whirls).axes
+    assert len(ax.lines) == 3
+    record, _ = describe(hopf_points(zeta=0.07, delta0=0.5, friction=[0.0, 0.1]))
+    assert [row["friction"] for row in record["hopf_points"]] == [0.1, 0.1]

@@ -28,6 +28,13 @@ BEYOND_IN_SI = {
     "contact_stiffness": 1e6, "shaft_stiffness": 2.5e5, "contact_exponent": 1.0,
     "contact_damping": 3e3, "load": 0.5,
 }  # fmt: skip
+# Friction; and with it a machine that settles on dry whip.
+RUB = {"friction": 0.2, "disc_radius": 10.0}
+RUB_IN_SI = {"friction": 0.2, "disc_radius": 1e-5}
+WHIP = {"omega": 0.62962981, "zeta": 0.1, "delta0": 1.0, **RUB}
+WHIPPED = (5.0, 0.0, 0.0, -6.3)
+# Another, which slips in both senses and rolls.
+CHATTER = {"omega": 1.2, "zeta": 0.07, "delta0": 0.5, "friction": 0.3, "disc_radius": 0.6}
 # Its basin takes minutes.
 SLOW = {"omega": 1.38, "zeta": 0.07, "delta0": 1.0}
 KINDS = {"f8": "<f8", "f4": "<f4", "i1": "i1"}

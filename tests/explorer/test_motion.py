@@ -12,7 +12,20 @@ import rotor_ida
 from rotor_ida.explorer.motion import samples_of
 from rotor_ida.explorer.questions import Question
 from rotor_ida.schema import DAMPED_EVENT_KIND, EVENT_KIND
-from tests.explorer.asking import BEYOND, BEYOND_IN_SI, MACHINE, ROTOR, Message, answer_to, question
+from tests.explorer.asking import (
+    BEYOND,
+    BEYOND_IN_SI,
+    CHATTER,
+    MACHINE,
+    ROTOR,
+    RUB,
+    RUB_IN_SI,
+    WHIP,
+    WHIPPED,
+    Message,
+    answer_to,
+    question,
+)
 
 QUESTIONS = {
     "bouncing": question(start=[2.6, 0.75, 0.66, -1.65]),
@@ -28,6 +41,10 @@ QUESTIONS = {
     "in SI units": question(machine=MACHINE),
     "a machine": question(machine=ROTOR | BEYOND),
     "a machine in SI units": question(machine=MACHINE | BEYOND_IN_SI),
+    "dry whip": question(machine=WHIP, start=WHIPPED),
+    "slip in both senses": question(machine=CHATTER, start=[0.3, 0.1, 0.2, 0.1]),
+    "a machine that rubs": question(machine=ROTOR | BEYOND | RUB, start=[2.6, 0.75, 0.66, -1.65]),
+    "a machine that rubs in SI units": question(machine=MACHINE | BEYOND_IN_SI | RUB_IN_SI),
     "a machine in full contact": question(
         machine={"omega": 1.2, "zeta": 0.07, "delta0": 0.5} | BEYOND | {"load": 0.0}
     ),
@@ -67,7 +84,8 @@ def test_rotating_axes_and_forces_are_those_of_the_library_bit_for_bit(name: str
     turning, forces = rotor_ida.rotating(run), rotor_ida.contact_forces(run)
     for each in ("rotating_x", "rotating_y", "event_rotating_x", "event_rotating_y"):
         np.testing.assert_array_equal(message.arrays[each], turning[each].values, err_msg=each)
-    np.testing.assert_array_equal(message.arrays["force"], forces["force"].values)
+    normal = "normal_force" if "normal_force" in forces else "force"
+    np.testing.assert_array_equal(message.arrays["force"], forces[normal].values)
     np.testing.assert_array_equal(message.arrays["radius"], np.hypot(run["x"], run["y"]).values)
 
 
@@ -158,6 +176,35 @@ def test_the_loss_per_contact_is_the_mean_of_those_that_end_in_the_last_half():
     assert "lets go before" in message.facts["words"][-1]
 
 
+@pytest.mark.parametrize("name", ["dry whip", "slip in both senses", "a machine that rubs"])
+def test_how_it_slips_and_rolls_is_that_of_simulate(name: str):
+    message, run = motion(QUESTIONS[name]), simulated(QUESTIONS[name])
+    for each in ("mode", "slip_speed"):
+        np.testing.assert_array_equal(message.arrays[each], run[each].values)
+    np.testing.assert_array_equal(message.arrays["force"], run["normal_force"].values)
+
+
+@pytest.mark.parametrize("name", ["dry whip", "slip in both senses"])
+def test_heat_and_shares_are_those_between_the_events(name: str):
+    """The heat from the contacts of a run as long as the last half, the shares from its events."""
+    message, rotor = motion(QUESTIONS[name]), QUESTIONS[name].rotor
+    told, run = message.facts["ending"], simulated(QUESTIONS[name])
+    half = run.sizes["t"] // 2
+    x, y, vx, vy = (run[each].values[half] for each in ("x", "y", "vx", "vy"))
+    late = rotor_ida.simulate(
+        rotor, start=(x, y, vx, vy), duration=30.0 * 2.0 * math.pi / rotor.omega, method="taylor"
+    )
+    summary = rotor_ida.contact_summary(late)
+    # by samples and by trapezia against integrals between events
+    assert told["heat_per_revolution"] == pytest.approx(
+        float(summary.heat_per_revolution), rel=0.02
+    )
+    assert told["rolling_fraction"] == pytest.approx(float(summary.rolling_fraction), abs=0.02)
+    ways = ("slipping_forward_fraction", "slipping_backward_fraction", "rolling_fraction")
+    assert sum(told[each] for each in ways) == pytest.approx(1.0)
+    assert (told["slipping_backward_fraction"] > 0.1) == (name == "slip in both senses")
+
+
 def test_a_machine_has_the_answer_of_its_rotor_and_its_scales():
     in_si, plain = motion(QUESTIONS["in SI units"]), motion(question())
     machine = rotor_ida.DimensionalRotor(**MACHINE)
@@ -190,6 +237,9 @@ EDGES = [
         for name in ("shaft_stiffness", "contact_damping", "load")
         for edge in (1e-6, 1e6)
     ),
+    *({**RUB, name: edge} for name in RUB for edge in (0.0, 1e-12, 1e6)),
+    {"omega": 0.0, **RUB},
+    {"load": 1.0, **RUB},
 ]
 
 

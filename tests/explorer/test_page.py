@@ -8,16 +8,28 @@ import signal
 import subprocess
 import sys
 import time
+from urllib.parse import parse_qs, urlencode
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
 import rotor_ida
-from rotor_ida import DimensionalRotor, Rotor, basin, compare, folds, hopf_points, simulate, sweep
+from rotor_ida import (
+    DimensionalRotor,
+    Rotor,
+    backward_whirl,
+    basin,
+    compare,
+    folds,
+    hopf_points,
+    simulate,
+    sweep,
+)
 from rotor_ida.cli import main
 from rotor_ida.closed_forms import response_curve
 from rotor_ida.equations.contact import contact_force
+from tests.explorer.asking import CHATTER, RUB, WHIP
 
 selenium = pytest.importorskip("selenium", reason="there is no selenium")
 DRIVER = shutil.which("chromedriver")
@@ -50,6 +62,21 @@ return seen.map((canvas) => {
   }
   return painted > 500 ? sum : 0;
 })"""
+# Pixels of a plot that have a colour of the style sheet.
+COLOURED = r"""
+const canvas = document.querySelector(`[data-panel="${arguments[0]}"] canvas`);
+const probe = document.createElement("span");
+probe.style.color = `var(--${arguments[1]})`;
+document.body.append(probe);
+const [red, green, blue] = getComputedStyle(probe).color.match(/\d+/g).map(Number);
+probe.remove();
+const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+let count = 0;
+for (let i = 0; i < data.length; i += 4) {
+  count += data[i + 3] > 250 && data[i] === red && data[i + 1] === green && data[i + 2] === blue;
+}
+return count;"""
+CHATTERING = CHATTER | {"x": 0.3, "y": 0.1, "vx": 0.2, "vy": 0.1}
 RUNNING = ["--omega=2", "--zeta=0.07", "--delta0=2"]
 
 
@@ -291,6 +318,13 @@ def with_machine(page, address, **given):
     return Page(page.driver, address, more)
 
 
+def opened(page, address, **state):
+    """Open the page with another rotor than the one that it begins with."""
+    place, _, first = address.partition("#")
+    told = {**state, "key": parse_qs(first)["key"][0]}
+    return Page(page.driver, f"{place}#{urlencode(told)}")
+
+
 def test_what_a_machine_has_beside_is_folded_away_until_it_is_there(page, address):
     assert not page.find("#slider-load").is_displayed()
     page.find("#machine summary").send_keys(Keys.ENTER)
@@ -318,6 +352,82 @@ def test_a_slider_of_the_machine_moves_by_key_and_is_kept_in_the_address(page, n
     page.until("!location.hash.includes(arguments[0])", name)  # the paper's rotor again
 
 
+def test_friction_and_the_disc_s_radius_move_by_key_and_are_kept_in_the_address(page):
+    page.find("#machine summary").click()
+    page.find("#slider-disc_radius").send_keys(Keys.ARROW_RIGHT)
+    page.settle()
+    radius = page.state()["disc_radius"]
+    assert radius > 10.0
+    assert Rotor(**page.facts("motion")["rotor"]).beyond == {}  # without friction it moves nothing
+    page.until("location.hash.includes(arguments[0])", f"disc_radius={radius}")
+    page.find("#slider-friction").send_keys(Keys.ARROW_RIGHT, Keys.ARROW_RIGHT)
+    page.settle()
+    rotor = Rotor(**page.facts("motion")["rotor"])
+    assert rotor.beyond == {"friction": page.state()["friction"], "disc_radius": radius}
+    assert rotor.friction == pytest.approx(0.01)
+    run = shown_run(page, rotor)
+    np.testing.assert_array_equal(page.array("motion", "event_time"), run.event_time.values)
+    page.until("location.hash.includes(arguments[0])", f"friction={rotor.friction}")
+    page.find("#slider-friction").send_keys(Keys.ARROW_LEFT, Keys.ARROW_LEFT)
+    page.type("#field-disc_radius", 10)
+    page.until("!/friction|disc_radius/.test(location.hash)")  # the paper's rotor again
+
+
+def test_how_it_slips_and_rolls_is_told_and_drawn_with_friction_alone(page, address):
+    keys = "Array.from(document.querySelectorAll('[data-friction]'), (each) => each.offsetParent)"
+    assert page.run(f"return {keys}.some(Boolean)") is False
+    page = opened(page, address, **CHATTERING)
+    page.settle("settled")
+    assert page.run(f"return {keys}.every(Boolean)") is True
+    assert not page.find("[data-frictionless]").is_displayed()
+    kinds = page.array("motion", "event_kind").tolist()
+    entries, exits, rolls, slips, reverses = (kinds.count(kind) for kind in (1, -1, 2, -2, 3))
+    assert min(entries, exits, rolls, slips, reverses) > 50
+    assert (
+        f"{entries} entries and {exits} exits; {rolls} rolls, {slips} slips and {reverses} reverses"
+        in page.words()
+    )
+    assert "Of the time in contact it rolls" in page.words()
+    times, radii = (page.array("motion", f"event_{name}") for name in ("time", "radius"))
+    for kind, name in {2: "roll:", -2: "slip:", 3: "reverse:"}.items():
+        event = np.flatnonzero(np.equal(kinds, kind))[-3]
+        told = hovered(page, '[data-plot="radius"]', [times[event], radii[event]])
+        assert told.startswith(name)
+
+
+def test_an_orbit_that_slips_backwards_and_rolls_has_their_colours(page, address):
+    page = opened(page, address, **CHATTERING)
+    for colour, least in {"rolling": 300, "backwards": 40, "contact": 100}.items():
+        assert page.run(COLOURED, "orbit", colour) > least, colour
+    plain = opened(page, address, omega=1.2, zeta=0.07, delta0=0.5)
+    for colour in ("rolling", "backwards"):
+        assert plain.run(COLOURED, "orbit", colour) == 0
+
+
+def test_the_response_has_hopf_points_and_the_whirls_that_friction_keeps_up(page, address):
+    page = opened(page, address, **WHIP, x=5, vy=-6.3)
+    curve = {"zeta": WHIP["zeta"], "delta0": WHIP["delta0"], "friction": WHIP["friction"]}
+    exact = hopf_points(**curve).hopf_omega.values.ravel()
+    page.until("rotorIda.shown[0].curve.arrays.hopf_omega.length")
+    np.testing.assert_array_equal(page.array("curve", "hopf_omega"), exact)
+    saddle, whip = backward_whirl(Rotor(**WHIP | {"omega": 3.0})).amplitude.values
+    omega = page.array("curve", "whip_omega")
+    assert omega[0] == pytest.approx(0.314789904)
+    np.testing.assert_allclose(page.array("curve", "saddle_radius"), saddle, rtol=1e-12)
+    assert page.array("curve", "whip_radius")[0] == pytest.approx(saddle, rel=1e-6)
+    assert np.interp(3.0, omega, page.array("curve", "whip_radius")) == pytest.approx(
+        whip, rel=1e-3
+    )
+    key = page.find("#response-key").text
+    for words in ("Hopf point", "dry whip without unbalance", "slipping backward whirl, a saddle"):
+        assert words in key
+    at = np.searchsorted(omega, 1.2)
+    told = hovered(page, '[data-panel="response"]', [omega[at], saddle])
+    assert told.startswith("slipping backward whirl")
+    page.settle("settled")
+    assert page.words().startswith("What it does\nIt settles on dry whip")
+
+
 def test_the_contact_law_is_switched_by_key(page):
     page.find("#machine summary").click()
     page.find('[name="exponent"][value="1.5"]').send_keys(Keys.ARROW_RIGHT)
@@ -330,21 +440,23 @@ def test_the_contact_law_is_switched_by_key(page):
 
 
 def test_the_whole_machine_in_si_units_is_the_same_rotor(page, address):
-    page = with_machine(page, address, **WHOLE)
+    whole = WHOLE | RUB
+    page = with_machine(page, address, **whole)
     page.find('[name="units"][value="si"]').click()
     page.settle()
     names = [
         *("mass", "contact_stiffness", "damping", "eccentricity", "clearance", "speed"),
-        *WHOLE,
+        *whole,
     ]
     state = page.state()
     machine = DimensionalRotor(**{name: state[name] for name in names})
     told = page.facts("motion")
     assert Rotor(**told["rotor"]) == machine.rotor()
-    for name, value in {"omega": 2.0, "zeta": 0.07, "delta0": 2.0, **WHOLE}.items():
+    for name, value in {"omega": 2.0, "zeta": 0.07, "delta0": 2.0, **whole}.items():
         assert told["rotor"][name] == pytest.approx(value, rel=1e-12)
     assert told["scales"]["force"] == machine.force_scale
     assert "[N/m]" in page.find("label[for='field-contact_stiffness']").text
+    assert "[m]" in page.find("label[for='field-disc_radius']").text
     # the other law at the same scales: a force of its own unit, and no other frequency
     page.find('[name="exponent"][value="1.5"]').click()
     page.settle()

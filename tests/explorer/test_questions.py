@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.questions import Question, read_question
 from rotor_ida.parameters import DimensionalRotor, Rotor
-from tests.explorer.asking import BEYOND, BEYOND_IN_SI, MACHINE, ROTOR, asked
+from tests.explorer.asking import BEYOND, BEYOND_IN_SI, MACHINE, ROTOR, RUB, RUB_IN_SI, asked
 
 NAN, INFINITY = float("nan"), float("inf")
 HUGE = 10**3000
@@ -76,7 +76,15 @@ MISTAKES = [
     ({"machine": ROTOR | {"delta0": "2"}}, f"delta0 {FINITE} '2'"),
     ({"machine": ROTOR | {"delta0": {"a": 1}}}, f"delta0 {FINITE} {{'a': 1}}"),
     ({"machine": ROTOR | {"omega": HUGE}}, f"omega {FINITE}"),
-    ({"machine": ROTOR | {"friction": 0.1}}, "and may have shaft_stiffness, contact_exponent, "),
+    ({"machine": ROTOR | {"mu": 0.1}}, "and may have shaft_stiffness, contact_exponent, "),
+    ({"machine": ROTOR | {"mu": 0.1}}, "load, friction, disc_radius, got"),
+    ({"machine": ROTOR | {"friction": 0.1}}, "disc_radius must be given with friction, got None"),
+    ({"machine": ROTOR | RUB | {"friction": -1}}, "friction must be zero or positive, got -1.0"),
+    ({"machine": ROTOR | RUB | {"friction": NAN}}, f"friction {FINITE} nan"),
+    ({"machine": ROTOR | RUB | {"disc_radius": -1}}, "disc_radius must be zero or positive"),
+    ({"machine": ROTOR | RUB | {"disc_radius": NAN}}, f"disc_radius {FINITE} nan"),
+    ({"machine": ROTOR | RUB | {"delta0": 0}}, "friction must be 0 without clearance"),
+    ({"machine": MACHINE | {"friction": 0.1}}, "disc_radius must be given with friction, got None"),
     ({"machine": {"load": 1.0}}, "machine must have"),
     ({"machine": ROTOR | {"contact_exponent": 2}}, "contact_exponent must be 1.5 or 1, got 2.0"),
     ({"machine": ROTOR | {"load": -1}}, "load must be zero or positive, got -1.0"),
@@ -171,12 +179,12 @@ def test_a_machine_in_si_units_is_its_rotor():
 
 
 def test_what_a_machine_has_beside_comes_along():
-    assert read_question(json.dumps(asked(machine=ROTOR | BEYOND))).rotor == Rotor(
-        **ROTOR, **BEYOND
-    )
-    read = read_question(json.dumps(asked(machine=MACHINE | BEYOND_IN_SI)))
-    assert read.machine == DimensionalRotor(**MACHINE | BEYOND_IN_SI)
-    for name, value in (ROTOR | BEYOND).items():
+    beyond, in_si = BEYOND | RUB, BEYOND_IN_SI | RUB_IN_SI
+    read = read_question(json.dumps(asked(machine=ROTOR | beyond)))
+    assert read.rotor == Rotor(**ROTOR, **beyond)
+    read = read_question(json.dumps(asked(machine=MACHINE | in_si)))
+    assert read.machine == DimensionalRotor(**MACHINE | in_si)
+    for name, value in (ROTOR | beyond).items():
         assert getattr(read.rotor, name) == pytest.approx(value, rel=1e-14)
 
 
@@ -210,7 +218,7 @@ def test_any_value_of_any_name_is_taken_or_refused(name: str, value: Any):
     read_or_refused(json.dumps(asked(**{name: value})))
 
 
-@given(st.sampled_from([ROTOR, MACHINE, ROTOR | BEYOND, MACHINE | BEYOND_IN_SI]), st.data())
+@given(st.sampled_from([ROTOR, MACHINE, ROTOR | BEYOND | RUB, MACHINE | BEYOND_IN_SI]), st.data())
 def test_any_machine_is_taken_or_refused(machine: dict[str, float], data: st.DataObject):
     number = st.floats() | st.integers() | st.floats(0.0, 1e6) | JSON
     given = {name: data.draw(number) for name in machine}

@@ -11,8 +11,20 @@ from rotor_ida.closed_forms.response_curve import response_curve
 from rotor_ida.cycles.branches import branches_through
 from rotor_ida.explorer import responses
 from rotor_ida.explorer.questions import Question
-from rotor_ida.schema import EXACT, RESPONSE
-from tests.explorer.asking import BEYOND, MACHINE, ROTOR, SLOW, Message, answer_to, question
+from rotor_ida.schema import EXACT, RESPONSE, SPECIAL
+from tests.explorer.asking import (
+    BEYOND,
+    MACHINE,
+    ROTOR,
+    RUB,
+    RUB_IN_SI,
+    SLOW,
+    WHIP,
+    WHIPPED,
+    Message,
+    answer_to,
+    question,
+)
 
 BOUNCING = question("responses", start=[2.6, 0.75, 0.66, -1.65])
 WHIRL = question("responses", machine={"omega": 1.7, "zeta": 0.07, "delta0": 0.5})
@@ -301,3 +313,78 @@ def test_every_range_of_speeds_has_a_curve(delta0: float, speeds: list[float]):
     curve, settled = answer_to(question("responses", machine=machine, speeds=speeds))
     assert (curve.part, settled.part) == ("curve", "settled")
     assert np.isfinite(curve.arrays["omega"]).any()
+
+
+WHIPS = question("responses", machine=WHIP, start=WHIPPED)
+RUBS = question("responses", machine={"omega": 1.2, "zeta": 0.07, "delta0": 0.5, **RUB})
+
+
+def test_with_friction_the_curve_comes_first_and_its_hopf_points_later():
+    parts = answer_to(RUBS)
+    assert [each.part for each in parts][:4] == ["curve", "settled", "curve", "section"]
+    first, whole = (each.arrays for each in parts if each.part == "curve")
+    of_whirls = {"zeta": 0.07, "delta0": 0.5, "friction": RUB["friction"]}
+    curve = response_curve(**of_whirls, limits=(0.05, 3.0), points=responses.POINTS_OF_CURVE)
+    for name in ("omega", "amplitude", "piece", "stability", "in_contact"):
+        np.testing.assert_array_equal(first[name], curve[name].values.ravel(), err_msg=name)
+        np.testing.assert_array_equal(whole[name], first[name])
+    exact = rotor_ida.hopf_points(**of_whirls)
+    assert not first["hopf_omega"].size
+    for name in ("hopf_omega", "hopf_amplitude"):
+        np.testing.assert_array_equal(whole[name], exact[name].values.ravel())
+
+
+@pytest.mark.parametrize("speeds", [(0.05, 3.0), (0.05, 0.2), (1.0, 2.0)])
+def test_the_backward_whirls_are_drawn_from_their_birth_on(speeds: tuple[float, float]):
+    asking = question("responses", machine=WHIP, start=WHIPPED, speeds=list(speeds))
+    arrays = answer_to(asking)[0].arrays
+    omega, birth = arrays["whip_omega"], 0.314789904
+    if speeds[1] < birth:
+        assert omega.size == arrays["whip_radius"].size == arrays["saddle_radius"].size == 0
+        return
+    assert omega[0] == pytest.approx(max(speeds[0], birth), rel=1e-8)
+    assert omega[-1] == speeds[1]
+    # r f + kappa r**2 = (rho omega)**2, and f/r = Omega**2 with Omega = -2 zeta/mu
+    whip, saddle = arrays["whip_radius"], arrays["saddle_radius"]
+    rim = WHIP["disc_radius"] * omega
+    np.testing.assert_allclose(whip * (whip - WHIP["delta0"]) ** 1.5, rim**2, rtol=1e-9)
+    np.testing.assert_allclose((saddle - WHIP["delta0"]) ** 1.5 / saddle, 1.0, rtol=1e-9)
+
+
+def test_dry_whip_is_settled_on_and_told_of():
+    parts = {each.part: each for each in answer_to(WHIPS)}
+    facts = parts["settled"].facts
+    assert (facts["response"], facts["lies_on"]) == ("rolling", "cycle")
+    assert facts["digits"] > 10
+    cycle = rotor_ida.limit_cycle(WHIPS.rotor, start=facts["end"])
+    assert facts["exact_period"] == pytest.approx(float(cycle["period"]), rel=1e-10)
+    branch = parts["branch"].arrays
+    assert np.isin(branch["special_kind"], list(SPECIAL.values())).all()
+    place = np.abs(branch["omega"] - WHIPS.rotor.omega).argmin()
+    assert abs(branch["radius_max"][place] - facts["radius_max"]) < 0.1
+    assert facts["words"][0].startswith("It settles on dry whip")
+    assert 0.6 < facts["rolling_fraction"] < 0.7
+    assert "a radius of 4.98445, and a backward whirl beyond 3.1479" in facts["words"][-1]
+    x = parts["section"].arrays["section_x"]
+    assert x.size == responses.CROSSINGS + 1
+    radius = np.hypot(x, parts["section"].arrays["section_y"])
+    assert facts["radius_min"] - 1e-6 < radius.min() < radius.max() < facts["radius_max"] + 1e-6
+
+
+def test_a_machine_in_si_units_rubs_as_its_rotor_does():
+    plain = answer_to(question("responses", machine=ROTOR | RUB))
+    in_si = answer_to(question("responses", machine=MACHINE | RUB_IN_SI))
+    assert [each.part for each in plain] == [each.part for each in in_si]
+    for one, other in zip(plain, in_si, strict=True):
+        assert one.facts["rotor"]["disc_radius"] == pytest.approx(10.0)
+        if one.part == "branch":
+            continue  # of which each has points of its own
+        for name, values in one.arrays.items():
+            np.testing.assert_allclose(other.arrays[name], values, rtol=1e-9, atol=1e-9)
+
+
+def test_under_a_load_there_is_no_whip_of_a_known_radius():
+    parts = responses.show_responses(question("responses", machine=ROTOR | BEYOND | RUB))
+    curve, settled = next(parts), next(parts)
+    assert "whip_omega" not in curve.arrays
+    assert not any("dry whip" in each for each in settled.facts["words"])

@@ -10,7 +10,7 @@ import rotor_ida
 from rotor_ida.explorer import starts
 from rotor_ida.explorer.questions import Question
 from rotor_ida.schema import RESPONSE
-from tests.explorer.asking import MACHINE, ROTOR, Message, answer_to, question
+from tests.explorer.asking import MACHINE, ROTOR, WHIP, Message, answer_to, question
 
 ASKING = question(
     "starts", machine={"omega": 1.7, "zeta": 0.07, "delta0": 0.5}, start=[0, 0, 1, -1]
@@ -126,3 +126,14 @@ def test_odd_planes_have_a_basin_or_one_reason(changes: dict[str, object]):
         assert line
     else:
         assert last.facts["finest"]
+
+
+def test_with_friction_pictures_are_coarser_and_are_the_library_s():
+    asking = question("starts", machine=WHIP)
+    pictures = starts.show_starts(asking)
+    first = next(pictures)
+    count = first.facts["count"]
+    assert (count, first.facts["finest"]) == (starts.COARSE // 2, False)
+    found = library_basin(asking, count, starts.RTOL)
+    np.testing.assert_array_equal(first.arrays["label"], found["label"].values.ravel())
+    assert {"synchronous", "rolling"} <= {each["kind"] for each in first.facts["attractors"]}

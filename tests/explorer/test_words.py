@@ -7,7 +7,12 @@ from dataclasses import replace
 
 import pytest
 
-from rotor_ida.explorer.words import words_of_response, words_of_run, words_of_transient
+from rotor_ida.explorer.words import (
+    words_of_response,
+    words_of_run,
+    words_of_transient,
+    words_of_whip,
+)
 from rotor_ida.parameters import DimensionalRotor, Rotor
 from tests.explorer.asking import MACHINE, ROTOR
 
@@ -161,3 +166,54 @@ def test_words_of_a_failure_are_its_reason():
     told = {"response": "failed", "message": "too much work"}
     (sentence,) = words_of_response(PLAIN, told)
     assert "too much work" in sentence
+
+
+RUBBED = {
+    "rolling_fraction": 0.6, "slipping_forward_fraction": 0.4, "slipping_backward_fraction": 0.0,
+    "heat_per_revolution": 0.25,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({}, "Of the time in contact it rolls 60 % and slips forwards 40 %, with a heat of 0.25 "),
+        (
+            {"rolling_fraction": 0.5, "slipping_backward_fraction": 0.1},
+            "rolls 50 %, slips forwards 40 % and slips backwards 10 %, with",
+        ),
+        (
+            {"rolling_fraction": 0.0, "slipping_forward_fraction": 1.0},
+            "In contact it slips forwards all the time, with a heat of 0.25 a revolution.",
+        ),
+        (
+            {"rolling_fraction": 1.0, "slipping_forward_fraction": 0.0},
+            "In contact it rolls all the time.",
+        ),
+        ({"heat_per_revolution": math.nan}, "rolls 60 % and slips forwards 40 %."),
+    ],
+)
+def test_how_the_disc_slips_and_rolls_is_told(changes: dict[str, float], told: str):
+    _, sentence = words_of_run(PLAIN, RUN | RUBBED | changes)
+    assert told in sentence
+    assert words_of_response(PLAIN, CYCLE | RUBBED | changes)[-1] == sentence
+
+
+def test_heat_is_told_in_units_of_energy_and_a_disc_that_does_not_turn_does_not_roll():
+    _, sentence = words_of_run(IN_SI, RUN | RUBBED)
+    assert sentence.endswith("with a heat of 250 nJ a revolution.")
+    still = RUBBED | {"rolling_fraction": 1.0, "slipping_forward_fraction": 0.0}
+    _, sentence = words_of_run(replace(PLAIN, omega=0.0), RUN | still)
+    assert sentence == "In contact it does not slide."
+
+
+def test_dry_whip_is_told_in_the_units_of_the_machine():
+    assert "dry whip would have a radius of 5 µm, and a backward whirl beyond 3.25 µm" in (
+        words_of_whip(IN_SI, 3.25, 5.0, 0.25)
+    )
+    assert "any backward whirl on the ring would grow" in words_of_whip(PLAIN, math.nan, 5.0, 0.0)
+    assert words_of_whip(IN_SI, math.nan, math.nan, 0.25) == (
+        "Without unbalance dry whip begins at a speed of 125 rad/s."
+    )
+    weak = words_of_whip(PLAIN, math.nan, math.nan, math.nan)
+    assert weak == "Friction is too weak for dry whip at any speed."

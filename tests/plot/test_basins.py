@@ -5,8 +5,13 @@ from matplotlib.collections import QuadMesh
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
-from rotor_ida import InputError, Rotor, basin, continue_attractors
-from rotor_ida.plot import plot_attractor_map, plot_attractors, plot_basin
+from rotor_ida import InputError, Rotor, basin, basin_fractions, continue_attractors
+from rotor_ida.plot import (
+    plot_attractor_fractions,
+    plot_attractor_map,
+    plot_attractors,
+    plot_basin,
+)
 from rotor_ida.plot.appearance import KIND_SHADES
 from rotor_ida.plot.labels import LABELS
 from rotor_ida.schema import RESPONSE, flags_of
@@ -173,3 +178,31 @@ def test_a_map_without_any_shock_is_drawn_too():
 def test_a_map_by_shocks_needs_them(grid):
     with pytest.raises(InputError, match="must have been made with shocks to be mapped by them"):
         plot_attractor_map(grid, by="shock")
+
+
+@pytest.fixture(scope="module")
+def fractions():
+    rotor = Rotor(omega=0.62962981, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
+    return basin_fractions(rotor, x=(-5, 5), y=(-5, 5), vx=(-6, 6), vy=(-6, 6), starts=12)
+
+
+def test_fractions_of_one_rotor_are_bars_with_their_errors(fractions):
+    ax = plot_attractor_fractions(fractions)
+    names = [text.get_text() for text in ax.get_yticklabels()]
+    widths = [patch.get_width() for patch in ax.patches]
+    assert widths == sorted(widths)
+    assert sum(widths) == pytest.approx(1.0)
+    assert np.sort(fractions["fraction"].values).tolist() == widths[-fractions.sizes["attractor"] :]
+    rolling = next(
+        place for place, name in enumerate(names) if name.startswith("rolling (dry whip)")
+    )
+    assert ax.patches[rolling].get_facecolor() == to_rgba(KIND_SHADES["rolling"][0])
+    assert ax.get_xlabel() == "share of starts"
+    assert r"$\mu = 0.2$" in ax.get_title()
+
+
+def test_starts_that_are_not_decided_have_a_bar_of_their_own(fractions):
+    some = fractions.assign(fraction=0.5 * fractions["fraction"])
+    ax = plot_attractor_fractions(some)
+    names = [text.get_text() for text in ax.get_yticklabels()]
+    assert ax.patches[names.index("undecided")].get_width() == pytest.approx(0.5)

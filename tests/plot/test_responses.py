@@ -2,6 +2,7 @@ import math
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
 from rotor_ida import InputError, folds, hopf_points, sweep, synchronous_response
@@ -13,7 +14,9 @@ from rotor_ida.plot import (
     plot_phase,
     shared_legend,
 )
-from rotor_ida.plot.labels import LABELS
+from rotor_ida.plot.labels import KIND_WORDS, LABELS
+from rotor_ida.plot.responses import DOTS, KINDS
+from rotor_ida.schema import RESPONSE
 
 
 def line(ax, label):
@@ -277,3 +280,30 @@ def test_hopf_points_are_marked_on_the_curve():
     assert mark.get_ydata().tolist() == found.hopf_amplitude.values.ravel().tolist()
     with pytest.raises(InputError, match=r"hopf_points must have the delta0 of exact, 0.5, got 1"):
         plot_amplitude(exact, hopf_points=hopf_points(**given | {"delta0": 1.0}))
+
+
+def test_each_kind_of_range_has_its_look():
+    """Colour, line or filling: no two kinds are drawn alike, nor two ranges of one line."""
+    looks = [(look.colour, look.filled, repr(look.dashes)) for look in KINDS.values()]
+    assert len(set(looks)) == len(KINDS)
+    assert KINDS.keys() == KIND_WORDS.keys()
+    of_ranges = [(look.filled, repr(look.dashes)) for look in KINDS.values() if look.is_range]
+    assert KINDS["rolling"].dashes not in ("-", DOTS)
+    assert of_ranges.count((KINDS["rolling"].filled, repr(KINDS["rolling"].dashes))) == 1
+
+
+@pytest.mark.parametrize("kind", ["rolling", "quasi_periodic"])
+def test_rolling_and_quasi_periodic_responses_have_bars_marks_and_a_legend(simulated, kind):
+    flag = RESPONSE[kind]
+    seen = simulated.assign(
+        response=simulated["response"].copy(data=np.full((7, 1, 1, 1, 2), flag))
+    )
+    seen = seen.assign(radius_min=seen["radius_max"] - 0.5)
+    ax = plot_amplitude(None, simulated=seen)
+    words = f"{KIND_WORDS[kind]}: range of $|z|$"
+    assert words in legend_texts(ax)
+    (bars,) = (each for each in ax.collections if each.get_label() == words)
+    np.testing.assert_allclose(bars.get_colors()[0], to_rgba(KINDS[kind].colour))
+    ends = np.array([segment[:, 1] for segment in bars.get_segments()])
+    np.testing.assert_allclose(ends[:, 1] - ends[:, 0], 0.5)
+    assert {each.get_marker() for each in ax.lines if each.get_color() != "none"} >= {"^", "v"}

@@ -211,3 +211,98 @@ def test_the_force_of_a_linear_contact_is_drawn_as_such():
     indentation = np.maximum(np.hypot(run.x, run.y) - machine.clearance, 0.0)
     force = machine.contact_stiffness * indentation.values
     np.testing.assert_allclose(drawn, force, rtol=0, atol=1e-9 * force.max())
+
+
+CHATTER = Rotor(omega=1.2, zeta=0.07, delta0=0.5, friction=0.3, disc_radius=0.6)
+RUBBED = ("slips forwards", "slips backwards", "rolls")
+
+
+@pytest.fixture(scope="module")
+def rubbing():
+    return simulate(CHATTER, start=(0.3, 0.1, 0.2, 0.1), duration=30.0, samples=901)
+
+
+@pytest.mark.parametrize("samples", [901, 31])
+def test_each_way_of_moving_has_its_line_from_event_to_event(rubbing, samples):
+    """Also where no sample tells of it: then the events on both sides do."""
+    run = simulate(CHATTER, start=(0.3, 0.1, 0.2, 0.1), duration=30.0, samples=samples)
+    path = path_of(run)
+    events = rubbing["event_time"].values
+    middles = 0.5 * (events[1:] + events[:-1])
+    told = np.searchsorted(rubbing["t"].values, middles)
+    known = rubbing["mode"].values[told]
+    # a sample that lies behind the next event tells of another way
+    sure = rubbing["t"].values[told] < events[1:]
+    here = path.mode[np.searchsorted(path.time, events[:-1] + 1e-9) - 1]
+    assert sure.sum() > 0.8 * sure.size
+    np.testing.assert_array_equal(here[sure], known[sure])
+    assert {-1, 0, 1, 2} == set(path.mode.tolist())
+
+
+def test_orbit_and_radius_show_slip_and_rolling_apart(rubbing):
+    *_, radius, force, slip, orbit = plot_run(rubbing).axes
+    for ax in (radius, orbit):
+        lines = {line.get_label(): line for line in ax.lines}
+        assert {"flight", *RUBBED} <= lines.keys()
+        looks = {(lines[name].get_color(), str(lines[name].get_linestyle())) for name in RUBBED}
+        assert len(looks) == 3
+        assert lines["rolls"].get_path_effects()  # told without colour too
+    assert "contact" not in labels(orbit)
+    assert (force.get_ylabel(), slip.get_ylabel()) == ("normal force $N$", "slip speed $v_s$")
+    rolling = next(line for line in orbit.lines if line.get_label() == "rolls")
+    drawn = np.hypot(*rolling.get_data())
+    assert np.nanmin(drawn) > CHATTER.delta0
+    np.testing.assert_array_equal(force.lines[0].get_ydata(), rubbing["normal_force"].values)
+
+
+def test_events_of_friction_are_marked_where_they_happen(rubbing):
+    radius = plot_run(rubbing).axes[2]
+    kinds = rubbing["event_kind"].values
+    for name, kind in {"roll": 2, "slip": -2, "reverse": 3}.items():
+        (line,) = (each for each in radius.lines if each.get_label() == name)
+        met = kinds == kind
+        np.testing.assert_array_equal(line.get_xdata(), rubbing["event_time"].values[met])
+        height = np.hypot(rubbing["event_x"], rubbing["event_y"]).values[met]
+        np.testing.assert_array_equal(line.get_ydata(), height)
+
+
+def test_a_run_that_never_leaves_the_ring_has_a_normal_force_and_no_note():
+    rotor = Rotor(omega=0.62962981, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
+    figure = plot_run(simulate(rotor, start=(5.0, 0.0, 0.0, -6.3), duration=10.0, samples=301))
+    force = figure.axes[3]
+    assert not force.texts
+    assert force.get_ylim()[1] > 8.0
+    assert r"$\mu = 0.2$" in figure.get_suptitle()
+
+
+def test_many_parameters_stand_in_two_lines():
+    rotor = Rotor(
+        omega=1.1, zeta=0.05, delta0=0.5, shaft_stiffness=0.3, contact_exponent=1.0,
+        contact_damping=0.4, load=0.2, friction=0.6, disc_radius=0.3,
+    )  # fmt: skip
+    run = simulate(rotor, start=(2.0, 0.0, 0.0, -4.0), duration=20.0, samples=601)
+    title = plot_run(run).get_suptitle()
+    first, second = title.splitlines()
+    assert (first.count("$") // 2, second.count("$") // 2) == (3, 6)
+    shown = labels(plot_run(run).axes[2])
+    assert {"press", "release", "roll", "slip"} <= set(shown)
+
+
+def test_a_machine_that_rubs_is_drawn_in_its_units():
+    machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6,
+                               clearance=5e-7, speed=600.0, friction=0.3,
+                               disc_radius=6e-7)  # fmt: skip
+    run = simulate(machine.rotor(), start=(0.3, 0.1, 0.2, 0.1), duration=30.0, samples=901)
+    in_si = dimensional(run, machine, units={"length": "µm", "time": "ms"})
+    orbit, radius, force = plot_machine(in_si).axes
+    assert {"flight", *RUBBED} <= set(labels(orbit))
+    assert {"flight", *RUBBED} <= set(labels(radius))
+    assert force.get_ylabel() == "normal force $N$ [N]"
+    np.testing.assert_array_equal(path_of(in_si).mode, path_of(run).mode)
+    slip = plot_run(in_si).axes[4]
+    assert slip.get_ylabel().endswith("[m/s]")
+
+
+def test_without_friction_nothing_is_told_of_slip(run):
+    assert path_of(run).mode is None
+    assert not {"rolls", "slips forwards"} & set(labels(plot_run(run).axes[-1]))

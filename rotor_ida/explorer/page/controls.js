@@ -7,9 +7,10 @@ const STEPS = 1000;
 const linear = (low, high, step) => ({
   toSlider: (value) => value, fromSlider: (place) => place, min: low, max: high, step,
 });
-const logarithmic = (low, high) => ({
-  toSlider: (value) => (STEPS * Math.log(value / low)) / Math.log(high / low),
-  fromSlider: (place) => Number((low * (high / low) ** (place / STEPS)).toPrecision(3)),
+/** A slider over powers of ten of a scale of the machine. */
+const logarithmic = (low, high, scale = () => 1) => ({
+  toSlider: (value) => (value > 0 ? (STEPS * Math.log(value / (low * scale()))) / Math.log(high / low) : 0),
+  fromSlider: (place) => Number((low * scale() * (high / low) ** (place / STEPS)).toPrecision(3)),
   min: 0, max: STEPS, step: 1,
 });
 /** A slider up to so many times a scale of the machine, in steps of a four-hundredth; round as it is shown. */
@@ -38,11 +39,15 @@ const BEYOND = {
     shaft_stiffness: { name: "Shaft stiffness κ", unit: "", slider: linear(0, 4, 0.01) },
     contact_damping: { name: "Contact damping c", unit: "", slider: linear(0, 3, 0.01) },
     load: { name: "Load γ", unit: "", slider: linear(0, 10, 0.02) },
+    friction: { name: "Friction μ", unit: "", slider: linear(0, 0.5, 0.005) },
+    disc_radius: { name: "Disc radius ρ", unit: "", slider: logarithmic(0.1, 1e5) },
   },
   si: {
     shaft_stiffness: { name: "Shaft stiffness", unit: "N/m", slider: scaled(4, () => scalesBeyond().shaft_stiffness) },
     contact_damping: { name: "Contact damping", unit: "s/m", slider: scaled(3, () => scalesBeyond().contact_damping) },
     load: { name: "Load", unit: "N", slider: scaled(10, () => scalesBeyond().load) },
+    friction: { name: "Friction", unit: "", slider: linear(0, 0.5, 0.005) },
+    disc_radius: { name: "Disc radius", unit: "m", slider: logarithmic(0.1, 1e5, () => scalesBeyond().disc_radius) },
   },
 };
 const GRAVITY = 9.80665;

@@ -13,9 +13,9 @@ const $ = (id) => document.getElementById(id);
 const PANELS = ["motion", "responses", "starts"];
 const FILES = { nc: "application/x-netcdf", png: "image/png", svg: "image/svg+xml", py: "text/x-python", html: "text/html" };
 // Signs of what a rotor has beyond the paper's.
-const SIGNS = { shaft_stiffness: "κ", contact_exponent: "n", contact_damping: "c", load: "γ" };
-// Kinds of events in a contact with damping, beside entry (1) and exit (-1).
-const PRESS = 4, RELEASE = -4;
+const SIGNS = { shaft_stiffness: "κ", contact_exponent: "n", contact_damping: "c", load: "γ", friction: "μ", disc_radius: "ρ" };
+// Kinds of events in a contact with damping or friction, beside entry (1) and exit (-1).
+const PRESS = 4, RELEASE = -4, ROLL = 2, SLIP = -2, REVERSE = 3;
 const KEY = "rotor-ida-key";
 // No start lies further from the axis.
 const FURTHEST = 1e6;
@@ -283,6 +283,9 @@ function eventsOf(motion) {
   };
   let text = kinds.length ? `${counted(1, "entry", "entries")} and ${counted(-1, "exit", "exits")}` : "no entries and exits";
   if (kinds.some((kind) => kind === PRESS || kind === RELEASE)) text += `, ${counted(RELEASE, "release", "releases")} and ${counted(PRESS, "press", "presses")}`;
+  if (motion.facts.rotor.friction) {
+    text += `; ${counted(ROLL, "roll", "rolls")}, ${counted(SLIP, "slip", "slips")} and ${counted(REVERSE, "reverse", "reverses")}`;
+  }
   return text[0].toUpperCase() + text.slice(1);
 }
 

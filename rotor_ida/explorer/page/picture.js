@@ -1,6 +1,6 @@
 // A panel as a file: its plots drawn anew, in pixels or as lines, or their numbers as a table.
 
-import { colour } from "./plot.js";
+import { Pen, colour } from "./plot.js";
 
 const FONT = "system-ui, sans-serif";
 const MARGIN = 10, TITLE = 48, LINE = 18;
@@ -94,14 +94,28 @@ function paintIcon(ctx, icon, left, middle, pixel) {
   const half = 4.5 * pixel;
   const centre = left + 10 * pixel;
   if (is("line-key")) {
-    const dash = is("free") ? [12, 3, 2, 3] : style.borderTopStyle === "dashed" ? [5, 4] : [];
-    ctx.strokeStyle = is("free") ? colour("contact_free") : style.borderTopColor;
-    ctx.lineWidth = (parseFloat(style.borderTopWidth) || 2) * pixel;
-    ctx.setLineDash(dash.map((each) => each * pixel));
-    ctx.moveTo(left, middle);
-    ctx.lineTo(left + 20 * pixel, middle);
-    ctx.stroke();
-    ctx.setLineDash([]);
+    const dash = is("free") ? [12, 3, 2, 3] : { dashed: [5, 4], dotted: [2, 1.5] }[style.borderTopStyle] ?? [];
+    const line = (stroke, width, dashes) => {
+      ctx.strokeStyle = stroke;
+      ctx.lineWidth = width * pixel;
+      ctx.setLineDash(dashes.map((each) => each * pixel));
+      ctx.moveTo(left, middle);
+      ctx.lineTo(left + 20 * pixel, middle);
+      ctx.stroke();
+      ctx.setLineDash([]);
+    };
+    if (is("rolling")) {
+      line(colour("rolling"), 3.4, []);
+      ctx.beginPath();
+      line(colour("card"), 1, [3, 4]);
+    } else line(is("free") ? colour("contact_free") : style.borderTopColor, parseFloat(style.borderTopWidth) || 2, dash);
+    return;
+  }
+  if (is("up") || is("down") || is("cross")) {
+    // as the pen draws marks: in pixels of the picture
+    const shape = ["up", "down", "cross"].find(is);
+    const pen = new Pen(ctx, (x) => x, (y) => y, pixel, null);
+    pen.mark(centre, middle, 8, { shape, fill: colour(is("down") ? "card" : "ink"), stroke: colour(is("cycle") ? "full_contact" : "ink"), width: 1.2 });
     return;
   }
   if (is("swatch") || is("square")) ctx.rect(centre - half, middle - half, 2 * half, 2 * half);

@@ -366,7 +366,7 @@ export class Pen {
     if (stroke) this.#stroke(stroke, width, dash, alpha);
   }
 
-  /** A mark of so many pixels: "disc", "ring", "diamond" or "square". */
+  /** A mark of so many pixels: a disc, or of another shape. */
   mark(x, y, size, { shape = "disc", fill, stroke, width = 1.5, alpha = 1 }) {
     const { ctx, pixel } = this;
     const [left, top, half] = [this.x(x), this.y(y), 0.5 * size * pixel];
@@ -377,6 +377,17 @@ export class Pen {
       ctx.lineTo(left, top + half);
       ctx.lineTo(left - half, top);
       ctx.closePath();
+    } else if (shape === "up" || shape === "down") {
+      const tip = shape === "up" ? -half : half;
+      ctx.moveTo(left, top + tip);
+      ctx.lineTo(left + half, top - tip);
+      ctx.lineTo(left - half, top - tip);
+      ctx.closePath();
+    } else if (shape === "cross") {
+      ctx.moveTo(left - half, top - half);
+      ctx.lineTo(left + half, top + half);
+      ctx.moveTo(left - half, top + half);
+      ctx.lineTo(left + half, top - half);
     } else if (shape === "square") ctx.rect(left - half, top - half, 2 * half, 2 * half);
     else ctx.arc(left, top, half, 0, 2 * Math.PI);
     ctx.globalAlpha = alpha;

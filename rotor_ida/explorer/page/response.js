@@ -14,9 +14,12 @@ export function speedsAround(omega) {
 }
 
 const STABLE = 0, UNSTABLE = 1, STABILITIES = ["stable", "unstable", "neutral"];
-const SPECIAL = { 1: "fold of limit cycles", 2: "period doubling", 5: "torus point" };
-const SHAPES = { 1: "diamond", 2: "square", 5: "disc" };
-const TORUS = 5;
+const SPECIAL = { 1: "fold of limit cycles", 2: "period doubling", 5: "torus point", 6: "slip comes to 0", 7: "Hopf point" };
+const SHAPES = { 1: "diamond", 2: "square", 5: "disc", 6: "cross", 7: "disc" };
+const TORUS = 5, SLIDING = 6;
+// Whirls that friction keeps up: the name, the radii and the stability of each.
+const WHIRLS = [["slipping backward whirl", "saddle_radius", "unstable"], ["dry whip without unbalance", "whip_radius", "stable"]];
+const WHIP_ROOM = 1.5;
 
 export class Response {
   /** Build the panel; `moved` is told the speed to which it is dragged, as the page has it. */
@@ -37,6 +40,9 @@ export class Response {
       Object.values(columns).forEach((column, i) => column.push(row[i]));
     };
     this.sides.slice(0, this.two ? 2 : 1).forEach(({ curve, branches, trail }, number) => {
+      for (const [name, key, stability] of WHIRLS) {
+        curve.arrays[key]?.forEach((each, i) => add(number + 1, name, curve.arrays.whip_omega[i], each, each, stability));
+      }
       const told = (code) => STABILITIES[code] ?? "";
       const { omega, amplitude, stability, in_contact: contact, fold_omega: folds, fold_amplitude: heights } = curve.arrays;
       omega.forEach((each, i) => add(number + 1, contact[i] ? "whirl in contact" : "contact-free whirl", each, amplitude[i], amplitude[i], told(stability[i])));
@@ -86,6 +92,11 @@ export class Response {
       for (const branch of branches) for (const each of branch.arrays.radius_max) if (each > top) top = each;
       if (place) [top, last] = [Math.max(top, place.high), Math.max(last, 1.05 * place.omega)];
     }
+    // of dry whip, which may lie far above the rest, as much as leaves the rest its room
+    const most = WHIP_ROOM * top;
+    for (const { curve } of shown) {
+      for (const [, key] of WHIRLS) for (const each of curve.arrays[key] ?? []) if (each > top) top = Math.min(each, most);
+    }
     this.length = shownIn(scales, "length", top);
     this.speed = shownIn(scales, "rate", 1);
     this.plot.show({
@@ -104,10 +115,14 @@ export class Response {
     }
     if (shown.some(({ curve }) => curve.arrays.hopf_omega.length)) parts.push(["mark open", "Hopf point"]);
     if (shown.some(({ curve }) => curve.arrays.in_contact.includes(0))) parts.push(["line-key free", "contact-free whirl"]);
+    if (shown.some(({ curve }) => curve.arrays.whip_omega?.length)) {
+      parts.push(["line-key whip", "dry whip without unbalance"], ["line-key saddle", "slipping backward whirl, a saddle"]);
+    }
     if (shown.some(({ branches }) => branches.length)) {
       parts.push(["line-key cycle", "limit cycle, largest radius"], ["line-key cycle thin", "smallest"]);
       parts.push(["mark diamond open cycle", "its fold"], ["mark square cycle", "period doubling"]);
       if (shown.some(({ branches }) => branches.some(({ arrays }) => arrays.special_kind.includes(TORUS)))) parts.push(["mark open cycle", "torus point"]);
+      if (shown.some(({ branches }) => branches.some(({ arrays }) => arrays.special_kind.includes(SLIDING)))) parts.push(["mark cross cycle", "slip comes to 0"]);
     }
     parts.push(["mark place", this.two ? "the first rotor" : "the rotor"]);
     if (this.two) parts.push(["mark square second", "the second rotor and its curves"]);
@@ -134,7 +149,7 @@ export class Response {
   /** Return what the picture of the curves depends on. */
   #keyOfCurves(shown, pen) {
     const { width, height } = pen.box;
-    const curves = shown.map(({ key, branches, curve }) => [key, branches.length, curve?.arrays.omega[0], curve?.arrays.omega.length]);
+    const curves = shown.map(({ key, branches, curve }) => [key, branches.length, curve?.arrays.omega[0], curve?.arrays.omega.length, curve?.arrays.hopf_omega.length]);
     return JSON.stringify([curves, width, height, this.plot.shown, this.length, this.speed, colour("ink")]);
   }
 
@@ -170,6 +185,11 @@ export class Response {
       const unstable = stability[from] === UNSTABLE;
       const dash = unstable ? UNSTABLE_DASH : contact[from] ? [] : FREE_DASH;
       pen.line(xs, ys, { from: begin, to, stroke: contact[from] ? ink : colour("contact_free"), width: unstable ? 1.2 : 2, dash });
+    }
+    for (const [, key, stability] of WHIRLS) {
+      const look = stability === "stable" ? { width: 2 } : { width: 1.2, dash: UNSTABLE_DASH };
+      const radii = (arrays[key] ?? []).map((each) => each * this.length.factor);
+      if (radii.length) pen.line(arrays.whip_omega.map((each) => each * this.speed.factor), radii, { stroke: colour("rolling"), ...look });
     }
     folds.forEach((each, i) => pen.mark(each * this.speed.factor, heights[i] * this.length.factor, 8, { shape: "diamond", fill: ink }));
     arrays.hopf_omega.forEach((each, i) => {
@@ -225,6 +245,9 @@ function readCurve(arrays, speed, of, points, lines) {
   const { omega, amplitude, stability, piece, in_contact: contact } = arrays;
   arrays.fold_omega.forEach((each, i) => points.push([`fold${of}`, each, arrays.fold_amplitude[i]]));
   arrays.hopf_omega.forEach((each, i) => points.push([`Hopf point${of}`, each, arrays.hopf_amplitude[i]]));
+  for (const [name, key] of WHIRLS) {
+    for (let i = 1; i < (arrays[key]?.length ?? 0); i++) addCrossing(lines, name + of, speed, arrays.whip_omega, arrays[key], i);
+  }
   for (let i = 1; i < omega.length; i++) {
     if (piece[i] !== piece[i - 1] || piece[i] < 0) continue;
     const name = `${stability[i] === UNSTABLE ? "unstable " : ""}${contact[i] ? "whirl in contact" : "contact-free whirl"}${of}`;

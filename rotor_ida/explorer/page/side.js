@@ -13,7 +13,7 @@ const KINDS = {
 };
 // Of the motion before so many revolutions are drawn faintly.
 const EARLIER = 24;
-const FLIGHT = [4, 3];
+const FLIGHT = [4, 3], BACKWARDS = [2, 1.5], SLEEPERS = [3, 4];
 // The picture of a basin has at least so many pixels along a side, so that it can be hatched.
 const PICTURE = 432;
 // Which pixels of a region are darker, so that it is told by more than its colour; others are plain.
@@ -25,9 +25,15 @@ const HATCHED = {
   synchronous: tile((column) => column < 3),
   chaotic: tile((column, row) => column % 9 < 3 && row % 9 < 3),
 };
+// Events of friction, at which the normal force is not 0.
+const HELD = [2, -2, 3];
 const PLAIN = new Uint8Array(TILE * TILE);
-// Events of a contact by their kind; the last two come with damping in it.
-const EVENTS = { 1: "entry", "-1": "exit", 4: "press", "-4": "release" };
+// Events of a contact by their kind; two come with damping in it, three with friction.
+const EVENTS = { 1: "entry", "-1": "exit", 4: "press", "-4": "release", 2: "roll", "-2": "slip", 3: "reverse" };
+const SHAPES = { 1: "disc", "-1": "disc", 4: "square", "-4": "square", 2: "up", "-2": "down", 3: "cross" };
+// Ways of moving with friction; a loose contact slips, though nothing holds it.
+const FLIES = 0, SLIPS = 1, SLIPS_BACK = -1, ROLLS = 2, LOOSE = 3;
+const BANDS = { [SLIPS]: ["contact", 0.09], [LOOSE]: ["contact", 0.09], [SLIPS_BACK]: ["backwards", 0.16], [ROLLS]: ["rolling", 0.24] };
 const DARKER = 0.78;
 // Revolutions a second, when the motion is played.
 const PLAYED = 1;
@@ -188,7 +194,10 @@ export class Side {
     this.length = this.#scale("length", drawn);
     const reach = roundUp(1.08 * drawn) * this.length.factor;
     this.plane = { x: [-reach, reach], y: [-reach, reach] };
-    for (const each of this.element.querySelectorAll("[data-damped]")) each.hidden = !facts.rotor.contact_damping;
+    const rubs = Boolean(arrays.mode);
+    for (const [name, hides] of Object.entries({ damped: !facts.rotor.contact_damping, friction: !rubs, frictionless: rubs })) {
+      for (const each of this.element.querySelectorAll(`[data-${name}]`)) each.hidden = hides;
+    }
     const { unit } = this.length;
     this.orbit.show({ ...this.plane, labels: [labelled("x", unit), labelled("y", unit)] });
     this.#drawHistory();
@@ -223,7 +232,7 @@ export class Side {
     const labels = (name, unit) => [labelled("time", time.unit), labelled(name, unit)];
     this.radius.show({ data: [times, radii], x, y: [0, roundUp(1.05 * most)], labels: ["", labelled("radius", this.length.unit)] });
     const hardest = Math.max(maximum(forces), ...this.#peaks(from, end).map(([, peak]) => peak), 0);
-    this.force.show({ data: [times, forces], x, y: [0, roundUp(1.05 * hardest || 1)], labels: labels("force", force.unit) });
+    this.force.show({ data: [times, forces], x, y: [0, roundUp(1.05 * hardest || 1)], labels: labels(this.motion.arrays.mode ? "normal force" : "force", force.unit) });
   }
 
   #peaks(from, to) {
@@ -237,12 +246,29 @@ export class Side {
 
   #shadeContacts(pen) {
     if (!this.forceUnit) return;
-    const { entry_time: entries, exit_time: exits, t } = this.motion.arrays;
+    const { entry_time: entries, exit_time: exits, t, mode } = this.motion.arrays;
     const { factor } = this.timeUnit;
+    if (mode) {
+      this.#shadeModes(pen);
+      return;
+    }
     for (let i = 0; i < entries.length; i++) {
       const from = Number.isNaN(entries[i]) ? t[0] : entries[i];
       const to = Number.isNaN(exits[i]) ? t.at(-1) : exits[i];
       pen.band(from * factor, to * factor, tint(colour("contact"), 0.09));
+    }
+  }
+
+  /** Shade how a contact goes on between its events; shorter than a sample it is not seen. */
+  #shadeModes(pen) {
+    const { event_time: times, t, mode } = this.motion.arrays;
+    const { factor } = this.timeUnit;
+    let i = 0;
+    for (let event = -1; event < times.length; event++) {
+      const [from, to] = [event < 0 ? t[0] : times[event], event + 1 < times.length ? times[event + 1] : t.at(-1)];
+      while (i < t.length && t[i] < from) i += 1;
+      const band = t[i] < to || event < 0 ? BANDS[mode[i]] : null;
+      if (band) pen.band(from * factor, to * factor, tint(colour(band[0]), band[1]));
     }
   }
 
@@ -263,7 +289,7 @@ export class Side {
     this.#line(pen, t, 1e9);
   }
 
-  /** Return the distance from the axis at an event: the ring's, but inside it for the last two kinds. */
+  /** Return the distance from the axis at an event: the ring's, but inside it for the others. */
   #radiusOf(event) {
     const { event_kind: kinds, event_radius: radii } = this.motion.arrays;
     return this.length.factor * (Math.abs(kinds[event]) === 1 ? this.motion.facts.rotor.delta0 : radii[event]);
@@ -293,8 +319,12 @@ export class Side {
     const inside = (i) => arrays.radius[i] <= facts.rotor.delta0;
     const before = Math.max(0, from - EARLIER * facts.samples_per_revolution);
     pen.line(xs, ys, { from: before, to: from + 1, stroke: colour("muted"), width: 0.6, alpha: 0.35 });
-    pen.line(xs, ys, { from, to: now + 1, stroke: colour("flight"), width: 1.5, dash: FLIGHT, gap: (i) => !inside(i) && !inside(Math.max(i - 1, 0)) });
-    pen.line(xs, ys, { from, to: now + 1, stroke: colour("contact"), width: 1.9, gap: (i) => inside(i) && inside(Math.max(i - 1, 0)) });
+    const stretch = { from, to: now + 1 };
+    if (arrays.mode) drawModes(pen, xs, ys, arrays.mode, stretch);
+    else {
+      pen.line(xs, ys, { ...stretch, stroke: colour("flight"), width: 1.5, dash: FLIGHT, gap: (i) => !inside(i) && !inside(Math.max(i - 1, 0)) });
+      pen.line(xs, ys, { ...stretch, stroke: colour("contact"), width: 1.9, gap: (i) => inside(i) && inside(Math.max(i - 1, 0)) });
+    }
     this.#drawEvents(pen, axes);
     const turn = facts.samples_per_revolution;
     for (let i = Math.ceil(from / turn) * turn; i <= now; i += turn) {
@@ -398,7 +428,7 @@ export class Side {
     }
     if (panel === "starts") return this.#tableOfStarts();
     const rows = [...times.map((each, i) => [each, "sample", radii[i], forces[i]])];
-    arrays.event_time.forEach((each, i) => rows.push([each * this.timeUnit.factor, EVENTS[arrays.event_kind[i]], this.#radiusOf(i), 0]));
+    arrays.event_time.forEach((each, i) => rows.push([each * this.timeUnit.factor, EVENTS[arrays.event_kind[i]], this.#radiusOf(i), HELD.includes(arrays.event_kind[i]) ? NaN : 0]));
     for (const [at, peak] of this.#peaks(0, times.length - 1)) rows.push([at, "peak", NaN, peak]);
     rows.sort(([one], [other]) => one - other);
     return Object.fromEntries([time, "what", radius, force].map((name, i) => [name, rows.map((row) => row[i])]));
@@ -468,7 +498,13 @@ export class Side {
       if (peak) return told_("peak: ", peak);
     }
     const height = (event) => (name === "radius" ? this.#radiusOf(event) : 0);
-    const event = arrays.event_time.findIndex((time, i) => beside(time) < 0.5 * near && distance(time * factor, height(i)) < near);
+    const isShown = (event) => name === "radius" || !HELD.includes(arrays.event_kind[event]);
+    let event = -1, best = near;
+    arrays.event_time.forEach((time, i) => {
+      if (!isShown(i) || beside(time) >= 0.5 * near) return;
+      const away = distance(time * factor, height(i));
+      if (away < best) [best, event] = [away, i];
+    });
     if (event >= 0) return told_(`${EVENTS[arrays.event_kind[event]]}: `, [arrays.event_time[event] * factor, height(event)]);
     const [times, values] = this[name].data;
     const i = plot.valToIdx(x);
@@ -539,7 +575,8 @@ export class Side {
     const { factor, unit } = this.length;
     const number = (value) => `${told(value * factor)}${unit ? ` ${unit}` : ""}`;
     const radii = `radius from ${number(ending.radius_min)} to ${number(ending.radius_max)}`;
-    this.orbit.say(`Orbit on fixed axes: ${radii}, ring at ${number(rotor.delta0)}.`);
+    const rolls = ending.rolling_fraction > 0 ? `, rolling ${told(100 * ending.rolling_fraction, 3)} % of the time in contact` : "";
+    this.orbit.say(`Orbit on fixed axes: ${radii}, ring at ${number(rotor.delta0)}${rolls}.`);
     this.turning.say(`Orbit on axes that turn with the unbalance: ${radii}.`);
     this.radius.say(`Radius over time: over the last half from ${number(ending.radius_min)} to ${number(ending.radius_max)}.`);
     this.force.say(`Contact force over time: up to ${told(ending.largest_force * this.forceUnit.factor)} ${this.forceUnit.unit} over the last half.`);
@@ -550,9 +587,23 @@ export class Side {
 
 const withoutUnit = (label) => label.replace(/ \[.*\]$/, "");
 
+/** Draw an orbit in the colours of flight, of slip in either sense, and of rolling. */
+function drawModes(pen, xs, ys, modes, stretch) {
+  const draw = (wanted, look) => {
+    // a step that begins or ends in another mode is drawn in both, the later one above
+    const gap = (i) => !wanted.includes(modes[i]) && !wanted.includes(modes[Math.max(i - 1, 0)]);
+    pen.line(xs, ys, { ...stretch, ...look, gap });
+  };
+  draw([FLIES], { stroke: colour("flight"), width: 1.5, dash: FLIGHT });
+  draw([SLIPS, LOOSE], { stroke: colour("contact"), width: 1.9 });
+  draw([SLIPS_BACK], { stroke: colour("backwards"), width: 2.2, dash: BACKWARDS });
+  draw([ROLLS], { stroke: colour("rolling"), width: 3.4 });
+  draw([ROLLS], { stroke: colour("card"), width: 1, dash: SLEEPERS });
+}
+
 const markOf = (kind) => ({
-  shape: Math.abs(kind) === 1 ? "disc" : "square",
-  ...(kind > 0 ? { fill: colour("ink"), stroke: colour("card"), width: 0.8 } : { fill: colour("card"), stroke: colour("ink"), width: 1.2 }),
+  shape: SHAPES[kind],
+  ...(SHAPES[kind] === "cross" ? { stroke: colour("ink"), width: 1.5 } : kind > 0 ? { fill: colour("ink"), stroke: colour("card"), width: 0.8 } : { fill: colour("card"), stroke: colour("ink"), width: 1.2 }),
 });
 
 /** Return a part of some values, times a factor; a view where the factor is 1. */

@@ -3,27 +3,31 @@
 export const DIMENSIONLESS = ["omega", "zeta", "delta0"];
 export const MACHINE = ["mass", "contact_stiffness", "damping", "eccentricity", "clearance", "speed"];
 // What a machine has beside either, and the value of each without which it is the paper's rotor.
-export const BEYOND = { shaft_stiffness: 0, contact_exponent: 1.5, contact_damping: 0, load: 0 };
+export const BEYOND = { shaft_stiffness: 0, contact_exponent: 1.5, contact_damping: 0, load: 0, friction: 0 };
+// Friction needs the radius of the disc: so many eccentricities until another is chosen.
+const DISC_RADIUS = 10;
 export const START = ["x", "y", "vx", "vy"];
 const WORDS = { from: ["start", "here"], theme: ["", "light", "dark"], speedIn: ["rad/s", "rpm", "Hz"] };
 // Where the run beside it begins, where that is somewhere else.
 export const SECOND_START = START.map((name) => `${name}2`);
-const NUMBERS = [...SECOND_START, ...DIMENSIONLESS, ...MACHINE, ...Object.keys(BEYOND), ...START, "revolutions", "second", "step", "rate"];
+const NUMBERS = [...SECOND_START, ...DIMENSIONLESS, ...MACHINE, ...Object.keys(BEYOND), "disc_radius", ...START, "revolutions", "second", "step", "rate"];
 
 const DEFAULTS = {
   omega: 2, zeta: 0.07, delta0: 2,
-  ...BEYOND,
+  ...BEYOND, disc_radius: null,
   x: 0, y: 0, vx: 0, vy: 0,
   second: null, // clearance of the rotor beside it, in the units of the first one
   revolutions: 60, from: "start", step: 0.01, rate: 10, theme: "", speedIn: "rad/s",
 };
-export const state = { ...DEFAULTS };
+export const state = { ...DEFAULTS, disc_radius: DISC_RADIUS };
 
 /** Whether the rotor is given as a machine in SI units. */
 export const inSI = () => state.mass !== undefined;
 
-/** Return the names of what the machine has beyond the paper's rotor. */
-export const namesBeyond = () => Object.keys(BEYOND).filter((name) => state[name] !== BEYOND[name]);
+/** Return the names of what the machine has beyond the paper's rotor; of the disc's radius where it matters. */
+export const namesBeyond = () => [...Object.keys(BEYOND).filter((name) => state[name] !== BEYOND[name]), ...(state.friction ? ["disc_radius"] : [])];
+
+const usualRadius = () => DISC_RADIUS * (inSI() ? state.eccentricity : 1);
 
 /** Take over what an address says; return the key in it, if any. What it does not say is default. */
 export function readAddress(hash) {
@@ -37,6 +41,7 @@ export function readAddress(hash) {
     const text = given.get(name);
     if (text !== null && text !== "" && Number.isFinite(Number(text))) state[name] = Number(text);
   }
+  state.disc_radius ??= usualRadius();
   for (const [name, words] of Object.entries(WORDS)) {
     if (words.includes(given.get(name))) state[name] = given.get(name);
   }
@@ -57,6 +62,7 @@ export function address([first, second]) {
   for (const name of ["revolutions", "from"]) told.set(name, state[name]);
   if (inSI() && state.speedIn !== DEFAULTS.speedIn) told.set("speedIn", state.speedIn);
   for (const name of ["second", "theme"]) if (state[name] !== null && state[name] !== "") told.set(name, state[name]);
+  if (!state.friction && state.disc_radius !== usualRadius()) told.set("disc_radius", state.disc_radius);
   if (state.step !== 0.01) told.set("step", state.step);
   if (state.rate !== 10) told.set("rate", state.rate);
   return `#${told}`;
@@ -82,6 +88,7 @@ export function scalesBeyond() {
   const stiffness = state.mass * rate ** 2;
   return {
     shaft_stiffness: stiffness, contact_damping: 1 / (state.eccentricity * rate), load: stiffness * state.eccentricity,
+    disc_radius: state.eccentricity,
   };
 }
 

@@ -77,7 +77,7 @@ function saveMenu(panel, plots, title, { name, told, table }) {
 
 /** Return the words of a panel's key, each with the element that stands before it. */
 function keyOf(panel) {
-  const spans = [...panel.querySelectorAll(".key span")];
+  const spans = [...panel.querySelectorAll(".key span:not([hidden])")];
   if (spans.length) return spans.map((span) => ({ words: span.textContent.trim(), icon: span.querySelector("i") }));
   const words = panel.querySelector(".key")?.textContent.trim();
   return words ? [{ words, icon: null }] : [];
