@@ -237,6 +237,7 @@ inlined void see_slide(struct slide *seen, struct state z, struct rotor rotor)
 inlined struct state seen_rate(struct state z, struct rotor rotor, struct law law,
                                struct slide *seen)
 {
+    (void)seen; /* of the paper's rotor there is no slip */
     const double omega = rotor.omega, damping = 2.0 * rotor.zeta;
     const double s = restoring(z, rotor, law);
     struct state k = {

@@ -317,7 +317,7 @@ def test_torus_points_and_what_stands_still_are_drawn():
     words = plot_lines(loaded).get_legend_handles_labels()[1]
     assert "static" in words
     ax = plot_multipliers(loaded)
-    assert ax.get_legend_handles_labels()[1] == [r"$\mu$"]
+    assert ax.get_legend_handles_labels()[1] == ["others"]
     assert sum(line.get_xdata().size for line in ax.lines if line.get_ls() == "None") == 4
     found = continue_cycle(machine, start=loaded, parameter="contact_damping", limits=(0.4, 0.7))
     ax = plot_branch(found)
