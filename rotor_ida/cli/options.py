@@ -154,7 +154,10 @@ SpecialNumber = Annotated[
     int | None, _whole_number("Number of the special point in the archive.", 0, MOST_NUMBERS)
 ]
 PointCount = Annotated[int, _whole_number("Largest number of points each way.", 2, MOST_NUMBERS)]
-Name = Literal["omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "load"]
+Name = Literal[
+    "omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "load", "friction",
+    "disc_radius",
+]  # fmt: skip
 OneParameter = Annotated[Name, Parameter(help="What is varied.")]
 TwoParameters = Annotated[
     tuple[Name, Name],

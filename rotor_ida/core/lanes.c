@@ -219,6 +219,7 @@ inlined double restoring(struct state z, struct rotor rotor, struct law law)
 #endif
 }
 
+#ifdef WHOLE_MODEL
 /* See how fast the surfaces slide: v_s = (x v - y u)/r + rho omega. */
 inlined void see_slide(struct slide *seen, struct state z, struct rotor rotor)
 {
@@ -229,6 +230,7 @@ inlined void see_slide(struct slide *seen, struct state z, struct rotor rotor)
     seen->highest = larger(seen->highest, slip);
     seen->farthest = larger(seen->farthest, square);
 }
+#endif
 
 /* x' = u + omega y                              y' = v - omega x
  * u' = omega**2 - 2 zeta u + omega v - s x      v' = -2 zeta v - omega u - s y

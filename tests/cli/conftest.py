@@ -50,6 +50,10 @@ def archives(tmp_path_factory: pytest.TempPathFactory) -> Path:
     whirls = rotor_ida.synchronous_response(omega=[1.2, 1.7], zeta=0.07, delta0=[0.0, 0.5])
     rotor_ida.save(whirls, folder / "whirls.nc")
     rotor_ida.save(rotor_ida.folds(zeta=0.07, delta0=0.5), folder / "folds.nc")
+    report = rotor_ida.touchdown_report(
+        rotor_ida.Rotor(omega=1.7, zeta=0.5, delta0=0.5), x=(-1, 1), y=(-1, 1), starts=16, shocks=0
+    )
+    rotor_ida.save(report, folder / "report.nc")
     rotor_ida.save(rotor_ida.compare(sweep), folder / "compared.nc")
     still = rotor_ida.Rotor(omega=1.7, zeta=0.3, delta0=0.0)
     basin = rotor_ida.basin(still, x=[-5.0, 0.0, 5.0], y=[-5.0, 5.0])

@@ -129,7 +129,7 @@ MISTAKES = [
     (follow(limits="-1 3"), "limits must be two increasing numbers from 0 on"),
     (follow(limits="0 3"), "limits of omega must be above 0"),
     (follow(limits="2.5 3"), "limits must hold the omega of the start, 2.0, got (2.5, 3.0)"),
-    (follow(parameter="mass"), "'contact_damping', 'load', got 'mass'"),
+    (follow(parameter="mass"), "'friction', 'disc_radius', got 'mass'"),
     (follow(direction="up"), "direction must be one of 'both', 'forward', 'backward', got 'up'"),
     (follow(points="1"), "points must be at least 2, got 1"),
     (follow(point="3"), "point and special must be left out with a cycle"),
@@ -158,7 +158,7 @@ MISTAKES = [
     (turn(limits="1 2"), "limits must be four numbers LOW HIGH LOW HIGH, got 2"),
     (turn(limits="1 3 3 4"), "limits must hold the delta0 of the start"),
     (turn(kind="hopf"), "kind must be one of 'fold', 'period_doubling', 'torus', got 'hopf'"),
-    (turn(kind="torus"), "contact_damping or load must be above 0 for a torus to be born"),
+    (turn(kind="torus"), "contact_damping, friction or load must be above 0 for a torus"),
     (turn(parameters="omega"), "parameters must be two names NAME NAME, got 1"),
     (turn(parameters="omega mass"), "got 'mass'"),
     (turn(parameters="omega omega"), "parameters must be two of omega, zeta, delta0"),
@@ -199,7 +199,7 @@ MISTAKES = [
     ("show {empty}", "is not an archive of rotor_ida: it is no netCDF-4 file"),
     ("show {cut}", "is damaged, was altered or is not an archive"),
     ("show {run} --figure nowhere/a.png", "figure must be in a folder that exists"),
-    ("show {folds} --figure a.png", "figure must be of a run, of whirls, of a sweep"),
+    ("show {report} --figure a.png", "figure must be of a run, of whirls, their folds"),
     ("compare {run}", "compare needs a sweep"),
     ("compare {text}", "is not an archive of rotor_ida"),
     ("compare {sweep} --out {sweep} --force", "out must not be the file that is compared"),
@@ -217,7 +217,7 @@ def test_a_mistake_gets_one_line(program: Program, archives: Path, line: str, me
     Path("taken.png").write_text("mine")
     Path("folder.nc").mkdir()
     before = sorted(Path().rglob("*"))
-    names = ("run", "sweep", "folds", "text", "empty", "cut", "cycle", "branch", "in_si_units")
+    names = ("run", "sweep", "report", "text", "empty", "cut", "cycle", "branch", "in_si_units")
     answer = program(*line.format(**{name: archives / f"{name}.nc" for name in names}).split())
     assert answer.status == 2
     assert answer.out == ""
