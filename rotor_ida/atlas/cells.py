@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from rotor_ida.arrays import Values
 from rotor_ida.atlas.resilience import Resilience, Search, Subject, resilience_of
-from rotor_ida.atlas.rubbing import KINDS_BY_RUN, settled_state
+from rotor_ida.atlas.rubbing import needs_run, settled_state
 from rotor_ida.basins.attractors import (
     CONTACT_FREE_FAMILY,
     NUMBERS,
@@ -20,10 +20,10 @@ from rotor_ida.basins.attractors import (
     family_of,
 )
 from rotor_ida.basins.entropy import sample_entropy
-from rotor_ida.basins.fates import BY_KIND, LASTING
+from rotor_ida.basins.fates import LASTING
 from rotor_ida.basins.following import FollowedStarts, follow_here
 from rotor_ida.basins.kernel import CHAOTIC, NOT_COMPUTED, UNDECIDED
-from rotor_ida.basins.known import known_from_closed_forms, same_cycle, told_by_kind, with_cycle
+from rotor_ida.basins.known import known_from_closed_forms, may_roll, same_cycle, with_cycle
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.parallel import Stop
 from rotor_ida.parameters import DEFAULTS, OF_FRICTION_DEFAULTS, PARAMETERS, Rotor
@@ -53,7 +53,7 @@ class Member:
     attractor: Attractor
     count: int  # number of these starts
     settling: Values  # median and 95 % of the times after which they are decided [1]; else NaN
-    # on the rotating axes, of a limit cycle, or of a motion with friction told by its kind [1];
+    # on the rotating axes, of a limit cycle, or with friction of a motion without a period [1];
     state: Values  # else NaN
     # how far it is from being left, to the other attractors in their order; None if not asked for
     resilience: Resilience | None = None
@@ -113,7 +113,7 @@ def _state_on(job: CellJob, found: FollowedStarts, number: int, attractor: Attra
     own, cycle = np.flatnonzero(found.labels == number), _cycle_of(found, attractor)
     if cycle is not None:
         return cycle.state
-    if told_by_kind(job.rotor) and attractor.kind in KINDS_BY_RUN and own.size:
+    if needs_run(job.rotor, attractor) and own.size:
         return settled_state(job.rotor, job.states[:, own[0]])
     return np.full(4, np.nan)
 
@@ -137,8 +137,8 @@ def _search_among(
             label = known.free_label
         elif attractor.kind == response.CHAOTIC:
             label = CHAOTIC
-        elif told_by_kind(job.rotor):
-            label = (BY_KIND | LASTING).get(attractor.kind, number)
+        elif may_roll(job.rotor):
+            label = LASTING.get(attractor.kind, number)
         subjects.append(Subject(attractor, label, own_cycle, start))
     return Search(known, subjects, job.shocks, job.tolerance, stop)
 

@@ -134,9 +134,6 @@ def continue_attractors(
     on it is listed there with the fraction 0: its basin is smaller than the sample can tell. Where
     a period doubles, the cycle of twice the period is a new attractor.
 
-    With friction motions that are no whirl are one attractor together with all of their kind, as
-    for `rotor_ida.basin_fractions`, and the same for neighbours that both have friction.
-
     References
     ----------
     G. Datseris, K. Luiz Rossi, A. Wagemakers, "Framework for global stability analysis of dynamical

@@ -5,7 +5,8 @@ its period doubles or where a torus is born, the contact-free whirl where it fil
 whirl is followed along its exact curve, over the speed (`response_curve`) or the clearance
 (`clearance_curve`). Over the damping a rotor has one whirl at most of each amplitude, so the curve
 needs no tracing: it turns at the folds (`fold_locus`) and ends at first touch and at the whirls
-without damping. A limit cycle is followed along its branch, from the rotor at hand.
+without damping. A limit cycle is followed along its branch, from the rotor at hand; with friction
+one that rolls may end at a corner, where it meets one that does not: that counts as a fold.
 
 So it is for the paper's rotor. With a shaft, another contact law, contact damping or friction a
 whirl is followed along its exact amplitudes in small steps, and where it ends is sought among ever
@@ -41,6 +42,7 @@ from rotor_ida.cycles.branch import (
     HALVED,
     LIMITS,
     PLACE,
+    SLIDING,
     TORUS,
     Side,
     advance,
@@ -256,11 +258,22 @@ def extent_of_cycle(
 
 def _met(side: Side) -> list[End]:
     """Return where stability was lost on what has been followed, in order."""
-    return [
-        End(float(special.point.unknowns[PLACE]), special.name)
-        for _, special in side.specials
-        if special.name in (FOLD, DOUBLING, TORUS)
+    ends = (FOLD, DOUBLING, TORUS)
+    names = [
+        FOLD if special.name == SLIDING and _turns_after(side, place) else special.name
+        for place, special in side.specials
     ]
+    return [
+        End(float(special.point.unknowns[PLACE]), name)
+        for name, (_, special) in zip(names, side.specials, strict=True)
+        if name in ends
+    ]
+
+
+def _turns_after(side: Side, place: int) -> bool:
+    """Return whether the parameter turns back between a point of a branch and the next."""
+    here, there = side.points[place : place + 2]
+    return bool(here.tangent[PLACE] * there.tangent[PLACE] < 0.0)
 
 
 def _end_of_side(side: Side, way: int, begin: float) -> End:

@@ -3,8 +3,7 @@
 A limit cycle is followed along its branch by pseudo-arclength, a whirl along its exact response
 curve. One that comes to the neighbour stable is an attractor there, whether a start ended on it or
 not: a basin that no start has hit is found so. The contact-free family, its touching edge and chaos
-carry on where both neighbours have them; and so do motions with friction that are told by their
-kinds alone. Such a one is not followed to a neighbour without friction, whose cycles are known.
+carry on where both neighbours have them; and so do motions with friction that have no period.
 """
 
 from __future__ import annotations
@@ -19,7 +18,8 @@ from rotor_ida.atlas.cells import NEVER, Cell, Member
 from rotor_ida.atlas.extents import amplitudes_along
 from rotor_ida.basins.attractors import CONTACT_FREE_FAMILY, attractor_of_cycle
 from rotor_ida.basins.cycle_sections import cycle_section
-from rotor_ida.basins.known import same_numbers, told_by_kind
+from rotor_ida.basins.fates import LASTING
+from rotor_ida.basins.known import may_roll, same_numbers
 from rotor_ida.cycles.branch import LIMITS, PLACE, Side, advance, course_from
 from rotor_ida.cycles.guess import Guess
 from rotor_ida.cycles.multipliers import is_stable
@@ -81,9 +81,9 @@ def identify(cells: Sequence[Cell], lines: Sequence[Sequence[int]], stop: Stop) 
 def _successor(member: Member, rotor: Rotor, there: Cell, stop: Stop) -> Member | None:
     """Return what an attractor of a rotor is in a neighbouring cell."""
     kind = member.attractor.kind
-    rubs = told_by_kind(rotor) or told_by_kind(there.rotor)
-    if kind in SHARED or (rubs and kind != response.SYNCHRONOUS):
-        return _of_kind(there, kind) if math.isnan(member.attractor.period) else None
+    lasting = kind in LASTING and math.isnan(member.attractor.period)
+    if kind in SHARED or (may_roll(rotor) and lasting):
+        return _of_kind(there, kind)
     if kind == response.SYNCHRONOUS:
         amplitude = followed_whirl(member.attractor.amplitude, rotor, there.rotor)
         for each in there.members:
@@ -117,7 +117,7 @@ def followed_cycle(member: Member, here: Rotor, there: Rotor, stop: Stop) -> Cyc
     period = member.attractor.period
     limits = (min(begin, end), max(begin, end))
     try:
-        if name == "disc_radius":  # without friction no cycle knows it
+        if name == "disc_radius" and here.friction == 0.0:  # no cycle knows it
             return close_orbit(there, member.state, period, stop)
         guess = Guess(here, member.state, period)
         course = course_from(guess, name, limits, MOST_POINTS, stop)

@@ -38,7 +38,7 @@ from rotor_ida.basins.attractors import CONTACT_FREE_FAMILY, Attractor, leads_to
 from rotor_ida.basins.contact_free_whirls import ContactFree
 from rotor_ida.basins.cycle_sections import CycleSection
 from rotor_ida.basins.kernel import CHAOTIC, UNDECIDED
-from rotor_ida.basins.known import Known, told_by_kind
+from rotor_ida.basins.known import Known, may_roll
 from rotor_ida.cycles.limit_cycle import follow
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.errors import SimulationError
@@ -235,7 +235,7 @@ def _states_of(search: Search, subject: Subject) -> Values:
     if subject.cycle is not None:
         cycle = subject.cycle
         return follow(known.rotor, cycle.state, cycle.period / SAMPLES, SAMPLES, stop).T
-    if told_by_kind(known.rotor):
+    if may_roll(known.rotor):
         start = subject.start
         return states_of_rub(known.rotor, start, SAMPLES) if np.isfinite(start).all() else _NONE
     # chaos, as long as it lasts: what ends elsewhere by itself needs no shock

@@ -1,7 +1,6 @@
-"""What a motion with friction does to a machine: from a run over whole periods of it.
+"""What friction does to a machine: on a whirl, on a limit cycle, and on motions without a period.
 
-With friction motions that are no whirl are told by their kinds alone. Such an attractor is known by
-a state on it, and what it does by following it on.
+An attractor without a period is known by a state on it, and what it does by following it on.
 """
 
 from __future__ import annotations
@@ -12,8 +11,10 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Values
+from rotor_ida.basins.attractors import Attractor
 from rotor_ida.basins.fates import ALONE
 from rotor_ida.checks import State
+from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.equations.model import rotated
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.contact_table import contact_summary
@@ -22,17 +23,21 @@ from rotor_ida.simulation.simulate import simulate
 from rotor_ida.steady_state import response
 from rotor_ida.steady_state.follow import follow_to_steady_state
 
-# Touches that fade are nothing in the limit, and chaos has no period to be told over.
-KINDS_BY_RUN = (
-    response.BOUNCING,
-    response.FULL_CONTACT,
-    response.ROLLING,
-    response.QUASI_PERIODIC,
-)
-# A run is of whole periods, or revolutions where there is none, so many revolutions at least,
+# A run is of so many revolutions,
 REVOLUTIONS = 64
 # with so many samples in each.
 SAMPLES = 256
+# Samples of one period of a limit cycle, for how far the surfaces slide.
+SAMPLES_OF_CYCLE = 2048
+
+
+def needs_run(rotor: Rotor, attractor: Attractor) -> bool:
+    """Return whether what an attractor does is told by a run: with friction, without a period.
+
+    Chaos may be left, so that no run tells it.
+    """
+    lasting = attractor.kind in (response.ROLLING, response.QUASI_PERIODIC)
+    return rotor.friction > 0.0 and lasting and math.isnan(attractor.period)
 
 
 def settled_state(rotor: Rotor, start: Values) -> Values:
@@ -51,16 +56,13 @@ def states_of_rub(rotor: Rotor, start: Values, count: int) -> Values:
 
 
 def numbers_of_rub(rotor: Rotor, start: Values) -> dict[str, float]:
-    """Return what the motion does that a start ends on, dimensionless."""
-    revolution = 2.0 * math.pi / rotor.omega
-    settled = follow_to_steady_state(rotor, _state(start), ALONE)
-    period = settled.features.period
-    unit = period if period > 0.0 else revolution
-    duration = unit * math.ceil(REVOLUTIONS * revolution / unit)
-    samples = math.ceil(SAMPLES * duration / revolution) + 1
-    run = simulate(rotor, start=settled.end, duration=duration, samples=samples, method="taylor")
+    """Return what the motion without a period does that a start ends on, dimensionless."""
+    revolution, turns = 2.0 * math.pi / rotor.omega, REVOLUTIONS
+    state, samples = settled_state(rotor, start), SAMPLES * turns + 1
+    run = simulate(
+        rotor, start=state, duration=turns * revolution, samples=samples, method="taylor"
+    )
     told = contact_summary(run)
-    turns = duration / revolution
     viscous = 2.0 * rotor.zeta * float((run["vx"] ** 2 + run["vy"] ** 2)[:-1].mean())
     heat = float(told["total_heat"]) / turns
     numbers = {
@@ -81,6 +83,20 @@ def numbers_of_rub(rotor: Rotor, start: Values) -> dict[str, float]:
     turning = fixed * np.exp(-1j * rotor.omega * run["t"].values)
     numbers["whirl_ratio"] = _strongest_whirl(turning[:-1], turns)
     return numbers
+
+
+def numbers_of_cycle(cycle: Cycle) -> dict[str, float]:
+    """Return what friction takes on a limit cycle, from one period of it."""
+    run = simulate(
+        cycle.rotor, start=cycle.state, duration=cycle.period, samples=SAMPLES_OF_CYCLE,
+        method="taylor",
+    )  # fmt: skip
+    told, turns = contact_summary(run), cycle.period * cycle.rotor.omega / (2.0 * math.pi)
+    return {
+        "heat_per_revolution": float(told["total_heat"]) / turns,
+        "slip_distance_per_revolution": float(told["total_slip_distance"]) / turns,
+        "rolling_fraction": float(told["rolling_fraction"]),
+    }
 
 
 def numbers_of_whirl(rotor: Rotor, amplitude: float, force: float) -> dict[str, float]:

@@ -24,8 +24,8 @@ from scipy.stats import qmc
 from rotor_ida.arrays import Values
 from rotor_ida.basins.cycle_sections import LAST_RETURN, CycleSection
 from rotor_ida.basins.fates import Batch, decide
-from rotor_ida.basins.kernel import FADING, NOT_COMPUTED, UNDECIDED, Labels, measure_returns
-from rotor_ida.basins.known import Known, told_by_kind
+from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED, Labels, measure_returns
+from rotor_ida.basins.known import Known, may_roll
 from rotor_ida.basins.trapping_regions import TrappingRegion
 from rotor_ida.parallel import Stop
 from rotor_ida.parameters import Rotor
@@ -122,12 +122,10 @@ def ends_of(known: Known, states: Values, tolerance: float, stop: Stop) -> Label
 
     What no region holds in time is undecided; with friction it is followed to its end by itself.
     """
-    if told_by_kind(known.rotor):
+    if may_roll(known.rotor):
         labels = decide(Batch(known, states, tolerance, stop)).labels
-        if known.free is not None:
-            labels[labels == FADING] = known.free_label
-        return labels
-    labels, _ = known.follow(np.array(states, order="C"), known.first_wait, tolerance, stop)
+    else:
+        labels, _ = known.follow(np.array(states, order="C"), known.first_wait, tolerance, stop)
     labels[labels == known.fading_label] = known.free_label
     return labels
 

@@ -11,7 +11,12 @@ import xarray as xr
 
 from rotor_ida.atlas.cells import MOST_STARTS, Cell, CellJob, Member, fill_cell
 from rotor_ida.atlas.dataset import column_of, how_computed, member_row, missed_fraction
-from rotor_ida.atlas.rubbing import KINDS_BY_RUN, numbers_of_rub, numbers_of_whirl
+from rotor_ida.atlas.rubbing import (
+    needs_run,
+    numbers_of_cycle,
+    numbers_of_rub,
+    numbers_of_whirl,
+)
 from rotor_ida.atlas.shocks import KINDS
 from rotor_ida.basins.dataset import ENTROPIES, agreement_of
 from rotor_ida.basins.following import RTOL
@@ -136,10 +141,9 @@ def touchdown_report(
     that stay inside the clearance, with the touches that fade towards them, are one attractor
     here: of its outermost whirls, which just reach the ring, no bound is known but 0.
 
-    With friction motions that are no whirl are told by their kinds alone, as by
-    `rotor_ida.basin_fractions`, without a period: what they do is that of one of them, followed
-    over whole periods. A shock that no region holds is followed to its end by itself, which takes
-    some ten milliseconds: so it does where one may throw the rotor into dry whip.
+    With friction what rolls without a period, or never comes again, does what one such motion does
+    that is followed over many revolutions. A shock that no region holds is followed to its end by
+    itself, which takes some milliseconds: so it does where one may throw the rotor into dry whip.
 
     References
     ----------
@@ -245,7 +249,7 @@ def _numbers(rotor: Rotor, member: Member) -> dict[str, float]:
             force = contact_force(attractor.radius_max, rotor.delta0, exponent)
             numbers["largest_force"] = float(force)
         return numbers
-    if rubs and attractor.kind in KINDS_BY_RUN:
+    if needs_run(rotor, attractor):
         return numbers | numbers_of_rub(rotor, member.state)
     if attractor.period > 0.0:
         return numbers | _of_cycle(rotor, member)
@@ -285,12 +289,16 @@ def _of_cycle(rotor: Rotor, member: Member) -> dict[str, float]:
     power = 2.0 * rotor.zeta * float((states[:, 2] ** 2 + states[:, 3] ** 2).mean())
     loss = float(np.nansum(cycle.shot.contacts[:, LOST])) * revolution / cycle.period
     told = {"contact_loss_per_revolution": loss} if rotor.contact_damping > 0.0 else {}
+    heat = 0.0
+    if rotor.friction > 0.0:
+        told |= numbers_of_cycle(cycle)
+        heat = told["heat_per_revolution"]
     return told | {
         "largest_force": cycle.largest_force,
         "mean_force": impulse / cycle.period,
         "contacts_per_revolution": cycle.contacts * revolution / cycle.period,
         "contact_fraction": _time_in_contact(cycle.shot) / cycle.period if cycle.contacts else 1.0,
-        "dissipation_per_revolution": power * revolution + loss,
+        "dissipation_per_revolution": power * revolution + loss + heat,
         "whirl_ratio": whirl_beside(cycle, states)[0],
     }
 

@@ -11,10 +11,9 @@ from scipy.special import gammaincinv
 
 from rotor_ida.arrays import Values
 from rotor_ida.basins.contact_free_whirls import ContactFree
-from rotor_ida.basins.fates import BY_KIND
 from rotor_ida.basins.following import FollowedStarts, Starts
-from rotor_ida.basins.kernel import CHAOTIC, LOWEST, QUASI_PERIODIC, Labels
-from rotor_ida.basins.known import followed_alone, told_by_kind
+from rotor_ida.basins.kernel import CHAOTIC, LOWEST, QUASI_PERIODIC, ROLLING, Labels
+from rotor_ida.basins.known import followed_alone, may_roll
 from rotor_ida.checks import State
 from rotor_ida.cycles.limit_cycle import follow
 from rotor_ida.cycles.shooting import Cycle
@@ -88,7 +87,8 @@ def attractors_of(found: FollowedStarts) -> list[Attractor]:
     """Return the attractors of starts, and number the labels by them.
 
     Whirls in contact come first, with starts or without, by amplitude; then the contact-free ones,
-    fading touches, limit cycles by largest radius, and chaos, of these only what starts end on.
+    fading touches, limit cycles by largest radius, and what has no period, of these only what
+    starts end on.
     """
     known = found.known
     rows: list[tuple[int, Attractor]] = []
@@ -105,15 +105,13 @@ def attractors_of(found: FollowedStarts) -> list[Attractor]:
         free = _contact_free(known.free)
         rows.append((known.free_label, replace(free, trapping=NOTHING) if alone else free))
         if known.fading_label in present:
-            rows.append((known.fading_label, _fading(known.free, known.rotor.delta0)))
+            rows.append((known.fading_label, _fading(known.free, known.rotor)))
     stop = np.zeros(1, np.uint8)
     for place in np.argsort([each.radius_max for each in found.cycles], kind="stable").tolist():
         if (number := known.first_cycle + place) in present:
             rows.append((number, attractor_of_cycle(found.cycles[place], found.held[place], stop)))
-    for kind, label in BY_KIND.items():
-        if label in present:
-            motions = found.by_kind[found.by_kind[:, 0] == label, 1:]
-            rows.append((label, _together(kind, motions)))
+    if ROLLING in present:
+        rows.append((ROLLING, _together(response.ROLLING, found.rolling)))
     if QUASI_PERIODIC in present:
         rows.append((QUASI_PERIODIC, _together(response.QUASI_PERIODIC, found.torus)))
     if CHAOTIC in present:
@@ -163,9 +161,10 @@ def leads_to(
         return settled.response in CONTACT_FREE_FAMILY
     if settled.response != attractor.kind:
         return False
-    together = told_by_kind(rotor) and attractor.kind in BY_KIND
-    if together or attractor.kind in ONLY_BY_KIND:
+    if attractor.kind in ONLY_BY_KIND:
         return True
+    if attractor.kind == response.ROLLING and math.isnan(attractor.period):
+        return math.isnan(settled.features.period)
     return _agrees(settled, attractor)
 
 
@@ -188,12 +187,15 @@ def _contact_free(free: ContactFree) -> Attractor:
     return Attractor(response.CONTACT_FREE, size, lag, low, high)
 
 
-def _fading(free: ContactFree, delta0: float) -> Attractor:
-    """Return the limit of fading touches: the contact-free whirl that just reaches the ring."""
-    whirl = free.whirl
+def _fading(free: ContactFree, rotor: Rotor) -> Attractor:
+    """Return the limit of fading touches: the contact-free whirl that just reaches the ring.
+
+    With friction no lane tells that touches fade: each start is followed by itself.
+    """
+    whirl, delta0 = free.whirl, rotor.delta0
     return Attractor(
         response.TOUCHING, abs(whirl), phase_lag_of(whirl), abs(delta0 - 2.0 * abs(whirl)), delta0,
-        trapping=ESTIMATED,
+        trapping=NOTHING if may_roll(rotor) else ESTIMATED,
     )  # fmt: skip
 
 

@@ -93,8 +93,7 @@ def basin(
     ``left_over_rtol`` the orbits that no region held, ``confirmation_method`` and so on what
     `confirmed` tells, if an interrupt did not prevent it.
 
-    With friction starts are followed as for `rotor_ida.basin_fractions`: motions that are no whirl
-    are one attractor together with all of their kind.
+    With friction starts are followed as for `rotor_ida.basin_fractions`.
 
     Examples
     --------

@@ -26,8 +26,8 @@ class BatchResult:
     first : int
         Number of its first start.
     labels : ndarray of int16, shape (n,)
-        Label of the attractor, CHAOTIC, QUASI_PERIODIC, UNDECIDED or NOT_COMPUTED; those of limit
-        cycles number the rows of `cycles`.
+        Label of the attractor, ROLLING, CHAOTIC, QUASI_PERIODIC, UNDECIDED or NOT_COMPUTED; those
+        of limit cycles number the rows of `cycles`.
     times : ndarray of float32, shape (n,)
         Time at which the start was decided, or given up [1]; NaN where not computed.
     cycles : ndarray, shape (m, 6)
@@ -43,9 +43,8 @@ class BatchResult:
         Number of starts labelled again with a smaller error, and of those with the same label.
     torus : ndarray, shape (k, 4)
         As `chaos`, of a quasi-periodic motion [1].
-    by_kind : ndarray, shape (k, 5)
-        With friction the labels of motions that are told by their kinds alone, and of each the
-        numbers as of `chaos` [1].
+    rolling : ndarray, shape (k, 4)
+        As `chaos`, of a motion that rolls without a period [1].
     """
 
     first: int
@@ -57,7 +56,7 @@ class BatchResult:
     tolerance: Values
     rechecked: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(2, dtype=np.int64))
     torus: Values = field(default_factory=lambda: np.empty((0, MOTION)))
-    by_kind: Values = field(default_factory=lambda: np.empty((0, 1 + MOTION)))
+    rolling: Values = field(default_factory=lambda: np.empty((0, MOTION)))
 
 
 def _as_arrays(batch: BatchResult) -> Arrays:

@@ -17,7 +17,7 @@ from rotor_ida.basins.entropy import grid_entropy, sample_entropy
 from rotor_ida.basins.fates import ALONE
 from rotor_ida.basins.following import Starts
 from rotor_ida.basins.kernel import Labels
-from rotor_ida.basins.known import followed_alone, told_by_kind
+from rotor_ida.basins.known import followed_alone, may_roll
 from rotor_ida.basins.labelling import Labelled
 from rotor_ida.parameters import Rotor
 from rotor_ida.provenance import provenance
@@ -121,7 +121,7 @@ def labelled_how(tolerance: float, rotor: Rotor | None = None) -> dict[str, obje
             "labelling_method": ALONE.method,
             "labelling_rtol": tolerance,
         }
-    rubs = rotor is not None and told_by_kind(rotor)
+    rubs = rotor is not None and may_roll(rotor)
     return {
         "labelling": LABELLING_RUBS if rubs else LABELLING,
         "labelling_method": LABELLING_METHOD,

@@ -10,8 +10,8 @@ The label of a start hangs on the rotor and on the start alone: what else is in 
 known by then, decides when it is found, and at what cost.
 
 Under a load, which turns on these axes, no region holds a start: each is followed by itself. With
-friction motions that are no whirl are told by their kinds alone. What no region holds there, or
-does not slide forwards throughout, is followed by itself from its start on.
+friction so is what no region holds, or does not slide forwards throughout, from its start on; a
+limit cycle that it comes to is found there.
 """
 
 from __future__ import annotations
@@ -24,10 +24,7 @@ import numpy.typing as npt
 
 from rotor_ida.arrays import ROUNDING, Values
 from rotor_ida.basins.kernel import (
-    BOUNCING,
     CHAOTIC,
-    FADING,
-    FULL_CONTACT,
     NOT_COMPUTED,
     QUASI_PERIODIC,
     ROLLING,
@@ -35,7 +32,7 @@ from rotor_ida.basins.kernel import (
     Labels,
     Times,
 )
-from rotor_ida.basins.known import Known, followed_alone, told_by_kind, with_cycle
+from rotor_ida.basins.known import Known, followed_alone, may_roll, with_cycle
 from rotor_ida.cycles.limit_cycle import returns
 from rotor_ida.cycles.multipliers import doubling_test, is_stable
 from rotor_ida.cycles.shooting import Cycle, close_orbit, once_round
@@ -97,14 +94,11 @@ MAYBE_ERRORS, SOME_SPANS, MOST_SPANS = 2.0, 60, 200
 CLOSELY = 1e-11
 # The exponent is clear of 0 where it exceeds so many errors, and neighbours part by exp(20) in all.
 CLEAR_ERRORS, CLEAR_STRETCH = 5.0, 20.0
-# Labels of motions that settle on nothing.
-LASTING = {response.CHAOTIC: CHAOTIC, response.QUASI_PERIODIC: QUASI_PERIODIC}
-# Labels of motions that with friction are told by their kinds alone.
-BY_KIND = {
+# Labels of motions that have no period, and are told by their kinds alone.
+LASTING = {
+    response.CHAOTIC: CHAOTIC,
+    response.QUASI_PERIODIC: QUASI_PERIODIC,
     response.ROLLING: ROLLING,
-    response.BOUNCING: BOUNCING,
-    response.FULL_CONTACT: FULL_CONTACT,
-    response.TOUCHING: FADING,
 }
 # Beside an unstable cycle whose period has just doubled, the doubled one is sought aside at these
 # parts of the size of the state.
@@ -124,9 +118,8 @@ class Batch:
     left: int = 0  # number of orbits that left a chaotic motion while this was watched,
     watched: float = 0.0  # and for how long all of them together were watched [1]
     chaotic: SettledResponse | None = None  # a chaotic motion, if one was met,
-    torus: SettledResponse | None = None  # and a quasi-periodic one
-    # with friction, label and numbers of each motion that is told by its kind alone
-    by_kind: list[list[float]] = field(default_factory=list)
+    torus: SettledResponse | None = None  # a quasi-periodic one,
+    rolling: SettledResponse | None = None  # and one that rolls without a period
     matched: Known | None = None  # what was known when orbits were last followed together
 
     def __post_init__(self) -> None:
@@ -171,7 +164,7 @@ def decide(batch: Batch) -> Batch:
     waiting = every[:0]
     if followed_alone(rotor):
         label_one_by_one(batch, every, Options(method="taylor", rtol=batch.tolerance))
-    elif told_by_kind(rotor):
+    elif may_roll(rotor):
         label_rubs(batch)
     else:
         waiting = match_all(batch)
@@ -211,15 +204,13 @@ def label_one_by_one(batch: Batch, numbers: Numbers, options: Options) -> None:
             batch.known.rotor, (x, y, vx, vy), options, stop=batch.stop
         )
         label = batch.labels[number] = _label_of(batch, settled)
-        if label in BY_KIND.values():
-            seen = settled.features
-            row = [seen.amplitude, seen.phase_lag, seen.radius_min, seen.radius_max]
-            batch.by_kind.append([float(label), *row])
         batch.times[number] = np.float32(settled.window_end)
-        if settled.response == response.CHAOTIC and batch.chaotic is None:
+        if label == CHAOTIC and batch.chaotic is None:
             batch.chaotic = settled
-        if settled.response == response.QUASI_PERIODIC and batch.torus is None:
+        if label == QUASI_PERIODIC and batch.torus is None:
             batch.torus = settled
+        if label == ROLLING and batch.rolling is None:
+            batch.rolling = settled
 
 
 def match_all(batch: Batch) -> Numbers:
@@ -344,10 +335,12 @@ def fate_of(batch: Batch, number: int, longest: float = LONGEST) -> int:
 
 
 def _label_of(batch: Batch, settled: SettledResponse) -> int:
-    known = batch.known
-    by_kind = LASTING | BY_KIND if told_by_kind(known.rotor) else LASTING
-    if settled.response in by_kind:
-        return by_kind[settled.response]
+    known, period = batch.known, settled.features.period
+    if period > 0.0:
+        cycle = _stable_cycle(batch, np.array(settled.end), period)
+        return UNDECIDED if cycle is None else batch.label_of(cycle)
+    if settled.response in LASTING:
+        return LASTING[settled.response]
     match settled.response:
         case response.CONTACT_FREE if known.free is not None:
             return known.free_label
@@ -355,9 +348,6 @@ def _label_of(batch: Batch, settled: SettledResponse) -> int:
             return known.fading_label
         case response.SYNCHRONOUS:
             return _whirl_of(known, settled.features.amplitude)
-        case response.BOUNCING | response.FULL_CONTACT:
-            cycle = _stable_cycle(batch, np.array(settled.end), settled.features.period)
-            return UNDECIDED if cycle is None else batch.label_of(cycle)
         case _:
             return UNDECIDED
 

@@ -20,8 +20,8 @@ from rotor_ida.basins.known import (
     Known,
     followed_alone,
     known_from_closed_forms,
+    may_roll,
     same_cycle,
-    told_by_kind,
 )
 from rotor_ida.cycles.shooting import Cycle, close_orbit
 from rotor_ida.parallel import FailedJob, Progress, Stop, interruptible, run_all
@@ -75,8 +75,8 @@ class FollowedStarts:
     rechecked: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(2, dtype=np.int64))
     # as `chaos`, of quasi-periodic motions
     torus: Values = field(default_factory=lambda: np.empty((0, MOTION)))
-    # with friction, by label, of motions that are told by their kinds alone, shape (k, 5)
-    by_kind: Values = field(default_factory=lambda: np.empty((0, 1 + MOTION)))
+    # and of motions that roll without a period
+    rolling: Values = field(default_factory=lambda: np.empty((0, MOTION)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,7 +111,7 @@ def follow_starts(
     first starts where they are `drawn`, which are the same however many follow.
     """
     alone = followed_alone(known.rotor)
-    smallest = SMALLEST_RUBBING if told_by_kind(known.rotor) else SMALLEST_BATCH
+    smallest = SMALLEST_RUBBING if may_roll(known.rotor) else SMALLEST_BATCH
     smallest = SMALLEST_ALONE if alone else smallest
     size = min(max(math.ceil(count / FEWEST_BATCHES), smallest), LARGEST_BATCH)
     due = [number for number in range(math.ceil(count / size)) if number not in kept.done]
@@ -189,7 +189,7 @@ def _scouted(
 
 def _with_cycles(known: Known, scouts: Values, tolerance: float, stop: Stop) -> Known:
     """Return what is known once scouts have been followed, where these tell limit cycles."""
-    if followed_alone(known.rotor) or told_by_kind(known.rotor):
+    if followed_alone(known.rotor) or may_roll(known.rotor):
         return known
     return decide(Batch(known, scouts, tolerance, stop)).known
 
@@ -217,7 +217,7 @@ def _follow(job: _Job, stop: Stop) -> BatchResult:
     return BatchResult(
         job.first, batch.labels, batch.times, np.array(cycles).reshape(-1, CYCLE),
         _motion_row(batch.chaotic), np.array([batch.left, batch.watched]), np.array(job.tolerance),
-        rechecked, _motion_row(batch.torus), np.array(batch.by_kind).reshape(-1, 1 + MOTION),
+        rechecked, _motion_row(batch.torus), _motion_row(batch.rolling),
     )  # fmt: skip
 
 
@@ -244,7 +244,7 @@ def _gathered(known: Known, count: int, kept: Results[BatchResult]) -> FollowedS
         found.times[stretch] = batch.times
         found.chaos = np.concatenate([found.chaos, batch.chaos])
         found.torus = np.concatenate([found.torus, batch.torus])
-        found.by_kind = np.concatenate([found.by_kind, batch.by_kind])
+        found.rolling = np.concatenate([found.rolling, batch.rolling])
         found.left += float(batch.watched[0])
         found.watched += float(batch.watched[1])
         found.tolerance = float(batch.tolerance)

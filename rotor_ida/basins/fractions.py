@@ -84,8 +84,8 @@ def basin_fractions(
 
     With friction starts are followed side by side for as long as the disc slides forwards, up to a
     region of a whirl. The others are followed by themselves from the beginning on, with `rtol`
-    1e-10. Only whirls are told apart: what bounces, or is in full contact, or rolls, or touches
-    ever more slightly, is one attractor together with all of its kind, without a period.
+    1e-10, to limit cycles too, of which one that rolls is dry whip. What rolls without a period is
+    one attractor together with all of its kind, as chaos is.
 
     Examples
     --------

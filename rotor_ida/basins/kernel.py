@@ -22,11 +22,9 @@ from rotor_ida.parameters import Rotor
 Labels = npt.NDArray[np.int16]
 Times = npt.NDArray[np.float32]
 
-# Labels of starts that no attractor has.
-QUASI_PERIODIC, CHAOTIC, NOT_COMPUTED, UNDECIDED = -4, -3, -2, -1
-# And with friction, where motions are told by their kinds alone.
-FADING, FULL_CONTACT, BOUNCING, ROLLING = -8, -7, -6, -5
-LOWEST = FADING
+# Labels of starts that are no numbers of attractors; those that roll do so without a period.
+ROLLING, QUASI_PERIODIC, CHAOTIC, NOT_COMPUTED, UNDECIDED = -5, -4, -3, -2, -1
+LOWEST = ROLLING
 # Of starts that have yet to be followed alone, as their discs do not slide forwards throughout.
 NOT_FORWARDS = -9
 # So many orbits are followed at a time: they keep the vector units busy.

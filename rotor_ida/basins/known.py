@@ -36,10 +36,11 @@ def followed_alone(rotor: Rotor) -> bool:
     return rotor.load > 0.0
 
 
-def told_by_kind(rotor: Rotor) -> bool:
-    """Return whether motions that are no whirl are told by their kinds alone: with friction.
+def may_roll(rotor: Rotor) -> bool:
+    """Return whether the disc of a rotor may roll, or slide backwards: with friction.
 
-    What lanes cannot follow, or no region holds, is followed by itself there.
+    Lanes follow it for as long as it slides forwards. What they cannot follow, or no region holds,
+    is followed by itself.
     """
     return rotor.friction > 0.0
 
@@ -123,7 +124,7 @@ def known_from_closed_forms(rotor: Rotor, stop: Stop, *, fading: bool = True) ->
         near = TrappingRegion(0.0, 0.0, np.zeros(4), 1e4 * np.eye(4))
         return Known(rotor, [near], None)
     whirls = trapping_regions(rotor) if rotor.omega > 0.0 else []
-    fading = fading and not told_by_kind(rotor)
+    fading = fading and not may_roll(rotor)
     return Known(rotor, whirls, contact_free_whirls(rotor, stop, fading=fading))
 
 
