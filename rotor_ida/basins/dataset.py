@@ -37,7 +37,8 @@ LABELLING_RUBS = (
     "every start followed beside others by DOP853 on the rotating axes, with the error "
     "labelling_rtol in a step, for as long as the disc slides forwards, until a region holds it; "
     "the others followed from their starts one by one by Taylor series, as in a sweep with "
-    "left_over_rtol; some starts labelled again with the error agreement_rtol"
+    "left_over_rtol, limit cycles found by Newton's method; some starts labelled again with the "
+    "error agreement_rtol"
 )
 # What follows starts side by side, in the core.
 LABELLING_METHOD = "dop853"

@@ -12,14 +12,19 @@ from rotor_ida import (
     basin_fractions,
     contact_summary,
     continue_attractors,
+    continue_cycle,
+    limit_cycle,
     simulate,
     synchronous_response,
     touchdown_report,
 )
 from rotor_ida.atlas import shocks
+from rotor_ida.atlas.extents import extent_of_cycle
 from rotor_ida.atlas.rubbing import states_of_rub
 from rotor_ida.schema import END, RESPONSE, TRAPPING
 from rotor_ida.si_units import dimensional
+from rotor_ida.simulation.options import Options
+from rotor_ida.steady_state.follow import follow_to_steady_state
 
 WHIP = Rotor(omega=0.62962981, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
 BOUNCER = Rotor(
@@ -57,8 +62,11 @@ def test_a_rub_takes_the_heat_that_the_closed_form_says():
 
 
 def test_whip_rolls_and_heats_as_in_a_long_run():
-    """By CVODE, over 400 revolutions after the first 100."""
+    """One period of its limit cycle, beside CVODE over 400 revolutions after the first 100."""
     row = of_kind(touchdown_report(WHIP, **BOX, starts=20, shocks=0), "rolling")
+    cycle = limit_cycle(WHIP, start=(5.0, 0.0, 0.0, -6.3))
+    for name in ("period", "radius_min", "radius_max", "largest_force", "whirl_ratio"):
+        assert float(row[name]) == pytest.approx(float(cycle[name]), rel=1e-9)
     revolution = 2.0 * math.pi / WHIP.omega
     run = {"start": (5.0, 0.0, 0.0, -6.3), "samples": 100_001}
     short, long = (
@@ -177,3 +185,42 @@ def test_an_atlas_over_the_disc_radius_goes_on_from_a_study(tmp_path):
         np.testing.assert_array_equal(first.fraction, again.fraction)
         assert again.fraction.squeeze("attractor").values.ravel().tolist() == [1.0, 1.0]
         assert np.ptp(again.amplitude.values) == 0.0
+
+
+def test_limit_cycles_keep_their_numbers_over_friction_from_none_on():
+    """They are points of the branches that `continue_cycle` follows; one is born in between."""
+    machine = {"omega": 2.0, "zeta": 0.07, "delta0": 2.0, "disc_radius": 10.0}
+    friction = [0.0, 0.05, 0.1, 0.15]
+    found = continue_attractors(**machine, friction=friction, **BOX, starts=12).squeeze()
+    bounces = of_kind(found.isel(friction=0), "bouncing").attractor.item()
+    over = found.sel(attractor=bounces)
+    assert (over.kind == RESPONSE["bouncing"]).all()
+    for each in friction:
+        rotor = Rotor(**machine, friction=each)
+        cycle = limit_cycle(rotor, start=(3.0, 1.0, 0.0, 0.0))
+        for name in ("period", "radius_min", "radius_max"):
+            there = over[name].sel(friction=each).item()
+            assert there == pytest.approx(cycle[name].item(), rel=1e-9)
+    branch = continue_cycle(
+        Rotor(**machine), start=(3.0, 1.0, 0.0, 0.0), parameter="friction", limits=(0.0, 0.15)
+    )
+    assert float(branch.period[-1]) == pytest.approx(float(over.period[-1]), rel=1e-9)
+    other = of_kind(found.isel(friction=3), "full_contact").attractor.item()
+    periods = found.period.sel(attractor=other).values
+    assert np.isnan(periods).tolist() == [True, True, False, False]
+
+
+def test_whip_ends_at_the_corner_where_it_no_longer_rolls():
+    """There it meets a cycle that does not. Led down in small steps it lasts up to there."""
+    cycle = limit_cycle(WHIP, start=(5.0, 0.0, 0.0, -6.3))
+    state = np.array([float(cycle[name][0]) for name in BOX])
+    low, high = extent_of_cycle(WHIP, state, float(cycle.period), "friction", np.zeros(1, np.uint8))
+    assert low.kind == "fold"
+    assert high.kind == "not_found"  # it lasts for as far as the branch was followed
+    place = tuple(state.tolist())
+    for friction in np.geomspace(0.2, 1.001 * low.value, 8).tolist():
+        settled = follow_to_steady_state(replace(WHIP, friction=friction), place, Options())
+        assert settled.response == "rolling"
+        place = settled.end
+    below = follow_to_steady_state(replace(WHIP, friction=0.999 * low.value), place, Options())
+    assert below.response == "synchronous"

@@ -1,15 +1,17 @@
 """Basins with friction: lanes that slide forwards to rubs, and starts that end in dry whip."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import xarray as xr
 from scipy.integrate import solve_ivp
 
-from rotor_ida import InputError, Rotor, basin, basin_fractions, simulate, sweep
+from rotor_ida import InputError, Rotor, basin, basin_fractions, limit_cycle, simulate, sweep
 from rotor_ida.analysis.verification import rerun
 from rotor_ida.basins import kernel
+from rotor_ida.basins.attractors import Attractor, leads_to
 from rotor_ida.basins.fates import Batch, decide
 from rotor_ida.basins.fractions import drawn_from
 from rotor_ida.basins.known import known_from_closed_forms
@@ -50,7 +52,7 @@ def forwards(state, rotor):
 
 
 def test_starts_end_in_dry_whip_or_on_the_rub_as_a_sweep_from_each_does():
-    """By CVODE; rub and contact-free whirl come from closed forms, and whip is one attractor."""
+    """By CVODE; rub and contact-free whirl come from closed forms, and whip is a limit cycle."""
     found = basin_fractions(WHIP, **BOX, starts=24, seed=1)
     starts = drawn_from(np.array(list(BOX.values()), float), 1, 0, 24).T
     alone = sweep(**WHIP.given, starts=starts).squeeze()
@@ -66,18 +68,57 @@ def test_starts_end_in_dry_whip_or_on_the_rub_as_a_sweep_from_each_does():
     assert (found.confirmed.values == (found["count"].values > 0)).all()
     rolls = found.isel(attractor=int(np.argmax(found.kind.values == RESPONSE["rolling"])))
     whips = alone.where(alone.response == RESPONSE["rolling"])
-    assert float(rolls.radius_min) == pytest.approx(float(whips.radius_min.min()), abs=1e-6)
-    assert float(rolls.radius_max) == pytest.approx(float(whips.radius_max.max()), abs=1e-6)
-    assert math.isnan(rolls.period)
+    for name in ("radius_min", "radius_max", "period"):
+        np.testing.assert_allclose(whips[name].dropna("start"), rolls[name].item(), atol=1e-6)
+    cycle = limit_cycle(WHIP, start=(5.0, 0.0, 0.0, -6.3))
+    for name in ("radius_min", "radius_max", "period"):
+        assert rolls[name].item() == pytest.approx(cycle[name].item(), rel=1e-10)
 
 
-def test_motions_that_bounce_are_one_attractor_together():
-    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0, friction=0.1, disc_radius=10.0)
-    found = basin_fractions(rotor, x=(-4, 4), y=(-4, 4), starts=9)
-    bounces = found.isel(attractor=int(np.argmax(found.kind.values == RESPONSE["bouncing"])))
-    assert int(bounces["count"]) > 0
-    assert bool(bounces.confirmed)
-    assert float(bounces.radius_min) < 2.0 < float(bounces.radius_max)
+def test_two_motions_that_bounce_are_told_apart():
+    """And each is the limit cycle to which a sweep by CVODE and `limit_cycle` come as well."""
+    rotor = Rotor(omega=1.573, zeta=0.045, delta0=3.0, friction=0.124, disc_radius=3.0)
+    found = basin_fractions(rotor, **BOX, starts=16)
+    bounces = found.isel(attractor=found.kind.values == RESPONSE["bouncing"])
+    assert bounces.sizes["attractor"] == 2
+    assert bounces.confirmed.values.tolist() == [1, 1]
+    starts = drawn_from(np.array(list(BOX.values()), float), 0, 0, 16).T
+    alone = sweep(**rotor.given, starts=starts).squeeze()
+    for number in range(2):
+        here = bounces.isel(attractor=number)
+        same = np.abs(alone.period.values / here.period.item() - 1.0) < 1e-6
+        assert same.sum() == here["count"].item() > 0
+        cycle = limit_cycle(rotor, start=starts[np.argmax(same)])
+        for name in ("radius_min", "radius_max", "period"):
+            assert here[name].item() == pytest.approx(cycle[name].item(), rel=1e-10)
+
+
+def test_under_a_load_whip_has_no_period_and_is_told_by_its_kind():
+    """Its own period and that of the spin are not of one measure: it rolls, and never comes again.
+
+    CVODE confirms it, as it does the rub, which under a load comes again once a revolution.
+    """
+    rotor = Rotor(**WHIP.given | {"load": 0.02})
+    found = basin_fractions(rotor, **BOX, starts=6)
+    assert found.kind.values.tolist() == [RESPONSE["full_contact"], RESPONSE["rolling"]]
+    rub, whip = (found.isel(attractor=number) for number in range(2))
+    assert rub.period.item() == pytest.approx(2.0 * math.pi / WHIP.omega, rel=1e-12)
+    assert math.isnan(whip.period)
+    assert found.confirmed.values.tolist() == [1, 1]
+    still = limit_cycle(WHIP, start=(5.0, 0.0, 0.0, -6.3))
+    assert whip.radius_min.item() == pytest.approx(still.radius_min.item(), rel=0.02)
+    assert whip.radius_max.item() == pytest.approx(still.radius_max.item(), rel=0.02)
+
+
+def test_of_two_kinds_of_whip_cvode_confirms_none_by_the_other():
+    """What rolls with a period is no witness of what rolls without one."""
+    start, options = np.array([5.0, 0.0, 0.0, -6.3]), Options()
+    cycle = limit_cycle(WHIP, start=start)
+    radii = (cycle.radius_min.item(), cycle.radius_max.item())
+    periodic = Attractor("rolling", 0.278, 0.0, *radii, cycle.period.item())
+    assert leads_to(WHIP, periodic, start, options)
+    assert not leads_to(WHIP, replace(periodic, period=math.nan), start, options)
+    assert not leads_to(WHIP, replace(periodic, period=1.001 * periodic.period), start, options)
 
 
 def test_they_are_followed_again_and_a_study_goes_on(tmp_path):
@@ -101,15 +142,19 @@ def test_no_label_differs_from_that_of_a_start_followed_by_itself(rotor):
     """Taylor series from each start on, roll by roll: no lane knows what becomes of a disc then."""
     starts = np.random.default_rng(5).uniform(-6.0, 6.0, (4, 60))
     known = known_from_closed_forms(rotor, GO_ON)
-    labels = decide(Batch(known, starts, 1e-6, GO_ON)).labels
+    batch = decide(Batch(known, starts, 1e-6, GO_ON))
+    labels, cycles = batch.labels, [each.cycle for each in batch.known.cycles]
     kinds = {0: "synchronous"} if known.whirls else {}
-    kinds |= {known.free_label: "contact_free"} if known.free else {}
-    kinds |= {kernel.ROLLING: "rolling", kernel.BOUNCING: "bouncing"}
-    kinds |= {kernel.FADING: "touching", kernel.FULL_CONTACT: "full_contact"}
+    kinds |= {known.free_label: "contact_free", known.fading_label: "touching"}
+    kinds |= {known.first_cycle + place: each.response for place, each in enumerate(cycles)}
     alone = Options(method="taylor", rtol=1e-11)
     for label, start in zip(labels.tolist(), starts.T.tolist(), strict=True):
         settled = follow_to_steady_state(rotor, tuple(start), alone)
         assert kinds[label] == settled.response
+        if label >= known.first_cycle:
+            cycle = cycles[label - known.first_cycle]
+            assert settled.features.period == pytest.approx(cycle.period, rel=1e-6)
+            assert settled.features.radius_max == pytest.approx(cycle.radius_max, rel=1e-6)
         if kinds[label] == "synchronous":
             assert settled.features.amplitude == pytest.approx(known.whirls[0].amplitude, rel=1e-6)
 
