@@ -94,10 +94,11 @@ class CycleSection:
 def cycle_section(cycle: Cycle, stop: Stop) -> CycleSection:
     """Return a section of a stable limit cycle with a set that returns into itself, if there is.
 
-    Under a load, where what an orbit does next hangs on time as well, none is sought, nor with
-    friction, where lanes do not follow all orbits.
+    Under a load, where what an orbit does next hangs on time as well, none is sought, nor where the
+    disc rolls, where lanes do not follow it. With friction it slides forwards all round from every
+    state of the set.
     """
-    if max(cycle.rotor.load, cycle.rotor.friction) > 0.0:
+    if cycle.rotor.load > 0.0 or cycle.shot.rolls:
         return CycleSection(cycle, cycle.state, np.zeros(4), np.full((3, 4), np.inf))
     try:
         return _widest_section(cycle, stop)

@@ -10,8 +10,8 @@ The label of a start hangs on the rotor and on the start alone: what else is in 
 known by then, decides when it is found, and at what cost.
 
 Under a load, which turns on these axes, no region holds a start: each is followed by itself. With
-friction so is what no region holds, or does not slide forwards throughout, from its start on; a
-limit cycle that it comes to is found there.
+friction so is what no region holds, or does not slide forwards throughout, from its start on; where
+it comes to a limit cycle on which the disc slides forwards, this holds others.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from rotor_ida.arrays import ROUNDING, Values
 from rotor_ida.basins.kernel import (
     CHAOTIC,
     NOT_COMPUTED,
+    NOT_FORWARDS,
     QUASI_PERIODIC,
     ROLLING,
     UNDECIDED,
@@ -188,10 +189,19 @@ def label_rubs(batch: Batch) -> None:
     while 0 < waiting.size < before and not batch.stop[0]:
         before = waiting.size
         waiting = match(batch, waiting, min(LONGEST_TOGETHER, _late(batch)))
-    left = every[batch.labels < 0]
-    batch.labels[left], batch.times[left] = NOT_COMPUTED, 0.0
-    batch.states[:, left] = starts[:, left]
-    label_one_by_one(batch, left, ALONE)
+    while waiting.size and not batch.stop[0]:
+        _label_from(batch, starts, waiting[:1])
+        waiting = waiting[1:]
+        if batch.cycle_found:
+            waiting = batch.follow(waiting, batch.known.first_wait)
+    _label_from(batch, starts, np.concatenate([waiting, every[batch.labels == NOT_FORWARDS]]))
+
+
+def _label_from(batch: Batch, starts: Values, numbers: Numbers) -> None:
+    """Label some starts by following each to its attractor by itself, from its beginning on."""
+    batch.labels[numbers], batch.times[numbers] = NOT_COMPUTED, 0.0
+    batch.states[:, numbers] = starts[:, numbers]
+    label_one_by_one(batch, numbers, ALONE)
 
 
 def label_one_by_one(batch: Batch, numbers: Numbers, options: Options) -> None:

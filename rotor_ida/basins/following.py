@@ -151,7 +151,8 @@ def follow_starts(
 
 def follow_here(known: Known, states: Values, tolerance: float, stop: Stop) -> FollowedStarts:
     """Follow starts of shape (4, n) in this process, the first of them before the others."""
-    known = _with_cycles(known, states[:, :SCOUTS], tolerance, stop)
+    if not may_roll(known.rotor):  # else in a batch alone cycles are met soon enough
+        known = _with_cycles(known, states[:, :SCOUTS], tolerance, stop)
     kept: Results[BatchResult] = Results()
     job = _Job(known, 0, states, tolerance, rechecked_of_rotor(states.shape[1]))
     kept.keep(0, _follow(job, stop), states.shape[1])
@@ -189,7 +190,7 @@ def _scouted(
 
 def _with_cycles(known: Known, scouts: Values, tolerance: float, stop: Stop) -> Known:
     """Return what is known once scouts have been followed, where these tell limit cycles."""
-    if followed_alone(known.rotor) or may_roll(known.rotor):
+    if followed_alone(known.rotor):
         return known
     return decide(Batch(known, scouts, tolerance, stop)).known
 

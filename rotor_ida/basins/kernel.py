@@ -26,7 +26,7 @@ Times = npt.NDArray[np.float32]
 ROLLING, QUASI_PERIODIC, CHAOTIC, NOT_COMPUTED, UNDECIDED = -5, -4, -3, -2, -1
 LOWEST = ROLLING
 # Of starts that have yet to be followed alone, as their discs do not slide forwards throughout.
-NOT_FORWARDS = -9
+NOT_FORWARDS = -6
 # So many orbits are followed at a time: they keep the vector units busy.
 LANES = 64
 # Numbers of a trapping region: its centre, and the upper triangular factor of its form.
@@ -123,7 +123,8 @@ def measure_returns(
     tolerance : float
         Of a step [1].
     values : ndarray, shape (n,)
-        Becomes the values; infinite where a state does not pass it [1].
+        Becomes the values; infinite where a state does not pass it, or with friction the disc may
+        not slide forwards until then [1].
     stop : ndarray of uint8, shape (1,)
         Set to 1 by another thread to end early.
 

@@ -23,7 +23,7 @@
 enum { LANES = 64 };
 enum { NO_ATTRACTOR = -1, NO_START = -1, MOST_STEPS = 200000 };
 /* The label of an orbit that does not slide forwards throughout, as in basins/kernel.py. */
-enum { NOT_FORWARDS = -9 };
+enum { NOT_FORWARDS = -6 };
 /* So many steps are allowed, and as many again for each such time that is asked for; but not where
  * that is longer than any motion is followed, as with hardly any damping it may be for ever. */
 static const double TIME_OF_STEPS = 5000.0, MOST_TIME = 40000.0;
@@ -656,6 +656,7 @@ int core_measure_returns(const struct rotor *rotor, const double *states, int64_
 {
     struct lanes lanes = {0};
     int64_t passed[LANES];
+    bool turned[LANES]; /* with friction, whether it has not slid forwards since its start */
     for (int64_t number = 0; number < count; number++)
         values[number] = INFINITY;
     for (int64_t first = 0; first < count; first += LANES) {
@@ -663,6 +664,7 @@ int core_measure_returns(const struct rotor *rotor, const double *states, int64_
         for (int i = 0; i < LANES; i++)
             load_state(&lanes, i, state_at(states, count, first + (i < used ? i : used - 1)),
                        FIRST_STEP);
+        memset(turned, 0, sizeof turned);
         double slowest = 0.0;
         for (int steps = 0; slowest < latest && steps < MOST_STEPS; steps++) {
             if (asked_to_stop(stop))
@@ -670,12 +672,14 @@ int core_measure_returns(const struct rotor *rotor, const double *states, int64_
             lanes.was = lanes.now;
             step_lanes(&lanes, *rotor, tolerance);
             slowest = latest;
-            for (int i = 0; i < used; i++)
+            for (int i = 0; i < used; i++) {
                 slowest = smaller(lanes.now.time[i], slowest);
+                turned[i] = turned[i] || lanes.turns[i] > 0.0;
+            }
             const bool any = find_crossings(&lanes, section, passed);
             for (int i = 0; any && i < used; i++) {
                 const double time = lanes.now.time[i];
-                if (passed[i] && earliest <= time && time <= latest)
+                if (passed[i] && !turned[i] && earliest <= time && time <= latest)
                     values[first + i] = smaller(section_value(&lanes, i, section, *rotor),
                                                 values[first + i]);
             }
