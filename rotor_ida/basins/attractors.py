@@ -190,12 +190,12 @@ def _contact_free(free: ContactFree) -> Attractor:
 def _fading(free: ContactFree, rotor: Rotor) -> Attractor:
     """Return the limit of fading touches: the contact-free whirl that just reaches the ring.
 
-    With friction no lane tells that touches fade: each start is followed by itself.
+    With friction starts that no rim holds are followed to it by themselves.
     """
     whirl, delta0 = free.whirl, rotor.delta0
     return Attractor(
         response.TOUCHING, abs(whirl), phase_lag_of(whirl), abs(delta0 - 2.0 * abs(whirl)), delta0,
-        trapping=NOTHING if may_roll(rotor) else ESTIMATED,
+        trapping=NOTHING if may_roll(rotor) and free.excess == 0.0 else ESTIMATED,
     )  # fmt: skip
 
 

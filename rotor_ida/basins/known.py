@@ -124,7 +124,6 @@ def known_from_closed_forms(rotor: Rotor, stop: Stop, *, fading: bool = True) ->
         near = TrappingRegion(0.0, 0.0, np.zeros(4), 1e4 * np.eye(4))
         return Known(rotor, [near], None)
     whirls = trapping_regions(rotor) if rotor.omega > 0.0 else []
-    fading = fading and not may_roll(rotor)
     return Known(rotor, whirls, contact_free_whirls(rotor, stop, fading=fading))
 
 

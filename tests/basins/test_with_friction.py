@@ -12,10 +12,12 @@ from rotor_ida import InputError, Rotor, basin, basin_fractions, limit_cycle, si
 from rotor_ida.analysis.verification import rerun
 from rotor_ida.basins import kernel
 from rotor_ida.basins.attractors import Attractor, leads_to
+from rotor_ida.basins.cycle_sections import cycle_section
 from rotor_ida.basins.fates import Batch, decide
 from rotor_ida.basins.fractions import drawn_from
 from rotor_ida.basins.known import known_from_closed_forms
 from rotor_ida.basins.trapping_regions import trapping_regions
+from rotor_ida.cycles.limit_cycle import cycle_from
 from rotor_ida.equations.model import push_over_radius, rotated, rotating_field
 from rotor_ida.schema import RESPONSE, TRAPPING
 from rotor_ida.simulation.options import Options
@@ -268,3 +270,58 @@ def test_what_is_not_known_with_friction_is_refused_in_one_line(rotor, words):
     with pytest.raises(InputError, match=words) as refused:
         basin_fractions(rotor, **BOX)
     assert "\n" not in str(refused.value)
+
+
+def test_a_cycle_that_slides_forwards_holds_what_comes_back_and_never_rolls():
+    """By CVODE from all over the set: no `roll`, no `reverse`, and the radius of the cycle."""
+    rotor = MACHINES["that bounces"]
+    cycle = cycle_from(rotor, np.array([3.0, 1.0, 0.0, 0.0]))
+    section = cycle_section(cycle, GO_ON)
+    assert section.exists
+    random = np.random.default_rng(2).normal(size=(3, 6))
+    random *= 0.98 / np.linalg.norm(random, axis=0)
+    for state in (section.centre[:, None] + np.linalg.pinv(section.form) @ random).T:
+        run = simulate(rotor, start=state, duration=200.0, samples=40_001)
+        assert set(run.event_kind.values.tolist()) <= {1, -1}
+        largest = np.hypot(run.x, run.y)[-4000:].max()
+        assert float(largest) == pytest.approx(cycle.radius_max, rel=1e-4)
+
+
+def test_what_rolls_on_its_way_is_not_said_to_come_back():
+    """States that come to roll are told by CVODE; without friction they would come back."""
+    rotor = MACHINES["that bounces"]
+    cycle = cycle_from(rotor, np.array([3.0, 1.0, 0.0, 0.0]))
+    numbers = cycle_section(cycle, GO_ON).numbers
+    speeds = np.append(np.linspace(-30.0, -21.0, 12), np.linspace(-3.0, 3.0, 12))
+    states = np.stack([np.full(24, 3.0), np.zeros(24), np.zeros(24), speeds])
+    values = np.empty(24)
+    kernel.measure_returns(states, rotor, numbers, (0.0, 30.0 * cycle.period), 1e-10, values, GO_ON)
+    first = []
+    for state in states.T:
+        run = simulate(rotor, start=state, duration=0.5 * cycle.period, samples=2)
+        first.append(bool((np.abs(run.event_kind) > 1).any()))
+    assert first == 12 * [True] + 12 * [False]
+    assert np.isinf(values[np.array(first)]).all()
+    assert np.isfinite(values[~np.array(first)]).any()
+
+
+def test_dry_whip_has_no_section():
+    assert not cycle_section(cycle_from(WHIP, np.array([5.0, 0.0, 0.0, -6.3])), GO_ON).exists
+
+
+def test_touches_that_fade_are_held_on_the_rim_with_friction_too():
+    """Elsewhere errors of many steps would carry them inside, to whirls that never touch."""
+    rotor = Rotor(
+        omega=2.972, zeta=0.28, delta0=1.0, contact_exponent=1.0, friction=0.026, disc_radius=20.0
+    )
+    starts = np.random.default_rng(0).uniform(-6.0, 6.0, (4, 40))
+    known = known_from_closed_forms(rotor, GO_ON)
+    labels = decide(Batch(known, starts, 1e-6, GO_ON)).labels
+    alone = [
+        follow_to_steady_state(rotor, tuple(each), Options(method="taylor", rtol=1e-11)).response
+        for each in starts.T.tolist()
+    ]
+    fades = np.array([each == "touching" for each in alone])
+    assert fades.sum() > 4
+    assert (labels[fades] == known.fading_label).all()
+    assert (labels[~fades] == known.free_label).all()
