@@ -22,13 +22,12 @@ from rotor_ida.basins.attractors import (
 from rotor_ida.basins.entropy import sample_entropy
 from rotor_ida.basins.fates import LASTING
 from rotor_ida.basins.following import FollowedStarts, follow_here
-from rotor_ida.basins.kernel import CHAOTIC, NOT_COMPUTED, UNDECIDED
-from rotor_ida.basins.known import known_from_closed_forms, may_roll, same_cycle, with_cycle
+from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED
+from rotor_ida.basins.known import known_from_closed_forms, same_cycle, with_cycle
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.parallel import Stop
 from rotor_ida.parameters import DEFAULTS, OF_FRICTION_DEFAULTS, PARAMETERS, Rotor
 from rotor_ida.schema import RESPONSE, TRAPPING
-from rotor_ida.steady_state import response
 from rotor_ida.storage.studies.arrays import Arrays
 from rotor_ida.storage.studies.results import Form
 
@@ -135,10 +134,8 @@ def _search_among(
             label = known.first_cycle + same.index(True)
         elif attractor.kind in CONTACT_FREE_FAMILY:
             label = known.free_label
-        elif attractor.kind == response.CHAOTIC:
-            label = CHAOTIC
-        elif may_roll(job.rotor):
-            label = LASTING.get(attractor.kind, number)
+        elif attractor.kind in LASTING:
+            label = LASTING[attractor.kind]
         subjects.append(Subject(attractor, label, own_cycle, start))
     return Search(known, subjects, job.shocks, job.tolerance, stop)
 
