@@ -27,7 +27,18 @@ from rotor_ida.closed_forms import response_curve
 from rotor_ida.paper.scenario import Settings, progress_bar, run_script, scientific
 from rotor_ida.paper.whip import is_whip
 from rotor_ida.plot import mixed_panels, panels, plot_amplitude, plot_orbit, shared_legend, style
-from rotor_ida.plot.appearance import BLUE, BROWN, DASHES, GREY, INK, ORANGE, PURPLE, RED, SHADE
+from rotor_ida.plot.appearance import (
+    BLUE,
+    BROWN,
+    DARK_BROWN,
+    DASHES,
+    GREY,
+    INK,
+    ORANGE,
+    PURPLE,
+    RED,
+    SHADE,
+)
 from rotor_ida.schema import MODE, STABILITY
 
 ZETA, DELTA0, RHO = 0.07, 0.5, 10.0
@@ -397,11 +408,11 @@ def draw_knocks(runs: dict[str, xr.Dataset], settings: Settings) -> None:
 
 def draw_rolls(run: xr.Dataset, rows: Sequence[tuple[Axes, xr.DataArray]]) -> None:
     """Mark each start and end of rolling; the force jumps where the disc begins to roll."""
-    for kind, marker, face, words in ((2, "^", RED, "roll"), (-2, "v", "white", "slip")):
+    for kind, face, words in ((2, DARK_BROWN, "roll"), (-2, "white", "slip")):
         times = run.event_time.values[run.event_kind.values == kind]
         for ax, values in rows:
             after = values.values[np.searchsorted(run.t.values, times)]
-            ax.plot(times, after, ls="", marker=marker, ms=3.0, mec=RED, mfc=face, mew=0.6,
+            ax.plot(times, after, ls="", marker="o", ms=3.0, mec=DARK_BROWN, mfc=face, mew=0.6,
                     label=words, zorder=3.0)  # fmt: skip
 
 
