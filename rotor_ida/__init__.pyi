@@ -29,6 +29,7 @@ from .parameters import Rotor as Rotor
 from .resuming import resume as resume
 from .si_units import dimensional as dimensional
 from .simulation.contact_table import contact_summary as contact_summary
+from .simulation.run_up import run_up as run_up
 from .simulation.simulate import simulate as simulate
 from .stability.lyapunov import lyapunov_exponent as lyapunov_exponent
 from .storage.archive import load as load

@@ -137,6 +137,11 @@ QUANTITIES: dict[str, Quantity] = {
         "speed of the disc's rim on the ring, positive forwards", scale="velocity"
     ),
     "normal_force": Quantity("normal force of the contact", scale="force"),
+    "speed": Quantity("spin speed over the reference frequency, as it changes", scale="rate"),
+    "angle": Quantity("angle of the unbalance", "radian"),
+    "event_speed": Quantity("spin speed at the event", scale="rate"),
+    "revolutions": Quantity("number of revolutions in the run"),
+    "event_angle": Quantity("angle of the unbalance at the event", "radian"),
     "whirl_direction": Quantity(
         "sense of the motion round the bearing axis at the peak", flags=WHIRL_DIRECTION
     ),

@@ -86,6 +86,7 @@ GIVEN: dict[str, Callable[[Path], dict[str, object]]] = {
         name: getattr(MACHINE, name) for name in DimensionalRotor.__slots__
     },
     "simulate": lambda _: {"rotor": ROTOR, "start": REST, "duration": 1.0, "samples": 3},
+    "run_up": lambda _: {"rotor": ROTOR, "start": REST, "to": 1.5, "rate": 0.1, "samples": 3},
     "synchronous_response": lambda _: {"omega": 1.2, "zeta": 0.5, "delta0": 0.5},
     "folds": lambda _: {"zeta": 0.07, "delta0": 0.5},
     "sweep": lambda folder: {

@@ -13,7 +13,7 @@ from rotor_ida.equations.contact import contact_force, damping_factor, secant_st
 from rotor_ida.equations.modes import Along, hold_of_rolling
 from rotor_ida.parameters import Rotor
 from rotor_ida.schema import MODE, Column, labelled_dataset, origin_of
-from rotor_ida.simulation.dataset import check_run, parameter_coordinates, rotor_of
+from rotor_ida.simulation.dataset import check_one_speed, check_run, parameter_coordinates, rotor_of
 
 NEEDED = (*("t", "x", "y", "vx", "vy", "entry_time", "exit_time"), "peak_time", "peak_force")
 NEEDED_WITH_FRICTION = ("mode", "normal_force")
@@ -66,6 +66,7 @@ def contact_forces(run: xr.Dataset) -> xr.Dataset:
     rotor, x, y = rotor_of(run), run["x"].values, run["y"].values
     radius = np.hypot(x, y)
     if rotor.friction > 0.0:
+        check_one_speed(run, "contact forces with friction")
         told = _with_friction(check_run(run, (*NEEDED, *NEEDED_WITH_FRICTION)), radius, rotor)
     else:
         held = damping_factor(_outwards(run, radius), rotor.contact_damping)

@@ -19,7 +19,7 @@ def rotating(run: xr.Dataset) -> xr.Dataset:
     Parameters
     ----------
     run : Dataset
-        A run of `rotor_ida.simulate`, or part of one.
+        A run of `rotor_ida.simulate` or `rotor_ida.run_up`, or part of one.
 
     Returns
     -------
@@ -38,7 +38,8 @@ def rotating(run: xr.Dataset) -> xr.Dataset:
     ``Z = z exp(-i omega t)``, ``W = z' exp(-i omega t)``: the same two vectors, read on axes of
     which the first points along the unbalance. W is the velocity that a bystander sees, not the
     rate of change of Z, which is ``W - i omega Z``. A synchronous whirl of amplitude A and phase
-    lag theta is the point ``Z = A exp(-i theta)``.
+    lag theta is the point ``Z = A exp(-i theta)``. Where the speed changes the axes turn with the
+    ``angle`` of the run.
 
     References
     ----------
@@ -63,8 +64,11 @@ def rotating(run: xr.Dataset) -> xr.Dataset:
 
 def _read(dim: str, prefix: str, run: xr.Dataset, names: tuple[str, ...]) -> dict[str, xr.Variable]:
     times = run["t" if dim == "t" else "event_time"].values
+    angles = float(run["omega"]) * times
+    if "event_angle" in run:  # the speed changed
+        angles = run["angle" if dim == "t" else "event_angle"].values
     states = np.stack([run[name].values for name in names], axis=-1)
-    table = rotated(states, -float(run["omega"]) * times)
+    table = rotated(states, -angles)
     return {
         f"{prefix}_{name}": labelled(f"{prefix}_{name}", dim, np.ascontiguousarray(column))
         for name, column in zip(COMPONENTS, table.T, strict=True)

@@ -13,7 +13,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import check_choice
 from rotor_ida.errors import InputError
 from rotor_ida.schema import Column, labelled_dataset, origin_of
-from rotor_ida.simulation.dataset import check_run, parameter_coordinates, rotor_of
+from rotor_ida.simulation.dataset import check_one_speed, check_run, parameter_coordinates, rotor_of
 
 Window = Literal["flattop", "hann", "boxcar"]
 
@@ -75,6 +75,7 @@ def spectrum(run: xr.Dataset, *, window: Window = "flattop") -> xr.Dataset:
     1.2
     """
     run = check_run(run, ("t", "x", "y"))
+    check_one_speed(run, "a spectrum")
     check_choice("window", window, WINDOWS)
     rotor = rotor_of(run)
     times = run["t"].values

@@ -28,12 +28,15 @@ from rotor_ida.parallel import Progress
 from rotor_ida.parameters import ALL_PARAMETERS, DEFAULTS, PARAMETERS, Rotor
 from rotor_ida.schema import RESPONSE, SPECIAL, words_of
 from rotor_ida.simulation.options import Method
+from rotor_ida.simulation.run_up import run_up
 from rotor_ida.simulation.simulate import simulate
 from rotor_ida.steady_state.response import BOUNCING, CONTACT_FREE, FULL_CONTACT, SYNCHRONOUS
 from rotor_ida.sweeps.sweep import DIRECTIONS, sweep
 from rotor_ida.testing import assert_events_close
 
 HOW = ("rtol", "atol", "method", "flight")
+# How the speed of a run-up changes.
+CHANGES = ("to", "rate", "speeds", "torque", "inertia")
 # Of which motions the numbers are those of the motion, not of one stretch of it.
 OF_MOTION = {
     **dict.fromkeys(("amplitude", "phase_lag"), (CONTACT_FREE, SYNCHRONOUS)),
@@ -77,9 +80,9 @@ def rerun(
     Parameters
     ----------
     dataset : Dataset
-        A result of `simulate`, `sweep`, `basin`, `basin_fractions`, `continue_attractors`,
-        `limit_cycle`, `continue_cycle` or `bifurcation_curve`, for instance one that was loaded
-        from an archive.
+        A result of `simulate`, `run_up`, `sweep`, `basin`, `basin_fractions`,
+        `continue_attractors`, `limit_cycle`, `continue_cycle` or `bifurcation_curve`, for instance
+        one that was loaded from an archive.
     method : {"adams", "bdf", "ida", "taylor"}, optional
         Another solver of the contacts of a run or sweep: a witness that shares no step with the
         first.
@@ -155,9 +158,9 @@ def _kind_of(dataset: xr.Dataset) -> str:
                 raise InputError(f"{words[0]} must be numbers, got {dataset[words[0]].dtype}")
             return kind
     raise InputError(
-        "only what simulate, sweep, basin, basin_fractions, continue_attractors, limit_cycle, "
-        "continue_cycle and bifurcation_curve have computed can be verified, got a dataset of "
-        f"{shown(list(map(str, dataset.data_vars)))}"
+        "only what simulate, run_up, sweep, basin, basin_fractions, continue_attractors, "
+        "limit_cycle, continue_cycle and bifurcation_curve have computed can be verified, got a "
+        f"dataset of {shown(list(map(str, dataset.data_vars)))}"
     )
 
 
@@ -172,6 +175,12 @@ def _by(dataset: xr.Dataset, kind: str, method: Method) -> xr.Dataset:
 def _run(dataset: xr.Dataset, _workers: int | None, _progress: Progress | None) -> xr.Dataset:
     given = dataset.attrs
     how = {name: given[name] for name in ("start", "duration", *HOW)}
+    if "event_speed" in dataset:
+        del how["flight"]
+        changes = {name: given[name] for name in CHANGES if name in given}
+        if "speeds" in changes:
+            changes["speeds"] = np.reshape(changes["speeds"], (-1, 2))
+        return run_up(_rotor(dataset), samples=dataset["t"].values, **how, **changes)
     return simulate(_rotor(dataset), samples=dataset["t"].values, **how)
 
 

@@ -29,7 +29,7 @@ VERSION = "_version"
 # What an archive adds for its own use.
 HOUSEKEEPING = ("Conventions", "content_sha256", "rotor_ida_format")
 
-EVENT = ("event_time", "event_kind", "event_x", "event_y", "event_time_error")
+EVENT = ("event_time", "event_kind", "event_speed", "event_x", "event_y", "event_time_error")
 CONTACT = (
     *("entry_time", "exit_time", "peak_time", "peak_indentation", "peak_force"),
     *("heat", "slip_distance", "rolling_time"),

@@ -184,6 +184,29 @@ Bifurcation = Annotated[
 ]
 
 Duration = Annotated[float, _number("Time to simulate.")]
+DurationOrNone = Annotated[
+    float | None,
+    _number("Time to simulate: a torque needs it, otherwise as long as the speed changes."),
+]
+To = Annotated[float | None, _number("Speed at the end of a ramp.")]
+Rate = Annotated[float | None, _number("Change of the speed in a unit of time, on a ramp.")]
+Speeds = Annotated[
+    list[str] | None,
+    Parameter(
+        help="Speeds by time, linear in between, the first at time 0.",
+        metavar="TIME:SPEED",
+        consume_multiple=True,
+        negative=(),
+    ),
+]
+Torque = Annotated[
+    tuple[float, float] | None,
+    _several_numbers("Torque of the drive at rest, and its fall with the speed.", "TAU0 SLOPE"),
+]
+Inertia = Annotated[
+    float | None,
+    _number("Moment of inertia over mass times eccentricity squared, which a torque turns."),
+]
 Samples = Annotated[
     int, _whole_number("Number of times at which the motion is kept.", 2, MOST_NUMBERS)
 ]
@@ -374,6 +397,21 @@ class SolverOptions:
     method: Annotated[Method, Parameter(help="Solver of the contact.")] = "adams"
     flight: Annotated[Flight, Parameter(help="Motion inside the clearance.")] = "exact"
     backend: Annotated[Backend, Parameter(help="How the solver is called.")] = "auto"
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+class RunUpSolverOptions:
+    """How one motion at a speed that changes is computed."""
+
+    rtol: Rtol = 1e-10
+    atol: Annotated[float, _number("Absolute tolerance.")] = 1e-12
+    method: Annotated[
+        Method, Parameter(help="Solver; taylor does not know changing speeds yet.")
+    ] = "adams"
+    backend: Annotated[
+        Backend, Parameter(help="How it is called; compiled does not know changing speeds yet.")
+    ] = "auto"
 
 
 @Parameter(name="*")

@@ -120,6 +120,27 @@ def several_numbers(name: str, words: Sequence[str]) -> tuple[float, ...]:
     return tuple(number(name, [word]) for word in words)
 
 
+def pairs(name: str, words: Sequence[str]) -> list[tuple[float, float]]:
+    """Return words ``TIME:SPEED`` as pairs of numbers.
+
+    Examples
+    --------
+    >>> pairs("speeds", ["0:0.5", "20:2"])
+    [(0.0, 0.5), (20.0, 2.0)]
+    >>> pairs("speeds", ["0.5"])
+    Traceback (most recent call last):
+    ...
+    rotor_ida.errors.InputError: speeds must be pairs TIME:SPEED, got '0.5'
+    """
+    found: list[tuple[float, float]] = []
+    for word in words:
+        first, *rest = word.split(":")
+        if len(rest) != 1:
+            raise InputError(f"{name} must be pairs TIME:SPEED, got {shown(word)}")
+        found.append((number(name, [first]), number(name, rest)))
+    return found
+
+
 def number_or_range(name: str, words: Sequence[str]) -> float | list[float]:
     """Return a word as a number, or as the numbers of a range ``START:STOP:COUNT``.
 

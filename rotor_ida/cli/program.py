@@ -29,6 +29,7 @@ from rotor_ida.cli.commands.compute import (
     fractions,
     reproduce,
     response,
+    run_up,
     simulate,
     sweep,
     touchdown,
@@ -99,7 +100,7 @@ def application(console: Console) -> App:
         console=console,
     )
     computing = (
-        *(simulate, response, sweep, basin, fractions, atlas, touchdown),
+        *(simulate, run_up, response, sweep, basin, fractions, atlas, touchdown),
         *(cycle, continue_, curve),
     )
     archived = (status, resume, compare, verify, show)

@@ -19,7 +19,7 @@ from matplotlib.transforms import ScaledTranslation
 from rotor_ida.checks import check_count
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import BEYOND, PARAMETERS
-from rotor_ida.plot.labels import KIND_WORDS, SEPARATOR, parameter_text
+from rotor_ida.plot.labels import KIND_WORDS, SEPARATOR, parameter_text, scale_of
 
 # From matplotlib's petroff10, chosen so that the greys differ too.
 BLUE, ORANGE, RED, PURPLE, GREY = "#3f90da", "#e76300", "#bd1f01", "#832db6", "#94a4a2"
@@ -354,7 +354,11 @@ def title_of(name: str, dataset: xr.Dataset, parameters: Sequence[str] = PARAMET
     """Return the parameters of a dataset, which holds one value of each, as a title."""
     # what varies along a branch is on its axis
     beyond = [each for each in BEYOND if each in dataset.variables and not dataset[each].ndim]
-    return parameter_text({each: one_value(name, dataset, each) for each in (*parameters, *beyond)})
+    text = parameter_text({each: one_value(name, dataset, each) for each in (*parameters, *beyond)})
+    if "event_speed" in dataset.variables:  # omega is only the first
+        last = float(dataset["speed"][-1]) / scale_of(dataset, "rate")
+        text = text.replace("$,", rf" \ldots {last:.4g}$,", 1)
+    return text
 
 
 def _entries(axes: Sequence[Axes]) -> tuple[list[Artist], list[str]]:

@@ -184,6 +184,8 @@ def plot_rotating_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     'across it $\\operatorname{Im}\\,z\\,e^{-i\\omega t}$'
     """
     run = check_dataset("run", run, NEEDED)
+    if "speed" in run.variables:
+        raise InputError("run must be at one speed for axes that turn, got a run of run_up")
     omega = one_value("run", run, "omega") / scale_of(run, "time")
     path = path_of(run)
     x, y = _rotated_back(path.x, path.y, omega * path.time)
@@ -439,7 +441,7 @@ def path_of(run: xr.Dataset) -> Path:
     times, first = np.unique(times, return_index=True)
     states = table[first]
     steps = np.diff(times)
-    revolutions = max(1.0, run["omega"].item()) / (2.0 * math.pi * scale_of(run, "time"))
+    revolutions = max(1.0, _fastest(run)) / (2.0 * math.pi * scale_of(run, "time"))
     points = np.clip(np.ceil(steps * revolutions * POINTS_A_REVOLUTION), 1, None).astype(int)
     points[steps * revolutions > SMOOTH_BELOW] = 1
     step = np.repeat(np.arange(steps.size), points)
@@ -662,9 +664,17 @@ def _draw_orbit(ax: Axes, run: xr.Dataset, path: Path) -> None:
     ax.autoscale_view()
 
 
+def _fastest(run: xr.Dataset) -> float:
+    """Return the largest speed of a run [1]."""
+    omega = one_value("run", run, "omega")
+    if "speed" in run.variables:
+        omega = max(omega, float(run["speed"].max()) / scale_of(run, "rate"))
+    return omega
+
+
 def _line_width(run: xr.Dataset) -> float:
     duration = float(run["t"].values[-1] - run["t"].values[0]) / scale_of(run, "time")
-    revolutions = duration * max(1.0, one_value("run", run, "omega")) / (2.0 * math.pi)
+    revolutions = duration * max(1.0, _fastest(run)) / (2.0 * math.pi)
     return 1.1 if revolutions < 15 else 0.7 if revolutions < 60 else 0.45
 
 

@@ -67,7 +67,7 @@ def contact_summary(run: xr.Dataset) -> xr.Dataset:
     Parameters
     ----------
     run : Dataset
-        A run of `rotor_ida.simulate`.
+        A run of `rotor_ida.simulate` or `rotor_ida.run_up`.
 
     Returns
     -------
@@ -104,6 +104,8 @@ def contact_summary(run: xr.Dataset) -> xr.Dataset:
     duration = float(run.attrs["duration"])
     omega = float(run["omega"])
     revolutions = duration * omega / (2.0 * math.pi) if omega > 0.0 else math.nan
+    if "revolutions" in run:  # the speed changed
+        revolutions = float(run["revolutions"]) or math.nan
     entry = run["entry_time"].fillna(0.0).values
     leaving = run["exit_time"].fillna(duration).values
     force = run["peak_force"].values

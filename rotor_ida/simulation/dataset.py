@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -28,7 +29,12 @@ from rotor_ida.simulation.event_errors import EventErrors
 from rotor_ida.simulation.orbit import FLIES, IS_LOOSE, ROLLS, Orbit
 
 
-def run_dataset(orbit: Orbit, start: State, errors: EventErrors) -> xr.Dataset:
+def run_dataset(
+    orbit: Orbit,
+    start: State,
+    errors: EventErrors,
+    changes: Mapping[str, object] | None = None,
+) -> xr.Dataset:
     """Return a simulated orbit as a labelled dataset.
 
     Parameters
@@ -39,6 +45,8 @@ def run_dataset(orbit: Orbit, start: State, errors: EventErrors) -> xr.Dataset:
         Its start ``(x, y, vx, vy)`` [1].
     errors : EventErrors
         What is known of the errors of its events.
+    changes : mapping, optional
+        How its speed was asked to change, as attributes.
     """
     variables: dict[str, Column | xr.Variable] = {
         **_columns("", "t", orbit.states),
@@ -49,6 +57,7 @@ def run_dataset(orbit: Orbit, start: State, errors: EventErrors) -> xr.Dataset:
         "horizon": ((), errors.horizon),
         **contact_columns(orbit, start),
         **_friction(orbit),
+        **_turning(orbit),
     }
     coordinates = parameter_coordinates(orbit.rotor) | {"t": ("t", orbit.times)}
     attributes = provenance(orbit.options.attributes()) | {
@@ -56,8 +65,11 @@ def run_dataset(orbit: Orbit, start: State, errors: EventErrors) -> xr.Dataset:
         "start": np.array(start),
         "duration": orbit.duration,
         "evaluations": orbit.evaluations,
+        **(changes or {}),
     }
     title = "Rotor in a clearance: one simulated run"
+    if orbit.turning is not None:
+        title = "Rotor in a clearance: one run at a speed that changes"
     return labelled_dataset(title, variables, coordinates, attributes)
 
 
@@ -74,6 +86,12 @@ def check_run(run: object, needed: Sequence[str]) -> xr.Dataset:
         raise InputError(f"run must be one run; its {several[0]} must be a scalar")
     check_dimensionless("run", run)
     return run
+
+
+def check_one_speed(run: xr.Dataset, what: str) -> None:
+    """Raise `InputError` for a run at a speed that changes, where there must be one."""
+    if "event_speed" in run.variables:
+        raise InputError(f"run must be at one speed for {what}, got a run of run_up")
 
 
 def rotor_of(run: xr.Dataset) -> Rotor:
@@ -119,8 +137,23 @@ def _friction(orbit: Orbit) -> dict[str, Column]:
     spring = contact_force(radius, rotor.delta0, rotor.contact_exponent)
     pressed = (ways != FLIES) & (ways != IS_LOOSE)
     force = np.where(pressed, spring * damping_factor(along, rotor.contact_damping), 0.0)
-    slip = np.where(ways == ROLLS, 0.0, across + (rotor.disc_radius or 0.0) * rotor.omega)
+    slip = np.where(ways == ROLLS, 0.0, across + (rotor.disc_radius or 0.0) * orbit.speeds)
     return {"mode": ("t", ways), "slip_speed": ("t", slip), "normal_force": ("t", force)}
+
+
+def _turning(orbit: Orbit) -> dict[str, Column]:
+    """Return how fast the rotor spins, and where its unbalance is, if the speed changes."""
+    if orbit.turning is None:
+        return {}
+    angles, speeds = np.ascontiguousarray(orbit.turning.samples.T)
+    event_angles, event_speeds = np.ascontiguousarray(orbit.turning.events.T)
+    return {
+        "speed": ("t", speeds),
+        "angle": ("t", angles),
+        "event_speed": ("event", event_speeds),
+        "event_angle": ("event", event_angles),
+        "revolutions": ((), orbit.turning.end[0] / (2.0 * math.pi)),
+    }
 
 
 def _columns(prefix: str, dim: str, table: npt.NDArray[np.float64]) -> dict[str, Column]:

@@ -19,6 +19,7 @@ the few before it. ``docs/events.md`` says how well this covers the events of th
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 
 import numpy as np
 import numpy.typing as npt
@@ -104,6 +105,23 @@ def estimate_event_errors(
         )  # fmt: skip
     except SimulationError as error:
         return EventErrors(np.full(orbit.event_times.size, np.inf), error.time)
+    return errors_beside(orbit, thinned, other, widening=widening, of_rounding=of_rounding)
+
+
+def errors_beside(
+    orbit: Orbit, thinned: Orbit, other: Orbit, *, widening: float, of_rounding: float
+) -> EventErrors:
+    """Estimate the error of an orbit from another one of the same motion.
+
+    Parameters
+    ----------
+    orbit, thinned : Orbit
+        The orbit, and the same with the samples that the other has.
+    other : Orbit
+        The other one.
+    widening, of_rounding : float
+        What the differences, and the bound on rounding, are multiplied by.
+    """
     partners = _partners(orbit, other)
     differences = np.full(orbit.event_times.size, np.nan)
     found = partners >= 0
@@ -207,7 +225,7 @@ def _rounding(orbit: Orbit) -> Values:
     loose = np.abs(orbit.event_kinds) == PRESS
     if loose.any():
         rate[loose] = np.abs(_radial_acceleration(orbit)[loose])
-    turned = orbit.rotor.omega * orbit.event_times
+    turned = orbit.event_angles
     moved = np.hypot(vx, vy) * orbit.event_times
     radius = 4.0 * ROUNDING * (2.0 + 2.0 * delta0 + turned + moved)
     if orbit.rotor.friction > 0.0:
@@ -227,10 +245,10 @@ def _guards_of_friction(orbit: Orbit) -> tuple[Values, Values]:
     by ``F - mu sigma N``; before it begins to slip, ``mu N - |F|``.
     """
     rotor, (x, y, vx, vy) = orbit.rotor, orbit.event_states.T
-    rim, n = (rotor.disc_radius or 0.0) * rotor.omega, rotor.contact_exponent
+    rim, n = (rotor.disc_radius or 0.0) * orbit.event_speeds, rotor.contact_exponent
     radius = np.hypot(x, y)
     rise, turn = (x * vx + y * vy) / radius, np.arctan2(y, x)
-    lag, square = rotor.omega * orbit.event_times - turn, rotor.omega**2
+    lag, square = orbit.event_angles - turn, orbit.event_speeds**2
     depth = np.maximum(radius - rotor.delta0, np.finfo(float).tiny)
     factor = 1.0 + rotor.contact_damping * rise
     normal = depth**n * factor
@@ -243,7 +261,7 @@ def _guards_of_friction(orbit: Orbit) -> tuple[Values, Values]:
     bend = drive + rim**2 / radius - 2.0 * rotor.zeta * rise - rotor.shaft_stiffness * radius
     bend -= normal
     grip_rate = n * depth ** (n - 1.0) * rise * factor + depth**n * rotor.contact_damping * bend
-    hold_rate = square * np.cos(lag) * (rotor.omega + rim / radius)
+    hold_rate = square * np.cos(lag) * (orbit.event_speeds + rim / radius)
     hold_rate -= rotor.load * np.sin(turn) * rim / radius
     hold_rate += rim * (bend - rise**2 / radius) / radius
     losing = np.abs(rotor.friction * grip_rate - np.sign(hold) * hold_rate)
@@ -256,9 +274,13 @@ def _guards_of_friction(orbit: Orbit) -> tuple[Values, Values]:
 def _radial_acceleration(orbit: Orbit) -> Values:
     """Return the rate of the radial velocity at each event, where the normal force is 0."""
     x, y, vx, vy = orbit.event_states.T
-    rotor, radius, angle = orbit.rotor, np.hypot(x, y), orbit.rotor.omega * orbit.event_times
-    ax = acceleration(Along(x, vx, x, np.cos(angle)), 0.0, rotor)
-    ay = acceleration(Along(y, vy, y, np.sin(angle), -1.0), 0.0, rotor)
+    rotor, radius, angle = orbit.rotor, np.hypot(x, y), orbit.event_angles
+    machine = SimpleNamespace(
+        omega=orbit.event_speeds, zeta=rotor.zeta, shaft_stiffness=rotor.shaft_stiffness,
+        load=rotor.load,
+    )  # fmt: skip
+    ax = acceleration(Along(x, vx, x, np.cos(angle)), 0.0, machine)
+    ay = acceleration(Along(y, vy, y, np.sin(angle), -1.0), 0.0, machine)
     around = (x * vy - y * vx) / radius
     return np.asarray((x * ax + y * ay + around**2) / radius)
 

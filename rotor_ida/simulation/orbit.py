@@ -13,6 +13,7 @@ from rotor_ida.core.runs import fault_of
 from rotor_ida.errors import InvariantError
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.options import Options
+from rotor_ida.simulation.spin import Course
 
 ENTRY = 1
 EXIT = -1
@@ -20,8 +21,37 @@ PRESS, RELEASE = 4, -4
 ROLL, SLIP, REVERSE = 2, -2, 3
 # How a rotor with friction moves.
 FLIES, SLIDES_FORWARDS, SLIDES_BACKWARDS, ROLLS, IS_LOOSE = 0, 1, -1, 2, 3
+OF_FRICTION = (ROLL, SLIP, REVERSE)
+# How far, in tolerances a radian, the energy of a run whose speed changes may be out of balance.
+UNBALANCED_BY = 1e2
 # How far, in tolerances, a sample may lie on the wrong side of the ring.
 WRONG_SIDE = 1e3
+
+
+@dataclass(frozen=True, slots=True)
+class Turning:
+    """How the speed of a rotor changed during a run.
+
+    Parameters
+    ----------
+    course : Course
+        What changes it.
+    samples : ndarray, shape (n, 2)
+        Angle and speed at the sample times [1].
+    events : ndarray, shape (m, 2)
+        Angle and speed at the events [1].
+    end : ndarray, shape (2,)
+        Angle and speed at the end [1].
+    energies : tuple of float
+        The energy at the start and at the end, and what the drive has given less what damping and
+        contacts have taken, which is their difference [1].
+    """
+
+    course: Course
+    samples: Values
+    events: Values
+    end: Values
+    energies: tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +93,8 @@ class Orbit:
     extrema : ndarray, shape (n, 7), optional
         Time, radius, kind (-1 or 1) and state on the rotating axes of each extremum of the radius
         [1], where they were asked for.
+    turning : Turning, optional
+        How the speed changed, if it did.
     """
 
     rotor: Rotor
@@ -79,6 +111,24 @@ class Orbit:
     evaluations: int
     ways: npt.NDArray[np.int8] | None = None
     extrema: Values | None = None
+    turning: Turning | None = None
+
+    @property
+    def event_angles(self) -> Values:
+        """The angle of the unbalance at each event [1]."""
+        if self.turning is None:
+            return self.rotor.omega * self.event_times
+        return self.turning.events[:, 0]
+
+    @property
+    def event_speeds(self) -> Values | float:
+        """The speed at each event, or at all of them [1]."""
+        return self.rotor.omega if self.turning is None else self.turning.events[:, 1]
+
+    @property
+    def speeds(self) -> Values | float:
+        """The speed at each sample, or at all of them [1]."""
+        return self.rotor.omega if self.turning is None else self.turning.samples[:, 1]
 
 
 def stretches_of_rolling(orbit: Orbit) -> Values:
@@ -95,21 +145,56 @@ def check_orbit(orbit: Orbit) -> None:
     """Raise `InvariantError` at the first place where an orbit contradicts the mechanics."""
     options = orbit.options
     allowed = WRONG_SIDE * (options.rtol * orbit.rotor.delta0 + options.atol)
+    kept = slice(None) if orbit.turning is None else ~np.isin(orbit.event_kinds, OF_FRICTION)
+    event_times, event_states = orbit.event_times[kept], orbit.event_states[kept]
     fault, row = fault_of(
         orbit.rotor,
         orbit.starts_in_contact,
         (orbit.times, orbit.states),
-        (orbit.event_times, orbit.event_kinds, orbit.event_states),
+        (event_times, orbit.event_kinds[kept], event_states),
         orbit.contacts,
         allowed,
-        orbit.ways,
+        orbit.ways if orbit.turning is None else None,
     )
-    if not fault:
+    if fault:
+        time, state = event_times, event_states
+        if fault == OF_CONTACTS:
+            time, state = orbit.contacts[:, PEAK_TIME], np.tile(orbit.end, (len(orbit.contacts), 1))
+        elif fault >= FIRST_OF_SAMPLES:
+            time, state = orbit.times, orbit.states
+        x, y, vx, vy = state[row].tolist()
+        raise InvariantError(FAULTS[fault], time=float(time[row]), state=(x, y, vx, vy))
+    if orbit.turning is not None:
+        _check_turning(orbit, orbit.turning, allowed)
+
+
+def _check_turning(orbit: Orbit, turning: Turning, allowed: float) -> None:
+    """Raise `InvariantError` where energy does not balance, or surfaces slide astray."""
+    x, y, vx, vy = orbit.end.tolist()
+    begun, ended, gained = turning.energies
+    size = 1.0 + max(abs(begun), abs(ended), abs(gained))
+    revolved = 1.0 + float(turning.end[0])
+    most = UNBALANCED_BY * (orbit.options.rtol + orbit.options.atol) * size * revolved
+    if not abs(ended - begun - gained) <= most:
+        raise InvariantError(
+            f"the energy does not balance: it changed by {ended - begun:.9g}, and "
+            f"{gained:.9g} was given",
+            time=orbit.duration,
+            state=(x, y, vx, vy),
+        )
+    if orbit.ways is None:
         return
-    time, state = orbit.event_times, orbit.event_states
-    if fault == OF_CONTACTS:
-        time, state = orbit.contacts[:, PEAK_TIME], np.tile(orbit.end, (len(orbit.contacts), 1))
-    elif fault >= FIRST_OF_SAMPLES:
-        time, state = orbit.times, orbit.states
-    x, y, vx, vy = state[row].tolist()
-    raise InvariantError(FAULTS[fault], time=float(time[row]), state=(x, y, vx, vy))
+    speed = np.hypot(orbit.states[:, 2], orbit.states[:, 3])
+    rim = (orbit.rotor.disc_radius or 0.0) * turning.samples[:, 1]
+    more = allowed * (1.0 + (speed + rim) / orbit.rotor.delta0)
+    radius = np.maximum(np.hypot(orbit.states[:, 0], orbit.states[:, 1]), np.finfo(float).tiny)
+    across = orbit.states[:, 0] * orbit.states[:, 3] - orbit.states[:, 1] * orbit.states[:, 2]
+    slip = across / radius + rim
+    ways = orbit.ways[np.searchsorted(orbit.event_times, orbit.times, side="right")]
+    slides = np.isin(ways, (SLIDES_FORWARDS, SLIDES_BACKWARDS))
+    astray = slides & (ways * slip < -more)
+    for wrong, fault in ((astray, 8), ((ways == ROLLS) & (np.abs(slip) > more), 9)):
+        if wrong.any():
+            row = int(np.argmax(wrong))
+            x, y, vx, vy = orbit.states[row].tolist()
+            raise InvariantError(FAULTS[fault], time=float(orbit.times[row]), state=(x, y, vx, vy))

@@ -36,200 +36,61 @@ from rotor_ida.checks import State
 from rotor_ida.core.interface import CONTACT_COLUMNS
 from rotor_ida.equations.contact import force_over_radius
 from rotor_ida.equations.model import rotated
-from rotor_ida.equations.modes import Along, acceleration
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
 from rotor_ida.parameters import Rotor
+from rotor_ida.simulation.mechanics import (
+    BACKWARDS,
+    FLIGHT,
+    FORWARDS,
+    HEAT,
+    HIDDEN,
+    IMPULSE,
+    LOOSE,
+    LOST,
+    ROLLING,
+    SLIDING,
+    VX,
+    VY,
+    Machine,
+    Rates,
+    X,
+    Y,
+    energy_of,
+    first_state,
+    force_of,
+    hidden_hold,
+    hidden_slip,
+    hold_of,
+    hold_of_rolling,
+    mode_of_start,
+    pressed_mode,
+    radial_rate_of,
+    radius_of,
+    rates_of,
+    rolled,
+    slip_of,
+)
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import (
     ENTRY,
     EXIT,
-    FLIES,
-    IS_LOOSE,
     PRESS,
     RELEASE,
     REVERSE,
     ROLL,
-    ROLLS,
-    SLIDES_BACKWARDS,
-    SLIDES_FORWARDS,
     SLIP,
     Orbit,
+    Turning,
 )
+from rotor_ida.simulation.spin import GAINED, SPEED, Course, steady
 
 Function = Callable[[float, Values], float]
 
-# A start on the ring is decided by the first derivative of the radius that rounding cannot hide.
-HIDDEN = 16.0 * ROUNDING
-# Displacement, velocity, impulse of the force since the contact began, with contact damping the
-# energy lost, and with friction the heat of sliding.
-X, Y, VX, VY, IMPULSE, LOST, HEAT = range(7)
-FLIGHT, FORWARDS, BACKWARDS, ROLLING, LOOSE = (
-    FLIES, SLIDES_FORWARDS, SLIDES_BACKWARDS, ROLLS, IS_LOOSE,
-)  # fmt: skip
-PRESSED = 4  # without friction
-SLIDING = (FORWARDS, BACKWARDS)
 # Parts of a step that are looked at for a release, a press, and the largest force.
 LOOKS = 4
 # SUNDIALS may need a few calls for a step: after a reading the first one only returns to its end.
 MOST_IDLE_STEPS = 100
-
-
-# ---- The model ----
-
-
-def rates_of(rotor: Rotor, mode: int) -> Callable[[float, Values, Values], None]:
-    """Return the right-hand side of the first-order system in one mode.
-
-    In flight there is no force even beyond the ring, so that a step may look ahead smoothly; in a
-    pressed contact it may pull where the step looks beyond the release; and friction keeps its
-    sense where the step looks beyond a reversal. Rolling fixes the tangential velocity: what is
-    integrated of it is not looked at.
-    """
-    omega, delta0 = rotor.omega, rotor.delta0
-    exponent, damping = rotor.contact_exponent, rotor.contact_damping
-    friction = mode * rotor.friction if mode in SLIDING else 0.0
-
-    def rates(time: float, state: Values, rate: Values) -> None:
-        seen = rolled(rotor, state) if mode == ROLLING else state
-        x, y, vx, vy = seen[:IMPULSE].tolist()
-        radius = math.hypot(x, y)
-        spring = force_over_radius(radius, delta0, exponent) if mode != FLIGHT else 0.0
-        approach = radial_rate_of(seen) / radius if spring else 0.0
-        secant = spring * (1.0 + damping * approach) if mode != LOOSE else 0.0
-        rate[X], rate[Y] = vx, vy
-        rate[VX] = acceleration(Along(x, vx, x, math.cos(omega * time)), secant, rotor)
-        rate[VY] = acceleration(Along(y, vy, y, math.sin(omega * time), -1.0), secant, rotor)
-        rate[IMPULSE] = secant * radius
-        if state.size > LOST:
-            rate[LOST] = (secant - spring) * radius * approach
-        if state.size > HEAT:
-            held = hold_of_rolling(rotor, time, seen) if mode == ROLLING else 0.0
-            across = friction * secant + held / radius if radius > 0.0 else 0.0
-            rate[VX] += across * y
-            rate[VY] -= across * x
-            rate[HEAT] = friction * secant * radius * slip_of(rotor, seen)
-
-    return rates
-
-
-def slip_of(rotor: Rotor, state: Values) -> float:
-    """Return the slip speed ``v_s = v_t + rho omega``."""
-    around = float(state[X] * state[VY] - state[Y] * state[VX])
-    return around / radius_of(state) + (rotor.disc_radius or 0.0) * rotor.omega
-
-
-def rolled(rotor: Rotor, state: Values) -> Values:
-    """Return a state of which the tangential velocity is that of rolling, ``-rho omega``."""
-    rise, radius, exact = radial_rate_of(state), radius_of(state), state.copy()
-    rim = (rotor.disc_radius or 0.0) * rotor.omega
-    exact[VX] = (rise * state[X] / radius + rim * state[Y]) / radius
-    exact[VY] = (rise * state[Y] / radius - rim * state[X]) / radius
-    return exact
-
-
-def hold_of_rolling(rotor: Rotor, time: float, state: Values) -> float:
-    """Return ``F = omega**2 sin(omega t - phi) - gamma cos phi + V (2 zeta + r'/r)``."""
-    x, y, radius = float(state[X]), float(state[Y]), radius_of(state)
-    rim, angle = (rotor.disc_radius or 0.0) * rotor.omega, rotor.omega * time
-    drive = rotor.omega**2 * (math.sin(angle) * x - math.cos(angle) * y) - rotor.load * x
-    return drive / radius + rim * (2.0 * rotor.zeta + radial_rate_of(state) / radius**2)
-
-
-def hidden_slip(rotor: Rotor, state: Values) -> float:
-    """Return the slip speed that rounding hides."""
-    speed = math.hypot(state[VX], state[VY])
-    return HIDDEN * (float(speed) + (rotor.disc_radius or 0.0) * rotor.omega)
-
-
-def hidden_hold(rotor: Rotor, state: Values) -> float:
-    """Return the size of `hold_of_rolling` that rounding hides."""
-    rim = (rotor.disc_radius or 0.0) * rotor.omega
-    turning = 2.0 * rotor.zeta + abs(radial_rate_of(state)) / radius_of(state) ** 2
-    return HIDDEN * (rotor.omega**2 + rotor.load + rim * turning)
-
-
-def pressed_mode(rotor: Rotor, time: float, state: Values, slip: float | None = None) -> int:
-    """Decide how a pressed contact goes on: it slides where it does, or where grip is not enough.
-
-    `slip` is 0 where that is known.
-    """
-    if rotor.friction == 0.0:
-        return PRESSED
-    sliding = slip_of(rotor, state) if slip is None else slip
-    if abs(sliding) > hidden_slip(rotor, state):
-        return FORWARDS if sliding > 0.0 else BACKWARDS
-    hold = hold_of_rolling(rotor, time, rolled(rotor, state))
-    grip = rotor.friction * force_of(rotor, state)
-    if abs(hold) <= grip + hidden_hold(rotor, state):
-        return ROLLING
-    return FORWARDS if hold > 0.0 else BACKWARDS
-
-
-def mode_of_start(rotor: Rotor, start: State) -> int:
-    """Decide the mode at a start at time 0; a contact in which the force would pull is loose."""
-    if not starts_in_contact(rotor, start):
-        return FLIGHT
-    state = first_state(rotor, start)
-    held = hold_of(rotor, state)
-    if held == 0.0 and radius_of(state) > rotor.delta0:  # what it is about to become
-        rate = np.empty_like(state)
-        rates_of(rotor, LOOSE)(0.0, state, rate)
-        held = hold_of(rotor, state + math.sqrt(HIDDEN) * rate)
-    return pressed_mode(rotor, 0.0, state) if held > 0.0 else LOOSE
-
-
-def first_state(rotor: Rotor, start: State) -> Values:
-    """Return the state with which a run begins."""
-    more = 3 if rotor.friction > 0.0 else 2 if rotor.contact_damping > 0.0 else 1
-    return np.array([*start, *more * (0.0,)])
-
-
-def starts_in_contact(rotor: Rotor, start: State) -> bool:
-    """Decide whether a start at time 0 is in contact.
-
-    On the ring the first of radial velocity, acceleration and jerk that is not zero decides,
-    without the force: outwards means contact. Where all vanish the rotor whirls along the ring,
-    which is flight.
-    """
-    z, v = complex(start[0], start[1]), complex(start[2], start[3])
-    if rotor.delta0 == 0.0 or abs(abs(z) - rotor.delta0) > 4.0 * ROUNDING * abs(z):
-        return abs(z) >= rotor.delta0
-    a = rotor.omega**2 - 2.0 * rotor.zeta * v - rotor.shaft_stiffness * z - 1j * rotor.load
-    b = 1j * rotor.omega**3 - 2.0 * rotor.zeta * a - rotor.shaft_stiffness * v
-    derivatives = [  # of |z|**2/2, each a sum of products
-        [(z, v)],
-        [(v, v), (z, a)],
-        [(v, a), (v, a), (v, a), (z, b)],
-    ]
-    for products in derivatives:
-        total = sum((one.conjugate() * other).real for one, other in products)
-        if abs(total) > HIDDEN * sum(abs(one * other) for one, other in products):
-            return total > 0.0
-    return False
-
-
-def radius_of(state: Values) -> float:
-    """Return |z|."""
-    return math.hypot(state[X], state[Y])
-
-
-def radial_rate_of(state: Values) -> float:
-    """Return ``r r' = x vx + y vy``, which changes sign where the radius turns."""
-    return float(state[X] * state[VX] + state[Y] * state[VY])
-
-
-def hold_of(rotor: Rotor, state: Values) -> float:
-    """Return ``1 + c d'``, with which the force is 0 where the contact comes loose."""
-    if rotor.contact_damping == 0.0:
-        return 1.0
-    return 1.0 + rotor.contact_damping * radial_rate_of(state) / radius_of(state)
-
-
-def force_of(rotor: Rotor, state: Values) -> float:
-    """Return the normal force of a pressed contact."""
-    depth = max(radius_of(state) - rotor.delta0, 0.0)
-    return float(depth**rotor.contact_exponent * max(hold_of(rotor, state), 0.0))
 
 
 # ---- The solver ----
@@ -266,7 +127,7 @@ class Integration:
     def __init__(
         self,
         method: str,
-        rates: Callable[[float, Values, Values], None],
+        rates: Rates,
         tolerances: tuple[float, float],
         time: float,
         state: Values,
@@ -347,6 +208,7 @@ class _Run:
     """
 
     rotor: Rotor
+    course: Course
     options: Options
     tolerances: tuple[float, float]
     duration: float
@@ -358,6 +220,11 @@ class _Run:
     turns: list[tuple[float, float, Values]] = field(default_factory=list)
     ways: list[int] = field(default_factory=list)
     evaluations: int = 0
+    ended: float = 0.0
+
+    def machine_at(self, time: float) -> Machine:
+        """Return the rotor, and how it spins from a time on."""
+        return Machine(self.rotor, self.course.spins[self.course.piece_from(time)])
 
 
 @dataclass(slots=True)
@@ -398,12 +265,18 @@ def run_reference(
     tolerances: tuple[float, float],
     slack: float,
     stop: Stop | None,
+    course: Course | None = None,
 ) -> Orbit:
-    """Do as `rotor_ida.simulation.run.run` does, tolerances of a step given."""
-    run = _Run(rotor, options, tolerances, duration, sample_times.tolist(), stop)
-    mode = began = mode_of_start(rotor, start)
+    """Do as `rotor_ida.simulation.run.run` does, tolerances of a step given.
+
+    With a `course` the speed changes as that says.
+    """
+    course = course or steady(rotor.omega, duration)
+    run = _Run(rotor, course, options, tolerances, duration, sample_times.tolist(), stop)
+    machine = run.machine_at(0.0)
+    mode = began = mode_of_start(machine, start)
     run.ways.append(began)
-    contact = _Contact(math.nan, 0.0, first_state(rotor, start))
+    contact = _Contact(math.nan, 0.0, first_state(machine, start))
     time, state, event = 0.0, contact.state, ENTRY
     while event and time < duration:
         if event == ENTRY:
@@ -414,45 +287,73 @@ def run_reference(
         if event == EXIT or (not event and mode != FLIGHT):
             _record_contact(run, contact, time if event else math.nan, state)
         if event in {ENTRY, EXIT}:
-            state[IMPULSE:] = 0.0
+            state[IMPULSE:GAINED] = 0.0
             contact.entry = time if event == ENTRY else math.nan
     if event and mode != FLIGHT:  # it touches, or goes on in another way, as the run ends
         ending = _Contact(contact.entry, time, state) if event == ENTRY else contact
         _record_contact(run, ending, math.nan, state)
-    return _orbit_of(run, state, began=began != FLIGHT)
+    run.ended = time
+    return _orbit_of(run, start, state, began=began != FLIGHT)
 
 
 def _follow_mode(
     run: _Run, time: float, state: Values, contact: _Contact, slack: float, mode: int
 ) -> tuple[float, Values, int]:
-    """Follow one mode until it ends or the run does; return time and state, and what happened."""
-    rates = rates_of(run.rotor, mode)
+    """Follow one mode until it ends or the run does; return time and state, and what happened.
+
+    The angular acceleration may jump where a piece of the course ends: so does the integration.
+    """
+    event = 0
+    while not event and time < run.duration:
+        piece = run.course.piece_from(time)
+        last = piece == len(run.course.ends) - 1
+        end = run.duration if last else run.course.ends[piece]
+        reach = (end, slack if last else 0.0)
+        time, state, event = _follow_piece(run, time, state, contact, reach, mode)
+    return time, state, event
+
+
+def _follow_piece(
+    run: _Run,
+    time: float,
+    state: Values,
+    contact: _Contact,
+    reach: tuple[float, float],
+    mode: int,
+) -> tuple[float, Values, int]:
+    """Follow one mode to the end of a piece; an event may lie a slack behind that."""
+    machine, (until, slack) = run.machine_at(time), reach
+    rates = rates_of(machine, mode)
     motion = Integration(
         run.options.method, rates, run.tolerances, time, state, goal=time + run.duration
     )
     end, event = time, 0
-    while not event and end < run.duration:
+    while not event and end < until:
         if run.stop is not None and run.stop[0]:
             raise motion.failure("interrupted")
         motion.advance()
         turn = _turn_in(motion)
         crossing = _crossing_in(motion, turn, run.rotor.delta0, in_contact=mode != FLIGHT)
-        change, kind = _change_in(motion, run.rotor, mode)
+        change, kind = _change_in(motion, machine, mode)
         first = min(crossing, change)
-        if first <= run.duration + slack:
+        if first <= until + slack:
             ends = EXIT if mode != FLIGHT else ENTRY
             event = ends if crossing <= change else kind
-        end = first if event else min(motion.high, run.duration)
+        end = first if event else min(motion.high, until)
+        if state.size > SPEED and motion.at(end)[SPEED] < 0.0:
+            raise motion.failure(
+                "the speed fell through 0, where the torque no longer turns the rotor"
+            )
         for candidate in (turn, end):
             if candidate <= end:
                 contact.pass_by(candidate, motion.at(candidate))
         if mode not in {FLIGHT, LOOSE} and run.rotor.contact_damping > 0.0:
             contact.feel(run.rotor, motion, end)
-        _record_step(run, motion, turn, end, mode)
+        _record_step(run, machine, motion, turn, end, mode)
     run.evaluations += motion.evaluations
     state = motion.at(end).copy()
     if mode == ROLLING or event == ROLL:
-        state = rolled(run.rotor, state)
+        state = rolled(machine, end, state)
     if event in {ENTRY, EXIT}:
         state[:VX] *= run.rotor.delta0 / radius_of(state)
     return end, state, event
@@ -463,12 +364,12 @@ def _record_event(run: _Run, time: float, event: int, state: Values) -> int:
 
     What comes at the time of the event before, but for rounding, puts that right.
     """
-    rotor = run.rotor
+    machine = run.machine_at(time)
     mode = {EXIT: FLIGHT, RELEASE: LOOSE}.get(event, ROLLING)
     if event in {ENTRY, PRESS, ROLL}:
-        mode = pressed_mode(rotor, time, state, 0.0 if event == ROLL else None)
+        mode = pressed_mode(machine, time, state, 0.0 if event == ROLL else None)
     elif event == SLIP:
-        mode = FORWARDS if hold_of_rolling(rotor, time, state) > 0.0 else BACKWARDS
+        mode = FORWARDS if hold_of_rolling(machine, time, state) > 0.0 else BACKWARDS
     if event == ROLL and mode != ROLLING:
         event = REVERSE if mode == -run.ways[-1] else 0  # or only touched
     last = run.events[-1][1] if run.events else 0
@@ -490,27 +391,27 @@ def _record_event(run: _Run, time: float, event: int, state: Values) -> int:
     return mode
 
 
-def _change_in(motion: Integration, rotor: Rotor, mode: int) -> tuple[float, int]:
+def _change_in(motion: Integration, machine: Machine, mode: int) -> tuple[float, int]:
     """Return when in the last step the contact goes on in another way, or infinity; and its event.
 
     It comes loose, or presses again; surfaces stop sliding; or the disc begins to slip.
     """
     first = (math.inf, 0)
-    for within, event, hidden in _guards(motion, rotor, mode):
+    for within, event, hidden in _guards(motion, machine, mode):
         time = _first_below(motion, within, hidden)
-        if event == ROLL and time == _next(motion.low) and _drives_on(motion, rotor, mode):
+        if event == ROLL and time == _next(motion.low) and _drives_on(motion, machine, mode):
             continue
         if time < first[0]:
             first = (time, event)
     return first
 
 
-def _drives_on(motion: Integration, rotor: Rotor, mode: int) -> bool:
+def _drives_on(motion: Integration, machine: Machine, mode: int) -> bool:
     """Return whether surfaces that stand still as a step begins are driven on as they slid.
 
     After a slip their speed grows like the square of time: the error of a step may exceed it.
     """
-    return pressed_mode(rotor, motion.low, motion.before, 0.0) == mode
+    return pressed_mode(machine, motion.low, motion.before, 0.0) == mode
 
 
 def _next(time: float) -> float:
@@ -518,8 +419,9 @@ def _next(time: float) -> float:
     return math.nextafter(time, math.inf)
 
 
-def _guards(motion: Integration, rotor: Rotor, mode: int) -> list[tuple[Function, int, float]]:
+def _guards(motion: Integration, machine: Machine, mode: int) -> list[tuple[Function, int, float]]:
     """Return what stays positive in a mode, what happens where not, and what rounding hides."""
+    rotor = machine.rotor
     guards: list[tuple[Function, int, float]] = []
     if mode == FLIGHT:
         return guards
@@ -528,25 +430,28 @@ def _guards(motion: Integration, rotor: Rotor, mode: int) -> list[tuple[Function
         event = PRESS if mode == LOOSE else RELEASE
         guards.append((lambda _, state: side * hold_of(rotor, state), event, 0.0))
     if mode in SLIDING:
-        hidden = hidden_slip(rotor, motion.before)
-        guards.append((lambda _, state: mode * slip_of(rotor, state), ROLL, hidden))
+        hidden = hidden_slip(machine, motion.low, motion.before)
+        guards.append((lambda time, state: mode * slip_of(machine, time, state), ROLL, hidden))
     if mode == ROLLING:
-        hidden = hidden_hold(rotor, motion.before)
+        hidden = hidden_hold(machine, motion.low, motion.before)
         ends = ((motion.low, motion.before), (motion.high, motion.after))
-        holds = [hold_of_rolling(rotor, time, rolled(rotor, state)) for time, state in ends]
+        holds = [
+            hold_of_rolling(machine, time, rolled(machine, time, state)) for time, state in ends
+        ]
         if max(map(abs, holds)) > hidden:
-            guards += [(_grip(rotor, sense), SLIP, hidden) for sense in SLIDING]
+            guards += [(_grip(machine, sense), SLIP, hidden) for sense in SLIDING]
     return guards
 
 
-def _grip(rotor: Rotor, sense: int) -> Function:
+def _grip(machine: Machine, sense: int) -> Function:
     """Return what is left of the grip against sliding in a sense, as a function."""
+    rotor = machine.rotor
 
     def left(time: float, state: Values) -> float:
-        seen = rolled(rotor, state)
+        seen = rolled(machine, time, state)
         push = force_over_radius(radius_of(seen), rotor.delta0, rotor.contact_exponent)
         force = push * radius_of(seen) * hold_of(rotor, seen)
-        return rotor.friction * force - sense * hold_of_rolling(rotor, time, seen)
+        return rotor.friction * force - sense * hold_of_rolling(machine, time, seen)
 
     return left
 
@@ -595,12 +500,14 @@ def _crossing_in(motion: Integration, turn: float, delta0: float, *, in_contact:
     return math.inf
 
 
-def _record_step(run: _Run, motion: Integration, turn: float, end: float, mode: int) -> None:
+def _record_step(
+    run: _Run, machine: Machine, motion: Integration, turn: float, end: float, mode: int
+) -> None:
     """Record the samples of the last step up to its end, and where the radius turns."""
 
     def read(time: float) -> Values:
         state = motion.at(time)
-        return rolled(run.rotor, state) if mode == ROLLING else state
+        return rolled(machine, time, state) if mode == ROLLING else state
 
     while len(run.samples) < len(run.sample_times) and run.sample_times[len(run.samples)] <= end:
         run.samples.append(read(run.sample_times[len(run.samples)]))
@@ -621,26 +528,56 @@ def _record_contact(run: _Run, contact: _Contact, leaving: float, end: Values) -
     )
 
 
-def _orbit_of(run: _Run, end: Values, *, began: bool) -> Orbit:
+def _orbit_of(run: _Run, start: State, end: Values, *, began: bool) -> Orbit:
     """Return what was recorded."""
-    table = [(time, radius_of(state), kind, *state[:IMPULSE]) for time, kind, state in run.turns]
-    extrema = np.array(table).reshape(-1, 7)
-    extrema[:, 3:] = rotated(extrema[:, 3:], -run.rotor.omega * extrema[:, 0])
-    samples = [state[:IMPULSE] for state in run.samples]
-    events = [state[:IMPULSE] for _, _, state in run.events]
+    width = end.size
+    times = np.array(run.sample_times)
+    samples = np.array(run.samples).reshape(-1, width)
+    event_times = np.array([time for time, _, _ in run.events])
+    events = np.array([state for _, _, state in run.events]).reshape(-1, width)
+    turns = np.array([state for _, _, state in run.turns]).reshape(-1, width)
+    table = [(time, radius_of(state), kind) for time, kind, state in run.turns]
+    heads = np.array(table).reshape(-1, 3)
+    angles = run.rotor.omega * heads[:, 0]
+    turning = None
+    if width > GAINED:
+        angles = run.course.tell(heads[:, 0], turns)[:, 0]
+        turning = _turning_of(run, start, end, (times, samples), (event_times, events))
     return Orbit(
         rotor=run.rotor,
         options=run.options,
         duration=run.duration,
-        times=np.array(run.sample_times),
-        states=np.array(samples).reshape(-1, IMPULSE),
+        times=times,
+        states=np.ascontiguousarray(samples[:, :IMPULSE]),
         starts_in_contact=began,
-        event_times=np.array([time for time, _, _ in run.events]),
+        event_times=event_times,
         event_kinds=np.array([kind for _, kind, _ in run.events], dtype=np.int8),
-        event_states=np.array(events).reshape(-1, IMPULSE),
+        event_states=np.ascontiguousarray(events[:, :IMPULSE]),
         contacts=np.array(run.contacts).reshape(-1, CONTACT_COLUMNS),
         end=end[:IMPULSE],
         evaluations=run.evaluations,
         ways=np.array(run.ways, np.int8) if run.rotor.friction > 0.0 else None,
-        extrema=extrema,
+        extrema=np.column_stack([heads, rotated(turns[:, :IMPULSE], -angles)]),
+        turning=turning,
+    )
+
+
+def _turning_of(
+    run: _Run,
+    start: State,
+    end: Values,
+    samples: tuple[Values, Values],
+    events: tuple[Values, Values],
+) -> Turning:
+    """Return how the speed changed, and how well the energy balances."""
+    first = run.machine_at(0.0)
+    last = Machine(run.rotor, run.course.spins[-1])
+    begun = energy_of(first, 0.0, first_state(first, start))
+    ended = energy_of(last, run.ended, end)
+    return Turning(
+        course=run.course,
+        samples=run.course.tell(*samples),
+        events=run.course.tell(*events),
+        end=run.course.tell(np.array([run.ended]), end[np.newaxis])[0],
+        energies=(begun, ended, float(end[GAINED])),
     )

@@ -10,7 +10,6 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import State
 from rotor_ida.core.interface import ENTRY_TIME, EXIT_TIME
 from rotor_ida.equations.contact import contact_force, damping_factor
-from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.orbit import (
     SLIDES_BACKWARDS,
     SLIDES_FORWARDS,
@@ -39,18 +38,18 @@ def slip_distances(orbit: Orbit, start: State) -> Values:
     their ends add. NaN where these are too far apart.
     """
     assert orbit.ways is not None
-    rotor = orbit.rotor
     times = np.concatenate([[0.0], orbit.event_times, orbit.times, [orbit.duration]])
     states = np.vstack([np.array(start), orbit.event_states, orbit.states, orbit.end])
     order = np.argsort(times, kind="stable")
-    times, states = times[order], states[order]
+    turned = turned_at(orbit, times)
+    times, states, turned = times[order], states[order], turned[order]
     span = np.diff(times)
     ways = orbit.ways[
         np.searchsorted(orbit.event_times, 0.5 * (times[1:] + times[:-1]), side="right")
     ]
     # before, and behind: at an event the rate jumps
-    first, rate = _slip(rotor, times[:-1], states[:-1], ways)
-    last, rate_there = _slip(rotor, times[1:], states[1:], ways)
+    first, rate = _slip(orbit, times[:-1], states[:-1], turned[:-1], ways)
+    last, rate_there = _slip(orbit, times[1:], states[1:], turned[1:], ways)
     sense = np.sign(first + last)
     flat = 0.5 * span * sense * (first + last)
     bent = flat + span**2 / 12.0 * sense * (rate - rate_there)
@@ -73,14 +72,32 @@ def _limits(orbit: Orbit) -> tuple[Values, Values]:
     return began, ended
 
 
-def _slip(rotor: Rotor, times: Values, states: Values, ways: Values) -> tuple[Values, Values]:
+def turned_at(orbit: Orbit, times: Values) -> Values:
+    """Return angle and speed at the start, the events, the samples and the end, shape (n, 2)."""
+    omega = orbit.rotor.omega
+    if orbit.turning is None:
+        return np.column_stack([omega * times, np.full(times.size, omega)])
+    turning = orbit.turning
+    return np.vstack([[0.0, omega], turning.events, turning.samples, turning.end])
+
+
+def _slip(
+    orbit: Orbit, times: Values, states: Values, turned: Values, ways: Values
+) -> tuple[Values, Values]:
     """Return the slip speed, and its rate while the surfaces slide as told."""
-    x, y, vx, vy = states.T
+    rotor, (x, y, vx, vy), (angle, speed) = orbit.rotor, states.T, turned.T
+    rho = rotor.disc_radius or 0.0
     radius = np.maximum(np.hypot(x, y), np.finfo(float).tiny)
     outwards, across = (x * vx + y * vy) / radius, (x * vy - y * vx) / radius
     normal = contact_force(radius, rotor.delta0, rotor.contact_exponent)
     normal = normal * np.maximum(damping_factor(outwards, rotor.contact_damping), 0.0)
-    ahead = rotor.omega * times - np.arctan2(y, x)
-    rate = rotor.omega**2 * np.sin(ahead) - 2.0 * rotor.zeta * across - rotor.load * x / radius
+    ahead = angle - np.arctan2(y, x)
+    rate = speed * speed * np.sin(ahead) - 2.0 * rotor.zeta * across - rotor.load * x / radius
     rate -= rotor.friction * ways * normal + outwards * across / radius
-    return across + (rotor.disc_radius or 0.0) * rotor.omega, rate
+    if orbit.turning is not None:
+        lever, cos, sin = rho - np.cos(ahead), np.cos(angle), np.sin(angle)
+        stiffness = rotor.shaft_stiffness + normal / radius
+        resisted = -2.0 * rotor.zeta * (cos * vy - sin * vx) - stiffness * (cos * y - sin * x)
+        resisted += rotor.friction * ways * normal * lever
+        rate += lever * orbit.turning.course.accelerations(times, speed, resisted)
+    return across + rho * speed, rate

@@ -71,7 +71,7 @@ def run(
     """
     tolerances = scale * options.step_rtol, scale * options.step_atol
     if options.backend == "python":
-        orbit = _reference()(
+        orbit = reference()(
             rotor, start, duration, sample_times, options,
             tolerances=tolerances, slack=slack, stop=stop,
         )  # fmt: skip
@@ -97,7 +97,7 @@ def run(
     return orbit
 
 
-def _reference() -> Callable[..., Orbit]:
+def reference() -> Callable[..., Orbit]:
     """Return the reference, which needs its solver."""
     try:
         from rotor_ida.simulation.reference import run_reference  # noqa: PLC0415

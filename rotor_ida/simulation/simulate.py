@@ -120,7 +120,7 @@ def simulate(
     first = check_state("start", start)
     check_can_be_followed(rotor, first)
     end = check_duration("duration", duration, rotor.omega)
-    times = _sample_times(samples, end)
+    times = sample_times(samples, end)
     options = Options(rtol=rtol, atol=atol, method=method, flight=flight, backend=backend)
     slack = min(END_SLACK * options.rtol, MOST_SLACK) * end
 
@@ -135,7 +135,7 @@ def simulate(
     return run_dataset(orbit, first, errors)
 
 
-def _sample_times(samples: object, duration: float) -> Values:
+def sample_times(samples: object, duration: float) -> Values:
     """Return the times to report, from a number of them or from themselves."""
     if is_scalar("samples", samples):
         return np.linspace(0.0, duration, check_count("samples", samples, minimum=2))

@@ -23,6 +23,10 @@ def simulate(**changes: str) -> str:
     return " ".join(["simulate", *(f"{name} {value}" for name, value in words.items())])
 
 
+def run_up(given: str, omega: str = "0.5") -> str:
+    return f"run-up --omega {omega} --zeta 0.07 --delta0 0.5 {given}"
+
+
 def sweep(**changes: str) -> str:
     words = {"omega": "1", "zeta": "0.5", "delta0": "0"} | changes
     return " ".join(["sweep", *(f"--{name} {value}" for name, value in words.items())])
@@ -163,6 +167,33 @@ MISTAKES = [
     (turn(parameters="omega mass"), "got 'mass'"),
     (turn(parameters="omega omega"), "parameters must be two of omega, zeta, delta0"),
     (turn(kind="fold"), "limits must hold a fold of the branch through the start, got none there"),
+    # speeds that change
+    (run_up(""), "the speed must change in one way, by to and rate, by speeds, or by torque and"),
+    (run_up("--to 2 --rate -0.1"), "rate must be positive to change the speed from 0.5 to 2.0"),
+    (run_up("--to 0 --rate 0.1"), "rate must be negative to change the speed from 0.5 to 0.0"),
+    (run_up("--to 2 --rate 0"), "rate must be positive to change the speed from 0.5 to 2.0"),
+    (run_up("--to -1 --rate -1"), "to must be zero or positive, as a run through zero is not"),
+    (run_up("--to 2 --rate 0.1 --torque 1 0"), "must change in one way, by to and rate"),
+    (run_up("--to 2"), "rate must be given with to, got None"),
+    (run_up("--torque 1 0 --inertia -2 --duration 9"), "inertia must be positive, got -2.0"),
+    (run_up("--torque 1 0 --inertia 0 --duration 9"), "inertia must be positive, got 0.0"),
+    (run_up("--torque 1 0 --inertia 2"), "duration must be given with torque, got None"),
+    (run_up("--torque 1 --inertia 2"), "torque must be two numbers TAU0 SLOPE, got 1"),
+    (
+        run_up("--torque -1 0 --inertia 2 --duration 9", omega="0"),
+        "tau0 of torque must be positive to turn a rotor that is at rest, got -1.0",
+    ),
+    (run_up("--speeds 0:1 2:2 1:3"), "times of speeds must increase, got 1.0 after 2.0"),
+    (run_up("--speeds 0:1 2:-2"), "a speed of speeds must be zero or positive"),
+    (run_up("--speeds 1 2"), "speeds must be pairs TIME:SPEED, got '1'"),
+    (run_up("--to 2 --rate 0.1 --method taylor"), "Taylor series do not know changing speeds"),
+    (run_up("--to 2 --rate 0.1 --backend compiled"), "compiled core does not know changing"),
+    (
+        run_up("--to 2 --rate 0.1 --friction 0.1 --disc-radius 1 --delta0 0").replace(
+            "--delta0 0.5 ", ""
+        ),
+        "friction must be 0 without clearance",
+    ),
     # words
     ("fly", "unknown command 'fly'"),
     ("--fly", "unknown command '--fly'"),

@@ -26,6 +26,7 @@ COMMANDS = [
     *(
         "reproduce",
         "simulate",
+        "run-up",
         "response",
         "sweep",
         "basin",

@@ -9,8 +9,10 @@ from scipy.optimize import brentq
 
 from rotor_ida import Rotor, SimulationError, simulate
 from rotor_ida.simulation import reference
+from rotor_ida.simulation.mechanics import FLIGHT, PRESSED, Machine, rates_of
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
+from rotor_ida.simulation.spin import Steady
 from tests.test_reference_events import CASES
 from tests.test_reference_events import reference as exact_events
 
@@ -30,9 +32,8 @@ def test_it_moves_by_the_equation():
             push = rotor.omega**2 * cmath.exp(1j * rotor.omega * time)
             a = push - 2.0 * rotor.zeta * v - force * z / abs(z)
             state = np.array([x, y, vx, vy, 0.0])
-            reference.rates_of(rotor, reference.PRESSED if in_contact else reference.FLIGHT)(
-                time, state, rate
-            )
+            machine = Machine(rotor, Steady(rotor.omega))
+            rates_of(machine, PRESSED if in_contact else FLIGHT)(time, state, rate)
             assert rate == pytest.approx([vx, vy, a.real, a.imag, force], rel=1e-14, abs=1e-14)
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import rotor_ida
 from rotor_ida.cli import options
 from rotor_ida.cli.output import Output, answer, answer_whole, working
-from rotor_ida.cli.parsing import MOST_POINTS, check_points
+from rotor_ida.cli.parsing import MOST_POINTS, check_points, pairs
 from rotor_ida.cli.report import FIRST_ROWS, Report
 from rotor_ida.errors import InputError
 
@@ -43,6 +43,50 @@ def simulate(
     run = rotor_ida.simulate(
         beyond.of(rotor.rotor()),
         start=start,
+        duration=duration,
+        samples=samples,
+        **asdict(solver),
+    )
+    return answer(run, output, most=FIRST_ROWS)
+
+
+def run_up(
+    *,
+    rotor: options.RotorOptions,
+    to: options.To = None,
+    rate: options.Rate = None,
+    speeds: options.Speeds = None,
+    torque: options.Torque = None,
+    inertia: options.Inertia = None,
+    duration: options.DurationOrNone = None,
+    start: options.Start = options.REST,
+    samples: options.Samples = 1001,
+    beyond: options.BeyondOptions = options.BeyondOptions(),
+    solver: options.RunUpSolverOptions = options.RunUpSolverOptions(),  # noqa: B008 - frozen
+    output: Output = Output(),
+) -> Report:
+    r"""Simulate one rotor whose speed changes: on a ramp, piece by piece, or driven by a torque.
+
+    From --omega up through resonance; piece by piece; and with limited power:
+
+        rotor-ida run-up --omega 0.2 --zeta 0.07 --delta0 0.8 \
+            --shaft-stiffness 1 --to 2 --rate 0.05 --out run_up.nc
+
+        rotor-ida run-up --omega 0.5 --zeta 0.07 --delta0 1 \
+            --speeds 0:0.5 20:1.5 40:1.5 60:0
+
+        rotor-ida run-up --omega 0.5 --zeta 0.07 --delta0 1 \
+            --torque 3 0.5 --inertia 10 --duration 60
+    """
+    output.check()
+    run = rotor_ida.run_up(
+        beyond.of(rotor.rotor()),
+        start=start,
+        to=to,
+        rate=rate,
+        speeds=None if speeds is None else pairs("speeds", speeds),
+        torque=torque,
+        inertia=inertia,
         duration=duration,
         samples=samples,
         **asdict(solver),

@@ -85,13 +85,17 @@ def _beginning(
         return chosen, begun, REVOLUTIONS
     if given or start is not None:
         raise InputError("file must be given alone: it has a rotor and a start of its own")
-    from rotor_ida.simulation.dataset import rotor_of  # noqa: PLC0415 - heavy, and not for --help
+    from rotor_ida.simulation.dataset import (  # noqa: PLC0415 - heavy, and not for --help
+        check_one_speed,
+        rotor_of,
+    )
 
     run = read(file)
     if "event_time" not in run or "duration" not in run.attrs or "length_scale" in run.attrs:
         raise InputError(
             f"file must be a run that simulate wrote, dimensionless, got {shown(file)}"
         )
+    check_one_speed(run, "the explorer")
     rotor = rotor_of(run)
     x, y, vx, vy = map(float, run.attrs["start"])
     turns = float(run.attrs["duration"]) * (rotor.omega or 1.0) / (2.0 * math.pi)

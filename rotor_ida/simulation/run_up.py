@@ -1,0 +1,356 @@
+"""Run a rotor up or down: along a ramp of its speed, piece by piece, or as a torque drives it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.arrays import Values
+from rotor_ida.checks import (
+    State,
+    check_array,
+    check_between,
+    check_choice,
+    check_duration,
+    check_instance,
+    check_nonnegative,
+    check_real,
+    check_state,
+    shown,
+)
+from rotor_ida.errors import InputError, SimulationError
+from rotor_ida.parallel import Stop, interruptible
+from rotor_ida.parameters import Rotor
+from rotor_ida.simulation.dataset import run_dataset
+from rotor_ida.simulation.event_errors import (
+    APART,
+    MOST_SAMPLES,
+    OF_ROUNDING,
+    WIDENING,
+    EventErrors,
+    errors_beside,
+)
+from rotor_ida.simulation.options import (
+    BACKENDS,
+    LARGEST,
+    METHODS,
+    Backend,
+    Method,
+    Options,
+    check_can_be_followed,
+)
+from rotor_ida.simulation.orbit import Orbit, check_orbit
+from rotor_ida.simulation.run import reference
+from rotor_ida.simulation.simulate import END_SLACK, MOST_SLACK, sample_times
+from rotor_ida.simulation.spin import Course, driven, through
+
+# The disc is often 10^5 eccentricities wide, and its inertia goes with the square of that.
+SMALLEST_DRIVE, LARGEST_DRIVE = 1e-12, 1e15
+# Below this the second run cannot be more exact than the first: it is less exact.
+TIGHTEST_BESIDE = 3e-12
+# More of them, of the spin or of a motion at the reference frequency, take hours.
+MOST_RADIANS = 1e7
+WAYS = "by to and rate, by speeds, or by torque and inertia"
+
+
+@dataclass(frozen=True, slots=True)
+class _Asked:
+    """How the speed is to change: the rotor as it begins, the course, and both as attributes."""
+
+    rotor: Rotor
+    course: Course
+    changes: dict[str, object]
+
+
+def run_up(
+    rotor: Rotor,
+    *,
+    start: npt.ArrayLike,
+    to: float | None = None,
+    rate: float | None = None,
+    speeds: Sequence[tuple[float, float]] | npt.ArrayLike | None = None,
+    torque: tuple[float, float] | npt.ArrayLike | None = None,
+    inertia: float | None = None,
+    duration: float | None = None,
+    samples: int | npt.ArrayLike = 1001,
+    rtol: float = 1e-10,
+    atol: float = 1e-12,
+    method: Method = "adams",
+    backend: Backend = "auto",
+) -> xr.Dataset:
+    """Simulate a rotor whose speed changes, with every event found by root finding.
+
+    The speed changes in one of three ways: at a constant `rate` up or down `to` another speed; as
+    `speeds` has it, linear from one time to the next; or as a `torque` turns the `inertia` of the
+    rotor, against damping, shaft and ring.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        The rotor: its ``omega`` is the speed at time 0, where the unbalance points along x.
+    start : array_like, shape (4,)
+        ``(x, y, vx, vy)`` at time 0 [1].
+    to : float
+        Speed at the end of a ramp [1].
+    rate : float
+        Change of the speed in a unit of time [1], negative in a run-down.
+    speeds : sequence of (float, float)
+        Pairs of time and speed [1], with times that increase from 0. The first speed is the one
+        that counts at time 0, whatever the rotor's is.
+    torque : tuple of float
+        ``(tau0, slope)``: the drive's torque is ``tau0 - slope speed`` [1].
+    inertia : float
+        Moment of inertia about the centre of mass, over mass times eccentricity squared [1].
+    duration : float, optional
+        Time to simulate [1]. A torque needs one; otherwise it is what the change of the speed
+        takes, and beyond that the last speed is held.
+    samples : int or array_like, shape (n,)
+        Number of equally spaced times at which the motion is reported, both ends included, or the
+        times themselves, increasing [1].
+    rtol, atol : float
+        Relative and absolute tolerance [1], as of `simulate`.
+    method : {"adams", "bdf", "ida"}
+        CVODE with Adams or BDF, or IDA. Taylor series do not know changing speeds yet.
+    backend : {"auto", "python"}
+        The plain-Python reference; the compiled core does not know changing speeds yet.
+
+    Returns
+    -------
+    Dataset
+        As of `simulate`, with ``speed`` and ``angle`` on ``t``, ``event_speed`` and ``event_angle``
+        on ``event``, and ``revolutions``, the number of them in the run. ``omega`` is the speed at
+        time 0. Attributes say how the speed changed: ``to`` and ``rate``, ``speeds`` (time and
+        speed by turns), or ``torque`` and ``inertia``.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used, or the speed would pass through zero.
+    SimulationError
+        If the solver gave up, or a torque let the speed fall through zero; with time and state.
+    InvariantError
+        If the result contradicts the mechanics, with the place.
+
+    Notes
+    -----
+    With the angle theta of the unbalance, on the left as for a constant speed,
+    ``z'' + 2 zeta z' + kappa z + (N + i T) z/|z| = (theta'**2 - i theta'') exp(i theta)
+    - i gamma``. The rim runs at ``rho theta'``. With a torque
+    ``j theta'' = tau0 - slope theta' - T (rho - cos(theta - phi))
+    + Im(exp(-i theta) (2 zeta z' + kappa z + N z/|z|))``: the reaction acts about the centre of
+    mass, and the load, which acts there, has no part in it. ``docs/run_up.md`` has more.
+    ``event_time_error`` comes from a second run with thirty times tighter tolerances, or, where
+    `rtol` is below 3e-12, with thirty times looser ones.
+
+    References
+    ----------
+    A. Sommerfeld, "Beiträge zum dynamischen Ausbau der Festigkeitslehre", Zeitschrift des Vereines
+    deutscher Ingenieure 46, 1902; F. M. Lewis, "Vibration during acceleration through a critical
+    speed", Transactions of the ASME 54, 1932.
+
+    Examples
+    --------
+    >>> rotor = Rotor(omega=0.2, zeta=0.07, delta0=0.8)
+    >>> run = run_up(rotor, start=(0, 0, 0, 0), to=2.0, rate=0.05, samples=5)
+    >>> run.t.values, run.speed.values.round(12)
+    (array([ 0.,  9., 18., 27., 36.]), array([0.2 , 0.65, 1.1 , 1.55, 2.  ]))
+    >>> run.event_kind.values, run.event_speed.values.round(6)
+    (array([1], dtype=int8), array([0.440496]))
+    >>> run = run_up(rotor, start=(0, 0, 0, 0), torque=(1, 0), inertia=20, duration=40, samples=5)
+    >>> run.speed.values.round(6)
+    array([0.2     , 0.622213, 0.626802, 0.790485, 0.867413])
+    """
+    check_instance("rotor", rotor, Rotor)
+    first = check_state("start", start)
+    options = _checked_options(rtol, atol, method, backend)
+    given = {"to": to, "rate": rate, "speeds": speeds, "torque": torque, "inertia": inertia}
+    asked = _asked(
+        rotor, {name: each for name, each in given.items() if each is not None}, duration
+    )
+    check_can_be_followed(asked.rotor, first)
+    end = asked.course.ends[-1]
+    times = sample_times(samples, end)
+
+    def run_twice(stop: Stop | None = None) -> tuple[Orbit, EventErrors]:
+        orbit = _run(asked, first, times, options, stop=stop)
+        return orbit, _errors_of(orbit, asked, first, stop)
+
+    orbit, errors = interruptible(run_twice)
+    return run_dataset(orbit, first, errors, asked.changes)
+
+
+def _checked_options(rtol: float, atol: float, method: Method, backend: Backend) -> Options:
+    """Return how a run-up is computed: by the reference."""
+    check_choice("method", method, METHODS)
+    check_choice("backend", backend, BACKENDS)
+    if method == "taylor":
+        raise InputError(
+            "method must be 'adams', 'bdf' or 'ida' for run_up, as Taylor series do not know "
+            "changing speeds yet, got 'taylor'"
+        )
+    if backend == "compiled":
+        raise InputError(
+            "backend must be 'auto' or 'python' for run_up, as the compiled core does not know "
+            "changing speeds yet, got 'compiled'"
+        )
+    return Options(rtol=rtol, atol=atol, method=method, backend="python")
+
+
+def _run(
+    asked: _Asked,
+    start: State,
+    times: Values,
+    options: Options,
+    *,
+    scale: float = 1.0,
+    slacks: float = 1.0,
+    stop: Stop | None = None,
+) -> Orbit:
+    """Simulate; `scale` is a factor on both tolerances, `slacks` one on what is behind the end."""
+    end = asked.course.ends[-1]
+    orbit = reference()(
+        asked.rotor,
+        start,
+        end,
+        times,
+        options,
+        tolerances=(scale * options.step_rtol, scale * options.step_atol),
+        slack=slacks * min(END_SLACK * options.rtol, MOST_SLACK) * end,
+        stop=stop,
+        course=asked.course,
+    )
+    check_orbit(orbit)
+    return orbit
+
+
+def _errors_of(orbit: Orbit, asked: _Asked, start: State, stop: Stop | None) -> EventErrors:
+    """Estimate the errors of the events from a second run."""
+    tighter = orbit.options.rtol >= TIGHTEST_BESIDE
+    every = max(1, orbit.times.size // MOST_SAMPLES)
+    assert orbit.turning is not None
+    turning = replace(orbit.turning, samples=orbit.turning.samples[::every])
+    thinned = replace(
+        orbit, times=orbit.times[::every], states=orbit.states[::every], turning=turning
+    )
+    try:
+        other = _run(
+            asked, start, thinned.times, orbit.options,
+            scale=1.0 / APART if tighter else APART, slacks=2.0, stop=stop,
+        )  # fmt: skip
+    except SimulationError as error:
+        return EventErrors(np.full(orbit.event_times.size, np.inf), error.time)
+    widening, of_rounding = (WIDENING, OF_ROUNDING) if tighter else (1.0, 1.0)
+    return errors_beside(orbit, thinned, other, widening=widening, of_rounding=of_rounding)
+
+
+# ---- How the speed is to change ----
+
+
+def _asked(rotor: Rotor, given: dict[str, object], duration: float | None) -> _Asked:
+    """Return how the speed is to change, or raise `InputError`."""
+    names = ", ".join(given) or "none of them"
+    ways = [name for name, sign in (("to", "rate"), ("speeds", "speeds"), ("torque", "inertia"))
+            if name in given or sign in given]  # fmt: skip
+    if len(ways) != 1:
+        raise InputError(f"the speed must change in one way, {WAYS}, got {names}")
+    for pair in (("to", "rate"), ("torque", "inertia")):
+        for name, other in (pair, pair[::-1]):
+            if name in given and other not in given:
+                raise InputError(f"{other} must be given with {name}, got None")
+    if "torque" in given:
+        return _by_torque(rotor, given["torque"], given["inertia"], duration)
+    if "speeds" in given:
+        return _piece_by_piece(rotor, given["speeds"], duration)
+    return _by_ramp(rotor, given["to"], given["rate"], duration)
+
+
+def _by_ramp(rotor: Rotor, to: object, rate: object, duration: float | None) -> _Asked:
+    """Return a ramp from the rotor's speed to another."""
+    target, slope, omega = _checked_speed("to", to), check_real("rate", rate), rotor.omega
+    if target == omega:
+        raise InputError(f"to must differ from the rotor's omega {omega!r}, got {target!r}")
+    way = "positive" if target > omega else "negative"
+    if slope == 0.0 or (slope > 0.0) != (target > omega):
+        raise InputError(
+            f"rate must be {way} to change the speed from {omega!r} to {target!r}, got {slope!r}"
+        )
+    check_between("the size of rate", abs(slope), SMALLEST_DRIVE, LARGEST)
+    ramp = _checked_time("the time of the ramp", (target - omega) / slope, max(omega, target))
+    end = _checked_end(duration, ramp, max(omega, target))
+    course = through([(0.0, omega), (ramp, target)], end)
+    return _Asked(rotor, course, {"to": target, "rate": slope})
+
+
+def _piece_by_piece(rotor: Rotor, speeds: object, duration: float | None) -> _Asked:
+    """Return a course from speed to speed."""
+    table = check_array("speeds", speeds)
+    if table.ndim != 2 or table.shape[1] != 2 or len(table) < 2:
+        raise InputError(f"speeds must be two or more pairs of time and speed, got {shown(speeds)}")
+    times, values = table.T.tolist()
+    if times[0] != 0.0:
+        raise InputError(f"the first time of speeds must be 0, got {times[0]!r}")
+    for before, after in pairwise(times):
+        if after <= before:
+            raise InputError(f"times of speeds must increase, got {after!r} after {before!r}")
+    for value in values:
+        _checked_speed("a speed of speeds", value)
+    last = _checked_time("the last time of speeds", times[-1], max(values))
+    end = _checked_end(duration, last, max(values))
+    course = through(list(zip(times, values, strict=True)), end)
+    return _Asked(replace(rotor, omega=values[0]), course, {"speeds": table.ravel()})
+
+
+def _by_torque(rotor: Rotor, torque: object, inertia: object, duration: float | None) -> _Asked:
+    """Return a course that a torque drives."""
+    pair = check_array("torque", torque, largest=LARGEST_DRIVE)
+    if pair.shape != (2,):
+        raise InputError(f"torque must be two numbers (tau0, slope), got {shown(torque)}")
+    tau0, slope = pair.tolist()
+    moment = check_between("inertia", inertia, SMALLEST_DRIVE, LARGEST_DRIVE)
+    if rotor.omega == 0.0 and tau0 <= 0.0:
+        raise InputError(
+            f"tau0 of torque must be positive to turn a rotor that is at rest, got {tau0!r}"
+        )
+    if duration is None:
+        raise InputError("duration must be given with torque, got None")
+    end = _checked_time("duration", duration, rotor.omega)
+    return _Asked(rotor, driven((tau0, slope), moment, end), {"torque": pair, "inertia": moment})
+
+
+def _checked_speed(name: str, value: object) -> float:
+    """Return a speed that can be simulated, or raise `InputError`."""
+    number = check_real(name, value)
+    if number < 0.0:
+        raise InputError(
+            f"{name} must be zero or positive, as a run through zero is not known, got {number!r}"
+        )
+    return check_nonnegative(name, number, LARGEST)
+
+
+def _checked_time(name: str, value: object, fastest: float) -> float:
+    """Return a time that the reference can follow a rotor for, or raise `InputError`."""
+    time, longest = check_duration(name, value, fastest), MOST_RADIANS / max(fastest, 1.0)
+    if time > longest:
+        raise InputError(
+            f"{name} must be at most {longest:g} for run_up, as the reference would take hours, "
+            f"got {time!r}"
+        )
+    return time
+
+
+def _checked_end(duration: float | None, least: float, fastest: float) -> float:
+    """Return the end of a run, no earlier than the change of the speed is over."""
+    if duration is None:
+        return least
+    end = _checked_time("duration", duration, fastest)
+    if end < least and not math.isclose(end, least, rel_tol=1e-12):
+        raise InputError(
+            f"duration must be at least {least!r}, which the change of the speed takes, got {end!r}"
+        )
+    return max(end, least)

@@ -1,0 +1,174 @@
+"""How a rotor spins: at one speed, along ramps of the speed, or as a torque drives it.
+
+The unbalance pulls with ``(theta'**2 - i theta'') exp(i theta)``. Where the speed is prescribed
+the angle theta is a quadratic of time, piece by piece; where a torque is, angle and speed are
+integrated with the motion.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from rotor_ida.arrays import Values
+
+# Where a spinning rotor's state has what the drive has given less all that was lost, and where that
+# of a driven one has angle and speed.
+GAINED, ANGLE, SPEED = 7, 8, 9
+
+
+@dataclass(frozen=True, slots=True)
+class Steady:
+    """One speed for ever.
+
+    Parameters
+    ----------
+    speed : float
+        The speed [1].
+    """
+
+    speed: float
+
+    def at(self, time: Any, _state: Values) -> tuple[Any, Any]:
+        """Return angle and speed at a time, or at many."""
+        return self.speed * time, self.speed
+
+    def acceleration(self, _speed: Any, _reaction: Any, _yielding: Any = 0.0) -> Any:
+        """Return the angular acceleration."""
+        return 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Ramp:
+    """A speed that changes at a constant rate, whatever torque that takes.
+
+    Parameters
+    ----------
+    begin, angle, speed : float
+        When it begins, and angle and speed there [1].
+    rate : float
+        The angular acceleration [1].
+    """
+
+    begin: float
+    angle: float
+    speed: float
+    rate: float
+
+    def at(self, time: Any, _state: Values) -> tuple[Any, Any]:
+        """Return angle and speed at a time, or at many."""
+        since = time - self.begin
+        return (
+            self.angle + (self.speed + 0.5 * self.rate * since) * since,
+            self.speed + self.rate * since,
+        )
+
+    def acceleration(self, _speed: Any, _reaction: Any, _yielding: Any = 0.0) -> Any:
+        """Return the angular acceleration."""
+        return self.rate
+
+
+@dataclass(frozen=True, slots=True)
+class Driven:
+    """A speed that changes as a torque of limited power and the reaction of the motion have it.
+
+    Parameters
+    ----------
+    torque, slope : float
+        The torque of the drive at rest, and by how much it falls with the speed [1].
+    inertia : float
+        Moment of inertia about the centre of mass, over mass times eccentricity squared [1].
+    """
+
+    torque: float
+    slope: float
+    inertia: float
+
+    def at(self, _time: Any, state: Values) -> tuple[Any, Any]:
+        """Return angle and speed in a state, or in rows of states."""
+        if state.ndim == 1:
+            return float(state[ANGLE]), float(state[SPEED])
+        return state[:, ANGLE], state[:, SPEED]
+
+    def acceleration(self, speed: Any, reaction: Any, yielding: Any = 0.0) -> Any:
+        """Return the angular acceleration against a reaction.
+
+        In rolling the reaction grows with the acceleration itself, by `yielding` times it.
+        """
+        return (self.torque - self.slope * speed - reaction) / (self.inertia + yielding)
+
+
+Spin = Steady | Ramp | Driven
+
+
+@dataclass(frozen=True, slots=True)
+class Course:
+    """How the speed changes during a run: one way to spin after the other.
+
+    Parameters
+    ----------
+    ends : tuple of float
+        When each ends [1]; the last one is the end of the run.
+    spins : tuple
+        The ways to spin.
+    """
+
+    ends: tuple[float, ...]
+    spins: tuple[Spin, ...]
+
+    def piece_from(self, time: float) -> int:
+        """Return which way to spin there is from a time on."""
+        return bisect_right(self.ends, time, hi=len(self.ends) - 1)
+
+    def number_at(self, times: Values) -> Any:
+        """Return which way to spin there is at times; an end belongs to what it ends."""
+        return np.searchsorted(self.ends[:-1], times, side="left")
+
+    def tell(self, times: Values, states: Values) -> Values:
+        """Return angle and speed at times, states given, shape (n, 2)."""
+        told = np.empty((times.size, 2))
+        numbers = self.number_at(times)
+        for number, spin in enumerate(self.spins):
+            here = numbers == number
+            told[here] = np.column_stack(
+                np.broadcast_arrays(*spin.at(times[here], states[here]), times[here])[:2]
+            )
+        return told
+
+    def accelerations(self, times: Values, speeds: Values, reactions: Values) -> Values:
+        """Return the angular accelerations at times."""
+        numbers = self.number_at(times)
+        found = np.zeros(times.size)
+        for number, spin in enumerate(self.spins):
+            each = np.broadcast_to(spin.acceleration(speeds, reactions), times.shape)
+            found[numbers == number] = each[numbers == number]
+        return found
+
+
+def steady(speed: float, duration: float) -> Course:
+    """Return a course at one speed."""
+    return Course((duration,), (Steady(speed),))
+
+
+def through(points: list[tuple[float, float]], duration: float) -> Course:
+    """Return a course through points of time and speed, of which the last speed is held."""
+    spins: list[Spin] = []
+    angle = 0.0
+    for (begin, speed), (end, there) in pairwise(points):
+        rate = (there - speed) / (end - begin)
+        spins.append(Ramp(begin, angle, speed, rate))
+        angle += 0.5 * (speed + there) * (end - begin)
+    ends = [end for end, _ in points[1:]]
+    if duration > ends[-1]:
+        spins.append(Ramp(ends[-1], angle, points[-1][1], 0.0))
+        ends.append(duration)
+    return Course(tuple(ends), tuple(spins))
+
+
+def driven(torque: tuple[float, float], inertia: float, duration: float) -> Course:
+    """Return a course that a torque drives."""
+    return Course((duration,), (Driven(*torque, inertia),))

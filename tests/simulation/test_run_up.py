@@ -1,0 +1,412 @@
+"""Speeds that change: prescribed ramps, up, down and piece by piece, and limited power."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.integrate import simpson
+from scipy.special import wofz
+
+import rotor_ida
+from rotor_ida import (
+    DimensionalRotor,
+    InputError,
+    InvariantError,
+    Rotor,
+    SimulationError,
+    contact_forces,
+    contact_summary,
+    dimensional,
+    rotating,
+    run_up,
+    simulate,
+    spectrum,
+    synchronous_response,
+)
+from rotor_ida.analysis.verification import differences, rerun
+from rotor_ida.plot import plot_rotating_orbit
+from rotor_ida.simulation import run_up as run_up_module
+from rotor_ida.simulation.orbit import check_orbit
+from tests.spin_witness import Spinner, ran
+
+START = (0.3, 0.1, 0.2, 0.1)
+REST = (0.0, 0.0, 0.0, 0.0)
+WHIPS = (5.0, 0.0, 0.0, -6.3)
+PAPER = Rotor(omega=0.5, zeta=0.07, delta0=1.0)
+SHAFT = Rotor(omega=0.5, zeta=0.05, delta0=1.0, shaft_stiffness=0.3, contact_exponent=1.0)
+WHIP = Rotor(omega=0.63, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
+CHATTERS = Rotor(omega=1.2, zeta=0.07, delta0=0.5, friction=0.3, disc_radius=0.6)
+ALL = Rotor(
+    omega=2.0, zeta=0.07, delta0=2.0, shaft_stiffness=0.2, contact_exponent=1.0,
+    contact_damping=2.0, load=1.5, friction=0.4, disc_radius=0.5,
+)  # fmt: skip
+
+
+def ramp(rotor, to, rate):
+    return {"to": to, "rate": rate}, [((to - rotor.omega) / rate, Spinner(rotor, rate))]
+
+
+def piecewise(rotor, *points):
+    slopes = [(b[0], (b[1] - a[1]) / (b[0] - a[0])) for a, b in pairwise(points)]
+    return {"speeds": list(points)}, [(end, Spinner(rotor, slope)) for end, slope in slopes]
+
+
+def powered(rotor, torque, inertia, duration):
+    given = {"torque": torque, "inertia": inertia, "duration": duration}
+    return given, [(duration, Spinner(rotor, torque=torque, inertia=inertia))]
+
+
+# Rotor, start, how its speed changes, and the kinds of event that each shows.
+RUNS = {
+    "the paper's rotor, up": (PAPER, START, ramp(PAPER, 2.5, 0.1), {1, -1}),
+    "down to rest, a linear ring, contact damping and a load": (
+        replace(SHAFT, omega=2.5, contact_damping=2.0, load=0.3), START,
+        ramp(replace(SHAFT, omega=2.5, contact_damping=2.0, load=0.3), 0.0, -0.1), {1, 4, -4},
+    ),
+    "friction, piece by piece": (
+        CHATTERS, START, piecewise(CHATTERS, (0.0, 1.2), (6.0, 1.8), (9.0, 1.8), (20.0, 0.4)),
+        {1, -1, 2, -2, 3},
+    ),
+    "whip, up": (WHIP, WHIPS, ramp(WHIP, 1.0, 0.025), {2, -2}),
+    "whip that loses its grip where the rate jumps": (
+        WHIP, WHIPS, piecewise(WHIP, (0.0, 0.63), (2.1, 0.667), (2.6, 0.9), (8.0, 0.8)), {2, -2},
+    ),
+    "all of it, up": (
+        replace(ALL, contact_exponent=1.5), START,
+        ramp(replace(ALL, contact_exponent=1.5), 2.6, 0.05), {1, -1, 3, 4, -4},
+    ),
+    "limited power": (SHAFT, START, powered(SHAFT, (3.0, 0.5), 10.0, 25.0), {1, -1}),
+    "limited power, whip": (WHIP, WHIPS, powered(WHIP, (100.0, 20.0), 2000.0, 20.0), {2, -2}),
+    "limited power, a small disc": (
+        CHATTERS, START, powered(CHATTERS, (8.0, 1.0), 30.0, 20.0), {1, -1, 3},
+    ),
+    "limited power, all of it": (
+        ALL, START, powered(ALL, (4.0, 1.0), 5.0, 12.0), {1, -1, 3, 4, -4},
+    ),
+}  # fmt: skip
+
+
+def end_of(run):
+    return [run[name].values[-1] for name in ("x", "y", "vx", "vy", "angle", "speed")]
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_events_are_those_of_another_integrator(name):
+    """Newton's and Euler's equations of the disc as a rigid body, by SciPy's DOP853."""
+    rotor, start, (given, pieces), kinds = RUNS[name]
+    witness = ran(pieces, start, rotor.omega)
+    found = run_up(rotor, start=start, samples=2, rtol=1e-11, atol=1e-13, **given)
+    times, told, speeds = map(np.array, zip(*witness.events, strict=True))
+    assert set(told.tolist()) == kinds
+    assert found.event_kind.values.tolist() == told.tolist()
+    apart = np.abs(found.event_time.values - times)
+    assert apart.max() < 1e-9
+    # the witness's own error is below 1e-11
+    assert (apart <= found.event_time_error.values + 1e-11).all()
+    assert found.event_time_error.values.max() < 1e-8
+    np.testing.assert_allclose(found.event_speed, speeds, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(end_of(found), witness.end, rtol=0, atol=1e-8)
+
+
+def test_the_grip_is_lost_at_the_very_moment_at_which_the_rate_jumps():
+    """F jumps by the jump of the rate times rho - cos(theta - phi)."""
+    _, _, (given, _), _ = RUNS["whip that loses its grip where the rate jumps"]
+    found = run_up(WHIP, start=WHIPS, samples=2, **given)
+    slips = found.event_time.values[found.event_kind.values == -2]
+    assert np.abs(slips - 2.1).min() < 1e-14
+
+
+@pytest.mark.parametrize("method", ["bdf", "ida"])
+def test_other_solvers_agree_within_their_errors(method):
+    given = {"start": START, "torque": (3.0, 0.5), "inertia": 10.0, "duration": 15.0, "samples": 2}
+    one, other = (run_up(SHAFT, method=each, rtol=1e-8, **given) for each in ("adams", method))
+    rotor_ida.testing.assert_events_close(other, one)
+    assert one.event_kind.values.tolist() == [1, -1, 1]
+
+
+def flown(time, rotor, rate, start):
+    """z of a flight: w = z + exp(i theta) obeys w' + 2 zeta w = 2 zeta exp(i theta) + C.
+
+    The integral of exp(p s**2 + q s) by Faddeeva's function, which neither cancels nor overflows.
+    """
+    zeta, omega, z, v = rotor.zeta, rotor.omega, complex(*start[:2]), complex(*start[2:])
+    w, moving = z + 1.0, v + 1j * omega
+    constant = moving + 2.0 * zeta * w - 2.0 * zeta
+    p, q = 0.5j * rate, 2.0 * zeta + 1j * omega
+    root = np.sqrt(-p)
+    if (root * (0.5 * q / p)).real < 0.0:
+        root = -root
+    theta = (omega + 0.5 * rate * time) * time
+    first, last = (wofz(1j * root * (s + 0.5 * q / p)) for s in (0.0, time))
+    decay = np.exp(-2.0 * zeta * time)
+    drawn = np.sqrt(np.pi) / (2.0 * root) * (decay * first - np.exp(1j * theta) * last)
+    drift = -np.expm1(-2.0 * zeta * time) / (2.0 * zeta)
+    return w * decay + constant * drift + 2.0 * zeta * drawn - np.exp(1j * theta)
+
+
+@pytest.mark.parametrize(("omega", "to", "rate"), [(0.2, 3.0, 0.05), (3.0, 0.5, -0.02)])
+def test_flight_under_a_ramp_is_an_error_function(omega, to, rate):
+    rotor = Rotor(omega=omega, zeta=0.07, delta0=50.0)
+    found = run_up(rotor, start=START, to=to, rate=rate, samples=101, rtol=1e-12, atol=1e-14)
+    assert found.sizes["event"] == 0
+    exact = flown(found.t.values, rotor, rate, START)
+    assert np.abs(found.x.values + 1j * found.y.values - exact).max() < 1e-9
+
+
+def passed(rate):
+    """Largest |z| times the root of the rate, and the excess of the speed there over that root."""
+    root = np.sqrt(rate)
+    begin = 1.0 - 12.0 * root if root < 0.05 else 0.4
+    rotor = Rotor(omega=begin, zeta=0.0, delta0=1e3, shaft_stiffness=1.0)
+    whirl = begin**2 / (1.0 - begin**2)
+    found = run_up(
+        rotor, start=(whirl, 0.0, 0.0, begin * whirl), to=1.0 + 4.0 * root, rate=rate,
+        samples=4001, rtol=1e-7,
+    )  # fmt: skip
+    radius = np.hypot(found.x.values, found.y.values)
+    # the envelope: ripples at twice the speed are of the order of 1
+    top = int(np.argmax(radius))
+    near = slice(max(top - 60, 0), top + 61)
+    curve = np.polynomial.Polynomial.fit(found.speed.values[near], radius[near], 4)
+    peaks = [each.real for each in curve.deriv().roots() if abs(each.imag) < 1e-12]
+    place = min(peaks, key=lambda each: abs(each - found.speed.values[top]))
+    return radius[top] * root, (place - 1.0) / root
+
+
+def test_without_damping_a_slow_run_up_passes_resonance_as_lewis_says():
+    """Largest |z| 1.46720/sqrt(a) at a speed of 1 + 2.15742 sqrt(a), as the rate a falls."""
+    rates = np.array([4e-3, 1e-3, 2.5e-4])
+    heights, excesses = np.array([passed(rate) for rate in rates]).T
+    # what is left falls as the root of the rate
+    left = (heights - 1.46720) / np.sqrt(rates)
+    assert np.ptp(left) < 0.02 * left.mean()
+    assert 2.0 * heights[2] - heights[1] == pytest.approx(1.46720, abs=1e-4)
+    assert np.abs(excesses - 2.15742).max() < 5e-4
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.1])
+def test_a_settled_speed_lies_on_sommerfelds_curve(mu):
+    """tau0 - slope omega = 2 zeta omega A**2 + mu f(A) (A + rho), A that of the exact whirl."""
+    rotor = Rotor(
+        omega=1.0, zeta=0.3, delta0=0.5, shaft_stiffness=0.2, friction=mu, disc_radius=2.0
+    )
+    found = run_up(
+        rotor, start=(1.0, 0.0, 0.0, 1.0), torque=(4.0, 2.0), inertia=3.0, duration=200.0,
+        samples=2, rtol=1e-11, atol=1e-13,
+    )  # fmt: skip
+    omega, radius = found.speed.values[-1], np.hypot(found.x.values[-1], found.y.values[-1])
+    whirls = synchronous_response(
+        omega=omega, zeta=0.3, delta0=0.5, shaft_stiffness=0.2, friction=mu
+    )
+    amplitude = whirls.amplitude.values.ravel()
+    amplitude = amplitude[np.nanargmin(np.abs(amplitude - radius))]
+    assert radius == pytest.approx(amplitude, abs=1e-9)
+    asked = 2.0 * 0.3 * omega * amplitude**2 + mu * (amplitude - 0.5) ** 1.5 * (amplitude + 2.0)
+    assert 4.0 - 2.0 * omega == pytest.approx(asked, abs=1e-8)
+    assert asked > 0.1
+
+
+def test_a_rate_that_falls_to_zero_leads_to_the_run_at_one_speed():
+    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+    steady = simulate(rotor, start=REST, duration=12.0, samples=2, method="taylor", rtol=1e-13)
+    off = []
+    for rate in (1e-4, 1e-5, 1e-6):
+        found = run_up(rotor, start=REST, to=2.0 + 12.0 * rate, rate=rate, samples=2, rtol=1e-12)
+        assert found.event_kind.equals(steady.event_kind)
+        off.append(np.abs(found.event_time.values - steady.event_time.values).max())
+    assert off[0] / off[1] == pytest.approx(10.0, rel=0.01)
+    assert off[1] / off[2] == pytest.approx(10.0, rel=0.01)
+
+
+def energy(rotor, run, inertia):
+    """Of the centre of mass and the spin, of shaft and ring, and of the load."""
+    centre = run.x.values + 1j * run.y.values
+    moving = run.vx.values + 1j * run.vy.values
+    angle, speed = run.angle.values, run.speed.values
+    moving = moving + 1j * speed * np.exp(1j * angle)
+    depth, n = np.maximum(np.abs(centre) - rotor.delta0, 0.0), rotor.contact_exponent
+    return (
+        0.5 * np.abs(moving) ** 2 + 0.5 * inertia * speed**2
+        + 0.5 * rotor.shaft_stiffness * np.abs(centre) ** 2 + depth ** (n + 1) / (n + 1)
+        + rotor.load * (centre + np.exp(1j * angle)).imag
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("name", [name for name in RUNS if "limited" in name])
+def test_the_work_of_the_torque_goes_into_energy_damping_and_heat(name):
+    rotor, start, (given, _), _ = RUNS[name]
+    found = run_up(rotor, start=start, samples=8001, **given)
+    (tau0, slope), times, speed = given["torque"], found.t.values, found.speed.values
+    work = tau0 * found.angle.values[-1] - slope * simpson(speed**2, x=times)
+    damped = 2.0 * rotor.zeta * simpson(found.vx.values**2 + found.vy.values**2, x=times)
+    lost = sum(found[each].values.sum() for each in ("contact_loss", "heat") if each in found)
+    energies = energy(rotor, found, given["inertia"])
+    assert energies[-1] - energies[0] == pytest.approx(work - damped - lost, abs=1e-6)
+    assert damped + lost > 1.0
+
+
+def test_the_work_of_a_prescribed_speed_goes_into_energy_damping_and_heat():
+    """The moment that it takes beside that of the inertia is T rho + Im(exp(-i theta) b)."""
+    rotor = Rotor(
+        omega=0.5, zeta=0.07, delta0=0.5, shaft_stiffness=0.2, contact_damping=0.3, load=0.2,
+        friction=0.2, disc_radius=2.0,
+    )  # fmt: skip
+    found = run_up(rotor, start=START, to=2.0, rate=0.1, samples=16001)
+    assert set(found["mode"].values.tolist()) == {0, 1}  # T has no jump
+    z, v = found.x.values + 1j * found.y.values, found.vx.values + 1j * found.vy.values
+    speed, normal = found.speed.values, found.normal_force.values
+    pulled = -2.0 * rotor.zeta * v - rotor.shaft_stiffness * z
+    pulled -= (1.0 + 1j * rotor.friction) * normal * z / np.abs(z)
+    moment = (np.exp(-1j * found.angle.values) * pulled).imag + 2.0 * rotor.friction * normal
+    work = simpson(moment * speed, x=found.t.values)
+    damped = 2.0 * rotor.zeta * simpson(np.abs(v) ** 2, x=found.t.values)
+    lost = found.heat.values.sum() + found.contact_loss.values.sum()
+    energies = energy(rotor, found, 0.0)
+    assert energies[-1] - energies[0] == pytest.approx(work - damped - lost, abs=1e-6)
+    assert found.heat.values.sum() > 0.5
+
+
+def test_a_run_whose_energy_does_not_balance_is_refused(monkeypatch):
+    caught = []
+    monkeypatch.setattr(run_up_module, "check_orbit", caught.append)
+    run_up(WHIP, start=WHIPS, to=0.7, rate=0.01, samples=20)
+    orbit = caught[0]
+    check_orbit(orbit)
+    begun, ended, gained = orbit.turning.energies
+    off = replace(orbit.turning, energies=(begun, ended + 1e-4, gained))
+    with pytest.raises(InvariantError, match="the energy does not balance"):
+        check_orbit(replace(orbit, turning=off))
+    faster = orbit.turning.samples * [1.0, 1.1]
+    with pytest.raises(InvariantError, match="disc slips, or cannot be held, where it should roll"):
+        check_orbit(replace(orbit, turning=replace(orbit.turning, samples=faster)))
+
+
+def test_a_start_on_the_ring_knows_of_the_angular_acceleration():
+    """From rest the unbalance is drawn by -i theta'': downwards."""
+    rotor = Rotor(omega=0.0, zeta=0.1, delta0=1.0)
+    how = {"torque": (0.5, 0.0), "inertia": 2.0, "duration": 0.1, "samples": 2}
+    for given in (how, {"to": 0.01, "rate": 0.1, "samples": 2}):
+        for y, in_contact in ((1.0, 0), (-1.0, 1)):
+            found = run_up(rotor, start=(0.0, y, 0.0, 0.0), **given)
+            assert found.starts_in_contact == in_contact
+
+
+def test_beyond_a_ramp_the_last_speed_is_held():
+    found = run_up(PAPER, start=REST, to=1.0, rate=0.25, duration=4.0, samples=5)
+    assert found.speed.values.tolist() == [0.5, 0.75, 1.0, 1.0, 1.0]
+    assert found.angle.values == pytest.approx([0.0, 0.625, 1.5, 2.5, 3.5])
+    assert found.revolutions.item() == pytest.approx(3.5 / (2.0 * np.pi))
+
+
+def test_the_first_speed_of_several_counts_and_not_the_rotors():
+    found = run_up(PAPER, start=REST, speeds=[(0.0, 1.0), (2.0, 1.5)], samples=3)
+    assert found.omega == 1.0
+    assert found.speed.values.tolist() == [1.0, 1.25, 1.5]
+    same = run_up(replace(PAPER, omega=1.0), start=REST, to=1.5, rate=0.25, samples=3)
+    assert np.array_equal(found.x, same.x)
+
+
+@pytest.mark.parametrize(
+    "name", ["friction, piece by piece", "whip, up", "limited power, all of it"]
+)
+def test_a_run_up_is_kept_and_verified(name, tmp_path):
+    rotor, start, (given, _), _ = RUNS[name]
+    run = run_up(rotor, start=start, samples=11, rtol=1e-8, **given)
+    kept = rotor_ida.load(rotor_ida.save(run, tmp_path / "run.nc"))
+    for each in run.variables:
+        assert kept[each].equals(run[each]), each
+    assert differences(rerun(kept), kept)["agrees"]
+    assert differences(rerun(kept, method="bdf"), kept)["agrees"]
+
+
+def test_what_follows_from_a_run_up():
+    run = run_up(CHATTERS, start=START, to=2.0, rate=0.1, samples=801)
+    turned = rotating(run)
+    z = (run.x.values + 1j * run.y.values) * np.exp(-1j * run.angle.values)
+    assert turned.rotating_x.values == pytest.approx(z.real)
+    events = (run.event_x.values + 1j * run.event_y.values) * np.exp(-1j * run.event_angle.values)
+    assert turned.event_rotating_y.values == pytest.approx(events.imag)
+    summary = contact_summary(run)
+    assert summary.heat_per_revolution * run.revolutions == pytest.approx(run.heat.values.sum())
+    slid = np.abs(run.slip_speed.values) * (run.normal_force.values > 0.0)
+    assert summary.total_slip_distance == pytest.approx(simpson(slid, x=run.t.values), rel=1e-2)
+    with pytest.raises(InputError, match="run must be at one speed for a spectrum"):
+        spectrum(run)
+    with pytest.raises(InputError, match="run must be at one speed for contact forces with fric"):
+        contact_forces(run)
+    with pytest.raises(InputError, match="run must be at one speed for axes that turn"):
+        plot_rotating_orbit(run)
+
+
+def test_speed_and_time_of_a_machine_are_in_si_units():
+    machine = DimensionalRotor(
+        mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6, clearance=2e-6,
+        speed=600.0,
+    )  # fmt: skip
+    run = run_up(machine.rotor(), start=REST, to=1.8, rate=0.1, samples=3)
+    shown = dimensional(run, machine)
+    assert shown.speed.values == pytest.approx([600.0, 750.0, 900.0])
+    assert shown.speed.attrs["units"] == shown.event_speed.attrs["units"] == "s-1"
+    assert np.array_equal(shown.angle, run.angle)
+
+
+def test_a_torque_that_lets_the_speed_fall_through_zero_ends_the_run():
+    with pytest.raises(SimulationError, match="the speed fell through 0"):
+        run_up(PAPER, start=REST, torque=(-1.0, 0.0), inertia=2.0, duration=20.0)
+
+
+RAMP = {"to": 2.0, "rate": 0.1}
+POWER = {"torque": (1.0, 0.1), "inertia": 2.0, "duration": 10.0}
+MISTAKES = {
+    "the speed must change in one way, by to and rate, by speeds, or by torque and inertia, got "
+    "none of them": {},
+    "got to, rate, torque, inertia": RAMP | POWER,
+    "the speed must change in one way, .*, got rate, torque": {"rate": 0.1, "torque": (1.0, 0.1)},
+    "got to, rate, speeds": RAMP | {"speeds": [(0, 1), (1, 2)]},
+    "rate must be given with to, got None": {"to": 2.0},
+    "to must be given with rate, got None": {"rate": 2.0},
+    "inertia must be given with torque": {"torque": (1.0, 0.0), "duration": 1.0},
+    "torque must be given with inertia": {"inertia": 1.0, "duration": 1.0},
+    "duration must be given with torque": {"torque": (1.0, 0.0), "inertia": 1.0},
+    "rate must be positive to change the speed from 0.5 to 2.0, got -0.1": RAMP | {"rate": -0.1},
+    "rate must be negative to change the speed from 0.5 to 0.1, got 0.1": RAMP | {"to": 0.1},
+    "rate must be positive to change the speed from 0.5 to 2.0, got 0.0": RAMP | {"rate": 0.0},
+    "to must differ from the rotor's omega 0.5": RAMP | {"to": 0.5},
+    "to must be zero or positive, as a run through zero is not known, got -1.0": {
+        "to": -1.0, "rate": -0.1,
+    },
+    "to must be at most 1e\\+06": {"to": 2e6, "rate": 1.0},
+    "the size of rate must lie from 1e-12 to": {"to": 2.0, "rate": 1e-30},
+    "the time of the ramp must be below": {"to": 2.0, "rate": 1e-12},
+    "the time of the ramp must be at most 5e\\+06 for run_up": {"to": 2.0, "rate": 1e-7},
+    "duration must be at most 1e\\+07 for run_up": POWER | {"duration": 2e7},
+    "duration must be at least 15.0, .*, got 3.0": RAMP | {"duration": 3.0},
+    "inertia must be positive, got -1.0": POWER | {"inertia": -1.0},
+    "inertia must be positive, got 0.0": POWER | {"inertia": 0.0},
+    "torque must be two numbers \\(tau0, slope\\), got 1.0": POWER | {"torque": 1.0},
+    "torque 0 must be|torque must be a finite": POWER | {"torque": (1.0, np.nan)},
+    "times of speeds must increase, got 1.0 after 1.0": {"speeds": [(0, 1), (1, 2), (1, 3)]},
+    "the first time of speeds must be 0, got 1.0": {"speeds": [(1, 1), (2, 2)]},
+    "a speed of speeds must be zero or positive, .*, got -2.0": {"speeds": [(0, 1), (1, -2)]},
+    "speeds must be two or more pairs of time and speed": {"speeds": [(0, 1)]},
+    "method must be 'adams', 'bdf' or 'ida' for run_up, .*, got 'taylor'": RAMP
+    | {"method": "taylor"},
+    "backend must be 'auto' or 'python' for run_up, .*, got 'compiled'": RAMP
+    | {"backend": "compiled"},
+    "method must be one of": RAMP | {"method": "euler"},
+    "samples must lie from 0 to the duration 15.0, got 20.0": RAMP | {"samples": [0.0, 20.0]},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("message", MISTAKES)
+def test_mistakes_are_refused_in_one_line(message):
+    with pytest.raises(InputError, match=message):
+        run_up(PAPER, start=REST, **MISTAKES[message])
+
+
+def test_a_torque_that_never_turns_the_rotor_is_refused():
+    resting = replace(PAPER, omega=0.0)
+    for tau0 in (0.0, -1.0):
+        with pytest.raises(InputError, match="tau0 of torque must be positive to turn a rotor"):
+            run_up(resting, start=REST, **POWER | {"torque": (tau0, 0.1)})
