@@ -500,7 +500,10 @@ def _modes(run: xr.Dataset, time: Values) -> npt.NDArray[np.int8] | None:
 def _modes_without_samples(run: xr.Dataset) -> npt.NDArray[np.int8]:
     """Return how the motion goes on from its start and from each event, as far as events tell."""
     x, y, vx, vy = (run[f"event_{name}"].values for name in COMPONENTS)
-    rim = run["disc_radius"].item() * run["omega"].item() * scale_of(run, "velocity")
+    speed = run["omega"].item()
+    if "event_speed" in run.variables:
+        speed = run["event_speed"].values / scale_of(run, "rate")
+    rim = run["disc_radius"].item() * speed * scale_of(run, "velocity")
     slip = np.append((x * vy - y * vx) / np.hypot(x, y) + rim, 0.0)
     # it keeps its sense from one event to the next, at one of which it may be 0
     senses = np.where(slip[:-1] + slip[1:] < 0.0, -1, 1).tolist()
