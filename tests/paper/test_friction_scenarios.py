@@ -1,6 +1,5 @@
 """The physics that the scenarios of friction show, each beside an independent witness."""
 
-import importlib.util
 import math
 
 import numpy as np
@@ -8,16 +7,9 @@ import pytest
 from scipy.optimize import brentq
 
 from rotor_ida import Rotor, backward_whirl, simulate, synchronous_response
-from rotor_ida.paper.reproduction import scenario_scripts
 from rotor_ida.paper.whip import ENDS, end_of, is_whip
 from rotor_ida.schema import MODE
-
-
-def scenario(name):
-    spec = importlib.util.spec_from_file_location(name, scenario_scripts()[name])
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+from tests.scenarios import scenario
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,5 @@
 """The physics that the scenarios of real machines show, each beside an independent witness."""
 
-import importlib.util
 import math
 from dataclasses import replace
 
@@ -20,16 +19,9 @@ from rotor_ida import (
     sweep,
 )
 from rotor_ida.closed_forms import response_curve
-from rotor_ida.paper.reproduction import scenario_scripts
 from rotor_ida.paper.whip import ENDS, end_of, is_whip
 from rotor_ida.schema import RESPONSE
-
-
-def scenario(name):
-    spec = importlib.util.spec_from_file_location(name, scenario_scripts()[name])
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+from tests.scenarios import scenario
 
 
 @pytest.fixture(scope="module")
