@@ -1,28 +1,25 @@
 """The scenarios run, write what they say, and say something of every figure."""
 
-import importlib.util
 import re
 
 import pytest
 
 from rotor_ida import load
 from rotor_ida.paper.gallery import read_entries
-from rotor_ida.paper.reproduction import scenario_scripts
 from rotor_ida.paper.scenario import Settings
+from tests.scenarios import scenario
 
 # Those with sweeps take longer, and are run by hand and by `rotor-ida reproduce`.
 QUICK = ["dimensional_example", "drop", "event_time_convergence", "fig02_03_force_potential",
          "fig04_05_free_vibration", "fig06_jumps", "fig07_basins", "fig08_09_whirls",
          "general_solution", "random_starts", "restitution", "rub", "shaft",
-         "whip_map"]  # fmt: skip
+         "way_to_whip", "whip_map"]  # fmt: skip
 
 SPELLED_OUT = re.compile(r"\b(omega|zeta|delta0|sqrt)\b|\^|\de[-+]\d|\b[xyz]0?'")
 
 
 def run_quickly(name, folder):
-    spec = importlib.util.spec_from_file_location(name, scenario_scripts()[name])
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+    module = scenario(name)
     folder.mkdir()
     module.main(Settings(folder, True, 1, False))
     return module
