@@ -58,6 +58,7 @@ FOR_LEVEL = {
         ("-mcpu=x86_64_v4", "-mprefer-vector-width=512"),
     ),
 }
+FOR_MODEL = {"paper": (), "whole": ("-DWHOLE_MODEL",), "run_up": ("-DWHOLE_MODEL", "-DRUN_UP")}
 # The extra is made up: an installer that cannot get the package says by it why it was asked for.
 ZIG = "ziglang[no-c-compiler-on-path]>=0.13"
 # The second numbers of the versions of glibc for which auditwheel knows a policy.
@@ -113,7 +114,7 @@ def flags(
 ) -> list[str]:  # fmt: skip
     """Return the flags with which the sources are compiled for a level and a model."""
     zig, machine = is_zig(compiler), platform.machine()
-    found = [*FLAGS, *(["-DWHOLE_MODEL"] if model == "whole" else [])]
+    found = [*FLAGS, *FOR_MODEL[model]]
     if zig and platform.libc_ver()[0] == "glibc":
         found += ["-target", f"{machine}-linux-gnu.2.17"]
     if machine == "x86_64":

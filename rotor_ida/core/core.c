@@ -20,6 +20,16 @@ static int with_motions(struct run *run, int (*act)(struct run *, const struct m
 {
     const int tangents = run->differences > 0;
     const struct parameters model = parameters_of(&run->rotor, 0.0);
+#ifdef RUN_UP
+    /* there is no closed form of flight, which Taylor series lead whatever leads a contact */
+    struct taylor flight, taylor;
+    open_taylor(&flight, &cartesian_mode, model, run->rtol, 0);
+    if (run->method == TAYLOR) {
+        open_taylor(&taylor, mode_of_contact(run), model, run->rtol, 0);
+        const struct motions motions = {&taylor.motion, &flight.motion};
+        return act(run, &motions, more);
+    }
+#else
     if (run->method == TAYLOR) { /* flight is exact, so one of the two is enough */
         struct taylor taylor;
         const struct mode *mode = model.delta0 > 0.0 ? mode_of_contact(run) : &cartesian_mode;
@@ -27,6 +37,7 @@ static int with_motions(struct run *run, int (*act)(struct run *, const struct m
         const struct motions motions = {&taylor.motion, &taylor.motion};
         return act(run, &motions, more);
     }
+#endif
     struct cvode contact, free;
     const struct parameters felt = parameters_of(&run->rotor, model.delta0 == 0.0 ? 1.0 : 0.0);
     int status = open_cvode(&contact, run->sundials, run->method, mode_of_contact(run), model,
@@ -35,7 +46,14 @@ static int with_motions(struct run *run, int (*act)(struct run *, const struct m
                                   run->rtol, tangents);
     status = status == DONE ? second : status;
     if (status == DONE) {
-        const struct motions motions = {&contact.motion, &free.motion};
+        const struct motions motions = {
+            &contact.motion,
+#ifdef RUN_UP
+            model.delta0 > 0.0 ? &flight.motion : &free.motion,
+#else
+            &free.motion,
+#endif
+        };
         status = act(run, &motions, more);
         const int failure = contact.failure ? contact.failure : free.failure;
         status = failure ? failure : status;
@@ -145,6 +163,7 @@ int core_stretch(struct run *run, int64_t spans, double *stretches, int64_t *don
 
 /* ---- What others ask of single states ---- */
 
+#ifndef RUN_UP
 int core_starts_in_contact(const struct rotor *rotor, const double state[4])
 {
     return decide_mode(motion_at(state, 0.0, rotor), rotor) == IN_CONTACT;
@@ -166,6 +185,8 @@ double core_first_touch(const struct rotor *rotor, const double state[4], double
 {
     return first_touch(motion_at(state, 0.0, rotor), rotor, limit, stop);
 }
+
+#endif
 
 void core_rotate(double *states, const double *times, double omega, int64_t count)
 {

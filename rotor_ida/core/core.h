@@ -21,15 +21,26 @@ enum status {
     FULL = 1005,
     NO_SOLVER = 1006,
     FULL_INSIDE = 1007,
-    UNBALANCED = 1008
+    UNBALANCED = 1008,
+    STALLED = 1009
 };
 
+/* A rotor, and how its speed changes: at a rate, or by what a torque, which falls by a slope with
+ * the speed, leaves against the reaction of the motion. Where the speed changes, omega is that of
+ * the moment; else the last four are 0. */
 struct rotor {
     double omega, zeta, delta0, shaft_stiffness, contact_exponent, contact_damping, load;
     double friction, disc_radius;
+    double rate, torque, slope, inverse_inertia;
 };
 
-/* A library knows one model: the paper's rotor, or the whole. */
+/* How a speed changes up to a time. At its beginning a prescribed one is `speed`. */
+struct piece {
+    double end, rate, torque, slope, inverse_inertia, speed;
+};
+
+/* A library knows one model: the paper's rotor, the whole, or the whole with a speed that changes.
+ */
 #ifdef WHOLE_MODEL
 enum { WHOLE = 1 };
 #else
@@ -122,6 +133,13 @@ struct run {
     int32_t way_began;  /* with friction: how it moved at its start: written */
     int32_t flattened;  /* whether rolling has taken a dimension from the bundle: written */
     double volume_lost; /* logarithm of what reversals have left of its volume: written */
+
+    /* Where the speed changes, and looked at there alone: in which piece it is, the angle of the
+     * unbalance, and tables of angle and speed at samples and events. */
+    const struct piece *pieces;
+    int64_t piece_count, piece;
+    double angle;
+    double *sample_turns, *event_turns; /* rows of 2 */
 };
 
 /* Follow a run from where it stands to its end.

@@ -24,7 +24,7 @@ static void draw_load(const struct motion *motion, double point, const double *v
     if (motion->model.load == 0.0)
         return;
     const struct vector down = load_of(motion, values, point);
-    double turning = motion->model.omega;
+    double turning = speed_of(motion, values);
     int place = CARTESIAN_DOWN_X;
     if (is_contact(motion)) {
         const double q = values[CONTACT_Q], radius = motion->model.delta0 + q * q;
@@ -50,6 +50,7 @@ static int right_hand_side(double point, void *state, void *rate, void *user)
 #else
     (void)point;
 #endif
+#ifndef RUN_UP
     if (!motion->tangents)
         return 0;
     double growth[4][4];
@@ -64,6 +65,7 @@ static int right_hand_side(double point, void *state, void *rate, void *user)
             apart_rates[DIFFERENCES * i + d] = sum;
         }
     }
+#endif
     return 0;
 }
 

@@ -1,6 +1,6 @@
 /* Derived from rotor_ida/equations/modes.py by `python -m rotor_ida.equations.writing`. */
 /* clang-format off */
-#ifdef WHOLE_MODEL
+#if defined(WHOLE_MODEL) && !defined(RUN_UP)
 #include "motion.h"
 
 /* The rates of change of q, p, h, c, s, down_r, down_t, t, j, work, spent, drawn back to where they belong. */

@@ -16,15 +16,72 @@ struct motion_of_centre motion_at(const double *state, double time, const struct
 
 struct motion_of_centre where_it_is(const struct run *run)
 {
+#ifdef RUN_UP
+    struct motion_of_centre here = motion_at(run->state, 0.0, &run->rotor);
+    here.down = (struct vector){-sin(run->angle), -cos(run->angle)};
+    here.speed = run->rotor.omega;
+    return here;
+#else
     return motion_at(run->state, run->shift + run->time, &run->rotor);
+#endif
 }
 
 int is_finite(const double *state) { return isfinite(state[0] + state[1] + state[2] + state[3]); }
 
+#ifdef RUN_UP
+static int is_prescribed(const struct rotor *rotor) { return rotor->inverse_inertia == 0.0; }
+
+void take_drive(struct motion *motion, const struct rotor *rotor)
+{
+    motion->model.rate = rotor->rate;
+    motion->model.torque = rotor->torque;
+    motion->model.slope = rotor->slope;
+    motion->model.inverse_inertia = rotor->inverse_inertia;
+}
+
+void begin_piece(struct run *run)
+{
+    const struct piece *piece = &run->pieces[run->piece];
+    struct rotor *rotor = &run->rotor;
+    rotor->rate = piece->rate;
+    rotor->torque = piece->torque;
+    rotor->slope = piece->slope;
+    rotor->inverse_inertia = piece->inverse_inertia;
+    if (is_prescribed(rotor))
+        rotor->omega = piece->speed;
+}
+
+static void pass_pieces(struct run *run)
+{
+    while (run->piece + 1 < run->piece_count && run->time >= run->pieces[run->piece].end) {
+        run->piece++;
+        begin_piece(run);
+    }
+}
+
+/* Turn the rotor as far as it has turned in a phase that ends now. */
+static void turn_rotor(struct run *run, struct motion_of_centre centre)
+{
+    const struct piece *piece = &run->pieces[run->piece];
+    const double begun = run->piece > 0 ? piece[-1].end : 0.0;
+    run->angle += centre.angle;
+    run->rotor.omega = is_prescribed(&run->rotor) ? piece->speed + piece->rate * (run->time - begun)
+                                                  : centre.speed;
+}
+#endif
+
 /* Advance the time by `span`, to a new displacement and velocity. */
 void advance_run(struct run *run, double span, struct motion_of_centre centre)
 {
+#ifdef RUN_UP
+    const int whole = span == phase_left(run) && span < time_left(run);
+    const double end = run->pieces[run->piece].end;
+#endif
     run->time = span == time_left(run) ? run->duration : run->time + span;
+#ifdef RUN_UP
+    run->time = whole ? end : run->time;
+    turn_rotor(run, centre);
+#endif
     run->state[0] = centre.z.x;
     run->state[1] = centre.z.y;
     run->state[2] = centre.w.x;
@@ -66,20 +123,25 @@ static int follow_contact(struct run *run, struct motion *motion, double entry)
     const double began = run->time, left = time_left(run);
     const struct motion_of_centre here = where_it_is(run);
     run->where = IN_CONTACT;
+#ifdef RUN_UP
+    motion->model = parameters_of(&run->rotor, 0.0);
+#endif
     if (left <= 0.0) {
         add_contact(run, entry, NAN, began, 0.0, NAN, cross(here.z, here.w), 0.0, 0.0, 0.0);
         if (!WHOLE)
             return DONE;
     }
     double start[MOST_VALUES] = {0.0}, atol[MOST_VALUES] = {0.0}, reached[MOST_VALUES];
-    begin_contact(here, left, &run->rotor, start);
+    begin_contact(here, phase_left(run), &run->rotor, start);
     contact_tolerances(start, run->rtol, run->atol, atol);
 #ifdef WHOLE_MODEL
     begin_with_friction(motion, start, atol);
 #endif
     begin_differences(motion, start, atol);
+#ifndef RUN_UP
     if (run->differences > 0 && start[CONTACT_T] > 0.0)
         fly_differences(run->bundle, run->differences, start[CONTACT_T], &run->rotor);
+#endif
     copy_values(motion, start, reached);
     struct peak peak = {.force = 0.0};
     memcpy(peak.values, start, sizeof peak.values);
@@ -119,18 +181,30 @@ static int follow_contact(struct run *run, struct motion *motion, double entry)
 /* Follow a rotor without clearance, which has no events, to the end. */
 static int stay_in_contact(struct run *run, struct motion *motion)
 {
-    struct peak peak;
-    int touched = 0;
-    const double began = run->time;
-    const int status = follow_freely(run, motion, &peak, &touched);
-    const struct motion_of_centre at_peak = centre_of(motion, peak.values);
-    add_contact(run, NAN, NAN, began + peak.time, sqrt(length(at_peak.z)), NAN,
-                cross(at_peak.z, at_peak.w), 0.0, NAN, 0.0);
+    struct motion_of_centre farthest = {.z = {0.0, 0.0}};
+    double at = run->time;
+    int touched = 0, status = DONE;
+    while (status == DONE && time_left(run) > 0.0) { /* once, but where a speed changes */
+        struct peak peak;
+        const double began = run->time;
+#ifdef RUN_UP
+        pass_pieces(run);
+#endif
+        status = follow_freely(run, motion, &peak, &touched);
+        const struct motion_of_centre at_peak = centre_of(motion, peak.values);
+        if (length(at_peak.z) >= length(farthest.z)) {
+            farthest = at_peak;
+            at = began + peak.time;
+        }
+    }
+    add_contact(run, NAN, NAN, at, sqrt(length(farthest.z)), NAN, cross(farthest.z, farthest.w),
+                0.0, NAN, 0.0);
     return status;
 }
 
 /* ---- Flight ---- */
 
+#ifndef RUN_UP
 /* Fly to the next touch, or to the end, in closed form; say whether it is a touch. */
 static int fly_exactly(struct run *run, int *touched)
 {
@@ -152,6 +226,8 @@ static int fly_exactly(struct run *run, int *touched)
     advance_run(run, flight.span, fly(flight.start, flight.span, &run->rotor));
     return is_finite(run->state) ? DONE : NOT_FINITE;
 }
+
+#endif
 
 /* Put the rotor on the ring, off which rounding has moved it, and record its entry. */
 static void enter(struct run *run)
@@ -178,6 +254,9 @@ int follow_events(struct run *run, const struct motions *motions)
     if (!is_finite(run->state))
         return NOT_FINITE;
     if (run->where == UNDECIDED) {
+#ifdef RUN_UP
+        begin_piece(run);
+#endif
         run->where = run->began = decide_mode(where_it_is(run), &run->rotor);
         observe_start(run);
     }
@@ -193,15 +272,23 @@ int follow_events(struct run *run, const struct motions *motions)
         if (run->where == IN_FLIGHT) {
             int touched = 0;
             struct peak farthest;
+#ifdef RUN_UP
+            status = follow_freely(run, motions->free, &farthest, &touched);
+            pass_pieces(run);
+#else
             const int exact = run->exact_flight || run->method == TAYLOR;
             status = exact ? fly_exactly(run, &touched)
                            : follow_freely(run, motions->free, &farthest, &touched);
+#endif
             if (status != DONE || !touched)
                 continue;
             enter(run);
             entry = run->time;
         }
         status = follow_contact(run, motions->contact, entry);
+#ifdef RUN_UP
+        pass_pieces(run);
+#endif
     }
     if (status == DONE)
         observe_end(run);

@@ -62,6 +62,12 @@ int integrate_contact(struct run *run, struct motion *motion, const double *star
                       const double *atol, double *reached, struct peak *peak, int *left);
 int follow_freely(struct run *run, struct motion *motion, struct peak *peak, int *touched);
 
+#ifdef RUN_UP
+/* Let the speed change as the present piece has it, or the next; and a motion likewise. */
+void begin_piece(struct run *run);
+void take_drive(struct motion *motion, const struct rotor *rotor);
+#endif
+
 /* A state on the rotating axes of a time. */
 struct motion_of_centre motion_at(const double *state, double time, const struct rotor *rotor);
 struct motion_of_centre where_it_is(const struct run *run);

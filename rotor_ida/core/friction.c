@@ -63,7 +63,7 @@ void begin_with_friction(struct motion *motion, double *start, double *atol)
     const double q = start[CONTACT_Q], r = motion->model.delta0 + q * q;
     motion->mode = &rub_mode;
     motion->model.sigma = 0.0;
-    start[RUB_SLIP] = start[CONTACT_H] + motion->model.rim * r;
+    start[RUB_SLIP] = start[CONTACT_H] + rim_of(motion, start) * r;
     start[RUB_HEAT] = 0.0;
     atol[RUB_HEAT] = atol[CONTACT_WORK];
 }

@@ -48,7 +48,18 @@ static double size_of_hold(const struct motion *motion, const double *values)
 {
     const struct parameters *m = &motion->model;
     const double r = m->delta0 + values[CONTACT_Q] * values[CONTACT_Q];
-    return m->omega * m->omega + m->load + m->rim * (2.0 * m->zeta + fabs(values[CONTACT_P]) / r);
+    const double omega = speed_of(motion, values), rim = rim_of(motion, values);
+    const double size = omega * omega + m->load
+                        + rim * (2.0 * m->zeta + fabs(values[CONTACT_P]) / r);
+#ifdef RUN_UP
+    double rate[MOST_VALUES];
+    rolling_mode.field(m, values, rate);
+    const double q = values[CONTACT_Q];
+    const double faster = q > 0.0 ? fabs(rate[CONTACT_SPEED]) / q : fabs(m->rate);
+    return size + faster * (m->disc_radius + 1.0);
+#else
+    return size;
+#endif
 }
 
 double hidden_hold(const struct motion *motion, const double *values)
@@ -59,7 +70,7 @@ double hidden_hold(const struct motion *motion, const double *values)
 double hidden_slip(const struct motion *motion, const double *values)
 {
     const double r = motion->model.delta0 + values[CONTACT_Q] * values[CONTACT_Q];
-    const double others = fabs(values[CONTACT_P]) + motion->model.rim;
+    const double others = fabs(values[CONTACT_P]) + rim_of(motion, values);
     return HIDDEN * (fabs(momentum_of(motion, values)) + r * others);
 }
 

@@ -11,8 +11,8 @@ from pathlib import Path
 
 # Levels of x86-64, each with wider vectors than the one before; other machines know the first.
 LEVELS = ("baseline", "v3", "v4")
-# A library knows one model: the paper's rotor, or the whole.
-MODELS = ("paper", "whole")
+# A library knows one model: the paper's rotor, the whole, or the whole with a speed that changes.
+MODELS = ("paper", "whole", "run_up")
 STATED = ("compiler", "flags", "level", "sources", "version")
 
 

@@ -20,6 +20,7 @@ from rotor_ida.parameters import ALL_PARAMETERS, Rotor
 # How a call ended; the flags of SUNDIALS are negative.
 DONE = 0
 NOT_FINITE, NO_ROOT, STUCK, STOPPED, FULL, NO_SOLVER, FULL_INSIDE, UNBALANCED = range(1001, 1009)
+STALLED = 1009
 MESSAGES = {
     NOT_FINITE: "the state is no longer finite",
     NO_ROOT: "a step holds no root",
@@ -27,6 +28,7 @@ MESSAGES = {
     STOPPED: "interrupted",
     NO_SOLVER: "SUNDIALS could not make a solver",
     UNBALANCED: "the energy of a contact does not balance",
+    STALLED: "the speed fell through 0, where the torque no longer turns the rotor",
     -1: "Could not reach endpoint after 'max_num_steps'.",
     -2: "Could not satisfy demanded accuracy for an internal step.",
     -3: "Error tests failed too many times, or reached min step size.",
@@ -57,12 +59,15 @@ ENTRY_TIME, EXIT_TIME, PEAK_TIME, PEAK_ROOT, IMPULSE, MOMENTUM = range(6)
 LOST, LARGEST_FORCE, HEAT = range(6, 9)
 TIME, RADIUS, KIND, STATE = range(4)
 CONTACT_COLUMNS, EXTREMUM_COLUMNS, STRETCH_COLUMNS = 9, 7, 5
+# What changes a speed; and the columns of the table of its pieces: ends, these, and the speed.
+DRIVE = ("rate", "torque", "slope", "inverse_inertia")
+PIECE_COLUMNS = 6
 
 
 class RotorStruct(Structure):
-    """``struct rotor``."""
+    """``struct rotor``, of which what changes its speed is given by pieces."""
 
-    _fields_ = [(name, c_double) for name in ALL_PARAMETERS]
+    _fields_ = [(name, c_double) for name in (*ALL_PARAMETERS, *DRIVE)]
 
     @classmethod
     def of(cls, rotor: Rotor) -> RotorStruct:
@@ -101,6 +106,10 @@ class RunStruct(Structure):
         ("way_began", c_int32),
         ("flattened", c_int32),
         ("volume_lost", c_double),
+        ("pieces", c_void_p),
+        *((name, c_int64) for name in ("piece_count", "piece")),
+        ("angle", c_double),
+        *((name, c_void_p) for name in ("sample_turns", "event_turns")),
     ]
 
 
@@ -130,11 +139,17 @@ _SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
 }
 
 
+# What the core of a rotor whose speed changes offers.
+_OF_RUNS = ("core_run", "core_fault")
+
+
 @cache
 def library(model: str = "paper") -> ctypes.CDLL:
     """Return the core of a model, every function of which knows the types of its arguments."""
     core = found.library(model)
     for name, (result, arguments) in _SIGNATURES.items():
+        if model == "run_up" and name not in _OF_RUNS:
+            continue
         function = getattr(core, name)
         function.restype, function.argtypes = result, arguments
     return core

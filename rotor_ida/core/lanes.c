@@ -13,6 +13,7 @@
  * The model is written by hand here, and the whole of it but for a load, under which the motion on
  * the rotating axes hangs on time; tests/basins/test_lanes.py holds it against equations/modes.py.
  */
+#ifndef RUN_UP
 #include <math.h>
 #include <stdbool.h>
 #include <string.h>
@@ -687,3 +688,4 @@ int core_measure_returns(const struct rotor *rotor, const double *states, int64_
     }
     return DONE;
 }
+#endif

@@ -6,7 +6,9 @@
 #define ROTOR_IDA_MOTION_H
 
 #include "core.h"
-#ifdef WHOLE_MODEL
+#ifdef RUN_UP
+#include "derived_run_up.h"
+#elif defined(WHOLE_MODEL)
 #include "derived_whole.h"
 #else
 #include "derived.h"
@@ -22,12 +24,16 @@ struct mode {
     int size;
     void (*field)(const struct parameters *, const double *state, double *rate);
     void (*jacobian)(const struct parameters *, const double *state, double *matrix);
+#ifndef RUN_UP
     void (*growth)(const struct parameters *, const double *state, double growth[4][4]);
     void (*by_parameters)(const struct parameters *, const double *state,
                           double added[PARAMETERS][4]);
+#endif
     void (*expand)(const struct parameters *, struct series *, int order);
+#ifndef RUN_UP
     void (*expand_with_factors)(const struct parameters *, struct series *, int order);
     void (*expand_differences)(const struct parameters *, struct series *, int order);
+#endif
     /* what is beside the state and yet needed to say when the mode ends, and its rates; or NULL */
     void (*watched)(const struct parameters *, const double *state, double *watched, double *rate);
 };
@@ -36,6 +42,10 @@ extern const struct mode contact_mode, cartesian_mode;
 #ifdef WHOLE_MODEL
 /* With friction a contact slides or rolls. All three are laid out alike. */
 extern const struct mode rub_mode, rolling_mode;
+#ifdef RUN_UP
+_Static_assert((int)RUB_SPEED == CONTACT_SPEED && (int)RUB_ANGLE == CONTACT_ANGLE,
+               "the modes of a contact must be laid out alike");
+#endif
 _Static_assert((int)RUB_Q == CONTACT_Q && (int)RUB_P == CONTACT_P && (int)RUB_C == CONTACT_C
                    && (int)RUB_DOWN_R == CONTACT_DOWN_R && (int)RUB_T == CONTACT_T
                    && (int)RUB_J == CONTACT_J && (int)RUB_WORK == CONTACT_WORK
@@ -71,13 +81,36 @@ static inline int is_contact(const struct motion *motion)
     return motion->mode != &cartesian_mode;
 }
 
+/* The speed of the rotor, and that of the rim. */
+static inline double speed_of(const struct motion *motion, const double *values)
+{
+#ifdef RUN_UP
+    return values[is_contact(motion) ? (int)CONTACT_SPEED : (int)CARTESIAN_SPEED];
+#else
+    (void)values;
+    return motion->model.omega;
+#endif
+}
+
+#ifdef WHOLE_MODEL
+static inline double rim_of(const struct motion *motion, const double *values)
+{
+#ifdef RUN_UP
+    return motion->model.disc_radius * speed_of(motion, values);
+#else
+    (void)values;
+    return motion->model.rim;
+#endif
+}
+#endif
+
 /* The angular momentum in a contact: with friction its values hold the moment of the slip. */
 static inline double momentum_of(const struct motion *motion, const double *values)
 {
 #ifdef WHOLE_MODEL
     if (motion->mode != &contact_mode) {
         const double q = values[CONTACT_Q];
-        return values[RUB_SLIP] - motion->model.rim * (motion->model.delta0 + q * q);
+        return values[RUB_SLIP] - rim_of(motion, values) * (motion->model.delta0 + q * q);
     }
 #endif
     (void)motion;
@@ -90,7 +123,12 @@ static inline double momentum_of(const struct motion *motion, const double *valu
 static inline struct vector load_of(const struct motion *motion, const double *values, double point)
 {
     const int contact = is_contact(motion);
+#ifdef RUN_UP
+    const double angle = values[contact ? (int)CONTACT_ANGLE : (int)CARTESIAN_ANGLE];
+    (void)point;
+#else
     const double angle = motion->model.omega * (contact ? values[CONTACT_T] : point);
+#endif
     const struct vector down = product(motion->down, (struct vector){cos(angle), -sin(angle)});
     return contact ? product(down, (struct vector){values[CONTACT_C], -values[CONTACT_S]}) : down;
 }

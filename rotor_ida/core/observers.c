@@ -12,6 +12,15 @@ enum { LOOKS_A_STEP = 4, MOST_HALVINGS = 80 };
 
 double time_left(const struct run *run) { return run->duration - run->time; }
 
+double phase_left(const struct run *run)
+{
+#ifdef RUN_UP
+    if (run->piece + 1 < run->piece_count)
+        return smaller(run->pieces[run->piece].end - run->time, time_left(run));
+#endif
+    return time_left(run);
+}
+
 double contact_root_of(const double *values) { return values[CONTACT_Q]; }
 double radial_velocity_of(const double *values) { return values[CONTACT_P]; }
 double time_of(const double *values) { return values[CONTACT_T]; }
@@ -29,13 +38,26 @@ double squared_radius_of(const double *values)
 struct motion_of_centre centre_of(const struct motion *motion, const double *values)
 {
     if (!is_contact(motion))
-        return (struct motion_of_centre){.z = {values[0], values[1]}, .w = {values[2], values[3]}};
+        return (struct motion_of_centre){
+            .z = {values[0], values[1]},
+            .w = {values[2], values[3]},
+#ifdef RUN_UP
+            .speed = values[CARTESIAN_SPEED],
+            .angle = values[CARTESIAN_ANGLE],
+#endif
+        };
     const struct vector direction = {values[CONTACT_C], values[CONTACT_S]};
     const struct vector outwards = scaled(1.0 / length(direction), direction);
     const double radius = motion->model.delta0 + values[CONTACT_Q] * values[CONTACT_Q];
     const struct vector velocity = {values[CONTACT_P], momentum_of(motion, values) / radius};
-    return (struct motion_of_centre){.z = scaled(radius, outwards),
-                                     .w = product(velocity, outwards)};
+    return (struct motion_of_centre){
+        .z = scaled(radius, outwards),
+        .w = product(velocity, outwards),
+#ifdef RUN_UP
+        .speed = values[CONTACT_SPEED],
+        .angle = values[CONTACT_ANGLE],
+#endif
+    };
 }
 
 static void write_state(double *row, struct motion_of_centre centre)
@@ -46,8 +68,18 @@ static void write_state(double *row, struct motion_of_centre centre)
     row[3] = centre.w.y;
 }
 
+/* Write angle and speed into a table of them. */
+static void write_turn(double *table, int64_t row, double angle, double speed)
+{
+    if (table == NULL)
+        return;
+    table[2 * row] = angle;
+    table[2 * row + 1] = speed;
+}
+
 void record_event(struct run *run, enum event kind)
 {
+    write_turn(run->event_turns, run->events, run->angle, run->rotor.omega);
     run->event_times[run->events] = run->time;
     run->event_kinds[run->events] = (int8_t)kind;
     memcpy(&run->event_states[4 * run->events], run->state, sizeof run->state);
@@ -60,6 +92,9 @@ void record_event_inside(struct run *run, enum event kind, double since,
     run->event_times[run->events] = run->time + since;
     run->event_kinds[run->events] = (int8_t)kind;
     write_state(&run->event_states[4 * run->events], centre);
+#ifdef RUN_UP
+    write_turn(run->event_turns, run->events, run->angle + centre.angle, centre.speed);
+#endif
     run->events++;
 }
 
@@ -80,15 +115,24 @@ static double next_sample(const struct run *run, double span)
 static void record_sample(struct run *run, struct motion_of_centre centre)
 {
     write_state(&run->samples[4 * run->sampled], centre);
+#ifdef RUN_UP
+    write_turn(run->sample_turns, run->sampled, run->angle + centre.angle, centre.speed);
+#endif
+    run->sampled++;
+}
+
+/* Record where the run stands. */
+static void record_sample_here(struct run *run)
+{
+    memcpy(&run->samples[4 * run->sampled], run->state, sizeof run->state);
+    write_turn(run->sample_turns, run->sampled, run->angle, run->rotor.omega);
     run->sampled++;
 }
 
 void observe_start(struct run *run)
 {
-    if (next_sample(run, 0.0) == 0.0) {
-        memcpy(&run->samples[4 * run->sampled], run->state, sizeof run->state);
-        run->sampled++;
-    }
+    if (next_sample(run, 0.0) == 0.0)
+        record_sample_here(run);
 }
 
 /* Whether a sample is left that lies within the next `span`, and is due until some time of it. */
@@ -102,17 +146,17 @@ static int is_due(const struct run *run, double span, double until, double *due)
  * at which it began, may round to the end. */
 void observe_end(struct run *run)
 {
-    while (run->sampled < run->sample_count && run->sample_times[run->sampled] <= run->duration) {
-        memcpy(&run->samples[4 * run->sampled], run->state, sizeof run->state);
-        run->sampled++;
-    }
+    while (run->sampled < run->sample_count && run->sample_times[run->sampled] <= run->duration)
+        record_sample_here(run);
 }
 
+#ifndef RUN_UP
 static void sample_flight(struct run *run, const struct flight *flight)
 {
     for (double due; is_due(run, flight->span, flight->span, &due) && !asked_to_stop(run->stop);)
         record_sample(run, fly(flight->start, due, &run->rotor));
 }
+#endif
 
 /* About in which part of the last step a time lies: u as a cubic of t, du = dt/q. */
 static double guess_of_part(const struct motion *motion, double time)
@@ -207,6 +251,7 @@ static struct turning turning_of(const struct rotor *rotor, double felt, const d
     return (struct turning){dot(z, w), dot(z_rate, w) + dot(z, w_rate)};
 }
 
+#ifndef RUN_UP
 static void find_extrema_of_flight(struct run *run, const struct flight *flight)
 {
     double time = 0.0, rising = 0.0;
@@ -218,6 +263,8 @@ static void find_extrema_of_flight(struct run *run, const struct flight *flight)
         rising = -rising;
     }
 }
+
+#endif
 
 /* Whether a rate that has the same sign at both ends comes towards 0 between them and goes again:
  * there two extrema may hide. */
@@ -328,6 +375,7 @@ static void carry(struct run *run, const double *apart)
     }
 }
 
+#ifndef RUN_UP
 /* Places and weights of Gauss's quadrature of six points on [0, 1]. */
 static const double PLACES[] = {0.033765242898423975, 0.16939530676686776, 0.3806904069584015,
                                 0.6193095930415985,   0.8306046932331322,  0.966234757101576};
@@ -540,6 +588,8 @@ static void carry_over_flight(struct run *run, const struct flight *flight)
 }
 #endif
 
+#endif
+
 void observe_phase(struct run *run, struct motion *motion, const double *start,
                    const double *reached)
 {
@@ -582,10 +632,12 @@ void observe_jump(struct run *run, const struct motion *motion, double sense, co
     for (int i = 0; i < run->differences; i++) {
         double *row = &run->bundle[4 * i];
         double slip = row[3] - values[CONTACT_P] * row[1] / r;
+#ifndef RUN_UP
         if (i == DIFFERENCES + BY_OMEGA)
             slip += run->rotor.disc_radius;
         if (i == DIFFERENCES + BY_DISC_RADIUS)
             slip += run->rotor.omega;
+#endif
         row[3] += part * slip;
     }
     turn_rows(run, basis_of(motion, values));
@@ -598,6 +650,7 @@ void observe_jump(struct run *run, const struct motion *motion, double sense, co
 
 /* ---- All of them ---- */
 
+#ifndef RUN_UP
 void observe_flight(struct run *run, const struct flight *flight)
 {
     sample_flight(run, flight);
@@ -617,6 +670,7 @@ void observe_flight(struct run *run, const struct flight *flight)
         add_by_parameters_of_flight(run, flight);
 #endif
 }
+#endif
 
 int observe_step(struct run *run, const struct step *step)
 {
@@ -632,8 +686,10 @@ int observe_step(struct run *run, const struct step *step)
         if (motion->low == 0.0)
             turn_rows(run, mirrored(basis_of(motion, motion->before)));
         carry(run, &step->reached[motion->mode->size]);
+#ifndef RUN_UP
         if (run->differences > DIFFERENCES)
             add_by_parameters(run, step);
+#endif
     }
     if (asked_to_stop(run->stop))
         return STOPPED;

@@ -21,6 +21,8 @@ struct step {
 };
 
 double time_left(const struct run *run);
+/* The same until a phase has to end: there a prescribed rate may change. */
+double phase_left(const struct run *run);
 
 /* Begin and end a run: report samples at its start, and at its end. */
 void observe_start(struct run *run);

@@ -62,8 +62,8 @@ static double energy_of(const struct motion *motion, const double *values, doubl
     const double moving = 0.5 * (p * p + around * around);
     const double bent = 0.5 * m->shaft_stiffness * radius * radius;
     const double lifted = m->load * radius * values[CONTACT_DOWN_R];
-    const double turning = m->omega * momentum;
-    const double pulled = m->omega * m->omega * radius * values[CONTACT_C];
+    const double omega = speed_of(motion, values), turning = omega * momentum;
+    const double pulled = omega * omega * radius * values[CONTACT_C];
     *scale = larger(*scale, moving + bent + fabs(lifted) + fabs(turning) + fabs(pulled));
     return moving + bent - lifted - turning - pulled;
 }
@@ -95,9 +95,10 @@ static int is_balanced(const struct motion *motion, double absolute, const doubl
     /* what errors of angular momentum and of directions come to that are allowed by themselves */
     const double radius = m->delta0 + reached[CONTACT_Q] * reached[CONTACT_Q];
     const double spin = fabs(momentum_of(motion, reached)) / (radius * radius);
-    const double apart = m->omega + spin + (m->omega * m->omega + m->load) * radius;
+    const double omega = larger(speed_of(motion, start), speed_of(motion, reached));
+    const double apart = omega + spin + (omega * omega + m->load) * radius;
     /* so much of the angular momentum is lost in the moment of the slip of a large disc */
-    const double rounded = ROUNDING * m->rim * radius;
+    const double rounded = ROUNDING * rim_of(motion, reached) * radius;
     const double allowed = ENERGY_ERROR * (double)(steps + STEPS_AT_ENDS);
     return fabs(missing) <= allowed * (motion->rtol * scale + (absolute + rounded) * apart);
 }
@@ -187,6 +188,31 @@ static int change_mode(struct run *run, struct motion *motion, const struct chan
     begin_differences(motion, start, unused);
     return motion->restart(motion, start, atol);
 }
+
+#ifdef RUN_UP
+/* Go on with the next piece of a speed, where its rate jumps: the force with it that rolling needs,
+ * so that a disc which rolled may slip from here on. */
+static int change_piece(struct run *run, struct motion *motion, double *start, const double *atol,
+                        double *reached)
+{
+    run->piece++;
+    begin_piece(run);
+    take_drive(motion, &run->rotor);
+    reached[CONTACT_SPEED] = run->rotor.omega;
+    if (motion->mode == &rolling_mode) {
+        settle_friction(motion, reached);
+        if (motion->mode == &rub_mode && run->event_room > 0) {
+            if (run->events + EVENTS_A_CONTACT > run->event_room)
+                return FULL_INSIDE;
+            record_change(run, motion, SLIP, 0, reached);
+        }
+    }
+    run->evaluations += motion->evaluations(motion);
+    copy_values(motion, reached, start);
+    put_load_right(motion, start, 0.0);
+    return motion->restart(motion, start, atol);
+}
+#endif
 #else
 void begin_pressed(struct motion *motion, const double *start) { (void)motion, (void)start; }
 
@@ -229,8 +255,9 @@ static double end_of_step(const struct run *run, struct motion *motion, double *
         copy_values(motion, motion->at(motion, end), reached);
         reached[CONTACT_Q] = 0.0;
     }
-    const double duration = time_left(run);
-    if (reached[CONTACT_T] > duration + (*left ? run->slack : 0.0)) {
+    const double duration = phase_left(run);
+    const double slack = duration < time_left(run) ? 0.0 : run->slack;
+    if (reached[CONTACT_T] > duration + (*left ? slack : 0.0)) {
         end = root_in_step(motion, time_of, duration, motion->low, end);
         if (isnan(end))
             return NAN;
@@ -301,6 +328,10 @@ int integrate_contact(struct run *run, struct motion *motion, const double *begu
                 motion->values[RUB_HEAT] = reached[RUB_HEAT];
         }
 #endif
+#ifdef RUN_UP
+        if (motion->model.inverse_inertia > 0.0 && reached[CONTACT_SPEED] < 0.0)
+            return STALLED;
+#endif
         raise_peak_of_contact(peak, motion, end, reached);
         const struct step step = {motion, end, reached[CONTACT_T], reached};
         status = observe_step(run, &step);
@@ -328,6 +359,14 @@ int integrate_contact(struct run *run, struct motion *motion, const double *begu
             return DONE;
 #endif
         }
+#ifdef RUN_UP
+        if (reached[CONTACT_T] >= phase_left(run)) {
+            status = change_piece(run, motion, start, atol, reached);
+            if (status != DONE)
+                return status;
+            continue;
+        }
+#endif
         idle = reached[CONTACT_T] <= motion->before[CONTACT_T] ? idle + 1 : 0;
         if (idle > PATIENCE)
             return STUCK;
@@ -391,7 +430,8 @@ static void raise_peak(struct peak *peak, struct motion *motion, double end)
 /* Integrate until the rotor touches the ring from inside or the run is at its end. */
 int follow_freely(struct run *run, struct motion *motion, struct peak *peak, int *touched)
 {
-    const double duration = time_left(run);
+    const double duration = phase_left(run);
+    const double slack = duration < time_left(run) ? 0.0 : run->slack;
     double start[MOST_VALUES] = {run->state[0], run->state[1], run->state[2], run->state[3]};
     double atol[MOST_VALUES] = {run->atol, run->atol, run->atol, run->atol};
 #ifdef WHOLE_MODEL
@@ -399,6 +439,12 @@ int follow_freely(struct run *run, struct motion *motion, struct peak *peak, int
     start[CARTESIAN_DOWN_X] = down.x;
     start[CARTESIAN_DOWN_Y] = down.y;
     atol[CARTESIAN_DOWN_X] = atol[CARTESIAN_DOWN_Y] = run->atol;
+#endif
+#ifdef RUN_UP
+    motion->model = parameters_of(&run->rotor, motion->model.felt);
+    start[CARTESIAN_SPEED] = run->rotor.omega;
+    start[CARTESIAN_ANGLE] = 0.0;
+    atol[CARTESIAN_SPEED] = atol[CARTESIAN_ANGLE] = run->atol;
 #endif
     double reached[MOST_VALUES];
     begin_differences(motion, start, atol);
@@ -417,10 +463,16 @@ int follow_freely(struct run *run, struct motion *motion, struct peak *peak, int
             status = NO_ROOT;
             break;
         }
-        *touched = touch <= duration + run->slack;
+        *touched = touch <= duration + slack;
         end = *touched ? touch : smaller(motion->point, duration);
         raise_peak(peak, motion, end);
         copy_values(motion, motion->at(motion, end), reached);
+#ifdef RUN_UP
+        if (motion->model.inverse_inertia > 0.0 && reached[CARTESIAN_SPEED] < 0.0)
+            status = STALLED;
+        if (status == STALLED)
+            break;
+#endif
         const struct step step = {motion, end, end, reached};
         status = observe_step(run, &step);
         over = *touched || end >= duration;

@@ -18,6 +18,7 @@ from rotor_ida.core.interface import (
     FULL,
     FULL_INSIDE,
     METHODS,
+    PIECE_COLUMNS,
     STRETCH_COLUMNS,
     UNDECIDED,
     RotorStruct,
@@ -73,6 +74,11 @@ class Asked:
         what the parameters add, by `COLUMNS`: three in the paper's model, eight in the whole [1].
     whole : bool
         Whether the core of the whole model follows it, even if the paper's would do.
+    pieces : ndarray, shape (n, 6), optional
+        How the speed changes, piece by piece: when it ends, its rate, or torque, slope and 1/j, and
+        the speed with which a prescribed one begins [1]. Flight is led by Taylor series then.
+    angle : float
+        Where the unbalance is at time 0, if the speed changes [1].
     stop : ndarray of uint8, shape (1,)
         Anything but 0 asks the run to stop.
     """
@@ -91,6 +97,8 @@ class Asked:
     extrema: bool = False
     bundle: Values | None = None
     whole: bool = False
+    pieces: Values | None = None
+    angle: float = 0.0
     stop: Stop | None = None
 
     @property
@@ -128,6 +136,10 @@ class Seen:
         Time, radius, kind (-1 or 1) and state of each extremum of the radius.
     evaluations : int
         Evaluations of the right-hand side, or orders expanded.
+    turn : tuple of float
+        Angle and speed at the end, if the speed changes [1].
+    sample_turns, event_turns : ndarray, shape (n, 2)
+        The same at the samples and at the events.
     """
 
     status: int
@@ -143,9 +155,12 @@ class Seen:
     contacts: Values
     extrema: Values
     evaluations: int
+    turn: tuple[float, float]
+    sample_turns: Values
+    event_turns: Values
 
 
-_NO_TIMES, _NO_STATES = np.empty(0), np.empty((0, 4))
+_NO_TIMES, _NO_STATES, _NO_TURNS = np.empty(0), np.empty((0, 4)), np.empty((0, 2))
 _NO_CONTACTS, _NO_EXTREMA = np.empty((0, CONTACT_COLUMNS)), np.empty((0, EXTREMUM_COLUMNS))
 _NO_KINDS = np.empty(0, np.int8)
 
@@ -161,12 +176,21 @@ class _Tables:
         varied = asked.bundle is not None and len(asked.bundle) > DIFFERENCES
         self.slides = asked.rotor.friction > 0.0 or (varied and bool(asked.rotor.disc_radius))
         self.contacts, self.extrema = _NO_CONTACTS, _NO_EXTREMA
+        self.sample_turns = self.event_turns = _NO_TURNS
+        self.turns = asked.pieces is not None
+        if asked.pieces is not None:
+            self.pieces = np.ascontiguousarray(asked.pieces, np.float64)
+            run.pieces, run.piece_count = address(self.pieces), len(self.pieces)
+            run.angle = asked.angle
         if asked.sample_times is not None:
             # kept as long as the run
             self.sample_times = times = np.ascontiguousarray(asked.sample_times, np.float64)
             self.samples = np.empty((times.size, 4))
             run.sample_count = times.size
             run.sample_times, run.samples = address(times), address(self.samples)
+            if self.turns:
+                self.sample_turns = np.empty((times.size, 2))
+                run.sample_turns = address(self.sample_turns)
         if asked.extrema:
             self.extrema = np.empty((2 * room, EXTREMUM_COLUMNS))
             run.extremum_room, run.extrema = 2 * room, address(self.extrema)
@@ -184,6 +208,9 @@ class _Tables:
         if self.slides:
             self.event_ways = _longer(self.event_ways, room)
             run.event_ways = address(self.event_ways)
+        if self.turns:
+            self.event_turns = _longer(self.event_turns, room)
+            run.event_turns = address(self.event_turns)
         run.event_times, run.event_kinds = (
             address(self.event_times),
             address(self.event_kinds),
@@ -208,6 +235,9 @@ class _Tables:
             self.contacts[: run.contact_count],
             self.extrema[: run.extremum_count],
             run.evaluations,
+            (run.angle, run.rotor.omega),
+            self.sample_turns[: run.sampled],
+            self.event_turns[: run.events],
         )
 
     def _ways(self) -> npt.NDArray[np.int8] | None:
@@ -221,6 +251,8 @@ class _Tables:
 def follow(asked: Asked) -> Seen:
     """Follow a run from its start to its end; the status says if it could be followed."""
     core, room = library_of(asked.rotor, whole=asked.whole), FIRST_ROOM
+    if asked.pieces is not None:
+        core = library("run_up")
     tables, before = _Tables(asked, room), None if asked.bundle is None else asked.bundle.copy()
     status = core.core_run(byref(tables.run))
     while status in {FULL, FULL_INSIDE}:
@@ -256,7 +288,8 @@ def stretch(asked: Asked, spans: int) -> tuple[Values, Seen]:
     x, y, vx, vy = run.state
     seen = Seen(
         status, run.time, (x, y, vx, vy), run.began, run.where, _NO_STATES, _NO_TIMES, _NO_KINDS,
-        _NO_STATES, None, _NO_CONTACTS, _NO_EXTREMA, run.evaluations,
+        _NO_STATES, None, _NO_CONTACTS, _NO_EXTREMA, run.evaluations, (0.0, 0.0),
+        _NO_TURNS, _NO_TURNS,
     )  # fmt: skip
     return stretches[: done.value], seen
 
@@ -309,6 +342,10 @@ def _check(asked: Asked) -> tuple[float, float, float, float]:
         raise ValueError(f"method must be one of {', '.join(METHODS)}, got {asked.method!r}")
     if asked.stop is not None and asked.stop.shape != (1,):
         raise ValueError(f"stop must be one number, got {asked.stop!r}")
+    if asked.pieces is not None and asked.pieces.shape[1:] != (PIECE_COLUMNS,):
+        raise ValueError(f"pieces must be rows of {PIECE_COLUMNS}, got {asked.pieces.shape}")
+    if asked.pieces is not None and asked.bundle is not None:
+        raise ValueError("a bundle must not be given with pieces")
     times = asked.sample_times
     if times is not None and times.ndim != 1:
         raise ValueError(f"sample times must be one row of numbers, got {times!r}")

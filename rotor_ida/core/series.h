@@ -17,9 +17,12 @@ enum {
     LOWEST_ORDER = 6,
     HIGHEST_ORDER = 24,
     ORDERS = HIGHEST_ORDER + 1,
-#ifdef WHOLE_MODEL
-    WIDTH = 12, /* columns of a state, with room to spare */
-    LANES = 28, /* products at most */
+#ifdef RUN_UP
+    WIDTH = 16, /* columns of a state, with room to spare */
+    LANES = 32, /* products at most */
+#elif defined(WHOLE_MODEL)
+    WIDTH = 12,
+    LANES = 28,
 #else
     WIDTH = 8,
     LANES = 16,

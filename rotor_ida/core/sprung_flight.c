@@ -12,7 +12,7 @@
  *
  * The first touch is looked for as in flight.c. Inside the ring |z| is at most delta0, which bounds
  * force, acceleration and jerk over a step, whatever the machine. */
-#ifdef WHOLE_MODEL
+#if defined(WHOLE_MODEL) && !defined(RUN_UP)
 #include "flight.h"
 
 static const double NEVER = INFINITY;

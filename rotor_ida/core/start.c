@@ -20,6 +20,16 @@ static double radial_velocity(struct motion_of_centre start)
     return fabs(along) > 4.0 * ROUNDING * length(start.w) ? along : 0.0;
 }
 
+#ifdef RUN_UP
+/* The angular acceleration without contact. */
+static double quickening_of(struct motion_of_centre start, const struct rotor *rotor)
+{
+    const double left = rotor->torque - rotor->slope * rotor->omega + 2.0 * rotor->zeta * start.w.y
+                        + rotor->shaft_stiffness * start.z.y;
+    return rotor->rate + rotor->inverse_inertia * left;
+}
+#endif
+
 /* The radial acceleration at radial rest, without contact; 0 where rounding hides it. */
 static double radial_acceleration(struct motion_of_centre start, const struct rotor *rotor)
 {
@@ -31,6 +41,11 @@ static double radial_acceleration(struct motion_of_centre start, const struct ro
         total += rotor->load * dot(start.z, start.down) / radius - spring;
         size += rotor->load + spring;
     }
+#ifdef RUN_UP
+    const double faster = quickening_of(start, rotor); /* which pulls along -i */
+    total -= faster * (start.z.y / radius);
+    size += fabs(faster);
+#endif
     return fabs(total) > 16.0 * ROUNDING * size ? total : 0.0;
 }
 
@@ -42,10 +57,24 @@ static double radial_jerk(struct motion_of_centre start, const struct rotor *rot
     if (WHOLE)
         acceleration = plus(acceleration, plus(scaled(-rotor->shaft_stiffness, start.z),
                                                scaled(rotor->load, start.down)));
+#ifdef RUN_UP
+    const double faster = quickening_of(start, rotor);
+    acceleration.y -= faster;
+#endif
     struct vector jerk = {-damping * acceleration.x,
                           omega * omega * omega - damping * acceleration.y};
     if (WHOLE)
         jerk = plus(jerk, scaled(-rotor->shaft_stiffness, start.w));
+#ifdef RUN_UP
+    /* of (omega**2 - i theta'') exp(i theta); theta'' changes as the reaction does */
+    const struct vector turned = plus(acceleration, scaled(-omega, quarter_turned(start.w)));
+    const struct vector moved = plus(start.w, scaled(-omega, quarter_turned(start.z)));
+    const double jolt = rotor->inverse_inertia
+                        * (damping * turned.y + rotor->shaft_stiffness * moved.y
+                           - rotor->slope * faster);
+    jerk.x += 3.0 * omega * faster;
+    jerk.y -= jolt;
+#endif
     const double by_velocity = 3.0 * dot(start.w, acceleration), by_position = dot(start.z, jerk);
     const double size = 3.0 * length(start.w) * length(acceleration)
                         + length(start.z) * length(jerk);
@@ -87,7 +116,33 @@ static void regularise(struct motion_of_centre start, double root, double *value
     values[CONTACT_DOWN_T] = cross(direction, start.down);
     values[CONTACT_WORK] = values[CONTACT_SPENT] = 0.0;
 #endif
+#ifdef RUN_UP
+    values[CONTACT_SPEED] = start.speed;
+    values[CONTACT_ANGLE] = start.angle;
+#endif
 }
+
+#ifdef RUN_UP
+/* The motion a moment later, in flight: by a few terms of its series. */
+static struct motion_of_centre fly_shortly(struct motion_of_centre start, double moment,
+                                           const struct rotor *rotor)
+{
+    const struct parameters model = parameters_of(rotor, 0.0);
+    struct series series;
+    double values[WIDTH];
+    memset(&series, 0, sizeof series);
+    const double first[] = {start.z.x,    start.z.y,    start.w.x,   start.w.y,
+                            start.down.x, start.down.y, start.speed, start.angle};
+    memcpy(series.terms[0], first, sizeof first);
+    cartesian_mode.expand(&model, &series, LOWEST_ORDER);
+    evaluate(series.terms[0], WIDTH, WIDTH, LOWEST_ORDER, moment, 0, values);
+    return (struct motion_of_centre){.z = {values[CARTESIAN_X], values[CARTESIAN_Y]},
+                                     .w = {values[CARTESIAN_VX], values[CARTESIAN_VY]},
+                                     .down = {values[CARTESIAN_DOWN_X], values[CARTESIAN_DOWN_Y]},
+                                     .speed = values[CARTESIAN_SPEED],
+                                     .angle = values[CARTESIAN_ANGLE]};
+}
+#endif
 
 /* The values a moment after a start at radial rest that is drawn outwards.
  *
@@ -106,7 +161,11 @@ static void push_off(struct motion_of_centre start, double left, const struct ro
     else if (jerk > 0.0)
         moment = smaller(cbrt(6.0 * depth / jerk), 1e-3 * left);
     const double indentation = (acceleration / 2.0 + jerk * moment / 6.0) * moment * moment;
+#ifdef RUN_UP
+    regularise(fly_shortly(start, moment, rotor), sqrt(indentation), values);
+#else
     regularise(fly(start, moment, rotor), sqrt(indentation), values);
+#endif
     values[CONTACT_P] = (acceleration + jerk * moment / 2.0) * moment;
     values[CONTACT_T] = moment;
 }

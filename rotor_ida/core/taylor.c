@@ -9,6 +9,13 @@ static const double NOISE = 1e-13;
 /* A step turns the fastest of the motions that the terms cannot show by no more than this part of
  * the order: beyond, a series that has died away to rounding would grow again. */
 static const double FARTHEST = 0.25;
+#ifdef RUN_UP
+/* So near to the ring, by the square of the radius, a flight begins there. */
+static const double ON_THE_RING = 64.0 * ROUNDING;
+enum { WITH_SPEED = 1 };
+#else
+enum { WITH_SPEED = 0 };
+#endif
 /* The logarithm of a step that nothing limits. */
 static const double UNLIMITED = 100.0;
 /* Terms fall by a factor exp(2) where the order is best; so many are looked at, as some may vanish:
@@ -175,7 +182,7 @@ static double rate_of_contact(const struct taylor *taylor)
     const double stiffening = 1.0 + damping * fabs(taylor->series.terms[0][CONTACT_P]);
     const double force = q * q * (model->hertz * q + model->linear);
     return q
-           * (model->omega + 2.0 * model->zeta + damping * force
+           * (speed_of(&taylor->motion, taylor->motion.before) + 2.0 * model->zeta + damping * force
               + sqrt(model->shaft_stiffness + slope * stiffening));
 #else
     return q * (model->omega + 2.0 * model->zeta + sqrt(1.5 * q));
@@ -258,7 +265,7 @@ static double unfelt(const struct taylor *taylor)
     const double *state = taylor->motion.values, part = 1e-2 * taylor->motion.rtol;
     const double square = state[CARTESIAN_VX] * state[CARTESIAN_VX]
                           + state[CARTESIAN_VY] * state[CARTESIAN_VY];
-    const double omega = taylor->motion.model.omega;
+    const double omega = speed_of(&taylor->motion, state);
     double push = part * omega * omega;
 #ifdef WHOLE_MODEL
     push += part * taylor->motion.model.load;
@@ -277,7 +284,8 @@ static double cartesian_step(struct taylor *taylor, double inner)
     const double speed = length((struct vector){state[CARTESIAN_VX], state[CARTESIAN_VY]});
 #ifdef WHOLE_MODEL
     const double slope = 1.5 * model->hertz * sqrt(radius) + model->linear;
-    const double rate = model->omega + 2.0 * model->zeta + sqrt(model->shaft_stiffness + slope);
+    const double rate = speed_of(&taylor->motion, state) + 2.0 * model->zeta
+                        + sqrt(model->shaft_stiffness + slope);
     const double more = model->load + model->shaft_stiffness * radius
                         + (radius > inner ? slope * radius : 0.0);
 #else
@@ -292,12 +300,54 @@ static double cartesian_step(struct taylor *taylor, double inner)
         within = radius;
 #endif
     if (within > 0.0) {
-        const double push = model->omega * model->omega + 2.0 * model->zeta * speed + more;
+        const double omega = speed_of(&taylor->motion, state);
+        const double push = omega * omega + 2.0 * model->zeta * speed + more;
         step = smaller(step, 2.0 * within / (speed + sqrt(speed * speed + 2.0 * push * within)));
     }
     return step;
 }
 
+#ifdef RUN_UP
+/* How far the series of a flight may be followed: so that the radius passes that of the ring inside
+ * it at most once after its beginning, which may lie there, and turns at most once. */
+static double flight_step(struct taylor *taylor)
+{
+    const struct parameters *model = &taylor->motion.model;
+    const double delta0 = model->delta0;
+    const double rate = speed_of(&taylor->motion, taylor->motion.before) + 2.0 * model->zeta
+                        + sqrt(model->shaft_stiffness);
+    double step = longest_step(taylor, CARTESIAN_SIZE, rate);
+    if (isnan(step))
+        return NAN;
+    /* |z|**2 - delta0**2, the same after its first root at 0, and its rate of change */
+    double square[ORDERS] = {0.0}, later[ORDERS] = {0.0}, turning[ORDERS] = {0.0};
+    double terms[ORDERS][2], sizes[2] = {0.0}, scale = 1.0;
+    for (int n = 0; n <= taylor->order; n++) {
+        memcpy(terms[n], &taylor->series.terms[n][CARTESIAN_X], sizeof terms[n]);
+        for (int k = 0; k <= n; k++)
+            square[n] += terms[k][0] * terms[n - k][0] + terms[k][1] * terms[n - k][1];
+    }
+    square[0] -= delta0 * delta0;
+    const int on_ring = fabs(square[0]) <= ON_THE_RING * delta0 * delta0;
+    for (int n = 0; n < taylor->order; n++) {
+        later[n] = square[n + on_ring];
+        turning[n] = (n + 1) * square[n + 1];
+        sizes[0] += fabs(later[n]) * scale;
+        sizes[1] += fabs(turning[n]) * scale;
+        scale *= step;
+    }
+    /* on a whirl of constant radius all this is rounding */
+    const double farthest = square[0] + delta0 * delta0;
+    const double noise = larger(NOISE, taylor->motion.rtol) * farthest / step;
+    if (sizes[0] > (on_ring ? noise : NOISE * farthest))
+        step = with_one_zero(taylor, later, 1, sizes[0], step);
+    if (sizes[1] > noise)
+        step = with_one_zero(taylor, turning, 1, sizes[1], step);
+    return step;
+}
+#endif
+
+#ifndef RUN_UP
 /* Write the series of the differences; return the step at which the last two terms of each reach
  * its tolerance. */
 static double step_of_differences(struct taylor *taylor)
@@ -327,6 +377,7 @@ static double step_of_differences(struct taylor *taylor)
         step = smaller(step, pow(before, -1.0 / (order - 1)));
     return step;
 }
+#endif
 
 /* Write the values at a part of the step; there is room for more than the state. */
 static inline void read(const struct taylor *taylor, const int columns, double part, double *values)
@@ -390,11 +441,18 @@ static int advance(struct motion *motion)
     const struct mode *mode = motion->mode;
     begin_step(taylor);
     double inner = 0.0;
-    if (mode == &cartesian_mode) {
+    const int flies = WITH_SPEED && mode == &cartesian_mode && motion->model.delta0 > 0.0;
+    if (mode == &cartesian_mode && !flies) {
         inner = unfelt(taylor);
         const struct vector here = {motion->values[CARTESIAN_X], motion->values[CARTESIAN_Y]};
         motion->model.felt = length(here) > inner ? 1.0 : 0.0;
     }
+#ifdef RUN_UP
+    mode->expand(&motion->model, &taylor->series, taylor->order);
+    double step = flies                ? flight_step(taylor)
+                  : is_contact(motion) ? contact_step(taylor)
+                                       : cartesian_step(taylor, inner);
+#else
     if (motion->tangents)
         mode->expand_with_factors(&motion->model, &taylor->series, taylor->order);
     else
@@ -404,6 +462,7 @@ static int advance(struct motion *motion)
         return NOT_FINITE;
     if (motion->tangents)
         step = smaller(step, step_of_differences(taylor));
+#endif
     if (isnan(step))
         return NOT_FINITE;
     motion->point = motion->low + step;
@@ -436,6 +495,24 @@ static const vec4 WEIGHTS[AT_ONCE] = {
     {0.05061426814518813, 0.11119051722668724, 0.15685332293894363, 0.18134189168918100},
     {0.18134189168918100, 0.15685332293894363, 0.11119051722668724, 0.05061426814518813}};
 
+#ifdef RUN_UP
+/* What a contact spends, by a quadrature over the last step: a lane of its own would cost more. */
+static void spend(struct motion *motion, double end, double *reached)
+{
+    const double reach = end - motion->low;
+    for (int place = 0; place < 4 * AT_ONCE; place++) {
+        double values[WIDTH], rate[WIDTH];
+        const double part = reach * PLACES[place / 4][place % 4];
+        evaluate(taylor_of(motion)->series.terms[0], WIDTH, WIDTH, taylor_of(motion)->order, part,
+                 0, values);
+        motion->mode->field(&motion->model, values, rate);
+        const double weight = reach * WEIGHTS[place / 4][place % 4];
+        reached[CONTACT_SPENT] += weight * rate[CONTACT_SPENT];
+        if (motion->mode != &contact_mode)
+            reached[RUB_HEAT] += weight * rate[RUB_HEAT];
+    }
+}
+#else
 /* Read components of a contact where the quadrature over a step looks at them. */
 static inline __attribute__((always_inline)) void look(const struct taylor *taylor,
                                                        const int *components, const int count,
@@ -523,6 +600,7 @@ static void spend(struct motion *motion, double end, double *reached)
     }
     reached[CONTACT_SPENT] += reach * (total[0] + total[1] + total[2] + total[3]);
 }
+#endif
 #endif
 
 static const double *glance_at(struct motion *motion, double point)

@@ -33,7 +33,8 @@ class Derived:
     jacobian : list of list of Symbol
         The derivatives of these by each component.
     growth : list of list of Symbol
-        The matrix by which a small difference grows, by the variable of integration.
+        The matrix by which a small difference grows, by the variable of integration; nothing, as
+        the next, where the mode has no neighbours.
     by_parameters : list of list of Symbol
         What each parameter adds to the rates by time of position and velocity.
     pace : Symbol
@@ -70,10 +71,10 @@ def derive(mode: Mode, model: Model) -> Derived:
     rotor = SimpleNamespace(**parameters, **model.constants)
     state = [graph.state(name) for name in mode.state]
     pace = graph.of(mode.pace(state))
-    with named_as_in(str(Path(__file__).with_name("modes"))):
+    with named_as_in(*(str(Path(__file__).with_name(name)) for name in ("modes", "spinning"))):
         rates = [graph.of(rate) for rate in mode.rates(state, rotor)]
         drawn_rates = [graph.of(rate) for rate in mode.drawn_rates(state, rotor)]
-        growth = _growth(graph, mode, state, rotor)
+        growth = _growth(graph, mode, state, rotor) if mode.neighbour else []
         watched = [graph.of(each) for each in mode.watched(state, rotor)] if mode.watched else []
     slopes = mode.drawn_rates(variables(state), rotor)
     more = mode.watched(variables(state), rotor) if mode.watched else []
@@ -83,7 +84,7 @@ def derive(mode: Mode, model: Model) -> Derived:
         drawn_rates,
         [_parts(graph, rate, len(state)) for rate in slopes],
         [[pace * entry for entry in row] for row in growth],
-        _by_parameters(graph, mode, state, rotor, model.columns),
+        _by_parameters(graph, mode, state, rotor, model.columns) if mode.neighbour else [],
         pace,
         watched,
         [_along(graph, _parts(graph, each, len(state)), rates) for each in more],
@@ -101,6 +102,7 @@ def _along(graph: Graph, parts: list[Symbol], rates: list[Symbol]) -> Symbol:
 
 def _growth(graph: Graph, mode: Mode, state: list[Symbol], rotor: Any) -> Matrix:
     """Return the derivatives of the rates by time of a neighbour by its distance."""
+    assert mode.neighbour
     apart = variables([graph.of(0.0)] * 4)
     near = mode.neighbour(state, apart, apart[0], rotor)
     rates = turned_rates(near.position, near.velocity, near.acceleration, near.turning)
@@ -114,6 +116,7 @@ def _by_parameters(
 
     Those of what the rates do not hang on are 0.
     """
+    assert mode.neighbour
     names = [name for name in columns if name != "delta0" and hasattr(rotor, name)]
     varied = variables([getattr(rotor, name) for name in names], others=1)
     changed = SimpleNamespace(**vars(rotor) | dict(zip(names, varied, strict=True)))

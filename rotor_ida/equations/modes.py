@@ -94,7 +94,7 @@ class Mode:
     neighbour : callable
         ``neighbour(state, apart, deeper, rotor)`` returns position, velocity and acceleration of a
         rotor that is a little `apart`, with an indentation `deeper` by so much, and the rate at
-        which the basis of all these turns; to first order.
+        which the basis of all these turns; to first order. None where nothing is differentiated.
     pace : callable
         ``pace(state)``: time by the variable of integration.
     guards : tuple of Guard
@@ -110,7 +110,7 @@ class Mode:
     name: str
     state: tuple[str, ...]
     rates: Callable[[Numbers, Any], list[Number]]
-    neighbour: Callable[[Numbers, Numbers, Number, Any], Neighbour]
+    neighbour: Callable[[Numbers, Numbers, Number, Any], Neighbour] | None
     pace: Callable[[Numbers], Number]
     guards: tuple[Guard, ...]
     drawn_rates: Callable[[Numbers, Any], list[Number]]
@@ -540,4 +540,3 @@ WHOLE = Model(
     constants={},
     columns=(*OF_ROTOR, *OF_MACHINE, "friction", "disc_radius"),
 )
-MODELS = (PAPER, WHOLE)

@@ -201,11 +201,11 @@ def is_negative(symbol: Symbol) -> bool:
 
 
 @contextmanager
-def named_as_in(folder: str) -> Iterator[None]:
-    """Name symbols as the functions in the sources of a folder do that are run meanwhile."""
+def named_as_in(*sources: str) -> Iterator[None]:
+    """Name symbols as the functions in some sources do that are run meanwhile."""
 
     def look(frame: FrameType, event: str, _argument: Any) -> None:
-        if event == "return" and folder in frame.f_code.co_filename:
+        if event == "return" and any(each in frame.f_code.co_filename for each in sources):
             for name, value in frame.f_locals.items():
                 if isinstance(value, Symbol) and not value.name and value.kind != "number":
                     value.name = name

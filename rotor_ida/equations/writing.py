@@ -32,9 +32,17 @@ from rotor_ida.equations.derivation import (
     needs_convolution,
     operands,
 )
-from rotor_ida.equations.modes import MODELS, PAPER, Mode, Model
+from rotor_ida.equations.modes import PAPER, WHOLE, Mode, Model
+from rotor_ida.equations.spinning import RUN_UP
 from rotor_ida.equations.symbols import Symbol, split
 
+MODELS = (PAPER, WHOLE, RUN_UP)
+# When each is compiled.
+CHOSEN_BY = {
+    "paper": "#ifndef WHOLE_MODEL",
+    "whole": "#if defined(WHOLE_MODEL) && !defined(RUN_UP)",
+    "run_up": "#ifdef RUN_UP",
+}
 COMMAND = "python -m rotor_ida.equations.writing"
 FOLDER = Path(__file__).parents[1] / "core"
 # One vector holds so many lanes, and the same component of so many differences.
@@ -164,9 +172,27 @@ def write_values(derived: Derived, columns: Sequence[str]) -> list[str]:
         if not derived.jacobian[row][column].is_number(0.0)
     ]
     cleared = [f"for (int i = 0; i < {size * size}; i++)", "    matrix[i] = 0.0;"]
-    growth = [(f"growth[{i}][{j}]", derived.growth[i][j]) for i in range(4) for j in range(4)]
+    growth = [
+        (f"growth[{i}][{j}]", entry)
+        for i, row in enumerate(derived.growth)
+        for j, entry in enumerate(row)
+    ]
     rows = range(len(derived.by_parameters))
     added = [(f"added[{i}][{j}]", derived.by_parameters[i][j]) for i in rows for j in range(4)]
+    of_neighbours = [
+        *_function(
+            f"{mode.name}_growth",
+            "const double *state, double growth[4][4]",
+            "The rates of a small difference are this matrix times it.",
+            _values(growth, mode),
+        ),
+        *_function(
+            f"{mode.name}_by_parameters",
+            "const double *state, double added[PARAMETERS][4]",
+            f"What {', '.join(columns)} add to the rates by time of position and velocity.",
+            _values(added, mode),
+        ),
+    ]
     return [
         *_function(
             f"{mode.name}_field",
@@ -180,18 +206,7 @@ def write_values(derived: Derived, columns: Sequence[str]) -> list[str]:
             "Their derivatives by each of these, column by column.",
             cleared + _values(matrix, mode),
         ),
-        *_function(
-            f"{mode.name}_growth",
-            "const double *state, double growth[4][4]",
-            "The rates of a small difference are this matrix times it.",
-            _values(growth, mode),
-        ),
-        *_function(
-            f"{mode.name}_by_parameters",
-            "const double *state, double added[PARAMETERS][4]",
-            f"What {', '.join(columns)} add to the rates by time of position and velocity.",
-            _values(added, mode),
-        ),
+        *(of_neighbours if mode.neighbour else []),
         *_write_watched(derived),
     ]
 
@@ -368,9 +383,12 @@ def _steady_part(derived: Derived) -> list[str]:
 def write_table(derived: Derived) -> list[str]:
     """Return the table of all that is derived from a mode."""
     name = derived.mode.name
+    near = derived.mode.neighbour is not None
     functions = [
-        *("field", "jacobian", "growth", "by_parameters", "expand"),
-        *("expand_with_factors", "expand_differences"),
+        *("field", "jacobian"),
+        *(("growth", "by_parameters") if near else ()),
+        "expand",
+        *(("expand_with_factors", "expand_differences") if near else ()),
         *(["watched"] if derived.watched else []),
     ]
     return [
@@ -414,19 +432,21 @@ def sources() -> dict[str, str]:
 def sources_of(model: Model) -> dict[str, str]:
     """Return the names and contents of the files that are derived from a model.
 
-    A library is compiled for one model: what belongs to the other is empty then.
+    A library is compiled for one model: what belongs to the others is empty then.
     """
+    source = "spinning" if model is RUN_UP else "modes"
     head = [
-        f"/* Derived from rotor_ida/equations/modes.py by `{COMMAND}`. */",
+        f"/* Derived from rotor_ida/equations/{source}.py by `{COMMAND}`. */",
         "/* clang-format off */",
     ]
-    stem, other = ("derived", "ifndef") if model is PAPER else (f"derived_{model.name}", "ifdef")
+    stem = "derived" if model is PAPER else f"derived_{model.name}"
     marker = f"ROTOR_IDA_{stem.upper()}_H"
-    body = [*head, f"#{other} WHOLE_MODEL", '#include "motion.h"', ""]
+    body = [*head, CHOSEN_BY[model.name], '#include "motion.h"', ""]
     declared = [*head, f"#ifndef {marker}", f"#define {marker}", ""]
     declared += ['#include "core.h"', "", *_parameters(model), ""]
     columns = [f"BY_{name.upper()}" for name in model.columns]
-    declared += [f"enum {{ {', '.join([*columns, 'PARAMETERS'])} }};"]
+    if columns:
+        declared += [f"enum {{ {', '.join([*columns, 'PARAMETERS'])} }};"]
     for mode in model.modes:
         derived = derive(mode, model)
         factors, _ = factors_of(derived)
@@ -439,8 +459,8 @@ def sources_of(model: Model) -> dict[str, str]:
         body += [
             *write_values(derived, model.columns),
             *write_series(derived, []),
-            *write_series(derived, factors),
-            *write_differences(derived),
+            *(write_series(derived, factors) if mode.neighbour else []),
+            *(write_differences(derived) if mode.neighbour else []),
             *write_table(derived),
         ]
     text = "\n".join([*body, "#endif", ""]).replace("\nvoid ", "\nstatic void ")

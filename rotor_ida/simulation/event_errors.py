@@ -101,7 +101,7 @@ def estimate_event_errors(
     try:
         other = run(
             rotor, start, orbit.duration, thinned.times, options, slack=2.0 * slack,
-            scale=scale, stop=stop,
+            scale=scale, stop=stop, course=None if orbit.turning is None else orbit.turning.course,
         )  # fmt: skip
     except SimulationError as error:
         return EventErrors(np.full(orbit.event_times.size, np.inf), error.time)
@@ -137,7 +137,8 @@ def errors_beside(
 def _fastest(orbit: Orbit) -> float:
     """Return the rate of the fastest motion or decay: spin, damping, vibration at the peak."""
     rotor = orbit.rotor
-    omega, zeta, delta0 = rotor.omega, rotor.zeta, rotor.delta0
+    zeta, delta0 = rotor.zeta, rotor.delta0
+    omega = float(np.max(orbit.speeds, initial=rotor.omega))
     squares = orbit.states[:, 0] ** 2 + orbit.states[:, 1] ** 2
     farthest = float(np.sqrt(squares.max(initial=delta0**2)))
     depth = max(farthest - delta0, float(orbit.contacts[:, 3].max(initial=0.0)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,12 +19,14 @@ from rotor_ida.core.interface import (
     UNBALANCED,
     message_of,
 )
-from rotor_ida.core.runs import Asked, follow
+from rotor_ida.core.runs import Asked, Seen, follow
+from rotor_ida.equations.model import rotated
 from rotor_ida.errors import InstallationError, InvariantError, SimulationError
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.options import Options
-from rotor_ida.simulation.orbit import Orbit, check_orbit
+from rotor_ida.simulation.orbit import Orbit, Turning, check_orbit
+from rotor_ida.simulation.spin import Course
 
 
 def run(
@@ -37,6 +40,7 @@ def run(
     scale: float = 1.0,
     extrema: bool = False,
     stop: Stop | None = None,
+    course: Course | None = None,
 ) -> Orbit:
     """Simulate a rotor from `start` at time 0 over `duration`.
 
@@ -61,6 +65,8 @@ def run(
         Whether the extrema of the radius are recorded; the reference records none.
     stop : ndarray, shape (1,), optional
         Asks a run in compiled code to stop as soon as it holds anything but 0.
+    course : Course, optional
+        How the speed changes, if it does.
 
     Raises
     ------
@@ -73,13 +79,13 @@ def run(
     if options.backend == "python":
         orbit = reference()(
             rotor, start, duration, sample_times, options,
-            tolerances=tolerances, slack=slack, stop=stop,
+            tolerances=tolerances, slack=slack, stop=stop, course=course,
         )  # fmt: skip
         check_orbit(orbit)
         return orbit
     asked = Asked(
         rotor=rotor,
-        start=start,
+        start=start if course is None else _on_axes(start, course.angle),
         duration=duration,
         rtol=tolerances[0],
         atol=tolerances[1],
@@ -87,12 +93,14 @@ def run(
         exact_flight=options.flight == "exact",
         slack=slack,
         sample_times=sample_times,
-        fixed_axes=True,
+        fixed_axes=course is None,
+        pieces=None if course is None else course.pieces(),
+        angle=0.0 if course is None else course.angle,
         events=True,
         extrema=extrema,
         stop=stop,
     )
-    orbit = _compiled(asked, sample_times, options)
+    orbit = _compiled(asked, sample_times, options, course)
     check_orbit(orbit)
     return orbit
 
@@ -108,12 +116,29 @@ def reference() -> Callable[..., Orbit]:
     return run_reference
 
 
-def _compiled(asked: Asked, sample_times: Values, options: Options) -> Orbit:
+def _on_axes(state: State, angle: float) -> State:
+    """Return a state read on axes that have turned by an angle."""
+    if angle == 0.0:
+        return state
+    x, y, vx, vy = rotated(state, -angle).tolist()
+    return x, y, vx, vy
+
+
+def _compiled(asked: Asked, sample_times: Values, options: Options, course: Course | None) -> Orbit:
     """Return an orbit of the compiled core."""
     seen = follow(asked)
     if seen.status != DONE:
         kind = InvariantError if seen.status == UNBALANCED else SimulationError
-        raise kind(message_of(seen.status), time=seen.time, state=seen.state)
+        state = seen.state if course is None else _on_axes(seen.state, -seen.turn[0])
+        raise kind(message_of(seen.status), time=seen.time, state=state)
+    turning = None if course is None else _turning_of(seen, asked, course)
+    if turning is not None:
+        seen = replace(
+            seen,
+            samples=rotated(seen.samples, turning.samples[:, 0]),
+            event_states=rotated(seen.event_states, turning.events[:, 0]),
+            state=_on_axes(seen.state, -float(turning.end[0])),
+        )
     return Orbit(
         rotor=asked.rotor,
         options=options,
@@ -129,7 +154,22 @@ def _compiled(asked: Asked, sample_times: Values, options: Options) -> Orbit:
         evaluations=seen.evaluations,
         ways=seen.ways,
         extrema=seen.extrema if asked.extrema else None,
+        turning=turning,
     )
+
+
+def _turning_of(seen: Seen, asked: Asked, course: Course) -> Turning:
+    """Return how the speed changed: as prescribed, or as the core has integrated it."""
+    samples, events, end = seen.sample_turns, seen.event_turns, np.array(seen.turn)
+    if not course.is_driven:
+        sampled = np.asarray(asked.sample_times)[: len(samples)]
+        ended = np.array([seen.time])
+        samples, events, end = (
+            course.tell(times, np.empty((times.size, 0)))
+            for times in (sampled, seen.event_times, ended)
+        )
+        end = end[0]
+    return Turning(course=course, samples=samples, events=events, end=end, energies=None)
 
 
 def _contacts_of(rows: Values, rotor: Rotor) -> Values:

@@ -11,12 +11,9 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Values
 from rotor_ida.checks import (
-    State,
     check_array,
     check_between,
-    check_choice,
     check_duration,
     check_instance,
     check_nonnegative,
@@ -24,36 +21,25 @@ from rotor_ida.checks import (
     check_state,
     shown,
 )
-from rotor_ida.errors import InputError, SimulationError
+from rotor_ida.errors import InputError
 from rotor_ida.parallel import Stop, interruptible
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.dataset import run_dataset
-from rotor_ida.simulation.event_errors import (
-    APART,
-    MOST_SAMPLES,
-    OF_ROUNDING,
-    WIDENING,
-    EventErrors,
-    errors_beside,
-)
+from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors
 from rotor_ida.simulation.options import (
-    BACKENDS,
     LARGEST,
-    METHODS,
     Backend,
     Method,
     Options,
     check_can_be_followed,
 )
-from rotor_ida.simulation.orbit import Orbit, check_orbit
-from rotor_ida.simulation.run import reference
+from rotor_ida.simulation.orbit import Orbit
+from rotor_ida.simulation.run import run
 from rotor_ida.simulation.simulate import END_SLACK, MOST_SLACK, sample_times
 from rotor_ida.simulation.spin import Course, driven, through
 
 # The disc is often 10^5 eccentricities wide, and its inertia goes with the square of that.
 SMALLEST_DRIVE, LARGEST_DRIVE = 1e-12, 1e15
-# Below this the second run cannot be more exact than the first: it is less exact.
-TIGHTEST_BESIDE = 3e-12
 # More of them, of the spin or of a motion at the reference frequency, take hours.
 MOST_RADIANS = 1e7
 WAYS = "by to and rate, by speeds, or by torque and inertia"
@@ -115,10 +101,12 @@ def run_up(
         times themselves, increasing [1].
     rtol, atol : float
         Relative and absolute tolerance [1], as of `simulate`.
-    method : {"adams", "bdf", "ida"}
-        CVODE with Adams or BDF, or IDA. Taylor series do not know changing speeds yet.
-    backend : {"auto", "python"}
-        The plain-Python reference; the compiled core does not know changing speeds yet.
+    method : {"adams", "bdf", "ida", "taylor"}
+        CVODE with Adams or BDF, or IDA, or Taylor series, for contact, as of `simulate`. Flight,
+        which has no closed form at a speed that changes, is led by Taylor series in the compiled
+        core, and by the method itself in the reference.
+    backend : {"auto", "python", "compiled"}
+        As of `simulate`.
 
     Returns
     -------
@@ -145,8 +133,7 @@ def run_up(
     ``j theta'' = tau0 - slope theta' - T (rho - cos(theta - phi))
     + Im(exp(-i theta) (2 zeta z' + kappa z + N z/|z|))``: the reaction acts about the centre of
     mass, and the load, which acts there, has no part in it. ``docs/run_up.md`` has more.
-    ``event_time_error`` comes from a second run with thirty times tighter tolerances, or, where
-    `rtol` is below 3e-12, with thirty times looser ones.
+    ``event_time_error`` comes from a second run, as of `simulate`.
 
     References
     ----------
@@ -168,91 +155,32 @@ def run_up(
     """
     check_instance("rotor", rotor, Rotor)
     first = check_state("start", start)
-    options = _checked_options(rtol, atol, method, backend)
+    options = Options(rtol=rtol, atol=atol, method=method, backend=backend)
     given = {"to": to, "rate": rate, "speeds": speeds, "torque": torque, "inertia": inertia}
     asked = _asked(
-        rotor, {name: each for name, each in given.items() if each is not None}, duration
+        rotor, {name: each for name, each in given.items() if each is not None}, duration, options
     )
     check_can_be_followed(asked.rotor, first)
     end = asked.course.ends[-1]
     times = sample_times(samples, end)
+    slack = min(END_SLACK * options.rtol, MOST_SLACK) * end
 
     def run_twice(stop: Stop | None = None) -> tuple[Orbit, EventErrors]:
-        orbit = _run(asked, first, times, options, stop=stop)
-        return orbit, _errors_of(orbit, asked, first, stop)
+        orbit = run(
+            asked.rotor, first, end, times, options, slack=slack, stop=stop, course=asked.course
+        )
+        return orbit, estimate_event_errors(orbit, first, slack=slack, stop=stop)
 
     orbit, errors = interruptible(run_twice)
     return run_dataset(orbit, first, errors, asked.changes)
 
 
-def _checked_options(rtol: float, atol: float, method: Method, backend: Backend) -> Options:
-    """Return how a run-up is computed: by the reference."""
-    check_choice("method", method, METHODS)
-    check_choice("backend", backend, BACKENDS)
-    if method == "taylor":
-        raise InputError(
-            "method must be 'adams', 'bdf' or 'ida' for run_up, as Taylor series do not know "
-            "changing speeds yet, got 'taylor'"
-        )
-    if backend == "compiled":
-        raise InputError(
-            "backend must be 'auto' or 'python' for run_up, as the compiled core does not know "
-            "changing speeds yet, got 'compiled'"
-        )
-    return Options(rtol=rtol, atol=atol, method=method, backend="python")
-
-
-def _run(
-    asked: _Asked,
-    start: State,
-    times: Values,
-    options: Options,
-    *,
-    scale: float = 1.0,
-    slacks: float = 1.0,
-    stop: Stop | None = None,
-) -> Orbit:
-    """Simulate; `scale` is a factor on both tolerances, `slacks` one on what is behind the end."""
-    end = asked.course.ends[-1]
-    orbit = reference()(
-        asked.rotor,
-        start,
-        end,
-        times,
-        options,
-        tolerances=(scale * options.step_rtol, scale * options.step_atol),
-        slack=slacks * min(END_SLACK * options.rtol, MOST_SLACK) * end,
-        stop=stop,
-        course=asked.course,
-    )
-    check_orbit(orbit)
-    return orbit
-
-
-def _errors_of(orbit: Orbit, asked: _Asked, start: State, stop: Stop | None) -> EventErrors:
-    """Estimate the errors of the events from a second run."""
-    tighter = orbit.options.rtol >= TIGHTEST_BESIDE
-    every = max(1, orbit.times.size // MOST_SAMPLES)
-    assert orbit.turning is not None
-    turning = replace(orbit.turning, samples=orbit.turning.samples[::every])
-    thinned = replace(
-        orbit, times=orbit.times[::every], states=orbit.states[::every], turning=turning
-    )
-    try:
-        other = _run(
-            asked, start, thinned.times, orbit.options,
-            scale=1.0 / APART if tighter else APART, slacks=2.0, stop=stop,
-        )  # fmt: skip
-    except SimulationError as error:
-        return EventErrors(np.full(orbit.event_times.size, np.inf), error.time)
-    widening, of_rounding = (WIDENING, OF_ROUNDING) if tighter else (1.0, 1.0)
-    return errors_beside(orbit, thinned, other, widening=widening, of_rounding=of_rounding)
-
-
 # ---- How the speed is to change ----
 
 
-def _asked(rotor: Rotor, given: dict[str, object], duration: float | None) -> _Asked:
+def _asked(
+    rotor: Rotor, given: dict[str, object], duration: float | None, options: Options
+) -> _Asked:
     """Return how the speed is to change, or raise `InputError`."""
     names = ", ".join(given) or "none of them"
     ways = [name for name, sign in (("to", "rate"), ("speeds", "speeds"), ("torque", "inertia"))
@@ -264,10 +192,33 @@ def _asked(rotor: Rotor, given: dict[str, object], duration: float | None) -> _A
             if name in given and other not in given:
                 raise InputError(f"{other} must be given with {name}, got None")
     if "torque" in given:
-        return _by_torque(rotor, given["torque"], given["inertia"], duration)
-    if "speeds" in given:
-        return _piece_by_piece(rotor, given["speeds"], duration)
-    return _by_ramp(rotor, given["to"], given["rate"], duration)
+        asked = _by_torque(rotor, given["torque"], given["inertia"], duration)
+    elif "speeds" in given:
+        asked = _piece_by_piece(rotor, given["speeds"], duration)
+    else:
+        asked = _by_ramp(rotor, given["to"], given["rate"], duration)
+    if options.backend == "python":
+        _check_can_wait(asked)
+    return asked
+
+
+def _check_can_wait(asked: _Asked) -> None:
+    """Raise `InputError` for a run that would take the reference hours."""
+    ends = np.array(asked.course.ends)
+    fastest = max(asked.rotor.omega, 1.0)
+    if not asked.course.is_driven:
+        fastest = max(fastest, asked.course.tell(ends, np.empty((ends.size, 0)))[:, 1].max())
+    end, longest = asked.course.ends[-1], MOST_RADIANS / fastest
+    if end > longest:
+        raise InputError(
+            f"duration must be at most {longest:g} for run_up with backend 'python', which would "
+            f"take hours, got {end!r}"
+        )
+
+
+def ramp_of(rotor: Rotor, to: float, rate: float) -> Course:
+    """Return the course of a ramp from the rotor's speed, or raise `InputError`."""
+    return _by_ramp(rotor, to, rate, None).course
 
 
 def _by_ramp(rotor: Rotor, to: object, rate: object, duration: float | None) -> _Asked:
@@ -281,7 +232,7 @@ def _by_ramp(rotor: Rotor, to: object, rate: object, duration: float | None) -> 
             f"rate must be {way} to change the speed from {omega!r} to {target!r}, got {slope!r}"
         )
     check_between("the size of rate", abs(slope), SMALLEST_DRIVE, LARGEST)
-    ramp = _checked_time("the time of the ramp", (target - omega) / slope, max(omega, target))
+    ramp = check_duration("the time of the ramp", (target - omega) / slope, max(omega, target))
     end = _checked_end(duration, ramp, max(omega, target))
     course = through([(0.0, omega), (ramp, target)], end)
     return _Asked(rotor, course, {"to": target, "rate": slope})
@@ -300,7 +251,7 @@ def _piece_by_piece(rotor: Rotor, speeds: object, duration: float | None) -> _As
             raise InputError(f"times of speeds must increase, got {after!r} after {before!r}")
     for value in values:
         _checked_speed("a speed of speeds", value)
-    last = _checked_time("the last time of speeds", times[-1], max(values))
+    last = check_duration("the last time of speeds", times[-1], max(values))
     end = _checked_end(duration, last, max(values))
     course = through(list(zip(times, values, strict=True)), end)
     return _Asked(replace(rotor, omega=values[0]), course, {"speeds": table.ravel()})
@@ -319,7 +270,7 @@ def _by_torque(rotor: Rotor, torque: object, inertia: object, duration: float | 
         )
     if duration is None:
         raise InputError("duration must be given with torque, got None")
-    end = _checked_time("duration", duration, rotor.omega)
+    end = check_duration("duration", duration, rotor.omega)
     return _Asked(rotor, driven((tau0, slope), moment, end), {"torque": pair, "inertia": moment})
 
 
@@ -333,22 +284,11 @@ def _checked_speed(name: str, value: object) -> float:
     return check_nonnegative(name, number, LARGEST)
 
 
-def _checked_time(name: str, value: object, fastest: float) -> float:
-    """Return a time that the reference can follow a rotor for, or raise `InputError`."""
-    time, longest = check_duration(name, value, fastest), MOST_RADIANS / max(fastest, 1.0)
-    if time > longest:
-        raise InputError(
-            f"{name} must be at most {longest:g} for run_up, as the reference would take hours, "
-            f"got {time!r}"
-        )
-    return time
-
-
 def _checked_end(duration: float | None, least: float, fastest: float) -> float:
     """Return the end of a run, no earlier than the change of the speed is over."""
     if duration is None:
         return least
-    end = _checked_time("duration", duration, fastest)
+    end = check_duration("duration", duration, fastest)
     if end < least and not math.isclose(end, least, rel_tol=1e-12):
         raise InputError(
             f"duration must be at least {least!r}, which the change of the speed takes, got {end!r}"

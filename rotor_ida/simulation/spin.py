@@ -41,6 +41,10 @@ class Steady:
         """Return the angular acceleration."""
         return 0.0
 
+    def piece(self) -> tuple[float, ...]:
+        """Return rate, torque, slope, 1/j, and the speed at the beginning."""
+        return 0.0, 0.0, 0.0, 0.0, self.speed
+
 
 @dataclass(frozen=True, slots=True)
 class Ramp:
@@ -70,6 +74,10 @@ class Ramp:
     def acceleration(self, _speed: Any, _reaction: Any, _yielding: Any = 0.0) -> Any:
         """Return the angular acceleration."""
         return self.rate
+
+    def piece(self) -> tuple[float, ...]:
+        """Return rate, torque, slope, 1/j, and the speed at the beginning."""
+        return self.rate, 0.0, 0.0, 0.0, self.speed
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +109,10 @@ class Driven:
         """
         return (self.torque - self.slope * speed - reaction) / (self.inertia + yielding)
 
+    def piece(self) -> tuple[float, ...]:
+        """Return rate, torque, slope, 1/j, and the speed at the beginning, which is none's."""
+        return 0.0, self.torque, self.slope, 1.0 / self.inertia, 0.0
+
 
 Spin = Steady | Ramp | Driven
 
@@ -119,6 +131,22 @@ class Course:
 
     ends: tuple[float, ...]
     spins: tuple[Spin, ...]
+
+    @property
+    def angle(self) -> float:
+        """Where the unbalance is at time 0 [1]."""
+        first = self.spins[0]
+        return first.angle if isinstance(first, Ramp) else 0.0
+
+    @property
+    def is_driven(self) -> bool:
+        """Whether a torque drives it."""
+        return isinstance(self.spins[0], Driven)
+
+    def pieces(self) -> Values:
+        """Return a row for each way to spin: its end, then as the compiled core takes it."""
+        rows = [spin.piece() for spin in self.spins]
+        return np.column_stack([np.array(self.ends), np.array(rows)])
 
     def piece_from(self, time: float) -> int:
         """Return which way to spin there is from a time on."""

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from rotor_ida.core.identity import MODELS
-from rotor_ida.equations import modes
+from rotor_ida.equations import writing
 
 ROOT = Path(__file__).parents[2]
 ANY = next(filter(shutil.which, ("cc", "gcc", "clang")), "")
@@ -33,7 +33,7 @@ def test_no_source_gives_rise_to_a_warning(
         pytest.skip(f"{compiler} is not installed")
     made = hatch_build["build"]([compiler], out=tmp_path, warnings=True)
     assert sorted(tmp_path.iterdir()) == sorted(made)
-    assert len(made) == 2 * len(hatch_build["levels"]())  # of each for both models
+    assert len(made) == len(MODELS) * len(hatch_build["levels"]())
 
 
 @needs_compiler
@@ -99,11 +99,12 @@ def test_no_compiler_may_regroup_or_contract(hatch_build: dict[str, Any]) -> Non
             flags = hatch_build["flags"](compiler, level, model=model)
             assert "-ffp-contract=off" in flags
             assert not {"-ffast-math", "-fassociative-math", "-march=native"} & {*flags}
-            assert ("-DWHOLE_MODEL" in flags) == (model == "whole")
+            assert ("-DWHOLE_MODEL" in flags) == (model != "paper")
+            assert ("-DRUN_UP" in flags) == (model == "run_up")
 
 
 def test_the_libraries_are_those_of_the_models_that_are_derived() -> None:
-    assert {model.name for model in modes.MODELS} == {*MODELS}
+    assert {model.name for model in writing.MODELS} == {*MODELS}
 
 
 def test_a_compiler_that_cannot_be_read_is_said_in_one_line(

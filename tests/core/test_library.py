@@ -67,7 +67,8 @@ def test_every_level_that_the_processor_has_can_be_chosen(
     monkeypatch.setenv("ROTOR_IDA_CPU", level)
     said = identity.stated(library(model))
     assert said["level"] == level
-    assert ("-DWHOLE_MODEL" in said["flags"]) == (model == "whole")
+    assert ("-DWHOLE_MODEL" in said["flags"]) == (model != "paper")
+    assert ("-DRUN_UP" in said["flags"]) == (model == "run_up")
 
 
 def test_a_rotor_is_followed_by_the_library_that_knows_it() -> None:

@@ -7,9 +7,9 @@ import pytest
 
 from rotor_ida.equations import derivation, modes, writing
 from rotor_ida.equations.derivation import derive
-from rotor_ida.equations.modes import MODELS, PAPER
+from rotor_ida.equations.modes import PAPER
 from rotor_ida.equations.symbols import Graph
-from rotor_ida.equations.writing import FOLDER, sources
+from rotor_ida.equations.writing import FOLDER, MODELS, sources
 from rotor_ida.parameters import ALL_PARAMETERS
 from tests.equations.symbolic import value_of
 from tests.equations.test_modes import (
@@ -28,10 +28,12 @@ EACH = [
     for mode in model.modes
 ]
 # Lanes that the series of a state may take: whole vectors of four.
-MOST_LANES = {"paper": 16, "whole": 20}
+MOST_LANES = {"paper": 16, "whole": 20, "run_up": 32}
 
 
-@pytest.mark.parametrize("name", ["derived.c", "derived.h", "derived_whole.c", "derived_whole.h"])
+@pytest.mark.parametrize(
+    "name", [f"derived{model}.{end}" for model in ("", "_whole", "_run_up") for end in "ch"]
+)
 def test_the_committed_files_are_those_that_the_model_gives(name):
     """Else run the command of their first line."""
     if not (FOLDER / name).is_file():

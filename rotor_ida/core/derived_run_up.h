@@ -1,0 +1,29 @@
+/* Derived from rotor_ida/equations/spinning.py by `python -m rotor_ida.equations.writing`. */
+/* clang-format off */
+#ifndef ROTOR_IDA_DERIVED_RUN_UP_H
+#define ROTOR_IDA_DERIVED_RUN_UP_H
+
+#include "core.h"
+
+struct parameters {
+    double zeta, delta0, shaft_stiffness, contact_damping, load, hertz, linear, felt, pressed, friction, disc_radius, sigma, rate, torque, slope, inverse_inertia;
+};
+
+static inline struct parameters parameters_of(const struct rotor *rotor, double felt)
+{
+    return (struct parameters){rotor->zeta, rotor->delta0, rotor->shaft_stiffness, rotor->contact_damping, rotor->load, rotor->contact_exponent > 1.0 ? 1.0 : 0.0, rotor->contact_exponent > 1.0 ? 0.0 : 1.0, felt, 1.0, rotor->friction, rotor->disc_radius, 0.0, rotor->rate, rotor->torque, rotor->slope, rotor->inverse_inertia};
+}
+
+enum { CONTACT_Q, CONTACT_P, CONTACT_H, CONTACT_C, CONTACT_S, CONTACT_DOWN_R, CONTACT_DOWN_T, CONTACT_SPEED, CONTACT_ANGLE, CONTACT_T, CONTACT_J, CONTACT_WORK, CONTACT_SPENT, CONTACT_SIZE };
+enum { CONTACT_EXIT_GUARD = CONTACT_Q };
+enum { CONTACT_EXTREMUM_GUARD = CONTACT_P };
+enum { CARTESIAN_X, CARTESIAN_Y, CARTESIAN_VX, CARTESIAN_VY, CARTESIAN_DOWN_X, CARTESIAN_DOWN_Y, CARTESIAN_SPEED, CARTESIAN_ANGLE, CARTESIAN_SIZE };
+enum { RUB_Q, RUB_P, RUB_SLIP, RUB_C, RUB_S, RUB_DOWN_R, RUB_DOWN_T, RUB_SPEED, RUB_ANGLE, RUB_T, RUB_J, RUB_WORK, RUB_SPENT, RUB_HEAT, RUB_SIZE };
+enum { RUB_EXIT_GUARD = RUB_Q };
+enum { RUB_EXTREMUM_GUARD = RUB_P };
+enum { RUB_ROLL_GUARD = RUB_SLIP };
+enum { ROLLING_Q, ROLLING_P, ROLLING_SLIP, ROLLING_C, ROLLING_S, ROLLING_DOWN_R, ROLLING_DOWN_T, ROLLING_SPEED, ROLLING_ANGLE, ROLLING_T, ROLLING_J, ROLLING_WORK, ROLLING_SPENT, ROLLING_HEAT, ROLLING_SIZE };
+enum { ROLLING_EXIT_GUARD = ROLLING_Q };
+enum { ROLLING_EXTREMUM_GUARD = ROLLING_P };
+
+#endif
