@@ -136,6 +136,10 @@ static int follow_contact(struct run *run, struct motion *motion, double entry)
     contact_tolerances(start, run->rtol, run->atol, atol);
 #ifdef WHOLE_MODEL
     begin_with_friction(motion, start, atol);
+#ifdef RUN_UP
+    if (motion->model.contact_damping == 0.0) /* then the work on the ring is what it holds */
+        start[CONTACT_WORK] = held_by(&motion->model, start[CONTACT_Q]);
+#endif
 #endif
     begin_differences(motion, start, atol);
 #ifndef RUN_UP

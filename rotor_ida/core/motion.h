@@ -30,7 +30,11 @@ struct mode {
                           double added[PARAMETERS][4]);
 #endif
     void (*expand)(const struct parameters *, struct series *, int order);
-#ifndef RUN_UP
+#ifdef RUN_UP
+    /* the same where the speed is prescribed, and of a rotor that is the paper's besides */
+    void (*expand_prescribed)(const struct parameters *, struct series *, int order);
+    void (*expand_plain)(const struct parameters *, struct series *, int order);
+#else
     void (*expand_with_factors)(const struct parameters *, struct series *, int order);
     void (*expand_differences)(const struct parameters *, struct series *, int order);
 #endif
@@ -150,6 +154,15 @@ static inline void put_load_right(const struct motion *motion, double *values, d
 static inline double size_of_slip(const struct motion *motion, const double *values, double times)
 {
     return fmin(fabs(values[RUB_SLIP]), times * fabs(momentum_of(motion, values)));
+}
+#endif
+
+#ifdef WHOLE_MODEL
+/* What the spring of the contact holds. */
+static inline double held_by(const struct parameters *m, double q)
+{
+    const double square = q * q;
+    return square * square * (m->hertz * q * 0.4 + m->linear * 0.5);
 }
 #endif
 

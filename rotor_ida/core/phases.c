@@ -36,13 +36,6 @@ void begin_pressed(struct motion *motion, const double *start)
     motion->model.pressed = above > 0.0 ? 1.0 : 0.0;
 }
 
-/* What the spring of the contact holds. */
-static double held_by(const struct parameters *m, double q)
-{
-    const double square = q * q;
-    return square * square * (m->hertz * q * 0.4 + m->linear * 0.5);
-}
-
 double lost_of(const struct motion *motion, const double *start, const double *values)
 {
     const struct parameters *m = &motion->model;
@@ -326,6 +319,9 @@ int integrate_contact(struct run *run, struct motion *motion, const double *begu
             motion->values[CONTACT_SPENT] = reached[CONTACT_SPENT];
             if (motion->mode != &contact_mode)
                 motion->values[RUB_HEAT] = reached[RUB_HEAT];
+#ifdef RUN_UP
+            motion->values[CONTACT_WORK] = reached[CONTACT_WORK];
+#endif
         }
 #endif
 #ifdef RUN_UP

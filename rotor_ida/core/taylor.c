@@ -33,7 +33,11 @@ enum { STEPS_OF_LOAD = 4 };
 #endif
 /* The first columns of a contact: its guards, and all but the integrals that are behind its time.
  */
+#ifdef RUN_UP
+enum { GUARDS = CONTACT_P + 1, TO_BE_SEEN = CONTACT_ANGLE + 1 };
+#else
 enum { GUARDS = CONTACT_P + 1, TO_BE_SEEN = CONTACT_T + 1 };
+#endif
 
 static struct taylor *taylor_of(struct motion *motion) { return (struct taylor *)motion; }
 
@@ -308,6 +312,26 @@ static double cartesian_step(struct taylor *taylor, double inner)
 }
 
 #ifdef RUN_UP
+/* Whether a rotor is the paper's, but for friction, and its speed prescribed. */
+static int is_plain(const struct parameters *m)
+{
+    return m->inverse_inertia == 0.0 && m->hertz > 0.0 && m->shaft_stiffness == 0.0
+           && m->contact_damping == 0.0 && m->load == 0.0;
+}
+
+/* Write the series of the state by the fewest products. */
+static void expand(struct taylor *taylor)
+{
+    const struct parameters *m = &taylor->motion.model;
+    const struct mode *mode = taylor->motion.mode;
+    if (m->inverse_inertia > 0.0)
+        mode->expand(m, &taylor->series, taylor->order);
+    else if (is_plain(m))
+        mode->expand_plain(m, &taylor->series, taylor->order);
+    else
+        mode->expand_prescribed(m, &taylor->series, taylor->order);
+}
+
 /* How far the series of a flight may be followed: so that the radius passes that of the ring inside
  * it at most once after its beginning, which may lie there, and turns at most once. */
 static double flight_step(struct taylor *taylor)
@@ -448,7 +472,7 @@ static int advance(struct motion *motion)
         motion->model.felt = length(here) > inner ? 1.0 : 0.0;
     }
 #ifdef RUN_UP
-    mode->expand(&motion->model, &taylor->series, taylor->order);
+    expand(taylor);
     double step = flies                ? flight_step(taylor)
                   : is_contact(motion) ? contact_step(taylor)
                                        : cartesian_step(taylor, inner);
@@ -496,8 +520,8 @@ static const vec4 WEIGHTS[AT_ONCE] = {
     {0.18134189168918100, 0.15685332293894363, 0.11119051722668724, 0.05061426814518813}};
 
 #ifdef RUN_UP
-/* What a contact spends, by a quadrature over the last step: a lane of its own would cost more. */
-static void spend(struct motion *motion, double end, double *reached)
+/* What a contact spends against the field itself, where a torque drives it. */
+static void spend_driven(struct motion *motion, double end, double *reached)
 {
     const double reach = end - motion->low;
     for (int place = 0; place < 4 * AT_ONCE; place++) {
@@ -511,6 +535,52 @@ static void spend(struct motion *motion, double end, double *reached)
         if (motion->mode != &contact_mode)
             reached[RUB_HEAT] += weight * rate[RUB_HEAT];
     }
+}
+
+/* What a contact spends, by a quadrature over the last step: a lane of its own would cost more.
+ * Where the speed is prescribed the formula is written here a second time. */
+static void spend(struct motion *motion, double end, double *reached)
+{
+    const struct parameters *m = &motion->model;
+    const struct series *series = &taylor_of(motion)->series;
+    if (is_plain(m)) /* there the series has no work, which is what the ring holds */
+        reached[CONTACT_WORK] = held_by(m, reached[CONTACT_Q]);
+    if (m->inverse_inertia > 0.0) {
+        spend_driven(motion, end, reached);
+        return;
+    }
+    vec4 values[CONTACT_SPEED + 1][AT_ONCE] = {{{0.0}}}, total = spread(0.0), heat = spread(0.0);
+    const double reach = end - motion->low;
+    for (int n = taylor_of(motion)->order; n >= 0; n--) {
+        for (int i = 0; i <= CONTACT_SPEED; i++) {
+            for (int v = 0; v < AT_ONCE; v++)
+                values[i][v] = fma4(values[i][v], spread(reach) * PLACES[v],
+                                    spread(series->terms[n][i]));
+        }
+    }
+    const int rubs = motion->mode != &contact_mode, rolls = motion->mode == &rolling_mode;
+    for (int v = 0; v < AT_ONCE; v++) {
+        const vec4 q = values[CONTACT_Q][v], p = values[CONTACT_P][v], c = values[CONTACT_C][v];
+        const vec4 s = values[CONTACT_S][v], omega = values[CONTACT_SPEED][v], square = q * q;
+        const vec4 r = spread(m->delta0) + square, third = values[CONTACT_H][v] / r;
+        const vec4 rim = spread(rubs ? m->disc_radius : 0.0) * omega, around = third - rim;
+        const vec4 h = around * r, across = spread(m->load) * values[CONTACT_DOWN_T][v];
+        const vec4 faster = spread(m->rate);
+        vec4 drag = spread(m->friction * m->sigma * m->pressed) * square
+                    * (spread(m->hertz) * q + spread(m->linear))
+                    * (spread(1.0) + spread(m->contact_damping) * p);
+        if (rolls)
+            drag = across - omega * omega * s + rim * (spread(2.0 * m->zeta) + p / r)
+                   + faster * (spread(m->disc_radius) - c);
+        const vec4 damped = spread(2.0 * m->zeta) * (p * p + around * around - omega * h);
+        const vec4 turning = faster * (p * s + around * c + h + omega * r * c);
+        const vec4 drive = rubs ? drag * (rim + omega * r) : spread(0.0);
+        total += WEIGHTS[v] * q * (damped + omega * r * across + turning - drive);
+        heat += WEIGHTS[v] * q * drag * third;
+    }
+    reached[CONTACT_SPENT] += reach * (total[0] + total[1] + total[2] + total[3]);
+    if (rubs && !rolls)
+        reached[RUB_HEAT] += reach * (heat[0] + heat[1] + heat[2] + heat[3]);
 }
 #else
 /* Read components of a contact where the quadrature over a step looks at them. */

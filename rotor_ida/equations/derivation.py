@@ -6,10 +6,10 @@ component of its state, by the distance of a neighbour, and by the parameters.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from types import SimpleNamespace
+from types import MappingProxyType, SimpleNamespace
 from typing import Any
 
 from rotor_ida.equations.modes import Mode, Model, turned_rates
@@ -64,18 +64,21 @@ class Place:
     negative: bool
 
 
-def derive(mode: Mode, model: Model) -> Derived:
-    """Run a mode of a model over symbols."""
+def derive(mode: Mode, model: Model, fixed: Mapping[str, float] = MappingProxyType({})) -> Derived:
+    """Run a mode of a model over symbols; parameters and components may be fixed numbers."""
     graph = Graph()
     parameters = {name: graph.parameter(name) for name in model.parameters}
-    rotor = SimpleNamespace(**parameters, **model.constants)
-    state = [graph.state(name) for name in mode.state]
+    rotor = SimpleNamespace(**(parameters | model.constants | fixed))
+    state = [graph.of(fixed[n]) if n in fixed else graph.state(n) for n in mode.state]
     pace = graph.of(mode.pace(state))
     with named_as_in(*(str(Path(__file__).with_name(name)) for name in ("modes", "spinning"))):
         rates = [graph.of(rate) for rate in mode.rates(state, rotor)]
         drawn_rates = [graph.of(rate) for rate in mode.drawn_rates(state, rotor)]
         growth = _growth(graph, mode, state, rotor) if mode.neighbour else []
         watched = [graph.of(each) for each in mode.watched(state, rotor)] if mode.watched else []
+    rates = [
+        graph.of(0.0) if n in fixed else rate for n, rate in zip(mode.state, rates, strict=True)
+    ]
     slopes = mode.drawn_rates(variables(state), rotor)
     more = mode.watched(variables(state), rotor) if mode.watched else []
     return Derived(

@@ -27,7 +27,7 @@ References
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 from rotor_ida.equations.contact import HERTZ_EXPONENT, secant_of_square
@@ -173,7 +173,7 @@ def turned_rates(
     ]
 
 
-def contact_rates(state: Numbers, rotor: Any) -> list[Number]:
+def contact_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) -> list[Number]:
     """Return the rates of a contact by a fictitious time u, with ``dt = q du``.
 
     The Hertz force has a kink of order 1.5 at |z| = delta0. In ``q = sqrt(|z| - delta0)`` and u the
@@ -181,7 +181,8 @@ def contact_rates(state: Numbers, rotor: Any) -> list[Number]:
     and s the direction on the rotating axes, t the time and j the impulse of the force. Of the
     whole model there are the components of the load's direction along the radius and across it,
     the work of the rotor on the ring (the energy that the ring holds, and what it has lost), and
-    what `spent_rate` says, of which there is no series.
+    what `spent_rate` says, of which there is no series. `more` acceleration may be given, outwards
+    and sideways.
     """
     q, p, h, c, s, *rest = state
     whole = len(state) > len(CONTACT_STATE)
@@ -193,8 +194,8 @@ def contact_rates(state: Numbers, rotor: Any) -> list[Number]:
     spring = spring_of_root(q, rotor)
     force = damped(spring, p, rotor)
     centrifugal = around * spin
-    outwards = acceleration(Along(r, p, 1.0, c, down_r), force, rotor) + centrifugal
-    sideways = acceleration(Along(0.0, around, 0.0, -s, down_t), force, rotor)
+    outwards = acceleration(Along(r, p, 1.0, c, down_r), force, rotor) + centrifugal + more[0]
+    sideways = acceleration(Along(0.0, around, 0.0, -s, down_t), force, rotor) + more[1]
     moment = r * sideways
     turned = q * spin
     turn = turned - rotor.omega * q
@@ -221,14 +222,14 @@ def spent_rate(state: Numbers, rotor: Any) -> Number:
     return q * (damped + rotor.load * rotor.omega * r * down_t)
 
 
-def drawn_contact_rates(state: Numbers, rotor: Any) -> list[Number]:
+def drawn_contact_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) -> list[Number]:
     """Return the rates of a contact, with its directions drawn back to the unit circle.
 
     Errors of single steps would carry them off it in a long contact, and with their length the
     unbalance would change. What is left of ``c**2 + s**2 - 1`` falls like ``exp(-0.2 omega t)``.
     Of the whole model with `spent_rate`.
     """
-    rates = contact_rates(state, rotor)
+    rates = contact_rates(state, rotor, more)
     firsts = (3, 5) if len(state) > len(CONTACT_STATE) else (3,)
     for first in firsts:
         c, s = state[first : first + 2]
@@ -267,7 +268,7 @@ def hold_of_rolling(along: Along, r: Number, p: Number, rotor: Any) -> Number:
     return acceleration(along, 0.0, rotor) + rotor.rim * p / r
 
 
-def rub_rates(state: Numbers, rotor: Any) -> list[Number]:
+def rub_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) -> list[Number]:
     """Return the rates of a contact in which surfaces slide, by u, as `contact_rates` has it.
 
     Instead of the angular momentum h there is the moment of the slip, ``r v_s = h + V r``, which
@@ -283,8 +284,8 @@ def rub_rates(state: Numbers, rotor: Any) -> list[Number]:
     force = damped(spring_of_root(q, rotor), p, rotor)
     drag = rotor.friction * rotor.sigma * force
     centrifugal = around * spin
-    outwards = acceleration(Along(r, p, 1.0, c, down_r), force, rotor) + centrifugal
-    sideways = acceleration(Along(0.0, around, 0.0, -s, down_t), force, rotor) - drag
+    outwards = acceleration(Along(r, p, 1.0, c, down_r), force, rotor) + centrifugal + more[0]
+    sideways = acceleration(Along(0.0, around, 0.0, -s, down_t), force, rotor) - drag + more[1]
     moment = r * sideways + rotor.rim * p
     turned = q * spin
     turn = turned - rotor.omega * q
@@ -297,7 +298,7 @@ def rub_rates(state: Numbers, rotor: Any) -> list[Number]:
     ]  # fmt: skip
 
 
-def rolling_rates(state: Numbers, rotor: Any) -> list[Number]:
+def rolling_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) -> list[Number]:
     """Return the rates of a contact in which the disc rolls: its slip is 0 and stays so."""
     q, p, _, c, s, down_r, down_t, *_ = state
     square = q * q
@@ -305,7 +306,7 @@ def rolling_rates(state: Numbers, rotor: Any) -> list[Number]:
     spin = -(rotor.rim / r)
     force = damped(spring_of_root(q, rotor), p, rotor)
     centrifugal = -(rotor.rim * spin)
-    outwards = acceleration(Along(r, p, 1.0, c, down_r), force, rotor) + centrifugal
+    outwards = acceleration(Along(r, p, 1.0, c, down_r), force, rotor) + centrifugal + more[0]
     turned = q * spin
     turn = turned - rotor.omega * q
     of_q, of_p = 0.5 * p, q * outwards
@@ -360,14 +361,14 @@ def drawn_back(
     return rates
 
 
-def drawn_rub_rates(state: Numbers, rotor: Any) -> list[Number]:
+def drawn_rub_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) -> list[Number]:
     """Return the rates of a sliding contact, drawn back to where it belongs."""
-    return drawn_back(rub_rates(state, rotor), state, spent_sliding(state, rotor), rotor)
+    return drawn_back(rub_rates(state, rotor, more), state, spent_sliding(state, rotor), rotor)
 
 
-def drawn_rolling_rates(state: Numbers, rotor: Any) -> list[Number]:
+def drawn_rolling_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) -> list[Number]:
     """Return the rates of a rolling contact, drawn back to where it belongs."""
-    return drawn_back(rolling_rates(state, rotor), state, spent_rolling(state, rotor), rotor)
+    return drawn_back(rolling_rates(state, rotor, more), state, spent_rolling(state, rotor), rotor)
 
 
 def rub_neighbour(state: Numbers, apart: Numbers, deeper: Number, rotor: Any) -> Neighbour:
@@ -500,6 +501,9 @@ class Model:
         What is a number in it.
     columns : tuple of str
         The parameters by which is differentiated.
+    lighter : dict
+        Further series of each mode that take fewer products, by name: what is a number in them. Of
+        a state, what is named is 0.
     """
 
     name: str
@@ -507,6 +511,7 @@ class Model:
     parameters: tuple[str, ...]
     constants: dict[str, float]
     columns: tuple[str, ...]
+    lighter: dict[str, dict[str, float]] = field(default_factory=dict)
 
 
 OF_ROTOR = ("omega", "zeta", "delta0")

@@ -36,14 +36,14 @@ from rotor_ida.equations.modes import (
     spring_of_root,
 )
 
-# Speed, and angle since the motion began, stand in a contact before the time.
-TURN = ("speed", "angle")
-BEFORE = WHOLE_CONTACT.state.index("t")
+# In a contact the speed stands before the time, by which no step is chosen, and the angle since the
+# contact began behind it.
+TIME = WHOLE_CONTACT.state.index("t")
 
 
 def spun(state: Numbers, rotor: Any) -> tuple[list[Number], Number, Any]:
     """Return the state of a contact without its turn, its speed, and the rotor as it is at that."""
-    speed, rest = state[BEFORE], [*state[:BEFORE], *state[BEFORE + len(TURN) :]]
+    speed, rest = state[TIME], [*state[:TIME], state[TIME + 1], *state[TIME + 3 :]]
     return rest, speed, at_speed(speed, rotor)
 
 
@@ -70,19 +70,9 @@ def pull_and_velocity(state: Numbers, around: Number, rotor: Any) -> tuple[Numbe
     return pull, p * s + around * c
 
 
-def quickened(
-    rates: list[Number], state: Numbers, faster: Number, by_slip: Number, speed: Number
-) -> list[Number]:
-    """Return rates at constant speed with what the angular acceleration `faster` adds to them.
-
-    The force ``-i theta'' exp(i theta)`` pulls inwards by its component along the radius;
-    `by_slip` is by what the angular acceleration adds to the third component.
-    """
-    q, _, _, _, s, *_ = state
-    quick = q * faster
-    rates[1] = rates[1] - quick * s
-    rates[2] = rates[2] + quick * by_slip
-    return [*rates[:BEFORE], quick, q * speed, *rates[BEFORE:]]
+def joined(rates: list[Number], q: Number, faster: Number, speed: Number) -> list[Number]:
+    """Return rates of a contact with those of speed and angle in their places."""
+    return [*rates[:TIME], q * faster, rates[TIME], q * speed, *rates[TIME + 1 :]]
 
 
 def spent_turning(state: Numbers, around: Number, faster: Number, here: Any) -> Number:
@@ -99,15 +89,16 @@ def spent_turning(state: Numbers, around: Number, faster: Number, here: Any) -> 
 def spinning_contact(state: Numbers, rotor: Any, *, drawn: bool = False) -> list[Number]:
     """Return the rates of a contact without friction, by u."""
     rest, speed, here = spun(state, rotor)
-    q, _, h, c, *_ = rest
+    q, _, h, c, s, *_ = rest
     r = rotor.delta0 + q * q
     around = h / r
     left = torque_left(*pull_and_velocity(rest, around, here), here)
     faster = rotor.rate + rotor.inverse_inertia * left
-    rates = (drawn_contact_rates if drawn else contact_rates)(rest, here)
+    more = (-(faster * s), -(faster * c))  # of -i theta'' exp(i theta)
+    rates = (drawn_contact_rates if drawn else contact_rates)(rest, here, more)
     if drawn:
         rates[-1] = rates[-1] + spent_turning(rest, around, faster, here)
-    return quickened(rates, rest, faster, -(r * c), speed)
+    return joined(rates, q, faster, speed)
 
 
 def spinning_rub(state: Numbers, rotor: Any, *, drawn: bool = False) -> list[Number]:
@@ -116,17 +107,18 @@ def spinning_rub(state: Numbers, rotor: Any, *, drawn: bool = False) -> list[Num
     The slip ``v_t + rho theta'`` grows with the speed of the rim as well.
     """
     rest, speed, here = spun(state, rotor)
-    q, p, slip, c, *_ = rest
+    q, p, slip, c, s, *_ = rest
     r = rotor.delta0 + q * q
     around = slip / r - here.rim
     lever = rotor.disc_radius - c
     drag = rotor.friction * rotor.sigma * damped(spring_of_root(q, rotor), p, rotor)
     left = torque_left(*pull_and_velocity(rest, around, here), here) - drag * lever
     faster = rotor.rate + rotor.inverse_inertia * left
-    rates = (drawn_rub_rates if drawn else rub_rates)(rest, here)
+    more = (-(faster * s), faster * lever)
+    rates = (drawn_rub_rates if drawn else rub_rates)(rest, here, more)
     if drawn:
         rates[-2] = rates[-2] + spent_turning(rest, around, faster, here)
-    return quickened(rates, rest, faster, r * lever, speed)
+    return joined(rates, q, faster, speed)
 
 
 def held(rest: Numbers, here: Any, rotor: Any) -> tuple[Number, Number, Number]:
@@ -149,12 +141,13 @@ def spinning_roll(state: Numbers, rotor: Any, *, drawn: bool = False) -> list[Nu
     rest, speed, here = spun(state, rotor)
     q, r = rest[0], rotor.delta0 + rest[0] * rest[0]
     faster, hold, _ = held(rest, here, rotor)
-    rates = (drawn_rolling_rates if drawn else rolling_rates)(rest, here)
+    more = (-(faster * rest[4]), 0.0)
+    rates = (drawn_rolling_rates if drawn else rolling_rates)(rest, here, more)
     if drawn:
         turning = spent_turning(rest, -here.rim, faster, here)
-        more = hold - grip_and_hold(rest, here)[1]
-        rates[-2] = rates[-2] + turning - q * more * (here.rim + speed * r)
-    return quickened(rates, rest, faster, 0.0, speed)
+        added = hold - grip_and_hold(rest, here)[1]
+        rates[-2] = rates[-2] + turning - q * added * (here.rim + speed * r)
+    return joined(rates, q, faster, speed)
 
 
 def spinning_grip(state: Numbers, rotor: Any) -> list[Number]:
@@ -178,10 +171,10 @@ def spinning_cartesian(state: Numbers, rotor: Any) -> list[Number]:
 
 def _spinning(mode: Mode, rates: Any, watched: Any = None) -> Mode:
     """Return a mode of the whole model, of a rotor whose speed changes."""
-    place = mode.state.index("t") if "t" in mode.state else len(mode.state)
+    before, behind = mode.state[:TIME], mode.state[TIME:]
     return replace(
         mode,
-        state=(*mode.state[:place], *TURN, *mode.state[place:]),
+        state=(*before, "speed", *behind[:1], "angle", *behind[1:]),
         rates=rates,
         neighbour=None,
         drawn_rates=rates if mode is WHOLE_CARTESIAN else _drawn(rates),
@@ -195,6 +188,14 @@ def _drawn(rates: Any) -> Any:
 
 # Of the drive: the rate of a prescribed speed, or torque, slope and 1/j.
 OF_DRIVE = ("rate", "torque", "slope", "inverse_inertia")
+# Of a speed that is prescribed, and of the paper's rotor, which may have friction; there the work on
+# the ring is the energy that it holds.
+PRESCRIBED = dict.fromkeys(("torque", "slope", "inverse_inertia"), 0.0)
+PLAIN = {
+    **dict.fromkeys(("shaft_stiffness", "contact_damping", "load", "linear"), 0.0),
+    **dict.fromkeys(("hertz", "pressed"), 1.0),
+    **dict.fromkeys(("down_r", "down_t", "down_x", "down_y", "work"), 0.0),
+}
 RUN_UP = Model(
     name="run_up",
     modes=(
@@ -206,4 +207,5 @@ RUN_UP = Model(
     parameters=(*(name for name in WHOLE.parameters if name not in {"omega", "rim"}), *OF_DRIVE),
     constants={},
     columns=(),
+    lighter={"prescribed": PRESCRIBED, "plain": PRESCRIBED | PLAIN},
 )

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -225,8 +225,11 @@ def _write_watched(derived: Derived) -> list[str]:
     )
 
 
-def write_series(derived: Derived, factors: Sequence[Symbol]) -> list[str]:
-    """Return the function that expands the state, and with it the factors of differences."""
+def write_series(derived: Derived, factors: Sequence[Symbol], way: str = "") -> list[str]:
+    """Return the function that expands the state, and with it the factors of differences.
+
+    A lighter one has a name.
+    """
     mode = derived.mode
     outputs = [*derived.rates, *factors, *derived.watched]
     nodes = [node for node in needed(outputs) if node.changes]
@@ -260,11 +263,19 @@ def write_series(derived: Derived, factors: Sequence[Symbol]) -> list[str]:
     body.insert(0, f'_Static_assert({fits}, "series.h has no room for this mode");')
     what = "the state, and the factors of differences" if factors else "the state"
     return _function(
-        f"{mode.name}_expand" + ("_with_factors" if factors else ""),
+        f"{mode.name}_expand" + ("_with_factors" if factors else way and f"_{way}"),
         "struct series *series, int order",
         f"The Taylor series of {what}: {lanes} lanes.",
         body,
     )
+
+
+def _write_lighter(mode: Mode, model: Model) -> list[str]:
+    """Return the functions that expand the state of a mode where that takes fewer products."""
+    lines = []
+    for way, fixed in model.lighter.items():
+        lines += write_series(derive(mode, model, fixed), [], way)
+    return lines
 
 
 def _is_idle(line: str, body: Sequence[str]) -> bool:
@@ -380,14 +391,14 @@ def _steady_part(derived: Derived) -> list[str]:
     return rows + lines
 
 
-def write_table(derived: Derived) -> list[str]:
+def write_table(derived: Derived, lighter: Iterable[str]) -> list[str]:
     """Return the table of all that is derived from a mode."""
     name = derived.mode.name
     near = derived.mode.neighbour is not None
     functions = [
         *("field", "jacobian"),
         *(("growth", "by_parameters") if near else ()),
-        "expand",
+        *("expand", *(f"expand_{way}" for way in lighter)),
         *(("expand_with_factors", "expand_differences") if near else ()),
         *(["watched"] if derived.watched else []),
     ]
@@ -460,8 +471,9 @@ def sources_of(model: Model) -> dict[str, str]:
             *write_values(derived, model.columns),
             *write_series(derived, []),
             *(write_series(derived, factors) if mode.neighbour else []),
+            *_write_lighter(mode, model),
             *(write_differences(derived) if mode.neighbour else []),
-            *write_table(derived),
+            *write_table(derived, model.lighter),
         ]
     text = "\n".join([*body, "#endif", ""]).replace("\nvoid ", "\nstatic void ")
     return {f"{stem}.c": text, f"{stem}.h": "\n".join([*declared, "", "#endif", ""])}
