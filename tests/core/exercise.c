@@ -290,6 +290,22 @@ static const struct sundials made_up = {
 
 /* ---- Runs ---- */
 
+#ifdef RUN_UP
+/* How speeds change, by turns: as prescribed, piece by piece, and as a torque has it. */
+static const struct piece COURSES[][3] = {
+    {{0.3, 0.1, 0.0, 0.0, 0.0, 1.0},
+     {0.9, -0.05, 0.0, 0.0, 0.0, 1.03},
+     {INFINITY, 1e-3, .speed = 1.0}},
+    {{0.4, 2.0, 0.0, 0.0, 0.0, 0.0}, {5e2, 0.0, 0.0, 0.0, 0.0, 0.8}, {INFINITY, .speed = 0.8}},
+    {{INFINITY, 0.0, 3.0, 0.5, 0.2, 0.0}},
+    {{INFINITY, 0.0, -1.0, 0.0, 10.0, 0.0}},
+    {{INFINITY, 1e-4, 0.0, 0.0, 0.0, 2.0}},
+};
+static const int64_t PIECES[] = {3, 3, 1, 1, 1};
+static int courses_taken;
+enum { NEARLY_STEADY = -1 };
+#endif
+
 static struct run run_of(struct rotor rotor, const double start[4], double duration)
 {
     struct run run = {.rotor = rotor,
@@ -300,6 +316,12 @@ static struct run run_of(struct rotor rotor, const double start[4], double durat
                       .stop = (const uint8_t *)&stop,
                       .where = UNDECIDED};
     memcpy(run.state, start, sizeof run.state);
+#ifdef RUN_UP
+    const int course = courses_taken == NEARLY_STEADY ? 4 : courses_taken % 4;
+    courses_taken++;
+    run.pieces = COURSES[course];
+    run.piece_count = PIECES[course];
+#endif
     return run;
 }
 
@@ -323,6 +345,10 @@ static void furnish(struct run *run, struct room room)
     if (run->rotor.friction > 0.0)
         run->event_ways = room_for(room.events, 1);
     run->event_room = room.events;
+#ifdef RUN_UP
+    run->sample_turns = room_for(room.samples, 2 * sizeof(double));
+    run->event_turns = room_for(room.events, 2 * sizeof(double));
+#endif
     run->contacts = room_for(room.contacts, CONTACT_COLUMNS * sizeof(double));
     run->contact_room = room.contacts;
     run->extrema = room_for(room.extrema, EXTREMUM_COLUMNS * sizeof(double));
@@ -343,7 +369,9 @@ static void clear(struct run *run)
                       run->event_ways,
                       run->contacts,
                       run->extrema,
-                      run->bundle};
+                      run->bundle,
+                      run->sample_turns,
+                      run->event_turns};
     for (size_t i = 0; i < sizeof tables / sizeof *tables; i++)
         free(tables[i]);
 }
@@ -395,7 +423,11 @@ static const struct rotor ROTORS[] = {
 #endif
 enum { ROTOR_COUNT = sizeof ROTORS / sizeof *ROTORS };
 /* Rows of a bundle with those by parameters. */
-enum { WITH_PARAMETERS = 4 + PARAMETERS };
+#ifdef RUN_UP
+enum { WITH_PARAMETERS = 0, ALONE = 0 };
+#else
+enum { WITH_PARAMETERS = 4 + PARAMETERS, ALONE = 4 };
+#endif
 
 /* Starts: at rest, in contact, on the ring in all ways, far off, and what is no number. */
 static void start_of(int number, double delta0, double start[4])
@@ -427,7 +459,8 @@ static void runs_with_all_observers(void)
                 const int status = followed(run, kind == 2 ? nothing : everything);
                 const int fair = number < SOUND_STARTS && ROTORS[i].omega < 100.0
                                  && ROTORS[i].load < 100.0 && !stop;
-                require(!fair || status == DONE, "a run of everyday did not end");
+                require(!fair || status == DONE || status == STALLED,
+                        "a run of everyday did not end");
             }
         }
     }
@@ -443,7 +476,7 @@ static int releases_in_rooms_that_are_too_small(void)
         for (int64_t size = 0; size < 9; size++) {
             stop_after(400000);
             const struct run run = run_of(ROTORS[ROTOR_COUNT - 1 - number % 5], start, 9.0);
-            full_inside += followed(run, (struct room){3, size, 40, 40, 4}) == FULL_INSIDE;
+            full_inside += followed(run, (struct room){3, size, 40, 40, ALONE}) == FULL_INSIDE;
         }
     }
     return full_inside;
@@ -459,7 +492,7 @@ static void runs_in_rooms_that_are_too_small(void)
             const struct run run = run_of(ROTORS[i], start, 20.0);
             full_inside += followed(run, (struct room){size, size, 400, 0, 0}) == FULL_INSIDE;
             followed(run, (struct room){size, size, size, size, 0});
-            followed(run, (struct room){size, 0, 0, size, 4});
+            followed(run, (struct room){size, 0, 0, size, ALONE});
             followed(run, (struct room){0, size, 400, 0, WITH_PARAMETERS});
             followed(run, (struct room){0, 400, size, 0, 0});
         }
@@ -469,8 +502,11 @@ static void runs_in_rooms_that_are_too_small(void)
     require((full_inside > 0) == WHOLE, "a table was full in a contact, or never was");
     /* with more room a run goes on from where it stands */
     stop_after(900000);
+#ifdef RUN_UP
+    courses_taken = NEARLY_STEADY;
+#endif
     struct run run = run_of(ROTORS[0], start, 60.0);
-    furnish(&run, (struct room){9, 64, 64, 0, 4});
+    furnish(&run, (struct room){9, 64, 64, 0, ALONE});
     run.event_room = run.contact_room = 2;
     int again = 0;
     int status;
@@ -493,7 +529,7 @@ static void runs_of_odd_lengths(void)
                 struct run run = run_of(ROTORS[number == 4 ? 2 : 0], start, lengths[i]);
                 run.rtol = tolerances_asked[j];
                 run.atol = tolerances_asked[j];
-                furnish(&run, (struct room){0, 64, 64, 64, 4});
+                furnish(&run, (struct room){0, 64, 64, 64, ALONE});
                 stop_after(20000);
                 core_run(&run);
                 clear(&run);
@@ -502,17 +538,10 @@ static void runs_of_odd_lengths(void)
     }
     stop = 1;
     double start[4] = {0.0};
-    require(core_run(&(struct run){.rotor = ROTORS[0],
-                                   .rtol = 1e-9,
-                                   .atol = 1e-9,
-                                   .duration = 9.0,
-                                   .exact_flight = 1,
-                                   .where = UNDECIDED,
-                                   .stop = (const uint8_t *)&stop})
-                == STOPPED,
-            "a run that was asked to stop went on");
+    struct run run = run_of(ROTORS[0], start, 9.0);
+    require(core_run(&run) == STOPPED, "a run that was asked to stop went on");
     stop_after(100000);
-    struct run run = run_of(ROTORS[0], start, 1e12);
+    run = run_of(ROTORS[0], start, 1e12);
     require(core_run(&run) == STOPPED, "a long run did not stop");
     run = run_of(ROTORS[0], start, 9.0);
     run.method = ADAMS;
@@ -533,7 +562,7 @@ static void runs_by_a_solver_that_fails(void)
             run.exact_flight = kind < 3;
             run.sundials = &made_up;
             stop = 0;
-            ended = followed(run, (struct room){3, 64, 64, 64, kind > 3 ? 4 : 0});
+            ended = followed(run, (struct room){3, 64, 64, 64, kind > 3 ? ALONE : 0});
             require(objects == 0, "an object of SUNDIALS was not freed");
             if (calls_until_failure >= 0)
                 break; /* all calls were made, and none failed */
@@ -558,6 +587,7 @@ static void runs_by_a_solver_that_fails(void)
     }
 }
 
+#ifndef RUN_UP
 static void stretches(void)
 {
     double start[4];
@@ -661,6 +691,8 @@ static void lanes(void)
     }
 }
 
+#endif
+
 int main(void)
 {
     const struct sigaction action = {.sa_handler = ask_to_stop};
@@ -673,9 +705,11 @@ int main(void)
     runs_in_rooms_that_are_too_small();
     runs_of_odd_lengths();
     runs_by_a_solver_that_fails();
+#ifndef RUN_UP
     stretches();
     single_states();
     lanes();
+#endif
     puts("done");
     return 0;
 }
