@@ -16,6 +16,7 @@ events). Beside them stand
 
 `--only machines` sets machines with shaft, contact damping, load and friction beside the paper's
 rotor, all bouncing for 200 revolutions, by Taylor series: what it takes, for each event.
+`--only run-ups` sets each of them at a speed that changes beside itself at constant speed.
 """
 
 import argparse
@@ -41,6 +42,7 @@ from rotor_ida.simulation.dataset import run_dataset
 from rotor_ida.simulation.event_errors import estimate_event_errors
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
+from rotor_ida.simulation.spin import through
 
 RTOL = 1e-9
 TOLERANCES = [10.0 ** (-power / 4.0) for power in range(20, 53)]
@@ -216,6 +218,38 @@ def machines(rounds):
             )
 
 
+# So slow that it bounces as often as at constant speed.
+SLOW_RATE = 1e-9
+
+
+def run_ups(rounds):
+    """Print what a run-up of a prescribed speed takes beside a run at constant speed."""
+    print(
+        "\n| run-up, by Taylor series | samples | events | of the other | ms | times a run at "
+        "constant speed, an event | least |\n|---|---|---|---|---|---|---|"
+    )
+    case = replace(ways.BOUNCING, revolutions=200.0)
+    options = Options(rtol=RTOL, atol=ATOL * RTOL, method="taylor")
+    for samples in (2, case.samples):
+        asked = np.linspace(0.0, case.duration, samples)
+        for name, more in MACHINES.items():
+            machine = replace(case.rotor, **more)
+            way = partial(run, machine, case.start, case.duration, asked, options)
+            course = through([(0.0, machine.omega), (case.duration, machine.omega
+                              + SLOW_RATE * case.duration)], case.duration)  # fmt: skip
+            found = {"steady": way, "changing": partial(way, course=course)}
+            events = {each: go().event_times.size for each, go in found.items()}
+            times = in_turn({each: clocked(go) for each, go in found.items()}, rounds)
+            share = events["steady"] / events["changing"]
+            median = share * ratio(times["changing"], times["steady"])[0]
+            least = share * min(times["changing"].cpu) / min(times["steady"].cpu)
+            print(
+                f"| {name} | {samples:,} | {events['changing']} | {events['steady']} "
+                f"| {1e3 * times['changing'].median:.2f} | {median:.2f} | {least:.2f} |",
+                flush=True,
+            )
+
+
 FIRST = (
     "from rotor_ida import Rotor, simulate; simulate(Rotor(omega=1.2, zeta=0.07, delta0=0.5), "
     "start=(0, 0, 0, 0), duration=100.0)"
@@ -259,7 +293,7 @@ def main():
     """Print all tables."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--rounds", type=int, default=ROUNDS)
-    parser.add_argument("--only", choices=("runs", "labels", "machines", "processes"))
+    parser.add_argument("--only", choices=("runs", "labels", "machines", "run-ups", "processes"))
     arguments = parser.parse_args()
     print(f"{machine()}\n\nMedians of {arguments.rounds} rounds, in turn.")
     if arguments.only in {None, "runs"}:
@@ -276,6 +310,8 @@ def main():
         labels(arguments.rounds)
     if arguments.only in {None, "machines"}:
         machines(arguments.rounds)
+    if arguments.only in {None, "run-ups"}:
+        run_ups(arguments.rounds)
     if arguments.only in {None, "processes"}:
         processes(arguments.rounds)
 

@@ -37,7 +37,7 @@ OUTSIDE = {
 
 def results():
     """Return results of every kind by name, as arrays of numbers."""
-    from rotor_ida import Rotor, basin, limit_cycle, lyapunov_exponent, simulate, sweep
+    from rotor_ida import Rotor, basin, limit_cycle, lyapunov_exponent, run_up, simulate, sweep
 
     found = {}
 
@@ -66,6 +66,14 @@ def results():
             chaotic, start=(1.5, -0.25, 0.0, 0.0), transient=50.0, duration=200.0, method=method
         )
         keep(f"exponents, {method}", told)
+    machine = Rotor(omega=0.5, zeta=0.05, delta0=1.0, shaft_stiffness=0.3, contact_damping=0.2,
+                    load=0.1, friction=0.2, disc_radius=2.0)  # fmt: skip
+    drives = {"ramp": {"to": 2.0, "rate": 0.05},
+              "torque": {"torque": (4.0, 1.0), "inertia": 20.0, "duration": 30.0}}  # fmt: skip
+    for word, drive in drives.items():
+        for method in ("taylor", "adams"):
+            keep(f"run-up, {word}, {method}", run_up(machine, start=rest, method=method, **drive))
+    keep("run-up, paper's", run_up(rotors["bouncing"][0], start=rest, to=2.2, rate=1e-3))
     keep("sweep", sweep(omega=[1.2, 2.0], zeta=0.07, delta0=[0.0, 0.5, 2.0], starts=[rest]))
     places = np.linspace(-15.0, 15.0, 48)
     for delta0 in (0.0, 1.0, 2.0):

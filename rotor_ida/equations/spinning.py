@@ -188,8 +188,8 @@ def _drawn(rates: Any) -> Any:
 
 # Of the drive: the rate of a prescribed speed, or torque, slope and 1/j.
 OF_DRIVE = ("rate", "torque", "slope", "inverse_inertia")
-# Of a speed that is prescribed, and of the paper's rotor, which may have friction; there the work on
-# the ring is the energy that it holds.
+# Of a speed that is prescribed; and of the paper's rotor besides, which may have friction. There the
+# work on the ring is what the ring holds.
 PRESCRIBED = dict.fromkeys(("torque", "slope", "inverse_inertia"), 0.0)
 PLAIN = {
     **dict.fromkeys(("shaft_stiffness", "contact_damping", "load", "linear"), 0.0),

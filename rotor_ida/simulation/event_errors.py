@@ -31,7 +31,7 @@ from rotor_ida.errors import SimulationError
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.options import LOOSEST_RTOL_OF_TAYLOR, Options
-from rotor_ida.simulation.orbit import PRESS, REVERSE, ROLL, SLIP, Orbit
+from rotor_ida.simulation.orbit import PRESS, REVERSE, ROLL, ROLLS, SLIP, Orbit
 from rotor_ida.simulation.run import run
 
 Event = tuple[int, float, float]
@@ -243,10 +243,12 @@ def _guards_of_friction(orbit: Orbit) -> tuple[Values, Values]:
     """Return what the guards of friction are made of at each event, and how fast they change.
 
     Before the disc begins to roll, or slides the other way, that is the slip speed, which changes
-    by ``F - mu sigma N``; before it begins to slip, ``mu N - |F|``.
+    by ``F - mu sigma N``; before it begins to slip, ``mu N - |F|``. Of a speed that changes the
+    angular acceleration counts, and not how that changes itself.
     """
     rotor, (x, y, vx, vy) = orbit.rotor, orbit.event_states.T
-    rim, n = (rotor.disc_radius or 0.0) * orbit.event_speeds, rotor.contact_exponent
+    rho, n = rotor.disc_radius or 0.0, rotor.contact_exponent
+    rim = rho * orbit.event_speeds
     radius = np.hypot(x, y)
     rise, turn = (x * vx + y * vy) / radius, np.arctan2(y, x)
     lag, square = orbit.event_angles - turn, orbit.event_speeds**2
@@ -257,6 +259,8 @@ def _guards_of_friction(orbit: Orbit) -> tuple[Values, Values]:
     hold += rim * (2.0 * rotor.zeta + rise / radius)
     assert orbit.ways is not None
     before = orbit.ways[:-1]
+    faster, lever = _quickening(orbit, hold, normal)
+    hold = hold + faster * lever
     slowing = np.abs(hold - rotor.friction * before * normal)
     drive = square * np.cos(lag) - rotor.load * np.sin(turn)
     bend = drive + rim**2 / radius - 2.0 * rotor.zeta * rise - rotor.shaft_stiffness * radius
@@ -265,11 +269,36 @@ def _guards_of_friction(orbit: Orbit) -> tuple[Values, Values]:
     hold_rate = square * np.cos(lag) * (orbit.event_speeds + rim / radius)
     hold_rate -= rotor.load * np.sin(turn) * rim / radius
     hold_rate += rim * (bend - rise**2 / radius) / radius
+    hold_rate += faster * np.sin(lag) * (orbit.event_speeds + rim / radius)
+    hold_rate += faster * 2.0 * orbit.event_speeds * np.sin(lag)
+    hold_rate += faster * rho * (2.0 * rotor.zeta + rise / radius)
     losing = np.abs(rotor.friction * grip_rate - np.sign(hold) * hold_rate)
     slips = orbit.event_kinds == SLIP
     forces = square + rotor.load + rim * (2.0 * rotor.zeta + np.abs(rise) / radius) + normal
+    forces = forces + np.abs(faster) * (rho + 1.0)
     speeds = np.hypot(vx, vy) + rim + forces * orbit.event_times
     return np.where(slips, forces, speeds), np.where(slips, losing, slowing)
+
+
+def _quickening(orbit: Orbit, hold: Values, normal: Values) -> tuple[Values, Values]:
+    """Return the angular acceleration before each event, and the lever of friction [1].
+
+    `hold` is the force that rolling takes at the speed of the moment, `normal` the normal force.
+    """
+    if orbit.turning is None or orbit.ways is None:
+        return np.zeros_like(hold), np.zeros_like(hold)
+    rotor, (x, y, vx, vy) = orbit.rotor, orbit.event_states.T
+    angle, speed = orbit.turning.events.T
+    cos, sin, radius = np.cos(angle), np.sin(angle), np.hypot(x, y)
+    lever = (rotor.disc_radius or 0.0) - (cos * x + sin * y) / radius
+    rolls = orbit.ways[:-1] == ROLLS
+    across = np.where(rolls, hold, rotor.friction * orbit.ways[:-1] * normal)
+    stiffness = rotor.shaft_stiffness + normal / radius
+    resisted = -2.0 * rotor.zeta * (cos * vy - sin * vx) - stiffness * (cos * y - sin * x)
+    faster = orbit.turning.course.accelerations(
+        orbit.event_times, speed, resisted + across * lever, np.where(rolls, lever**2, 0.0)
+    )
+    return faster, lever
 
 
 def _radial_acceleration(orbit: Orbit) -> Values:

@@ -167,12 +167,14 @@ class Course:
             )
         return told
 
-    def accelerations(self, times: Values, speeds: Values, reactions: Values) -> Values:
-        """Return the angular accelerations at times."""
+    def accelerations(
+        self, times: Values, speeds: Values, reactions: Values, yielding: Any = 0.0
+    ) -> Values:
+        """Return the angular accelerations at times; see `Driven.acceleration`."""
         numbers = self.number_at(times)
         found = np.zeros(times.size)
         for number, spin in enumerate(self.spins):
-            each = np.broadcast_to(spin.acceleration(speeds, reactions), times.shape)
+            each = np.broadcast_to(spin.acceleration(speeds, reactions, yielding), times.shape)
             found[numbers == number] = each[numbers == number]
         return found
 

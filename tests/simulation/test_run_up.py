@@ -27,7 +27,10 @@ from rotor_ida import (
 from rotor_ida.analysis.verification import differences, rerun
 from rotor_ida.plot import plot_rotating_orbit
 from rotor_ida.simulation import run as run_module
+from rotor_ida.simulation.event_errors import _guards_of_friction
+from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import check_orbit
+from rotor_ida.simulation.spin import driven, through
 from tests.spin_witness import Spinner, ran
 
 START = (0.3, 0.1, 0.2, 0.1)
@@ -421,3 +424,25 @@ def test_a_torque_that_never_turns_the_rotor_is_refused():
     for tau0 in (0.0, -1.0):
         with pytest.raises(InputError, match="tau0 of torque must be positive to turn a rotor"):
             run_up(resting, start=REST, **POWER | {"torque": (tau0, 0.1)})
+
+
+@pytest.mark.parametrize(
+    "course",
+    [through([(0.0, 1.2), (6.0, 1.8), (20.0, 0.4)], 20.0), driven((8.0, 1.0), 30.0, 20.0)],
+    ids=["ramps", "torque"],
+)
+def test_what_rounding_does_to_friction_is_told_by_how_fast_the_slip_changes(course):
+    options = Options(rtol=1e-12, atol=1e-14, method="taylor")
+
+    def orbit_at(*times):
+        return run_module.run(CHATTERS, START, 20.0, np.array(times), options, course=course)
+
+    orbit, apart = orbit_at(), 1e-5
+    _, rates = _guards_of_friction(orbit)
+    stops = np.isin(orbit.event_kinds, (2, 3))
+    assert stops.sum() > 5
+    for time, rate in zip(orbit.event_times[stops][:8], rates[stops], strict=False):
+        before = orbit_at(time - 2.0 * apart, time - apart)
+        x, y, vx, vy = before.states.T
+        slip = (x * vy - y * vx) / np.hypot(x, y) + CHATTERS.disc_radius * before.speeds
+        assert abs(np.diff(slip)[0]) / apart == pytest.approx(rate, rel=1e-3)
