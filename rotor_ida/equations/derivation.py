@@ -68,7 +68,7 @@ def derive(mode: Mode, model: Model, fixed: Mapping[str, float] = MappingProxyTy
     """Run a mode of a model over symbols; parameters and components may be fixed numbers."""
     graph = Graph()
     parameters = {name: graph.parameter(name) for name in model.parameters}
-    rotor = SimpleNamespace(**(parameters | model.constants | fixed))
+    rotor = SimpleNamespace(**{**parameters, **model.constants, **fixed})
     state = [graph.of(fixed[n]) if n in fixed else graph.state(n) for n in mode.state]
     pace = graph.of(mode.pace(state))
     with named_as_in(*(str(Path(__file__).with_name(name)) for name in ("modes", "spinning"))):

@@ -188,7 +188,7 @@ def _drawn(rates: Any) -> Any:
 
 # Of the drive: the rate of a prescribed speed, or torque, slope and 1/j.
 OF_DRIVE = ("rate", "torque", "slope", "inverse_inertia")
-# Of a speed that is prescribed; and of the paper's rotor besides, which may have friction. There the
+# What is fixed where the speed is prescribed, and in the paper's rotor, friction or not. There the
 # work on the ring is what the ring holds.
 PRESCRIBED = dict.fromkeys(("torque", "slope", "inverse_inertia"), 0.0)
 PLAIN = {
