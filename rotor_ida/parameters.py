@@ -3,9 +3,21 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal, TypedDict
 
-from rotor_ida.checks import check_nonnegative, check_positive
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.checks import (
+    check_array,
+    check_choice,
+    check_nonnegative,
+    check_positive,
+    check_real,
+    shown,
+)
 from rotor_ida.errors import InputError
 
 PARAMETERS = ("omega", "zeta", "delta0")
@@ -25,6 +37,9 @@ MACHINE_PARAMETERS = (
     "mass", "contact_stiffness", "damping", "eccentricity", "clearance", "speed",
 )  # fmt: skip
 EXPONENTS = (1.5, 1.0)
+# How many radians a second each unit of speed is.
+SpeedUnit = Literal["rad/s", "rpm", "Hz"]
+SPEED_UNITS: dict[SpeedUnit, float] = {"rad/s": 1.0, "rpm": math.pi / 30.0, "Hz": 2.0 * math.pi}
 # Quotients and products of smaller or larger scales leave the range of doubles.
 SMALLEST_SCALE = 1e-100
 
@@ -188,6 +203,17 @@ def check_papers(rotor: Rotor, what: str) -> None:
         raise InputError(f"the rotor of {what} must be the paper's, without {given}")
 
 
+class ChangeOfSpeed(TypedDict, total=False):
+    """How a speed changes, without dimensions: arguments of `rotor_ida.run_up`."""
+
+    to: float
+    rate: float
+    speeds: npt.NDArray[np.float64]
+    torque: npt.NDArray[np.float64]
+    inertia: float
+    duration: float
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class DimensionalRotor:
     """The same rotor as an engineer measures it, in SI units.
@@ -305,6 +331,16 @@ class DimensionalRotor:
         return linear * math.sqrt(self.eccentricity) if self.contact_exponent > 1.0 else linear
 
     @property
+    def torque_scale(self) -> float:
+        """Newton metres in one dimensionless unit of torque: ``m D**2 omega_0**2`` [N m]."""
+        return self.force_scale * self.length_scale
+
+    @property
+    def inertia_scale(self) -> float:
+        """Moment of inertia in one dimensionless unit of it: ``m D**2`` [kg m^2]."""
+        return self.mass * self.eccentricity**2
+
+    @property
     def given(self) -> dict[str, float]:
         """What it takes to make the same machine: those of the paper's, and what is beyond it."""
         return {name: getattr(self, name) for name in MACHINE_PARAMETERS} | _not_default(self)
@@ -323,3 +359,96 @@ class DimensionalRotor:
             friction=self.friction,
             disc_radius=None if self.disc_radius is None else self.disc_radius / self.eccentricity,
         )
+
+    def change_of_speed(
+        self,
+        *,
+        to: float | None = None,
+        rate: float | None = None,
+        speeds: Sequence[tuple[float, float]] | npt.ArrayLike | None = None,
+        torque: tuple[float, float] | npt.ArrayLike | None = None,
+        inertia: float | None = None,
+        duration: float | None = None,
+        unit: SpeedUnit = "rad/s",
+    ) -> ChangeOfSpeed:
+        """Return how the speed of this machine changes, as `rotor_ida.run_up` takes it.
+
+        Parameters
+        ----------
+        to : float, optional
+            Speed at the end of a ramp [unit].
+        rate : float, optional
+            Change of the speed in a second [unit/s], negative in a run-down.
+        speeds : sequence of (float, float), optional
+            Pairs of time [s] and speed [unit].
+        torque : tuple of float, optional
+            ``(stall, slope)``: torque of the drive at rest [N m], and by how much it falls with
+            each rad/s [N m s], whatever `unit` is. A drive that ends at a no-load speed W0 in rad/s
+            has the slope ``stall/W0``.
+        inertia : float, optional
+            Moment of inertia of all that the drive turns, about the centre of mass [kg m^2].
+        duration : float, optional
+            Time to simulate [s].
+        unit : {"rad/s", "rpm", "Hz"}
+            Unit of the speeds.
+
+        Returns
+        -------
+        dict
+            The arguments that were given, without dimensions.
+
+        Raises
+        ------
+        InputError
+            If a value is no finite number; if an inertia is not positive or a speed negative; if
+            the rate does not lead from the speed of the machine to that of `to`.
+
+        Examples
+        --------
+        A run-up to 3,000 rpm at 100 rpm/s, from the machine's own speed:
+
+        >>> from rotor_ida import run_up
+        >>> machine = DimensionalRotor(mass=4.0, contact_stiffness=3.2e7, damping=89.1,
+        ...                            eccentricity=1e-5, clearance=2e-5, speed=60.0)
+        >>> run = run_up(machine.rotor(), start=(0, 0, 0, 0), rtol=1e-8,
+        ...              **machine.change_of_speed(to=3000, rate=10_000, unit="rpm"))
+        >>> round(float(run.speed[-1]) * machine.reference_frequency * 30 / math.pi, 6)
+        3000.0
+        """
+        check_choice("unit", unit, tuple(SPEED_UNITS))
+        a_second = SPEED_UNITS[unit]
+        speed, time = a_second / self.reference_frequency, self.time_scale
+        found: ChangeOfSpeed = {}
+        if to is not None:
+            found["to"] = check_nonnegative("to", to) * speed
+        if rate is not None:
+            found["rate"] = check_real("rate", rate) * speed * time
+            if to is not None:
+                _check_way(self.speed / a_second, to, rate, unit)
+        if speeds is not None:
+            table = check_array("speeds", speeds)
+            if table.ndim != 2 or table.shape[1] != 2:
+                raise InputError(f"speeds must be pairs of time and speed, got {shown(speeds)}")
+            for each in table[:, 1].tolist():
+                check_nonnegative("a speed of speeds", each)
+            found["speeds"] = table * [1.0 / time, speed]
+        if torque is not None:
+            pair = check_array("torque", torque)
+            if pair.shape != (2,):
+                raise InputError(f"torque must be two numbers (stall, slope), got {shown(torque)}")
+            found["torque"] = pair / self.torque_scale * [1.0, self.reference_frequency]
+        if inertia is not None:
+            found["inertia"] = check_positive("inertia", inertia) / self.inertia_scale
+        if duration is not None:
+            found["duration"] = check_nonnegative("duration", duration) / time
+        return found
+
+
+def _check_way(speed: float, to: float, rate: float, unit: str) -> None:
+    """Raise `InputError` for a rate that does not lead from one speed to another, in their unit."""
+    if (to - speed) * rate <= 0.0:
+        way = "positive" if to > speed else "negative"
+        wanted = f"rate must be {way} to change the speed from {speed:g} to {to:g} {unit}"
+        if to == speed:
+            wanted = f"to must differ from the speed of the machine, {speed:g} {unit}"
+        raise InputError(f"{wanted}, got {to if to == speed else rate!r}")

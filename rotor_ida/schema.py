@@ -137,9 +137,9 @@ QUANTITIES: dict[str, Quantity] = {
         "speed of the disc's rim on the ring, positive forwards", scale="velocity"
     ),
     "normal_force": Quantity("normal force of the contact", scale="force"),
-    "speed": Quantity("spin speed over the reference frequency, as it changes", scale="rate"),
+    "speed": Quantity("spin speed over the reference frequency, as it changes", scale="speed"),
     "angle": Quantity("angle of the unbalance", "radian"),
-    "event_speed": Quantity("spin speed at the event", scale="rate"),
+    "event_speed": Quantity("spin speed at the event", scale="speed"),
     "revolutions": Quantity("number of revolutions in the run"),
     "event_angle": Quantity("angle of the unbalance at the event", "radian"),
     "whirl_direction": Quantity(

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+import numpy as np
 import xarray as xr
 
+from rotor_ida.arrays import Values
 from rotor_ida.checks import check_instance, shown
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import DimensionalRotor
+from rotor_ida.parameters import SPEED_UNITS, DimensionalRotor
 from rotor_ida.schema import QUANTITIES
 
 UNITS = {
@@ -19,7 +21,10 @@ UNITS = {
     "impulse": "N s",
     "energy": "J",
     "rate": "s-1",
+    "speed": "s-1",
 }
+# How many radians a second each unit of speed is; for UDUNITS a radian is 1, and Hz are 1/s too.
+OF_SPEED = {UNITS["speed"]: 1.0, "rpm": SPEED_UNITS["rpm"]}
 # How many units with the prefix make one without.
 PREFIXES = {"p": 1e12, "n": 1e9, "u": 1e6, "m": 1e3, "": 1.0, "k": 1e-3, "M": 1e-6}
 
@@ -38,7 +43,8 @@ def dimensional(
     units : mapping of str to str, optional
         Units other than m, s, m/s, N, N s, J and 1/s, by kind: ``length``, ``time``, ``velocity``,
         ``force``, ``impulse`` or ``energy``, such as ``{"length": "µm", "time": "ms"}``. The
-        prefixes are p, n, µ (or u), m, k and M. Figures show the units that the dataset has.
+        prefixes are p, n, µ (or u), m, k and M. A ``speed`` that changes is in ``rad/s`` or
+        ``rpm``. Figures show the units that the dataset has.
 
     Returns
     -------
@@ -46,6 +52,8 @@ def dimensional(
         The same variables in those units; parameters, phases, kinds and counts unchanged. Each
         variable's attribute ``units`` has its unit as UDUNITS writes it (``um``, ``m s-1``); the
         attributes ``length_scale``, ``time_scale`` and so on say what a dimensionless 1 is in them.
+        Of a run-up the attributes ``to``, ``rate``, ``speeds``, ``torque`` and ``inertia`` are in
+        SI units too, which ``to_units`` and so on tell.
 
     Raises
     ------
@@ -85,6 +93,7 @@ def dimensional(
         "impulse": machine.force_scale * machine.time_scale,
         "energy": machine.force_scale * machine.length_scale,
         "rate": machine.reference_frequency,
+        "speed": machine.reference_frequency,
     }
     if units is None:
         units = {}
@@ -99,9 +108,47 @@ def dimensional(
             attributes = {**variable.attrs, "units": chosen[quantity.scale]}
             values = variable.values * scales[quantity.scale]
             converted[name] = xr.Variable(variable.dims, values, attributes)
-    return dataset.assign(converted).assign_attrs(
-        {f"{kind}_scale": value for kind, value in scales.items()}
-    )
+    told: dict[str, object] = {f"{kind}_scale": value for kind, value in scales.items()}
+    if "event_speed" in dataset.variables:
+        told |= _change_of_speed(dataset, machine, scales, chosen)
+    return dataset.assign(converted).assign_attrs(told)
+
+
+def in_rpm(speeds: xr.DataArray) -> Values | None:
+    """Return speeds in revolutions a minute; None for what is dimensionless.
+
+    Examples
+    --------
+    >>> in_rpm(xr.DataArray([50.0], attrs={"units": "s-1"})).round(3)
+    array([477.465])
+    """
+    factor = OF_SPEED.get(str(speeds.attrs.get("units")))
+    return None if factor is None else np.asarray(speeds.values) * (factor / OF_SPEED["rpm"])
+
+
+def _change_of_speed(
+    run: xr.Dataset,
+    machine: DimensionalRotor,
+    scales: Mapping[str, float],
+    units: Mapping[str, str],
+) -> dict[str, object]:
+    """Return the attributes that tell how the speed changed, with their units; seconds stay."""
+    speed, time = scales["speed"], scales["time"]
+    torque, rate = machine.torque_scale, machine.reference_frequency
+    factors: dict[str, tuple[list[float], str]] = {
+        "to": ([speed], units["speed"]),
+        "rate": ([speed * rate], "s-2" if units["speed"] == "s-1" else f"{units['speed']} s-1"),
+        "speeds": ([time, speed], f"{units['time']}, {units['speed']}"),
+        "torque": ([torque, torque / rate], "N m, N m s"),
+        "inertia": ([machine.inertia_scale], "kg m2"),
+    }
+    found: dict[str, object] = {}
+    for name, (factor, unit) in factors.items():
+        if name in run.attrs:
+            values = (np.reshape(run.attrs[name], (-1, len(factor))) * factor).ravel()
+            found[name] = values if len(factor) > 1 else values.item()
+            found[f"{name}_units"] = unit
+    return found
 
 
 def _parts(kind: str) -> dict[str, float]:
@@ -109,6 +156,8 @@ def _parts(kind: str) -> dict[str, float]:
     base = UNITS[kind]
     if kind == "rate":
         return {base: 1.0}
+    if kind == "speed":
+        return {unit: 1.0 / each for unit, each in OF_SPEED.items()}
     return {prefix + base: parts for prefix, parts in PREFIXES.items()}
 
 
@@ -119,6 +168,8 @@ def _checked(kind: str, unit: str) -> str:
     allowed = _parts(kind)
     # the micro sign and the Greek letter look the same
     plain = str(unit).replace("\u00b5", "u").replace("\u03bc", "u")
+    if kind == "speed":
+        plain = plain.replace("rad/s", "1/s")
     written = plain.replace("1/s", "s-1").replace("/s", " s-1")
     if written not in allowed:
         words = ", ".join(allowed)

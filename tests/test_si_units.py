@@ -1,7 +1,10 @@
 """Units are chosen once; the dataset carries them, and what a dimensionless 1 is in them."""
 
+import math
+
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from rotor_ida import (
     DimensionalRotor,
@@ -14,6 +17,7 @@ from rotor_ida import (
     limit_cycle,
     lyapunov_exponent,
     rotating,
+    run_up,
     simulate,
     spectrum,
     sweep,
@@ -151,3 +155,110 @@ def test_an_archive_in_si_units_tells_start_and_time_in_them(plain):
     assert told["duration"] == pytest.approx(plain.attrs["duration"] * MACHINE.time_scale)
     scales = [MACHINE.length_scale] * 2 + [MACHINE.velocity_scale] * 2
     np.testing.assert_allclose(told["start"], plain.attrs["start"] * scales, rtol=1e-15)
+
+
+# ---- Speeds that change ----
+
+TURNED = DimensionalRotor(mass=4.0, contact_stiffness=3.2e7, damping=89.1, eccentricity=1e-5,
+                          clearance=8e-6, speed=60.0, shaft_stiffness=2e3)  # fmt: skip
+RPM = math.pi / 30.0
+RATE, STALL, SLOPE, INERTIA = 900.0 * RPM, 2e-3, 5e-6, 4e-6
+
+
+def in_si_by_scipy(machine, end, angular_acceleration):
+    """Return place, velocity and speed at the end: Newton and Euler in SI units, by DOP853."""
+    m, d = machine.mass, machine.eccentricity
+
+    def slope(_time, state):
+        z, v, angle, speed = complex(*state[:2]), complex(*state[2:4]), state[4], state[5]
+        depth = max(abs(z) - machine.clearance, 0.0)
+        push = machine.contact_stiffness * depth**1.5 * (z / abs(z) if depth else 0.0)
+        held = machine.damping * v + machine.shaft_stiffness * z + push
+        turned = complex(math.cos(angle), math.sin(angle))
+        # the reaction acts at the centre of the disc, one eccentricity off the centre of mass
+        angular = angular_acceleration(speed, d * (held * turned.conjugate()).imag)
+        pulled = m * d * (speed**2 - 1j * angular) * turned
+        a = (pulled - held) / m
+        return [v.real, v.imag, a.real, a.imag, speed, angular]
+
+    start = [0.0, 0.0, 0.0, 0.0, 0.0, machine.speed]
+    found = solve_ivp(slope, (0.0, end), start, method="DOP853", rtol=1e-11, atol=1e-16)
+    return found.y[[0, 1, 2, 3, 5], -1]
+
+
+@pytest.mark.parametrize(
+    ("changes", "law"),
+    [({"to": 1500.0, "rate": 900.0, "unit": "rpm"}, lambda _speed, _moment: RATE),
+     ({"torque": (STALL, SLOPE), "inertia": INERTIA, "duration": 0.8},
+      lambda speed, moment: (STALL - SLOPE * speed + moment) / INERTIA)],
+    ids=["ramp in rpm", "limited power in N m"],
+)  # fmt: skip
+def test_a_run_up_in_si_units_obeys_newton_and_euler_in_si_units(changes, law):
+    """The same run by SciPy, from the equations with kilograms, newtons and metres."""
+    given = TURNED.change_of_speed(**changes)
+    run = run_up(TURNED.rotor(), start=REST, samples=2, rtol=1e-9, **given)
+    shown = dimensional(run, TURNED)
+    assert shown.sizes["contact"] > 0
+    end = in_si_by_scipy(TURNED, float(shown.t[-1]), law)
+    for name, value in zip(("x", "y", "vx", "vy", "speed"), end, strict=True):
+        scale = float(abs(shown[name]).max())
+        assert float(shown[name][-1]) == pytest.approx(value, abs=2e-6 * scale)
+    if "to" in changes:
+        assert float(shown.t[-1]) == pytest.approx((1500.0 * RPM - 60.0) / RATE, rel=1e-12)
+
+
+def test_how_a_speed_changed_is_told_in_the_units_it_was_given_in():
+    """What is put in by hand in rpm, rpm/s, N m and kg m2 comes out of the attributes again."""
+    ramp = TURNED.change_of_speed(to=1500.0, rate=9e4, unit="rpm")
+    shown = dimensional(run_up(TURNED.rotor(), start=REST, samples=2, rtol=1e-6, **ramp), TURNED,
+                        units={"speed": "rpm"})  # fmt: skip
+    assert shown.attrs["to"] == pytest.approx(1500.0, rel=1e-14)
+    assert shown.attrs["rate"] == pytest.approx(9e4, rel=1e-14)
+    assert (shown.attrs["to_units"], shown.attrs["rate_units"]) == ("rpm", "rpm s-1")
+    assert shown.speed.values == pytest.approx([60.0 / RPM, 1500.0], rel=1e-12)
+    assert shown.speed.attrs["units"] == shown.event_speed.attrs["units"] == "rpm"
+
+    table = [(0.0, 10.0), (0.01, 12.5), (0.02, 12.5)]
+    pieces = TURNED.change_of_speed(speeds=table, unit="Hz")
+    run = run_up(TURNED.rotor(), start=REST, samples=2, rtol=1e-6, **pieces)
+    shown = dimensional(run, TURNED, units={"time": "ms", "speed": "rad/s"})
+    turns = np.multiply(table, [1e3, 2.0 * math.pi]).ravel()
+    assert shown.attrs["speeds"] == pytest.approx(turns, rel=1e-14)
+    assert shown.attrs["speeds_units"] == "ms, s-1"
+
+    drive = TURNED.change_of_speed(torque=(STALL, SLOPE), inertia=INERTIA, duration=0.02)
+    run = run_up(TURNED.rotor(), start=REST, samples=2, rtol=1e-6, **drive)
+    shown = dimensional(run, TURNED, units={"time": "ms", "speed": "rpm"})
+    assert shown.attrs["torque"] == pytest.approx([STALL, SLOPE], rel=1e-14)
+    assert shown.attrs["inertia"] == pytest.approx(INERTIA, rel=1e-14)
+    assert (shown.attrs["torque_units"], shown.attrs["inertia_units"]) == ("N m, N m s", "kg m2")
+    record, _ = describe(shown)
+    assert record["torque"] == pytest.approx([STALL, SLOPE], rel=1e-14)
+
+
+def test_a_motor_by_hand():
+    """omega_0 is the root of k sqrt(D)/m = 25,298/s2, and m D^2 is 4e-10 kg m2."""
+    rate = math.sqrt(3.2e7 * math.sqrt(1e-5) / 4.0)
+    found = TURNED.change_of_speed(torque=(STALL, SLOPE), inertia=INERTIA, duration=2.0)
+    assert found["inertia"] == pytest.approx(4e-6 / 4e-10, rel=1e-14)
+    assert found["torque"] == pytest.approx(
+        [STALL / (4e-10 * rate**2), SLOPE / (4e-10 * rate)], rel=1e-14
+    )
+    assert found["duration"] == pytest.approx(2.0 * rate, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [({"to": 100.0, "rate": 3.0, "unit": "rpm"}, "rate must be negative .* 572.958 to 100 rpm"),
+     ({"to": 100.0, "rate": -3.0}, "rate must be positive .* from 60 to 100 rad/s, got -3.0"),
+     ({"to": 60.0, "rate": 3.0}, "to must differ from the speed of the machine, 60 rad/s, got"),
+     ({"to": -1.0, "rate": -3.0}, "to must be zero or positive, got -1.0"),
+     ({"speeds": [(0.0, 10.0), (1.0, -1.0)]}, "a speed of speeds must be zero or positive"),
+     ({"speeds": [1.0, 2.0]}, "speeds must be pairs of time and speed, got"),
+     ({"torque": 3.0}, "torque must be two numbers"),
+     ({"inertia": 0.0}, "inertia must be positive, got 0.0"),
+     ({"to": 1.0, "unit": "rps"}, "unit must be one of 'rad/s', 'rpm', 'Hz', got 'rps'")],
+)  # fmt: skip
+def test_changes_of_speed_that_cannot_be_are_refused_in_the_units_given(given, message):
+    with pytest.raises(InputError, match=message):
+        TURNED.change_of_speed(**given)

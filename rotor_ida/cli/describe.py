@@ -14,8 +14,9 @@ from rich.console import RenderableType
 from rotor_ida.analysis.branch_course import parameters_of, stable_ranges
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.cli.report import pairs, table
-from rotor_ida.parameters import ALL_PARAMETERS, BEYOND, PARAMETERS
+from rotor_ida.parameters import ALL_PARAMETERS, BEYOND, PARAMETERS, SPEED_UNITS
 from rotor_ida.schema import NO_YES, RESPONSE, flags_of, words_of
+from rotor_ida.si_units import in_rpm
 
 Record = dict[str, object]
 Kind = Literal[
@@ -29,6 +30,7 @@ VERSION = "_version"
 # What an archive adds for its own use.
 HOUSEKEEPING = ("Conventions", "content_sha256", "rotor_ida_format")
 
+SPEEDS = ("speed", "event_speed")
 EVENT = ("event_time", "event_kind", "event_speed", "event_x", "event_y", "event_time_error")
 CONTACT = (
     *("entry_time", "exit_time", "peak_time", "peak_indentation", "peak_force"),
@@ -170,12 +172,55 @@ def _run(dataset: xr.Dataset, most: int | None) -> Description:
     for name in ("heat", "rolling_time"):
         if name in dataset:
             summary[name] = float(dataset[name].sum())
-    parts: list[RenderableType] = [pairs("Run", summary)]
+    told = {_with_unit(dataset, name): each for name, each in summary.items()}
+    parts: list[RenderableType] = [pairs("Run", told | _change_of_speed(dataset))]
     named = [name for name in EVENT if name in dataset]
-    parts += _rows("Events", events, named, most, prefix="event_")
+    parts += _rows_of_run("Events", events, named, dataset, most, prefix="event_")
     columns = [name for name in CONTACT if name in dataset]
-    parts += _rows("Contacts", contacts, columns, most)
+    parts += _rows_of_run("Contacts", contacts, columns, dataset, most)
     return record, parts
+
+
+def _change_of_speed(run: xr.Dataset) -> Record:
+    """Return how the speed changed during a run, by names with units."""
+    if "speed" not in run:
+        return {}
+    first, last = run["speed"].values[[0, -1]].tolist()
+    told: Record = {_with_unit(run, "speed"): f"{first:.8g} to {last:.8g}"}
+    if (turns := in_rpm(run["speed"])) is not None:
+        told["speed [rpm]"] = f"{turns[0]:.8g} to {turns[-1]:.8g}"
+    attributes = attributes_of(run)
+    for name in ("rate", "torque", "inertia"):
+        if name in attributes:
+            unit = str(attributes.get(f"{name}_units", "")).replace("s-2", "rad/s2")
+            told[f"{name} [{unit}]" if unit else name] = attributes[name]
+            if unit == "rad/s2":
+                told["rate [rpm/s]"] = float(run.attrs[name]) / SPEED_UNITS["rpm"]
+    return told
+
+
+def _rows_of_run(
+    title: str,
+    rows: list[Record],
+    columns: list[str],
+    run: xr.Dataset,
+    most: int | None,
+    *,
+    prefix: str = "",
+) -> list[RenderableType]:
+    """Return a table of events or contacts, with units and speeds in rpm where it has units."""
+    heads = {name: _with_unit(run, name) for name in columns}
+    shown: list[Record] = [{heads[name]: row[name] for name in columns} for row in rows]
+    turns = in_rpm(run["event_speed"]) if "event_speed" in columns else None
+    if turns is not None:
+        speed, other = heads["event_speed"], "event speed [rpm]"
+        shown = [
+            {head: each for name, value in row.items() for head, each in
+             ([(name, value), (other, turn)] if name == speed else [(name, value)])}
+            for row, turn in zip(shown, turns.tolist(), strict=True)
+        ]  # fmt: skip
+    words = list(shown[0]) if shown else []
+    return _rows(title, shown, words, most, prefix=prefix.replace("_", " "))
 
 
 def _begun(dataset: xr.Dataset, about: Record) -> Record:
@@ -356,7 +401,14 @@ def _end(row: Record, name: str) -> str:
 
 def _with_unit(dataset: xr.Dataset, name: str) -> str:
     """Return a variable's name with its unit, if it has one."""
-    unit = dataset[name].attrs.get("units", "1")
+    if name == "duration" and "time_scale" in dataset.attrs:
+        unit = dataset["t"].attrs["units"]
+    elif name not in dataset.variables:
+        unit = "1"
+    else:
+        unit = dataset[name].attrs.get("units", "1")
+    if name in SPEEDS and unit == "s-1":
+        unit = "rad/s"
     return name.replace("_", " ") + (f" [{unit}]" if unit not in {"", "1"} else "")
 
 

@@ -184,29 +184,6 @@ Bifurcation = Annotated[
 ]
 
 Duration = Annotated[float, _number("Time to simulate.")]
-DurationOrNone = Annotated[
-    float | None,
-    _number("Time to simulate: a torque needs it, otherwise as long as the speed changes."),
-]
-To = Annotated[float | None, _number("Speed at the end of a ramp.")]
-Rate = Annotated[float | None, _number("Change of the speed in a unit of time, on a ramp.")]
-Speeds = Annotated[
-    list[str] | None,
-    Parameter(
-        help="Speeds by time, linear in between, the first at time 0.",
-        metavar="TIME:SPEED",
-        consume_multiple=True,
-        negative=(),
-    ),
-]
-Torque = Annotated[
-    tuple[float, float] | None,
-    _several_numbers("Torque of the drive at rest, and its fall with the speed.", "TAU0 SLOPE"),
-]
-Inertia = Annotated[
-    float | None,
-    _number("Moment of inertia over mass times eccentricity squared, which a torque turns."),
-]
 Samples = Annotated[
     int, _whole_number("Number of times at which the motion is kept.", 2, MOST_NUMBERS)
 ]
@@ -358,7 +335,14 @@ class MachineOptions:
         float | None, _number("Distance of the mass centre from the disc centre, in m.")
     ] = None
     clearance: Annotated[float | None, _number("Radial clearance, in m.")] = None
-    speed: Annotated[float | None, _number("Spin speed, in rad/s.")] = None
+    speed: Annotated[
+        float | None,
+        Parameter(
+            help="Spin speed, in rad/s, or with its unit, as 3000rpm or 50Hz.",
+            converter=parsing.converter(parsing.radians),
+            metavar="SPEED",
+        ),
+    ] = None
     shaft_stiffness: Annotated[
         float | None, _number("Stiffness of the shaft: with a mass in N/m.")
     ] = None
@@ -385,6 +369,91 @@ class MachineOptions:
             f"a rotor must be given by {', '.join(PARAMETERS)}, or by "
             f"{', '.join(MACHINE_PARAMETERS)}, got {', '.join(given) or 'none of them'}"
         )
+
+
+def dimensionless_start(machine: Rotor | DimensionalRotor, start: State) -> State:
+    """Return a start without dimensions; of a machine it is given in metres and m/s."""
+    if isinstance(machine, Rotor):
+        return start
+    x, y, vx, vy = start
+    length, velocity = machine.length_scale, machine.velocity_scale
+    return x / length, y / length, vx / velocity, vy / velocity
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+class ChangeOptions:
+    """How the speed changes."""
+
+    to: Annotated[
+        str | None,
+        Parameter(
+            help="Speed at the end of a ramp: with a mass in rad/s, or with its unit, as 3000rpm.",
+            metavar="SPEED",
+        ),
+    ] = None
+    rate: Annotated[
+        str | None,
+        Parameter(
+            help="Change of the speed in a unit of time, on a ramp: with a mass in rad/s2, or with "
+            "its unit, as 100rpm/s.",
+            metavar="RATE",
+        ),
+    ] = None
+    speeds: Annotated[
+        list[str] | None,
+        Parameter(
+            help="Speeds by time, linear in between, the first at time 0: with a mass in s and "
+            "rad/s, or as 20:3000rpm.",
+            metavar="TIME:SPEED",
+            consume_multiple=True,
+            negative=(),
+        ),
+    ] = None
+    torque: Annotated[
+        tuple[float, float] | None,
+        _several_numbers(
+            "Torque of the drive at rest, and its fall with the speed: with a mass in N m, N m s.",
+            "TAU0 SLOPE",
+        ),
+    ] = None
+    inertia: Annotated[
+        float | None,
+        _number(
+            "Moment of inertia that a torque turns, over mass times eccentricity squared: with a "
+            "mass in kg m2."
+        ),
+    ] = None
+    duration: Annotated[
+        float | None,
+        _number(
+            "Time to simulate: a torque needs it, otherwise as long as the speed changes. With a "
+            "mass in s."
+        ),
+    ] = None
+
+    def of(self, machine: Rotor | DimensionalRotor) -> dict[str, Any]:
+        """Return it as `run_up` takes it, without dimensions."""
+        by_time = None if self.speeds is None else parsing.speeds("speeds", self.speeds)
+        one = {
+            "to": None if self.to is None else parsing.speed("to", [self.to]),
+            "rate": None if self.rate is None else parsing.rate("rate", [self.rate]),
+        }
+        given: dict[str, Any] = {
+            **{name: each and parsing.in_radians(each) for name, each in one.items()},
+            "speeds": by_time and [(time, parsing.in_radians(each)) for time, each in by_time],
+            "torque": self.torque, "inertia": self.inertia, "duration": self.duration,
+        }  # fmt: skip
+        if isinstance(machine, DimensionalRotor):
+            return dict(machine.change_of_speed(**given))
+        told = [("speeds", each) for _, each in by_time or []]
+        for name, each in (*one.items(), *told):
+            if each is not None and each.unit:
+                raise InputError(
+                    f"{name} must have no unit for a rotor without dimensions, got "
+                    f"{each.value:g} {each.unit}"
+                )
+        return given
 
 
 @Parameter(name="*")

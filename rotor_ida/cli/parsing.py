@@ -10,24 +10,30 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Literal, NamedTuple, TypeVar
 
 from cyclopts import Token
 
 from rotor_ida.checks import MOST_POINTS_OF_STUDY, State, check_real, check_state, shown
 from rotor_ida.errors import InputError
+from rotor_ida.parameters import SPEED_UNITS, SpeedUnit
 
 LARGEST_RANGE = 1_000_000
 MOST_POINTS = 5_000_000
 
 # What cyclopts takes for an option where it is not ``-15:15`` of whole numbers.
-NEGATIVE_RANGE = re.compile(r"-[\d.][^:]*:")
+NEGATIVE_RANGE = re.compile(r"-[\d.](?:[^:]*:|.*(?:rad/s|rpm|Hz))")
+# A number with a unit: of a speed, or of a rate, by which a speed changes in a second.
+WITH_UNIT = re.compile(r"(?P<number>[-+.\dEe]*[.\d])\s*(?P<unit>[^-+.\d].*)")
+RATE_UNITS = {"rad/s": ("rad/s2", "rad/s^2", "rad/s²")}
 
 Value = TypeVar("Value")
 
 
 def with_ranges_joined(words: Sequence[str]) -> list[str]:
     """Return words in which a range that begins below zero is tied to its option by ``=``.
+
+    So is a number below zero that has a unit.
 
     Examples
     --------
@@ -120,24 +126,87 @@ def several_numbers(name: str, words: Sequence[str]) -> tuple[float, ...]:
     return tuple(number(name, [word]) for word in words)
 
 
-def pairs(name: str, words: Sequence[str]) -> list[tuple[float, float]]:
-    """Return words ``TIME:SPEED`` as pairs of numbers.
+class Measured(NamedTuple):
+    """A number, and the unit of speed that it was given with; empty where it was given alone."""
+
+    value: float
+    unit: SpeedUnit | Literal[""]
+
+
+def speed(name: str, words: Sequence[str]) -> Measured:
+    """Return a word as a speed, alone or with its unit.
 
     Examples
     --------
-    >>> pairs("speeds", ["0:0.5", "20:2"])
-    [(0.0, 0.5), (20.0, 2.0)]
-    >>> pairs("speeds", ["0.5"])
+    >>> speed("to", ["3000rpm"])
+    Measured(value=3000.0, unit='rpm')
+    >>> speed("to", ["2.2"])
+    Measured(value=2.2, unit='')
+    >>> speed("to", ["3 km/h"])
+    Traceback (most recent call last):
+    ...
+    rotor_ida.errors.InputError: the unit of to must be rad/s, rpm or Hz, got '3 km/h'
+    """
+    found = WITH_UNIT.fullmatch(words[0])
+    if found is None:
+        return Measured(number(name, words), "")
+    for unit in SPEED_UNITS:
+        if found["unit"] == unit:
+            return Measured(number(name, [found["number"]]), unit)
+    raise InputError(f"the unit of {name} must be rad/s, rpm or Hz, got {shown(words[0])}")
+
+
+def rate(name: str, words: Sequence[str]) -> Measured:
+    """Return a word as the rate at which a speed changes, alone or with its unit.
+
+    Examples
+    --------
+    >>> rate("rate", ["-100rpm/s"]), rate("rate", ["3rad/s2"])
+    (Measured(value=-100.0, unit='rpm'), Measured(value=3.0, unit='rad/s'))
+    """
+    found = WITH_UNIT.fullmatch(words[0])
+    if found is None:
+        return Measured(number(name, words), "")
+    for unit in SPEED_UNITS:
+        if found["unit"] in {f"{unit}/s", *RATE_UNITS.get(unit, ())}:
+            return Measured(number(name, [found["number"]]), unit)
+    raise InputError(f"the unit of {name} must be rad/s2, rpm/s or Hz/s, got {shown(words[0])}")
+
+
+def radians(name: str, words: Sequence[str]) -> float:
+    """Return a word as a speed in rad/s, which is its unit if none is given.
+
+    Examples
+    --------
+    >>> radians("speed", ["600"]), round(radians("speed", ["600rpm"]), 6)
+    (600.0, 62.831853)
+    """
+    return in_radians(speed(name, words))
+
+
+def in_radians(measured: Measured) -> float:
+    """Return a speed in rad/s, or a rate in rad/s^2."""
+    return measured.value * (SPEED_UNITS[measured.unit] if measured.unit else 1.0)
+
+
+def speeds(name: str, words: Sequence[str]) -> list[tuple[float, Measured]]:
+    """Return words ``TIME:SPEED`` as pairs of a time and a speed.
+
+    Examples
+    --------
+    >>> speeds("speeds", ["0:0.5", "20:2"])[1]
+    (20.0, Measured(value=2.0, unit=''))
+    >>> speeds("speeds", ["0.5"])
     Traceback (most recent call last):
     ...
     rotor_ida.errors.InputError: speeds must be pairs TIME:SPEED, got '0.5'
     """
-    found: list[tuple[float, float]] = []
+    found: list[tuple[float, Measured]] = []
     for word in words:
         first, *rest = word.split(":")
         if len(rest) != 1:
             raise InputError(f"{name} must be pairs TIME:SPEED, got {shown(word)}")
-        found.append((number(name, [first]), number(name, rest)))
+        found.append((number(name, [first]), speed(name, rest)))
     return found
 
 

@@ -20,6 +20,7 @@ from rotor_ida.checks import check_count
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import BEYOND, PARAMETERS
 from rotor_ida.plot.labels import KIND_WORDS, SEPARATOR, parameter_text, scale_of
+from rotor_ida.si_units import in_rpm
 
 # From matplotlib's petroff10, chosen so that the greys differ too.
 BLUE, ORANGE, RED, PURPLE, GREY = "#3f90da", "#e76300", "#bd1f01", "#832db6", "#94a4a2"
@@ -356,9 +357,15 @@ def title_of(name: str, dataset: xr.Dataset, parameters: Sequence[str] = PARAMET
     beyond = [each for each in BEYOND if each in dataset.variables and not dataset[each].ndim]
     text = parameter_text({each: one_value(name, dataset, each) for each in (*parameters, *beyond)})
     if "event_speed" in dataset.variables:  # omega is only the first
-        last = float(dataset["speed"][-1]) / scale_of(dataset, "rate")
-        text = text.replace("$,", rf" \ldots {last:.4g}$,", 1)
+        last = float(dataset["speed"][-1]) / scale_of(dataset, "speed")
+        text = text.replace("$,", rf" \ldots {last:.4g}$,", 1) + _turns_of(dataset)
     return text
+
+
+def _turns_of(run: xr.Dataset) -> str:
+    """Return first and last speed of a run-up in SI units as an engineer tells them."""
+    speeds = in_rpm(run["speed"])
+    return "" if speeds is None else rf"{SEPARATOR}${speeds[0]:.4g} \ldots {speeds[-1]:.4g}$ rpm"
 
 
 def _entries(axes: Sequence[Axes]) -> tuple[list[Artist], list[str]]:

@@ -502,7 +502,7 @@ def _modes_without_samples(run: xr.Dataset) -> npt.NDArray[np.int8]:
     x, y, vx, vy = (run[f"event_{name}"].values for name in COMPONENTS)
     speed = run["omega"].item()
     if "event_speed" in run.variables:
-        speed = run["event_speed"].values / scale_of(run, "rate")
+        speed = run["event_speed"].values / scale_of(run, "speed")
     rim = run["disc_radius"].item() * speed * scale_of(run, "velocity")
     slip = np.append((x * vy - y * vx) / np.hypot(x, y) + rim, 0.0)
     # it keeps its sense from one event to the next, at one of which it may be 0

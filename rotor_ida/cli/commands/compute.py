@@ -9,9 +9,10 @@ from pathlib import Path
 import rotor_ida
 from rotor_ida.cli import options
 from rotor_ida.cli.output import Output, answer, answer_whole, working
-from rotor_ida.cli.parsing import MOST_POINTS, check_points, pairs
+from rotor_ida.cli.parsing import MOST_POINTS, check_points
 from rotor_ida.cli.report import FIRST_ROWS, Report
 from rotor_ida.errors import InputError
+from rotor_ida.parameters import Rotor
 
 # More rows are for programs, with --json or --out.
 MOST_ROWS = 1000
@@ -52,16 +53,10 @@ def simulate(
 
 def run_up(
     *,
-    rotor: options.RotorOptions,
-    to: options.To = None,
-    rate: options.Rate = None,
-    speeds: options.Speeds = None,
-    torque: options.Torque = None,
-    inertia: options.Inertia = None,
-    duration: options.DurationOrNone = None,
+    machine: options.MachineOptions = options.MachineOptions(),
+    change: options.ChangeOptions = options.ChangeOptions(),  # noqa: B008 - frozen
     start: options.Start = options.REST,
     samples: options.Samples = 1001,
-    beyond: options.BeyondOptions = options.BeyondOptions(),
     solver: options.RunUpSolverOptions = options.RunUpSolverOptions(),  # noqa: B008 - frozen
     output: Output = Output(),
 ) -> Report:
@@ -77,21 +72,25 @@ def run_up(
 
         rotor-ida run-up --omega 0.5 --zeta 0.07 --delta0 1 \
             --torque 3 0.5 --inertia 10 --duration 60
+
+    A machine in SI units, from 300 to 3000 rpm:
+
+        rotor-ida run-up --mass 4 --contact-stiffness 3.2e7 --damping 89.1 \
+            --eccentricity 1e-5 --clearance 2e-5 --speed 300rpm --to 3000rpm \
+            --rate 9000rpm/s
     """
+    chosen = machine.machine()
+    rotor = chosen if isinstance(chosen, Rotor) else chosen.rotor()
     output.check()
     run = rotor_ida.run_up(
-        beyond.of(rotor.rotor()),
-        start=start,
-        to=to,
-        rate=rate,
-        speeds=None if speeds is None else pairs("speeds", speeds),
-        torque=torque,
-        inertia=inertia,
-        duration=duration,
+        rotor,
+        start=options.dimensionless_start(chosen, start),
+        **change.of(chosen),
         samples=samples,
         **asdict(solver),
     )
-    return answer(run, output, most=FIRST_ROWS)
+    shown = run if isinstance(chosen, Rotor) else rotor_ida.dimensional(run, chosen)
+    return answer(shown, output, most=FIRST_ROWS)
 
 
 def response(

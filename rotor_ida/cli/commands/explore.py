@@ -79,7 +79,7 @@ def _beginning(
     given = any(value is not None for value in asdict(machine).values())
     if file is None:
         chosen = machine.machine() if given else FIRST
-        begun = _dimensionless(chosen, start or options.REST)
+        begun = options.dimensionless_start(chosen, start or options.REST)
         rotor = chosen if isinstance(chosen, Rotor) else chosen.rotor()
         check_can_be_followed(rotor, begun)
         return chosen, begun, REVOLUTIONS
@@ -100,15 +100,6 @@ def _beginning(
     x, y, vx, vy = map(float, run.attrs["start"])
     turns = float(run.attrs["duration"]) * (rotor.omega or 1.0) / (2.0 * math.pi)
     return rotor, (x, y, vx, vy), min(max(round(turns), 1), MOST_REVOLUTIONS)
-
-
-def _dimensionless(machine: Rotor | DimensionalRotor, start: State) -> State:
-    """Return a start without dimensions; of a machine it is given in metres and m/s."""
-    if isinstance(machine, Rotor):
-        return start
-    x, y, vx, vy = start
-    length, velocity = machine.length_scale, machine.velocity_scale
-    return x / length, y / length, vx / velocity, vy / velocity
 
 
 def _state(
