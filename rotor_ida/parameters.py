@@ -446,7 +446,7 @@ class DimensionalRotor:
 
 def _check_way(speed: float, to: float, rate: float, unit: str) -> None:
     """Raise `InputError` for a rate that does not lead from one speed to another, in their unit."""
-    if (to - speed) * rate <= 0.0:
+    if rate == 0.0 or to == speed or (rate > 0.0) != (to > speed):
         way = "positive" if to > speed else "negative"
         wanted = f"rate must be {way} to change the speed from {speed:g} to {to:g} {unit}"
         if to == speed:

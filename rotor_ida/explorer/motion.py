@@ -46,9 +46,9 @@ def show_motion(question: Question) -> Iterator[Answer]:
     run = values_of(run_of(question))
     run |= {"radius": np.hypot(run["x"], run["y"]), "force": force_of(run, question.rotor)}
     run["event_radius"] = np.hypot(run["event_x"], run["event_y"])
-    turned = rotated(_states(run, ""), -omega * run["t"])
+    turned = rotated(states_of(run, ""), -omega * run["t"])
     run |= {"rotating_x": turned[:, 0], "rotating_y": turned[:, 1]}
-    met = rotated(_states(run, "event_"), -omega * run["event_time"])
+    met = rotated(states_of(run, "event_"), -omega * run["event_time"])
     run |= {"event_rotating_x": met[:, 0], "event_rotating_y": met[:, 1]}
     each = (run["t"].size - 1) // question.revolutions
     told = ending(run, question.rotor)
@@ -196,7 +196,8 @@ def ending(run: Values, rotor: Rotor) -> dict[str, float]:
     return told
 
 
-def _states(run: Values, prefix: str) -> npt.NDArray[np.float64]:
+def states_of(run: Values, prefix: str) -> npt.NDArray[np.float64]:
+    """Return the states of a run, or with the prefix ``event_`` those at its events."""
     return np.stack([run[prefix + name] for name in COMPONENTS], axis=-1)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, cast, get_args
@@ -27,7 +28,7 @@ from rotor_ida.parameters import (
 )
 from rotor_ida.simulation.options import LARGEST, check_can_be_followed
 
-About = Literal["motion", "responses", "starts", "nc", "png", "svg", "py", "sh", "html"]
+About = Literal["motion", "run_up", "responses", "starts", "nc", "png", "svg", "py", "sh", "html"]
 
 # Files to keep of a run: the archive, two figures, the lines of Python and the command that make
 # them again, and the page with all it shows over the speed.
@@ -40,6 +41,8 @@ MOST_REVOLUTIONS = 2000
 # Two machines stand side by side at most.
 SIDES = 2
 LARGEST_NUMBER_OF_QUESTION = 2**53
+# What is said of a piece of a run-up alone.
+OF_RUN_UP = ("to", "rate")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,9 +51,9 @@ class Question:
 
     Parameters
     ----------
-    about : {"motion", "responses", "starts", "nc", "png", "svg", "py", "sh", "html"}
-        The panels to fill: one run; the response curve and what is settled on; the basin. Or the
-        file to make of the run.
+    about : {"motion", "run_up", "responses", "starts", "nc", "png", "svg", "py", "sh", "html"}
+        The panels to fill: one run; a piece of a run-up; the response curve and what is settled on;
+        the basin. Or the file to make of the run.
     number : int
         Number of the question, which its answers bear.
     side : int
@@ -65,6 +68,8 @@ class Question:
         Lowest and highest speed of the response curve [1].
     reach : float
         Starts of the basin lie within so much of the axis in x and in y [1].
+    to, rate : float, optional
+        Of a piece of a run-up: the speed at its end [1], and how the speed changes [1].
     """
 
     about: About
@@ -75,6 +80,8 @@ class Question:
     revolutions: int
     speeds: tuple[float, float]
     reach: float
+    to: float | None = None
+    rate: float | None = None
 
     @property
     def rotor(self) -> Rotor:
@@ -111,9 +118,11 @@ def read_question(text: str) -> Question:
         given = json.loads(text)
     except (ValueError, RecursionError):
         raise InputError(f"a question must be JSON, got {shown(text)}") from None
-    names = sorted(Question.__dataclass_fields__)
+    names = sorted(set(Question.__dataclass_fields__).difference(OF_RUN_UP))
     if not isinstance(given, dict):
         raise InputError(f"a question must have {', '.join(names)}, got {shown(given)}")
+    if given.get("about") == "run_up":
+        names += OF_RUN_UP
     missing = [name for name in names if name not in given]
     other = [name for name in given if name not in names]
     if missing or other:
@@ -158,4 +167,20 @@ def _checked(given: Mapping[str, Any]) -> Question:
         revolutions=check_count("revolutions", given["revolutions"], 1, MOST_REVOLUTIONS),
         speeds=(low, high),
         reach=check_between("reach", reach, 1.0 / LARGEST, LARGEST),
+        **_ramp(rotor, given),
     )
+
+
+def _ramp(rotor: Rotor, given: Mapping[str, Any]) -> dict[str, float]:
+    """Return the end and the rate of a piece of a run-up that can be answered soon."""
+    if given["about"] != "run_up":
+        return {}
+    to, rate = check_nonnegative("to", given["to"], LARGEST), check_real("rate", given["rate"])
+    if rate == 0.0 or to == rotor.omega or (rate > 0.0) != (to > rotor.omega):
+        raise InputError(f"rate must lead from the speed {rotor.omega!r} to {to!r}, got {rate!r}")
+    turns = max(0.5 * (rotor.omega + to), 1.0) * (to - rotor.omega) / (2.0 * math.pi * rate)
+    if not turns <= MOST_REVOLUTIONS:
+        raise InputError(
+            f"a piece of a run-up must have at most {MOST_REVOLUTIONS} revolutions, got {turns:.6g}"
+        )
+    return {"to": to, "rate": rate}

@@ -96,7 +96,7 @@ def _curve(question: Question) -> Answer:
         return Answer("curve", {**facts, "why": NO_CURVE}, NO_WHIRLS)
     try:
         arrays = (
-            _arrays_of_further_curve(_at_rest(rotor), question.speeds)
+            _arrays_of_further_curve(at_rest(rotor), question.speeds)
             if rotor.beyond
             else _arrays_of_curve(rotor.zeta, rotor.delta0, question.speeds)
         )
@@ -105,7 +105,7 @@ def _curve(question: Question) -> Answer:
     return Answer("curve", facts, arrays)
 
 
-def _at_rest(rotor: Rotor) -> Rotor:
+def at_rest(rotor: Rotor) -> Rotor:
     """Return a rotor that stands for all speeds of it."""
     return replace(rotor, omega=0.0)
 
@@ -113,7 +113,7 @@ def _at_rest(rotor: Rotor) -> Rotor:
 @lru_cache(maxsize=MOST_KEPT)
 def _arrays_of_further_curve(rotor: Rotor, speeds: tuple[float, float]) -> Arrays:
     """Return the curve with a shaft, either contact law, damping and friction in the contact."""
-    given = _of_whirls(rotor)
+    given = of_whirls(rotor)
     curve = response_curve(**given, limits=speeds, points=POINTS_OF_CURVE)
     names = ("omega", "amplitude", "stability", "in_contact", "piece")
     arrays = {name: curve[name].values[0, 0] for name in names}
@@ -123,7 +123,7 @@ def _arrays_of_further_curve(rotor: Rotor, speeds: tuple[float, float]) -> Array
     return arrays | _marked(hopf_points(**given), HOPF, speeds)
 
 
-def _of_whirls(rotor: Rotor) -> dict[str, Any]:
+def of_whirls(rotor: Rotor) -> dict[str, Any]:
     """Return what whirls over the speed depend on; with unbalance they slip, whatever the disc."""
     return {
         name: value for name, value in rotor.given.items() if name not in {"omega", "disc_radius"}
@@ -139,13 +139,13 @@ def _marked(found: xr.Dataset, marks: tuple[str, str], limits: tuple[float, floa
 
 def _with_hopf_points(question: Question, curve: Answer) -> Answer:
     """Return a curve of rubs again, with its Hopf points."""
-    found = _hopf_points(_at_rest(question.rotor), question.speeds)
+    found = _hopf_points(at_rest(question.rotor), question.speeds)
     return replace(curve, arrays=curve.arrays | found)
 
 
 @lru_cache(maxsize=MOST_KEPT)
 def _hopf_points(rotor: Rotor, speeds: tuple[float, float]) -> Arrays:
-    return _marked(hopf_points(**_of_whirls(rotor)), HOPF, speeds)
+    return _marked(hopf_points(**of_whirls(rotor)), HOPF, speeds)
 
 
 def _backward_whirls(rotor: Rotor, speeds: tuple[float, float]) -> Arrays:
@@ -276,7 +276,7 @@ def _end(swept: xr.Dataset) -> list[float]:
 
 
 def _key(question: Question) -> tuple[Rotor, tuple[float, float]]:
-    return _at_rest(question.rotor), question.speeds
+    return at_rest(question.rotor), question.speeds
 
 
 def _known_branches(question: Question) -> Iterator[Answer]:

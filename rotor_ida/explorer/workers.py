@@ -138,6 +138,10 @@ def _show(about: str) -> Callable[[Question], Iterator[Answer]]:
         from rotor_ida.explorer.motion import show_motion  # noqa: PLC0415
 
         return show_motion
+    if about == "run_up":
+        from rotor_ida.explorer.passage import show_run_up  # noqa: PLC0415
+
+        return show_run_up
     if about == "responses":
         from rotor_ida.explorer.responses import show_responses  # noqa: PLC0415
 
@@ -161,4 +165,6 @@ def example(
         "machine": {"omega": omega, "zeta": zeta, "delta0": delta0, **(beyond or {})},
         "speeds": [1.6, 2.1], "reach": 8.0,
     }  # fmt: skip
+    if about == "run_up":
+        asked |= {"to": omega + 0.01, "rate": 0.01}
     return read_question(json.dumps(asked))

@@ -21,7 +21,7 @@ WHOLE = "must be a whole number, got"
 LONGEST_MESSAGE = 500
 
 MISTAKES = [
-    ({"about": "weather"}, "about must be one of 'motion', 'responses', 'starts', 'nc', 'png'"),
+    ({"about": "weather"}, "about must be one of 'motion', 'run_up', 'responses', 'starts', 'nc'"),
     ({"about": None}, "about must be one of"),
     ({"about": ["motion"]}, "about must be one of"),
     ({"about": "motion\n"}, "about must be one of"),
@@ -100,6 +100,22 @@ MISTAKES = [
     ({"machine": MACHINE | {"clearance": 1e9}}, "delta0 must be at most 1e+06 to be simulated"),
 ]  # fmt: skip
 
+RAMP = {"about": "run_up", "to": 2.5, "rate": 0.01}
+MISTAKES += [
+    (RAMP | {"rate": -0.01}, "rate must lead from the speed 2.0 to 2.5, got -0.01"),
+    (RAMP | {"rate": 0}, "rate must lead from the speed 2.0 to 2.5, got 0.0"),
+    (RAMP | {"to": 2.0}, "rate must lead from the speed 2.0 to 2.0, got 0.01"),
+    (RAMP | {"to": -1}, "to must be zero or positive, got -1.0"),
+    (RAMP | {"to": NAN}, f"to {FINITE} nan"),
+    (RAMP | {"to": None}, f"to {FINITE} None"),
+    (RAMP | {"rate": "1"}, f"rate {FINITE} '1'"),
+    (RAMP | {"rate": HUGE}, f"rate {FINITE}"),
+    (RAMP | {"rate": 1e-5}, "a piece of a run-up must have at most 2000 revolutions, got 17904.9"),
+    (RAMP | {"rate": 5e-324}, "a piece of a run-up must have at most 2000 revolutions, got inf"),
+    (RAMP | {"machine": ROTOR | {"omega": 1e-4}, "rate": 1e-9}, "at most 2000 revolutions, got"),
+    ({"to": 2.5, "rate": 0.01}, "got also ['to', 'rate']"),
+    ({"about": "run_up"}, "reach, revolutions, side, speeds, start, to, rate, got not ['to'"),
+]
 NAMES = "about, machine, number, reach, revolutions, side, speeds, start"
 TEXTS = [
     ("", "a question must be JSON, got ''"),

@@ -2,6 +2,7 @@
 
 import { Live, Recorded } from "./connection.js";
 import { Controls, UP_AND_DOWN, nameOf, onArrows, written } from "./controls.js";
+import { Passage } from "./passage.js";
 import { forgetColours } from "./plot.js";
 import { Response, speedsAround } from "./response.js";
 import { Side } from "./side.js";
@@ -57,15 +58,18 @@ addTools(document.querySelector('[data-panel="response"]'), [response.plot], {
 });
 const controls = new Controls((name, event) => ask({ event, name }), () => {
   response.show();
+  showRamp();
   keepAddress();
 });
 let connection = null;
+const passage = (page.passage = new Passage({ begin: beginPassage, ask: askPiece, moved: showPiece, rested: restPassage, changed: showPassage }));
 
 // questions
 
 /** Ask for everything again, because something has moved. */
 function ask({ event, again = false } = {}) {
   if (!connection) return;
+  if (!again) passage.forget();
   const names = sides.map((_, side) => side);
   number += 1;
   page.asked = number;
@@ -129,6 +133,10 @@ function answered(answer) {
     keepFile(answer);
     return;
   }
+  if (answer.part === "run_up") {
+    passage.take(answer);
+    return;
+  }
   if (!sides[answer.side]) return;
   const shown = page.shown[answer.side];
   if (answer.number < (shown[answer.part]?.number ?? 0)) return;
@@ -146,6 +154,10 @@ function answered(answer) {
 /** Take what could not be answered: a question whole, or one of its parts. */
 function refused({ part, about, side, number: asked = number, facts: { message } }) {
   if (about === "starts") sides[side]?.noBasin(message);
+  else if (about === "run_up") {
+    complain(message);
+    passage.fail();
+  }
   else if (about === "responses") {
     page.shown[side].unsettled = { number: asked, message };
     if (!later.size) setTimeout(() => requestAnimationFrame(drawRest), LATER);
@@ -166,12 +178,12 @@ let lost = 0; // number of the newest question that was refused
 
 /** Grey out the panels of a rotor that is no longer the one that was asked about. */
 function showStale() {
-  const stale = sides.map((_, place) => (page.shown[place].motion?.number ?? 0) < lost);
+  const stale = sides.map((_, place) => passage.running || (page.shown[place].motion?.number ?? 0) < lost);
   stale.forEach((each, place) => $("sides").children[place].classList.toggle("stale", each));
-  const some = stale.includes(true);
-  document.querySelector('[data-panel="response"]').classList.toggle("stale", some);
+  const some = stale.includes(true), isLost = some && !passage.running;
+  document.querySelector('[data-panel="response"]').classList.toggle("stale", isLost);
   $("words").classList.toggle("stale", some);
-  $("old").hidden = !some;
+  $("old").hidden = !isLost;
   if (!some) complain("");
 }
 
@@ -333,6 +345,7 @@ function keepAddress() {
 function goBack() {
   if (!tellsOfRotor(location.hash)) return;
   if (running) run(running.direction);
+  passage.forget();
   clearTimeout(keeping);
   keeping = null;
   readAddress(location.hash);
@@ -382,6 +395,7 @@ function keepFile(answer) {
 function run(direction) {
   clearInterval(running?.timer);
   const stop = running?.direction === direction;
+  if (!stop) passage.forget();
   running = null;
   if (!stop) {
     choose("from", "here");
@@ -405,6 +419,79 @@ function stepSpeed() {
   state[name] = Number((next * scale).toPrecision(12));
   controls.show();
   ask();
+}
+
+// a passage at a rate
+
+/** Return where a passage begins: where the runs that are drawn end; nothing while they are not there. */
+function beginPassage() {
+  if (!sides.every((_, side) => page.shown[side].motion?.number === number)) return null;
+  const speed = page.shown[0].motion.facts.rotor.omega;
+  return { speed, limits: speedsAround(speed), starts: sides.map((_, side) => page.shown[side].motion.facts.end) };
+}
+
+/** Ask for a piece of the run-up of one rotor. */
+function askPiece({ number: piece, side, start, speed, to, rate }) {
+  const here = { [inSI() ? "speed" : "omega"]: inSI() ? speed * referenceFrequency() : speed };
+  const asked = { ...question(side), number: piece, machine: { ...machine(side), ...here }, start, revolutions: 1, to, rate };
+  connection.ask(asked, ["run_up"]);
+}
+
+/** Show how far a passage has come. */
+function showPiece(speed) {
+  state[inSI() ? "speed" : "omega"] = Number((inSI() ? speed * referenceFrequency() : speed).toPrecision(12));
+  controls.show();
+  response.pass(passage.tracks, speed);
+  response.show();
+  const jumps = passage.tracks.reduce((sum, { jumps: some }) => sum + some.length, 0);
+  if (jumps !== passage.told) showPassed();
+  passage.told = jumps;
+}
+
+/** Hold the speed that a passage has come to, and show what the rotor does there from then on. */
+function restPassage() {
+  passage.tracks.forEach(({ start }, side) => (starts[side] = start));
+  ask({ again: true });
+  showPassed();
+}
+
+function showPassage() {
+  if (running && passage.running) run(running.direction);
+  $("run-up").setAttribute("aria-pressed", String(passage.way === 1));
+  $("run-down").setAttribute("aria-pressed", String(passage.way === -1));
+  if (!passage.begun) {
+    response.pass([]);
+    showPassed();
+  }
+  showStale();
+}
+
+/** Say what has come of a passage. */
+function showPassed() {
+  const scales = page.shown[0].motion?.facts.scales;
+  const rate = (value) => withUnit(scales, "rate", value, 5);
+  const words = passage.tracks.map((track, side) => {
+    const jumps = track.jumps.map(({ omega, fold, way, falls }) => {
+      const late = way * (omega - fold.omega);
+      return ` It ${falls ? "fell" : "jumped"} to the other whirl, and was half way at ${rate(omega)}, ${withUnit(scales, "rate", late, 3)} beyond the fold at ${rate(fold.omega)}.`;
+    });
+    const from = `From ${rate(passage.from)}${passage.running ? "" : ` to ${rate(passage.speed)}`}`;
+    const force = track.force > 0 ? `a force of up to ${withUnit(scales, "force", track.force)}` : "no contact";
+    return `${passage.tracks.length > 1 ? `${side ? "Second" : "First"} rotor: ` : ""}${from}: ${force}.${jumps.join("")}`;
+  });
+  $("passed").textContent = words.join(" ");
+}
+
+/** Show the rate of a passage in the units of the page; in the address it has no dimension. */
+function showRamp() {
+  const { unit, factor } = rampShown();
+  $("ramp-name").textContent = unit ? `${unit}/s` : "rate";
+  $("ramp").value = written(Number((state.ramp * factor).toPrecision(6)));
+}
+
+function rampShown() {
+  if (!inSI()) return { unit: "", factor: 1 };
+  return { unit: state.speedIn, factor: referenceFrequency() ** 2 * SPEED_UNITS[state.speedIn] };
 }
 
 // controls beside the sliders
@@ -504,6 +591,7 @@ function listen() {
       if (radio.value === "si") toSI();
       else toDimensionless();
       controls.build();
+      showRamp();
       ask({ again: true });
     });
   }
@@ -525,6 +613,14 @@ function listen() {
     if (typing || event.key.toLowerCase() !== "z" || !(event.ctrlKey || event.metaKey)) return;
     event.preventDefault();
     $(event.shiftKey ? "redo" : "undo").click();
+  });
+  $("run-up").addEventListener("click", () => passage.press(1, state.ramp));
+  $("run-down").addEventListener("click", () => passage.press(-1, state.ramp));
+  $("ramp").addEventListener("change", () => {
+    if (!($("ramp").valueAsNumber > 0)) return;
+    state.ramp = $("ramp").valueAsNumber / rampShown().factor;
+    passage.setRate(state.ramp);
+    keepAddress();
   });
   $("up").addEventListener("click", () => run(1));
   $("down").addEventListener("click", () => run(-1));
@@ -593,6 +689,7 @@ function showState() {
   for (const name of ["revolutions", "step", "rate"]) $(name).value = state[name];
   starts = [START, SECOND_START].map((names) => names.map((name, i) => state[name] ?? state[START[i]]));
   controls.build();
+  showRamp();
   controls.unfold();
   buildSides();
 }
@@ -600,6 +697,7 @@ function showState() {
 /** Say how the connection is; without one, nothing is answered any more. */
 function said(text) {
   say(text);
+  if (text) passage.fail();
   if (text && number) lose(number + 1);
 }
 

@@ -354,6 +354,24 @@ export class Pen {
     this.#stroke(stroke, width, dash, alpha);
   }
 
+  /** The area between two lines through points, in pieces where one of them is not a number. */
+  area(xs, lows, highs, { fill, alpha = 1 }) {
+    const { ctx } = this;
+    ctx.globalAlpha = alpha;
+    ctx.fillStyle = fill;
+    for (let from = 0, to = 0; from < xs.length; from = to + 1) {
+      for (to = from; to < xs.length && !Number.isNaN(xs[to]); to++);
+      if (to === from) continue;
+      ctx.beginPath();
+      ctx.moveTo(this.x(xs[from]), this.y(highs[from]));
+      for (let i = from + 1; i < to; i++) ctx.lineTo(this.x(xs[i]), this.y(highs[i]));
+      for (let i = to - 1; i >= from; i--) ctx.lineTo(this.x(xs[i]), this.y(lows[i]));
+      ctx.closePath();
+      ctx.fill();
+    }
+    ctx.globalAlpha = 1;
+  }
+
   circle(x, y, radius, { stroke, width = 1, dash = [], fill, alpha = 1 }) {
     const { ctx } = this;
     ctx.beginPath();

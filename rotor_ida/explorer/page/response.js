@@ -39,7 +39,7 @@ export class Response {
       const row = [rotor, what, omega * this.speed.factor, high * this.length.factor, low * this.length.factor, stability];
       Object.values(columns).forEach((column, i) => column.push(row[i]));
     };
-    this.sides.slice(0, this.two ? 2 : 1).forEach(({ curve, branches, trail }, number) => {
+    this.sides.slice(0, this.two ? 2 : 1).forEach(({ curve, branches, trail, passage }, number) => {
       for (const [name, key, stability] of WHIRLS) {
         curve.arrays[key]?.forEach((each, i) => add(number + 1, name, curve.arrays.whip_omega[i], each, each, stability));
       }
@@ -55,6 +55,8 @@ export class Response {
         for (const [what, each, high] of points) add(number + 1, what, each, high, NaN);
       }
       for (const each of trail) add(number + 1, "the rotor", each.omega, each.high, each.low);
+      passage?.omega.forEach((each, i) => Number.isNaN(each) || add(number + 1, "while the speed changes", each, passage.high[i], passage.low[i]));
+      for (const each of passage?.jumps ?? []) add(number + 1, "half way of a jump", each.omega, each.radius);
     });
     return columns;
   }
@@ -76,6 +78,16 @@ export class Response {
     }
   }
 
+  /** Show what each side does while the speed changes, and how far it has come. */
+  pass(tracks, omega) {
+    this.sides.forEach((side, number) => {
+      side.passage = tracks[number];
+      if (!side.passage || omega === undefined) return;
+      const [low, high] = side.passage.extent;
+      side.place = { omega, low, high, scales: side.passage.scales };
+    });
+  }
+
   /** Forget what a side has gone through. */
   forgetTrail() {
     for (const side of this.sides) side.trail = [];
@@ -86,10 +98,11 @@ export class Response {
     if (!shown.length) return;
     const scales = shown[0].place?.scales;
     let top = 1, last = SPEEDS[1];
-    for (const { curve, place, branches } of shown) {
+    for (const { curve, place, branches, passage } of shown) {
       for (const each of curve.arrays.omega) if (each > last) last = each;
       for (const each of curve.arrays.amplitude) if (each > top) top = each;
       for (const branch of branches) for (const each of branch.arrays.radius_max) if (each > top) top = each;
+      if (passage) top = Math.max(top, passage.highest);
       if (place) [top, last] = [Math.max(top, place.high), Math.max(last, 1.05 * place.omega)];
     }
     // of dry whip, which may lie far above the rest, as much as leaves the rest its room
@@ -124,6 +137,8 @@ export class Response {
       if (shown.some(({ branches }) => branches.some(({ arrays }) => arrays.special_kind.includes(TORUS)))) parts.push(["mark open cycle", "torus point"]);
       if (shown.some(({ branches }) => branches.some(({ arrays }) => arrays.special_kind.includes(SLIDING)))) parts.push(["mark cross cycle", "slip comes to 0"]);
     }
+    if (shown.some(({ passage }) => passage)) parts.push(["line-key passage", "while the speed changes"]);
+    if (shown.some(({ passage }) => passage?.jumps.length)) parts.push(["mark jump", "half way of a jump"]);
     parts.push(["mark place", this.two ? "the first rotor" : "the rotor"]);
     if (this.two) parts.push(["mark square second", "the second rotor and its curves"]);
     const items = parts.map(([className, textContent]) => {
@@ -143,6 +158,7 @@ export class Response {
       if (side.curve) this.#drawCurve(own, side.curve.arrays, ink);
       for (const branch of side.branches) this.#drawBranch(own, branch.arrays, number ? ink : colour("full_contact"));
     }));
+    shown.forEach((side, number) => side.passage && this.#drawPassage(pen, side.passage, number ? colour("second") : colour("accent")));
     shown.forEach((side, number) => this.#drawPlace(pen, side, number ? colour("second") : colour("accent"), number ? "square" : "disc"));
   }
 
@@ -157,9 +173,11 @@ export class Response {
   #reading(x, _y, distance, near) {
     if (!this.length) return null;
     const points = [], lines = [];
-    this.sides.slice(0, this.two ? 2 : 1).forEach(({ curve, branches, place }, number) => {
+    this.sides.slice(0, this.two ? 2 : 1).forEach(({ curve, branches, place, passage }, number) => {
       const of = number ? ", second rotor" : "";
       if (place) points.push([`the rotor${of}`, place.omega, place.high], [`the rotor${of}`, place.omega, place.low]);
+      for (const jump of passage?.jumps ?? []) points.push([`half way of a jump${of}`, jump.omega, jump.radius]);
+      if (passage) readPassage(passage, x / this.speed.factor, of, lines);
       if (curve) readCurve(curve.arrays, x / this.speed.factor, of, points, lines);
       for (const branch of branches) readBranch(branch.arrays, x / this.speed.factor, of, points, lines);
     });
@@ -217,6 +235,18 @@ export class Response {
     });
   }
 
+  /** Draw the radius while the speed changes, and where it has come half way of a jump. */
+  #drawPassage(pen, { omega, low, high, jumps }, ink) {
+    const xs = omega.map((each) => each * this.speed.factor);
+    const [lows, highs] = [low, high].map((radii) => radii.map((each) => each * this.length.factor));
+    pen.area(xs, lows, highs, { fill: ink, alpha: 0.25 });
+    pen.line(xs, lows, { stroke: ink, width: 0.7 });
+    pen.line(xs, highs, { stroke: ink, width: 1.4 });
+    for (const { omega: speed, radius, falls } of jumps) {
+      pen.mark(speed * this.speed.factor, radius * this.length.factor, 12, { shape: falls ? "down" : "up", fill: colour("jump"), stroke: colour("card") });
+    }
+  }
+
   #drawPlace(pen, { place, trail }, ink, shape) {
     if (!place) return;
     const at = (each, height) => [each.omega * this.speed.factor, height * this.length.factor];
@@ -252,6 +282,14 @@ function readCurve(arrays, speed, of, points, lines) {
     if (piece[i] !== piece[i - 1] || piece[i] < 0) continue;
     const name = `${stability[i] === UNSTABLE ? "unstable " : ""}${contact[i] ? "whirl in contact" : "contact-free whirl"}${of}`;
     addCrossing(lines, name, speed, omega, amplitude, i);
+  }
+}
+
+/** Add what the radius was while the speed passed a speed. */
+function readPassage({ omega, low, high }, speed, of, lines) {
+  for (let i = 1; i < omega.length; i++) {
+    addCrossing(lines, `while the speed changes, largest${of}`, speed, omega, high, i);
+    addCrossing(lines, `while the speed changes, smallest${of}`, speed, omega, low, i);
   }
 }
 

@@ -10,14 +10,14 @@ export const START = ["x", "y", "vx", "vy"];
 const WORDS = { from: ["start", "here"], theme: ["", "light", "dark"], speedIn: ["rad/s", "rpm", "Hz"] };
 // Where the run beside it begins, where that is somewhere else.
 export const SECOND_START = START.map((name) => `${name}2`);
-const NUMBERS = [...SECOND_START, ...DIMENSIONLESS, ...MACHINE, ...Object.keys(BEYOND), "disc_radius", ...START, "revolutions", "second", "step", "rate"];
+const NUMBERS = [...SECOND_START, ...DIMENSIONLESS, ...MACHINE, ...Object.keys(BEYOND), "disc_radius", ...START, "revolutions", "second", "step", "rate", "ramp"];
 
 const DEFAULTS = {
   omega: 2, zeta: 0.07, delta0: 2,
   ...BEYOND, disc_radius: null,
   x: 0, y: 0, vx: 0, vy: 0,
   second: null, // clearance of the rotor beside it, in the units of the first one
-  revolutions: 60, from: "start", step: 0.01, rate: 10, theme: "", speedIn: "rad/s",
+  revolutions: 60, from: "start", step: 0.01, rate: 10, ramp: 0.002, theme: "", speedIn: "rad/s",
 };
 export const state = { ...DEFAULTS, disc_radius: DISC_RADIUS };
 
@@ -65,6 +65,7 @@ export function address([first, second]) {
   if (!state.friction && state.disc_radius !== usualRadius()) told.set("disc_radius", state.disc_radius);
   if (state.step !== 0.01) told.set("step", state.step);
   if (state.rate !== 10) told.set("rate", state.rate);
+  if (state.ramp !== DEFAULTS.ramp) told.set("ramp", state.ramp); // without dimensions
   return `#${told}`;
 }
 

@@ -1,0 +1,188 @@
+// A run-up or run-down at a rate: pieces of a ramp, each begun where the last one ended.
+
+const TURN = 2 * Math.PI;
+// A piece takes about so many milliseconds to answer, and no more turns than the program allows.
+const WANTED = 60, MOST_TURNS = 1500;
+// The speed is shown to change by no more than this in a piece, and in a second.
+const LARGEST_STEP = 0.0125, FASTEST_SHOWN = 0.4;
+// Radii are drawn as the least and the largest on so much of the speed.
+const WIDTH = 0.002, MOST_POINTS = 12_000;
+
+/** What one rotor has gone through: its radius over the speed, and where it has jumped. */
+class Track {
+  constructor(start) {
+    Object.assign(this, { start, omega: [], low: [], high: [], jumps: [], falling: [], folds: [], force: 0, scales: {} });
+    this.turn = []; // the samples of the last revolution, as angle, speed and radius
+    this.sum = this.angle = 0;
+  }
+
+  /** The way has changed: a new line, and no fold that it has passed. */
+  turnBack() {
+    this.falling = [];
+    this.turn = [];
+    this.sum = 0;
+    this.before = undefined;
+    for (const name of ["omega", "low", "high"]) this[name].push(NaN);
+  }
+
+  take({ arrays: { speed, angle, radius }, facts }, way) {
+    Object.assign(this, { start: facts.end, scales: facts.scales, force: Math.max(this.force, facts.largest_force) });
+    this.folds = facts.folds.filter((fold) => fold.way === way);
+    for (let i = this.omega.length ? 1 : 0; i < speed.length; i++) {
+      this.#draw(speed[i], radius[i]);
+      this.#watch(this.angle + angle[i], speed[i], radius[i], way);
+    }
+    this.angle += angle.at(-1);
+  }
+
+  #draw(omega, radius) {
+    const last = this.omega.length - 1;
+    if (last >= 0 && Math.abs(omega - this.from) < WIDTH && !Number.isNaN(this.omega[last])) {
+      this.low[last] = Math.min(this.low[last], radius);
+      this.high[last] = Math.max(this.high[last], radius);
+      return;
+    }
+    this.from = omega;
+    this.omega.push(omega);
+    this.low.push(radius);
+    this.high.push(radius);
+    if (this.omega.length > MOST_POINTS) for (const name of ["omega", "low", "high"]) this[name].shift();
+  }
+
+  /** Hold the mean radius over a revolution against the folds that are passed. */
+  #watch(angle, omega, radius, way) {
+    this.turn.push([angle, omega, radius]);
+    this.sum += radius;
+    let whole = false;
+    while (angle - this.turn[0][0] > TURN) {
+      this.sum -= this.turn.shift()[2];
+      whole = true;
+    }
+    if (!whole) return;
+    const [mean, here] = [this.sum / this.turn.length, this.turn[this.turn.length >> 1][1]];
+    const isLeft = (fold) => Math.abs(mean - fold.other) < Math.abs(mean - fold.radius);
+    const passes = (fold) => way * (this.before - fold.omega) < 0 && way * (here - fold.omega) >= 0;
+    // what is not on the whirl that ends at a fold does not jump there
+    this.falling.push(...this.folds.filter((fold) => passes(fold) && !isLeft(fold)));
+    this.before = here;
+    this.falling = this.falling.filter((fold) => {
+      if (isLeft(fold)) this.jumps.push({ omega: here, radius: mean, fold, way, falls: fold.other < fold.radius });
+      return !isLeft(fold);
+    });
+  }
+
+  /** The smallest and the largest radius over the last revolution. */
+  get extent() {
+    const radii = this.turn.map(([, , radius]) => radius);
+    return [Math.min(...radii), Math.max(...radii)];
+  }
+
+  get highest() {
+    return this.high.reduce((top, each) => (each > top ? each : top), 0);
+  }
+}
+
+/** The passage of all rotors that are shown; it asks for its pieces, and tells what happens. */
+export class Passage {
+  /**
+   * `begin` returns speed, limits and starts, or nothing while they are not known; `ask` asks for a
+   * piece of one rotor; `moved` is told that the speed has moved, `rested` that the passage has come
+   * to rest, and `changed` that it has begun, has stopped or is forgotten.
+   */
+  constructor({ begin, ask, moved, rested, changed }) {
+    Object.assign(this, { begin, ask, moved, rested, changed, way: 0, number: 0, begun: false, tracks: [], waiting: new Set() });
+  }
+
+  get running() {
+    return this.way !== 0;
+  }
+
+  /** Begin or go on up (1) or down (-1); stop if it goes this way already. */
+  press(way, rate) {
+    if (!this.begun && !this.#begin()) return;
+    this.setRate(rate);
+    this.way = this.way === way ? 0 : way;
+    if (!this.running) this.#rest();
+    else if (!this.waiting.size && !this.timer) this.#next();
+    this.changed();
+  }
+
+  /** Change how fast the speed changes, from the next piece on. */
+  setRate(rate) {
+    if (rate !== this.rate) this.step = 0;
+    this.rate = rate;
+  }
+
+  #begin() {
+    const beginning = this.begin();
+    if (!beginning) return false;
+    const { speed, limits, starts } = beginning;
+    Object.assign(this, { begun: true, last: 0, speed, limits, from: speed, tracks: starts.map((start) => new Track(start)) });
+    return true;
+  }
+
+  #next() {
+    const { way, speed } = this;
+    const limit = this.limits[way > 0 ? 1 : 0];
+    if (way * (limit - speed) <= 0) {
+      this.way = 0;
+      this.#rest();
+      this.changed();
+      return;
+    }
+    if (this.last && this.last !== way) for (const track of this.tracks) track.turnBack();
+    this.last = way;
+    const turn = (TURN * this.rate) / Math.max(speed, 1);
+    const to = Number((speed + way * Math.min(this.step || turn, LARGEST_STEP, MOST_TURNS * turn)).toPrecision(9));
+    this.to = way * (limit - to) < 0 || to === speed ? limit : to;
+    this.number += 1;
+    this.sent = performance.now();
+    this.waiting = new Set(this.tracks.keys());
+    this.tracks.forEach(({ start }, side) => this.ask({ number: this.number, side, start, speed, to: this.to, rate: way * this.rate }));
+  }
+
+  take(answer) {
+    if (answer.number !== this.number || !this.waiting.delete(answer.side)) return;
+    this.tracks[answer.side].take(answer, this.last);
+    if (this.waiting.size) return;
+    const took = performance.now() - this.sent;
+    const step = Math.abs(this.to - this.speed);
+    this.step = step * Math.min(Math.max(WANTED / took, 0.3), 3);
+    this.speed = this.to;
+    this.moved(this.speed);
+    if (!this.running) this.#rest();
+    else {
+      this.timer = setTimeout(() => {
+        this.timer = 0;
+        this.#next();
+      }, Math.max((1000 * step) / FASTEST_SHOWN - took, 0));
+    }
+  }
+
+  /** Come to rest: behind the piece that is being computed, if one is. */
+  #rest() {
+    clearTimeout(this.timer);
+    this.timer = 0;
+    if (!this.waiting.size) this.rested();
+  }
+
+  /** Stop at once: a piece was not answered. */
+  fail() {
+    if (!this.running && !this.waiting.size) return;
+    this.number += 1;
+    this.way = 0;
+    this.waiting.clear();
+    this.#rest();
+    this.changed();
+  }
+
+  /** Forget it: the rotor or its start is another. */
+  forget() {
+    if (!this.begun) return;
+    clearTimeout(this.timer);
+    this.number += 1;
+    Object.assign(this, { way: 0, timer: 0, begun: false, tracks: [] });
+    this.waiting.clear();
+    this.changed();
+  }
+}
