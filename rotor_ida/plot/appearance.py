@@ -365,7 +365,10 @@ def title_of(name: str, dataset: xr.Dataset, parameters: Sequence[str] = PARAMET
 def _turns_of(run: xr.Dataset) -> str:
     """Return first and last speed of a run-up in SI units as an engineer tells them."""
     speeds = in_rpm(run["speed"])
-    return "" if speeds is None else rf"{SEPARATOR}${speeds[0]:.4g} \ldots {speeds[-1]:.4g}$ rpm"
+    if speeds is None:
+        return ""
+    first, last = (f"{each:.4g}" if each < 1e3 else f"{each:.0f}" for each in speeds[[0, -1]])
+    return rf"{SEPARATOR}${first} \ldots {last}$ rpm"
 
 
 def _entries(axes: Sequence[Axes]) -> tuple[list[Artist], list[str]]:

@@ -671,7 +671,7 @@ def _fastest(run: xr.Dataset) -> float:
     """Return the largest speed of a run [1]."""
     omega = one_value("run", run, "omega")
     if "speed" in run.variables:
-        omega = max(omega, float(run["speed"].max()) / scale_of(run, "rate"))
+        omega = max(omega, float(run["speed"].max()) / scale_of(run, "speed"))
     return omega
 
 

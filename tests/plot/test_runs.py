@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from rotor_ida import DimensionalRotor, InputError, Rotor, dimensional, simulate
+from rotor_ida import DimensionalRotor, InputError, Rotor, dimensional, run_up, simulate
 from rotor_ida.plot import plot_drawn_out, plot_history, plot_machine, plot_orbit, plot_run
 from rotor_ida.plot.labels import LABELS, label_of
 from rotor_ida.plot.runs import path_of
@@ -306,3 +306,17 @@ def test_a_machine_that_rubs_is_drawn_in_its_units():
 def test_without_friction_nothing_is_told_of_slip(run):
     assert path_of(run).mode is None
     assert not {"rolls", "slips forwards"} & set(labels(plot_run(run).axes[-1]))
+
+
+@pytest.mark.parametrize("unit", ["rad/s", "rpm"])
+def test_a_run_up_in_si_units_is_drawn_alike_whatever_its_unit_of_speed(unit):
+    """The title tells first and last speed in rpm; the line between the samples stays the same."""
+    change = MACHINE.change_of_speed(to=12_000, rate=60_000, unit="rpm")
+    plain = run_up(MACHINE.rotor(), start=(0, 0, 0, 0), samples=401, rtol=1e-6, **change)
+    shown = dimensional(plain, MACHINE, units={"speed": unit})
+    title = plot_run(shown).get_suptitle()
+    assert title.endswith(r"$9549 \ldots 12000$ rpm")
+    assert r"$\omega = 2 \ldots 2.513$" in title
+    drawn, without = path_of(shown), path_of(plain)
+    assert drawn.time == pytest.approx(without.time * MACHINE.time_scale, rel=1e-12)
+    assert drawn.radius == pytest.approx(without.radius * MACHINE.length_scale, rel=1e-9)
