@@ -133,7 +133,9 @@ export class Passage {
     if (this.last && this.last !== way) for (const track of this.tracks) track.turnBack();
     this.last = way;
     const turn = (TURN * this.rate) / Math.max(speed, 1);
-    const to = Number((speed + way * Math.min(this.step || turn, LARGEST_STEP, MOST_TURNS * turn)).toPrecision(9));
+    const step = Math.min(this.step || turn, LARGEST_STEP, MOST_TURNS * turn);
+    // round as it is shown: to a tenth of the step or less
+    const to = Number((speed + way * step).toFixed(Math.max(4, Math.ceil(1 - Math.log10(step)))));
     this.to = way * (limit - to) < 0 || to === speed ? limit : to;
     this.number += 1;
     this.sent = performance.now();
