@@ -82,6 +82,13 @@ def test_a_run_up_takes_and_tells_speeds_as_engineers_do(
     assert f"speed [rpm]          {first * 30:.8g} to {last * 30:.8g}" in printed
 
 
+def test_a_speed_has_its_unit_wherever_a_machine_is_given(program: Program):
+    for command in ("touchdown", "explore", "run-up"):
+        answer = program(command, *IN_SI.partition(" --speed")[0].split(), "--speed", "300rps")
+        message = "rotor-ida: the unit of speed must be rad/s, rpm or Hz, got '300rps'\n"
+        assert (answer.status, answer.out, answer.err) == (2, "", message)
+
+
 @pytest.mark.parametrize(
     ("given", "message"),
     [("--omega 1 --zeta 0.07 --delta0 2 --to 300rpm --rate 1",

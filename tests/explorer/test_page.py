@@ -741,6 +741,22 @@ def test_the_rate_of_a_machine_is_in_turns_a_minute_and_second(page):
     assert " rpm" in page.find("#passed").text
 
 
+def test_a_passage_that_cannot_be_followed_says_why_and_rests(page):
+    page.type("#ramp", 1e-18)
+    page.find("#run-up").click()
+    page.until("document.getElementById('passed').textContent.includes('could not be followed')")
+    assert "a piece of a run-up must have at most 2000 revolutions" in page.find("#passed").text
+    at_rest(page)
+    assert page.state()["omega"] == 2.0
+    assert page.find("#run-up").get_attribute("aria-pressed") == "false"
+    page.type("#ramp", 0.05)
+    page.find("#run-up").click()
+    page.until("rotorIda.passage.speed > 2.0")
+    page.find("#run-up").click()
+    at_rest(page)
+    assert page.state()["omega"] > 2.0
+
+
 def test_two_rotors_pass_side_by_side(page):
     page.find("#beside").click()
     page.settle()

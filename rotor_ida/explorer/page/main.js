@@ -154,9 +154,9 @@ function answered(answer) {
 /** Take what could not be answered: a question whole, or one of its parts. */
 function refused({ part, about, side, number: asked = number, facts: { message } }) {
   if (about === "starts") sides[side]?.noBasin(message);
-  else if (about === "run_up") {
-    complain(message);
+  else if (about === "run_up" || (part === "mistake" && passage.waiting.size)) {
     passage.fail();
+    $("passed").textContent += ` It could not be followed further: ${message}.`;
   }
   else if (about === "responses") {
     page.shown[side].unsettled = { number: asked, message };
@@ -425,7 +425,10 @@ function stepSpeed() {
 
 /** Return where a passage begins: where the runs that are drawn end; nothing while they are not there. */
 function beginPassage() {
-  if (!sides.every((_, side) => page.shown[side].motion?.number === number)) return null;
+  if (!sides.every((_, side) => page.shown[side].motion?.number === number)) {
+    $("passed").textContent = "It begins where the run that is drawn ends, and that is not there yet.";
+    return null;
+  }
   const speed = page.shown[0].motion.facts.rotor.omega;
   return { speed, limits: speedsAround(speed), starts: sides.map((_, side) => page.shown[side].motion.facts.end) };
 }

@@ -7,6 +7,8 @@ const WANTED = 60, MOST_TURNS = 1500;
 const LARGEST_STEP = 0.0125, FASTEST_SHOWN = 0.4;
 // Radii are drawn as the least and the largest on so much of the speed.
 const WIDTH = 0.002, MOST_POINTS = 12_000;
+// Decimals of a speed, at most.
+const FINEST = 14;
 
 /** What one rotor has gone through: its radius over the speed, and where it has jumped. */
 class Track {
@@ -135,7 +137,8 @@ export class Passage {
     const turn = (TURN * this.rate) / Math.max(speed, 1);
     const step = Math.min(this.step || turn, LARGEST_STEP, MOST_TURNS * turn);
     // round as it is shown: to a tenth of the step or less
-    const to = Number((speed + way * step).toFixed(Math.max(4, Math.ceil(1 - Math.log10(step)))));
+    const digits = Math.min(Math.max(4, Math.ceil(1 - Math.log10(step))), FINEST);
+    const to = Number((speed + way * step).toFixed(digits));
     this.to = way * (limit - to) < 0 || to === speed ? limit : to;
     this.number += 1;
     this.sent = performance.now();
