@@ -140,14 +140,14 @@ def speed(name: str, words: Sequence[str]) -> Measured:
     --------
     >>> speed("to", ["3000rpm"])
     Measured(value=3000.0, unit='rpm')
-    >>> speed("to", ["2.2"])
-    Measured(value=2.2, unit='')
+    >>> speed("to", ["2.2"]), speed("to", ["1e-3"])
+    (Measured(value=2.2, unit=''), Measured(value=0.001, unit=''))
     >>> speed("to", ["3 km/h"])
     Traceback (most recent call last):
     ...
     rotor_ida.errors.InputError: the unit of to must be rad/s, rpm or Hz, got '3 km/h'
     """
-    found = WITH_UNIT.fullmatch(words[0])
+    found = None if isinstance(_float(words[0]), float) else WITH_UNIT.fullmatch(words[0])
     if found is None:
         return Measured(number(name, words), "")
     for unit in SPEED_UNITS:
@@ -164,7 +164,7 @@ def rate(name: str, words: Sequence[str]) -> Measured:
     >>> rate("rate", ["-100rpm/s"]), rate("rate", ["3rad/s2"])
     (Measured(value=-100.0, unit='rpm'), Measured(value=3.0, unit='rad/s'))
     """
-    found = WITH_UNIT.fullmatch(words[0])
+    found = None if isinstance(_float(words[0]), float) else WITH_UNIT.fullmatch(words[0])
     if found is None:
         return Measured(number(name, words), "")
     for unit in SPEED_UNITS:

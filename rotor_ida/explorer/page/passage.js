@@ -1,8 +1,8 @@
 // A run-up or run-down at a rate: pieces of a ramp, each begun where the last one ended.
 
 const TURN = 2 * Math.PI;
-// A piece takes about so many milliseconds to answer, and no more turns than the program allows.
-const WANTED = 60, MOST_TURNS = 1500;
+// A piece takes about so many milliseconds to answer, and has no more turns than are sampled well.
+const WANTED = 60, MOST_TURNS = 200;
 // The speed is shown to change by no more than this in a piece, and in a second.
 const LARGEST_STEP = 0.0125, FASTEST_SHOWN = 0.4;
 // Radii are drawn as the least and the largest on so much of the speed.
