@@ -475,12 +475,8 @@ class RunUpSolverOptions:
 
     rtol: Rtol = 1e-10
     atol: Annotated[float, _number("Absolute tolerance.")] = 1e-12
-    method: Annotated[
-        Method, Parameter(help="Solver; taylor does not know changing speeds yet.")
-    ] = "adams"
-    backend: Annotated[
-        Backend, Parameter(help="How it is called; compiled does not know changing speeds yet.")
-    ] = "auto"
+    method: Annotated[Method, Parameter(help="Solver of the contact.")] = "adams"
+    backend: Annotated[Backend, Parameter(help="How the solver is called.")] = "auto"
 
 
 @Parameter(name="*")
