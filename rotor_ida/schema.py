@@ -69,6 +69,7 @@ FATE = {"not_computed": -2, "undecided": -1}
 TRAPPING = {"none": 0, "estimated": 1, "proven": 2}
 STATUS = {"done": 0, "failed": 1}
 DIRECTION = {"down": -1, "from_start": 0, "up": 1}
+PASSAGE = {"down": -1, "none": 0, "up": 1}
 NO_YES = {"no": 0, "yes": 1}
 WHIRL_KIND = {"slipping": 0, "rolling": 1}
 WHIRL_DIRECTION = {"backward": -1, "none": 0, "forward": 1}
@@ -209,9 +210,23 @@ QUANTITIES: dict[str, Quantity] = {
     "in_contact": Quantity("whether the synchronous whirl touches the ring", flags=NO_YES),
     "point": Quantity("number of the point along the curve"),
     "piece": Quantity("number of the connected piece of the curve, -1 beyond its last point"),
+    "torque": Quantity("torque that holds the speed on the synchronous whirl"),
+    "driven_stability": Quantity(
+        "stability of the synchronous whirl where a drive holds the speed", flags=STABILITY
+    ),
     "growth_rate": Quantity("largest real part of the whirl's eigenvalues", scale="rate"),
     "fold_omega": Quantity("spin speed of the fold over the reference frequency"),
     "fold_amplitude": Quantity("amplitude of the synchronous whirl at the fold", scale="length"),
+    "fold_drift": Quantity("growth of the amplitude at the fold by the excess of the speed"),
+    "fold_curvature": Quantity("growth of the amplitude at the fold by the square of its excess"),
+    "fold_remainder": Quantity(
+        "what a late jump exceeds the law by, over the rate and the logarithm of its inverse"
+    ),
+    "fold_passage": Quantity(
+        "way in which the speed passes the fold from a stable whirl", flags=PASSAGE
+    ),
+    "rate": Quantity("change of the spin speed in a unit of time, without its sign"),
+    "jump_omega": Quantity("spin speed at which the rotor has left the fold behind"),
     "hopf": Quantity("number of the Hopf point, in order of speed"),
     "hopf_omega": Quantity("spin speed of the Hopf point over the reference frequency"),
     "hopf_amplitude": Quantity(

@@ -22,10 +22,12 @@ from rotor_ida.closed_forms.free_vibration import (
 )
 from rotor_ida.closed_forms.hopf import hopf_points
 from rotor_ida.closed_forms.impact import impact
+from rotor_ida.closed_forms.late_jumps import late_jumps
 from rotor_ida.closed_forms.peaks import backbone, peak_amplitude, peaks, speeds_at_amplitude
 from rotor_ida.closed_forms.response_curve import clearance_curve, response_curve
 from rotor_ida.closed_forms.rest import rest
 from rotor_ida.closed_forms.restoring import restoring_field
+from rotor_ida.closed_forms.sommerfeld import sommerfeld_curve, whirl_torque
 from rotor_ida.closed_forms.stability import eigenvalues, stability_determinant
 from rotor_ida.closed_forms.synchronous import synchronous_response
 
@@ -47,15 +49,18 @@ __all__ = [
     "hopf_points",
     "impact",
     "jumps",
+    "late_jumps",
     "peak_amplitude",
     "peaks",
     "planar_period",
     "response_curve",
     "rest",
     "restoring_field",
+    "sommerfeld_curve",
     "speeds_at_amplitude",
     "stability_determinant",
     "synchronous_response",
     "touch_fading",
     "touch_speeds",
+    "whirl_torque",
 ]

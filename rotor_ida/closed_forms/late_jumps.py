@@ -1,0 +1,185 @@
+"""Late jumps: how far a run-up or run-down gets beyond a fold before the rotor has left the whirl.
+
+Beside a fold all motion on the rotating axes but one direction decays fast. Along that direction
+the amplitude ``A = A_fold + x`` obeys [1]_
+
+    x' = alpha (omega - omega_fold) + b x**2 + e (omega - omega_fold) x + c x**3 + ...
+
+whose coefficients are known exactly. What stands on the right has the small eigenvalue of the whirl
+for its slope, ``-D/a1 - a2 D**2/a1**3 - ...`` with the determinant D and the coefficients of the
+polynomial of the eigenvalues, ``L**4 + a3 L**3 + a2 L**2 + a1 L + D``, and vanishes where the
+response curve ``P(A, omega) = 0`` does, of which ``dP/dA = 2 A D``. So
+
+    b = -(dD/dA)/(2 a1),    alpha = -(dP/domega)/(2 A a1),
+
+and with ``lambda_2 x**2`` of the eigenvalue and ``d_3 x**3`` of the speed along the curve
+``c = (lambda_2 + alpha d_3)/2``.
+
+References
+----------
+.. [1] N. Berglund, B. Gentz, "Noise-Induced Phenomena in Slow-Fast Dynamical Systems", Springer,
+   2006, section 2.2.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+from scipy.special import ai_zeros
+
+from rotor_ida.arrays import Values
+from rotor_ida.checks import LARGEST_NUMBER, check_axis, is_scalar
+from rotor_ida.closed_forms.contact_laws import force, stiffnesses
+from rotor_ida.closed_forms.folds import folds
+from rotor_ida.closed_forms.stability import eigenvalues
+from rotor_ida.equations.contact import HERTZ_EXPONENT
+from rotor_ida.errors import InputError
+from rotor_ida.schema import labelled
+
+# The solution of ``x' = t + x**2`` that begins on the whirl is at infinity at this time.
+AIRY = -float(ai_zeros(1)[0][0])
+PARAMETERS = (
+    "zeta", "delta0", "shaft_stiffness", "contact_exponent", "contact_damping", "friction",
+)  # fmt: skip
+DEFAULTS = {"contact_exponent": 1.5}
+
+
+def late_jumps(
+    *,
+    rate: npt.ArrayLike,
+    zeta: object,
+    delta0: object,
+    shaft_stiffness: object = 0.0,
+    contact_exponent: object = 1.5,
+    contact_damping: object = 0.0,
+    friction: object = 0.0,
+) -> xr.Dataset:
+    """Return at which speed a slow run-up or run-down jumps, beyond each fold.
+
+    Parameters
+    ----------
+    rate : float or sequence of float
+        Change of the speed in a unit of time [1], without its sign: which way leads over a fold is
+        known.
+    zeta, delta0, shaft_stiffness, contact_exponent, contact_damping, friction
+        As for `folds`.
+
+    Returns
+    -------
+    Dataset
+        What `folds` returns, and on the same dimensions ``fold_drift``, ``fold_curvature`` and
+        ``fold_remainder``, the coefficients alpha, b and K of the Notes [1], and ``fold_passage``,
+        the way that leads over the fold (a flag: up, down, or none where no stable whirl leads to
+        it); on ``rate`` as well, if that is a sequence, ``jump_omega``, the speed of the jump by
+        the law [1].
+
+    Raises
+    ------
+    InputError
+        As `folds`, or if a rate is not positive.
+
+    Notes
+    -----
+    With ``A' = alpha (omega - omega_fold) + b (A - A_fold)**2`` the speed of the jump lies beyond
+    that of the fold by ``2.33811 rate**(2/3)/|alpha b|**(1/3)``, where -2.33811 is the first root
+    of Airy's function. That is the limit of a slow rate: what is left is
+    ``rate (K ln(1/rate) + C)``, where ``K = -c/(3 b**2)`` and C hangs on where one calls it a jump.
+
+    References
+    ----------
+    R. Haberman, "Slowly varying jump and transition phenomena associated with algebraic bifurcation
+    problems", SIAM Journal on Applied Mathematics 37, 1979.
+
+    Examples
+    --------
+    >>> found = late_jumps(rate=[1e-4, 1e-5], zeta=0.07, delta0=0.0)
+    >>> found.fold_omega.values.ravel().round(4), found.fold_passage.values.ravel()
+    (array([1.5978, 1.9328]), array([-1,  1], dtype=int8))
+    >>> found.jump_omega.sel(rate=1e-4).values.ravel().round(4)
+    array([1.5915, 1.9482])
+    """
+    rates = check_axis("rate", rate, largest=LARGEST_NUMBER)
+    if not (rates > 0.0).all():
+        raise InputError(f"rate must be positive, got {float(rates.min())!r}")
+    found = folds(
+        zeta=zeta,
+        delta0=delta0,
+        shaft_stiffness=shaft_stiffness,
+        contact_exponent=contact_exponent,
+        contact_damping=contact_damping,
+        friction=friction,
+    )
+    speeds = found["fold_omega"]
+    dims, exists = speeds.dims, np.isfinite(speeds.values)
+    given = {
+        name: found[name].broadcast_like(speeds).transpose(*dims).values[exists]
+        if name in found.coords
+        else np.full(int(exists.sum()), DEFAULTS.get(name, 0.0))
+        for name in PARAMETERS
+    }
+    omega, amplitude = speeds.values[exists], found["fold_amplitude"].values[exists]
+    none = (np.empty(0),) * 3, np.empty(0, np.bool_)
+    terms, leads = _coefficients(amplitude, omega, given) if omega.size else none
+    drift, curvature, _ = terms
+    passage = np.where(leads, np.sign(drift * curvature), 0.0)
+    names = ("fold_drift", "fold_curvature", "fold_remainder")
+    columns = {
+        name: _placed(values, exists, np.nan) for name, values in zip(names, terms, strict=True)
+    }
+    columns["fold_passage"] = _placed(passage, exists, 0.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        scale = AIRY / np.cbrt(columns["fold_drift"] * columns["fold_curvature"])
+    scale = np.where(columns["fold_passage"] != 0.0, scale, np.nan)
+    delay = rates.reshape(-1, *(1,) * scale.ndim) ** (2.0 / 3.0) * scale
+    jumped = speeds.values + delay
+    columns["fold_passage"] = columns["fold_passage"].astype(np.int8)
+    by_rate = () if is_scalar("rate", rate) else ("rate",)
+    if not by_rate:
+        rates, jumped = rates[0], jumped[0]
+    found = found.assign({name: labelled(name, dims, each) for name, each in columns.items()})
+    found["jump_omega"] = labelled("jump_omega", (*by_rate, *dims), jumped)
+    return found.assign_coords(rate=labelled("rate", by_rate, rates))
+
+
+def _coefficients(
+    A: Values, omega: Values, given: dict[str, Values]
+) -> tuple[tuple[Values, Values, Values], npt.NDArray[np.bool_]]:
+    """Return alpha, b and K of each fold, and whether a stable whirl leads to it."""
+    zeta, delta0, kappa, exponent, damping, mu = (given[name] for name in PARAMETERS)
+    f, q = force(A, delta0, exponent), omega * omega
+    slope, s = stiffnesses(A, delta0, exponent)
+    hertz = exponent == HERTZ_EXPONENT
+    bend = np.where(hertz, 1.125 / slope, 0.0)  # second and third derivative of f
+    third = np.where(hertz, -0.5 * bend / (A - delta0), 0.0)
+    s_A = (slope - s) / A
+    s_AA = (bend - 2.0 * s_A) / A
+    a, b = kappa + slope - q, kappa + s - q
+    c_u, c_v = 2.0 * zeta * omega + mu * slope, 2.0 * zeta * omega + mu * s
+    # derivatives of D, of P and of a1 by the amplitude and by the speed
+    D_A = bend * b + a * s_A + mu * (bend * c_v + c_u * s_A)
+    D_AA = third * (b + mu * c_v) + 2.0 * (1.0 + mu * mu) * bend * s_A + s_AA * (a + mu * c_u)
+    D_w = 2.0 * zeta * (c_u + c_v) - 2.0 * omega * (a + b)
+    P_w = 4.0 * (zeta * A**2 * c_v - omega * A**2 * b - q * omega)
+    drag, push = damping * f, b + mu * c_v
+    a1 = 2.0 * zeta * (a + b) + 2.0 * omega * (c_u + c_v) + drag * push
+    a1_A = 2.0 * (zeta + omega * mu) * (bend + s_A)
+    a1_A = a1_A + damping * slope * push + drag * (1.0 + mu * mu) * s_A
+    a2 = a + b + 2.0 * zeta * (2.0 * zeta + drag) + 2.0 * omega * (2.0 * omega + mu * drag)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        alpha, curved = -P_w / (2.0 * A * a1), -D_A / (2.0 * a1)
+        d_2 = -A * D_A / P_w
+        d_3 = -(2.0 * A * D_w * d_2 + (2.0 * D_A + A * D_AA) / 3.0) / P_w
+        lambda_2 = (D_A * a1_A - a2 * D_A**2 / a1) / a1**2 - (0.5 * D_AA + D_w * d_2) / a1
+        remainder = -(lambda_2 + alpha * d_3) / (6.0 * curved**2)
+    growth = eigenvalues(A, omega=omega, **given)
+    size = np.abs(growth)
+    others = np.where(size > size.min(axis=-1, keepdims=True), growth.real, -np.inf)
+    return (alpha, curved, remainder), (others.max(axis=-1) < 0.0) & (a1 > 0.0)
+
+
+def _placed(values: Values, exists: npt.NDArray[np.bool_], filler: float) -> Values:
+    """Return a table in which the folds that exist have these values."""
+    table = np.full(exists.shape, filler)
+    table[exists] = values
+    return table

@@ -1,0 +1,283 @@
+"""Sommerfeld's curve: the torque that a synchronous whirl takes at each speed, and what holds it.
+
+Damping and friction brake the spin of a rotor that whirls with the unbalance, by
+
+    torque = 2 zeta omega A**2 + mu f(A) (A + rho).
+
+A drive whose torque falls with the speed, ``tau0 - slope speed``, holds it where both are equal.
+Amplitude and speed are then free to change together: seen on the axes that turn with the
+unbalance, whirl and speed are an equilibrium of five equations, four of the motion and one of the
+spin [1]_. It lasts where their five eigenvalues decay. One of them passes through 0 where the
+slope of the curve is minus that of the drive, and there the speed jumps: Sommerfeld's effect [2]_.
+
+References
+----------
+.. [1] V. O. Kononenko, "Vibrating Systems with a Limited Power Supply", Iliffe, 1969.
+.. [2] A. Sommerfeld, "Beiträge zum dynamischen Ausbau der Festigkeitslehre", Zeitschrift des
+   Vereines deutscher Ingenieure 46, 1902.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.arrays import Values
+from rotor_ida.checks import (
+    LARGEST_NUMBER,
+    check_array,
+    check_between,
+    check_nonnegative,
+    check_real,
+)
+from rotor_ida.closed_forms.contact_laws import force, stiffnesses
+from rotor_ida.closed_forms.response_curve import response_curve
+from rotor_ida.errors import InputError
+from rotor_ida.parameters import check_exponent
+from rotor_ida.schema import STABILITY, labelled
+
+SMALLEST_INERTIA, LARGEST_INERTIA = 1e-12, 1e15
+# Below this part of the largest eigenvalue a growth rate is rounding.
+ROUNDED = 1e-12
+DEFAULTS = {
+    "shaft_stiffness": 0.0, "contact_exponent": 1.5, "contact_damping": 0.0, "friction": 0.0,
+}  # fmt: skip
+
+
+def whirl_torque(
+    amplitude: npt.ArrayLike,
+    *,
+    omega: npt.ArrayLike,
+    zeta: npt.ArrayLike,
+    delta0: npt.ArrayLike,
+    contact_exponent: float = 1.5,
+    friction: npt.ArrayLike = 0.0,
+    disc_radius: npt.ArrayLike | None = None,
+) -> Values:
+    """Return the torque that holds the speed of a rotor on a synchronous whirl.
+
+    Parameters
+    ----------
+    amplitude : array_like
+        Amplitude A of the whirl [1].
+    omega, zeta, delta0, contact_exponent, friction : array_like
+        As for `Rotor` [1]; all but the exponent broadcast.
+    disc_radius : array_like, optional
+        Radius rho of the disc [1], which friction needs.
+
+    Returns
+    -------
+    ndarray
+        Torque [1], in units of mass times eccentricity squared times reference frequency squared.
+
+    Raises
+    ------
+    InputError
+        If a value is not a finite real number, or is negative, the exponent is neither 1.5 nor 1,
+        or there is friction without a radius of the disc.
+
+    Notes
+    -----
+    ``torque = 2 zeta omega A**2 + mu f(A) (A + rho)``: friction acts at the rim, on the far side
+    of which the centre of mass lies. Neither shaft nor contact damping take any.
+
+    References
+    ----------
+    A. Sommerfeld, "Beiträge zum dynamischen Ausbau der Festigkeitslehre", Zeitschrift des Vereines
+    deutscher Ingenieure 46, 1902.
+
+    Examples
+    --------
+    >>> whirl_torque(2.0, omega=1.5, zeta=0.1, delta0=1.0)
+    array(1.2)
+    >>> whirl_torque(2.0, omega=1.5, zeta=0.1, delta0=1.0, friction=0.1, disc_radius=8.0)
+    array(2.2)
+    """
+    mu = check_array("friction", friction, largest=LARGEST_NUMBER)
+    if disc_radius is None and mu.any():
+        raise InputError(f"disc_radius must be given with friction {mu.max().item()!r}, got None")
+    exponent = check_real("contact_exponent", contact_exponent)
+    check_exponent(exponent)
+    given = {
+        "amplitude": amplitude, "omega": omega, "zeta": zeta, "delta0": delta0,
+        "disc_radius": 0.0 if disc_radius is None else disc_radius,
+    }  # fmt: skip
+    arrays = {name: check_array(name, each, largest=LARGEST_NUMBER) for name, each in given.items()}
+    for name, array in {**arrays, "friction": mu}.items():
+        if (array < 0.0).any():
+            raise InputError(f"{name} must be zero or positive, got {float(array.min())!r}")
+    try:
+        A, speed, damping, clearance, rho, mu = np.broadcast_arrays(*arrays.values(), mu)
+    except ValueError:
+        shapes = ", ".join(str(array.shape) for array in (*arrays.values(), mu) if array.shape)
+        raise InputError(
+            f"{', '.join(arrays)}, friction must broadcast, got arrays of shapes {shapes}"
+        ) from None
+    return _torque(A, speed, damping, clearance, np.full(A.shape, exponent), mu, rho)
+
+
+def _torque(
+    A: Values,
+    omega: Values,
+    zeta: Values,
+    delta0: Values,
+    exponent: Values,
+    mu: Values,
+    rho: Values,
+) -> Values:
+    return np.asarray(2.0 * zeta * omega * A**2 + mu * force(A, delta0, exponent) * (A + rho))
+
+
+def sommerfeld_curve(
+    *,
+    zeta: object,
+    delta0: object,
+    limits: tuple[float, float],
+    inertia: float,
+    slope: float = 0.0,
+    points: int = 200,
+    shaft_stiffness: object = 0.0,
+    contact_exponent: object = 1.5,
+    contact_damping: object = 0.0,
+    friction: object = 0.0,
+    disc_radius: float | None = None,
+) -> xr.Dataset:
+    """Return the torque of every synchronous whirl over the speed, and which of them a drive holds.
+
+    Parameters
+    ----------
+    zeta, delta0, limits, points, shaft_stiffness, contact_exponent, contact_damping, friction
+        As for `response_curve`.
+    inertia : float
+        Moment of inertia about the centre of mass, over mass times eccentricity squared [1], as for
+        `rotor_ida.run_up`.
+    slope : float
+        By how much the drive's torque falls with the speed [1].
+    disc_radius : float, optional
+        Radius of the disc [1], which friction needs.
+
+    Returns
+    -------
+    Dataset
+        What `response_curve` returns, and beside it ``torque`` [1], which the whirl takes, and
+        ``driven_stability`` (a flag), which says whether the whirl lasts where its speed is free:
+        ``stability`` is that at a fixed speed. ``inertia`` and ``slope`` are attributes.
+
+    Raises
+    ------
+    InputError
+        As `response_curve`; or if the inertia is not positive, or there is friction without a
+        radius of the disc.
+
+    Notes
+    -----
+    A motor ``tau0 - slope speed`` holds the speeds at which its line crosses the curve. Where the
+    curve falls more steeply than the line, no speed is held; a rotor that comes there jumps to
+    another. The stability is that of all five eigenvalues, so that it also tells where whirl and
+    speed begin to oscillate together. The contact-free whirl without a shaft, whose centre may lie
+    anywhere, is neutral where the speed is held.
+
+    References
+    ----------
+    A. Sommerfeld, "Beiträge zum dynamischen Ausbau der Festigkeitslehre", Zeitschrift des Vereines
+    deutscher Ingenieure 46, 1902; V. O. Kononenko, "Vibrating Systems with a Limited Power Supply",
+    Iliffe, 1969.
+
+    Examples
+    --------
+    >>> curve = sommerfeld_curve(zeta=0.07, delta0=0.8, limits=(0.2, 3.0), inertia=20.0, slope=0.3)
+    >>> drive = curve.torque + 0.3 * curve.omega
+    >>> round(float(drive.where(curve.driven_stability == 0).max()), 1)
+    42.8
+    """
+    moment = check_between("inertia", inertia, SMALLEST_INERTIA, LARGEST_INERTIA)
+    falling = check_nonnegative("slope", slope, LARGEST_NUMBER)
+    rho = 0.0
+    if disc_radius is not None:
+        rho = check_nonnegative("disc_radius", disc_radius, LARGEST_NUMBER)
+    curve = response_curve(
+        zeta=zeta, delta0=delta0, limits=limits, points=points, shaft_stiffness=shaft_stiffness,
+        contact_exponent=contact_exponent, contact_damping=contact_damping, friction=friction,
+    )  # fmt: skip
+    dims = curve["amplitude"].dims
+    rotor = {
+        name: curve[name].broadcast_like(curve["amplitude"]).transpose(*dims).values
+        if name in curve.coords
+        else np.full(curve["amplitude"].shape, DEFAULTS[name])
+        for name in ("zeta", "delta0", *DEFAULTS)
+    }
+    if disc_radius is None and rotor["friction"].any():
+        raise InputError(
+            f"disc_radius must be given with friction {rotor['friction'].max().item()!r}, got None"
+        )
+    A, omega, lag = (curve[name].values for name in ("amplitude", "omega", "phase_lag"))
+    torque = _torque(
+        A, omega, rotor["zeta"], rotor["delta0"], rotor["contact_exponent"], rotor["friction"],
+        np.full(A.shape, rho),
+    )  # fmt: skip
+    exists, free = curve["piece"].values >= 0, curve["in_contact"].values == 0
+    jacobian = _jacobian(A[exists], omega[exists], lag[exists], free[exists],
+                         {name: each[exists] for name, each in rotor.items()},
+                         (rho, falling, moment))  # fmt: skip
+    stability = np.full(A.shape, STABILITY["absent"], dtype=np.int8)
+    stability[exists] = _stability(jacobian)
+    return curve.assign(
+        torque=labelled("torque", dims, torque),
+        driven_stability=labelled("driven_stability", dims, stability),
+    ).assign_attrs(
+        title="Torque of the synchronous whirls of a rotor with contact and clearance",
+        inertia=moment, slope=falling,
+    )  # fmt: skip
+
+
+def _stability(jacobian: Values) -> npt.NDArray[np.int8]:
+    """Return flags of the stability, from Jacobians of shape (n, 5, 5)."""
+    roots = np.linalg.eigvals(jacobian) if len(jacobian) else np.zeros((0, 5))
+    growth, size = roots.real.max(axis=-1), np.abs(roots).max(axis=-1)
+    words = np.where(growth > ROUNDED * size, STABILITY["unstable"], STABILITY["neutral"])
+    return np.where(growth < -ROUNDED * size, STABILITY["stable"], words).astype(np.int8)
+
+
+def _jacobian(
+    A: Values,
+    omega: Values,
+    lag: Values,
+    free: npt.NDArray[np.bool_],
+    rotor: dict[str, Values],
+    drive: tuple[float, float, float],
+) -> Values:
+    """Return the derivatives of the rates of radius, displacement across, velocities and speed.
+
+    Displacement and velocity are those along the radius of the whirl and across it, on axes that
+    turn with the unbalance; the velocity is the one on fixed axes. `drive` is ``(rho, slope, j)``.
+    """
+    rho, slope, inertia = drive
+    zeta, delta0, kappa, exponent, damping, mu = (
+        rotor[name] for name in ("zeta", "delta0", *DEFAULTS)
+    )
+    steep, secant = stiffnesses(A, delta0, exponent)
+    f = np.where(free, 0.0, force(A, delta0, exponent))
+    steep, secant = np.where(free, 0.0, steep), np.where(free, 0.0, secant)
+    cos, sin, none = np.cos(lag), np.sin(lag), np.zeros_like(A)
+    # of N, which knows of the radial velocity, p + omega t, too
+    normal = np.stack([steep, damping * f * omega, damping * f, none, none])
+    along = np.stack([kappa + none, -mu * secant, 2.0 * zeta, none, none]) + normal
+    across = np.stack([none, kappa + secant, none, 2.0 * zeta, none]) + mu * normal
+    # the moment of damping, shaft and N, and that of T
+    at_centre = across - mu * normal, along + np.stack([none, mu * secant, *3 * (none,)])
+    moment = sin * at_centre[1] - cos * at_centre[0] + mu * (rho - cos) * normal
+    moment[1] -= mu * secant * sin
+    moment[4] += slope
+    faster = -moment / inertia
+    rates = np.empty((5, 5, A.size))
+    rates[0] = [none, omega, none + 1.0, none, none]
+    rates[1] = [-omega, none, none, none + 1.0, -A]
+    rates[2] = -along + sin * faster
+    rates[2][3] += omega
+    rates[2][4] += omega * (A + 2.0 * cos)
+    rates[3] = -across - cos * faster
+    rates[3][2] -= omega
+    rates[3][4] += 2.0 * omega * sin
+    rates[4] = faster
+    return np.moveaxis(rates, -1, 0)
