@@ -196,6 +196,7 @@ GIVEN: dict[str, Callable[[Path], dict[str, object]]] = {
     "centre_speed": lambda _: {"amplitude": 2.0},
     "amplitude_from_speed": lambda _: {"speed": 2.0},
     "hopf_points": lambda _: {"zeta": 0.07, "delta0": 0.5, "contact_damping": 0.5},
+    "ramp_flight": lambda _: {"time": 1.0, "rotor": ROTOR, "start": REST, "rate": 0.1},
     "late_jumps": lambda _: {"rate": 1e-3, "zeta": 0.07, "delta0": 0.5},
     "sommerfeld_curve": lambda _: {
         "zeta": 0.07,

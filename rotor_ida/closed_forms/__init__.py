@@ -24,6 +24,7 @@ from rotor_ida.closed_forms.hopf import hopf_points
 from rotor_ida.closed_forms.impact import impact
 from rotor_ida.closed_forms.late_jumps import late_jumps
 from rotor_ida.closed_forms.peaks import backbone, peak_amplitude, peaks, speeds_at_amplitude
+from rotor_ida.closed_forms.ramp_flight import ramp_flight
 from rotor_ida.closed_forms.response_curve import clearance_curve, response_curve
 from rotor_ida.closed_forms.rest import rest
 from rotor_ida.closed_forms.restoring import restoring_field
@@ -53,6 +54,7 @@ __all__ = [
     "peak_amplitude",
     "peaks",
     "planar_period",
+    "ramp_flight",
     "response_curve",
     "rest",
     "restoring_field",

@@ -1,0 +1,70 @@
+"""Flight on a ramp by error functions, against integrators, its limits and simulated run-ups."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from rotor_ida import InputError, Rotor, run_up
+from rotor_ida.closed_forms import flight, ramp_flight
+
+START = (0.3, 0.1, 0.2, -0.1)
+# Shaft, damping, first speed and rate: none, soft, stiff and overdamped, up and down.
+RAMPS = [
+    (0.0, 0.07, 0.2, 0.05), (0.0, 0.0, 0.2, 0.05), (1.0, 0.0, 0.4, 0.02), (1.0, 0.05, 0.2, 0.03),
+    (1.0, 0.05, 2.0, -0.02), (0.04, 0.5, 0.1, 0.1), (2.0, 0.02, 3.0, -0.04),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("kappa", "zeta", "omega", "rate"), RAMPS)
+def test_it_is_the_motion_that_dop853_finds(kappa, zeta, omega, rate):
+    times = np.linspace(0.0, 60.0, 41)
+
+    def field(t, state):
+        x, y, vx, vy = state
+        turned = np.exp(1j * (omega + 0.5 * rate * t) * t)
+        pulled = ((omega + rate * t) ** 2 - 1j * rate) * turned
+        pulled -= 2.0 * zeta * complex(vx, vy) + kappa * complex(x, y)
+        return [vx, vy, pulled.real, pulled.imag]
+
+    found = solve_ivp(
+        field, (0.0, 60.0), START, method="DOP853", rtol=1e-13, atol=1e-13, t_eval=times
+    )
+    rotor = Rotor(omega=omega, zeta=zeta, delta0=1e3, shaft_stiffness=kappa)
+    exact = ramp_flight(times, rotor=rotor, start=START, rate=rate)
+    np.testing.assert_allclose(exact, found.y, rtol=0, atol=1e-9 * np.abs(found.y).max())
+
+
+def test_a_simulated_run_up_through_resonance_lies_on_it():
+    rotor = Rotor(omega=0.4, zeta=0.02, delta0=1e3, shaft_stiffness=1.0)
+    found = run_up(rotor, start=START, to=1.8, rate=0.02, samples=101, rtol=1e-11, atol=1e-13)
+    exact = ramp_flight(found.t.values, rotor=rotor, start=START, rate=0.02)
+    motion = [found[name].values for name in ("x", "y", "vx", "vy")]
+    np.testing.assert_allclose(motion, exact, rtol=0, atol=1e-8)
+
+
+@pytest.mark.parametrize("kappa", [0.0, 1.0])
+def test_a_rate_that_falls_to_zero_leads_to_the_flight_at_one_speed(kappa):
+    rotor = Rotor(omega=1.3, zeta=0.05, delta0=5.0, shaft_stiffness=kappa)
+    times = np.linspace(0.0, 10.0, 11)
+    steady = flight(times, rotor=rotor, start=START)
+    off = [
+        np.abs(ramp_flight(times, rotor=rotor, start=START, rate=rate) - steady).max()
+        for rate in (1e-5, 1e-6)
+    ]
+    assert off[0] / off[1] == pytest.approx(10.0, rel=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("odd", "words"),
+    [
+        ({"rate": 0.0}, "rate"),
+        ({"time": [1.0, -1.0]}, "time must not be negative, got -1.0"),
+        ({"rotor": Rotor(omega=1.0, zeta=1.0, delta0=1.0, shaft_stiffness=1.0)}, "zeta"),
+        ({"rotor": Rotor(omega=1.0, zeta=0.1, delta0=1.0, load=1.0)}, "load must be 0"),
+        ({"time": 1e9}, "the angle must be at most"),
+    ],
+)
+def test_what_it_does_not_know_is_refused(odd, words):
+    given = {"time": 1.0, "rotor": Rotor(omega=1.0, zeta=0.1, delta0=1.0), "start": START}
+    with pytest.raises(InputError, match=words):
+        ramp_flight(**(given | {"rate": 0.1} | odd))
