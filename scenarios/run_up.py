@@ -1,11 +1,11 @@
 """Speeds that change: what is known exactly of run-ups, run-downs and limited power.
 
 Inside the clearance the motion on a ramp of the speed is made of error functions, and without
-damping the largest amplitude on the way through resonance is Lewis' as the rate falls. In contact a
-run-up follows the exact whirl as far as its fold, and jumps late: by 2.33811 a^(2/3)/|alpha b|^(1/3)
-at the rate a, with coefficients that the exact response knows; what is left, a (K ln(1/a) + C), is
-known up to one constant. Run-ups and run-downs so leave a hysteresis between the exact folds, the
-wider the faster they are. A drive of limited power, whose torque falls with the speed, holds the
+damping the largest amplitude on the way through resonance is Lewis' as the rate falls. In contact
+a run-up follows the exact whirl as far as its fold, and jumps late: at the rate a by
+2.33811 a^(2/3)/|alpha b|^(1/3), with coefficients that the exact response knows; what is left,
+a (K ln(1/a) + C), is known up to one constant. Run-ups and run-downs so leave a hysteresis
+about the exact folds, the wider the faster they are. A drive of limited power, whose torque falls with the speed, holds the
 speeds at which its line meets the stable parts of Sommerfeld's curve: with more torque the speed
 rises little until the whirl falls off, and then it jumps.
 
@@ -391,7 +391,7 @@ def told_of_hysteresis(courses: xr.Dataset, curve: xr.Dataset) -> str:
     speeds = curve.fold_omega.values[np.isfinite(curve.fold_omega.values)]
     rows = []
     for rate in courses.rate.values:
-        falls, rises = (jump_of(courses.sel(rate=rate, way=way), way) for way in (1, -1))
+        falls, rises = (jump_of(courses.sel(rate=rate, way=way)) for way in (1, -1))
         rows.append(f"at the rate {scientific(float(rate))} at ω = {falls:.2f} and {rises:.2f}")
     return (
         f"The folds between which the response is hysteretic lie at ω = {speeds[-1]:.4f}, where "
@@ -400,8 +400,8 @@ def told_of_hysteresis(courses: xr.Dataset, curve: xr.Dataset) -> str:
     )
 
 
-def jump_of(course: xr.Dataset, way: int) -> float:
-    """Return the speed beyond which a run-up no longer has, or a run-down first has, half the top."""
+def jump_of(course: xr.Dataset) -> float:
+    """Return the highest speed at which the radius exceeds half of its largest."""
     large = course.radius_max.values > 0.5 * np.nanmax(course.radius_max.values)
     places = course.speed.values[large]
     return float(places.max())

@@ -61,8 +61,9 @@ def ramp_flight(time: npt.ArrayLike, *, rotor: Rotor, start: object, rate: float
     Raises
     ------
     InputError
-        If a number is not finite, a time is negative, the rate is below 1e-12 in size, the rotor has a load or is
-        within 1e-3 of critical damping, ``zeta**2 = shaft_stiffness``, or an angle exceeds 1e12.
+        If a number is not finite, a time is negative, the rate is below 1e-12 in size, the rotor
+        has a load or is within 1e-3 of critical damping, ``zeta**2 = shaft_stiffness``, or an angle
+        exceeds 1e12.
 
     Notes
     -----
@@ -135,8 +136,8 @@ def _drawn_in(
     """Return I of a root at times.
 
     With ``p = i rate/2``, ``q = i omega - L`` and ``k = sqrt(-p)`` it is
-    ``sqrt(pi)/(2 k) (exp(L t) w(i k c) - exp(i theta) w(i k (t + c)))``, ``c = q/(2 p)``, for either
-    sign of k: the one with which w does not overflow at t. Where it would at 0, that is at the
+    ``sqrt(pi)/(2 k) (exp(L t) w(i k c) - exp(i theta) w(i k (t + c)))``, ``c = q/(2 p)``, for
+    either sign of k: the one with which w does not overflow at t. Where it would at 0, that is at the
     other side of the resonance, ``w(x) = 2 exp(-x**2) - w(-x)``.
     """
     p, q = 0.5j * rate, 1j * omega - root
