@@ -5,9 +5,9 @@ damping the largest amplitude on the way through resonance is Lewis' as the rate
 a run-up follows the exact whirl as far as its fold, and jumps late: at the rate a by
 2.33811 a^(2/3)/|alpha b|^(1/3), with coefficients that the exact response knows; what is left,
 a (K ln(1/a) + C), is known up to one constant. Run-ups and run-downs so leave a hysteresis
-about the exact folds, the wider the faster they are. A drive of limited power, whose torque falls with the speed, holds the
-speeds at which its line meets the stable parts of Sommerfeld's curve: with more torque the speed
-rises little until the whirl falls off, and then it jumps.
+about the exact folds, the wider the faster they are. A drive of limited power, whose torque falls
+with the speed, holds the speeds at which its line meets the stable parts of Sommerfeld's curve:
+with more torque the speed rises little until the whirl falls off, and then it jumps.
 
 Writes flights through resonance (flight.nc, resonance.nc), late jumps (late.nc), run-ups and
 run-downs beside the exact response (hysteresis.nc, response.nc), Sommerfeld's curve and the speeds
@@ -37,7 +37,7 @@ from rotor_ida.plot import mixed_panels, panels, plot_amplitude, shared_legend, 
 from rotor_ida.plot.appearance import BLUE, DASHES, GREY, INK, LOOKS, RED
 from rotor_ida.schema import STABILITY
 
-METHOD = "adams"
+METHOD = "taylor"
 Parameters = dict[str, float]
 
 # Through resonance, without contact.

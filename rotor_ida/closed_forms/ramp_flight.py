@@ -137,8 +137,8 @@ def _drawn_in(
 
     With ``p = i rate/2``, ``q = i omega - L`` and ``k = sqrt(-p)`` it is
     ``sqrt(pi)/(2 k) (exp(L t) w(i k c) - exp(i theta) w(i k (t + c)))``, ``c = q/(2 p)``, for
-    either sign of k: the one with which w does not overflow at t. Where it would at 0, that is at the
-    other side of the resonance, ``w(x) = 2 exp(-x**2) - w(-x)``.
+    either sign of k: the one with which w does not overflow at t. Where it would at 0, that is at
+    the other side of the resonance, ``w(x) = 2 exp(-x**2) - w(-x)``.
     """
     p, q = 0.5j * rate, 1j * omega - root
     k, c = np.sqrt(-p), 0.5 * q / p
