@@ -47,7 +47,7 @@ LEWIS = {"height": 1.46720, "place": 2.15742}
 
 # Machines, which of their folds is passed, and what is called the jump.
 JUMPS: dict[str, tuple[Parameters, int]] = {
-    "up, out of the ring": ({"zeta": 0.1, "delta0": 1.0}, 1),
+    "up, off the large whirl": ({"zeta": 0.1, "delta0": 1.0}, 1),
     "up, with friction 0.05": (
         {"zeta": 0.1, "delta0": 1.0, "friction": 0.05, "disc_radius": 10.0}, 1,
     ),
@@ -62,7 +62,7 @@ SAMPLES_A_REVOLUTION = 32
 
 MOTOR = {"slope": 0.5, "inertia": 5.0}
 DRIVEN = {"zeta": 0.2, "delta0": 0.5, "friction": 0.05, "disc_radius": 5.0}
-SETTLES = 250.0
+SETTLES = 600.0
 
 
 def main(settings: Settings) -> None:
@@ -196,7 +196,7 @@ def draw_flights(flown: xr.Dataset, passed: xr.Dataset, settings: Settings) -> N
         found=f"Simulated run-ups and run-downs lie on the error functions to {scientific(worst)}. "
         f"Without damping the largest radius times √a tends to Lewis' 1.46720 (at a = "
         f"{scientific(float(least))} it is {last.height.item():.5f}) and its speed to 1 + 2.15742 "
-        f"√a ({last.place.item():.5f}): what is left falls as √a.",
+        f"√a ({last.place.item():.5f}): what is left falls as √a, or faster.",
     )  # fmt: skip
 
 
@@ -205,7 +205,7 @@ def draw_flights(flown: xr.Dataset, passed: xr.Dataset, settings: Settings) -> N
 
 def jumps(settings: Settings) -> xr.Dataset:
     """Return at which speeds slow run-ups and run-downs jump, and the law."""
-    rates = np.array([1e-2, 3e-3]) if settings.quick else np.geomspace(1e-3, 1e-7, 9)
+    rates = np.array([1e-2, 3e-3]) if settings.quick else np.geomspace(1e-3, 1e-8, 11)
     laws = [law_of(machine, fold, rates) for machine, fold in JUMPS.values()]
     places = [(name, rate) for name in JUMPS for rate in rates.tolist()]
     found = np.reshape(side_by_side("late jumps", jump_speed, places, settings), (-1, rates.size))
@@ -239,7 +239,7 @@ def law_of(machine: Parameters, fold: int, rate: Any) -> xr.Dataset:
 def jump_speed(name: str, rate: float) -> float:
     """Return the speed at which a run jumps that begins on the exact whirl before the fold.
 
-    A run-up jumps where it leaves the ring, a run-down where its radius has grown by half.
+    It is called a jump where the radius has fallen to half of that at the fold, or grown by half.
     """
     machine, fold = JUMPS[name]
     law = law_of(machine, fold, rate)
@@ -251,16 +251,17 @@ def jump_speed(name: str, rate: float) -> float:
     last = abs(to - begin) / rate
     run = run_up(
         Rotor(omega=begin, **machine), start=start, to=to, rate=way * rate, method=METHOD,
-        samples=np.linspace(abs(omega_fold - begin) / rate, last, 2001), rtol=1e-9,
+        samples=np.linspace(abs(omega_fold - begin) / rate, last, 20_001), rtol=1e-10,
     )  # fmt: skip
-    if way > 0:
-        exits = run.event_speed.values[run.event_kind.values == -1]
-        return float(exits[0]) if exits.size else math.nan
-    radius = np.hypot(run.x.values, run.y.values) / (1.5 * law.fold_amplitude.item())
-    after = int(np.argmax(radius > 1.0))
-    share = (1.0 - radius[after - 1]) / (radius[after] - radius[after - 1])
+    grown = -way  # the large whirl is lost going up, the small one going down
+    radius = np.hypot(run.x.values, run.y.values) / law.fold_amplitude.item()
+    beyond = grown * (radius - 1.0) - 0.5
+    after = int(np.argmax(beyond > 0.0))
+    if after == 0:
+        return math.nan
+    share = beyond[after - 1] / (beyond[after - 1] - beyond[after])
     before, behind = run.speed.values[after - 1 : after + 1]
-    return float(before + share * (behind - before)) if after else math.nan
+    return float(before + share * (behind - before))
 
 
 def whirl_near(machine: Parameters, omega: float, amplitude: float) -> tuple[float, ...]:
@@ -295,7 +296,7 @@ def draw_jumps(late: xr.Dataset, settings: Settings) -> None:
         delay.set(xlabel="rate $a$", ylabel="jump less fold, in speed", xscale="log", yscale="log")
         delay.set_title("lines: the law", fontsize=9.5)
         rest.set(xlabel="rate $a$", ylabel="what the law leaves, over $a$", xscale="log")
-        rest.set_title("lines: the slope is known, $K \\ln(1/a)$", fontsize=9.5)
+        rest.set_title("lines: the slope is known, $K\\,\\ln(1/a)$", fontsize=9.5)
     shared_legend(figure, (delay, rest), columns=3, outer=False)
     shares = np.abs((late.found_omega - late.law_omega) / (late.law_omega - late.fold_omega))
     least = shares.isel(rate=-1)
@@ -303,8 +304,8 @@ def draw_jumps(late: xr.Dataset, settings: Settings) -> None:
     settings.show(
         figure, "late", archives=["late"],
         shows="How late run-ups and run-downs jump that begin on the exact whirl before a fold: "
-        "beside the law 2.33811 a²ᐟ³/|αb|¹ᐟ³, and what it leaves, over the rate a. A run-up jumps "
-        "where it leaves the ring, a run-down where its radius has grown by half.",
+        "beside the law 2.33811 a²ᐟ³/|αb|¹ᐟ³, and what it leaves, over the rate a. It is "
+        "called a jump where the radius has fallen by half, or grown by half.",
         found=f"Over {decades:.0f} decade{'s' * (decades > 1.5)} the jumps follow the law; at the "
         f"slowest rate they miss it by {', '.join(f'{100 * each:.1f}%' for each in least.values)} "
         f"of itself ({'; '.join(map(str, late.case.values))}). What is left over the rate is a "
@@ -412,7 +413,7 @@ def jump_of(course: xr.Dataset) -> float:
 
 def settled_speeds(settings: Settings) -> xr.Dataset:
     """Return the speeds that drives settle at, with more and more torque, and with less again."""
-    up = np.linspace(1.0, 4.6, 4 if settings.quick else 37)
+    up = np.linspace(1.0, 4.6, 4 if settings.quick else 19)
     torques = np.concatenate([up, up[-2::-1]])
     rows, state, omega = [], None, 0.5
     with progress_bar("limited power") as progress:
