@@ -1,6 +1,7 @@
 """What remains of the motion at each speed: the extrema of its radius, from many starts.
 
-Any other parameter may vary in its place.
+Any other parameter may vary in its place. Speeds may also be passed one after the other, slowly, so
+that the motion settles at each, or on a run-up or run-down at a rate.
 """
 
 from __future__ import annotations
@@ -8,16 +9,21 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.analysis.extrema import Extrema, check_knots, radius_extrema
+from rotor_ida.analysis.ramp_extrema import joined, run_through
+from rotor_ida.arrays import Values
 from rotor_ida.checks import (
     COMPONENTS,
     State,
     check_axis,
+    check_between,
+    check_choice,
     check_count,
     check_positive,
     check_seed,
@@ -28,10 +34,13 @@ from rotor_ida.parallel import FailedJob, Stop, choose, run_all
 from rotor_ida.parameters import ALL_PARAMETERS, Rotor
 from rotor_ida.schema import STATUS, labelled
 from rotor_ida.simulation.options import LARGEST, Method, Options
-from rotor_ida.sweeps.sweep import sweep
+from rotor_ida.sweeps.sweep import DIRECTIONS, Direction, sweep
 
 # What of a sweep's variables stands in the diagram.
 OF_THE_SWEEP = ("response", "radius_min", "radius_max", "status", "message")
+SLOWEST, FASTEST = 1e-12, 1e6
+# More radians of a run-up take hours.
+MOST_RADIANS = 1e9
 
 
 def bifurcation_diagram(
@@ -49,6 +58,8 @@ def bifurcation_diagram(
     seed: int = 0,
     reach: float = 5.0,
     extrema_time: float = 100.0,
+    direction: Direction | None = None,
+    rate: float | None = None,
     rtol: float = 1e-10,
     atol: float = 1e-12,
     method: Method = "adams",
@@ -76,7 +87,15 @@ def bifurcation_diagram(
         most 1e6 [1].
     extrema_time : float
         Length of the window, after the rotor has settled, in which extrema are looked for [1]; at
-        most 10 million times the step between knots.
+        most 10 million times the step between knots. With a rate it does not matter.
+    direction : {"up", "down", "both"}, optional
+        Without it each speed begins from the starts. With it only the first does (the last, going
+        down), and each further one from where the one before has settled: a quasi-static run-up or
+        run-down.
+    rate : float, optional
+        Change of the speed in a unit of time [1]: with it the motion settles at the first speed
+        alone, and then the speed runs through the others, at this rate and without a stop. A
+        direction must be given.
     rtol, atol : float
         Relative and absolute tolerance [1].
     method : {"adams", "bdf", "ida", "taylor"}
@@ -94,21 +113,28 @@ def bifurcation_diagram(
         ``response`` (its kind, as a flag), ``radius_min``, ``radius_max``, ``status``,
         ``message``, as from `rotor_ida.sweep`, and ``extremum_count``. ``extremum_radius`` [1] and
         ``extremum_kind`` (minimum, maximum, or constant where the radius is) hold the extrema of
-        all points in one table, ``extremum_count`` rows each.
+        all points in one table, ``extremum_count`` rows each. With a direction the last dimension
+        is ``direction``. With a rate ``extremum_speed`` [1] is the speed at which each extremum was
+        met, and a point has those met up to the middles between its speed and its neighbours;
+        ``response`` then says no more than whether the rotor touches there, and whether its radius
+        swings.
 
     Raises
     ------
     InputError
-        If an argument cannot be used, or a damping is zero: without damping no motion settles. A
-        point that fails does not raise: its ``status`` and ``message`` say why, and it has no
-        extrema.
+        If an argument cannot be used, or a damping is zero: without damping no motion settles; or
+        if there is a rate without a direction, or with speeds that do not increase. A point that
+        fails does not raise: its ``status`` and ``message`` say why, and it has no extrema.
 
     Notes
     -----
     An extremum is a root of ``r r' = x vx + y vy``, found to about 1e-10 of the radius,
     or to 1e-8 where the rotor passes through the centre without clearance. On a
     synchronous whirl ``r r'`` vanishes throughout; its radius is given once. Periodic motions
-    are few values, chaotic and quasi-periodic ones fill ranges.
+    are few values, chaotic and quasi-periodic ones fill ranges. On a run-up the radius of a whirl
+    drifts; what it trembles by less than 1e-6 of itself is left out. As the rate falls the diagram
+    tends to that of the quasi-static run-up, but for jumps, which are late: see
+    `rotor_ida.closed_forms.late_jumps`.
 
     References
     ----------
@@ -119,6 +145,11 @@ def bifurcation_diagram(
     >>> found = bifurcation_diagram(omega=[1.2, 1.7], zeta=0.5, delta0=0.5, starts=[(0, 0, 0, 0)])
     >>> found.extremum_radius.values.round(8)
     array([0.84973087, 0.93446294])
+    >>> up = bifurcation_diagram(
+    ...     omega=[1.2, 1.7], zeta=0.5, delta0=0.5, starts=[(0, 0, 0, 0)], direction="up", rate=0.01
+    ... )
+    >>> up.extremum_radius.values.round(4), up.extremum_speed.values
+    (array([0.8497, 0.9361]), array([1.2, 1.7]))
     """
     window, seed = check_positive("extrema_time", extrema_time), check_seed(seed)
     farthest = check_positive("reach", reach, LARGEST)
@@ -126,20 +157,60 @@ def bifurcation_diagram(
         raise InputError("zeta must be above 0, where nothing settles, got 0.0")
     for speed in check_axis("omega", omega).tolist():
         check_knots("extrema_time", Rotor(omega=speed, zeta=0.0, delta0=0.0), window)
+    if direction is not None:
+        check_choice("direction", direction, ("up", "down", "both"))
+    slope = None
+    if rate is not None:
+        slope = _checked_rate(rate, direction, check_axis("omega", omega))
     told = {"title": "Extrema of the radius over a range of speeds", "extrema_time": window}
     if is_scalar("starts", starts):
         shape = (check_count("starts", starts), len(COMPONENTS))
         starts = np.random.default_rng(seed).uniform(-farthest, farthest, shape)
         told |= {"seed": seed, "reach": farthest}
-    swept = sweep(
-        omega=omega, zeta=zeta, delta0=delta0, shaft_stiffness=shaft_stiffness,
+    swept = partial(
+        sweep, zeta=zeta, delta0=delta0, shaft_stiffness=shaft_stiffness,
         contact_exponent=contact_exponent, contact_damping=contact_damping, load=load,
         friction=friction, disc_radius=disc_radius, starts=starts, rtol=rtol, atol=atol,
         method=method, workers=workers, executor=executor, progress=progress,
     )  # fmt: skip
-    settled = swept.isel(direction=0, drop=True).drop_dims("event")
     options = Options(rtol=rtol, atol=atol, method=method)
+    if slope is not None:
+        runs = []
+        for turn in DIRECTIONS[direction]:
+            speeds = check_axis("omega", omega)[::turn]
+            first = swept(omega=speeds[:1]).isel(direction=0, drop=True).drop_dims("event")
+            due = np.flatnonzero(first["status"].values.ravel() == STATUS["done"])
+            jobs = _jobs(first, due)
+            runs.append(
+                run_through(first, jobs, due, (speeds, slope), (options, workers, executor))
+            )
+        return joined(runs, check_axis("omega", omega), DIRECTIONS[direction]).assign_attrs(
+            told | {"rate": slope}
+        )
+    settled = swept(omega=omega, direction=direction).drop_dims("event")
+    if direction is None:
+        settled = settled.isel(direction=0, drop=True)
     return _with_extrema(settled, window, options, workers, executor).assign_attrs(told)
+
+
+def _checked_rate(rate: object, direction: str | None, speeds: Values) -> float:
+    """Return the rate of a run-up that can be followed, or raise `InputError`."""
+    if direction is None:
+        raise InputError("direction must be given with rate, got None")
+    slope = check_between("rate", rate, SLOWEST, FASTEST)
+    for before, after in pairwise(speeds.tolist()):
+        if after <= before:
+            raise InputError(f"omega must increase for a rate, got {after!r} after {before!r}")
+    if speeds.size < 2:
+        raise InputError(f"omega must be two or more speeds for a rate, got {speeds.tolist()}")
+    span = float(speeds[-1] - speeds[0]) / slope
+    longest = MOST_RADIANS / max(float(speeds[-1]), 1.0)
+    if span > longest:
+        raise InputError(
+            f"rate must be at least {slope * span / longest:.6g}, as a run would take hours, got "
+            f"{slope!r}"
+        )
+    return slope
 
 
 def _with_extrema(

@@ -242,6 +242,8 @@ def plot_extrema(
         np.repeat(place.transpose(*counts.dims).values.ravel(), counts.values.ravel())
         for place in places[:3]
     )
+    if over == "omega" and "extremum_speed" in found.variables:
+        across = found["extremum_speed"].values
     here = clearance == held["delta0"] if over != "delta0" else np.full(clearance.shape, True)
     flags = flags_of(found["response"])
     # of an unresolved motion it is not known whether the extrema remain
