@@ -194,7 +194,11 @@ def draw_run_ups(exact: xr.Dataset, up_down: xr.Dataset, settings: Settings) -> 
                         label=f"{words}: largest $|z|$, range")  # fmt: skip
     shared_legend(figure, axes, columns=4)
     largest = ", ".join(
-        f"{float(ramps.radius_max.sel(delta0=d, direction=1).max()):.2f} at δ₀ = {d:g}"
+        " and ".join(
+            f"{float(each.radius_max.sel(delta0=d, direction=1).max()):.2f}"
+            for each in (ramps, up_down)
+        )
+        + f" at δ₀ = {d:g}"
         for d in CLEARANCES[::-1]
     )
     settings.show(
@@ -203,9 +207,9 @@ def draw_run_ups(exact: xr.Dataset, up_down: xr.Dataset, settings: Settings) -> 
         archives=["fig11_run_up", "fig11_up_down", "fig10"],
         shows=f"Fig. 11 from real run-ups and run-downs at a rate of {rate:g}: the range of |z| as "
         "the speed passes, beside the quasi-static ones, which settle at each speed.",
-        found="On the exact whirls a real run-up is where the quasi-static one is. It jumps later, "
-        "beyond the fold, and swings about where it lands. The largest |z| on the way up is "
-        f"{largest}.",
+        found="Along a whirl a real run-up is where the quasi-static one is; beyond its fold it jumps "
+        "later, and swings about where it lands. A way on to another whirl that is short in speed "
+        f"may be passed by. The largest |z| of real and quasi-static run-ups is {largest}.",
     )
 
 
