@@ -207,9 +207,9 @@ def draw_run_ups(exact: xr.Dataset, up_down: xr.Dataset, settings: Settings) -> 
         archives=["fig11_run_up", "fig11_up_down", "fig10"],
         shows=f"Fig. 11 from real run-ups and run-downs at a rate of {rate:g}: the range of |z| as "
         "the speed passes, beside the quasi-static ones, which settle at each speed.",
-        found="Along a whirl a real run-up is where the quasi-static one is; beyond its fold it jumps "
-        "later, and swings about where it lands. A way on to another whirl that is short in speed "
-        f"may be passed by. The largest |z| of real and quasi-static run-ups is {largest}.",
+        found="Along a whirl a real run-up is where the quasi-static one is; beyond its fold it "
+        "jumps later, and swings about where it lands. A way on to another whirl that is short in "
+        f"speed may be passed by. The largest |z| of real and quasi-static run-ups is {largest}.",
     )
 
 
