@@ -205,7 +205,7 @@ def draw_flights(flown: xr.Dataset, passed: xr.Dataset, settings: Settings) -> N
 
 def jumps(settings: Settings) -> xr.Dataset:
     """Return at which speeds slow run-ups and run-downs jump, and the law."""
-    rates = np.array([1e-2, 3e-3]) if settings.quick else np.geomspace(1e-3, 1e-8, 11)
+    rates = np.geomspace(1e-3, 1e-5, 3) if settings.quick else np.geomspace(1e-3, 1e-8, 11)
     laws = [law_of(machine, fold, rates) for machine, fold in JUMPS.values()]
     places = [(name, rate) for name in JUMPS for rate in rates.tolist()]
     found = np.reshape(side_by_side("late jumps", jump_speed, places, settings), (-1, rates.size))
@@ -216,8 +216,9 @@ def jumps(settings: Settings) -> xr.Dataset:
             "law_omega": column(("case", "rate"), table.jump_omega.values, "the same by the law"),
             **{
                 name: column("case", table[name].values, table[name].attrs["long_name"])
-                for name in ("fold_omega", "fold_drift", "fold_curvature", "fold_remainder")
+                for name in ("fold_drift", "fold_curvature", "fold_remainder")
             },
+            "passed_omega": column("case", table.fold_omega.values, "exact speed of the fold"),
         },
         {
             "case": ("case", list(JUMPS), {"long_name": "fold that is passed"}),
@@ -281,7 +282,7 @@ def draw_jumps(late: xr.Dataset, settings: Settings) -> None:
     with style():
         for (colour, dashes), name in zip(LOOKS, late.case.values, strict=False):
             here = late.sel(case=name)
-            found, law = (np.abs(here[each] - here.fold_omega) for each in
+            found, law = (np.abs(here[each] - here.passed_omega) for each in
                           ("found_omega", "law_omega"))  # fmt: skip
             delay.plot(rates, law, color=colour, ls=dashes, lw=1.0)
             left = (found - law) / rates
@@ -298,7 +299,7 @@ def draw_jumps(late: xr.Dataset, settings: Settings) -> None:
         rest.set(xlabel="rate $a$", ylabel="what the law leaves, over $a$", xscale="log")
         rest.set_title("lines: the slope is known, $K\\,\\ln(1/a)$", fontsize=9.5)
     shared_legend(figure, (delay, rest), columns=3, outer=False)
-    shares = np.abs((late.found_omega - late.law_omega) / (late.law_omega - late.fold_omega))
+    shares = np.abs((late.found_omega - late.law_omega) / (late.law_omega - late.passed_omega))
     least = shares.isel(rate=-1)
     decades = math.log10(rates[0] / rates[-1])
     settings.show(
@@ -421,9 +422,8 @@ def settled_speeds(settings: Settings) -> xr.Dataset:
             start = whirl_near(DRIVEN, omega, 1.0) if state is None else state
             run = run_up(
                 Rotor(omega=omega, **DRIVEN), start=start, torque=(tau0, MOTOR["slope"]),
-                inertia=MOTOR["inertia"], duration=SETTLES / (2.0 if settings.quick else 1.0),
-                samples=2, method=METHOD, rtol=1e-6 if settings.quick else 1e-11,
-                atol=1e-8 if settings.quick else 1e-13,
+                inertia=MOTOR["inertia"], duration=SETTLES, samples=2, method=METHOD, rtol=1e-11,
+                atol=1e-13,
             )  # fmt: skip
             state, omega = turned_back(run), float(run.speed.values[-1])
             rows.append(

@@ -139,7 +139,11 @@ def late_jumps(
         rates, jumped = rates[0], jumped[0]
     found = found.assign({name: labelled(name, dims, each) for name, each in columns.items()})
     found["jump_omega"] = labelled("jump_omega", (*by_rate, *dims), jumped)
-    return found.assign_coords(rate=labelled("rate", by_rate, rates))
+    return found.assign_coords(rate=labelled("rate", by_rate, rates)).assign_attrs(
+        title="Late jumps at the folds of the synchronous whirls of a rotor with contact",
+        source="rotor_ida closed forms: the motion along the centre manifold of each fold",
+        references="R. Haberman, SIAM Journal on Applied Mathematics 37, 1979",
+    )
 
 
 def _coefficients(
