@@ -468,7 +468,7 @@ def draw_sommerfeld(settled: xr.Dataset, settings: Settings) -> None:
     settings.keep(curve, "curve")
     here = curve.isel(zeta=0, delta0=0)
     figure, (torque, steps) = mixed_panels(1, 2, height=4.0)
-    speed, held = here.omega.values, here.driven_stability.values == STABILITY["stable"]
+    speed, held = here.omega.values, here.driven_stability.values != STABILITY["unstable"]
     drive = here.torque.values + MOTOR["slope"] * speed
     turn = settled.sizes["step"] // 2
     with style():
@@ -511,7 +511,7 @@ def draw_sommerfeld(settled: xr.Dataset, settings: Settings) -> None:
 
 def limits_of(curve: xr.Dataset) -> tuple[float, float]:
     """Return the largest torque at which the large whirl is held, and the least for the small."""
-    speed, held = curve.omega.values, curve.driven_stability.values == STABILITY["stable"]
+    speed, held = curve.omega.values, curve.driven_stability.values != STABILITY["unstable"]
     drive = curve.torque.values + MOTOR["slope"] * speed
     edges = np.flatnonzero(np.diff(held.astype(int)))[-2:]
     return float(drive[edges[0]]), float(drive[edges[1] + 1])

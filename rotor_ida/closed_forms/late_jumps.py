@@ -72,7 +72,7 @@ def late_jumps(
         ``fold_remainder``, the coefficients alpha, b and K of the Notes [1], and ``fold_passage``,
         the way that leads over the fold (a flag: up, down, or none where no stable whirl leads to
         it); on ``rate`` as well, if that is a sequence, ``jump_omega``, the speed of the jump by
-        the law [1].
+        the law [1], NaN where that is none above zero.
 
     Raises
     ------
@@ -120,7 +120,8 @@ def late_jumps(
     }
     omega, amplitude = speeds.values[exists], found["fold_amplitude"].values[exists]
     none = (np.empty(0),) * 3, np.empty(0, np.bool_)
-    terms, leads = _coefficients(amplitude, omega, given) if omega.size else none
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        terms, leads = _coefficients(amplitude, omega, given) if omega.size else none
     drift, curvature, _ = terms
     passage = np.where(leads, np.sign(drift * curvature), 0.0)
     names = ("fold_drift", "fold_curvature", "fold_remainder")
@@ -133,6 +134,7 @@ def late_jumps(
     scale = np.where(columns["fold_passage"] != 0.0, scale, np.nan)
     delay = rates.reshape(-1, *(1,) * scale.ndim) ** (2.0 / 3.0) * scale
     jumped = speeds.values + delay
+    jumped[jumped <= 0.0] = np.nan
     columns["fold_passage"] = columns["fold_passage"].astype(np.int8)
     by_rate = () if is_scalar("rate", rate) else ("rate",)
     if not by_rate:
@@ -170,16 +172,16 @@ def _coefficients(
     a1_A = 2.0 * (zeta + omega * mu) * (bend + s_A)
     a1_A = a1_A + damping * slope * push + drag * (1.0 + mu * mu) * s_A
     a2 = a + b + 2.0 * zeta * (2.0 * zeta + drag) + 2.0 * omega * (2.0 * omega + mu * drag)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        alpha, curved = -P_w / (2.0 * A * a1), -D_A / (2.0 * a1)
-        d_2 = -A * D_A / P_w
-        d_3 = -(2.0 * A * D_w * d_2 + (2.0 * D_A + A * D_AA) / 3.0) / P_w
-        lambda_2 = (D_A * a1_A - a2 * D_A**2 / a1) / a1**2 - (0.5 * D_AA + D_w * d_2) / a1
-        remainder = -(lambda_2 + alpha * d_3) / (6.0 * curved**2)
+    alpha, curved = -P_w / (2.0 * A * a1), -D_A / (2.0 * a1)
+    d_2 = -A * D_A / P_w
+    d_3 = -(2.0 * A * D_w * d_2 + (2.0 * D_A + A * D_AA) / 3.0) / P_w
+    lambda_2 = (D_A * a1_A - a2 * D_A**2 / a1) / a1**2 - (0.5 * D_AA + D_w * d_2) / a1
+    remainder = -(lambda_2 + alpha * d_3) / (6.0 * curved**2)
     growth = eigenvalues(A, omega=omega, **given)
     size = np.abs(growth)
     others = np.where(size > size.min(axis=-1, keepdims=True), growth.real, -np.inf)
-    return (alpha, curved, remainder), (others.max(axis=-1) < 0.0) & (a1 > 0.0)
+    leads = (others.max(axis=-1) < 0.0) & (a1 > 0.0) & np.isfinite(alpha * curved)
+    return (alpha, curved, remainder), leads
 
 
 def _placed(values: Values, exists: npt.NDArray[np.bool_], filler: float) -> Values:

@@ -95,7 +95,7 @@ def test_curve_bends_at_a_fold_as_drift_and_curvature_say():
 
 
 def test_law_is_a_power_of_the_rate_beyond_each_fold():
-    rates = [1e-3, 1e-6]
+    rates = [1e-4, 1e-6]
     found = late_jumps(rate=rates, zeta=[0.07, 0.3], delta0=0.5)
     at = found.sel(zeta=0.07).squeeze()
     beyond = (at.jump_omega - at.fold_omega) * at.fold_passage
@@ -198,6 +198,20 @@ def speed_at(fold, off, bend, machine):
     for _ in range(3):
         near -= np.polyval(rows, near) / np.polyval(np.polyder(rows), near)
     return near
+
+
+def test_where_there_is_no_jump_there_is_no_speed_of_it():
+    """Without damping nothing decays; a fast run-down is at rest before it jumps."""
+    undamped = late_jumps(rate=1e-3, zeta=0.0, delta0=0.5)
+    assert undamped.fold_omega.notnull().any()
+    assert (undamped.fold_passage == 0).all()
+    assert undamped.jump_omega.isnull().all()
+    slight = late_jumps(rate=1e-3, zeta=1e-6, delta0=1e-3)
+    assert not (slight.jump_omega <= 0.0).any()
+    slow, fast = (late_jumps(rate=rate, zeta=0.05, delta0=0.5).isel(fold=0) for rate in (1e-5, 0.1))
+    assert slow.fold_passage.item() == fast.fold_passage.item() == -1
+    assert 0.0 < slow.jump_omega.item() < slow.fold_omega.item()
+    assert np.isnan(fast.jump_omega.item())
 
 
 @pytest.mark.parametrize("rate", [0.0, -1e-3, np.nan, [1e-3, 0.0], "slow"])

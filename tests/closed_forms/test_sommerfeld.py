@@ -11,6 +11,7 @@ from rotor_ida.closed_forms import (
     whirl_torque,
 )
 from rotor_ida.closed_forms.sommerfeld import _jacobian
+from rotor_ida.schema import STABILITY
 from tests.spin_witness import FLIES, FORWARDS, Spinner
 
 RHO, SLOPE, INERTIA = 10.0, 0.3, 7.0
@@ -106,6 +107,17 @@ def test_a_heavy_rotor_is_as_stable_as_at_a_fixed_speed():
     off = np.abs(found[:, :, None] - known[:, None, :]).min(axis=1)
     # the root of rounding where two nearly coincide
     assert off.max() < 1e-6
+
+
+def test_a_whirl_whose_centre_may_lie_anywhere_is_neutral_where_the_speed_is_held():
+    """Without a shaft; and in contact without damping, where nothing decays."""
+    free = sommerfeld_curve(zeta=0.07, delta0=2.0, limits=(0.5, 3.0), inertia=2.0, slope=0.1)
+    flags = free.driven_stability.values
+    assert (flags[(free.in_contact.values == 0) & (free.piece.values >= 0)] == 2).all()
+    undamped = sommerfeld_curve(zeta=0.0, delta0=0.5, limits=(0.5, 3.0), inertia=1e6)
+    at_fixed_speed = undamped.stability.values == STABILITY["neutral"]
+    assert at_fixed_speed.any()
+    assert not (undamped.driven_stability.values == STABILITY["stable"]).any()
 
 
 def test_torque_is_what_damping_and_friction_take_of_the_power():
