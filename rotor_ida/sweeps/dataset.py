@@ -5,7 +5,7 @@ The points come in pieces, as rows, from memory or a study.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 
@@ -80,7 +80,7 @@ def sweep_dataset(ramps: Ramps, pieces: Pieces, folder: Path | None = None) -> x
     coordinates["direction"] = ("direction", np.array(ramps.directions, dtype=np.int8))
     for name, column in zip(COMPONENTS, np.array(starts).T, strict=True):
         coordinates[f"start_{name}"] = ("start", column.copy())
-    points = _point_columns(pieces, ramps.points, folder)
+    points = columns_of(POINT_COLUMNS, pieces, ramps.points, folder)
     events = _event_columns(pieces, points["event_count"], folder)
     variables = {
         name: labelled(name, dims, column.reshape(shape)) for name, column in points.items()
@@ -91,9 +91,11 @@ def sweep_dataset(ramps: Ramps, pieces: Pieces, folder: Path | None = None) -> x
     return labelled_dataset(title, variables, coordinates, provenance(ramps.options.attributes()))
 
 
-def _point_columns(pieces: Pieces, total: int, folder: Path | None) -> dict[str, Array]:
+def columns_of(
+    kinds: Mapping[str, type[np.generic]], pieces: Pieces, total: int, folder: Path | None
+) -> dict[str, Array]:
     """Return the columns with a number, or a message, for each point."""
-    columns = {name: scratch((total,), kind, folder) for name, kind in POINT_COLUMNS.items()}
+    columns = {name: scratch((total,), kind, folder) for name, kind in kinds.items()}
     messages: dict[int, str] = {}
     for places, rows in pieces():
         for name, column in columns.items():

@@ -130,3 +130,8 @@ def follow(job: Job, stop: Stop) -> list[SettledResponse]:
             state = point.end
         settled.append(point)
     return settled
+
+
+def lost(job: Job, reason: str) -> list[SettledResponse]:
+    """Return the points of a ramp whose workers died."""
+    return [failed(rotor, job.start, job.options, reason) for rotor in job.rotors]

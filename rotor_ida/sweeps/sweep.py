@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import closing
 from typing import Literal
 
 import numpy as np
@@ -23,14 +22,14 @@ from rotor_ida.checks import (
     check_states,
     is_scalar,
 )
-from rotor_ida.parallel import FailedJob, Progress, choose, run_all
+from rotor_ida.parallel import Progress, choose
 from rotor_ida.parameters import DEFAULTS, OF_FRICTION_DEFAULTS, Rotor
 from rotor_ida.provenance import computing
 from rotor_ida.simulation.options import Backend, Flight, Method, Options, check_can_be_followed
-from rotor_ida.steady_state.follow import FAILED, failed
-from rotor_ida.storage.studies.results import Results, open_results
+from rotor_ida.storage.studies.results import open_results
 from rotor_ida.sweeps.dataset import FORM, Rows, rows_of, sweep_dataset
-from rotor_ida.sweeps.ramps import Places, Ramps, follow
+from rotor_ida.sweeps.jobs import Task, do_all
+from rotor_ida.sweeps.ramps import Places, Ramps, follow, lost
 
 Direction = Literal["up", "down", "both"]
 
@@ -41,8 +40,6 @@ DIRECTIONS: dict[str | None, tuple[int, ...]] = {
     "both": (1, -1),
 }
 REST: State = (0.0, 0.0, 0.0, 0.0)
-# A failure of the surroundings, not of the point: another attempt may succeed.
-PASSING = "MemoryError"
 
 
 def sweep(
@@ -190,7 +187,7 @@ def sweep(
     check_points(*axes.values(), checked, ramps.directions, most=most)
     _check_can_be_followed(axes, checked)
     with open_results(study, _design(ramps, direction), ramps.points, FORM) as kept:
-        _follow_all(ramps, kept, place, count, progress)
+        do_all(ramps, Task(follow, lost, rows_of), kept, place, count, progress)
 
         def pieces() -> Iterator[tuple[Places, Rows]]:
             return ((ramps.places(number), rows) for number, rows in kept.results())
@@ -212,40 +209,6 @@ def _design(ramps: Ramps, direction: Direction | None) -> dict[str, object]:
         **{name: getattr(options, name) for name in ("rtol", "atol", "method", "flight")},
         **computing(),
     }
-
-
-def _follow_all(
-    ramps: Ramps, kept: Results[Rows], executor: str, workers: int | None, progress: Progress | None
-) -> None:
-    """Follow the ramps that are not kept yet, and keep each as it ends."""
-    if progress is not None and kept.points_done:
-        progress(kept.points_done, ramps.points)
-    numbers = ramps.slowest_first()
-    due = numbers[[number not in kept.done for number in numbers.tolist()]].tolist()
-    if not due:
-        return
-    jobs = (ramps.job(number) for number in due)
-    held = 0
-    count = workers and min(workers, len(due))  # the cluster at an address has its own
-    with closing(run_all(follow, jobs, workers=count, executor=executor)) as ended:
-        for turn, found in ended:
-            number = due[turn]
-            if isinstance(found, FailedJob):
-                job = ramps.job(number)
-                points = [failed(each, job.start, job.options, found.reason) for each in job.rotors]
-            else:
-                points = found
-            reasons = [point.message for point in points if point.response == FAILED]
-            if isinstance(found, FailedJob) or any(
-                reason.startswith(PASSING) for reason in reasons
-            ):
-                kept.hold(number, rows_of(points))  # another time it may be done
-                held += ramps.length
-            else:
-                first = reasons[0] if reasons else ""
-                kept.keep(number, rows_of(points), len(points), failed=len(reasons), reason=first)
-            if progress is not None:
-                progress(kept.points_done + held, ramps.points)
 
 
 def _check_can_be_followed(
