@@ -36,4 +36,5 @@ from .storage.archive import load as load
 from .storage.archive import open_archive as open_archive
 from .storage.archive import save as save
 from .storage.studies import status as status
+from .sweeps.run_ups import run_ups as run_ups
 from .sweeps.sweep import sweep as sweep

@@ -18,6 +18,7 @@ from rotor_ida.parallel import Progress
 from rotor_ida.parameters import ALL_PARAMETERS, BEYOND, PARAMETERS, Rotor
 from rotor_ida.provenance import computing
 from rotor_ida.storage.studies import design_of, program_of
+from rotor_ida.sweeps.run_ups import run_ups
 from rotor_ida.sweeps.sweep import sweep
 
 
@@ -33,7 +34,7 @@ def resume(
     Parameters
     ----------
     folder : path-like
-        The folder that was given as `study` to `sweep`, `basin`, `basin_fractions`,
+        The folder that was given as `study` to `sweep`, `run_ups`, `basin`, `basin_fractions`,
         `continue_attractors` or `continue_cycle`.
     workers, executor, progress
         As for the function that began it; they leave no trace in the result. A branch is followed
@@ -82,13 +83,14 @@ def _call(design: dict[str, Any]) -> tuple[Callable[..., xr.Dataset], dict[str, 
     kind = design["kind"]
     functions: dict[str, Callable[..., xr.Dataset]]
     functions = {
-        "sweep": sweep, "basin": basin, "basin_fractions": basin_fractions, "branch": branch_from,
+        "sweep": sweep, "run_ups": run_ups, "basin": basin, "basin_fractions": basin_fractions,
+        "branch": branch_from,
     }  # fmt: skip
     given = {name: design[name] for name in _GIVEN[kind]}
     beyond = {name: design[name] for name in BEYOND if name in design}
-    if kind == "sweep":
-        given |= beyond
-        return sweep, {**given, "starts": [tuple(start) for start in design["starts"]]}
+    if kind in {"sweep", "run_ups"}:
+        starts = [tuple(start) for start in design["starts"]]
+        return functions[kind], {**given, **beyond, "starts": starts}
     if kind == "continue_attractors":
         drawn = {name: design[name] for name in _DRAWN if name in design}
         return continue_attractors, {**given, **beyond, **drawn}
@@ -103,6 +105,7 @@ def _call(design: dict[str, Any]) -> tuple[Callable[..., xr.Dataset], dict[str, 
 
 _GIVEN = {
     "sweep": ("omega", "zeta", "delta0", "direction", "rtol", "atol", "method", "flight"),
+    "run_ups": (*PARAMETERS, "to", "rate", "phase", "rtol", "atol", "method"),
     "basin": ("x", "y", "vx", "vy", "rtol"),
     "basin_fractions": ("x", "y", "vx", "vy", "rtol", "starts", "seed"),
     "branch": ("parameter", "limits", "direction", "points"),

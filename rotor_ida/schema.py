@@ -68,6 +68,12 @@ FATE = {"not_computed": -2, "undecided": -1}
 # leaves it, or orbits that begin in it and were followed; or there is none.
 TRAPPING = {"none": 0, "estimated": 1, "proven": 2}
 STATUS = {"done": 0, "failed": 1}
+# How a run-up ends, once the last speed is held.
+ENDING = {"failed": -1, "unresolved": 0, "contact_free": 1, "rub": 2, "whip": 3}
+ENDS_IN_WORDS = {
+    "contact_free": "off the ring", "rub": "in a rub", "whip": "in dry whip",
+    "unresolved": "undecided",
+}  # fmt: skip
 DIRECTION = {"down": -1, "from_start": 0, "up": 1}
 PASSAGE = {"down": -1, "none": 0, "up": 1}
 NO_YES = {"no": 0, "yes": 1}
@@ -289,6 +295,30 @@ QUANTITIES: dict[str, Quantity] = {
     "status": Quantity("whether the run was done", flags=STATUS),
     "message": Quantity("why the run failed", ""),
     "event_count": Quantity("number of contact events of the run"),
+    # many run-ups
+    "to": Quantity("spin speed at the end of the ramp over the reference frequency"),
+    "rate": Quantity("change of the spin speed in a unit of time"),
+    "phase": Quantity("angle of the unbalance at time 0", "radian"),
+    "ending": Quantity("how the run-up ends, once the last speed is held", flags=ENDING),
+    "largest_radius": Quantity(
+        "largest distance from the bearing axis on the ramp", scale="length"
+    ),
+    "largest_radius_speed": Quantity("spin speed where the distance is largest", scale="rate"),
+    "largest_force_speed": Quantity("spin speed where the force is largest", scale="rate"),
+    "first_touch_speed": Quantity("spin speed at the first touch", scale="rate"),
+    "last_exit_speed": Quantity("spin speed at the last exit", scale="rate"),
+    "first_roll_speed": Quantity("spin speed where the disc first rolls", scale="rate"),
+    "contact_time": Quantity("time spent in contact on the ramp", scale="time"),
+    "end_angle": Quantity("angle of the unbalance at the end of the ramp", "radian"),
+    "failed_count": Quantity("number of run-ups that failed"),
+    **{
+        f"{word}_fraction": Quantity(f"part of the run-ups that end {how}")
+        for word, how in ENDS_IN_WORDS.items()
+    },
+    **{
+        f"{word}_fraction_error": Quantity(f"standard error of the part that ends {how}")
+        for word, how in ENDS_IN_WORDS.items()
+    },
     # basins
     "attractor": Quantity("number of the attractor"),
     "label": Quantity("number of the attractor on which the start ends"),

@@ -31,6 +31,7 @@ from rotor_ida.simulation.options import Method
 from rotor_ida.simulation.run_up import run_up
 from rotor_ida.simulation.simulate import simulate
 from rotor_ida.steady_state.response import BOUNCING, CONTACT_FREE, FULL_CONTACT, SYNCHRONOUS
+from rotor_ida.sweeps.run_ups import run_ups
 from rotor_ida.sweeps.sweep import DIRECTIONS, sweep
 from rotor_ida.testing import assert_events_close
 
@@ -80,12 +81,12 @@ def rerun(
     Parameters
     ----------
     dataset : Dataset
-        A result of `simulate`, `run_up`, `sweep`, `basin`, `basin_fractions`,
+        A result of `simulate`, `run_up`, `sweep`, `run_ups`, `basin`, `basin_fractions`,
         `continue_attractors`, `limit_cycle`, `continue_cycle` or `bifurcation_curve`, for instance
         one that was loaded from an archive.
     method : {"adams", "bdf", "ida", "taylor"}, optional
-        Another solver of the contacts of a run or sweep: a witness that shares no step with the
-        first.
+        Another solver of the contacts of a run, sweep or run-up: a witness that shares no step with
+        the first.
     workers, progress
         As for the function that computed it; a single run or cycle needs neither.
 
@@ -158,7 +159,7 @@ def _kind_of(dataset: xr.Dataset) -> str:
                 raise InputError(f"{words[0]} must be numbers, got {dataset[words[0]].dtype}")
             return kind
     raise InputError(
-        "only what simulate, run_up, sweep, basin, basin_fractions, continue_attractors, "
+        "only what simulate, run_up, sweep, run_ups, basin, basin_fractions, continue_attractors, "
         "limit_cycle, continue_cycle and bifurcation_curve have computed can be verified, got a "
         f"dataset of {shown(list(map(str, dataset.data_vars)))}"
     )
@@ -192,6 +193,14 @@ def _sweep(dataset: xr.Dataset, workers: int | None, progress: Progress | None) 
     given |= {name: dataset.attrs[name] for name in HOW}
     given |= {"starts": list(starts), "direction": direction}
     return sweep(**given, workers=workers, progress=progress)
+
+
+def _run_ups(dataset: xr.Dataset, workers: int | None, progress: Progress | None) -> xr.Dataset:
+    starts = zip(*(dataset[f"start_{name}"].values.tolist() for name in COMPONENTS), strict=True)
+    given: dict[str, Any] = _axes(dataset)
+    given |= {name: dataset[name].values[()] for name in ("to", "rate", "phase")}
+    given |= {name: dataset.attrs[name] for name in ("rtol", "atol", "method")}
+    return run_ups(**given, starts=list(starts), workers=workers, progress=progress)
 
 
 def _basin(dataset: xr.Dataset, workers: int | None, progress: Progress | None) -> xr.Dataset:
@@ -416,6 +425,12 @@ KINDS = {
         ("event_count", "response", "direction", *_STARTS, *PARAMETERS, *_NUMBERS),
         HOW,
         _sweep,
+        partial(_points, "response"),
+    ),
+    "run_ups": Kind(
+        ("ending", "response", "rate", "phase", "to", *_STARTS, *PARAMETERS, *_NUMBERS),
+        ("rtol", "atol", "method"),
+        _run_ups,
         partial(_points, "response"),
     ),
     "basin": Kind(

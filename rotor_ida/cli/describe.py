@@ -15,14 +15,14 @@ from rotor_ida.analysis.branch_course import parameters_of, stable_ranges
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.cli.report import pairs, table
 from rotor_ida.parameters import ALL_PARAMETERS, BEYOND, PARAMETERS, SPEED_UNITS
-from rotor_ida.schema import NO_YES, RESPONSE, flags_of, words_of
+from rotor_ida.schema import ENDS_IN_WORDS, NO_YES, RESPONSE, flags_of, words_of
 from rotor_ida.si_units import in_rpm
 
 Record = dict[str, object]
 Kind = Literal[
     "run", "sweep", "bifurcation_diagram", "basin", "basin_fractions", "atlas", "comparison",
-    "whirls", "folds", "hopf_points", "backward_whirl", "cycle", "branch", "curve", "touchdown",
-    "other",
+    "run_ups", "whirls", "folds", "hopf_points", "backward_whirl", "cycle", "branch", "curve",
+    "touchdown", "other",
 ]  # fmt: skip
 Description = tuple[Record, list[RenderableType]]
 METHOD = ("method", "flight", "backend", "rtol", "atol")
@@ -66,6 +66,22 @@ POINT = (
     *("radius_min", "radius_max", "period", "lyapunov_exponent", "lyapunov_error"),
     *("event_count", "extremum_count", "status", "message"),
 )
+TOLD_OF_RUN_UP = (
+    *("ending", "response", "rate", "phase", "start", *ALL_PARAMETERS),
+    *("largest_force", "largest_force_speed", "largest_radius", "first_touch_speed"),
+    *("last_exit_speed", "first_roll_speed", "message"),
+)
+RUN_UP = (
+    *("ending", "response", *ALL_PARAMETERS, "rate", "phase", "start"),
+    *("largest_radius", "largest_radius_speed", "largest_force", "largest_force_speed"),
+    *("first_touch_speed", "last_exit_speed", "first_roll_speed", "contact_count", "contact_time"),
+    *("total_heat", "total_contact_loss", "end_angle", "end_x", "end_y", "end_vx", "end_vy"),
+    *("amplitude", "phase_lag", "radius_min", "radius_max", "period", "lyapunov_exponent"),
+    *("lyapunov_error", "status", "message"),
+)
+# Over which the endings of run-ups are counted.
+COUNTED = ("phase", "start")
+MOST_FRACTIONS = 40
 # Of larger sweeps only the kinds are told; the archive holds the points.
 MOST_TOLD = 1_000_000
 RANGES = ("omega", "amplitude", "radius_max")
@@ -98,6 +114,7 @@ def kind_of(dataset: xr.Dataset) -> Kind:
         "atlas": "missed_fraction" in dataset and set(PARAMETERS) <= set(dataset.dims),
         "touchdown": {"missed_fraction", "excursion"} <= set(dataset.variables),
         "bifurcation_diagram": "extremum_radius" in dataset,
+        "run_ups": {"ending", "rate", "to"} <= set(dataset.variables),
         "sweep": "response" in dataset and set(PARAMETERS) <= set(dataset.dims),
         "run": "event_time" in dataset and "t" in dataset.dims,
         "whirls": "amplitude" in dataset and "branch" in dataset.dims,
@@ -116,6 +133,7 @@ def describe(dataset: xr.Dataset, *, most: int | None = None) -> Description:
     described = {
         "run": _run,
         "sweep": _sweep,
+        "run_ups": _run_ups,
         "bifurcation_diagram": _sweep,
         "basin": _attractors,
         "basin_fractions": _attractors,
@@ -261,6 +279,39 @@ def _sweep(dataset: xr.Dataset, most: int | None) -> Description:
     if most is not None and points:
         parts += _rows("Responses", points, _telling(points), most, digits=6)
     return record, parts
+
+
+def _run_ups(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return how run-ups end at each rate of each rotor, and every one of them."""
+    told = [name for name in ALL_PARAMETERS if name in dataset.variables]
+    parts = [f"{word}_fraction" for word in ENDS_IN_WORDS]
+    fractions = rows_of(
+        dataset, (*parts, *(f"{name}_error" for name in parts), "failed_count", "rate", *told)
+    )
+    over = [name for name in COUNTED if name in dataset["largest_force"].dims]
+    worst = dataset[["largest_force"]].max(over)
+    for row, force in zip(fractions, worst["largest_force"].values.ravel().tolist(), strict=True):
+        row["largest_force"] = force
+    names = [name for name in RUN_UP if name in dataset.variables]
+    run_ups = rows_of(dataset, names) if dataset["ending"].size <= MOST_TOLD else []
+    record: Record = {
+        "kind": "run_ups",
+        "to": float(dataset["to"]),
+        "starts": rows_of(dataset, STARTS),
+        "fractions": fractions,
+        "run_ups": run_ups,
+        **attributes_of(dataset),
+    }
+    varied = [name for name in told if dataset[name].size > 1]
+    said = [name for name in parts if any(row[name] != 0.0 for row in fractions)]
+    columns = ["rate", *varied, *said, *(f"{name}_error" for name in said), "largest_force"]
+    title = f"How run-ups to {float(dataset['to']):.6g} end"
+    tables: list[RenderableType] = _rows(title, fractions, columns, MOST_FRACTIONS, digits=6)
+    if most is not None and run_ups:
+        saying = {name for row in run_ups for name, value in row.items() if _says(value)}
+        tables += _rows("Run-ups", run_ups, [name for name in TOLD_OF_RUN_UP if name in saying],
+                        most, digits=6)  # fmt: skip
+    return record, tables
 
 
 def _kinds(dataset: xr.Dataset) -> list[Record]:

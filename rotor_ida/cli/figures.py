@@ -38,12 +38,13 @@ def figure_of(dataset: xr.Dataset) -> Figure:
         "basin_fractions": _figure_of_fractions,
         "atlas": _figure_of_atlas,
         "backward_whirl": _figure_of_backward_whirl,
+        "run_ups": plot.run_ups_figure,
         **dict.fromkeys(("whirls", "sweep", "folds", "hopf_points"), _figure_of_whirls),
     }
     if kind not in figures:
         raise InputError(
-            "figure must be of a run, of whirls, their folds or Hopf points, of a sweep, basin or "
-            f"atlas, or of limit cycles, got {kind!r}"
+            "figure must be of a run, of whirls, their folds or Hopf points, of a sweep, run-ups, "
+            f"a basin or atlas, or of limit cycles, got {kind!r}"
         )
     return figures[kind](dataset)
 

@@ -184,6 +184,22 @@ Bifurcation = Annotated[
 ]
 
 Duration = Annotated[float, _number("Time to simulate.")]
+ToSpeed = Annotated[float, _number("Speed at the end of the ramps.")]
+Rates = Annotated[
+    list[float],
+    _numbers("Changes of the speed in a unit of time: numbers, or START:STOP:COUNT."),
+]
+Phases = Annotated[
+    list[float],
+    Parameter(
+        help="Angles of the unbalance at time 0, in radians: numbers, or START:STOP:COUNT; without "
+        "it, 0.",
+        converter=parsing.converter(parsing.numbers),
+        consume_multiple=True,
+        negative=(),
+        show_default=False,
+    ),
+]
 Samples = Annotated[
     int, _whole_number("Number of times at which the motion is kept.", 2, MOST_NUMBERS)
 ]

@@ -30,6 +30,7 @@ from rotor_ida.cli.commands.compute import (
     reproduce,
     response,
     run_up,
+    run_ups,
     simulate,
     sweep,
     touchdown,
@@ -100,7 +101,7 @@ def application(console: Console) -> App:
         console=console,
     )
     computing = (
-        *(simulate, run_up, response, sweep, basin, fractions, atlas, touchdown),
+        *(simulate, run_up, run_ups, response, sweep, basin, fractions, atlas, touchdown),
         *(cycle, continue_, curve),
     )
     archived = (status, resume, compare, verify, show)

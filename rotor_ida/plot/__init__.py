@@ -41,6 +41,7 @@ from rotor_ida.plot.jumps import (
 )
 from rotor_ida.plot.labels import parameter_text, with_error
 from rotor_ida.plot.responses import plot_amplitude, plot_over_clearance, plot_phase
+from rotor_ida.plot.run_ups import plot_endings, plot_largest_force, run_ups_figure
 from rotor_ida.plot.runs import (
     plot_drawn_out,
     plot_force_peaks,
@@ -75,12 +76,14 @@ __all__ = [
     "plot_cycle",
     "plot_deviation",
     "plot_drawn_out",
+    "plot_endings",
     "plot_exponents",
     "plot_extrema",
     "plot_force_peaks",
     "plot_forces",
     "plot_history",
     "plot_jumps",
+    "plot_largest_force",
     "plot_lines",
     "plot_machine",
     "plot_multipliers",
@@ -95,6 +98,7 @@ __all__ = [
     "plot_solutions",
     "plot_spectrum",
     "plot_surface",
+    "run_ups_figure",
     "save_figure",
     "shared_legend",
     "style",

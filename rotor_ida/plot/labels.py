@@ -22,6 +22,7 @@ LABELS = {
     "load": r"load $\gamma$",
     "friction": r"friction $\mu$",
     "disc_radius": r"radius of the disc $\rho$",
+    "rate": "rate $a$",
     "amplitude": r"amplitude $A$",
     "phase_lag": r"phase lag $\theta$",
     "t": r"time $t$",

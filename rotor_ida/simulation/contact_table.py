@@ -10,6 +10,7 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import State, check_instance
+from rotor_ida.core.interface import LARGEST_FORCE, PEAK_ROOT
 from rotor_ida.equations.contact import contact_force
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import ALL_PARAMETERS
@@ -23,6 +24,8 @@ from rotor_ida.schema import (
 from rotor_ida.simulation.orbit import ENTRY, EXIT, Orbit
 from rotor_ida.simulation.rubbing import rolling_times, slip_distances
 
+# In an orbit the indentation stands where the core keeps its root.
+PEAK_INDENTATION = PEAK_ROOT
 # Below this part of radius times speed, angular momentum is rounding: there is no whirl.
 NO_WHIRL = 1e-12
 
@@ -30,7 +33,7 @@ NO_WHIRL = 1e-12
 def contact_columns(orbit: Orbit, start: State) -> dict[str, Column]:
     """Return the contacts of an orbit from `start` as columns on the dimension ``contact``."""
     contacts = np.ascontiguousarray(orbit.contacts.T)
-    entry, leaving, peak_time, indentation, impulse, moment, lost, largest, heat = contacts
+    entry, leaving, peak_time, indentation, impulse, moment, lost, _, heat = contacts
     rotor = orbit.rotor
     at_entry = _states_at(orbit, entry, ENTRY)
     at_exit = _states_at(orbit, leaving, EXIT)
@@ -41,10 +44,7 @@ def contact_columns(orbit: Orbit, start: State) -> dict[str, Column]:
         "exit_time": leaving,
         "peak_time": peak_time,
         "peak_indentation": indentation,
-        # with damping the largest force comes before the largest indentation
-        "peak_force": largest
-        if rotor.contact_damping > 0.0
-        else contact_force(indentation, 0.0, rotor.contact_exponent),
+        "peak_force": peak_forces(orbit),
         "contact_duration": leaving - entry,
         "impulse": impulse,
         "entry_speed": speed,
@@ -59,6 +59,15 @@ def contact_columns(orbit: Orbit, start: State) -> dict[str, Column]:
         columns["slip_distance"] = slip_distances(orbit, start)
         columns["rolling_time"] = rolling_times(orbit)
     return {name: ("contact", column) for name, column in columns.items()}
+
+
+def peak_forces(orbit: Orbit) -> Values:
+    """Return the largest force of each contact."""
+    rotor = orbit.rotor
+    if rotor.contact_damping > 0.0:  # it comes before the largest indentation
+        return np.ascontiguousarray(orbit.contacts[:, LARGEST_FORCE])
+    indentation = orbit.contacts[:, PEAK_INDENTATION]
+    return np.asarray(contact_force(indentation, 0.0, rotor.contact_exponent))
 
 
 def contact_summary(run: xr.Dataset) -> xr.Dataset:

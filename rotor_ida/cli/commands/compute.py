@@ -183,6 +183,67 @@ def sweep(
         return answer_whole(dataset, output, study)
 
 
+def run_ups(
+    *,
+    omega: options.Omegas,
+    to: options.ToSpeed,
+    rate: options.Rates,
+    zeta: options.Zetas,
+    delta0: options.Delta0s,
+    phase: options.Phases = [0.0],  # noqa: B006 - never changed
+    beyond: options.BeyondAxes = options.BeyondAxes(),
+    start: options.Starts = [options.REST],  # noqa: B006 - never changed
+    jobs: options.JobOptions = options.JobOptions(),
+    solver: options.RunUpSolverOptions = options.RunUpSolverOptions(),  # noqa: B008 - frozen
+    study: options.Study = None,
+    output: Output = Output(),
+) -> Report:
+    r"""Run rotors up or down at many rates, and say what they meet on the way and how they end.
+
+    Through the critical speed of a shaft, at three rates and two clearances:
+
+        rotor-ida run-ups --omega 0.3 --to 1.6 --rate 0.005 0.05 0.5 --zeta 0.1 \
+            --delta0 1 2 --shaft-stiffness 1 --workers 1 --out run_ups.nc
+
+    Down, with a load, for eight angles of the unbalance at the beginning:
+
+        rotor-ida run-ups --omega 2 --to 0.5 --rate -0.1 --zeta 0.1 --delta0 1 \
+            --shaft-stiffness 1 --load 0.2 --start 0 -0.2 0 0 --phase 0:5.5:8 \
+            --workers 1 --figure run_ups
+    """
+    check_points(
+        omega, zeta, delta0, *beyond.axes(), rate, phase, start, in_study=study is not None
+    )
+    output.check(panels=math.prod(map(len, (omega, zeta, delta0, *beyond.axes()))))
+    from rotor_ida.parallel import count_workers  # noqa: PLC0415 - heavy, and not for --help
+
+    given = beyond.given()
+    # The program guards its main part: all cores, whatever the backend.
+    every_core = jobs.workers is None and jobs.executor == "auto"
+    with working("run-ups", study) as progress:
+        dataset = rotor_ida.run_ups(
+            omega=omega,
+            to=to,
+            rate=rate,
+            zeta=zeta,
+            delta0=delta0,
+            phase=phase,
+            shaft_stiffness=given["shaft_stiffness"],
+            contact_exponent=given["contact_exponent"],
+            contact_damping=given["contact_damping"],
+            load=given["load"],
+            friction=given["friction"],
+            disc_radius=given["disc_radius"],
+            starts=start,
+            **asdict(solver),
+            workers=count_workers(None) if every_core else jobs.workers,
+            executor=jobs.executor,
+            study=study,
+            progress=progress,
+        )
+        return answer_whole(dataset, output, study)
+
+
 def basin(
     *,
     rotor: options.RotorOptions,

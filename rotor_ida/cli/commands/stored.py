@@ -151,5 +151,6 @@ def _panels(folder: Path) -> int:
     if design.get("kind") == "continue_attractors":
         options.check_varies(*(design[name] for name in PARAMETERS))
         return 1
-    axes = (design.get(name) for name in ALL_PARAMETERS[1:])
+    names = ALL_PARAMETERS if design.get("kind") == "run_ups" else ALL_PARAMETERS[1:]
+    axes = (design.get(name) for name in names)
     return math.prod(len(axis) for axis in axes if isinstance(axis, list))

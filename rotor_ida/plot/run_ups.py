@@ -1,0 +1,182 @@
+"""Many run-ups: the largest force met on the way, and how they end, over the rate."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import product
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from rotor_ida.parameters import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.plot.appearance import (
+    GREY,
+    KIND_SHADES,
+    axes_or_new,
+    check_dataset,
+    look,
+    mixed_panels,
+    own_legend,
+    style,
+)
+from rotor_ida.plot.labels import LABELS, label_of, parameter_text
+from rotor_ida.schema import ENDS_IN_WORDS
+
+ENDING_COLOURS = {
+    "contact_free": KIND_SHADES["contact_free"][0],
+    "rub": KIND_SHADES["full_contact"][1],
+    "whip": KIND_SHADES["rolling"][0],
+    "unresolved": GREY,
+}
+ENDING_WORDS = {
+    "contact_free": "ends contact-free", "rub": "ends in a rub", "whip": "ends in dry whip",
+    "unresolved": "undecided",
+}  # fmt: skip
+NEEDED = (
+    *(*PARAMETERS, "rate", "to", "largest_force"),
+    *(f"{word}_fraction" for word in ENDS_IN_WORDS),
+)
+    *PARAMETERS,
+    "rate",
+    "to",
+    "largest_force",
+    *(f"{word}_fraction" for word in ENDS_IN_WORDS),
+)
+FORCE = "largest normal force"
+# More rates have only so many of their numbers written under the bars.
+MOST_TICKS = 7
+
+
+def run_ups_figure(dataset: xr.Dataset) -> Figure:
+    """Draw run-ups: the largest forces over the rate, and how they end, a panel for each rotor.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        What `rotor_ida.run_ups` returned.
+
+    Examples
+    --------
+    >>> from rotor_ida import run_ups
+    >>> found = run_ups(omega=0.3, to=1.6, rate=[0.01, 0.3], zeta=0.1, delta0=[1.0, 2.0],
+    ...                 shaft_stiffness=1.0)
+    >>> [ax.get_ylabel() for ax in run_ups_figure(found).axes]
+    ['largest normal force', 'share of run-ups', 'share of run-ups']
+    """
+    dataset = check_dataset("dataset", dataset, NEEDED)
+    rotors = list(_rotors(dataset))
+    columns = math.ceil(math.sqrt(1 + len(rotors)))
+    rows = math.ceil((1 + len(rotors)) / columns)
+    figure, axes = mixed_panels(rows, columns, width=1.0 + 3.2 * columns, height=0.6 + 2.7 * rows)
+    plot_largest_force(dataset, axes[0])
+    for ax, (values, one) in zip(axes[1:], rotors, strict=False):
+        plot_endings(one, ax)
+        if values:
+            with style():
+                ax.set_title(parameter_text(values))
+    for ax in axes[1 + len(rotors) :]:
+        ax.remove()
+    return figure
+
+
+def plot_largest_force(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
+    """Draw the largest normal force met on the way over the rate, a curve for each rotor.
+
+    The curve is the largest over phases and starts, the band reaches down to the least.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        What `rotor_ida.run_ups` returned.
+    ax : Axes, optional
+        Where to draw, and what is returned; by default the axes of a new figure.
+
+    Examples
+    --------
+    >>> from rotor_ida import run_ups
+    >>> found = run_ups(omega=0.3, to=1.6, rate=[0.03, 0.3], zeta=0.1, delta0=1.0)
+    >>> plot_largest_force(found).get_xlabel()
+    'rate $a$'
+    """
+    dataset = check_dataset("dataset", dataset, NEEDED)
+    size = np.abs(dataset["rate"].values)
+    order = np.argsort(size)
+    with style():
+        ax = axes_or_new(ax)
+        for number, (values, one) in enumerate(_rotors(dataset)):
+            colour, dashes = look(number)
+            force = one["largest_force"].transpose("rate", ...).values
+            force = force.reshape(size.size, -1)[order]
+            top = np.fmax.reduce(force, axis=1)
+            ax.plot(size[order], top, color=colour, ls=dashes, marker=".", ms=4.0,
+                    label=parameter_text(values) if values else None)  # fmt: skip
+            ax.fill_between(size[order], np.fmin.reduce(force, axis=1), top, color=colour,
+                            alpha=0.15, lw=0.0)  # fmt: skip
+        ax.set_xscale("log")
+        ax.set_ylim(bottom=0.0)
+        ax.set_xlabel(_rate_label(dataset))
+        ax.set_ylabel(label_of("normal_force", dataset["largest_force"], words=FORCE))
+        if ax.get_legend_handles_labels()[1]:
+            own_legend(ax)
+    return ax
+
+
+def plot_endings(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
+    """Draw which part of the run-ups of one rotor ends how, one upon the other, for each rate.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        What `rotor_ida.run_ups` returned, for one value of each parameter.
+    ax : Axes, optional
+        Where to draw, and what is returned; by default the axes of a new figure.
+
+    Examples
+    --------
+    >>> from rotor_ida import run_ups
+    >>> found = run_ups(omega=0.3, to=1.6, rate=[0.01, 0.3], zeta=0.1, delta0=2.0,
+    ...                 shaft_stiffness=1.0)
+    >>> [text.get_text() for text in plot_endings(found).get_legend().get_texts()]
+    ['ends contact-free', 'ends in a rub']
+    """
+    dataset = check_dataset("dataset", dataset, NEEDED)
+    ((_, one),) = [*_rotors(dataset)][:1]
+    rates = one["rate"].values
+    order = np.argsort(np.abs(rates))
+    places = np.arange(rates.size)
+    with style():
+        ax = axes_or_new(ax)
+        base = np.zeros(rates.size)
+        for word, colour in ENDING_COLOURS.items():
+            share = np.nan_to_num(one[f"{word}_fraction"].values.ravel()[order])
+            if share.any():
+                ax.bar(places, share, bottom=base, width=0.9, color=colour, lw=0.0,
+                       label=ENDING_WORDS[word])  # fmt: skip
+            base = base + share
+        step = math.ceil(rates.size / MOST_TICKS)
+        ax.set_xticks(places[::step], [f"{rate:.3g}" for rate in rates[order][::step]])
+        ax.set_xlim(-0.6, rates.size - 0.4)
+        ax.set_ylim(0.0, 1.0)
+        ax.grid(visible=False)
+        ax.set_xlabel(LABELS["rate"])
+        ax.set_ylabel("share of run-ups")
+        legend = own_legend(ax)
+        legend.set_frame_on(True)
+    return ax
+
+
+def _rotors(dataset: xr.Dataset) -> Iterator[tuple[dict[str, float], xr.Dataset]]:
+    """Yield the parts with one value of each parameter, and the values of those that vary."""
+    names = [name for name in ALL_PARAMETERS if name in dataset.dims]
+    varied = [name for name in names if dataset.sizes[name] > 1]
+    for places in product(*(range(dataset.sizes[name]) for name in names)):
+        part = dataset.isel({name: [at] for name, at in zip(names, places, strict=True)})
+        yield {name: part[name].item() for name in varied}, part
+
+
+def _rate_label(dataset: xr.Dataset) -> str:
+    falls = bool((dataset["rate"] < 0.0).any())
+    return r"rate of the run-down $|a|$" if falls else LABELS["rate"]
