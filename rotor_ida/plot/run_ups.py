@@ -20,6 +20,7 @@ from rotor_ida.plot.appearance import (
     look,
     mixed_panels,
     own_legend,
+    shared_legend,
     style,
 )
 from rotor_ida.plot.labels import LABELS, label_of, parameter_text
@@ -39,15 +40,11 @@ NEEDED = (
     *(*PARAMETERS, "rate", "to", "largest_force"),
     *(f"{word}_fraction" for word in ENDS_IN_WORDS),
 )
-    *PARAMETERS,
-    "rate",
-    "to",
-    "largest_force",
-    *(f"{word}_fraction" for word in ENDS_IN_WORDS),
-)
 FORCE = "largest normal force"
 # More rates have only so many of their numbers written under the bars.
 MOST_TICKS = 7
+# Fewer bars are no broader.
+FEWEST_BARS = 3
 
 
 def run_ups_figure(dataset: xr.Dataset) -> Figure:
@@ -79,13 +76,14 @@ def run_ups_figure(dataset: xr.Dataset) -> Figure:
                 ax.set_title(parameter_text(values))
     for ax in axes[1 + len(rotors) :]:
         ax.remove()
+    shared_legend(figure, axes[1 : 1 + len(rotors)], outer=False)
     return figure
 
 
 def plot_largest_force(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     """Draw the largest normal force met on the way over the rate, a curve for each rotor.
 
-    The curve is the largest over phases and starts, the band reaches down to the least.
+    The curve is the largest over phases and starts, the bars reach down to the least.
 
     Parameters
     ----------
@@ -105,18 +103,21 @@ def plot_largest_force(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     size = np.abs(dataset["rate"].values)
     order = np.argsort(size)
     with style():
-        ax = axes_or_new(ax)
+        ax, highest = axes_or_new(ax), 0.0
         for number, (values, one) in enumerate(_rotors(dataset)):
             colour, dashes = look(number)
             force = one["largest_force"].transpose("rate", ...).values
             force = force.reshape(size.size, -1)[order]
             top = np.fmax.reduce(force, axis=1)
-            ax.plot(size[order], top, color=colour, ls=dashes, marker=".", ms=4.0,
-                    label=parameter_text(values) if values else None)  # fmt: skip
-            ax.fill_between(size[order], np.fmin.reduce(force, axis=1), top, color=colour,
-                            alpha=0.15, lw=0.0)  # fmt: skip
+            down = np.stack([top - np.fmin.reduce(force, axis=1), np.zeros_like(top)])
+            highest = max(highest, float(np.nan_to_num(top).max()))
+            ax.errorbar(
+                size[order], top, down if force.shape[1] > 1 else None, color=colour, ls=dashes,
+                marker=".", ms=4.0, elinewidth=0.8, capsize=2.0,
+                label=parameter_text(values) if values else None,
+            )  # fmt: skip
         ax.set_xscale("log")
-        ax.set_ylim(bottom=0.0)
+        ax.set_ylim(0.0, 1.08 * highest or 1.0)
         ax.set_xlabel(_rate_label(dataset))
         ax.set_ylabel(label_of("normal_force", dataset["largest_force"], words=FORCE))
         if ax.get_legend_handles_labels()[1]:
@@ -146,7 +147,7 @@ def plot_endings(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ((_, one),) = [*_rotors(dataset)][:1]
     rates = one["rate"].values
     order = np.argsort(np.abs(rates))
-    places = np.arange(rates.size)
+    places, alone = np.arange(rates.size), ax is None
     with style():
         ax = axes_or_new(ax)
         base = np.zeros(rates.size)
@@ -158,13 +159,14 @@ def plot_endings(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
             base = base + share
         step = math.ceil(rates.size / MOST_TICKS)
         ax.set_xticks(places[::step], [f"{rate:.3g}" for rate in rates[order][::step]])
-        ax.set_xlim(-0.6, rates.size - 0.4)
+        margin = max(0.1, 0.5 * (FEWEST_BARS - rates.size))
+        ax.set_xlim(-0.5 - margin, rates.size - 0.5 + margin)
         ax.set_ylim(0.0, 1.0)
         ax.grid(visible=False)
         ax.set_xlabel(LABELS["rate"])
         ax.set_ylabel("share of run-ups")
-        legend = own_legend(ax)
-        legend.set_frame_on(True)
+        if alone:
+            own_legend(ax).set_frame_on(True)
     return ax
 
 
