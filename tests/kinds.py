@@ -65,6 +65,9 @@ KINDS: dict[str, Callable[[], xr.Dataset]] = {
     "run_in_si_units": lambda: rotor_ida.dimensional(a_run(), MACHINE),
     "sweep": a_sweep,
     "sweep_both_ways": lambda: a_sweep("both"),
+    "run_ups": lambda: rotor_ida.run_ups(
+        omega=0.3, to=1.6, rate=[0.1, 0.3], zeta=0.1, delta0=[1.0, 2.0], shaft_stiffness=1.0
+    ),
     "comparison": lambda: rotor_ida.compare(a_sweep()),
     "whirls": lambda: rotor_ida.synchronous_response(omega=[1.2, 1.7], zeta=0.07, delta0=0.5),
     "folds": lambda: rotor_ida.folds(zeta=[0.07, 0.1], delta0=0.0),

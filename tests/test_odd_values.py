@@ -89,6 +89,15 @@ GIVEN: dict[str, Callable[[Path], dict[str, object]]] = {
     "run_up": lambda _: {"rotor": ROTOR, "start": REST, "to": 1.5, "rate": 0.1, "samples": 3},
     "synchronous_response": lambda _: {"omega": 1.2, "zeta": 0.5, "delta0": 0.5},
     "folds": lambda _: {"zeta": 0.07, "delta0": 0.5},
+    "run_ups": lambda folder: {
+        "omega": 0.3,
+        "to": 1.6,
+        "rate": 0.4,
+        "zeta": 0.5,
+        "delta0": 2.0,
+        "workers": 1,
+        "study": folder / "run_ups",
+    },
     "sweep": lambda folder: {
         "omega": 1.2,
         "zeta": 0.5,

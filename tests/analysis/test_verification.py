@@ -16,6 +16,7 @@ from rotor_ida import (
     folds,
     limit_cycle,
     load,
+    run_ups,
     save,
     simulate,
     sweep,
@@ -107,6 +108,17 @@ RESULTS = {
         contact_damping=0.1,
         direction="both",
     ),
+    "run_ups": lambda: run_ups(
+        omega=1.7,
+        to=0.3,
+        rate=[-0.1, -0.3],
+        zeta=0.1,
+        delta0=[0.5, 2.0],
+        shaft_stiffness=1.0,
+        load=0.2,
+        phase=[0.0, 2.0],
+        rtol=1e-8,
+    ),
     "basin": lambda: basin(
         Rotor(omega=1.7, zeta=0.3, delta0=0.5), x=1.0, y=[-2.0, 0.0, 3.0], vx=[0.0, 5.0]
     ),
@@ -159,6 +171,7 @@ def test_a_result_of_many_points_is_made_again_to_the_bit(tmp_path, kind):
     [
         ("sweep", lambda of: of.assign(response=of.response + 1), "12 of 12 differ in response"),
         ("sweep", lambda of: of.assign(amplitude=of.amplitude * 1.001), "amplitudes, radii or"),
+        ("run_ups", lambda of: of.assign(response=of.response + 1), "8 of 8 differ in response"),
         ("other kinds", lambda of: of.assign(period=of.period * 1.001), "radii or periods differ"),
         (
             "machines",
@@ -194,7 +207,7 @@ def test_a_forged_result_of_many_points_does_not_verify(kind, forge, trouble):
 def test_another_kind_of_dataset_cannot_be_verified():
     with pytest.raises(
         InputError,
-        match="only what simulate, run_up, sweep, basin, basin_fractions, continue_attractors",
+        match="only what simulate, run_up, sweep, run_ups, basin, basin_fractions, continue_att",
     ):
         rerun(folds(zeta=0.07, delta0=0.0))
     run = simulate(ROTOR, start=(0, 0, 0, 0), duration=5.0)
@@ -209,18 +222,18 @@ def test_another_kind_of_dataset_cannot_be_verified():
         (
             "sweep",
             lambda of: of.drop_vars("start_y"),
-            "only what simulate, run_up, sweep, basin, basin_fractions, continue_attr",
+            "only what simulate, run_up, sweep, run_ups, basin, basin_fractions, continue_attr",
         ),
         (
             "sweep",
             lambda of: of.drop_vars("amplitude"),
-            "only what simulate, run_up, sweep, basin, basin_fractions, continue_attr",
+            "only what simulate, run_up, sweep, run_ups, basin, basin_fractions, continue_attr",
         ),
         ("sweep", lambda of: of.assign(amplitude=of.amplitude.astype(str)), "amplitude must be nu"),
         (
             "basin",
             lambda of: of.drop_vars("vy"),
-            "only what simulate, run_up, sweep, basin, basin_fractions, continue_attr",
+            "only what simulate, run_up, sweep, run_ups, basin, basin_fractions, continue_attr",
         ),
         (
             "basin_fractions",

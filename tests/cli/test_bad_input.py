@@ -27,6 +27,11 @@ def run_up(given: str, omega: str = "0.5") -> str:
     return f"run-up --omega {omega} --zeta 0.07 --delta0 0.5 {given}"
 
 
+def run_ups(**changes: str) -> str:
+    words = {"omega": "0.5", "to": "2", "rate": "0.1", "zeta": "0.1", "delta0": "2"} | changes
+    return " ".join(["run-ups", *(f"--{name} {value}" for name, value in words.items())])
+
+
 def sweep(**changes: str) -> str:
     words = {"omega": "1", "zeta": "0.5", "delta0": "0"} | changes
     return " ".join(["sweep", *(f"--{name} {value}" for name, value in words.items())])
@@ -118,6 +123,16 @@ MISTAKES = [
     (sweep(workers="100000"), "workers must be at most 512"),
     (sweep(start="1 0 0 --start 1 0 0 0 0"), "start must be four numbers"),
     (sweep(method="rk4"), "method must be one of"),
+    # run-ups
+    (run_ups(rate="0.1 -0.1"), "rate must be positive to change the speed from 0.5 to 2.0, got"),
+    (run_ups(to="0.5"), "to must differ from the rotor's omega 0.5, got 0.5"),
+    (run_ups(phase="9"), "phase must lie within 6.28319 of zero, got 9.0"),
+    (run_ups(rate="fast"), f"rate {FINITE} 'fast'"),
+    (run_ups(friction="0.1"), "disc_radius must be given with friction"),
+    (
+        run_ups(rate="0.1:0.3:4", delta0="1:2:13", figure="many"),
+        "figure can show at most 12 combinations of zeta, delta0 and what else varies, got 13",
+    ),
     # limit cycles
     (cycle(omega="0"), "omega must be above 0 for a limit cycle, got 0.0"),
     (cycle(zeta="0"), "zeta must be above 0 for a limit cycle, got 0.0"),

@@ -9,21 +9,32 @@ import time
 import pytest
 import xarray as xr
 
-from rotor_ida import InputError, status, sweep
+import rotor_ida
+from rotor_ida import InputError, status
 from rotor_ida.storage.studies.database import FILE
 
 SWEEP = {"omega": [0.02 * number for number in range(25, 145)], "zeta": 0.07, "delta0": [0.5, 2.0]}
+RUN_UPS = {
+    "omega": 0.3, "to": 1.6, "rate": [0.1 + 0.01 * number for number in range(20)], "zeta": 0.1,
+    "delta0": [1.0, 2.0], "shaft_stiffness": 1.0, "rtol": 1e-8,
+}  # fmt: skip
+STUDIES = {"sweep": (SWEEP, 240), "run_ups": (RUN_UPS, 40)}
 
 
 @pytest.mark.skipif(os.name != "posix", reason="kills with a signal")
-@pytest.mark.parametrize("executor", ["threads", "processes"])
-def test_killed_and_resumed_it_ends_with_the_same_bits(tmp_path, executor):
+@pytest.mark.parametrize(
+    ("kind", "executor"),
+    [("sweep", "threads"), ("sweep", "processes"), ("run_ups", "processes")],
+)
+def test_killed_and_resumed_it_ends_with_the_same_bits(tmp_path, kind, executor):
+    given, points = STUDIES[kind]
+    function = getattr(rotor_ida, kind)
     script = tmp_path / "script.py"
     script.write_text(
-        "from rotor_ida import sweep\n"
+        f"from rotor_ida import {kind}\n"
         "if __name__ == '__main__':\n"
-        f"    sweep(**{SWEEP!r}, study={str(tmp_path / 'study')!r}, executor={executor!r},\n"
-        "          workers=2)\n"
+        f"    {kind}(**{given!r}, study={str(tmp_path / 'study')!r}, executor={executor!r},\n"
+        "           workers=2)\n"
     )
     running = subprocess.Popen([sys.executable, str(script)], start_new_session=True)
     while _done(tmp_path / "study") == 0:
@@ -31,14 +42,14 @@ def test_killed_and_resumed_it_ends_with_the_same_bits(tmp_path, executor):
         time.sleep(0.01)
     os.killpg(running.pid, signal.SIGKILL)
     running.wait()
-    assert 0 < _done(tmp_path / "study") < 240
+    assert 0 < _done(tmp_path / "study") < points
     told = []
-    again = sweep(
-        **SWEEP, study=tmp_path / "study", progress=lambda done, total: told.append((done, total))
+    again = function(
+        **given, study=tmp_path / "study", progress=lambda done, total: told.append((done, total))
     )
     assert told[0][0] > 0
-    assert told[-1] == (240, 240)
-    xr.testing.assert_identical(again, sweep(**SWEEP))
+    assert told[-1] == (points, points)
+    xr.testing.assert_identical(again, function(**given))
     assert os.listdir(tmp_path / "study") == [FILE]
 
 

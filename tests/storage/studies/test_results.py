@@ -10,10 +10,11 @@ from rotor_ida.cycles import continue_cycle
 from rotor_ida.storage.studies import Piece, opened
 from rotor_ida.storage.studies.arrays import packed
 from rotor_ida.storage.studies.results import open_results
-from rotor_ida.sweeps import dataset
+from rotor_ida.sweeps import dataset, run_ups_dataset
 
 FORMS = {
     "points of a sweep": dataset.FORM,
+    "run-up": run_ups_dataset.FORM,
     "batch of starts": batches.FORM,
     "stretch of a branch": continue_cycle.FORM,
     "cell of an atlas": cells.FORM,

@@ -12,7 +12,16 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rotor_ida import Rotor, basin, basin_fractions, continue_attractors, load, save, sweep
+from rotor_ida import (
+    Rotor,
+    basin,
+    basin_fractions,
+    continue_attractors,
+    load,
+    run_ups,
+    save,
+    sweep,
+)
 from rotor_ida.errors import InputError
 from rotor_ida.resuming import resume
 from rotor_ida.steady_state import follow
@@ -33,6 +42,11 @@ KINDS = {
     "ramps of machines": lambda **more: sweep(
         omega=[0.9, 1.2, 1.7], zeta=0.3, delta0=1.0, shaft_stiffness=0.25, contact_exponent=[1.0],
         load=[0.0, 0.3], direction="both", **more
+    ),
+    "run-ups": lambda **more: run_ups(
+        omega=0.3, to=1.6, rate=[0.2, 0.3, 0.4], zeta=0.1, delta0=[1.0, 2.0], shaft_stiffness=1.0,
+        friction=[0.0, 0.1], disc_radius=10.0, phase=[0.0, 1.0],
+        starts=[(0, 0, 0, 0), (1, 0, 0, 0)], rtol=1e-8, **more,
     ),
     "basin": lambda **more: basin(BOUNCER, x=AXIS, y=AXIS, **more),
     "basin_fractions": lambda **more: basin_fractions(
