@@ -1,0 +1,338 @@
+"""How slow is slow enough: what a run-up through resonance meets over its rate, and how it ends.
+
+A rotor on a shaft is run up through its critical speed inside a ring, from rest on the axis.
+Slowly, it follows the exact response: it touches, is pushed up the rub that the ring stiffens, and
+meets the largest force where that response ends. Fast enough, it never touches: whatever the
+damping, its radius stays below Lewis' 1.467/sqrt(a), a the rate over the critical speed squared.
+Run-ups over rate and clearance show what lies in between, beside the largest force on the exact
+response; run-ups over rate and friction, for four angles of the unbalance at the beginning, show
+whether they end off the ring, in a rub, or in dry whip.
+
+The same in SI units for the rotor of the scenario drop, while its magnetic bearing carries it:
+20 kg balanced to G 6.3, in a touchdown ring 0.2 mm away, held with 2 MN/m. Its critical speed is
+3,020 rpm; it is run up from 1,000 to 6,000 rpm.
+
+Writes the run-ups (forces.nc, endings.nc), those of the machine in SI units (machine_forces.nc,
+machine_endings.nc), and the figures as PNG and SVG.
+"""
+
+import math
+import sys
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from rotor_ida import DimensionalRotor, Rotor, dimensional, run_ups, synchronous_response
+from rotor_ida.closed_forms import peaks
+from rotor_ida.equations.contact import contact_force
+from rotor_ida.paper.scenario import Settings, progress_bar, run_script
+from rotor_ida.plot import mixed_panels, style
+from rotor_ida.plot.appearance import GREY, INK, look
+from rotor_ida.schema import ENDING
+
+# The largest radius of an undamped run-up through a critical speed of 1 is this over the root of
+# the rate: Lewis, 1932.
+LEWIS = 1.46720
+
+METHOD = "adams"
+SHAFT = {"zeta": 0.02, "shaft_stiffness": 1.0}
+FROM, TO = 0.2, 3.5
+DISC_RADIUS = 20.0
+CLEARANCES = [2.0, 5.0, 10.0, 20.0]
+RUBS_AT = 5.0  # clearance of the run-ups with friction
+FRICTIONS = [0.0, 0.05, 0.1, 0.3]
+RADIANS = 2.0 * math.pi / 60.0  # rad/s in one rpm
+
+SUSPENSION = 2e6  # N/m, of the magnetic bearing
+RUN = (1000.0, 6000.0)  # rpm
+RING = [0.1e-3, 0.2e-3, 0.3e-3]  # m
+# What may come of a run-up, from good to bad, and its colour.
+ENDS = {
+    "never touches": "white",
+    "touches, and comes free": "#cfe3f5",
+    "ends in a rub": "#d7b3ea",
+    "ends in dry whip": "#8a4f3d",
+}
+
+
+def main(settings: Settings) -> None:
+    quick = settings.quick
+    forces = run_over(
+        "clearance", settings, omega=FROM, to=TO, **SHAFT,
+        rate=np.geomspace(3e-3 if quick else 3e-4, 1.0, 6 if quick else 36),
+        delta0=np.unique(np.append(np.geomspace(1.0, 24.0, 2 if quick else 24), CLEARANCES)),
+    )  # fmt: skip
+    settings.keep(forces, "forces")
+    endings = run_over(
+        "friction", settings, omega=FROM, to=TO, **SHAFT, delta0=RUBS_AT, disc_radius=DISC_RADIUS,
+        rate=np.geomspace(3e-3 if quick else 3e-4, 0.3, 4 if quick else 25),
+        friction=frictions(0.8, quick=quick), phase=phases(quick=quick),
+        starts=[(0.2 * RUBS_AT, 0.0, 0.0, 0.0)],
+    )  # fmt: skip
+    settings.keep(endings, "endings")
+    draw(forces, endings, settings)
+    machine_forces = of_machine(
+        RING, [0.0], rate=np.geomspace(300.0 if quick else 20.0, 5000.0, 4 if quick else 25),
+        settings=settings,
+    )  # fmt: skip
+    settings.keep(machine_forces, "machine_forces")
+    machine_endings = of_machine(
+        RING[1:2], frictions(0.5, quick=quick), settings=settings,
+        rate=np.geomspace(500.0 if quick else 50.0, 2000.0, 3 if quick else 17),
+    )  # fmt: skip
+    settings.keep(machine_endings, "machine_endings")
+    draw_machine(machine_forces, machine_endings, settings)
+
+
+def frictions(largest: float, *, quick: bool) -> np.ndarray:
+    """Return coefficients of friction, those of the curves among them."""
+    return np.unique(np.append(np.geomspace(0.01, largest, 2 if quick else 14), FRICTIONS))
+
+
+def phases(*, quick: bool) -> np.ndarray:
+    """Return angles of the unbalance at the beginning."""
+    return np.linspace(0.0, 2.0 * math.pi, 2 if quick else 4, endpoint=False)
+
+
+def run_over(what: str, settings: Settings, **given: object) -> xr.Dataset:
+    """Return run-ups over rate and something else."""
+    with progress_bar(f"run-ups over rate and {what}") as progress:
+        return run_ups(
+            **given, method="adams", rtol=1e-8, workers=settings.workers, progress=progress
+        )
+
+
+def machine_with(clearance: float, friction: float = 0.0) -> DimensionalRotor:
+    """Return the rotor of the scenario drop on its magnetic bearing."""
+    return DimensionalRotor(
+        mass=20.0,
+        contact_stiffness=2e9,  # N/m^1.5
+        damping=50.0,  # N s/m
+        eccentricity=4e-6,  # m
+        clearance=clearance,
+        speed=RUN[0] * RADIANS,
+        shaft_stiffness=SUSPENSION,
+        contact_damping=10.0,  # s/m
+        friction=friction,
+        disc_radius=20e-3,  # m
+    )
+
+
+def of_machine(
+    clearances: list[float], frictions: list[float] | np.ndarray, *, rate: np.ndarray,
+    settings: Settings,
+) -> xr.Dataset:  # fmt: skip
+    """Return run-ups of the machine in rings with these clearances [m], at rates in rpm/s."""
+    machine = machine_with(clearances[0])
+    frequency, given = machine.reference_frequency, machine.rotor().given
+    given |= {
+        "to": RUN[1] * RADIANS / frequency,
+        "rate": rate * RADIANS / frequency**2,
+        "delta0": np.array(clearances) / machine.eccentricity,
+        "friction": np.asarray(frictions),
+    }
+    found = dimensional(run_over("the machine's ring", settings, **given), machine)
+    return found.assign_coords(
+        rate_rpm=("rate", rate, {"long_name": "change of the speed", "units": "rpm s-1"}),
+        clearance=("delta0", clearances, {"long_name": "radial clearance", "units": "m"}),
+    )  # fmt: skip
+
+
+def steady_force(rotor: Rotor, to: float) -> float:
+    """Return the largest force on the exact response that a slow run-up follows up to a speed."""
+    given = {name: value for name, value in rotor.given.items() if name != "omega"}
+    given = {name: given[name] for name in given if name not in {"disc_radius", "contact_damping"}}
+    best = peaks(**given)
+    if not best.peak_omega.item() > to:
+        return float(best.peak_contact_force.fillna(0.0).item())
+    amplitude = synchronous_response(omega=to, **given).amplitude.max().item()
+    return float(contact_force(amplitude, rotor.delta0, rotor.contact_exponent))
+
+
+def never_touches_from(rotor: Rotor) -> float:
+    """Return the rate beyond which an undamped rotor does not reach the ring, by Lewis."""
+    return LEWIS**2 * rotor.shaft_stiffness / rotor.delta0**2
+
+
+def worst(found: xr.Dataset) -> xr.DataArray:
+    """Return by number what may come of a run-up, as `ENDS` has it: the worst over the phases."""
+    touches = (found.contact_count > 0).astype(float)
+    comes = xr.where(found.ending == ENDING["contact_free"], touches, 2.0)
+    comes = xr.where(found.ending == ENDING["whip"], 3.0, comes).where(found.status == 0)
+    return comes.max(["phase", "start"]).squeeze()
+
+
+def part_of_steady(forces: xr.Dataset) -> xr.DataArray:
+    """Return the largest forces over those on the exact response, by rate and clearance."""
+    steady = [
+        steady_force(Rotor(omega=FROM, delta0=clearance, **SHAFT), TO)
+        for clearance in forces.delta0.values
+    ]
+    return forces.largest_force.squeeze() / xr.DataArray(steady, dims="delta0")
+
+
+def rate_at(part: xr.DataArray, level: float) -> float:
+    """Return the rate at which the part of the steady force has fallen to a level."""
+    below = np.flatnonzero(part.values < level)
+    if not below.size or not below[0]:
+        return math.nan
+    (low, high), ends = part.values[below[0] - 1 : below[0] + 1], part.rate.values[below[0] - 1 :]
+    return float(ends[0] * (ends[1] / ends[0]) ** ((low - level) / (low - high)))
+
+
+def draw(forces: xr.Dataset, endings: xr.Dataset, settings: Settings) -> None:
+    figure, axes = mixed_panels(2, 2, height=6.4)
+    rate = forces.rate.values
+    with style():
+        for number, clearance in enumerate(CLEARANCES):
+            colour, dashes = look(number)
+            one = forces.largest_force.sel(delta0=clearance).squeeze()
+            axes[0].plot(rate, one.where(one > 0.0), color=colour, ls=dashes,
+                         label=f"$\\delta_0$ = {clearance:g}")  # fmt: skip
+            rotor = Rotor(omega=FROM, delta0=clearance, **SHAFT)
+            axes[0].axhline(steady_force(rotor, TO), color=colour, lw=0.6, ls=dashes, alpha=0.6)
+            axes[0].axvline(never_touches_from(rotor), ymax=0.06, color=colour, lw=2.0)
+        axes[0].set(xscale="log", yscale="log", ylim=(0.1, 2e3), xlabel="rate $a$",
+                    ylabel="largest normal force")  # fmt: skip
+        axes[0].legend(loc="lower left")
+        draw_part(axes[1], part_of_steady(forces))
+        for number, friction in enumerate(FRICTIONS):
+            colour, dashes = look(number)
+            some = endings.largest_force.sel(friction=friction).squeeze().max("phase")
+            axes[2].plot(endings.rate, some.where(some > 0.0), color=colour, ls=dashes,
+                         label=f"$\\mu$ = {friction:g}")  # fmt: skip
+        axes[2].set(xscale="log", yscale="log", xlabel="rate $a$", ylabel="largest normal force")
+        axes[2].legend(loc="lower left")
+        axes[2].set_title(f"$\\delta_0$ = {RUBS_AT:g}")
+        draw_endings(axes[3], endings, endings.rate.values)
+        axes[3].set_xlabel("rate $a$")
+        axes[3].set_title(f"$\\delta_0$ = {RUBS_AT:g},  $\\rho$ = {DISC_RADIUS:g}")
+        legend_of_endings(figure)
+    settings.show(
+        figure, "how_slow", archives=["forces", "endings"],
+        shows="Run-ups through a critical speed of 1 over their rate, ζ = 0.02: (a) the largest "
+        "force met on the way for four clearances, the largest on the exact response (horizontal), "
+        "and the rate beyond which an undamped rotor does not touch (marks on the axis); (b) the "
+        "force over rate and clearance as a part of that on the exact response; (c) the force with "
+        "friction; (d) how run-ups end over rate and friction, the worst of the phases of the "
+        "unbalance.",
+        found=told(forces, endings),
+    )  # fmt: skip
+
+
+def draw_part(ax: Axes, part: xr.DataArray) -> None:
+    """Draw which part of the steady force is met, over rate and clearance."""
+    part = part.transpose("rate", "delta0")
+    mesh = ax.pcolormesh(part.delta0, part.rate, part.where(part > 0.0), cmap="YlOrBr", vmin=0.0,
+                         vmax=1.0, shading="nearest", rasterized=True)  # fmt: skip
+    ax.figure.colorbar(mesh, ax=ax, label="part of the steady force", pad=0.02)
+    lines = ax.contour(part.delta0, part.rate, part, levels=[0.1, 0.5, 0.9], colors=INK,
+                       linewidths=0.9, linestyles=["dotted", "dashed", "solid"])  # fmt: skip
+    ax.clabel(lines, fmt=lambda level: f"{100.0 * level:.0f} %", fontsize=8.0)
+    clearance = part.delta0.values
+    ax.plot(clearance, LEWIS**2 / clearance**2, color=GREY, lw=2.4)
+    ax.annotate("no touch", (0.97, 0.95), xycoords="axes fraction", ha="right", va="top")
+    ax.set(xscale="log", yscale="log", xlabel="clearance $\\delta_0$", ylabel="rate $a$",
+           ylim=(part.rate.min(), part.rate.max()))  # fmt: skip
+    ax.grid(visible=False)
+
+
+def draw_endings(ax: Axes, endings: xr.Dataset, rate: np.ndarray) -> None:
+    """Draw how run-ups end, over rate and friction."""
+    some = worst(endings.isel(friction=endings.friction.values > 0.0)).transpose("friction", "rate")
+    ax.pcolormesh(rate, some.friction, some, cmap=ListedColormap(list(ENDS.values())), vmin=-0.5,
+                  vmax=3.5, shading="nearest", rasterized=True)  # fmt: skip
+    ax.set(xscale="log", yscale="log", ylabel="friction $\\mu$")
+    ax.grid(visible=False)
+
+
+def legend_of_endings(figure: Figure) -> None:
+    """Explain the colours of the endings under the panels."""
+    patches = [Patch(fc=colour, ec=INK, lw=0.6, label=words) for words, colour in ENDS.items()]
+    figure.legend(handles=patches, loc="outside lower center", ncols=len(patches))
+
+
+def told(forces: xr.Dataset, endings: xr.Dataset) -> str:
+    """Return what the gallery says of run-ups over rate, clearance and friction."""
+    part = part_of_steady(forces)
+    said = []
+    for clearance in CLEARANCES:
+        one = part.sel(delta0=clearance)
+        rotor = Rotor(omega=FROM, delta0=clearance, **SHAFT)
+        steady = steady_force(rotor, TO)
+        touched = one.rate.values[one.values > 0.0]
+        said.append(
+            f"δ₀ = {clearance:g}: {steady:.3g} at rest in speed, half of it at a rate of "
+            f"{rate_at(one, 0.5):.2g}, no touch beyond {touched.max(initial=0.0):.2g} "
+            f"(Lewis: {never_touches_from(rotor):.2g})"
+        )
+    some = worst(endings)
+    whips = some.where(some == 3.0, drop=True)
+    slowest = f"up to a rate of {whips.rate.max().item():.2g}" if whips.size else "nowhere"
+    return f"{'; '.join(said)}. With friction run-ups end in dry whip {slowest}."
+
+
+def draw_machine(forces: xr.Dataset, endings: xr.Dataset, settings: Settings) -> None:
+    figure, (left, right) = mixed_panels(1, 2, height=3.8)
+    rate = forces.rate_rpm.values
+    with style():
+        for number, clearance in enumerate(RING):
+            colour, dashes = look(number)
+            machine = machine_with(clearance)
+            one = 1e-3 * forces.largest_force.isel(delta0=number).squeeze()
+            left.plot(rate, one.where(one > 0.0), color=colour, ls=dashes,
+                      label=f"{1e3 * clearance:g} mm")  # fmt: skip
+            left.axhline(1e-3 * steady_in_newtons(machine), color=colour, lw=0.6, ls=dashes)
+            left.axvline(never_touches_in_rpm(machine), ymax=0.06, color=colour, lw=2.0)
+        left.set(xscale="log", yscale="log", xlabel="rate [rpm/s]",
+                 ylabel="largest normal force [kN]")  # fmt: skip
+        left.legend(loc="lower left")
+        draw_endings(right, endings, endings.rate_rpm.values)
+        right.set_xlabel("rate [rpm/s]")
+        right.set_title(f"clearance {1e3 * RING[1]:g} mm")
+        legend_of_endings(figure)
+    settings.show(
+        figure, "machine", archives=["machine_forces", "machine_endings"],
+        shows="The rotor of the scenario drop on its magnetic bearing, run up from 1,000 to 6,000 "
+        "rpm through its critical speed of 3,020 rpm: (a) the largest force on the ring without "
+        "friction over the rate, for three clearances, that on the exact response (horizontal), "
+        "and the rate beyond which no run-up touches (marks on the axis); (b) how run-ups end over "
+        "rate and friction.",
+        found=told_of_machine(forces, endings),
+    )  # fmt: skip
+
+
+def steady_in_newtons(machine: DimensionalRotor) -> float:
+    """Return the largest force on the exact response up to the last speed [N]."""
+    to = RUN[1] * RADIANS / machine.reference_frequency
+    return steady_force(machine.rotor(), to) * machine.force_scale
+
+
+def never_touches_in_rpm(machine: DimensionalRotor) -> float:
+    """Return the rate beyond which an undamped rotor does not reach the ring [rpm/s]."""
+    return never_touches_from(machine.rotor()) * machine.reference_frequency**2 / RADIANS
+
+
+def told_of_machine(forces: xr.Dataset, endings: xr.Dataset) -> str:
+    """Return what the gallery says of the machine."""
+    said = []
+    for number, clearance in enumerate(RING):
+        machine, one = machine_with(clearance), forces.largest_force.isel(delta0=number).squeeze()
+        touched = forces.rate_rpm.values[one.values > 0.0].max(initial=0.0)
+        said.append(
+            f"a clearance of {1e3 * clearance:g} mm is touched up to {touched:.0f} rpm/s (Lewis: "
+            f"{never_touches_in_rpm(machine):.0f}), with up to {1e-3 * float(one.max()):.2g} kN "
+            f"({1e-3 * steady_in_newtons(machine):.2g} kN on the exact response)"
+        )
+    some = worst(endings)
+    whips = some.where(some == 3.0, drop=True)
+    least = f"from μ = {whips.friction.min().item():.2g} on" if whips.size else "in none"
+    return f"{'; '.join(said).capitalize()}. With friction run-ups end in dry whip {least}."
+
+
+if __name__ == "__main__":
+    sys.exit(run_script(main, description=__doc__, script=__file__))
