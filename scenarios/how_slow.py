@@ -38,7 +38,7 @@ from rotor_ida.schema import ENDING
 # the rate: Lewis, 1932.
 LEWIS = 1.46720
 
-METHOD = "adams"
+METHOD = "taylor"
 SHAFT = {"zeta": 0.02, "shaft_stiffness": 1.0}
 FROM, TO = 0.2, 3.5
 DISC_RADIUS = 20.0

@@ -24,7 +24,7 @@ from rotor_ida.simulation.contact_table import PEAK_INDENTATION, peak_forces
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import ENTRY, EXIT, ROLL, ROLLS, Orbit
 from rotor_ida.simulation.run import run
-from rotor_ida.simulation.run_up import _Asked, _by_ramp, _run
+from rotor_ida.simulation.run_up import ramp_of
 from rotor_ida.simulation.spin import Course, Ramp
 from rotor_ida.steady_state.follow import FAILED, durations, follow_to_steady_state
 from rotor_ida.steady_state.response import CONTACT_FREE, TOUCHING, UNRESOLVED, Features
@@ -132,8 +132,11 @@ def pass_through(passage: Passage, stop: Stop) -> Passed:
     """Follow a rotor along its ramp, and on at the last speed until it has settled."""
     met = Met()
     try:
-        orbit = along(passage.rotor, passage.start, course_of(passage), _NO_TIMES,
-                      passage.options, extrema=True, stop=stop)  # fmt: skip
+        course = course_of(passage)
+        orbit = run(
+            passage.rotor, passage.start, course.ends[-1], _NO_TIMES, passage.options,
+            extrema=True, stop=stop, course=course,
+        )  # fmt: skip
         met = met_on(orbit, passage)
         return _settled(passage, orbit, met, stop)
     except EXPECTED as error:  # it must not end the others
@@ -144,7 +147,7 @@ def pass_through(passage: Passage, stop: Stop) -> Passed:
 
 def course_of(passage: Passage) -> Course:
     """Return how the speed changes, from the phase of the unbalance on."""
-    course = ramp_course(passage.rotor, passage.to, passage.rate)
+    course = ramp_of(passage.rotor, passage.to, passage.rate)
     (ramp,) = course.spins
     assert isinstance(ramp, Ramp)
     return replace(course, spins=(replace(ramp, angle=passage.phase),))
@@ -250,7 +253,9 @@ def _on_rotating_axes(passage: Passage, end: Values, stop: Stop) -> State:
         x, y, vx, vy = end.tolist()
         if left > 0.0:
             course = Course((left,), (Ramp(0.0, angle, passage.to, 0.0),))
-            end = along(held, (x, y, vx, vy), course, _NO_TIMES, passage.options, stop=stop).end
+            end = run(
+                held, (x, y, vx, vy), left, _NO_TIMES, passage.options, stop=stop, course=course
+            ).end
         angle = 0.0
     x, y, vx, vy = rotated(end, np.float64(-angle)).tolist()
     return (x, y, vx, vy)
@@ -269,23 +274,3 @@ def whips(rotor: Rotor, state: State, options: Options, stop: Stop) -> bool:
     x, y, vx, vy = orbit.states.T
     leaves = bool((np.abs(orbit.event_kinds) == ENTRY).any())
     return orbit.starts_in_contact and not leaves and bool((x * vy - y * vx).max() < 0.0)
-
-
-def along(
-    rotor: Rotor,
-    start: State,
-    course: Course,
-    times: Values,
-    options: Options,
-    *,
-    extrema: bool = False,
-    stop: Stop | None = None,
-) -> Orbit:
-    """Simulate a rotor along a course of its speed."""
-    assert extrema or not len(times)  # the reference always finds them
-    return _run(_Asked(rotor, course, {}), start, times, options, stop=stop)
-
-
-def ramp_course(rotor: Rotor, to: object, rate: object) -> Course:
-    """Return a ramp from the rotor's speed to another, or raise `InputError`."""
-    return _by_ramp(rotor, to, rate, None).course

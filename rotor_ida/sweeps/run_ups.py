@@ -25,10 +25,11 @@ from rotor_ida.parallel import Progress, choose
 from rotor_ida.parameters import DEFAULTS, OF_FRICTION_DEFAULTS, Rotor
 from rotor_ida.provenance import computing
 from rotor_ida.simulation.options import LARGEST, Backend, Method, Options, check_can_be_followed
+from rotor_ida.simulation.run_up import ramp_of
 from rotor_ida.storage.studies.results import open_results
 from rotor_ida.sweeps.dataset import Rows
 from rotor_ida.sweeps.jobs import Task, do_all
-from rotor_ida.sweeps.passage import TURN, lost, pass_through, ramp_course
+from rotor_ida.sweeps.passage import TURN, lost, pass_through
 from rotor_ida.sweeps.ramps import Places
 from rotor_ida.sweeps.run_ups_dataset import FORM, RunUps, rows_of, run_ups_dataset
 from rotor_ida.sweeps.sweep import REST
@@ -194,7 +195,7 @@ def _check_can_be_followed(asked: RunUps) -> None:
     parameters = {name: axis for name, axis in asked.axes.items() if name not in {"rate", "phase"}}
     largest = {name: float(values.max()) for name, values in parameters.items()}
     for omega, rate in product(parameters["omega"].tolist(), asked.axes["rate"].tolist()):
-        ramp_course(Rotor(**largest | {"omega": omega}), asked.to, rate)
+        ramp_of(Rotor(**largest | {"omega": omega}), asked.to, rate)
     rotors = [
         Rotor(**largest | {name: value})
         for name, values in parameters.items()

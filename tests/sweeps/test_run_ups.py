@@ -72,6 +72,19 @@ def test_each_is_the_run_of_run_up(rotor, omega, to, rate, start):
     np.testing.assert_allclose(ends_of(found), ends, rtol=1e-8, atol=1e-9)
 
 
+def test_taylor_series_cvode_and_the_reference_find_the_same():
+    """With all that a machine may have, down and through a phase and its half turn."""
+    given = {"omega": 2.0, "to": 0.5, "rate": -0.2, "phase": [0.5, 3.5], "starts": [START], **ALL}
+    ways = [{"method": "taylor"}, {"method": "adams"}, {"backend": "python", "rtol": 1e-9}]
+    first, *others = (run_ups(**given | way).squeeze() for way in ways)
+    assert (first.contact_count > 1).all()
+    for other in others:
+        np.testing.assert_array_equal(first.ending, other.ending)
+        np.testing.assert_array_equal(first.contact_count, other.contact_count)
+        for name in ("largest_force", "first_touch_speed", "total_heat", "end_x", "end_vy"):
+            np.testing.assert_allclose(first[name], other[name], rtol=0, atol=1e-6)
+
+
 def test_without_a_load_a_phase_is_the_start_turned_back():
     angle = 0.7
     turned = complex(*START[:2]) * np.exp(-1j * angle), complex(*START[2:]) * np.exp(-1j * angle)
@@ -254,19 +267,19 @@ def test_whoever_does_the_work_finds_the_same_bits(executor):
 
 def test_one_that_fails_is_labelled_and_stops_nothing(monkeypatch):
     """On its ramp, or once it is held; what it met on the ramp is kept."""
-    true_along, true_follow = passage.along, passage.follow_to_steady_state
+    true_run, true_follow = passage.run, passage.follow_to_steady_state
 
     def fails(rotor, *rest, **options):
         if rotor.zeta == 0.2:
             raise SimulationError("corrector failed", time=1.0, state=REST)
-        return true_along(rotor, *rest, **options)
+        return true_run(rotor, *rest, **options)
 
     def overflows(rotor, *rest, **options):
         if rotor.zeta == 0.3:
             raise OverflowError("too large")
         return true_follow(rotor, *rest, **options)
 
-    monkeypatch.setattr(passage, "along", fails)
+    monkeypatch.setattr(passage, "run", fails)
     monkeypatch.setattr(passage, "follow_to_steady_state", overflows)
     given = SHAFT | {"zeta": [0.1, 0.2, 0.3]}
     found = run_ups(omega=0.3, to=1.6, rate=0.3, **given, executor="serial").squeeze()
