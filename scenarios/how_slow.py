@@ -50,6 +50,7 @@ RADIANS = 2.0 * math.pi / 60.0  # rad/s in one rpm
 SUSPENSION = 2e6  # N/m, of the magnetic bearing
 RUN = (1000.0, 6000.0)  # rpm
 RING = [0.1e-3, 0.2e-3, 0.3e-3]  # m
+SMOOTH = 0.05  # friction of a ring that lets the rotor slide
 # What may come of a run-up, from good to bad, and its colour.
 ENDS = {
     "never touches": "white",
@@ -63,26 +64,27 @@ def main(settings: Settings) -> None:
     quick = settings.quick
     forces = run_over(
         "clearance", settings, omega=FROM, to=TO, **SHAFT,
-        rate=np.geomspace(3e-3 if quick else 3e-4, 1.0, 6 if quick else 36),
+        rate=np.geomspace(1e-2 if quick else 3e-4, 1.0, 5 if quick else 36),
         delta0=np.unique(np.append(np.geomspace(1.0, 24.0, 2 if quick else 24), CLEARANCES)),
     )  # fmt: skip
     settings.keep(forces, "forces")
     endings = run_over(
         "friction", settings, omega=FROM, to=TO, **SHAFT, delta0=RUBS_AT, disc_radius=DISC_RADIUS,
-        rate=np.geomspace(3e-3 if quick else 3e-4, 0.3, 4 if quick else 25),
+        rate=np.geomspace(1e-2 if quick else 1e-3, 0.3, 3 if quick else 20),
         friction=frictions(0.8, quick=quick), phase=phases(quick=quick),
         starts=[(0.2 * RUBS_AT, 0.0, 0.0, 0.0)],
     )  # fmt: skip
     settings.keep(endings, "endings")
     draw(forces, endings, settings)
     machine_forces = of_machine(
-        RING, [0.0], rate=np.geomspace(300.0 if quick else 20.0, 5000.0, 4 if quick else 25),
+        RING, [SMOOTH], rate=np.geomspace(200.0 if quick else 50.0, 5000.0, 4 if quick else 31),
         settings=settings,
     )  # fmt: skip
     settings.keep(machine_forces, "machine_forces")
     machine_endings = of_machine(
-        RING[1:2], frictions(0.5, quick=quick), settings=settings,
-        rate=np.geomspace(500.0 if quick else 50.0, 2000.0, 3 if quick else 17),
+        RING[1:2], np.geomspace(0.03 if quick else 0.01, 0.3, 2 if quick else 10),
+        rate=np.geomspace(400.0 if quick else 50.0, 1000.0, 3 if quick else 12),
+        settings=settings,
     )  # fmt: skip
     settings.keep(machine_endings, "machine_endings")
     draw_machine(machine_forces, machine_endings, settings)
@@ -90,12 +92,12 @@ def main(settings: Settings) -> None:
 
 def frictions(largest: float, *, quick: bool) -> np.ndarray:
     """Return coefficients of friction, those of the curves among them."""
-    return np.unique(np.append(np.geomspace(0.01, largest, 2 if quick else 14), FRICTIONS))
+    return np.unique(np.append(np.geomspace(0.01, largest, 1 if quick else 12), FRICTIONS))
 
 
 def phases(*, quick: bool) -> np.ndarray:
     """Return angles of the unbalance at the beginning."""
-    return np.linspace(0.0, 2.0 * math.pi, 2 if quick else 4, endpoint=False)
+    return np.linspace(0.0, 2.0 * math.pi, 1 if quick else 4, endpoint=False)
 
 
 def run_over(what: str, settings: Settings, **given: object) -> xr.Dataset:
@@ -202,10 +204,11 @@ def draw(forces: xr.Dataset, endings: xr.Dataset, settings: Settings) -> None:
         draw_part(axes[1], part_of_steady(forces))
         for number, friction in enumerate(FRICTIONS):
             colour, dashes = look(number)
-            some = endings.largest_force.sel(friction=friction).squeeze().max("phase")
+            some = endings.largest_force.sel(friction=friction).max(["phase", "start"]).squeeze()
             axes[2].plot(endings.rate, some.where(some > 0.0), color=colour, ls=dashes,
                          label=f"$\\mu$ = {friction:g}")  # fmt: skip
-        axes[2].set(xscale="log", yscale="log", xlabel="rate $a$", ylabel="largest normal force")
+        axes[2].set(xscale="log", yscale="log", xlabel="rate $a$", ylabel="largest normal force",
+                    xlim=(endings.rate.min(), endings.rate.max()), ylim=(0.1, 2e3))  # fmt: skip
         axes[2].legend(loc="lower left")
         axes[2].set_title(f"$\\delta_0$ = {RUBS_AT:g}")
         draw_endings(axes[3], endings, endings.rate.values)
@@ -244,6 +247,7 @@ def draw_part(ax: Axes, part: xr.DataArray) -> None:
 def draw_endings(ax: Axes, endings: xr.Dataset, rate: np.ndarray) -> None:
     """Draw how run-ups end, over rate and friction."""
     some = worst(endings.isel(friction=endings.friction.values > 0.0)).transpose("friction", "rate")
+    ax.set_facecolor(GREY)
     ax.pcolormesh(rate, some.friction, some, cmap=ListedColormap(list(ENDS.values())), vmin=-0.5,
                   vmax=3.5, shading="nearest", rasterized=True)  # fmt: skip
     ax.set(xscale="log", yscale="log", ylabel="friction $\\mu$")
@@ -282,14 +286,15 @@ def draw_machine(forces: xr.Dataset, endings: xr.Dataset, settings: Settings) ->
     with style():
         for number, clearance in enumerate(RING):
             colour, dashes = look(number)
-            machine = machine_with(clearance)
-            one = 1e-3 * forces.largest_force.isel(delta0=number).squeeze()
+            machine = machine_with(clearance, SMOOTH)
+            one = forces.largest_force.isel(delta0=number).squeeze()
             left.plot(rate, one.where(one > 0.0), color=colour, ls=dashes,
                       label=f"{1e3 * clearance:g} mm")  # fmt: skip
-            left.axhline(1e-3 * steady_in_newtons(machine), color=colour, lw=0.6, ls=dashes)
+            left.axhline(steady_in_newtons(machine), color=colour, lw=0.6, ls=dashes)
             left.axvline(never_touches_in_rpm(machine), ymax=0.06, color=colour, lw=2.0)
-        left.set(xscale="log", yscale="log", xlabel="rate [rpm/s]",
-                 ylabel="largest normal force [kN]")  # fmt: skip
+        left.set(xscale="log", yscale="log", xlabel="rate [rpm/s]", ylim=(1.0, 1e3),
+                 ylabel="largest normal force [N]", xlim=(rate.min(), rate.max()))  # fmt: skip
+        left.set_title(f"$\\mu$ = {SMOOTH:g}")
         left.legend(loc="lower left")
         draw_endings(right, endings, endings.rate_rpm.values)
         right.set_xlabel("rate [rpm/s]")
@@ -298,10 +303,10 @@ def draw_machine(forces: xr.Dataset, endings: xr.Dataset, settings: Settings) ->
     settings.show(
         figure, "machine", archives=["machine_forces", "machine_endings"],
         shows="The rotor of the scenario drop on its magnetic bearing, run up from 1,000 to 6,000 "
-        "rpm through its critical speed of 3,020 rpm: (a) the largest force on the ring without "
-        "friction over the rate, for three clearances, that on the exact response (horizontal), "
-        "and the rate beyond which no run-up touches (marks on the axis); (b) how run-ups end over "
-        "rate and friction.",
+        "rpm through its critical speed of 3,020 rpm: (a) the largest force on the ring over the "
+        f"rate with μ = {SMOOTH:g}, for three clearances, that on the exact response (horizontal), "
+        "and the rate beyond which an undamped rotor does not touch (marks on the axis); (b) how "
+        "run-ups end over rate and friction.",
         found=told_of_machine(forces, endings),
     )  # fmt: skip
 
@@ -321,17 +326,23 @@ def told_of_machine(forces: xr.Dataset, endings: xr.Dataset) -> str:
     """Return what the gallery says of the machine."""
     said = []
     for number, clearance in enumerate(RING):
-        machine, one = machine_with(clearance), forces.largest_force.isel(delta0=number).squeeze()
+        machine = machine_with(clearance, SMOOTH)
+        one = forces.largest_force.isel(delta0=number).squeeze()
         touched = forces.rate_rpm.values[one.values > 0.0].max(initial=0.0)
         said.append(
             f"a clearance of {1e3 * clearance:g} mm is touched up to {touched:.0f} rpm/s (Lewis: "
-            f"{never_touches_in_rpm(machine):.0f}), with up to {1e-3 * float(one.max()):.2g} kN "
-            f"({1e-3 * steady_in_newtons(machine):.2g} kN on the exact response)"
+            f"{never_touches_in_rpm(machine):.0f}), with up to {float(one.max()):.3g} N "
+            f"({steady_in_newtons(machine):.3g} N on the exact response)"
         )
     some = worst(endings)
     whips = some.where(some == 3.0, drop=True)
-    least = f"from μ = {whips.friction.min().item():.2g} on" if whips.size else "in none"
-    return f"{'; '.join(said).capitalize()}. With friction run-ups end in dry whip {least}."
+    ends = (
+        f"end in dry whip from μ = {whips.friction.min().item():.2g} on, at "
+        f"{1e-3 * endings.largest_force.max().item():.0f} kN, which no machine lives to see"
+        if whips.size
+        else "end in no dry whip"
+    )
+    return f"With μ = {SMOOTH:g} {'; '.join(said)}. Run-ups that touch {ends}."
 
 
 if __name__ == "__main__":

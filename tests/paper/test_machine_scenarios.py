@@ -15,6 +15,7 @@ from rotor_ida import (
     compare,
     limit_cycle,
     lyapunov_exponent,
+    run_ups,
     simulate,
     sweep,
 )
@@ -240,6 +241,37 @@ def test_drop_that_ends_in_whip_does_so_by_another_method_and_for_good(drop):
         )  # fmt: skip
         assert is_whip(run) == whips
         assert is_whip(drop.drop(machine, drop.DECIDED, samples=201)) == whips
+
+
+@pytest.fixture(scope="module")
+def how_slow():
+    return scenario("how_slow")
+
+
+def run_up_of(how_slow, machine, rates):
+    rotor, frequency = machine.rotor(), machine.reference_frequency
+    given = {name: value for name, value in rotor.given.items() if name != "omega"}
+    return run_ups(
+        omega=rotor.omega, to=how_slow.RUN[1] * how_slow.RADIANS / frequency,
+        rate=np.array(rates) * how_slow.RADIANS / frequency**2, method="taylor", rtol=1e-8, **given,
+    ).squeeze()  # fmt: skip
+
+
+def test_slow_run_up_of_the_machine_meets_the_force_of_the_exact_response(how_slow):
+    for clearance in how_slow.RING:
+        machine = how_slow.machine_with(clearance, how_slow.SMOOTH)
+        found = run_up_of(how_slow, machine, [50.0])
+        force = found.largest_force.item() * machine.force_scale
+        assert force == pytest.approx(how_slow.steady_in_newtons(machine), rel=0.02)
+
+
+def test_machine_does_not_touch_at_the_rate_that_lewis_gives(how_slow):
+    """His rotor is undamped; damping keeps this one off the ring at a third of it still."""
+    for clearance in how_slow.RING:
+        machine = how_slow.machine_with(clearance, how_slow.SMOOTH)
+        limit = how_slow.never_touches_in_rpm(machine)
+        found = run_up_of(how_slow, machine, [0.1 * limit, limit])
+        assert (found.contact_count.values > 0).tolist() == [True, False]
 
 
 def test_elastic_fall_without_unbalance_bears_the_force_of_its_energy(drop):

@@ -74,10 +74,18 @@ def test_each_is_the_run_of_run_up(rotor, omega, to, rate, start):
 
 def test_taylor_series_cvode_and_the_reference_find_the_same():
     """With all that a machine may have, down and through a phase and its half turn."""
-    given = {"omega": 2.0, "to": 0.5, "rate": -0.2, "phase": [0.5, 3.5], "starts": [START], **ALL}
+    given = {
+        "omega": 2.0,
+        "to": 0.5,
+        "rate": -0.2,
+        "phase": [0.5, 3.5],
+        "starts": [START],
+        **ALL,
+        "zeta": 0.3,
+    }
     ways = [{"method": "taylor"}, {"method": "adams"}, {"backend": "python", "rtol": 1e-9}]
     first, *others = (run_ups(**given | way).squeeze() for way in ways)
-    assert (first.contact_count > 1).all()
+    assert (first.contact_count > 0).all()
     for other in others:
         np.testing.assert_array_equal(first.ending, other.ending)
         np.testing.assert_array_equal(first.contact_count, other.contact_count)

@@ -15,10 +15,10 @@ from rotor_ida.storage.studies.database import FILE
 
 SWEEP = {"omega": [0.02 * number for number in range(25, 145)], "zeta": 0.07, "delta0": [0.5, 2.0]}
 RUN_UPS = {
-    "omega": 0.3, "to": 1.6, "rate": [0.1 + 0.01 * number for number in range(20)], "zeta": 0.1,
-    "delta0": [1.0, 2.0], "shaft_stiffness": 1.0, "rtol": 1e-8,
+    "omega": 0.3, "to": 1.6, "rate": [0.1 + 0.001 * number for number in range(60)], "zeta": 0.1,
+    "delta0": [1.0, 2.0], "shaft_stiffness": 1.0, "rtol": 1e-8, "method": "taylor",
 }  # fmt: skip
-STUDIES = {"sweep": (SWEEP, 240), "run_ups": (RUN_UPS, 40)}
+STUDIES = {"sweep": (SWEEP, 240), "run_ups": (RUN_UPS, 120)}
 
 
 @pytest.mark.skipif(os.name != "posix", reason="kills with a signal")
