@@ -303,11 +303,11 @@ QUANTITIES: dict[str, Quantity] = {
     "largest_radius": Quantity(
         "largest distance from the bearing axis on the ramp", scale="length"
     ),
-    "largest_radius_speed": Quantity("spin speed where the distance is largest", scale="rate"),
-    "largest_force_speed": Quantity("spin speed where the force is largest", scale="rate"),
-    "first_touch_speed": Quantity("spin speed at the first touch", scale="rate"),
-    "last_exit_speed": Quantity("spin speed at the last exit", scale="rate"),
-    "first_roll_speed": Quantity("spin speed where the disc first rolls", scale="rate"),
+    "largest_radius_speed": Quantity("spin speed where the distance is largest", scale="speed"),
+    "largest_force_speed": Quantity("spin speed where the force is largest", scale="speed"),
+    "first_touch_speed": Quantity("spin speed at the first touch", scale="speed"),
+    "last_exit_speed": Quantity("spin speed at the last exit", scale="speed"),
+    "first_roll_speed": Quantity("spin speed where the disc first rolls", scale="speed"),
     "contact_time": Quantity("time spent in contact on the ramp", scale="time"),
     "end_angle": Quantity("angle of the unbalance at the end of the ramp", "radian"),
     "failed_count": Quantity("number of run-ups that failed"),

@@ -141,7 +141,8 @@ def of_machine(
         "delta0": np.array(clearances) / machine.eccentricity,
         "friction": np.asarray(frictions),
     }
-    found = dimensional(run_over("the machine's ring", settings, **given), machine)
+    found = run_over("the machine's ring", settings, **given)
+    found = dimensional(found, machine, units={"speed": "rpm"})
     return found.assign_coords(
         rate_rpm=("rate", rate, {"long_name": "change of the speed", "units": "rpm s-1"}),
         clearance=("delta0", clearances, {"long_name": "radial clearance", "units": "m"}),

@@ -11,6 +11,7 @@ from rotor_ida import (
     basin_fractions,
     folds,
     hopf_points,
+    run_ups,
     sweep,
     synchronous_response,
 )
@@ -119,3 +120,18 @@ def test_backward_whirls_are_described_and_drawn():
     assert len(ax.lines) == 3
     record, _ = describe(hopf_points(zeta=0.07, delta0=0.5, friction=[0.0, 0.1]))
     assert [row["friction"] for row in record["hopf_points"]] == [0.1, 0.1]
+
+
+def test_run_ups_are_told_by_rate_and_drawn():
+    found = run_ups(
+        omega=0.3, to=1.6, rate=[0.01, 0.2], zeta=0.1, delta0=2.0, shaft_stiffness=1.0,
+        phase=[0.0, 1.0], method="taylor",
+    )  # fmt: skip
+    record, parts = describe(found, most=10)
+    assert record["kind"] == "run_ups"
+    assert [row["rate"] for row in record["fractions"]] == [0.01, 0.2]
+    assert [row["rub_fraction"] for row in record["fractions"]] == [1.0, 0.0]
+    assert record["fractions"][0]["largest_force"] == found.largest_force.values.max()
+    assert [row["ending"] for row in record["run_ups"]] == ["rub"] * 2 + ["contact_free"] * 2
+    assert len(parts) == 2
+    assert len(figure_of(found).axes) == 2

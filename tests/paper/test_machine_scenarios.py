@@ -19,7 +19,7 @@ from rotor_ida import (
     simulate,
     sweep,
 )
-from rotor_ida.closed_forms import response_curve
+from rotor_ida.closed_forms import peaks, response_curve
 from rotor_ida.paper.whip import ENDS, end_of, is_whip
 from rotor_ida.schema import RESPONSE
 from tests.scenarios import scenario
@@ -263,6 +263,26 @@ def test_slow_run_up_of_the_machine_meets_the_force_of_the_exact_response(how_sl
         found = run_up_of(how_slow, machine, [50.0])
         force = found.largest_force.item() * machine.force_scale
         assert force == pytest.approx(how_slow.steady_in_newtons(machine), rel=0.02)
+
+
+@pytest.mark.parametrize("zeta", [0.02, 0.1])
+def test_a_slow_run_up_meets_92_percent_of_the_force_on_the_exact_response(how_slow, zeta):
+    machine = {"zeta": zeta, "delta0": 2.0, "shaft_stiffness": 1.0}
+    rates = how_slow.SLOW * zeta * np.array([1.0, 4.0, 10.0])
+    found = run_ups(omega=0.2, to=3.5, rate=rates, method="taylor", rtol=1e-8, **machine)
+    part = found.largest_force.values.ravel() / peaks(**machine).peak_contact_force.item()
+    assert 0.92 < part[0] < 1.0
+    assert 0.7 < part[1] < 0.76
+    assert 0.35 < part[2] < 0.46
+
+
+def test_the_largest_radius_is_that_of_lewis_and_less_than_one_eccentricity_more(how_slow):
+    rates = np.geomspace(1e-3, 1.0, 7)
+    given = {"zeta": 0.0, "delta0": 1e4, "shaft_stiffness": 1.0, "method": "taylor", "rtol": 1e-8}
+    found = run_ups(omega=[0.0, 0.2, 0.4], to=12.0, rate=rates, **given).squeeze()
+    more = found.largest_radius - how_slow.LEWIS / np.sqrt(found.rate)
+    assert float(more.min()) > 0.5
+    assert float(more.max()) < how_slow.MORE
 
 
 def test_machine_does_not_touch_at_the_rate_that_lewis_gives(how_slow):

@@ -1,0 +1,60 @@
+"""Figures of many run-ups show the forces and fractions of the dataset."""
+
+import numpy as np
+import pytest
+
+from rotor_ida import InputError, run_ups
+from rotor_ida.plot import plot_endings, plot_largest_force, run_ups_figure
+from rotor_ida.plot.run_ups import ENDING_WORDS
+
+
+@pytest.fixture(scope="module")
+def found():
+    return run_ups(
+        omega=0.3, to=1.6, rate=[0.2, 0.01, 0.05], zeta=0.1, delta0=[1.0, 2.0],
+        shaft_stiffness=1.0, phase=[0.0, 2.0], starts=[(0.5, 0.0, 0.0, 0.0)], method="taylor",
+    )  # fmt: skip
+
+
+def test_forces_are_the_largest_of_all_phases_by_rising_rate(found):
+    ax = plot_largest_force(found)
+    force = found.largest_force.max(["phase", "start"]).sortby("rate")
+    for (line, *_), clearance in zip(ax.containers, found.delta0.values, strict=True):
+        np.testing.assert_array_equal(line.get_xdata(), [0.01, 0.05, 0.2])
+        np.testing.assert_array_equal(line.get_ydata(), force.sel(delta0=clearance).squeeze())
+    labels = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert labels == [r"$\delta_0 = 1$", r"$\delta_0 = 2$"]
+
+
+def test_bars_are_the_fractions_and_fill_the_panel(found):
+    one = found.sel(delta0=[2.0])
+    ax = plot_endings(one)
+    by_rate = one.sortby("rate")
+    height = np.zeros(3)
+    for bars in ax.containers:
+        word = next(word for word, said in ENDING_WORDS.items() if said == bars.get_label())
+        drawn = [bar.get_height() for bar in bars]
+        np.testing.assert_array_equal(drawn, by_rate[f"{word}_fraction"].values.ravel())
+        height += drawn
+    np.testing.assert_array_equal(height, 1.0)
+    assert [text.get_text() for text in ax.get_xticklabels()] == ["0.01", "0.05", "0.2"]
+
+
+def test_a_figure_has_a_panel_of_forces_and_one_of_endings_for_each_rotor(found):
+    figure = run_ups_figure(found)
+    titles = [ax.get_title() for ax in figure.axes]
+    assert titles == ["", r"$\delta_0 = 1$", r"$\delta_0 = 2$"]
+    (legend,) = figure.legends
+    assert "ends contact-free" in [text.get_text() for text in legend.get_texts()]
+
+
+def test_a_run_down_says_so():
+    down = run_ups(omega=1.6, to=0.4, rate=[-0.3, -0.2], zeta=0.1, delta0=3.0, method="taylor")
+    assert plot_largest_force(down).get_xlabel() == "rate of the run-down $|a|$"
+    ticks = [text.get_text() for text in plot_endings(down).get_xticklabels()]
+    assert ticks == ["-0.2", "-0.3"]
+
+
+def test_what_lacks_the_fractions_is_refused(found):
+    with pytest.raises(InputError, match="dataset must hold .* it lacks rub_fraction"):
+        plot_endings(found.drop_vars("rub_fraction"))
