@@ -297,7 +297,6 @@ QUANTITIES: dict[str, Quantity] = {
     "event_count": Quantity("number of contact events of the run"),
     # many run-ups
     "to": Quantity("spin speed at the end of the ramp over the reference frequency"),
-    "rate": Quantity("change of the spin speed in a unit of time"),
     "phase": Quantity("angle of the unbalance at time 0", "radian"),
     "ending": Quantity("how the run-up ends, once the last speed is held", flags=ENDING),
     "largest_radius": Quantity(
