@@ -114,10 +114,12 @@ def run_ups_dataset(run_ups: RunUps, pieces: Pieces, folder: Path | None = None)
     every = (*run_ups.axes, "start")
     dims = [name for name in every if name not in numbers]
     shape = [size for name, size in zip(every, run_ups.shape, strict=True) if name not in numbers]
-    coordinates: dict[str, Column] = {
+    coordinates: dict[str, Column | xr.Variable] = {
         name: ((), axis[0]) if name in numbers else (name, axis)
         for name, axis in run_ups.axes.items()
     }
+    coordinates["rate"] = rate = labelled("rate", "rate", run_ups.axes["rate"])
+    rate.attrs["long_name"] = "change of the spin speed in a unit of time"
     coordinates |= {"to": ((), run_ups.to), "start": ("start", np.arange(len(run_ups.starts)))}
     for name, column in zip(COMPONENTS, np.array(run_ups.starts).T, strict=True):
         coordinates[f"start_{name}"] = ("start", column.copy())
