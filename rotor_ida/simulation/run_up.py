@@ -40,8 +40,8 @@ from rotor_ida.simulation.spin import Course, driven, through
 
 # The disc is often 10^5 eccentricities wide, and its inertia goes with the square of that.
 SMALLEST_DRIVE, LARGEST_DRIVE = 1e-12, 1e15
-# More of them, of the spin or of a motion at the reference frequency, take hours.
-MOST_RADIANS = 1e7
+# More of them, of the spin or of a motion at the reference frequency, take an hour or more.
+MOST_RADIANS = {"python": 1e7, "compiled": 1e8}
 WAYS = "by to and rate, by speeds, or by torque and inertia"
 
 
@@ -197,28 +197,29 @@ def _asked(
         asked = _piece_by_piece(rotor, given["speeds"], duration)
     else:
         asked = _by_ramp(rotor, given["to"], given["rate"], duration)
-    if options.backend == "python":
-        _check_can_wait(asked)
+    _check_can_wait(asked.rotor.omega, asked.course, options.backend)
     return asked
 
 
-def _check_can_wait(asked: _Asked) -> None:
-    """Raise `InputError` for a run that would take the reference hours."""
-    ends = np.array(asked.course.ends)
-    fastest = max(asked.rotor.omega, 1.0)
-    if not asked.course.is_driven:
-        fastest = max(fastest, asked.course.tell(ends, np.empty((ends.size, 0)))[:, 1].max())
-    end, longest = asked.course.ends[-1], MOST_RADIANS / fastest
+def _check_can_wait(omega: float, course: Course, backend: str) -> None:
+    """Raise `InputError` for a run-up that would take an hour or so."""
+    ends = np.array(course.ends)
+    fastest = max(omega, 1.0)
+    if not course.is_driven:
+        fastest = max(fastest, course.tell(ends, np.empty((ends.size, 0)))[:, 1].max())
+    end, longest = course.ends[-1], MOST_RADIANS[backend] / fastest
     if end > longest:
         raise InputError(
-            f"duration must be at most {longest:g} for run_up with backend 'python', which would "
-            f"take hours, got {end!r}"
+            f"the duration of a run-up must be at most {longest:g} with backend {backend!r}, which "
+            f"would take an hour or more, got {end!r}"
         )
 
 
-def ramp_of(rotor: Rotor, to: float, rate: float) -> Course:
+def ramp_of(rotor: Rotor, to: float, rate: float, backend: Backend = "compiled") -> Course:
     """Return the course of a ramp from the rotor's speed, or raise `InputError`."""
-    return _by_ramp(rotor, to, rate, None).course
+    course = _by_ramp(rotor, to, rate, None).course
+    _check_can_wait(rotor.omega, course, backend)
+    return course
 
 
 def _by_ramp(rotor: Rotor, to: object, rate: object, duration: float | None) -> _Asked:

@@ -195,7 +195,7 @@ def _check_can_be_followed(asked: RunUps) -> None:
     parameters = {name: axis for name, axis in asked.axes.items() if name not in {"rate", "phase"}}
     largest = {name: float(values.max()) for name, values in parameters.items()}
     for omega, rate in product(parameters["omega"].tolist(), asked.axes["rate"].tolist()):
-        ramp_of(Rotor(**largest | {"omega": omega}), asked.to, rate)
+        ramp_of(Rotor(**largest | {"omega": omega}), asked.to, rate, asked.options.backend)
     rotors = [
         Rotor(**largest | {name: value})
         for name, values in parameters.items()

@@ -391,11 +391,13 @@ MISTAKES = {
     "to must be at most 1e\\+06": {"to": 2e6, "rate": 1.0},
     "the size of rate must lie from 1e-12 to": {"to": 2.0, "rate": 1e-30},
     "the time of the ramp must be below": {"to": 2.0, "rate": 1e-12},
-    "duration must be at most 5e\\+06 for run_up with backend 'python'": {
+    "the duration of a run-up must be at most 5e\\+06 with backend 'python'": {
         "to": 2.0, "rate": 1e-7, "backend": "python",
     },
-    "duration must be at most 1e\\+07 for run_up with backend 'python'": POWER
+    "the duration of a run-up must be at most 1e\\+07 with backend 'python'": POWER
     | {"duration": 2e7, "backend": "python"},
+    "the duration of a run-up must be at most 1e\\+08 with backend 'compiled'": POWER
+    | {"duration": 2e8},
     "duration must be at least 15.0, .*, got 3.0": RAMP | {"duration": 3.0},
     "inertia must be positive, got -1.0": POWER | {"inertia": -1.0},
     "inertia must be positive, got 0.0": POWER | {"inertia": 0.0},
