@@ -192,6 +192,21 @@ struct taylor {
     struct series series;
 };
 
+static inline struct taylor *taylor_of(struct motion *motion) { return (struct taylor *)motion; }
+
+#ifdef WHOLE_MODEL
+/* Add to `reached` what a contact spends over the last step up to `end` (spending.c). */
+void spend(struct motion *motion, double end, double *reached);
+#endif
+#ifdef RUN_UP
+/* Whether a rotor is the paper's, but for friction, and its speed prescribed. */
+static inline int is_plain(const struct parameters *m)
+{
+    return m->inverse_inertia == 0.0 && m->hertz > 0.0 && m->shaft_stiffness == 0.0
+           && m->contact_damping == 0.0 && m->load == 0.0;
+}
+#endif
+
 void open_taylor(struct taylor *taylor, const struct mode *mode, struct parameters model,
                  double rtol, int tangents);
 

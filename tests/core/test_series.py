@@ -113,7 +113,7 @@ def probes(tmp_path_factory):
     compiler = hatch_build["find_compiler"]()
     if compiler is None:
         pytest.skip("no C compiler is installed")
-    derived = [CORE / f"{name}.c" for name in ("derived", "derived_whole", "guards")]
+    derived = [CORE / f"{name}.c" for name in ("derived", "derived_whole", "guards", "spending")]
     sources = [str(path) for path in (Path(__file__).parent / "probe.c", *derived)]
     found = {}
     for model in (PAPER, WHOLE):
