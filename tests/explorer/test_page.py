@@ -1051,6 +1051,7 @@ def test_radii_times_and_lines_are_read_under_the_pointer(page):
 
 @pytest.mark.parametrize("panel", ["orbit", "history", "spectrum", "response"])
 def test_a_box_is_zoomed_into_and_out_of(page, panel):
+    page.pictures_at_rest()  # what is drawn anew in the midst of a drag is whole again
     button = page.find(f'[data-panel="{panel}"] .tools button')
     over = page.find(f'[data-panel="{panel}"] .u-over')
     ranges = (
