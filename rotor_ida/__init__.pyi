@@ -28,6 +28,16 @@ from .parameters import DimensionalRotor as DimensionalRotor
 from .parameters import Rotor as Rotor
 from .resuming import resume as resume
 from .si_units import dimensional as dimensional
+from .signals.filtering import filtered_orbit as filtered_orbit
+from .signals.orders import centre_line as centre_line
+from .signals.orders import orders as orders
+from .signals.probes import correct_probes as correct_probes
+from .signals.probes import subtract_runout as subtract_runout
+from .signals.reading import read_signals as read_signals
+from .signals.record import signals_of as signals_of
+from .signals.spectra import full_spectrum as full_spectrum
+from .signals.spectra import spectrogram as spectrogram
+from .signals.whirl import whirl_ratio as whirl_ratio
 from .simulation.contact_table import contact_summary as contact_summary
 from .simulation.run_up import run_up as run_up
 from .simulation.simulate import simulate as simulate

@@ -26,7 +26,7 @@ KINDS_OF_SOURCE = ("*.py", "*.c", "*.h")
 # Folders and modules that draw, describe or store a result but do not compute it.
 NOT_COMPUTING = (
     *("analysis", "cli", "paper", "plot"),
-    *("resuming", "scenarios", "storage/archive", "testing"),
+    *("resuming", "scenarios", "signals", "storage/archive", "testing"),
 )
 
 

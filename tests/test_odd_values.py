@@ -170,6 +170,16 @@ GIVEN: dict[str, Callable[[Path], dict[str, object]]] = {
     },
     "poincare_section": lambda _: {"rotor": ROTOR, "start": REST, "revolutions": 1},
     "rotating": lambda _: {"run": run()},
+    "signals_of": lambda _: {"run": run()},
+    "orders": lambda _: {"signals": run()},
+    "centre_line": lambda _: {"signals": run()},
+    "filtered_orbit": lambda _: {"signals": run(), "order": 1},
+    "full_spectrum": lambda _: {"signals": run()},
+    "spectrogram": lambda _: {"signals": run(), "segment": 16},
+    "whirl_ratio": lambda _: {"signals": run()},
+    "correct_probes": lambda _: {"signals": run()},
+    "subtract_runout": lambda _: {"signals": run(), "slow_roll": run()},
+    "read_signals": lambda folder: {"path": measured_in(folder)},
     "spectrum": lambda _: {"run": run()},
     "contact_forces": lambda _: {"run": run()},
     "contact_summary": lambda _: {"run": run()},
@@ -238,6 +248,15 @@ def rubbing() -> Rotor:
 def archive_in(folder: Path) -> Path:
     path = folder / "run.nc"
     return path if path.exists() else rotor_ida.save(run(), path)
+
+
+def measured_in(folder: Path) -> Path:
+    path = folder / "measured.csv"
+    if not path.exists():
+        times = np.arange(100) / 100
+        table = np.column_stack([times, np.cos(50 * times), np.sin(50 * times), 50 * times])
+        np.savetxt(path, table, delimiter=",", header="t,x,y,angle", comments="")
+    return path
 
 
 def study_in(folder: Path) -> Path:

@@ -1,0 +1,194 @@
+"""Order tracking: amplitude and phase of chosen orders over time and speed."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.arrays import Values
+from rotor_ida.checks import check_count, check_vector
+from rotor_ida.errors import InputError
+from rotor_ida.schema import Column
+from rotor_ida.signals.record import Record, record_of
+from rotor_ida.signals.windows import Complex, Windows, fit_orders, windows_of
+
+# Whole orders up to this are fitted beside those that are asked for, so that they leave no trace
+# in these.
+BESIDE = 3
+LARGEST_ORDER = 1000.0
+# Orders a whole number of revolutions apart are told apart in spite of rounding.
+SLACK = 1e-9
+
+
+def orders(
+    signals: xr.Dataset, orders: npt.ArrayLike = (1,), *, revolutions: int | None = None
+) -> xr.Dataset:
+    """Track orders of the speed: how much forward and backward whirl, and with which phase.
+
+    Parameters
+    ----------
+    signals : Dataset
+        Signals of `signals_of` or `read_signals`, or a run.
+    orders : array_like, shape (k,)
+        Multiples of the speed [1], above zero.
+    revolutions : int, optional
+        Length of the windows [1]: by default the shortest that tell the orders apart, one
+        revolution for whole orders, two for halves.
+
+    Returns
+    -------
+    Dataset
+        On (``window``, ``order``): ``forward_amplitude`` and ``backward_amplitude``,
+        ``forward_phase_lag`` and ``backward_phase_lag`` [rad]. On ``window``: ``offset_x`` and
+        ``offset_y``, the mean position; ``window_residual``, the root mean square of what is left;
+        coordinates ``t`` and ``speed``.
+
+    Raises
+    ------
+    InputError
+        If the angle is not known, there is no whole window, the windows do not tell the orders
+        apart, or the sampling is too slow for them.
+
+    Notes
+    -----
+    In each window of whole revolutions ``z = x + i y`` is fitted by least squares as
+    ``sum(c_n exp(i n theta))`` over the orders that are asked for, forward and backward, the mean
+    and whole orders up to 3 beside them. ``forward_phase_lag`` is that of `synchronous_response`:
+    ``c_1 = A exp(-i lag)`` with theta the angle of the unbalance. Both lags say by how much a
+    whirl is late at the x axis: ``exp(i (n theta - lag))``, and ``exp(-i (n theta - lag))``
+    backwards. Measured angles count from the mark of the keyphasor instead. While the speed
+    changes, amplitudes are means over the window.
+
+    References
+    ----------
+    C. W. Lee, "Vibration Analysis of Rotors", Kluwer, 1993: forward and backward components.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, simulate, synchronous_response
+    >>> rotor = Rotor(omega=1.2, zeta=0.5, delta0=0.5)
+    >>> run = simulate(rotor, start=(0, 0, 0, 0), duration=400.0, samples=8001)
+    >>> found = orders(run).isel(window=-1, order=0)
+    >>> found.forward_amplitude.round(6).item(), found.forward_phase_lag.round(6).item()
+    (0.849736, 2.354776)
+    >>> exact = synchronous_response(omega=1.2, zeta=0.5, delta0=0.5).isel(branch=0)
+    >>> exact.amplitude.round(6).item(), exact.phase_lag.round(6).item()
+    (0.849736, 2.354776)
+    """
+    asked = _checked(orders)
+    record = record_of(signals)
+    length = revolutions_for(asked, revolutions)
+    windows = windows_of(record, length)
+    amplitudes, residual = fit(record, windows, asked)
+    k = asked.size
+    ahead, back = amplitudes[:, :k], amplitudes[:, k : 2 * k]
+    variables: dict[str, Column] = {
+        "forward_amplitude": (("window", "order"), np.abs(ahead)),
+        "forward_phase_lag": (("window", "order"), np.angle(ahead.conj())),
+        "backward_amplitude": (("window", "order"), np.abs(back)),
+        "backward_phase_lag": (("window", "order"), np.angle(back)),
+        "offset_x": ("window", amplitudes[:, -1].real),
+        "offset_y": ("window", amplitudes[:, -1].imag),
+        "window_residual": ("window", residual),
+    }
+    return record.dataset(
+        "Orders of the speed",
+        variables,
+        {**window_coordinates(windows), "order": ("order", asked)},
+        {"window_revolutions": length},
+    )
+
+
+def centre_line(signals: xr.Dataset, *, revolutions: int = 1) -> xr.Dataset:
+    """Return the mean position of the shaft, the gap as direct current shows it, over the speed.
+
+    Parameters
+    ----------
+    signals : Dataset
+        Signals of `signals_of` or `read_signals`, or a run.
+    revolutions : int
+        Length of the windows over which the mean is taken [1].
+
+    Returns
+    -------
+    Dataset
+        On ``window``: ``offset_x`` and ``offset_y``, coordinates ``t`` and ``speed``.
+
+    Raises
+    ------
+    InputError
+        If the angle is not known, or there is no whole window.
+
+    Notes
+    -----
+    As of `orders`: the mean is fitted beside the first orders, so that it does not depend on how
+    many samples a window happens to hold.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, simulate
+    >>> rotor = Rotor(omega=1.2, zeta=0.5, delta0=0.5, load=0.1)
+    >>> run = simulate(rotor, start=(0, -0.7, 0, 0), duration=200.0, samples=2001)
+    >>> centre_line(run).offset_y[-1].item() < 0.0
+    True
+    """
+    found = orders(signals, 1.0, revolutions=check_count("revolutions", revolutions))
+    held = found[["offset_x", "offset_y"]]
+    return held.assign_attrs(title="Mean position of the shaft")
+
+
+def fit(record: Record, windows: Windows, asked: Values) -> tuple[Complex, Values]:
+    """Return amplitudes of orders forward, then backward, and of 0 last, and what they leave."""
+    counts = np.diff(windows.edges)
+    fewest, length = int(counts.argmin()), windows.revolutions
+    rate = (counts[fewest] - 1) / length  # an edge may have taken one sample from its neighbour
+    if rate <= 2.0 * asked.max() or counts[fewest] < 2 * asked.size + 1:
+        raise InputError(
+            f"signals must hold more than {2.0 * asked.max() + 1.0 / length:g} samples a "
+            f"revolution for order {asked.max():g}, got {counts[fewest] / length:.3g} at t "
+            f"{windows.times[fewest]:.6g}"
+        )
+    beside = np.arange(1.0, min(max(BESIDE, asked.max()), (rate - 1.0) / 2.0) + SLACK)
+    beside = beside[[not np.isclose(asked, each, atol=SLACK).any() for each in beside]]
+    fitted = np.concatenate([asked, -asked, beside, -beside, [0.0]])
+    amplitudes, residual = fit_orders(record, windows, fitted)
+    return amplitudes[:, [*range(2 * asked.size), -1]], residual
+
+
+def window_coordinates(windows: Windows) -> dict[str, Column]:
+    """Return number, time and speed of windows."""
+    return {
+        "window": ("window", np.arange(windows.times.size)),
+        "t": ("window", windows.times),
+        "speed": ("window", windows.speeds),
+    }
+
+
+def _checked(orders: npt.ArrayLike) -> Values:
+    """Return orders that can be tracked."""
+    asked = check_vector("orders", orders, largest=LARGEST_ORDER)
+    if (asked <= 0.0).any():
+        raise InputError(f"orders must be positive, got {float(asked[asked <= 0.0][0])!r}")
+    if np.unique(asked).size < asked.size:
+        raise InputError(f"orders must differ from each other, got {asked.tolist()}")
+    return asked
+
+
+def revolutions_for(asked: Values, revolutions: int | None) -> int:
+    """Return how many revolutions a window has, which must tell the orders apart."""
+    whole = np.arange(0.0, max(BESIDE, math.floor(asked.max())) + 1.0)
+    apart = np.diff(np.unique(np.round(np.concatenate([asked, whole]), 9))).min()
+    # those forward and backward are 2 n apart, at least as far as n from 0
+    needed = max(1, math.ceil(1.0 / float(apart) - SLACK / float(apart)))
+    if revolutions is None:
+        return needed
+    length = check_count("revolutions", revolutions)
+    if length < needed:
+        raise InputError(
+            f"revolutions must be at least {needed} to tell the orders from each other and from "
+            f"whole ones, got {length}"
+        )
+    return length

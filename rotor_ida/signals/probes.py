@@ -1,0 +1,173 @@
+"""From the readings of two probes to displacements: their angles, gains, and the shaft's runout."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.arrays import Values
+from rotor_ida.checks import check_array, check_count
+from rotor_ida.errors import InputError
+from rotor_ida.signals.record import Record, record_of
+from rotor_ida.signals.windows import Complex, Windows, fit_orders
+
+# Sine of the least angle between two probes.
+NEARLY_ALONG = 1e-3
+MOST_HARMONICS = 50
+
+
+def correct_probes(
+    signals: xr.Dataset,
+    *,
+    angles: npt.ArrayLike = (0.0, 90.0),
+    gains: npt.ArrayLike = (1.0, 1.0),
+) -> xr.Dataset:
+    """Turn the readings of two probes into horizontal and vertical displacements.
+
+    Parameters
+    ----------
+    signals : Dataset
+        Signals of which ``x`` and ``y`` are the readings of the first and of the second probe.
+    angles : array_like, shape (2,)
+        Where the probes are, from the x axis in the sense of the rotation [degree]: (45, 135) for
+        the usual pair.
+    gains : array_like, shape (2,)
+        Reading over displacement of each.
+
+    Returns
+    -------
+    Dataset
+        Signals with displacements ``x y``.
+
+    Raises
+    ------
+    InputError
+        If a gain is zero, or the probes look along nearly the same line.
+
+    Notes
+    -----
+    A probe at the angle a reads ``gain (x cos a + y sin a)``; two of them are solved for x and y.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, signals_of, simulate
+    >>> run = simulate(Rotor(omega=1.2, zeta=0.5, delta0=0.5), start=(0, 0, 0, 0), duration=60.0)
+    >>> seen = signals_of(run)
+    >>> turned = correct_probes(seen, angles=(90, 180))
+    >>> abs(turned.y - seen.x).max().item() < 1e-12
+    True
+    """
+    record = record_of(signals)
+    return with_displacements(signals, record, displacements(record.z, angles, gains))
+
+
+def subtract_runout(
+    signals: xr.Dataset, slow_roll: xr.Dataset, *, harmonics: int = 1
+) -> xr.Dataset:
+    """Subtract what a bent shaft or a scratch shows at low speed, as vectors.
+
+    Parameters
+    ----------
+    signals : Dataset
+        Signals of `signals_of` or `read_signals`.
+    slow_roll : Dataset
+        Signals of the same probes and keyphasor at low speed, where nothing whirls: often a part of
+        the signals, ``signals.sel(t=slice(0, 10))``.
+    harmonics : int
+        Up to which multiple of the speed runout is subtracted [1]: 1 for a bent shaft, more for
+        scratches and flats.
+
+    Returns
+    -------
+    Dataset
+        Signals without runout. The mean position stays.
+
+    Raises
+    ------
+    InputError
+        If an angle is not known, the slow roll has no whole revolution, or too few samples.
+
+    Notes
+    -----
+    In the slow roll ``sum(c_n exp(i n theta))`` is fitted to ``z`` over whole revolutions, and
+    its terms from -harmonics to harmonics but 0 are subtracted at each angle. What the shaft really
+    whirls at low speed is subtracted too: of a rigid bearing about ``(omega/omega_n)**2`` of the
+    eccentricity.
+
+    References
+    ----------
+    API Standard 670: runout, and its compensation by a slow-roll vector.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, signals_of, simulate
+    >>> run = simulate(Rotor(omega=1.2, zeta=0.5, delta0=0.5), start=(0, 0, 0, 0), duration=60.0)
+    >>> seen = signals_of(run)
+    >>> bent = seen.assign(x=seen.x + 0.2 * np.cos(seen.angle), y=seen.y + 0.2 * np.sin(seen.angle))
+    >>> slow = bent - seen
+    >>> slow["angle"] = seen.angle
+    >>> abs(subtract_runout(bent, slow).x - seen.x).max().item() < 1e-12
+    True
+    """
+    most = check_count("harmonics", harmonics, 1, MOST_HARMONICS)
+    record, slow = record_of(signals), record_of(slow_roll, "slow_roll")
+    if record.length != slow.length:
+        raise InputError(f"slow_roll must be in {record.length} as signals, got {slow.length}")
+    angles = slow.known_angles()
+    turns = (angles[-1] - angles[0] + (angles[-1] - angles[-2])) / (2.0 * math.pi)
+    whole = math.floor(turns + 1e-9)
+    if whole < 1:
+        raise InputError(f"slow_roll must hold at least one revolution, got {turns:.3g}")
+    end = int(np.searchsorted(angles, angles[0] + 2.0 * math.pi * (whole - 1e-9)))
+    if end <= (2 * most + 1) * whole:
+        raise InputError(
+            f"slow_roll must hold more than {2 * most + 1} samples a revolution, got "
+            f"{end / whole:.3g}"
+        )
+    one = Windows(np.array([0, end]), whole, slow.times[:1], np.zeros(1))
+    orders = np.arange(-most, most + 1.0)
+    amplitudes, _ = fit_orders(slow, one, orders)
+    z = record.z.copy()
+    for order, amplitude in zip(orders, amplitudes[0], strict=True):
+        if order != 0.0:
+            z -= amplitude * np.exp(1j * order * record.known_angles())
+    return with_displacements(signals, record, z)
+
+
+def displacements(z: Complex, angles: npt.ArrayLike, gains: npt.ArrayLike) -> Complex:
+    """Return ``x + i y`` of the readings of two probes, held as real and imaginary part."""
+    (first, second), scale = np.radians(_pair("angles", angles)), _pair("gains", gains)
+    if (scale == 0.0).any():
+        raise InputError(f"gains must not be zero, got {scale.tolist()}")
+    between = math.sin(second - first)
+    if abs(between) < NEARLY_ALONG:
+        raise InputError(
+            "angles must be of two probes that do not look along one line, got "
+            f"{np.degrees([first, second]).round(6).tolist()}"
+        )
+    a, b = z.real / scale[0], z.imag / scale[1]
+    x = (a * math.sin(second) - b * math.sin(first)) / between
+    y = (b * math.cos(first) - a * math.cos(second)) / between
+    return np.asarray(x + 1j * y, dtype=np.complex128)
+
+
+def with_displacements(signals: xr.Dataset, record: Record, z: Complex) -> xr.Dataset:
+    """Return signals with other displacements, keyphasor or angle as they were."""
+    columns = {"x": ("t", z.real), "y": ("t", z.imag)}
+    found = record.dataset("Signals of two probes", columns, {"t": ("t", record.times)})
+    if "keyphasor" in signals.variables:
+        return found.assign(keyphasor=signals["keyphasor"].variable)
+    if record.angles is None:
+        return found
+    return found.assign(angle=record.variable("angle", "t", record.angles))
+
+
+def _pair(name: str, values: npt.ArrayLike) -> Values:
+    """Return two numbers."""
+    pair = check_array(name, values, largest=1e15)
+    if pair.shape != (2,):
+        raise InputError(f"{name} must be two numbers, one of each probe, got {pair.tolist()}")
+    return pair

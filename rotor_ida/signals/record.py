@@ -1,0 +1,199 @@
+"""What a dataset of signals is: how one is made of a run, recognised, and read as plain arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.arrays import Values
+from rotor_ida.checks import check_increasing, check_instance
+from rotor_ida.errors import InputError
+from rotor_ida.parameters import ALL_PARAMETERS
+from rotor_ida.schema import QUANTITIES, Column, labelled, labelled_dataset, origin_of
+from rotor_ida.signals.keyphasor import angles_by_pulses
+
+FEWEST_SAMPLES = 16
+# Times that were written with few digits are still equally spaced: of a step.
+UNEQUAL = 0.01
+
+
+@dataclass(frozen=True)
+class Record:
+    """Signals as arrays.
+
+    Parameters
+    ----------
+    times : ndarray, shape (n,)
+        When the samples were taken.
+    z : ndarray of complex, shape (n,)
+        Displacements ``x + i y``.
+    angles : ndarray, shape (n,), or None
+        Angle of the rotor [rad], if it is known.
+    length, time : str
+        Units of displacements and times.
+    coordinates : mapping
+        Parameters of the rotor that were given.
+    attributes : mapping
+        Attributes that results inherit.
+    """
+
+    times: Values
+    z: npt.NDArray[np.complex128]
+    angles: Values | None
+    length: str
+    time: str
+    coordinates: Mapping[str, xr.Variable]
+    attributes: Mapping[str, object]
+
+    def known_angles(self) -> Values:
+        """Return the angles of the rotor; raise `InputError` if they are not known."""
+        if self.angles is None:
+            raise InputError("signals must hold angle, keyphasor or omega, got none of them")
+        return self.angles
+
+    def equal_step(self) -> float:
+        """Return the step of equally spaced times."""
+        steps = np.diff(self.times)
+        mean = float(self.times[-1] - self.times[0]) / (self.times.size - 1)
+        even = self.times[0] + mean * np.arange(self.times.size)
+        if np.abs(self.times - even).max() > UNEQUAL * mean:
+            raise InputError(
+                "signals must have equally spaced samples for a spectrum or filter, got steps from "
+                f"{steps.min():.6g} to {steps.max():.6g}"
+            )
+        return mean
+
+    def variable(
+        self, name: str, dims: Hashable | Sequence[Hashable], values: npt.ArrayLike
+    ) -> xr.Variable:
+        """Return values labelled by name, in the units of the signals."""
+        variable = labelled(name, dims, values)
+        scale = QUANTITIES[name].scale
+        inverse = "1" if self.time == "1" else f"{self.time}-1"
+        units = {"length": self.length, "time": self.time, "rate": inverse, "speed": inverse}
+        if scale in units:
+            variable.attrs["units"] = units[scale]
+        return variable
+
+    def dataset(
+        self,
+        title: str,
+        variables: Mapping[str, Column],
+        coordinates: Mapping[str, Column],
+        attributes: Mapping[str, object] | None = None,
+    ) -> xr.Dataset:
+        """Return a result with the units, parameters and origin of the signals."""
+        return labelled_dataset(
+            title,
+            {name: self.variable(name, *column) for name, column in variables.items()},
+            {
+                **self.coordinates,
+                **{name: self.variable(name, *column) for name, column in coordinates.items()},
+            },
+            {**self.attributes, **(attributes or {})},
+        )
+
+
+def signals_of(run: xr.Dataset) -> xr.Dataset:
+    """Return what two probes and a keyphasor would see of a run.
+
+    Parameters
+    ----------
+    run : Dataset
+        A run of `rotor_ida.simulate` or `rotor_ida.run_up`, or part of one, also in SI units.
+
+    Returns
+    -------
+    Dataset
+        Displacements ``x y`` and ``angle``, that of the unbalance [rad], on ``t``; the parameters
+        of the rotor as scalars. The same comes from `rotor_ida.read_signals`, though there may be
+        times of pulses, ``keyphasor`` on ``pulse``, in place of ``angle``.
+
+    Raises
+    ------
+    InputError
+        If the dataset holds no displacements over time, or nothing that tells the angle.
+
+    Notes
+    -----
+    At a constant speed the angle is ``omega t``; otherwise it is the ``angle`` of the run. The
+    functions that take signals take runs as they are, too.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, simulate
+    >>> run = simulate(Rotor(omega=1.2, zeta=0.5, delta0=0.5), start=(0, 0, 0, 0), duration=60.0)
+    >>> seen = signals_of(run)
+    >>> sorted(seen.data_vars), seen.angle[-1].item()
+    (['angle', 'x', 'y'], 72.0)
+    """
+    record = record_of(run, "run")
+    columns: dict[str, Column] = {
+        "x": ("t", record.z.real),
+        "y": ("t", record.z.imag),
+        "angle": ("t", record.known_angles()),
+    }
+    return record.dataset("Signals of two probes", columns, {"t": ("t", record.times)})
+
+
+def record_of(signals: object, name: str = "signals") -> Record:
+    """Return signals, or a run, as arrays; with a keyphasor, what lies between its pulses."""
+    given = check_instance(name, signals, xr.Dataset)
+    missing = [each for each in ("t", "x", "y") if each not in given.variables]
+    if missing:
+        raise InputError(f"{name} must hold t, x and y; it lacks {', '.join(missing)}")
+    if any(given[each].dims != ("t",) for each in ("t", "x", "y")):
+        raise InputError(f"{name} must be of one motion, with x and y on t alone")
+    times = np.asarray(given["t"].values, dtype=np.float64)
+    if times.size < FEWEST_SAMPLES:
+        raise InputError(f"{name} must hold at least {FEWEST_SAMPLES} samples, got {times.size}")
+    check_increasing("t", times)
+    z = np.asarray(given["x"].values + 1j * given["y"].values, dtype=np.complex128)
+    if not np.isfinite(z).all():
+        at = times[~np.isfinite(z)][0]
+        raise InputError(f"{name} must hold finite x and y, got {z[~np.isfinite(z)][0]} at t {at}")
+    within, angles = _angles(given, times, name)
+    if within.sum() < FEWEST_SAMPLES:
+        raise InputError(
+            f"{name} must hold at least {FEWEST_SAMPLES} samples between the pulses of the "
+            f"keyphasor, got {within.sum()}"
+        )
+    return Record(
+        times[within],
+        z[within],
+        angles,
+        str(given["x"].attrs.get("units", "1")),
+        str(given["t"].attrs.get("units", "1")),
+        {
+            each: given[each].variable.to_base_variable()
+            for each in ALL_PARAMETERS
+            if each in given.variables and not given[each].ndim
+        },
+        origin_of(given),
+    )
+
+
+def _angles(
+    given: xr.Dataset, times: Values, name: str
+) -> tuple[npt.NDArray[np.bool_], Values | None]:
+    """Return at which samples the angle is known, and the angles there."""
+    everywhere = np.ones(times.size, dtype=bool)
+    if "keyphasor" in given.variables:
+        pulses = given["keyphasor"]
+        per_revolution = int(given.attrs.get("pulses_per_revolution", 1))
+        return angles_by_pulses(pulses.values, times, per_revolution)
+    if "angle" in given.variables:
+        angles = np.asarray(given["angle"].values, dtype=np.float64)
+        wrong = np.flatnonzero(~(np.diff(angles) >= 0.0))
+        if given["angle"].dims != ("t",) or wrong.size:
+            at = times[wrong[0]] if wrong.size else times[0]
+            raise InputError(f"angle of {name} must be on t and never fall, but does at t {at:.6g}")
+        return everywhere, angles
+    if "omega" in given.variables and not given["omega"].ndim:
+        scale = float(given.attrs.get("time_scale", 1.0))
+        return everywhere, float(given["omega"]) / scale * times
+    return everywhere, None

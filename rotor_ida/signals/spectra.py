@@ -1,0 +1,219 @@
+"""Full spectra: forward and backward lines of a record, with bandwidth and noise floor stated."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.arrays import Values
+from rotor_ida.checks import check_array, check_choice, check_count
+from rotor_ida.errors import InputError
+from rotor_ida.schema import Column
+from rotor_ida.signals.record import FEWEST_SAMPLES, Record, record_of
+
+Window = Literal["flattop", "hann", "boxcar"]
+WINDOWS = ("flattop", "hann", "boxcar")
+# A speed that changes by less than that in the record is one speed.
+STEADY = 1e-3
+MOST_LINES = 100_000_000
+
+
+def full_spectrum(
+    signals: xr.Dataset, *, window: Window = "flattop", segment: int | None = None
+) -> xr.Dataset:
+    """Return the forward and backward lines of a record, with their bandwidth and the noise floor.
+
+    Parameters
+    ----------
+    signals : Dataset
+        Signals of `signals_of` or `read_signals`, or a run, with equally spaced samples.
+    window : {"flattop", "hann", "boxcar"}
+        Weights of the samples, as of `spectrum`.
+    segment : int, optional
+        Number of samples in a segment: the squares of the amplitudes are means over segments that
+        overlap by half, which steadies the noise. By default the record is one segment.
+
+    Returns
+    -------
+    Dataset
+        ``whirl_amplitude`` on ``frequency``, positive for forward and negative for backward whirl;
+        ``frequency_over_omega`` beside it if there is one speed. ``bandwidth``, the circular
+        frequencies that one line gathers noise from, and ``noise_floor``, the amplitude that noise
+        has in a line.
+
+    Raises
+    ------
+    InputError
+        If the samples are not equally spaced, or too few.
+
+    Notes
+    -----
+    The spectrum is scipy.signal.welch's of ``z = x + i y``, two-sided, scaled so that a whirl
+    ``A exp(i Omega t)`` is a line of height A: with one segment, that of `spectrum`. With N
+    weights w a step h apart the equivalent noise bandwidth is
+    ``2 pi sum(w**2)/(h sum(w)**2)``. The noise floor is the root of the mean power that noise would
+    have of which the median over all lines is the one found: lines, being few, do not move
+    a median. It falls with longer segments; the density ``noise_floor**2/bandwidth`` does not.
+
+    References
+    ----------
+    P. D. Welch, IEEE Transactions on Audio and Electroacoustics 15, 1967; G. Heinzel, A. Rüdiger,
+    R. Schilling, "Spectrum and spectral density estimation by the discrete Fourier transform",
+    Max-Planck-Institut für Gravitationsphysik, 2002, section 8.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, simulate
+    >>> run = simulate(Rotor(omega=1.2, zeta=0.5, delta0=0.5), start=(0, 0, 0, 0),
+    ...                duration=200.0, samples=2001)
+    >>> lines = full_spectrum(run.sel(t=slice(100, None)))
+    >>> lines.whirl_amplitude.max().round(3).item(), lines.bandwidth.round(3).item()
+    (0.85, 0.237)
+    """
+    from scipy.signal import get_window, welch  # noqa: PLC0415 - takes long to import
+
+    check_choice("window", window, WINDOWS)
+    record = record_of(signals)
+    step = record.equal_step()
+    size = record.z.size if segment is None else _checked("segment", segment, record)
+    weights = get_window(window, size, fftbins=True)
+    frequency, power = welch(
+        record.z, 1.0 / step, weights, size, size // 2,
+        detrend=False, return_onesided=False, scaling="spectrum",
+    )  # fmt: skip
+    frequency = 2.0 * math.pi * np.fft.fftshift(frequency)
+    power = np.fft.fftshift(power)
+    count = (record.z.size - size // 2) // (size - size // 2)
+    variables: dict[str, Column] = {
+        "whirl_amplitude": ("frequency", np.sqrt(power)),
+        "bandwidth": ((), _bandwidth(weights, step)),
+        "noise_floor": ((), _noise_floor(power, count)),
+    }
+    coordinates: dict[str, Column] = {"frequency": ("frequency", frequency)}
+    speed = _one_speed(record)
+    if speed is not None:
+        coordinates["frequency_over_omega"] = ("frequency", frequency / speed)
+    told = {"window": window, "segment": size, "segment_count": count}
+    return record.dataset("Full spectrum", variables, coordinates, told)
+
+
+def spectrogram(
+    signals: xr.Dataset,
+    *,
+    window: Window = "hann",
+    segment: int = 1024,
+    overlap: float = 0.5,
+) -> xr.Dataset:
+    """Return the full spectrum of one segment after the other, over time and speed.
+
+    Parameters
+    ----------
+    signals : Dataset
+        Signals of `signals_of` or `read_signals`, or a run, with equally spaced samples.
+    window : {"flattop", "hann", "boxcar"}
+        Weights of the samples, as of `spectrum`.
+    segment : int
+        Number of samples in a segment; the whole record if that is shorter.
+    overlap : float
+        By which part segments overlap [1], from 0 to 0.95.
+
+    Returns
+    -------
+    Dataset
+        ``whirl_amplitude`` on (``window``, ``frequency``), positive for forward and negative for
+        backward whirl; ``bandwidth``; ``t`` on ``window``, and ``speed`` if the angle is known.
+
+    Raises
+    ------
+    InputError
+        If the samples are not equally spaced, or too few.
+
+    Notes
+    -----
+    Of segments that lie wholly in the record, scaled so that a whirl of amplitude A
+    is a line of height A. While the speed changes by ``d`` in a segment, the line of
+    a synchronous whirl is about ``d`` wide and lower.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, run_up
+    >>> run = run_up(Rotor(omega=0.2, zeta=0.07, delta0=2.0), start=(0, 0, 0, 0), to=2.2,
+    ...              rate=0.01, samples=4001)
+    >>> seen = spectrogram(run, segment=1000)
+    >>> highest = seen.frequency[seen.whirl_amplitude.argmax("frequency")]
+    >>> bool((abs(highest - seen.speed) < 0.3).all())
+    True
+    """
+    from scipy.fft import fft  # noqa: PLC0415 - takes long to import
+    from scipy.signal import get_window  # noqa: PLC0415 - takes long to import
+
+    check_choice("window", window, WINDOWS)
+    record = record_of(signals)
+    step = record.equal_step()
+    most = check_count("segment", segment, FEWEST_SAMPLES)
+    size = min(most, record.z.size)
+    part = float(check_array("overlap", overlap, largest=0.95).reshape(-1)[0])
+    if part < 0.0:
+        raise InputError(f"overlap must be zero or positive, got {part!r}")
+    hop = max(1, round(size * (1.0 - part)))
+    weights = get_window(window, size, fftbins=True)
+    starts = np.arange(0, record.z.size - size + 1, hop)
+    if starts.size * size > MOST_LINES:
+        raise InputError(f"overlap must be smaller, got {part!r}: {starts.size} segments of {size}")
+    pieces = np.lib.stride_tricks.sliding_window_view(record.z, size)[::hop]
+    lines = np.abs(np.fft.fftshift(fft(pieces * weights, axis=-1), axes=-1)) / weights.sum()
+    frequency = 2.0 * math.pi * np.fft.fftshift(np.fft.fftfreq(size, step))
+    times = record.times[starts] + 0.5 * (size - 1) * step
+    coordinates: dict[str, Column] = {
+        "window": ("window", np.arange(starts.size)),
+        "t": ("window", times),
+        "frequency": ("frequency", frequency),
+    }
+    if record.angles is not None:
+        angles = record.angles
+        turned = angles[starts + size - 1] - angles[starts]
+        coordinates["speed"] = ("window", turned / ((size - 1) * step))
+    variables: dict[str, Column] = {
+        "whirl_amplitude": (("window", "frequency"), lines),
+        "bandwidth": ((), _bandwidth(weights, step)),
+    }
+    told = {"window": window, "segment": size, "overlap": 1.0 - hop / size}
+    return record.dataset("Spectrogram", variables, coordinates, told)
+
+
+def _checked(name: str, samples: object, record: Record) -> int:
+    """Return a number of samples that the record has."""
+    return check_count(name, samples, FEWEST_SAMPLES, record.z.size)
+
+
+def _bandwidth(weights: npt.NDArray[np.float64], step: float) -> float:
+    """Return the equivalent noise bandwidth of a window as a circular frequency."""
+    return 2.0 * math.pi * float((weights**2).sum() / weights.sum() ** 2) / step
+
+
+def _noise_floor(power: Values, count: int) -> float:
+    """Return the amplitude of noise in a line, judged by the median of all lines."""
+    from scipy.stats import gamma  # noqa: PLC0415 - takes long to import
+
+    # a mean of count squares of complex normal numbers
+    return math.sqrt(float(np.median(power)) / float(gamma.median(count) / count))
+
+
+def _one_speed(record: Record) -> float | None:
+    """Return the speed of a record in which it does not change, else None."""
+    if record.angles is None:
+        return None
+    half = record.angles.size // 2
+    ends = ((0, half), (half, -1))
+    early, late = (
+        float((record.angles[end] - record.angles[begin])
+              / (record.times[end] - record.times[begin]))
+        for begin, end in ends
+    )  # fmt: skip
+    mean = (early + late) / 2.0
+    whole = (record.angles[-1] - record.angles[0]) / (record.times[-1] - record.times[0])
+    return float(whole) if mean > 0.0 and abs(late - early) < STEADY * mean else None
