@@ -41,7 +41,7 @@ def orders(
     Returns
     -------
     Dataset
-        On (``window``, ``order``): ``forward_amplitude`` and ``backward_amplitude``,
+        On (``window``, ``order``): ``forward_whirl_amplitude``, ``backward_whirl_amplitude``,
         ``forward_phase_lag`` and ``backward_phase_lag`` [rad]. On ``window``: ``offset_x`` and
         ``offset_y``, the mean position; ``window_residual``, the root mean square of what is left;
         coordinates ``t`` and ``speed``.
@@ -72,11 +72,11 @@ def orders(
     >>> rotor = Rotor(omega=1.2, zeta=0.5, delta0=0.5)
     >>> run = simulate(rotor, start=(0, 0, 0, 0), duration=400.0, samples=8001)
     >>> found = orders(run).isel(window=-1, order=0)
-    >>> found.forward_amplitude.round(6).item(), found.forward_phase_lag.round(6).item()
-    (0.849736, 2.354776)
-    >>> exact = synchronous_response(omega=1.2, zeta=0.5, delta0=0.5).isel(branch=0)
-    >>> exact.amplitude.round(6).item(), exact.phase_lag.round(6).item()
-    (0.849736, 2.354776)
+    >>> exact = synchronous_response(omega=1.2, zeta=0.5, delta0=0.5).isel(branch=0).squeeze()
+    >>> abs(found.forward_whirl_amplitude - exact.amplitude).item() < 1e-6
+    True
+    >>> abs(found.forward_phase_lag - exact.phase_lag).item() < 1e-6
+    True
     """
     asked = _checked(orders)
     record = record_of(signals)
@@ -86,9 +86,9 @@ def orders(
     k = asked.size
     ahead, back = amplitudes[:, :k], amplitudes[:, k : 2 * k]
     variables: dict[str, Column] = {
-        "forward_amplitude": (("window", "order"), np.abs(ahead)),
+        "forward_whirl_amplitude": (("window", "order"), np.abs(ahead)),
         "forward_phase_lag": (("window", "order"), np.angle(ahead.conj())),
-        "backward_amplitude": (("window", "order"), np.abs(back)),
+        "backward_whirl_amplitude": (("window", "order"), np.abs(back)),
         "backward_phase_lag": (("window", "order"), np.angle(back)),
         "offset_x": ("window", amplitudes[:, -1].real),
         "offset_y": ("window", amplitudes[:, -1].imag),

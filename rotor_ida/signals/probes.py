@@ -142,6 +142,8 @@ def displacements(z: Complex, angles: npt.ArrayLike, gains: npt.ArrayLike) -> Co
     (first, second), scale = np.radians(_pair("angles", angles)), _pair("gains", gains)
     if (scale == 0.0).any():
         raise InputError(f"gains must not be zero, got {scale.tolist()}")
+    if (first, second) == (0.0, math.pi / 2.0):
+        return np.asarray(z.real / scale[0] + 1j * (z.imag / scale[1]), dtype=np.complex128)
     between = math.sin(second - first)
     if abs(between) < NEARLY_ALONG:
         raise InputError(

@@ -112,4 +112,6 @@ def fit_orders(record: Record, windows: Windows, orders: Values) -> tuple[Comple
     for each, amplitude in zip(orders, amplitudes.T, strict=True):
         left -= windows.spread(amplitude) * np.exp(1j * each * angles[inside])
     counts = np.diff(windows.edges)
-    return amplitudes, np.asarray(np.sqrt(windows.sums(np.abs(left) ** 2) / counts), np.float64)
+    return np.asarray(amplitudes, np.complex128), np.asarray(
+        np.sqrt(windows.sums(np.abs(left) ** 2) / counts), np.float64
+    )
