@@ -11,7 +11,7 @@ from rotor_ida.signals.orders import fit, window_coordinates
 from rotor_ida.signals.record import record_of
 from rotor_ida.signals.windows import windows_of
 
-# Below this part of the spin speed a motion to and fro is no whirl.
+# Below this part of the spin speed a vibration along a line is no whirl.
 NO_WHIRL = 0.01
 
 
@@ -41,7 +41,7 @@ def whirl_ratio(signals: xr.Dataset, *, revolutions: int = 1) -> xr.Dataset:
     -----
     The angle by which z turns about its mean position in a window, over that by which the rotor
     does: 1 for a synchronous whirl, a half for oil whirl, negative for dry whip. Of several whirls
-    the widest counts. A motion to and fro, which turns by less than a hundredth of the rotor's
+    the widest counts. A vibration along a line, which turns by less than a hundredth of the rotor's
     angle, has the sense ``none``.
 
     Examples

@@ -112,6 +112,7 @@ def fit_orders(record: Record, windows: Windows, orders: Values) -> tuple[Comple
     for each, amplitude in zip(orders, amplitudes.T, strict=True):
         left -= windows.spread(amplitude) * np.exp(1j * each * angles[inside])
     counts = np.diff(windows.edges)
-    return np.asarray(amplitudes, np.complex128), np.asarray(
+    residual = np.sqrt(windows.sums(np.abs(left) ** 2) / counts)
+    return np.asarray(amplitudes, np.complex128), np.asarray(residual, np.float64)
         np.sqrt(windows.sums(np.abs(left) ** 2) / counts), np.float64
     )
