@@ -114,5 +114,3 @@ def fit_orders(record: Record, windows: Windows, orders: Values) -> tuple[Comple
     counts = np.diff(windows.edges)
     residual = np.sqrt(windows.sums(np.abs(left) ** 2) / counts)
     return np.asarray(amplitudes, np.complex128), np.asarray(residual, np.float64)
-        np.sqrt(windows.sums(np.abs(left) ** 2) / counts), np.float64
-    )
