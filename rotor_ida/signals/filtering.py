@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_array, check_count, check_positive
+from rotor_ida.checks import check_array, check_count, check_positive, shown
 from rotor_ida.errors import InputError
 from rotor_ida.signals.orders import LARGEST_ORDER, fit, revolutions_for
 from rotor_ida.signals.record import Record, record_of
@@ -99,7 +99,7 @@ def _of_band(record: Record, band: object) -> tuple[Complex, Values]:
     if ends.shape != (2,) or not 0.0 <= ends[0] < ends[1] < half:
         raise InputError(
             "band must be two frequencies that increase, from 0 to below half the sampling rate, "
-            f"{half:.6g}, got {ends.tolist()}"
+            f"{half:.6g}, got {shown(ends.tolist())}"
         )
     kind, edges = ("lowpass", ends[1] / half) if ends[0] == 0.0 else ("bandpass", ends / half)
     sections = butter(POLES, edges, kind, output="sos")

@@ -9,7 +9,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_count, check_vector
+from rotor_ida.checks import check_count, check_vector, shown
 from rotor_ida.errors import InputError
 from rotor_ida.schema import Column
 from rotor_ida.signals.record import Record, record_of
@@ -19,6 +19,8 @@ from rotor_ida.signals.windows import Complex, Windows, fit_orders, windows_of
 # in these.
 BESIDE = 3
 LARGEST_ORDER = 1000.0
+# Windows of more revolutions than one over this are of no use.
+CLOSEST = 1e-3
 # Orders a whole number of revolutions apart are told apart in spite of rounding.
 SLACK = 1e-9
 
@@ -173,14 +175,25 @@ def _checked(orders: npt.ArrayLike) -> Values:
     if (asked <= 0.0).any():
         raise InputError(f"orders must be positive, got {float(asked[asked <= 0.0][0])!r}")
     if np.unique(asked).size < asked.size:
-        raise InputError(f"orders must differ from each other, got {asked.tolist()}")
+        raise InputError(f"orders must differ from each other, got {shown(asked.tolist())}")
     return asked
 
 
 def revolutions_for(asked: Values, revolutions: int | None) -> int:
     """Return how many revolutions a window has, which must tell the orders apart."""
     whole = np.arange(0.0, max(BESIDE, math.floor(asked.max())) + 1.0)
-    apart = np.diff(np.unique(np.round(np.concatenate([asked, whole]), 9))).min()
+    near = np.diff(np.sort(np.concatenate([asked, whole])))
+    # a whole order that is asked for stands there twice
+    apart = near[near > SLACK].min()
+    if (
+        apart < CLOSEST
+        or np.diff(np.sort(asked)).min(initial=1.0) < CLOSEST
+        or asked.min() < CLOSEST
+    ):
+        raise InputError(
+            f"orders must be at least {CLOSEST:g} from each other, from 0 and from other whole "
+            f"orders, got {shown(asked.tolist())}"
+        )
     # those forward and backward are 2 n apart, at least as far as n from 0
     needed = max(1, math.ceil(1.0 / float(apart) - SLACK / float(apart)))
     if revolutions is None:

@@ -9,7 +9,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_array, check_count
+from rotor_ida.checks import check_array, check_count, shown
 from rotor_ida.errors import InputError
 from rotor_ida.signals.record import Record, record_of
 from rotor_ida.signals.windows import Complex, Windows, fit_orders
@@ -171,5 +171,7 @@ def _pair(name: str, values: npt.ArrayLike) -> Values:
     """Return two numbers."""
     pair = check_array(name, values, largest=1e15)
     if pair.shape != (2,):
-        raise InputError(f"{name} must be two numbers, one of each probe, got {pair.tolist()}")
+        raise InputError(
+            f"{name} must be two numbers, one of each probe, got {shown(pair.tolist())}"
+        )
     return pair

@@ -13,10 +13,10 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import (
     check_array,
+    check_between,
     check_choice,
     check_count,
     check_flag,
-    check_positive,
     shown,
 )
 from rotor_ida.errors import InputError
@@ -38,6 +38,8 @@ GUESSES = {
     "angle": ("angle", "theta", "phase", "shaft angle", "shaft_angle"),
 }
 KIND = {"t": "time", "x": "length", "y": "length", "keyphasor": "time", "angle": "angle"}
+# Samples a second.
+RATES = (1e-9, 1e12)
 # A step that is so much longer than the usual one is a gap.
 GAP = 1.5
 # Samples that stay at the largest or smallest reading.
@@ -122,7 +124,7 @@ def read_signals(
     check_flag("fill_pulses", fill_pulses)
     told, given = _words("columns", columns), _words("units", units)
     if rate is not None:
-        check_positive("rate", rate)
+        rate = check_between("rate", rate, *RATES)
     table = read_table(file)
     names = _names(table, told)
     found = {name: _converted(name, column, table, given) for name, column in names.items()}

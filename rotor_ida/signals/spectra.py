@@ -10,7 +10,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_array, check_choice, check_count
+from rotor_ida.checks import check_choice, check_count, check_nonnegative
 from rotor_ida.errors import InputError
 from rotor_ida.schema import Column
 from rotor_ida.signals.record import FEWEST_SAMPLES, Record, record_of
@@ -156,9 +156,7 @@ def spectrogram(
     step = record.equal_step()
     most = check_count("segment", segment, FEWEST_SAMPLES)
     size = min(most, record.z.size)
-    part = float(check_array("overlap", overlap, largest=0.95).reshape(-1)[0])
-    if part < 0.0:
-        raise InputError(f"overlap must be zero or positive, got {part!r}")
+    part = check_nonnegative("overlap", overlap, 0.95)
     hop = max(1, round(size * (1.0 - part)))
     weights = get_window(window, size, fftbins=True)
     starts = np.arange(0, record.z.size - size + 1, hop)
