@@ -13,9 +13,11 @@ from rotor_ida import (
     correct_probes,
     filtered_orbit,
     full_spectrum,
+    limit_cycle,
     load,
     orders,
     read_signals,
+    run_up,
     save,
     simulate,
     spectrum,
@@ -117,3 +119,32 @@ def test_odd_files_get_one_line(tmp_path):
         read_signals(written(path, head="t,x,y,keyphasor", last=pulse))
     with pytest.raises(InputError, match="samples a revolution for order 60"):
         orders(made(WHIRL), 60)
+
+
+def test_a_slow_run_up_gives_the_steady_curve_and_its_error_falls_with_the_rate():
+    """Linear whirl on a shaft: c = s**2/(1 - s**2 + 2 i zeta s)."""
+    rotor, errors = Rotor(omega=1.0, zeta=0.2, delta0=10.0, shaft_stiffness=1.0), []
+    for rate in (0.004, 0.002):
+        run = run_up(rotor, start=(0, 0, 0, 0), to=2.0, rate=rate, samples=int(20 / rate) + 1)
+        found = orders(run).isel(order=0)
+        speed = found.speed.values
+        exact = speed**2 / (1.0 - speed**2 + 0.4j * speed)
+        whirl = found.forward_whirl_amplitude * np.exp(-1j * found.forward_phase_lag)
+        errors.append(np.abs(whirl.values - exact)[speed > 1.3].max())
+    assert errors[0] < 0.05
+    assert errors[0] / errors[1] == pytest.approx(2.0, abs=0.3)
+
+
+def test_an_exact_cycle_has_its_own_lines_forward_and_backward():
+    """Flat-top shows a line to 0.1 % wherever it lies between the steps of the grid."""
+    rotor = Rotor(omega=3.0, zeta=0.07, delta0=0.5)
+    cycle = limit_cycle(rotor, start=(3.0, 1.0, 0.0, 0.0))
+    start = [float(cycle[name][0]) for name in ("x", "y", "vx", "vy")]
+    length = 60.0 * float(cycle.period)
+    found = full_spectrum(simulate(rotor, start=start, duration=length, samples=12001))
+    highest = np.argsort(-cycle.whirl_amplitude.values)[:3]
+    for place in highest:
+        near = np.abs(found.frequency - cycle.frequency.values[place]) < 6.0 * np.pi / length
+        line = found.whirl_amplitude.values[near.values].max()
+        assert line == pytest.approx(cycle.whirl_amplitude.values[place], rel=1.5e-3)
+    assert (cycle.frequency.values[highest] < 0.0).any()
