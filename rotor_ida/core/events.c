@@ -31,14 +31,6 @@ int is_finite(const double *state) { return isfinite(state[0] + state[1] + state
 #ifdef RUN_UP
 static int is_prescribed(const struct rotor *rotor) { return rotor->inverse_inertia == 0.0; }
 
-void take_drive(struct motion *motion, const struct rotor *rotor)
-{
-    motion->model.rate = rotor->rate;
-    motion->model.torque = rotor->torque;
-    motion->model.slope = rotor->slope;
-    motion->model.inverse_inertia = rotor->inverse_inertia;
-}
-
 void begin_piece(struct run *run)
 {
     const struct piece *piece = &run->pieces[run->piece];

@@ -63,9 +63,8 @@ int integrate_contact(struct run *run, struct motion *motion, const double *star
 int follow_freely(struct run *run, struct motion *motion, struct peak *peak, int *touched);
 
 #ifdef RUN_UP
-/* Let the speed change as the present piece has it, or the next; and a motion likewise. */
+/* Let the speed change as the present piece has it. */
 void begin_piece(struct run *run);
-void take_drive(struct motion *motion, const struct rotor *rotor);
 #endif
 
 /* A state on the rotating axes of a time. */

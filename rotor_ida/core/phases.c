@@ -183,6 +183,14 @@ static int change_mode(struct run *run, struct motion *motion, const struct chan
 }
 
 #ifdef RUN_UP
+static void take_drive(struct motion *motion, const struct rotor *rotor)
+{
+    motion->model.rate = rotor->rate;
+    motion->model.torque = rotor->torque;
+    motion->model.slope = rotor->slope;
+    motion->model.inverse_inertia = rotor->inverse_inertia;
+}
+
 /* Go on with the next piece of a speed, where its rate jumps: the force with it that rolling needs,
  * so that a disc which rolled may slip from here on. */
 static int change_piece(struct run *run, struct motion *motion, double *start, const double *atol,
@@ -374,6 +382,25 @@ int integrate_contact(struct run *run, struct motion *motion, const double *begu
 
 static double radius_of(const double *values) { return sqrt(squared_radius_of(values)); }
 
+/* Points on the way back to the beginning of a step that are tried for one inside the ring. */
+enum { MOST_NEARER = 30 };
+/* Nearer to the ring, in clearances, rounding decides on which side the rotor is. */
+static const double HIDDEN = 4.0 * ROUNDING;
+
+/* Where a step that begins on the ring, falls inwards at first and ends outside touches it;
+ * infinite where no point inside is seen. */
+static double touch_after_fall(struct motion *motion, double delta0, double low, double high)
+{
+    double inside = 0.5 * (low + high);
+    for (int i = 0; i < MOST_NEARER; i++) {
+        const double *values = motion->at(motion, inside);
+        if (delta0 - radius_of(values) > HIDDEN * delta0)
+            return root_in_step(motion, radius_of, delta0, inside, high);
+        inside = 0.5 * (low + inside);
+    }
+    return INFINITY;
+}
+
 /* Where in the last step the radius first rises through delta0; infinite where it does not.
  *
  * A rise and fall inside the step shows in the radial velocity: it changes from + to - there, and
@@ -390,12 +417,18 @@ static double touch_in_step(struct motion *motion, double delta0)
         else if (radius_of(motion->at(motion, turn)) < delta0)
             low = turn;
     }
-    if (radius_of(motion->at(motion, high)) <= delta0)
+    const double above = radius_of(motion->at(motion, high)) - delta0;
+    const int leaves = radial_rate_of(motion->at(motion, high)) > 0.0;
+    const int on_ring = fabs(radius_of(motion->before) - delta0) <= HIDDEN * delta0;
+    if (above <= (on_ring ? HIDDEN * delta0 : 0.0))
         return INFINITY;
-    if (radius_of(motion->at(motion, low)) >= delta0) {
-        const int leaves = radial_rate_of(motion->at(motion, high)) > 0.0;
-        return leaves ? larger(turn, 0.5 * (low + high)) : INFINITY;
+    if (on_ring && leaves) {
+        const double touch = touch_after_fall(motion, delta0, motion->low, high);
+        if (touch < INFINITY)
+            return touch;
     }
+    if (radius_of(motion->at(motion, low)) >= delta0)
+        return leaves ? larger(turn, 0.5 * (low + high)) : INFINITY;
     const double touch = root_in_step(motion, radius_of, delta0, low, high);
     if (isnan(touch))
         return touch;

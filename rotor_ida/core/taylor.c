@@ -10,9 +10,10 @@ static const double NOISE = 1e-13;
  * the order: beyond, a series that has died away to rounding would grow again. */
 static const double FARTHEST = 0.25;
 #ifdef RUN_UP
-/* So near to the ring, by the square of the radius, a flight begins there. */
-static const double ON_THE_RING = 64.0 * ROUNDING;
-enum { WITH_SPEED = 1 };
+/* Of the sizes of the terms: a flight begins on the ring, with no radial velocity or acceleration,
+ * where the square of the radius, or what its changes come from, adds up to less than this part. */
+static const double ON_THE_RING = 32.0 * ROUNDING;
+enum { WITH_SPEED = 1, ROOTS_AT_A_START = 3 };
 #else
 enum { WITH_SPEED = 0 };
 #endif
@@ -334,19 +335,26 @@ static double flight_step(struct taylor *taylor)
     double step = longest_step(taylor, CARTESIAN_SIZE, rate);
     if (isnan(step))
         return NAN;
-    /* |z|**2 - delta0**2, the same after its first root at 0, and its rate of change */
+    /* |z|**2 - delta0**2, the same after its roots at 0, and its rate of change after those */
     double square[ORDERS] = {0.0}, later[ORDERS] = {0.0}, turning[ORDERS] = {0.0};
     double terms[ORDERS][2], sizes[2] = {0.0}, scale = 1.0;
+    int on_ring = 0;
     for (int n = 0; n <= taylor->order; n++) {
+        double size = n == 0 ? delta0 * delta0 : 0.0;
         memcpy(terms[n], &taylor->series.terms[n][CARTESIAN_X], sizeof terms[n]);
-        for (int k = 0; k <= n; k++)
-            square[n] += terms[k][0] * terms[n - k][0] + terms[k][1] * terms[n - k][1];
+        square[n] = -size;
+        for (int k = 0; k <= n; k++) {
+            const double product[] = {terms[k][0] * terms[n - k][0], terms[k][1] * terms[n - k][1]};
+            square[n] += product[0] + product[1];
+            size += fabs(product[0]) + fabs(product[1]);
+        }
+        if (on_ring == n && n < ROOTS_AT_A_START && fabs(square[n]) <= ON_THE_RING * size)
+            on_ring++;
     }
-    square[0] -= delta0 * delta0;
-    const int on_ring = fabs(square[0]) <= ON_THE_RING * delta0 * delta0;
-    for (int n = 0; n < taylor->order; n++) {
+    const int at_rest = on_ring > 1 ? on_ring - 1 : 0;
+    for (int n = 0; n < taylor->order - at_rest; n++) {
         later[n] = square[n + on_ring];
-        turning[n] = (n + 1) * square[n + 1];
+        turning[n] = (n + 1 + at_rest) * square[n + 1 + at_rest];
         sizes[0] += fabs(later[n]) * scale;
         sizes[1] += fabs(turning[n]) * scale;
         scale *= step;

@@ -105,23 +105,6 @@ def estimate_event_errors(
         )  # fmt: skip
     except SimulationError as error:
         return EventErrors(np.full(orbit.event_times.size, np.inf), error.time)
-    return errors_beside(orbit, thinned, other, widening=widening, of_rounding=of_rounding)
-
-
-def errors_beside(
-    orbit: Orbit, thinned: Orbit, other: Orbit, *, widening: float, of_rounding: float
-) -> EventErrors:
-    """Estimate the error of an orbit from another one of the same motion.
-
-    Parameters
-    ----------
-    orbit, thinned : Orbit
-        The orbit, and the same with the samples that the other has.
-    other : Orbit
-        The other one.
-    widening, of_rounding : float
-        What the differences, and the bound on rounding, are multiplied by.
-    """
     partners = _partners(orbit, other)
     differences = np.full(orbit.event_times.size, np.nan)
     found = partners >= 0
