@@ -29,6 +29,7 @@ from .parameters import Rotor as Rotor
 from .resuming import resume as resume
 from .si_units import dimensional as dimensional
 from .signals.filtering import filtered_orbit as filtered_orbit
+from .signals.lines import spectral_lines as spectral_lines
 from .signals.orders import centre_line as centre_line
 from .signals.orders import orders as orders
 from .signals.probes import correct_probes as correct_probes

@@ -200,6 +200,13 @@ QUANTITIES: dict[str, Quantity] = {
     "backward_whirl_amplitude": Quantity("amplitude of the backward whirl", scale="length"),
     "forward_phase_lag": Quantity("phase by which the forward whirl lags the mark", "radian"),
     "backward_phase_lag": Quantity("phase by which the backward whirl lags the mark", "radian"),
+    "forward_amplitude_error": Quantity(
+        "standard error of the amplitude of the forward whirl", scale="length"
+    ),
+    "backward_amplitude_error": Quantity(
+        "standard error of the amplitude of the backward whirl", scale="length"
+    ),
+    "whirl_phase": Quantity("phase of the whirl at the time 0", "radian"),
     "offset_x": Quantity("mean horizontal displacement", scale="length"),
     "offset_y": Quantity("mean vertical displacement", scale="length"),
     "window_residual": Quantity("root mean square of what the orders leave", scale="length"),

@@ -175,6 +175,7 @@ GIVEN: dict[str, Callable[[Path], dict[str, object]]] = {
     "centre_line": lambda _: {"signals": run()},
     "filtered_orbit": lambda _: {"signals": run(), "order": 1},
     "full_spectrum": lambda _: {"signals": run()},
+    "spectral_lines": lambda _: {"signals": run(), "count": 2},
     "spectrogram": lambda _: {"signals": run(), "segment": 16},
     "whirl_ratio": lambda _: {"signals": run()},
     "correct_probes": lambda _: {"signals": run()},

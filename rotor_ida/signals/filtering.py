@@ -84,7 +84,7 @@ def _of_order(record: Record, order: float, revolutions: int | None) -> Complex:
     """Return the displacement by one order, forward and backward."""
     asked = np.array([order])
     windows = windows_of(record, revolutions_for(asked, revolutions))
-    amplitudes, _ = fit(record, windows, asked)
+    amplitudes = fit(record, windows, asked).amplitudes
     ahead, back = (np.interp(record.times, windows.times, each) for each in amplitudes.T[:2])
     turn = np.exp(1j * order * record.known_angles())
     return np.asarray(ahead * turn + back * turn.conj(), dtype=np.complex128)

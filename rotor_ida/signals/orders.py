@@ -9,15 +9,16 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_count, check_vector, shown
+from rotor_ida.checks import check_count, check_nonnegative, check_vector, shown
 from rotor_ida.errors import InputError
 from rotor_ida.schema import Column
 from rotor_ida.signals.record import Record, record_of
-from rotor_ida.signals.windows import Complex, Windows, fit_orders, windows_of
+from rotor_ida.signals.windows import Orders, Windows, fit_orders, windows_of
 
-# Whole orders up to this are fitted beside those that are asked for, so that they leave no trace
-# in these.
+# Whole orders up to this, and up to the highest that is asked for, are fitted beside, so that they
+# leave no trace in the others.
 BESIDE = 3
+MOST_OVERLAP = 0.95
 LARGEST_ORDER = 1000.0
 # Windows of more revolutions than one over this are of no use.
 CLOSEST = 1e-3
@@ -26,7 +27,11 @@ SLACK = 1e-9
 
 
 def orders(
-    signals: xr.Dataset, orders: npt.ArrayLike = (1,), *, revolutions: int | None = None
+    signals: xr.Dataset,
+    orders: npt.ArrayLike = (1,),
+    *,
+    revolutions: int | None = None,
+    overlap: float = 0.0,
 ) -> xr.Dataset:
     """Track orders of the speed: how much forward and backward whirl, and with which phase.
 
@@ -39,14 +44,17 @@ def orders(
     revolutions : int, optional
         Length of the windows [1]: by default the shortest that tell the orders apart, one
         revolution for whole orders, two for halves.
+    overlap : float
+        By which part windows overlap [1], from 0 to 0.95: more points of a short run-up.
 
     Returns
     -------
     Dataset
         On (``window``, ``order``): ``forward_whirl_amplitude``, ``backward_whirl_amplitude``,
-        ``forward_phase_lag`` and ``backward_phase_lag`` [rad]. On ``window``: ``offset_x`` and
-        ``offset_y``, the mean position; ``window_residual``, the root mean square of what is left;
-        coordinates ``t`` and ``speed``.
+        ``forward_phase_lag`` and ``backward_phase_lag`` [rad], from -pi to pi;
+        ``forward_amplitude_error`` and ``backward_amplitude_error``, standard errors. On
+        ``window``: ``offset_x`` and ``offset_y``, the mean position; ``window_residual``, the
+        root mean square of what is left; coordinates ``t`` and ``speed``.
 
     Raises
     ------
@@ -56,13 +64,18 @@ def orders(
 
     Notes
     -----
-    In each window of whole revolutions ``z = x + i y`` is fitted by least squares as
-    ``sum(c_n exp(i n theta))`` over the orders that are asked for, forward and backward, the mean
-    and whole orders up to 3 beside them. ``forward_phase_lag`` is that of `synchronous_response`:
-    ``c_1 = A exp(-i lag)`` with theta the angle of the unbalance. Both lags say by how much a
-    whirl is late at the x axis: ``exp(i (n theta - lag))``, and ``exp(-i (n theta - lag))``
-    backwards. Measured angles count from the mark of the keyphasor instead. While the speed
-    changes, amplitudes are means over the window.
+    In each window of whole revolutions ``z = x + i y`` is fitted by least squares as ``sum(c_n
+    exp(i n theta))`` over the orders that are asked for, forward and backward, the mean and beside
+    them whole orders up to 3 and up to the highest of them. ``forward_phase_lag`` is that of
+    `synchronous_response`: ``c_1 = A exp(-i lag)`` with theta the angle of the unbalance. Both lags
+    say by how much a whirl is late at the x axis: ``exp(i (n theta - lag))``, and ``exp(-i (n theta
+    - lag))`` backwards. Measured angles count from the mark of the keyphasor instead. While the
+    speed changes, amplitudes are means over the window.
+
+    Standard errors hold where what the orders leave is noise, of one strength in all directions and
+    frequencies; that of a lag is the error of the amplitude over the amplitude. The residual
+    is by degrees of freedom: for noise of the variance s**2 in x and in y it is ``sqrt(2) s``. The
+    speed is that of the straight line through the angles of a window, at the mean of its times.
 
     References
     ----------
@@ -81,30 +94,33 @@ def orders(
     True
     """
     asked = _checked(orders)
+    part = check_nonnegative("overlap", overlap, MOST_OVERLAP)
     record = record_of(signals)
     length = revolutions_for(asked, revolutions)
-    windows = windows_of(record, length)
-    amplitudes, residual = fit(record, windows, asked)
-    k = asked.size
-    ahead, back = amplitudes[:, :k], amplitudes[:, k : 2 * k]
+    windows = windows_of(record, length, part)
+    fitted = fit(record, windows, asked)
+    k, offset = asked.size, fitted.amplitudes[:, -1]
+    ahead, back = fitted.amplitudes[:, :k], fitted.amplitudes[:, k : 2 * k]
     variables: dict[str, Column] = {
         "forward_whirl_amplitude": (("window", "order"), np.abs(ahead)),
         "forward_phase_lag": (("window", "order"), np.angle(ahead.conj())),
         "backward_whirl_amplitude": (("window", "order"), np.abs(back)),
         "backward_phase_lag": (("window", "order"), np.angle(back)),
-        "offset_x": ("window", amplitudes[:, -1].real),
-        "offset_y": ("window", amplitudes[:, -1].imag),
-        "window_residual": ("window", residual),
+        "forward_amplitude_error": (("window", "order"), fitted.errors[:, :k]),
+        "backward_amplitude_error": (("window", "order"), fitted.errors[:, k : 2 * k]),
+        "offset_x": ("window", offset.real),
+        "offset_y": ("window", offset.imag),
+        "window_residual": ("window", fitted.residual),
     }
     return record.dataset(
         "Orders of the speed",
         variables,
         {**window_coordinates(windows), "order": ("order", asked)},
-        {"window_revolutions": length},
+        {"window_revolutions": length, "window_overlap": part},
     )
 
 
-def centre_line(signals: xr.Dataset, *, revolutions: int = 1) -> xr.Dataset:
+def centre_line(signals: xr.Dataset, *, revolutions: int = 1, overlap: float = 0.0) -> xr.Dataset:
     """Return the mean position of the shaft, the gap as direct current shows it, over the speed.
 
     Parameters
@@ -113,6 +129,8 @@ def centre_line(signals: xr.Dataset, *, revolutions: int = 1) -> xr.Dataset:
         Signals of `signals_of` or `read_signals`, or a run.
     revolutions : int
         Length of the windows over which the mean is taken [1].
+    overlap : float
+        By which part windows overlap [1], from 0 to 0.95.
 
     Returns
     -------
@@ -137,13 +155,14 @@ def centre_line(signals: xr.Dataset, *, revolutions: int = 1) -> xr.Dataset:
     >>> centre_line(run).offset_y[-1].item() < 0.0
     True
     """
-    found = orders(signals, 1.0, revolutions=check_count("revolutions", revolutions))
+    length = check_count("revolutions", revolutions)
+    found = orders(signals, 1.0, revolutions=length, overlap=overlap)
     held = found[["offset_x", "offset_y"]]
     return held.assign_attrs(title="Mean position of the shaft")
 
 
-def fit(record: Record, windows: Windows, asked: Values) -> tuple[Complex, Values]:
-    """Return amplitudes of orders forward, then backward, and of 0 last, and what they leave."""
+def fit(record: Record, windows: Windows, asked: Values) -> Orders:
+    """Return what windows hold of orders forward, then backward, and of 0 last."""
     counts = np.diff(windows.edges)
     fewest, length = int(counts.argmin()), windows.revolutions
     rate = (counts[fewest] - 1) / length  # an edge may have taken one sample from its neighbour
@@ -155,9 +174,9 @@ def fit(record: Record, windows: Windows, asked: Values) -> tuple[Complex, Value
         )
     beside = np.arange(1.0, min(max(BESIDE, asked.max()), (rate - 1.0) / 2.0) + SLACK)
     beside = beside[[not np.isclose(asked, each, atol=SLACK).any() for each in beside]]
-    fitted = np.concatenate([asked, -asked, beside, -beside, [0.0]])
-    amplitudes, residual = fit_orders(record, windows, fitted)
-    return amplitudes[:, [*range(2 * asked.size), -1]], residual
+    every = fit_orders(record, windows, np.concatenate([asked, -asked, beside, -beside, [0.0]]))
+    kept = [*range(2 * asked.size), -1]
+    return Orders(every.amplitudes[:, kept], every.errors[:, kept], every.residual)
 
 
 def window_coordinates(windows: Windows) -> dict[str, Column]:

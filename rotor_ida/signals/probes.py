@@ -12,7 +12,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import check_array, check_count, shown
 from rotor_ida.errors import InputError
 from rotor_ida.signals.record import Record, record_of
-from rotor_ida.signals.windows import Complex, Windows, fit_orders
+from rotor_ida.signals.windows import Complex, fit_orders, windows_of
 
 # Sine of the least angle between two probes.
 NEARLY_ALONG = 1e-3
@@ -121,17 +121,16 @@ def subtract_runout(
     whole = math.floor(turns + 1e-9)
     if whole < 1:
         raise InputError(f"slow_roll must hold at least one revolution, got {turns:.3g}")
-    end = int(np.searchsorted(angles, angles[0] + 2.0 * math.pi * (whole - 1e-9)))
-    if end <= (2 * most + 1) * whole:
+    window = windows_of(slow, whole)
+    if window.edges[1] <= (2 * most + 1) * whole:
         raise InputError(
             f"slow_roll must hold more than {2 * most + 1} samples a revolution, got "
-            f"{end / whole:.3g}"
+            f"{window.edges[1] / whole:.3g}"
         )
-    one = Windows(np.array([0, end]), whole, slow.times[:1], np.zeros(1))
     orders = np.arange(-most, most + 1.0)
-    amplitudes, _ = fit_orders(slow, one, orders)
+    amplitudes = fit_orders(slow, window, orders).amplitudes[0]
     z = record.z.copy()
-    for order, amplitude in zip(orders, amplitudes[0], strict=True):
+    for order, amplitude in zip(orders, amplitudes, strict=True):
         if order != 0.0:
             z -= amplitude * np.exp(1j * order * record.known_angles())
     return with_displacements(signals, record, z)

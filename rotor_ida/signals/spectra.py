@@ -57,7 +57,8 @@ def full_spectrum(
     weights w a step h apart the equivalent noise bandwidth is
     ``2 pi sum(w**2)/(h sum(w)**2)``. The noise floor is the root of the mean power that noise would
     have of which the median over all lines is the one found: lines, being few, do not move
-    a median. It falls with longer segments; the density ``noise_floor**2/bandwidth`` does not.
+    a median. Segments that overlap count as fewer independent ones, by Welch's formula. The floor
+    falls with longer segments; the density ``noise_floor**2/bandwidth`` does not.
 
     References
     ----------
@@ -91,10 +92,10 @@ def full_spectrum(
     variables: dict[str, Column] = {
         "whirl_amplitude": ("frequency", np.sqrt(power)),
         "bandwidth": ((), _bandwidth(weights, step)),
-        "noise_floor": ((), _noise_floor(power, count)),
+        "noise_floor": ((), _noise_floor(power, _independent(weights, size // 2, count))),
     }
     coordinates: dict[str, Column] = {"frequency": ("frequency", frequency)}
-    speed = _one_speed(record)
+    speed = one_speed(record)
     if speed is not None:
         coordinates["frequency_over_omega"] = ("frequency", frequency / speed)
     told = {"window": window, "segment": size, "segment_count": count}
@@ -193,15 +194,25 @@ def _bandwidth(weights: npt.NDArray[np.float64], step: float) -> float:
     return 2.0 * math.pi * float((weights**2).sum() / weights.sum() ** 2) / step
 
 
-def _noise_floor(power: Values, count: int) -> float:
+def _independent(weights: Values, overlap: int, count: int) -> float:
+    """Return how many independent segments say as much as those that overlap (Welch, 1967)."""
+    hop = weights.size - overlap
+    shared = 0.0
+    for apart in range(1, min(count, math.ceil(weights.size / hop))):
+        common = float(weights[apart * hop :] @ weights[: weights.size - apart * hop])
+        shared += 2.0 * (1.0 - apart / count) * (common / float(weights @ weights)) ** 2
+    return count / (1.0 + shared)
+
+
+def _noise_floor(power: Values, count: float) -> float:
     """Return the amplitude of noise in a line, judged by the median of all lines."""
     from scipy.stats import gamma  # noqa: PLC0415 - takes long to import
 
-    # a mean of count squares of complex normal numbers
+    # a mean of so many squares of complex normal numbers
     return math.sqrt(float(np.median(power)) / float(gamma.median(count) / count))
 
 
-def _one_speed(record: Record) -> float | None:
+def one_speed(record: Record) -> float | None:
     """Return the speed of a record in which it does not change, else None."""
     if record.angles is None:
         return None

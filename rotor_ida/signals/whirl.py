@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from rotor_ida.checks import check_count
+from rotor_ida.checks import check_count, check_nonnegative
 from rotor_ida.schema import Column
-from rotor_ida.signals.orders import fit, window_coordinates
+from rotor_ida.signals.orders import MOST_OVERLAP, fit, window_coordinates
 from rotor_ida.signals.record import record_of
 from rotor_ida.signals.windows import windows_of
 
@@ -15,7 +15,7 @@ from rotor_ida.signals.windows import windows_of
 NO_WHIRL = 0.01
 
 
-def whirl_ratio(signals: xr.Dataset, *, revolutions: int = 1) -> xr.Dataset:
+def whirl_ratio(signals: xr.Dataset, *, revolutions: int = 1, overlap: float = 0.0) -> xr.Dataset:
     """Return the whirl speed over the spin speed, and the sense of the whirl, over time.
 
     Parameters
@@ -25,6 +25,8 @@ def whirl_ratio(signals: xr.Dataset, *, revolutions: int = 1) -> xr.Dataset:
         turn of the whirl.
     revolutions : int
         Length of the windows over which the whirl is counted [1].
+    overlap : float
+        By which part windows overlap [1], from 0 to 0.95.
 
     Returns
     -------
@@ -53,12 +55,12 @@ def whirl_ratio(signals: xr.Dataset, *, revolutions: int = 1) -> xr.Dataset:
     1.0
     """
     length = check_count("revolutions", revolutions)
+    part = check_nonnegative("overlap", overlap, MOST_OVERLAP)
     record = record_of(signals)
-    windows = windows_of(record, length)
-    amplitudes, _ = fit(record, windows, np.array([1.0]))
-    inside = slice(0, int(windows.edges[-1]))
-    about = record.z[inside] - windows.spread(amplitudes[:, -1])
-    angles = record.known_angles()[inside]
+    windows = windows_of(record, length, part)
+    offset = fit(record, windows, np.array([1.0])).amplitudes[:, -1]
+    about = record.z[windows.samples] - windows.spread(offset)
+    angles = record.known_angles()[windows.samples]
     # from one sample to the next, but not across the edge, where the mean jumps
     starts, ends = windows.edges[:-1], windows.edges[1:] - 1
     turned = np.angle(about[1:] * about[:-1].conj())
@@ -70,5 +72,5 @@ def whirl_ratio(signals: xr.Dataset, *, revolutions: int = 1) -> xr.Dataset:
         "whirl_speed": ("window", ratio * windows.speeds),
         "whirl_sense": ("window", sense),
     }
-    told = {"window_revolutions": length}
+    told = {"window_revolutions": length, "window_overlap": part}
     return record.dataset("Whirl against spin", columns, window_coordinates(windows), told)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,68 +15,116 @@ from rotor_ida.signals.record import Record
 
 # Of a window: a sample at its edge belongs to it, whatever rounding did to its angle.
 EDGE = 1e-9
+# Numbers that are worked on at once: what fits into the processor's cache is done sooner.
+AT_ONCE = 200_000
+MOST_SAMPLES = 200_000_000
 Complex = npt.NDArray[np.complex128]
 
 
 @dataclass(frozen=True)
 class Windows:
-    """Samples of a record by windows of whole revolutions, one after the other.
+    """Samples of a record by windows of whole revolutions.
 
     Parameters
     ----------
+    samples : ndarray of int, or slice
+        Which samples the windows hold, one window after the other: those in several as often.
     edges : ndarray of int, shape (windows + 1,)
-        Which sample is the first of each window, and of what follows the last.
+        Where each window begins among them, and where the last ends.
     revolutions : int
         Revolutions in a window.
     times, speeds : ndarray, shape (windows,)
         Mean time of the samples of each, and the speed there [rad over the unit of time].
     """
 
+    samples: npt.NDArray[np.intp] | slice
     edges: npt.NDArray[np.intp]
     revolutions: int
     times: Values
     speeds: Values
 
-    def sums(self, values: npt.NDArray[np.inexact]) -> npt.NDArray[np.inexact]:
-        """Return the sum of the values over each window."""
-        return np.add.reduceat(values[: self.edges[-1]], self.edges[:-1])
-
     def spread(self, values: npt.NDArray[np.inexact]) -> npt.NDArray[np.inexact]:
         """Return for each sample in a window what belongs to the window."""
         return np.repeat(values, np.diff(self.edges))
 
+    def parts(self, width: int) -> Iterator[slice]:
+        """Return windows that are worked on at once, where each sample takes so many numbers."""
+        first, last = 0, self.edges.size - 1
+        while first < last:
+            until = int(np.searchsorted(self.edges, self.edges[first] + AT_ONCE // width))
+            until = min(max(until - 1, first + 1), last)
+            yield slice(first, until)
+            first = until
 
-def windows_of(record: Record, revolutions: int) -> Windows:
-    """Return the windows of so many revolutions that a record holds whole."""
+
+@dataclass(frozen=True)
+class Orders:
+    """What each window holds of each order.
+
+    Parameters
+    ----------
+    amplitudes : ndarray of complex, shape (windows, k)
+        ``c`` of ``z = sum(c_n exp(i n angle))``.
+    errors : ndarray, shape (windows, k)
+        Standard errors of their real and imaginary parts alike, hence of ``abs(c)``.
+    residual : ndarray, shape (windows,)
+        Root of the mean square of what is left, by degrees of freedom.
+    """
+
+    amplitudes: Complex
+    errors: Values
+    residual: Values
+
+
+def windows_of(
+    record: Record, revolutions: int, overlap: float = 0.0, begin: float | None = None
+) -> Windows:
+    """Return the windows of so many revolutions that a record holds whole.
+
+    The first begins with the record, or at the angle `begin`, at most a sample before: so a record
+    that is taken up again goes on with the windows that it would have had as a whole.
+    """
     angles = record.known_angles()
-    turns = (angles - angles[0]) / (2.0 * math.pi * revolutions)
+    turns = (angles - (angles[0] if begin is None else begin)) / (2.0 * math.pi * revolutions)
     # samples of whole revolutions end one step before the first repeats
-    count = math.floor(turns[-1] + (turns[-1] - turns[-2]) + EDGE)
-    if count < 1:
+    end = turns[-1] + (turns[-1] - turns[-2]) + EDGE
+    if end < 1.0:
         raise InputError(
             f"signals must hold at least {revolutions} whole revolutions, got "
             f"{turns[-1] * revolutions:.3g}"
         )
-    edges = np.searchsorted(turns, np.arange(count + 1) - EDGE)
-    counts = np.diff(edges)
+    starts = (1.0 - overlap) * np.arange(math.floor((end - 1.0) / (1.0 - overlap)) + 1)
+    first, last = (np.searchsorted(turns, starts + each - EDGE) for each in (0.0, 1.0))
+    counts = last - first
     if counts.min() < 2:
-        at = record.times[min(edges[counts.argmin()], record.times.size - 1)]
+        at = record.times[min(first[counts.argmin()], record.times.size - 1)]
         raise InputError(
             f"signals must hold more than two samples a revolution, got {counts.min()} in "
             f"{revolutions} at t {at:.6g}"
         )
-    span = slice(edges[0], edges[-1])
-    starts = edges[:-1]
-    times, angles = record.times[span], angles[span]
+    if (held := int(counts.sum())) > MOST_SAMPLES:
+        raise InputError(f"overlap must be smaller, got {overlap!r}: windows of {held} samples")
+    edges = np.concatenate([[0], np.cumsum(counts)])
+    samples: npt.NDArray[np.intp] | slice = slice(0, int(edges[-1]))
+    if overlap > 0.0:
+        samples = np.arange(edges[-1]) + np.repeat(first - edges[:-1], counts)
+    times, speeds = _times_and_speeds(record.times[samples], angles[samples], edges)
+    return Windows(samples, edges, revolutions, times, speeds)
+
+
+def _times_and_speeds(
+    times: Values, angles: Values, edges: npt.NDArray[np.intp]
+) -> tuple[Values, Values]:
+    """Return the mean time of each window, and by least squares the speed."""
+    starts, counts = edges[:-1], np.diff(edges)
     mean_time = np.add.reduceat(times, starts) / counts
     mean_angle = np.add.reduceat(angles, starts) / counts
     since = times - np.repeat(mean_time, counts)
     turned = angles - np.repeat(mean_angle, counts)
-    speeds = np.add.reduceat(since * turned, starts) / np.add.reduceat(since**2, starts)
-    return Windows(edges, revolutions, mean_time, speeds)
+    return mean_time, np.add.reduceat(since * turned, starts) / np.add.reduceat(since**2, starts)
 
 
-def fit_orders(record: Record, windows: Windows, orders: Values) -> tuple[Complex, Values]:
+def fit_orders(record: Record, windows: Windows, orders: Values) -> Orders:
     """Return the complex amplitude of each signed order in each window, and what they leave.
 
     Parameters
@@ -87,30 +136,67 @@ def fit_orders(record: Record, windows: Windows, orders: Values) -> tuple[Comple
     orders : ndarray, shape (k,)
         Orders, negative for backward whirl; 0 is the mean position.
 
-    Returns
-    -------
-    amplitudes : ndarray of complex, shape (windows, k)
-        ``c`` of ``z = sum(c_n exp(i n angle))``.
-    residual : ndarray, shape (windows,)
-        Root of the mean square of what is left.
-
     Notes
     -----
     The normal equations hold sums of ``exp(i (n - m) angle)`` alone. Over whole revolutions the
-    orders are nearly orthogonal, so that they are solved to rounding.
+    orders are nearly orthogonal, so that they are solved to rounding. Beside noise of the variance
+    s**2 in z the covariance of the amplitudes is s**2 times the inverse of their matrix.
     """
-    angles, z = record.known_angles(), record.z
-    differences, where = np.unique(
-        np.round(orders[None, :] - orders[:, None], 12), return_inverse=True
-    )
-    moments = np.stack([windows.sums(np.exp(1j * each * angles)) for each in differences], axis=-1)
-    gram = moments[:, where.reshape(orders.size, orders.size)]
-    right = np.stack([windows.sums(np.exp(-1j * each * angles) * z) for each in orders], axis=-1)
-    amplitudes = np.linalg.solve(gram, right[..., None])[..., 0]
-    inside = slice(0, int(windows.edges[-1]))
-    left = z[inside].copy()
-    for each, amplitude in zip(orders, amplitudes.T, strict=True):
-        left -= windows.spread(amplitude) * np.exp(1j * each * angles[inside])
-    counts = np.diff(windows.edges)
-    residual = np.sqrt(windows.sums(np.abs(left) ** 2) / counts)
-    return np.asarray(amplitudes, np.complex128), np.asarray(residual, np.float64)
+    angles, z = record.known_angles()[windows.samples], record.z[windows.samples]
+    apart = orders - orders[:, None]
+    needed = {_key(abs(each)): abs(each) for each in [*apart.ravel().tolist(), *orders.tolist()]}
+    fits = []
+    for part in windows.parts(len(needed)):
+        edges = windows.edges[part.start : part.stop + 1]
+        inside = slice(edges[0], edges[-1])
+        turned = _exponentials(angles[inside], needed)
+        fits.append(_fit(turned, z[inside], edges - edges[0], orders))
+    amplitudes, errors, residual = (np.concatenate(each) for each in zip(*fits, strict=True))
+    return Orders(amplitudes, errors, residual)
+
+
+def _key(order: float) -> float:
+    """Return what orders that differ by rounding have in common."""
+    return round(order, 12)
+
+
+def _exponentials(angles: Values, orders: dict[float, float]) -> dict[float, Complex]:
+    """Return ``exp(i n angle)`` for orders from 0 up: most are products of those before."""
+    known = {0.0: np.ones(angles.size, dtype=np.complex128)}
+    for key, order in sorted(orders.items()):
+        if key in known:
+            continue
+        pairs = ((each, _key(key - each)) for each in known if each > 0.0)
+        pair = next(((a, b) for a, b in pairs if b in known), None)
+        known[key] = np.exp(1j * order * angles) if pair is None else (
+            known[pair[0]] * known[pair[1]])  # fmt: skip
+    return known
+
+
+def _fit(
+    turned: dict[float, Complex], z: Complex, edges: npt.NDArray[np.intp], orders: Values
+) -> tuple[Complex, Values, Values]:
+    """Return amplitudes, their errors and what is left, in windows with these edges."""
+    starts, counts = edges[:-1], np.diff(edges)
+    sums = {key: np.add.reduceat(each, starts) for key, each in turned.items()}
+    apart = (orders - orders[:, None]).ravel().tolist()
+    moments = [_signed(sums, each) for each in apart]
+    gram = np.stack(moments, axis=-1).reshape(counts.size, orders.size, orders.size)
+    inverse = np.linalg.inv(gram)
+    basis = [_signed(turned, each) for each in orders.tolist()]
+    right = np.stack([np.add.reduceat(each.conj() * z, starts) for each in basis], axis=-1)
+    amplitudes = np.einsum("wjk,wk->wj", inverse, right)
+    left = z.copy()
+    for each, amplitude in zip(basis, amplitudes.T, strict=True):
+        left -= np.repeat(amplitude, counts) * each
+    squares = np.add.reduceat(np.abs(left) ** 2, starts)
+    residual = np.sqrt(squares / np.maximum(counts - orders.size, 1))
+    variances = np.einsum("wkk->wk", inverse).real
+    errors = residual[:, None] * np.sqrt(np.maximum(variances, 0.0) / 2.0)
+    return amplitudes, errors, residual
+
+
+def _signed(of: dict[float, Complex], order: float) -> Complex:
+    """Return what belongs to an order, given what belongs to its modulus."""
+    each = of[_key(abs(order))]
+    return each if order >= 0.0 else each.conj()
