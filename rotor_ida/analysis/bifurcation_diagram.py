@@ -16,7 +16,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.analysis.extrema import Extrema, check_knots, radius_extrema
-from rotor_ida.analysis.ramp_extrema import joined, run_through
+from rotor_ida.analysis.ramp_extrema import Runs, joined, run_through
 from rotor_ida.arrays import Values
 from rotor_ida.checks import (
     COMPONENTS,
@@ -34,13 +34,12 @@ from rotor_ida.parallel import FailedJob, Stop, choose, run_all
 from rotor_ida.parameters import ALL_PARAMETERS, Rotor
 from rotor_ida.schema import STATUS, labelled
 from rotor_ida.simulation.options import LARGEST, Method, Options
+from rotor_ida.simulation.run_up import MOST_RADIANS
 from rotor_ida.sweeps.sweep import DIRECTIONS, Direction, sweep
 
 # What of a sweep's variables stands in the diagram.
 OF_THE_SWEEP = ("response", "radius_min", "radius_max", "status", "message")
 SLOWEST, FASTEST = 1e-12, 1e6
-# More radians of a run-up take hours.
-MOST_RADIANS = 1e9
 
 
 def bifurcation_diagram(
@@ -175,18 +174,12 @@ def bifurcation_diagram(
     )  # fmt: skip
     options = Options(rtol=rtol, atol=atol, method=method)
     if slope is not None:
-        runs = []
-        for turn in DIRECTIONS[direction]:
-            speeds = check_axis("omega", omega)[::turn]
-            first = swept(omega=speeds[:1]).isel(direction=0, drop=True).drop_dims("event")
-            due = np.flatnonzero(first["status"].values.ravel() == STATUS["done"])
-            jobs = _jobs(first, due)
-            runs.append(
-                run_through(first, jobs, due, (speeds, slope), (options, workers, executor))
-            )
-        return joined(runs, check_axis("omega", omega), DIRECTIONS[direction]).assign_attrs(
-            told | {"rate": slope}
+        speeds, turns = check_axis("omega", omega), DIRECTIONS[direction]
+        how = options, workers, executor
+        found = joined(
+            [_at_a_rate(swept, speeds[::turn], slope, how) for turn in turns], speeds, turns
         )
+        return found.assign_attrs(told | {"rate": slope})
     settled = swept(omega=omega, direction=direction).drop_dims("event")
     if direction is None:
         settled = settled.isel(direction=0, drop=True)
@@ -204,13 +197,25 @@ def _checked_rate(rate: object, direction: str | None, speeds: Values) -> float:
     if speeds.size < 2:
         raise InputError(f"omega must be two or more speeds for a rate, got {speeds.tolist()}")
     span = float(speeds[-1] - speeds[0]) / slope
-    longest = MOST_RADIANS / max(float(speeds[-1]), 1.0)
+    longest = MOST_RADIANS["compiled"] / max(float(speeds[-1]), 1.0)
     if span > longest:
         raise InputError(
             f"rate must be at least {slope * span / longest:.6g}, as a run would take hours, got "
             f"{slope!r}"
         )
     return slope
+
+
+def _at_a_rate(
+    swept: Callable[..., xr.Dataset],
+    speeds: Values,
+    rate: float,
+    how: tuple[Options, int | None, str],
+) -> Runs:
+    """Return what runs through the speeds do, from where motions have settled at the first."""
+    first = swept(omega=speeds[:1]).isel(direction=0, drop=True).drop_dims("event")
+    due = np.flatnonzero(first["status"].values.ravel() == STATUS["done"])
+    return run_through(first, _jobs(first, due), due, (speeds, rate), how)
 
 
 def _with_extrema(

@@ -234,6 +234,49 @@ Out = Annotated[Path | None, _path("Write the result to this new netCDF file.")]
 Figure = Annotated[
     Path | None, _path("Draw the result into NAME.png and NAME.svg; give NAME or either file.")
 ]
+SignalFile = Annotated[
+    Path,
+    _path(
+        "An archive of a run, run-up or signals (.nc), or a measured file: text, .wav or .mat.",
+        name="FILE",
+    ),
+]
+NeededFigure = Annotated[Path, _path("Draw into NAME.png and NAME.svg; give NAME or either file.")]
+PlotKind = Annotated[
+    Literal[
+        "bode", "polar", "orders", "orbit", "full-spectrum", "cascade", "spectrogram", "centreline",
+        "trace",
+    ],
+    Parameter(help="What to draw."),
+]  # fmt: skip
+Exact = Annotated[
+    bool,
+    _flag("Lay the exact response, cycle or backward whirl of the archived rotor beneath."),
+]
+OneOrder = Annotated[
+    float | None, _number("Multiple of the speed, in Bode and polar plots; without it, 1.")
+]
+Orders = Annotated[
+    list[float] | None,
+    _numbers("Multiples of the speed: those tracked, or those marked in a cascade or spectrogram."),
+]
+Sense = Annotated[
+    Literal["forward", "backward"] | None, Parameter(help="Which whirl Bode and polar plots show.")
+]
+Over = Annotated[
+    Literal["speed", "t"] | None,
+    Parameter(help="What a cascade or spectrogram goes over: the speed, or the time."),
+]
+Span = Annotated[float | None, _number("Largest frequency shown, over the speed.")]
+Segment = Annotated[
+    int | None, _whole_number("Number of samples in a segment of a spectrum.", 16, MOST_NUMBERS)
+]
+ShownClearance = Annotated[
+    float | None, _number("Clearance of a measured machine, in the unit of the probes.")
+]
+Times = Annotated[
+    tuple[float, float] | None, _several_numbers("Show only what lies between.", "START END")
+]
 Results = Annotated[Path, _path("Folder for archives and figures.")]
 Direction = Annotated[
     Literal["up", "down", "both"] | None, Parameter(help="Follow the response from speed to speed.")
@@ -509,3 +552,48 @@ class JobOptions:
             metavar="NAME|ADDRESS",
         ),
     ] = "auto"
+
+
+def _named(text: str, words: str) -> Parameter:
+    return Parameter(help=text, metavar=words, consume_multiple=True, negative=())
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+class ReadingOptions:
+    """How a measured file is read; archives need none of it."""
+
+    columns: Annotated[
+        list[str] | None,
+        _named("Columns of t, x, y and keyphasor or angle in a measured file.", "SIGNAL=COLUMN"),
+    ] = None
+    units: Annotated[
+        list[str] | None,
+        _named("Units of the columns: s, ms, m, mm, um, mil, V, rad, deg.", "SIGNAL=UNIT"),
+    ] = None
+    rate: Annotated[float | None, _number("Samples a second, of a file without times.")] = None
+    probe_angles: Annotated[
+        tuple[float, float] | None,
+        _several_numbers("Where the probes are, in degrees from x; without it, 0 90.", "X Y"),
+    ] = None
+    gains: Annotated[
+        tuple[float, float] | None,
+        _several_numbers("Reading over displacement of each probe.", "X Y"),
+    ] = None
+    keyphasor: Annotated[
+        Literal["auto", "signal", "times"] | None,
+        Parameter(help="Whether the keyphasor was sampled, or is a list of times."),
+    ] = None
+    pulses_per_revolution: Annotated[
+        int | None, _whole_number("Pulses of the keyphasor in a revolution.", 1, MOST_NUMBERS)
+    ] = None
+    accept_clipped: Annotated[bool, _flag("Take a probe that is clipped as it is.")] = False
+    fill_pulses: Annotated[bool, _flag("Set lost pulses evenly into their intervals.")] = False
+
+    def given(self) -> dict[str, Any]:
+        """Return what was given, as `rotor_ida.read_signals` takes it."""
+        found = {name: value for name, value in asdict(self).items() if value not in (None, False)}
+        for name in ("columns", "units"):
+            if name in found:
+                found[name] = dict(parsing.named(name, found[name]))
+        return found

@@ -210,6 +210,29 @@ def speeds(name: str, words: Sequence[str]) -> list[tuple[float, Measured]]:
     return found
 
 
+def named(name: str, words: Sequence[str]) -> list[tuple[str, str]]:
+    """Return words ``NAME=WORD`` as pairs.
+
+    Examples
+    --------
+    >>> named("columns", ["x=Probe A", "y=Probe B"])
+    [('x', 'Probe A'), ('y', 'Probe B')]
+    >>> named("columns", ["x"])
+    Traceback (most recent call last):
+    ...
+    rotor_ida.errors.InputError: columns must be pairs such as x=..., got 'x'
+    """
+    found: list[tuple[str, str]] = []
+    for word in words:
+        first, separator, rest = word.partition("=")
+        if not (first and separator and rest):
+            raise InputError(f"{name} must be pairs such as x=..., got {shown(word)}")
+        if first in dict(found):
+            raise InputError(f"{name} must tell {first} once, got it twice")
+        found.append((first, rest))
+    return found
+
+
 def number_or_range(name: str, words: Sequence[str]) -> float | list[float]:
     """Return a word as a number, or as the numbers of a range ``START:STOP:COUNT``.
 

@@ -16,6 +16,7 @@ from rotor_ida.schema import QUANTITIES
 
 LABELS = {
     "omega": r"spin speed $\omega$",
+    "speed": r"spin speed $\omega$",
     "shaft_stiffness": r"stiffness of the shaft $\kappa$",
     "contact_damping": "contact damping $c$",
     "contact_exponent": "exponent of the contact $n$",
@@ -71,6 +72,7 @@ SEPARATOR = ",  "
 # What is written with a capital where it has a unit, as in eqs (1)-(9).
 IN_UNITS = {
     "t": "time $T$",
+    "speed": "spin speed",
     "x": "displacement $X$",
     "y": "displacement $Y$",
     "vx": "velocity $X$′",

@@ -192,7 +192,7 @@ def plot_over_clearance(
         _check_same("simulated", _held("simulated", simulated, ()), beyond)
     with style():
         ax = axes_or_new(ax)
-        _draw_curve(ax, exact, over="delta0", quantity="amplitude")
+        draw_curve(ax, exact, over="delta0", quantity="amplitude")
         if simulated is not None:
             check_same_units("simulated", simulated, exact)
             _draw_over_clearance(ax, simulated)
@@ -229,7 +229,7 @@ def _plot(
     with style():
         ax = axes_or_new(ax)
         if exact is not None:
-            _draw_curve(ax, exact, over="omega", quantity=quantity)
+            draw_curve(ax, exact, over="omega", quantity=quantity)
         if whirls is not None:
             omega, height = xr.broadcast(whirls["omega"], whirls[quantity])
             ax.plot(omega.values.ravel(), height.values.ravel(), ls="", marker="o", ms=3.6,
@@ -323,7 +323,7 @@ def _draw_hopf_points(ax: Axes, hopf_points: xr.Dataset, exact: xr.Dataset) -> N
                 zorder=3.7)  # fmt: skip
 
 
-def _draw_curve(ax: Axes, curve: xr.Dataset, *, over: str, quantity: str) -> None:
+def draw_curve(ax: Axes, curve: xr.Dataset, *, over: str, quantity: str) -> None:
     """Draw the pieces of a response curve, a line for each stability."""
     x, y = curve[over].values.ravel(), curve[quantity].values.ravel()
     stability, piece = curve["stability"].values.ravel(), curve["piece"].values.ravel()

@@ -39,6 +39,7 @@ from rotor_ida.plot.appearance import (
     solid_axes,
     style,
 )
+from rotor_ida.plot.decimation import draw_path
 from rotor_ida.plot.labels import LABELS, label_axis, label_of, scale_of, unit_of
 from rotor_ida.schema import MODE, flags_of
 
@@ -52,6 +53,8 @@ FEW_EVENTS, MANY_EVENTS = 40, 120
 # they lie closer than this part of a revolution; farther apart it would be an invention.
 SMOOTH_BELOW = 0.2
 POINTS_A_REVOLUTION = 90
+# An orbit of more points is drawn without what cannot be seen.
+DENSE = 200_000
 # Events: the mark of each, its colour, and whether it is filled.
 MARKS = {
     "entry": ("^", RED, True),
@@ -598,8 +601,12 @@ def draw_motion(ax: Any, path: Path, *columns: Values, width: float, heavier: fl
         (~path.in_contact, BLUE, width, "flight"),
         (path.in_contact, RED, heavier * width, "contact"),
     ):
-        if chosen[:-1].any():
-            ax.plot(*path.stretches(chosen, *columns), color=colour, lw=lw, label=label)
+        if not chosen[:-1].any():
+            continue
+        if path.time.size > DENSE and len(columns) == 2 and columns[0] is path.x:
+            draw_path(ax, *path.stretches(chosen, *columns), colour=colour, width=lw, words=label)
+            continue
+        ax.plot(*path.stretches(chosen, *columns), color=colour, lw=lw, label=label)
 
 
 def _draw_ways(

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, get_args, get_type_hints
 
+import numpy as np
 import pytest
 
 import rotor_ida
@@ -46,7 +47,7 @@ COMMANDS = [
         "continue",
         "curve",
     ),
-    *("explore", "status", "resume", "compare", "verify", "show", "doctor"),
+    *("explore", "status", "resume", "compare", "verify", "show", "plot", "doctor"),
 ]
 
 
@@ -75,9 +76,19 @@ def test_every_command_has_an_example(program: Program, command: str):
     assert examples(answer.out)
 
 
+def write_probes(path: Path) -> None:
+    """Write what two probes measure of a whirl at 50 revolutions a second."""
+    times = np.arange(2000) / 1000.0
+    turn = 100.0 * np.pi * times
+    columns = [times, 5.0 * np.cos(turn), 5.0 * np.sin(turn), np.cos(turn) > 0.9]
+    np.savetxt(path, np.stack(columns, axis=1), delimiter=",", header="t [s],A,B,keyphasor",
+               comments="")  # fmt: skip
+
+
 def test_the_examples_run_one_after_the_other(program: Program, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("rotor_ida.paper.reproduction.reproduce", lambda *_, **__: 0)
     monkeypatch.setattr("rotor_ida.explorer.explore.explore", lambda *_, **__: None)
+    write_probes(Path("probes.csv"))
     for command in COMMANDS:
         for words in examples(program(command, "--help").out):
             answer = program(*words)
@@ -100,6 +111,9 @@ def test_the_examples_run_one_after_the_other(program: Program, monkeypatch: pyt
         "branch.nc",
         "curve.nc",
         "page.html",
+        "bode.svg",
+        "cascade.png",
+        "orbit.svg",
     } <= written
 
 

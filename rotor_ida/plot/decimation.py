@@ -1,0 +1,177 @@
+"""Fewer points for the same ink: what a picture cannot show is left out, and nothing else."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.colors import to_rgba
+
+from rotor_ida.arrays import Values
+
+# A figure across a page has about 1400 dots at 200 to the inch.
+COLUMNS = 2000
+CELLS = 3000
+# Up to so many points are drawn as they are.
+FEW = 20_000
+# A path of more points than that, thinned, is drawn as the dots that it passes through: about as
+# many as a small figure has, as fewer in print would leave some out.
+MANY, DOTS, AT_ONCE = 60_000, 600, 2_000_000
+
+
+def kept_in_columns(times: Values, values: Values, columns: int = COLUMNS) -> npt.NDArray[np.intp]:
+    """Return which samples draw the same line as all of them.
+
+    Parameters
+    ----------
+    times : ndarray, shape (n,)
+        Times, which increase.
+    values : ndarray, shape (n,)
+        Values without NaN.
+    columns : int
+        Number of columns of dots that the line is drawn on.
+
+    Returns
+    -------
+    ndarray of int
+        The first, the last, the smallest and the largest sample of each column.
+
+    References
+    ----------
+    U. Jugel, Z. Jerzak, G. Hackenbroich, V. Markl, "M4: a visualization-oriented time series data
+    aggregation", Proceedings of the VLDB Endowment 7, 2014.
+
+    Examples
+    --------
+    >>> times = np.arange(100_000.0)
+    >>> spiked = np.where(times == 31_415.0, 1.0, 0.0)
+    >>> kept = kept_in_columns(times, spiked)
+    >>> kept.size <= 4 * COLUMNS, spiked[kept].max().item()
+    (True, 1.0)
+    """
+    if times.size <= FEW:
+        return np.arange(times.size)
+    part = (times - times[0]) / (times[-1] - times[0])
+    column = np.minimum((part * columns).astype(np.intp), columns - 1)
+    starts = np.flatnonzero(np.diff(column, prepend=-1))
+    counts = np.diff(starts, append=times.size)
+    found = [starts, starts + counts - 1]
+    for extreme in (np.minimum, np.maximum):
+        reached = np.flatnonzero(values == np.repeat(extreme.reduceat(values, starts), counts))
+        found.append(reached[np.unique(column[reached], return_index=True)[1]])
+    return np.unique(np.concatenate(found))
+
+
+def thinned(x: Values, y: Values, cells: int = CELLS) -> tuple[Values, Values]:
+    """Return a path that passes through the same cells of a fine grid, each step once.
+
+    Parameters
+    ----------
+    x, y : ndarray, shape (n,)
+        Points of the path; NaN parts it.
+    cells : int
+        Cells of the grid across the path, smaller than the dots of a figure.
+
+    Returns
+    -------
+    x, y : ndarray
+        Points out of the path, NaN where steps are left out. A point stays if it enters a cell, so
+        that no excursion wider than one is lost; a step from one cell to another that was taken
+        before is left out, as it would be drawn over itself.
+
+    Examples
+    --------
+    >>> turn = np.linspace(0.0, 200.0 * np.pi, 100_001)
+    >>> x, y = thinned(np.cos(turn), np.sin(turn))
+    >>> x.size < 2000, np.nanmax(np.hypot(x, y)).round(9).item()
+    (True, 1.0)
+    """
+    if x.size <= FEW:
+        return x, y
+    low = np.array([np.nanmin(x), np.nanmin(y)])
+    width = max(float(np.nanmax(x)) - low[0], float(np.nanmax(y)) - low[1]) or 1.0
+    gone = ~np.isfinite(x + y)
+    cell_x, cell_y = (
+        np.where(gone, -1.0, np.floor((values - start) / width * cells))
+        for values, start in ((x, low[0]), (y, low[1]))
+    )
+    cell = (cell_x * (cells + 2) + cell_y).astype(np.int64)
+    kept = np.flatnonzero(np.diff(cell, prepend=-10))
+    cell, x, y = cell[kept], x[kept], y[kept]
+    ends = np.sort(np.stack([cell[:-1], cell[1:]]), axis=0)
+    _, first = np.unique(ends[0] * (cells + 2) ** 2 + ends[1], return_index=True)
+    drawn = np.zeros(cell.size, dtype=bool)
+    drawn[first] = True
+    drawn[:-1] &= (cell[:-1] >= 0) & (cell[1:] >= 0)
+    shown = drawn | np.append(False, drawn[:-1])
+    # a point that ends one step without beginning the next is followed by a gap
+    last = np.flatnonzero(shown & ~drawn) + 1
+    places = np.insert(np.arange(x.size), last, -1)
+    stays = np.insert(shown, last, True)
+    places = places[stays]
+    return tuple(np.where(places < 0, np.nan, each[places]) for each in (x, y))  # type: ignore[return-value]
+
+
+def inked(x: Values, y: Values, low: tuple[float, float], width: float) -> npt.NDArray[np.bool_]:
+    """Return which dots of a square a path passes through, rows upwards.
+
+    Parameters
+    ----------
+    x, y : ndarray, shape (n,)
+        Points of the path; NaN parts it.
+    low : tuple of float
+        Corner of the square.
+    width : float
+        Its side.
+
+    Returns
+    -------
+    ndarray of bool, shape (DOTS, DOTS)
+        Whether a dot lies on the path.
+
+    Examples
+    --------
+    >>> inked(np.array([0.0, 1.0]), np.array([0.0, 1.0]), (0.0, 0.0), 1.0).sum().item() == DOTS
+    True
+    """
+    across, up = ((each - start) / width * (DOTS - 1) for each, start in ((x, low[0]), (y, low[1])))
+    steps = np.maximum(np.abs(np.diff(across)), np.abs(np.diff(up)))
+    whole = np.flatnonzero(np.isfinite(steps))
+    dots = np.zeros(DOTS * DOTS, dtype=bool)
+    for part in np.array_split(whole, max(1, math.ceil(steps[whole].sum() / AT_ONCE))):
+        counts = np.ceil(steps[part]).astype(np.intp) + 1
+        first = np.repeat(np.cumsum(counts) - counts, counts)
+        share = (np.arange(first.size) - first) / np.repeat(np.maximum(counts - 1, 1), counts)
+        column, row = (
+            np.rint(np.repeat(each[part], counts) + share * np.repeat(np.diff(each)[part], counts))
+            for each in (across, up)
+        )
+        dots[(row * DOTS + column).astype(np.intp)] = True
+    return dots.reshape(DOTS, DOTS)
+
+
+def draw_path(
+    ax: Axes, x: Values, y: Values, *, colour: str, width: float, words: str, level: float = 2.0
+) -> None:
+    """Draw a path as a line, or if it has very many points as the dots that it passes through."""
+    x, y = thinned(x, y)
+    if x.size <= MANY:
+        ax.plot(x, y, color=colour, lw=width, label=words, zorder=level)
+        return
+    low = (float(np.nanmin(x)), float(np.nanmin(y)))
+    side = max(float(np.nanmax(x)) - low[0], float(np.nanmax(y)) - low[1])
+    dots = inked(x, y, low, side)
+    half = 0.5 * side / (DOTS - 1)
+    extent = (low[0] - half, low[0] + side + half, low[1] - half, low[1] + side + half)
+    colours = np.zeros((*dots.shape, 4))
+    colours[dots] = to_rgba(colour)
+    ax.imshow(colours, extent=extent, origin="lower", interpolation="antialiased", zorder=level)
+    ax.plot([], [], color=colour, lw=width, label=words)
+
+
+def highest_in_bins(values: Values, bins: npt.NDArray[np.intp], axis: int) -> Values:
+    """Return the largest of the values in each bin; bins are numbers that never fall."""
+    starts = np.flatnonzero(np.diff(bins, prepend=-1))
+    return np.asarray(np.maximum.reduceat(values, starts, axis=axis), dtype=np.float64)

@@ -1,0 +1,162 @@
+"""Speeds in rpm and frequencies in Hz, and exact results in the units of the signals above them."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.arrays import Values
+from rotor_ida.errors import InputError
+from rotor_ida.parameters import ALL_PARAMETERS, SPEED_UNITS
+from rotor_ida.plot.appearance import MOST_IN_A_LINE, check_dataset
+from rotor_ida.plot.labels import SEPARATOR, parameter_text
+from rotor_ida.si_units import PREFIXES
+
+LENGTH = re.compile(r"^([pnumkM]?)m$")
+RATE = re.compile(r"^([pnumkM]?)s-1$")
+# A speed that changes by less than that is one speed.
+STEADY = 1e-3
+
+
+@dataclass(frozen=True, slots=True)
+class Units:
+    """In which units a picture of signals is drawn.
+
+    Parameters
+    ----------
+    length : str
+        Unit of displacements, as in the dataset.
+    rate : float or None
+        Radians a second that one of the dataset's rates is; None where all is dimensionless.
+    """
+
+    length: str
+    rate: float | None
+
+    def lengths(self, values: npt.ArrayLike) -> xr.DataArray:
+        """Return displacements with their unit."""
+        return xr.DataArray(np.asarray(values), attrs={"units": self.length})
+
+    def speeds(self, values: npt.ArrayLike) -> xr.DataArray:
+        """Return speeds of the dataset in rpm, or as they are where all is dimensionless."""
+        return self._turns(values, 1.0 / SPEED_UNITS["rpm"], "rpm")
+
+    def frequencies(self, values: npt.ArrayLike) -> xr.DataArray:
+        """Return circular frequencies of the dataset in Hz, or as they are likewise."""
+        return self._turns(values, 0.5 / math.pi, "Hz")
+
+    def _turns(self, values: npt.ArrayLike, factor: float, unit: str) -> xr.DataArray:
+        scale = 1.0 if self.rate is None else self.rate * factor
+        told = "1" if self.rate is None else unit
+        return xr.DataArray(scale * np.asarray(values), attrs={"units": told})
+
+
+@dataclass(frozen=True, slots=True)
+class Scales:
+    """What makes lengths, speeds and frequencies of exact results those of the signals."""
+
+    length: float
+    omega: float
+    rate: float
+
+
+def units_of(dataset: xr.Dataset, length: str, rate: str | None = None) -> Units:
+    """Return the units of a dataset: those of its variables of a length, and of a rate or time."""
+    found = None
+    if rate is not None:
+        unit = str(dataset[rate].attrs.get("units", "1"))
+        found = 1.0 if unit == "rpm" else radians_in(unit if "-1" in unit else f"{unit}-1")
+    return Units(str(dataset[length].attrs.get("units", "1")), found)
+
+
+def radians_in(unit: str) -> float | None:
+    """Return how many radians a second a unit of a rate is; None if it is dimensionless.
+
+    Examples
+    --------
+    >>> radians_in("ms-1"), radians_in("1")
+    (1000.0, None)
+    """
+    found = RATE.match(unit)
+    return PREFIXES[found[1]] if found else None
+
+
+def scales_of(exact: xr.Dataset, shown: xr.Dataset, units: Units) -> Scales:
+    """Return what makes an exact result that of the signals shown above it.
+
+    A dimensionless one is given the scales of the machine that the signals are of, if these tell.
+    """
+    here, there = exact.attrs, shown.attrs
+    in_si = units.length != "1" or units.rate is not None
+    if "length_scale" not in here and not in_si:
+        return Scales(1.0, 1.0, 1.0)
+    if "length_scale" not in here:
+        if "length_scale" not in there or units.rate is None:
+            raise InputError(
+                f"beneath must be in units as the signals, which are in {units.length}: "
+                "rotor_ida.dimensional(beneath, machine) makes it so"
+            )
+        rate = float(there["rate_scale"]) / units.rate
+        return Scales(float(there["length_scale"]), rate, rate)
+    if not in_si:
+        raise InputError("beneath must be dimensionless as the signals, got a result in SI units")
+    if units.rate is None or not LENGTH.match(units.length):
+        raise InputError(f"beneath needs signals in units of length and time, got {units.length!r}")
+    length = next(
+        str(variable.attrs["units"])
+        for name, variable in exact.variables.items()
+        if LENGTH.match(str(variable.attrs.get("units", "")))
+    )
+    factor = _metres(length) / _metres(units.length)
+    return Scales(factor, float(here["rate_scale"]) / units.rate, 1.0 / units.rate)
+
+
+def _metres(unit: str) -> float:
+    found = LENGTH.match(unit)
+    assert found is not None
+    return 1.0 / PREFIXES[found[1]]
+
+
+def list_of(beneath: xr.Dataset | Sequence[xr.Dataset]) -> list[xr.Dataset]:
+    """Return one dataset or several as a list."""
+    if not isinstance(beneath, xr.Dataset | Sequence):
+        raise InputError(
+            f"beneath must be a Dataset or several in a list, got {type(beneath).__name__}"
+        )
+    listed = [beneath] if isinstance(beneath, xr.Dataset) else list(beneath)
+    return [check_dataset("beneath", each, ()) for each in listed]
+
+
+def check_parameters(exact: xr.Dataset, shown: xr.Dataset, skipped: Sequence[str] = ()) -> None:
+    """Refuse exact results of another rotor than that of the signals, where both tell."""
+    for name in ALL_PARAMETERS:
+        if name in exact.variables and name in shown.variables and name not in skipped:
+            here, there = np.atleast_1d(exact[name].values), float(shown[name])
+            if there not in here:
+                raise InputError(
+                    f"beneath must have the {name} of the signals, {there!r}, got "
+                    f"{float(here[0])!r}"
+                )
+
+
+def is_one_speed(speeds: Values) -> bool:
+    """Return whether speeds are the same but for noise."""
+    return bool(np.ptp(speeds) <= STEADY * np.abs(speeds).max(initial=0.0))
+
+
+def title_of(dataset: xr.Dataset, *, one_speed: bool) -> str:
+    """Return the parameters that a dataset tells, but for a speed that changes."""
+    names = [
+        name
+        for name in ALL_PARAMETERS
+        if name in dataset.variables and not dataset[name].ndim and (name != "omega" or one_speed)
+    ]
+    text = [parameter_text({name: float(dataset[name])}) for name in names]
+    lines = [text] if len(text) <= MOST_IN_A_LINE else [text[:3], text[3:]]
+    return "\n".join(SEPARATOR.join(line) for line in lines)

@@ -1,0 +1,160 @@
+"""The command plot draws archives and measured files, and says what it took and wrote."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.io import savemat, wavfile
+
+import rotor_ida
+from rotor_ida.cli.commands.plot import FUNCTIONS
+from rotor_ida.cli.exact import exact_beneath
+
+Program = Callable[..., Any]
+EXACT = ("bode", "orbit", "full-spectrum", "cascade")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with a run, its signals, a run-up in SI units and a measured table."""
+    found = tmp_path_factory.mktemp("signals")
+    rotor = rotor_ida.Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+    start = (2.6, 0.75, 0.66, -1.65)
+    run = rotor_ida.simulate(rotor, start=start, duration=200.0, samples=4001)
+    rotor_ida.save(run, found / "run.nc")
+    rotor_ida.save(rotor_ida.signals_of(run), found / "signals.nc")
+    machine = rotor_ida.DimensionalRotor(
+        mass=4.0, contact_stiffness=3.2e7, damping=89.1, eccentricity=10e-6, clearance=20e-6,
+        speed=31.416,
+    )  # fmt: skip
+    change = machine.change_of_speed(to=1500, rate=1500, unit="rpm")
+    up = rotor_ida.run_up(machine.rotor(), start=(0, 0, 0, 0), samples=8001, **change)
+    rotor_ida.save(rotor_ida.dimensional(up, machine), found / "machine.nc")
+    times = np.arange(4000) / 2000.0
+    turn = 100.0 * np.pi * times
+    columns = [times, 5.0 * np.cos(turn), 5.0 * np.sin(turn), np.cos(turn) > 0.9]
+    table = np.stack(columns, axis=1)
+    head = "t,x,y,keyphasor"
+    np.savetxt(found / "probes.csv", table, delimiter=",", header=head, comments="", fmt="%.9g")
+    wavfile.write(found / "probes.wav", 2000, table[:, 1:].astype(np.float32))
+    savemat(found / "probes.mat", dict(zip(head.split(","), table.T, strict=True)))
+    return found
+
+
+@pytest.mark.parametrize(
+    ("kind", "name"),
+    [
+        *((kind, "machine.nc") for kind in FUNCTIONS),
+        *((kind, "probes.csv") for kind in ("polar", "full-spectrum", "centreline", "trace")),
+        ("orbit", "run.nc"),
+    ],
+)
+def test_every_kind_is_drawn(program: Program, folder: Path, kind: str, name: str):
+    answer = program("plot", folder / name, "--kind", kind, "--figure", "drawn.png")
+    assert (answer.status, answer.err) == (0, "")
+    assert {path.name for path in Path().iterdir()} == {"drawn.png", "drawn.svg"}
+    assert "wrote drawn.png" in answer.out
+
+
+@pytest.mark.parametrize("kind", EXACT)
+def test_the_exact_cycle_of_the_archived_rotor_goes_beneath(
+    program: Program, folder: Path, kind: str
+):
+    words = ("plot", folder / "signals.nc", "--kind", kind, "--figure", "drawn", "--exact")
+    assert program(*words).status == 0
+    found = exact_beneath(rotor_ida.load(folder / "signals.nc"), kind)
+    if kind in ("bode", "polar", "orders"):
+        assert "piece" in found[0]
+        assert "fold_omega" in found[1]
+    else:
+        assert float(found[0].period) == pytest.approx(4.564, abs=0.001)
+
+
+def test_the_exact_cycle_of_a_run_in_si_units_is_that_of_the_dimensionless_one(folder: Path):
+    run = rotor_ida.load(folder / "run.nc")
+    # of the reference frequency 100/s, whose rotor is that of the run
+    machine = rotor_ida.DimensionalRotor(
+        mass=4.0, contact_stiffness=4e4 / 1e-5**0.5, damping=56.0, eccentricity=1e-5,
+        clearance=2e-5, speed=200.0,
+    )  # fmt: skip
+    assert machine.rotor().omega == pytest.approx(2.0)
+    cycle, *_ = exact_beneath(rotor_ida.dimensional(run, machine), "orbit")
+    assert float(cycle.period) == pytest.approx(4.564, abs=0.001)
+
+
+@pytest.mark.parametrize(
+    ("name", "columns"),
+    [
+        ("probes.csv", []),
+        ("probes.mat", []),
+        ("probes.wav", ["--columns", "x=1", "y=2", "keyphasor=3"]),
+    ],
+)
+def test_measured_files_of_all_kinds_are_read(
+    program: Program, folder: Path, monkeypatch: pytest.MonkeyPatch, name: str, columns: list[str]
+):
+    seen = []
+    read = rotor_ida.read_signals
+    monkeypatch.setattr(
+        "rotor_ida.read_signals", lambda *a, **k: seen.append(read(*a, **k)) or seen[0]
+    )
+    words = ("plot", folder / name, "--kind", "trace", "--figure", "a")
+    answer = program(*words, *columns, "--units", "x=um", "y=um", "--json")
+    assert (answer.status, answer.err) == (0, "")
+    record = json.loads(answer.out)
+    assert record["samples"] == 4000
+    assert "x=" in record["columns"]
+    turn = 100.0 * np.pi * seen[0].t.values
+    np.testing.assert_allclose(seen[0].x, 5.0 * np.cos(turn), atol=1e-5)
+    assert seen[0].x.attrs["units"] == "um"
+
+
+def test_probes_at_any_angles_are_turned(program: Program, folder: Path, monkeypatch):
+    seen = {}
+
+    def remember(path: Path, **given: object) -> Any:
+        seen.update(given)
+        return read(path, **given)
+
+    read = rotor_ida.read_signals
+    monkeypatch.setattr("rotor_ida.read_signals", remember)
+    answer = program(
+        "plot", folder / "probes.csv", "--kind", "orbit", "--figure", "a", "--probe-angles", 45,
+        135, "--gains", 2, 2, "--keyphasor", "signal", "--pulses-per-revolution", 1, "--times",
+        0.5, 1, "--clearance", 3,
+    )  # fmt: skip
+    assert (answer.status, answer.err) == (0, "")
+    assert "samples 1001" in answer.out
+    assert seen == {
+        "probe_angles": (45.0, 135.0), "gains": (2.0, 2.0), "keyphasor": "signal",
+        "pulses_per_revolution": 1,
+    }  # fmt: skip
+
+
+def test_a_measured_file_has_no_exact_response(program: Program, folder: Path):
+    words = ("plot", folder / "probes.csv", "--kind", "bode", "--figure", "a", "--exact")
+    answer = program(*words)
+    assert answer.status == 2
+    assert "exact needs the parameters of the rotor in the file" in answer.err
+    assert not any(Path().iterdir())
+
+
+def test_a_speed_that_changes_has_no_exact_lines(program: Program, folder: Path):
+    words = ("plot", folder / "machine.nc", "--kind", "cascade", "--figure", "a", "--exact")
+    answer = program(*words)
+    assert (answer.status, answer.out) == (2, "")
+    assert "exact lines are not known while the speed changes" in answer.err
+
+
+def test_every_kind_of_plot_has_its_function():
+    from typing import get_args
+
+    from rotor_ida.cli.options import PlotKind
+
+    assert set(get_args(get_args(PlotKind)[0])) == set(FUNCTIONS)
+    assert all(hasattr(rotor_ida.plot, name) for name in FUNCTIONS.values())
