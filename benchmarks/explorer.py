@@ -7,6 +7,10 @@ its driver.
     python benchmarks/explorer.py --steps 60
     python benchmarks/explorer.py --steps 60 --machine
     python benchmarks/explorer.py --steps 60 --machine --friction
+    python benchmarks/explorer.py --steps 60 --panels
+
+With --panels those of signals are open, and a run-up is timed from piece to piece beside one
+without them.
 """
 
 import argparse
@@ -26,6 +30,26 @@ ROTORS = ((1.7, 0.07, 0.0), (1.2, 0.07, 0.5), (1.7, 0.07, 0.5), (1.7, 0.07, 1.0)
 MACHINE = {"shaft_stiffness": 0.25, "contact_exponent": 1, "contact_damping": 0.5}
 # With friction there is a slider more.
 RUB = {"friction": 0.1, "disc_radius": 10}
+PANELS = "bode,polar,full,cascade"
+# How long each change of the speed in a run-up takes, in milliseconds, from one to the next.
+PASS = """
+const [panels, way, done] = arguments;
+for (const box of document.querySelectorAll('[name="signals"]')) {
+  if (box.checked !== panels) box.click();
+}
+const { moved } = rotorIda.passage, took = [];
+rotorIda.passage.moved = (speed) => {
+  const began = performance.now();
+  moved(speed);
+  took.push(performance.now() - began);
+};
+document.getElementById(way).click();
+setTimeout(() => {
+  document.getElementById(way).click();
+  rotorIda.passage.moved = moved;
+  setTimeout(() => done(took), 2000);
+}, 8000);
+"""
 REST, QUICK = 400, 50  # milliseconds from step to step
 # Of how much each slider is moved in all.
 SPANS = {"omega": 0.2, "zeta": 0.05, "delta0": 0.3, "friction": 0.1}
@@ -99,13 +123,15 @@ def main():
     parser.add_argument("--steps", type=int, default=60)
     parser.add_argument("--machine", action="store_true")
     parser.add_argument("--friction", action="store_true")
+    parser.add_argument("--panels", action="store_true")
     given = parser.parse_args()
     steps = given.steps
     beyond = (MACHINE if given.machine else {}) | (RUB if given.friction else {})
     process, address, seconds = served()
     driver = chromium()
     try:
-        driver.get(address + "".join(f"&{name}={value}" for name, value in beyond.items()))
+        shown = beyond | ({"panels": PANELS} if given.panels else {})
+        driver.get(address + "".join(f"&{name}={value}" for name, value in shown.items()))
         time.sleep(5.0)
         first = driver.execute_script("return rotorIda.delays[0]")
         print(
@@ -132,6 +158,10 @@ def main():
                 everything["steps"] += delays
                 everything["drags"] += drags
                 everything["basins"] += basins
+        ways = ((False, "run-up"), (True, "run-down")) if given.panels else ()
+        for panels, way in ways:
+            took = driver.execute_async_script(PASS, panels, way)
+            told(f"drawing a piece of a run-up, {'all' if panels else 'no'} panels", took)
         told("all steps", everything["steps"])
         told("all drags", everything["drags"])
         told("first picture of the basin", everything["basins"])

@@ -30,7 +30,7 @@ AT_A_TIME = 2**20
 # Of each lane what it answers, its pause, its patience, and its rest, in seconds, and how much it
 # gives way to other processes.
 PLANS: tuple[tuple[tuple[str, ...], float, float, float, int], ...] = (
-    (("motion", "run_up"), 0.0, 0.25, 0.0, 0),
+    (("motion", "run_up", "lines"), 0.0, 0.25, 0.0, 0),
     (("responses", *FILES), 0.0, 0.25, 0.15, 0),
     (("starts",), 0.08, 0.0, 0.0, 10),
 )

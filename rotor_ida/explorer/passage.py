@@ -16,6 +16,7 @@ from rotor_ida.explorer.answers import Answer
 from rotor_ida.explorer.motion import facts_of, force_of, states_of, values_of
 from rotor_ida.explorer.questions import Question
 from rotor_ida.explorer.responses import MOST_KEPT, at_rest, of_whirls
+from rotor_ida.explorer.tracking import keep_tail, tail_of, tracked
 from rotor_ida.parameters import Rotor
 from rotor_ida.schema import STABILITY
 from rotor_ida.simulation.options import Method
@@ -44,15 +45,24 @@ def show_run_up(question: Question) -> Iterator[Answer]:
     assert rate is not None
     duration = (to - rotor.omega) / rate
     turns = max(0.5 * (rotor.omega + to), 1.0) * duration / (2.0 * math.pi)
-    samples = min(max(math.ceil(SAMPLES * turns), 2), MOST_SAMPLES) + 1
+    drawn = np.linspace(0.0, duration, min(max(math.ceil(SAMPLES * turns), 2), MOST_SAMPLES) + 1)
+    record = tail_of(question)
+    sampled = record.times_until(duration)
+    times = np.union1d(drawn, sampled)
     run = values_of(
         run_up(
-            rotor, start=question.start, to=to, rate=rate, samples=samples,
+            rotor, start=question.start, to=to, rate=rate, samples=times,
             rtol=RTOL, atol=RTOL, method=METHOD,
         )
     )  # fmt: skip
     angle = run["angle"]
     end = rotated(states_of(run, "")[-1:], -angle[-1:])[0]
+    seen = np.searchsorted(times, sampled)
+    z = run["x"][seen] + 1j * run["y"][seen]
+    record, signals = tracked(
+        record, duration, float(run["speed"][-1]), float(angle[-1]), angle[seen], z
+    )
+    keep_tail(question, tuple(end.tolist()), record)
     force = max(float(force_of(run, rotor).max()), float(run["peak_force"].max(initial=0.0)))
     facts: dict[str, object] = {
         **facts_of(question),
@@ -61,8 +71,12 @@ def show_run_up(question: Question) -> Iterator[Answer]:
         "largest_force": force,
         "folds": list(_folds_of(at_rest(rotor))),
     }
-    radius = np.hypot(run["x"], run["y"])
-    yield Answer("run_up", facts, {"speed": run["speed"], "angle": angle, "radius": radius})
+    here = np.searchsorted(times, drawn)
+    arrays = {
+        "speed": run["speed"][here], "angle": angle[here],
+        "radius": np.hypot(run["x"], run["y"])[here], **signals,
+    }  # fmt: skip
+    yield Answer("run_up", facts, arrays)
 
 
 @lru_cache(maxsize=MOST_KEPT)

@@ -28,7 +28,9 @@ from rotor_ida.parameters import (
 )
 from rotor_ida.simulation.options import LARGEST, check_can_be_followed
 
-About = Literal["motion", "run_up", "responses", "starts", "nc", "png", "svg", "py", "sh", "html"]
+About = Literal[
+    "motion", "run_up", "lines", "responses", "starts", "nc", "png", "svg", "py", "sh", "html"
+]
 
 # Files to keep of a run: the archive, two figures, the lines of Python and the command that make
 # them again, and the page with all it shows over the speed.
@@ -51,9 +53,9 @@ class Question:
 
     Parameters
     ----------
-    about : {"motion", "run_up", "responses", "starts", "nc", "png", "svg", "py", "sh", "html"}
-        The panels to fill: one run; a piece of a run-up; the response curve and what is settled on;
-        the basin. Or the file to make of the run.
+    about : {"motion", "run_up", "lines", "responses", "starts", or the ending of a file}
+        The panels to fill: one run; a piece of a run-up; the full spectrum of a run; the response
+        curve and what is settled on; the basin. Or the file to make of the run, one of `FILES`.
     number : int
         Number of the question, which its answers bear.
     side : int

@@ -19,8 +19,10 @@ from rotor_ida.closed_forms.folds import fold_table, folds
 from rotor_ida.closed_forms.hopf import hopf_points
 from rotor_ida.closed_forms.response_curve import pieces_over_speed, response_curve
 from rotor_ida.cycles.branches import branches_through, holds_cycle
+from rotor_ida.equations.contact import secant_stiffness
 from rotor_ida.errors import InputError, RotorError
 from rotor_ida.explorer.answers import Answer
+from rotor_ida.explorer.lines import exact_lines
 from rotor_ida.explorer.motion import METHOD, duration_of, ending, facts_of, run_of, values_of
 from rotor_ida.explorer.questions import Question
 from rotor_ida.explorer.words import (
@@ -56,7 +58,7 @@ STABILITY_OF = {number: word for word, number in STABILITY.items()}
 FOLD, HOPF = ("fold_omega", "fold_amplitude"), ("hopf_omega", "hopf_amplitude")
 # A curve on which there is nothing.
 NO_WHIRLS: Arrays = {
-    **dict.fromkeys(("omega", "amplitude", *FOLD, *HOPF), np.empty(0)),
+    **dict.fromkeys(("omega", "amplitude", "phase_lag", *FOLD, *HOPF), np.empty(0)),
     **dict.fromkeys(("stability", "in_contact", "piece"), np.empty(0, np.int8)),
 }
 
@@ -115,7 +117,7 @@ def _arrays_of_further_curve(rotor: Rotor, speeds: tuple[float, float]) -> Array
     """Return the curve with a shaft, either contact law, damping and friction in the contact."""
     given = of_whirls(rotor)
     curve = response_curve(**given, limits=speeds, points=POINTS_OF_CURVE)
-    names = ("omega", "amplitude", "stability", "in_contact", "piece")
+    names = ("omega", "amplitude", "phase_lag", "stability", "in_contact", "piece")
     arrays = {name: curve[name].values[0, 0] for name in names}
     arrays |= _marked(folds(**given), FOLD, (0.0, math.inf))
     if rotor.friction > 0.0:
@@ -167,6 +169,7 @@ def _arrays_of_curve(zeta: float, delta0: float, speeds: tuple[float, float]) ->
     return {
         "omega": omega,
         "amplitude": amplitude,
+        "phase_lag": np.arctan2(2.0 * zeta * omega, secant_stiffness(amplitude, delta0) - omega**2),
         "stability": stability.astype(np.int8),
         "in_contact": in_contact.astype(np.int8),
         "piece": np.repeat(np.arange(len(pieces)), [piece.shape[1] for piece in pieces]).astype(
@@ -223,7 +226,8 @@ def _settled(question: Question, settled: dict[str, object], swept: xr.Dataset) 
     if _is_repeated(settled) and _is_under_way(question, facts):
         drawn, by = duration_of(question), float(swept["window_start"].item())
         words.append(words_of_transient(question.machine, rotor.omega, drawn, by))
-    return Answer("settled", {**facts, "words": words})
+    arrays = exact_lines(rotor, settled["lies_on"], settled, _end(swept))
+    return Answer("settled", {**facts, "words": words}, arrays)
 
 
 def _whip(rotor: Rotor) -> tuple[float, float, float]:

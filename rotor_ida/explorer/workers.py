@@ -142,6 +142,10 @@ def _show(about: str) -> Callable[[Question], Iterator[Answer]]:
         from rotor_ida.explorer.passage import show_run_up  # noqa: PLC0415
 
         return show_run_up
+    if about == "lines":
+        from rotor_ida.explorer.lines import show_lines  # noqa: PLC0415
+
+        return show_lines
     if about == "responses":
         from rotor_ida.explorer.responses import show_responses  # noqa: PLC0415
 

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import csv
-import shutil
-import signal
 import subprocess
 import sys
 import time
@@ -33,37 +31,25 @@ from rotor_ida.closed_forms import response_curve
 from rotor_ida.equations.contact import contact_force
 from tests.explorer.asking import CHATTER, RUB, WHIP
 
-selenium = pytest.importorskip("selenium", reason="there is no selenium")
-DRIVER = shutil.which("chromedriver")
-BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")
-if not (DRIVER and BROWSER):
-    pytest.skip("there is no Chromium with its driver", allow_module_level=True)
+pytest.importorskip("selenium", reason="there is no selenium")
 
-from selenium import webdriver  # noqa: E402
-from selenium.webdriver import ActionChains, Keys  # noqa: E402
-from selenium.webdriver.chrome.options import Options  # noqa: E402
-from selenium.webdriver.chrome.service import Service  # noqa: E402
-from selenium.webdriver.common.by import By  # noqa: E402
+from selenium.webdriver import ActionChains, Keys
+
+from tests.explorer.browser import (
+    PATIENCE,
+    Page,
+    chromium_in,
+    ended,
+    errors_of,
+    served,
+)
 
 # On a machine that does other things as well.
 pytestmark = pytest.mark.timeout(1500)
-PATIENCE = 200.0  # seconds, on a machine that does other things too
 FIRST = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 SPEEDS = (0.05, 4.0)
 PLOTS = 8
 EVENTS = ("entry", "exit")
-PIXELS = """
-const seen = Array.from(document.querySelectorAll("canvas")).filter((each) => each.offsetParent);
-return seen.map((canvas) => {
-  const context = canvas.getContext("2d");
-  const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
-  let sum = 0, painted = 0;
-  for (let i = 0; i < data.length; i += 4) if (data[i + 3]) {
-    painted += 1;
-    sum = (31 * sum + data[i] + 7 * data[i + 1] + i) % 1000003;
-  }
-  return painted > 500 ? sum : 0;
-})"""
 # Pixels of a plot that have a colour of the style sheet.
 COLOURED = r"""
 const canvas = document.querySelector(`[data-panel="${arguments[0]}"] canvas`);
@@ -82,25 +68,6 @@ CHATTERING = CHATTER | {"x": 0.3, "y": 0.1, "vx": 0.2, "vy": 0.1}
 RUNNING = ["--omega=2", "--zeta=0.07", "--delta0=2"]
 
 
-def served(*words):
-    """Start the explorer; return its process and its address."""
-    command = [sys.executable, "-c", "import sys; from rotor_ida.cli import main; sys.exit(main())"]
-    process = subprocess.Popen(
-        [*command, "explore", "--no-browser", "--port", "0", *words],
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    for line in process.stderr:
-        if "http://" in line:
-            return process, line.split()[-1]
-    raise AssertionError(f"the explorer ended with {process.wait()}")
-
-
-def ended(process):
-    process.send_signal(signal.SIGTERM)
-    process.communicate(timeout=PATIENCE)
-
-
 @pytest.fixture(scope="module")
 def address():
     process, found = served(*RUNNING)
@@ -111,18 +78,7 @@ def address():
 
 @pytest.fixture(scope="module")
 def chromium(tmp_path_factory):
-    options = Options()
-    options.binary_location = BROWSER
-    for word in ("headless=new", "no-sandbox", "disable-gpu", "disable-dev-shm-usage"):
-        options.add_argument(f"--{word}")
-    folder = tmp_path_factory.mktemp("downloads")
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    driver = webdriver.Chrome(options=options, service=Service(DRIVER))
-    driver.execute_cdp_cmd(
-        "Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(folder)}
-    )
-    driver.folder = folder
-    driver.set_script_timeout(PATIENCE)
+    driver = chromium_in(tmp_path_factory.mktemp("downloads"))
     yield driver
     driver.quit()
 
@@ -133,83 +89,6 @@ def page(chromium, address):
     chromium.set_window_size(1400, 1000)
     yield Page(chromium, address)
     assert errors_of(chromium) == []
-
-
-def errors_of(driver):
-    log = driver.get_log("browser")
-    return [entry["message"] for entry in log if entry["level"] == "SEVERE"]
-
-
-class Page:
-    """The page as a person sees it, and as its own record tells it."""
-
-    def __init__(self, driver, address, more=""):
-        self.driver = driver
-        driver.get("about:blank")
-        driver.get(address + more)
-        self.settle()
-
-    def run(self, script, *given):
-        return self.driver.execute_script(script, *given)
-
-    def until(self, script, *given):
-        """Wait until a script returns something true, and return that."""
-        end = time.monotonic() + PATIENCE
-        while time.monotonic() < end:
-            found = self.run(f"return {script}", *given)
-            if found:
-                return found
-            time.sleep(0.02)
-        raise AssertionError(f"never: {script}")
-
-    def settle(self, *parts, side=0):
-        """Wait until the newest question has been answered in full, and all of it is drawn."""
-        for part in ("motion", "curve", *parts):
-            self.until(
-                "window.rotorIda && rotorIda.asked > 0 && rotorIda.shown[arguments[0]]"
-                "[arguments[1]]?.number === rotorIda.asked && rotorIda.drawn === rotorIda.asked",
-                side, part,
-            )  # fmt: skip
-        self.until("rotorIda.hasAllDrawn()")
-
-    def array(self, part, name, side=0):
-        found = self.run(
-            "return Array.from(rotorIda.shown[arguments[0]][arguments[1]].arrays[arguments[2]], "
-            "(each) => Number.isNaN(each) ? null : each)", side, part, name
-        )  # fmt: skip
-        return np.array([np.nan if each is None else each for each in found], dtype=float)
-
-    def facts(self, part, side=0):
-        return self.run("return rotorIda.shown[arguments[0]][arguments[1]].facts", side, part)
-
-    def state(self):
-        return self.run("return {...rotorIda.state}")
-
-    def find(self, selector):
-        return self.driver.find_element(By.CSS_SELECTOR, selector)
-
-    def type(self, selector, value):
-        field = self.find(selector)
-        field.send_keys(Keys.CONTROL, "a")
-        field.send_keys(str(value), Keys.TAB)
-
-    def words(self):
-        return self.find("#words").text
-
-    def pictures(self):
-        """Return for each canvas that is seen a number that its pixels give."""
-        return self.run(PIXELS)
-
-    def pictures_at_rest(self):
-        """Return the pictures once they no longer change: basin and branch come bit by bit."""
-        end, before = time.monotonic() + PATIENCE, self.pictures()
-        while time.monotonic() < end:
-            time.sleep(1.0)
-            after = self.pictures()
-            if after == before:
-                return after
-            before = after
-        raise AssertionError("the pictures never rest")
 
 
 def shown_run(page, rotor, start=(0, 0, 0, 0), revolutions=60):
@@ -1061,6 +940,8 @@ def test_a_box_is_zoomed_into_and_out_of(page, panel):
     before = page.run(ranges, panel)
     if panel == "response":  # there a drag without the button moves the speed
         button.click()
+    # a drag must end within the window, wherever the page has been scrolled to
+    page.run("arguments[0].scrollIntoView({block: 'center'})", over)
     chain = ActionChains(page.driver).move_to_element_with_offset(over, -30, -15)
     chain.click_and_hold().move_by_offset(60, 30).release().perform()
     for (low, high), (lowest, highest) in zip(page.run(ranges, panel), before, strict=True):

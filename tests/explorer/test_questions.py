@@ -21,7 +21,7 @@ WHOLE = "must be a whole number, got"
 LONGEST_MESSAGE = 500
 
 MISTAKES = [
-    ({"about": "weather"}, "about must be one of 'motion', 'run_up', 'responses', 'starts', 'nc'"),
+    ({"about": "weather"}, "about must be one of 'motion', 'run_up', 'lines', 'responses'"),
     ({"about": None}, "about must be one of"),
     ({"about": ["motion"]}, "about must be one of"),
     ({"about": "motion\n"}, "about must be one of"),

@@ -2,10 +2,12 @@
 
 import { Live, Recorded } from "./connection.js";
 import { Controls, UP_AND_DOWN, nameOf, onArrows, written } from "./controls.js";
+import { Measured } from "./measured.js";
 import { Passage } from "./passage.js";
 import { forgetColours } from "./plot.js";
 import { Response, speedsAround } from "./response.js";
 import { Side } from "./side.js";
+import { Signals } from "./signals.js";
 import { SECOND_START, START, address, inSI, machine, readAddress, referenceFrequency, state, tellsOfRotor, toDimensionless, toSI } from "./state.js";
 import { addTools, keep } from "./tools.js";
 import { SPEED_UNITS, roundUp, told, withUnit } from "./units.js";
@@ -40,7 +42,7 @@ const LATER = 100;
 const page = (window.rotorIda = {
   shown: [{}, {}], delays: [], state, asked: 0, drawn: 0, drawnBasin: 0,
   hasAllDrawn: () => seen.size + later.size === 0,
-  plotOf: (over) => [response.plot, ...sides.flatMap((side) => side.plots)].map(({ plot }) => plot).find((plot) => plot.over === over),
+  plotOf: (over) => [response.plot, ...signals.plots, ...sides.flatMap((side) => side.plots)].map(({ plot }) => plot).find((plot) => plot.over === over),
 });
 const moved = new Map(); // number of the question, to when it was moved and what is not drawn yet
 
@@ -61,7 +63,11 @@ const controls = new Controls((name, event) => ask({ event, name }), () => {
   showRamp();
   keepAddress();
 });
+const signals = new Signals($("signal-panels"), { view: viewOfSignals, told: () => sides.map((_, place) => parametersOf(place)).join("; ") });
+const measured = (page.measured = new Measured({ scales: scalesShown, changed: showMeasured, listens: !recorded }));
 let connection = null;
+// The last run-up: its tracks, also after the page has turned to something else, and of which rotors they are.
+let lastTracks = [], lastRotors = "";
 const passage = (page.passage = new Passage({ begin: beginPassage, ask: askPiece, moved: showPiece, rested: restPassage, changed: showPassage }));
 
 // questions
@@ -137,6 +143,11 @@ function answered(answer) {
     passage.take(answer);
     return;
   }
+  if (answer.part === "lines") {
+    if (answer.number >= (page.shown[answer.side].lines?.number ?? 0)) page.shown[answer.side].lines = answer;
+    signals.show();
+    return;
+  }
   if (!sides[answer.side]) return;
   const shown = page.shown[answer.side];
   if (answer.number < (shown[answer.part]?.number ?? 0)) return;
@@ -144,6 +155,8 @@ function answered(answer) {
   shown[answer.part] = answer;
   if (answer.part === "motion") {
     showStale();
+    if (unitsChanged) measured.refresh();
+    unitsChanged = false;
     if (state.from === "here") released = false;
   }
   sides[answer.side].take(answer);
@@ -174,6 +187,7 @@ function lose(asked) {
   showStale();
   for (const side of sides) if (side.element.matches(".stale") && !side.basin) side.noBasin("no basin of what was asked");
 }
+let unitsChanged = false; // whether the next run is told in other units
 let lost = 0; // number of the newest question that was refused
 
 /** Grey out the panels of a rotor that is no longer the one that was asked about. */
@@ -213,6 +227,10 @@ function drawRest() {
     if (has(place, "motion")) side.drawStarts(starts[place], reach(place));
   });
   if (sides.some((_, place) => has(place, "motion", "settled", "note"))) showWords();
+  if (sides.some((_, place) => has(place, "motion", "settled", "curve"))) {
+    askLines();
+    showSignals();
+  }
   later.clear();
 }
 
@@ -258,6 +276,76 @@ function measure(parts) {
       if (page.delays.length > 1000) page.delays.shift();
       moved.delete(asked);
     }
+  }
+}
+
+// panels of signals
+
+/** Ask for the lines of the runs that are drawn, where they are wanted and not there yet. */
+function askLines() {
+  if (!signals.wantsLines || recorded || passage.running) return;
+  sides.forEach((_, side) => {
+    const { motion, lines } = page.shown[side];
+    if (motion?.number === number && lines?.number !== number && linesAsked[side] !== number) {
+      linesAsked[side] = number;
+      connection.ask(question(side), ["lines"]);
+    }
+  });
+}
+const linesAsked = [0, 0];
+
+/** Return what the panels of signals show: of each rotor its last run-up, exact curve and lines. */
+function viewOfSignals() {
+  const rotors = sides.map((_, side) => {
+    const { motion, lines, settled } = page.shown[side];
+    const track = lastTracks[side];
+    const row = passage.running && track?.rows.at(-1);
+    const now = row
+      ? { over: row.frequency.map((each) => each / row.speed), amplitude: row.amplitude, told: "while the speed changes, Hann window" }
+      : lines && { over: lines.arrays.line_over_omega, amplitude: lines.arrays.line_amplitude, told: `bandwidth ${told(lines.facts.bandwidth_over_omega, 2)}X, flat-top window` };
+    const fresh = !row && settled && settled.number === motion?.number && settled.arrays.exact_order;
+    return { track, curve: response.sides[side].curve?.arrays, lines: now, exact: fresh ? { over: fresh, amplitude: settled.arrays.exact_amplitude } : null };
+  });
+  const { motion } = page.shown[0];
+  const [scales, speed] = [motion?.facts.scales, passage.running ? passage.speed : motion?.facts.rotor.omega];
+  return { rotors, scales, speed, measured: measured.source(scales, speed) };
+}
+
+/** Return what a 1 without dimensions is of the machine that is shown, if it is one. */
+function scalesShown() {
+  const scales = page.shown[0].motion?.facts.scales;
+  return scales?.length ? scales : null;
+}
+
+/** Draw a measurement that has come or gone; where no panel is chosen yet, choose those that suit. */
+function showMeasured(isThere) {
+  if (isThere && !state.panels) {
+    state.panels = measured.found.order ? "bode,full" : "full";
+    chooseSignals();
+    keepAddress();
+  } else signals.show();
+}
+
+function showSignals() {
+  if (passage.begun) {
+    lastTracks = passage.tracks;
+    lastRotors = rotorsOf();
+  }
+  signals.show();
+  const other = state.panels && lastTracks.some(({ order }) => order.speed.length) && lastRotors !== rotorsOf();
+  $("of-run-up").textContent = other ? `The last run-up was one of another rotor: ${lastRotors}.` : "";
+}
+
+/** Return what tells the rotors apart, whatever their speed. */
+const rotorsOf = () => sides.map((_, place) => (page.shown[place].motion ? parametersOf(place).replace(/(, )?(ω = [^,]*|speed .*)(, )?/g, "") : "")).join("; ");
+
+/** Show the panels that the state names. */
+function chooseSignals() {
+  for (const box of document.querySelectorAll('[name="signals"]')) box.checked = state.panels.split(",").includes(box.value);
+  signals.choose(recorded ? [] : state.panels.split(",").filter(Boolean));
+  if (page.shown[0].motion) {
+    askLines();
+    showSignals();
   }
 }
 
@@ -446,6 +534,7 @@ function showPiece(speed) {
   controls.show();
   response.pass(passage.tracks, speed);
   response.show();
+  showSignals();
   const jumps = passage.tracks.reduce((sum, { jumps: some }) => sum + some.length, 0);
   if (jumps !== passage.told) showPassed();
   passage.told = jumps;
@@ -593,6 +682,7 @@ function listen() {
     radio.addEventListener("change", () => {
       if (radio.value === "si") toSI();
       else toDimensionless();
+      unitsChanged = true;
       controls.build();
       showRamp();
       ask({ again: true });
@@ -608,6 +698,13 @@ function listen() {
   new IntersectionObserver(([{ isIntersecting }]) => {
     document.body.classList.toggle("has-sliders", isIntersecting);
   }).observe($("controls"));
+  for (const box of document.querySelectorAll('[name="signals"]')) {
+    box.addEventListener("change", () => {
+      state.panels = [...document.querySelectorAll('[name="signals"]:checked')].map(({ value }) => value).join();
+      chooseSignals();
+      keepAddress();
+    });
+  }
   $("undo").addEventListener("click", () => history.back());
   $("redo").addEventListener("click", () => history.forward());
   addEventListener("popstate", goBack);
@@ -658,6 +755,7 @@ function showTheme() {
     side.drawStarts(starts[place], reach(place));
   });
   response.show();
+  signals.show();
 }
 dark.addEventListener("change", showTheme);
 $("theme").addEventListener("click", () => {
@@ -695,6 +793,7 @@ function showState() {
   showRamp();
   controls.unfold();
   buildSides();
+  chooseSignals();
 }
 
 /** Say how the connection is; without one, nothing is answered any more. */

@@ -7,6 +7,8 @@ const WANTED = 60, MOST_TURNS = 200;
 const LARGEST_STEP = 0.0125, FASTEST_SHOWN = 0.4;
 // Radii are drawn as the least and the largest on so much of the speed.
 const WIDTH = 0.002, MOST_POINTS = 12_000;
+// Revolutions that are kept, and how far the speeds of two spectra must be apart.
+const MOST_REVOLUTIONS = 400_000, CLOSEST_ROWS = 0.01;
 // Decimals of a speed, at most.
 const FINEST = 14;
 
@@ -14,6 +16,8 @@ const FINEST = 14;
 class Track {
   constructor(start) {
     Object.assign(this, { start, omega: [], low: [], high: [], jumps: [], falling: [], folds: [], force: 0, scales: {} });
+    // order 1 of each revolution, and spectra one after the other, as the program has them
+    Object.assign(this, { order: { speed: [], amplitude: [], lag: [] }, rows: [] });
     this.turn = []; // the samples of the last revolution, as angle, speed and radius
     this.sum = this.angle = 0;
   }
@@ -25,9 +29,12 @@ class Track {
     this.sum = 0;
     this.before = undefined;
     for (const name of ["omega", "low", "high"]) this[name].push(NaN);
+    for (const column of Object.values(this.order)) column.push(NaN);
+    this.rows = [];
   }
 
-  take({ arrays: { speed, angle, radius }, facts }, way) {
+  take({ arrays, facts }, way) {
+    const { speed, angle, radius } = arrays;
     Object.assign(this, { start: facts.end, scales: facts.scales, force: Math.max(this.force, facts.largest_force) });
     this.folds = facts.folds.filter((fold) => fold.way === way);
     for (let i = this.omega.length ? 1 : 0; i < speed.length; i++) {
@@ -35,6 +42,23 @@ class Track {
       this.#watch(this.angle + angle[i], speed[i], radius[i], way);
     }
     this.angle += angle.at(-1);
+    this.#follow(arrays);
+  }
+
+  /** Add what probes would show. */
+  #follow({ order_speed: speeds, order_amplitude: amplitudes, order_lag: lags, cascade_speed: rows, cascade_frequency: frequency, cascade_amplitude: heights }) {
+    const { speed, amplitude, lag } = this.order;
+    for (let i = 0; i < speeds.length; i++) {
+      speed.push(speeds[i]);
+      amplitude.push(amplitudes[i]);
+      lag.push(lags[i]);
+    }
+    if (speed.length > MOST_REVOLUTIONS) for (const column of Object.values(this.order)) column.splice(0, speed.length - MOST_REVOLUTIONS);
+    const lines = frequency.length;
+    for (let i = 0; i < rows.length; i++) {
+      if (Math.abs(rows[i] - (this.rows.at(-1)?.speed ?? Infinity)) < CLOSEST_ROWS) continue;
+      this.rows.push({ speed: rows[i], frequency, amplitude: heights.slice(i * lines, (i + 1) * lines) });
+    }
   }
 
   #draw(omega, radius) {

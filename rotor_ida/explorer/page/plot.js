@@ -40,7 +40,7 @@ const NEAR = 12;
 /** One plot. `draw` gets the canvas and the functions from values to its pixels. */
 export class Plot {
   /** Build it; `reading` is told values and a distance, and returns what lies there and its place. */
-  constructor(element, { x, y, equal = false, draw, series = [{}], below, log = false, reading }) {
+  constructor(element, { x, y, equal = false, draw, series = [{}], below, log = false, reading, steps }) {
     Object.assign(this, { element, equal, log, drawn: { draw, below }, reading, linked: [] });
     this.range = { x: [0, 1], y: [log ? 0.1 : 0, 1] };
     this.zoomed = null; // the ranges of a part that is shown, instead of all
@@ -54,7 +54,7 @@ export class Plot {
         x: { time: false, range: () => this.#widened().x },
         y: { range: () => this.#widened().y, distr: log ? 3 : 1 },
       },
-      axes: [axis(x, { size: 24, space: 44 }), axis(y, { size: 42, space: 28, ...(log ? LOG : {}) })],
+      axes: [axis(x, { size: 24, space: 44 }), axis(y, { size: 42, space: 28, ...(log ? LOG : {}), ...(steps ? { incrs: steps } : {}) })],
       series: [{}, ...series],
       hooks: {
         drawClear: below ? [(plot) => this.#inside(plot, below)] : [],
@@ -94,10 +94,11 @@ export class Plot {
     ctx.clip();
     ctx.lineJoin = "bevel"; // the lines have many points, and round ones take long
     const [x, y] = ["x", "y"].map((scale) => {
-      const { min, max } = plot.scales[scale];
+      const log = this.log && scale === "y";
+      const [min, max] = [plot.scales[scale].min, plot.scales[scale].max].map((each) => (log ? Math.log10(each) : each));
       const along = scale === "x" ? bbox.width / (max - min) : -bbox.height / (max - min);
       const origin = scale === "x" ? bbox.left : bbox.top + bbox.height;
-      return (value) => origin + (value - min) * along;
+      return log ? (value) => origin + (Math.log10(value) - min) * along : (value) => origin + (value - min) * along;
     });
     draw(new Pen(ctx, x, y, devicePixelRatio, bbox), plot);
     ctx.restore();
@@ -352,6 +353,44 @@ export class Pen {
       down = true;
     }
     this.#stroke(stroke, width, dash, alpha);
+  }
+
+  /** A line through very many points from left to right, or back: of those in one pixel the extremes. */
+  dense(xs, ys, { stroke, width = 1, alpha = 1, dash = [], gap }) {
+    const { ctx, pixel } = this;
+    let column = NaN, low = 0, high = 0, last = 0;
+    const close = () => {
+      if (Number.isNaN(column)) return;
+      ctx.lineTo(column * pixel, low);
+      ctx.lineTo(column * pixel, high);
+      ctx.lineTo(column * pixel, last);
+    };
+    ctx.beginPath();
+    for (let i = 0; i < xs.length; i++) {
+      if (Number.isNaN(xs[i]) || Number.isNaN(ys[i]) || gap?.(i)) {
+        close();
+        column = NaN;
+        if (Number.isNaN(xs[i]) || Number.isNaN(ys[i])) continue;
+      }
+      const at = Math.round(this.x(xs[i]) / pixel), height = this.y(ys[i]);
+      if (at === column) [low, high, last] = [Math.min(low, height), Math.max(high, height), height];
+      else {
+        const begins = Number.isNaN(column);
+        close();
+        [column, low, high, last] = [at, height, height, height];
+        if (begins) ctx.moveTo(at * pixel, height);
+        else ctx.lineTo(at * pixel, height);
+      }
+    }
+    close();
+    this.#stroke(stroke, width, dash, alpha);
+  }
+
+  /** Words beside a place, so many pixels to the right and below. */
+  text(words, x, y, { fill, align = "left", right = 0, below = 0, size = 11 }) {
+    const { ctx, pixel } = this;
+    Object.assign(ctx, { font: `${size * pixel}px system-ui, sans-serif`, fillStyle: fill, textAlign: align, textBaseline: "middle" });
+    ctx.fillText(words, this.x(x) + right * pixel, this.y(y) + below * pixel);
   }
 
   /** The area between two lines through points, in pieces where one of them is not a number. */

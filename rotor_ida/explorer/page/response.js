@@ -192,18 +192,8 @@ export class Response {
   }
 
   #drawCurve(pen, arrays, ink) {
-    const { omega, amplitude, stability, piece, in_contact: contact, fold_omega: folds, fold_amplitude: heights } = arrays;
-    const xs = omega.map((each) => each * this.speed.factor);
-    const ys = amplitude.map((each) => each * this.length.factor);
-    const broken = (i) => i > 0 && piece[i] !== piece[i - 1];
-    const runs = runsOf(xs.length, (i) => `${piece[i]} ${stability[i] === UNSTABLE} ${contact[i]}`);
-    for (const [from, to] of runs) {
-      if (Number.isNaN(xs[from]) || piece[from] < 0) continue;
-      const begin = from > 0 && !broken(from) ? from - 1 : from;
-      const unstable = stability[from] === UNSTABLE;
-      const dash = unstable ? UNSTABLE_DASH : contact[from] ? [] : FREE_DASH;
-      pen.line(xs, ys, { from: begin, to, stroke: contact[from] ? ink : colour("contact_free"), width: unstable ? 1.2 : 2, dash });
-    }
+    const { omega, amplitude, fold_omega: folds, fold_amplitude: heights } = arrays;
+    drawWhirls(pen, omega.map((each) => each * this.speed.factor), amplitude.map((each) => each * this.length.factor), arrays, ink);
     for (const [, key, stability] of WHIRLS) {
       const look = stability === "stable" ? { width: 2 } : { width: 1.2, dash: UNSTABLE_DASH };
       const radii = (arrays[key] ?? []).map((each) => each * this.length.factor);
@@ -267,6 +257,18 @@ export class Response {
     const also = hopf ? ` and ${hopf} Hopf points` : "";
     const here = place ? ` The rotor is at speed ${place.omega.toPrecision(4)} with a radius of up to ${place.high.toPrecision(4)}.` : "";
     this.plot.say(`${curve.facts.why ?? `Radius of every synchronous whirl over the speed, with ${folds} folds${also}.`}${here}`);
+  }
+}
+
+/** Draw a line through all synchronous whirls: dashed where they are unstable, in a colour of its own out of contact. */
+export function drawWhirls(pen, xs, ys, { omega, stability, piece, in_contact: contact }, ink) {
+  const broken = (i) => i > 0 && piece[i] !== piece[i - 1];
+  for (const [from, to] of runsOf(omega.length, (i) => `${piece[i]} ${stability[i] === UNSTABLE} ${contact[i]}`)) {
+    if (Number.isNaN(omega[from]) || piece[from] < 0) continue;
+    const begin = from > 0 && !broken(from) ? from - 1 : from;
+    const unstable = stability[from] === UNSTABLE;
+    const dash = unstable ? UNSTABLE_DASH : contact[from] ? [] : FREE_DASH;
+    pen.line(xs, ys, { from: begin, to, stroke: contact[from] ? ink : colour("contact_free"), width: unstable ? 1.2 : 2, dash });
   }
 }
 

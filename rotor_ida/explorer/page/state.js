@@ -7,6 +7,8 @@ export const BEYOND = { shaft_stiffness: 0, contact_exponent: 1.5, contact_dampi
 // Friction needs the radius of the disc: so many eccentricities until another is chosen.
 const DISC_RADIUS = 10;
 export const START = ["x", "y", "vx", "vy"];
+// Panels of signals that may be chosen.
+export const SIGNALS = ["bode", "polar", "full", "cascade"];
 const WORDS = { from: ["start", "here"], theme: ["", "light", "dark"], speedIn: ["rad/s", "rpm", "Hz"] };
 // Where the run beside it begins, where that is somewhere else.
 export const SECOND_START = START.map((name) => `${name}2`);
@@ -17,7 +19,7 @@ const DEFAULTS = {
   ...BEYOND, disc_radius: null,
   x: 0, y: 0, vx: 0, vy: 0,
   second: null, // clearance of the rotor beside it, in the units of the first one
-  revolutions: 60, from: "start", step: 0.01, rate: 10, ramp: 0.002, theme: "", speedIn: "rad/s",
+  revolutions: 60, from: "start", step: 0.01, rate: 10, ramp: 0.002, theme: "", speedIn: "rad/s", panels: "",
 };
 export const state = { ...DEFAULTS, disc_radius: DISC_RADIUS };
 
@@ -45,6 +47,8 @@ export function readAddress(hash) {
   for (const [name, words] of Object.entries(WORDS)) {
     if (words.includes(given.get(name))) state[name] = given.get(name);
   }
+  const panels = (given.get("panels") ?? "").split(",");
+  state.panels = SIGNALS.filter((name) => panels.includes(name)).join();
   return given.get("key");
 }
 
@@ -61,7 +65,7 @@ export function address([first, second]) {
   }
   for (const name of ["revolutions", "from"]) told.set(name, state[name]);
   if (inSI() && state.speedIn !== DEFAULTS.speedIn) told.set("speedIn", state.speedIn);
-  for (const name of ["second", "theme"]) if (state[name] !== null && state[name] !== "") told.set(name, state[name]);
+  for (const name of ["second", "theme", "panels"]) if (state[name] !== null && state[name] !== "") told.set(name, state[name]);
   if (!state.friction && state.disc_radius !== usualRadius()) told.set("disc_radius", state.disc_radius);
   if (state.step !== 0.01) told.set("step", state.step);
   if (state.rate !== 10) told.set("rate", state.rate);

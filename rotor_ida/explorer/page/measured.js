@@ -1,0 +1,183 @@
+// A measured file, dropped on the page or chosen: it is read and analysed in the browser, and stays there.
+
+import { colour } from "./plot.js";
+import { told, withUnit } from "./units.js";
+
+const LARGEST = 2e9;
+// Metres in a unit of length; a reading in volts needs to be told its own.
+const METRES = { m: 1, mm: 1e-3, um: 1e-6, nm: 1e-9, in: 0.0254, mil: 2.54e-5 };
+const SHOWN = { um: "µm" };
+// Micrometres a volt, of a probe with the usual 200 mV a mil.
+const VOLT = 127;
+const NOTHING = { speed: [], amplitude: [], lag: [] };
+const $ = (id) => document.getElementById(id);
+
+export class Measured {
+  /** `changed` is told that there is something else to show, `scales` returns those of the machine, if it is one; `listens` to files that are dropped. */
+  constructor({ changed, scales, listens }) {
+    Object.assign(this, { changed, scales, found: null, number: 0, worker: null });
+    $("measured-choose").addEventListener("click", () => $("measured-file").click());
+    $("measured-file").addEventListener("change", () => {
+      const [file] = $("measured-file").files;
+      if (file) this.read(file);
+      $("measured-file").value = ""; // the same file may be chosen again
+    });
+    $("measured-remove").addEventListener("click", () => this.remove());
+    for (const name of ["length", "time", "period", "scale", "mark"]) $(`measured-${name}`).addEventListener("change", () => this.#show());
+    if (listens) this.#listenToDrops();
+  }
+
+  #listenToDrops() {
+    const holdsFiles = ({ dataTransfer }) => dataTransfer?.types.includes("Files");
+    addEventListener("dragover", (event) => {
+      if (!holdsFiles(event)) return;
+      event.preventDefault();
+      document.body.classList.add("dropping");
+    });
+    addEventListener("dragleave", ({ relatedTarget }) => relatedTarget || document.body.classList.remove("dropping"));
+    addEventListener("drop", (event) => {
+      document.body.classList.remove("dropping");
+      if (!holdsFiles(event)) return;
+      event.preventDefault();
+      const { files } = event.dataTransfer;
+      if (files.length > 1) this.#say(`One file at a time: ${files.length} were dropped, and none is read.`, true);
+      else if (files.length) this.read(files[0]);
+    });
+  }
+
+  /** Read a file; what was there stays until the new one has been understood. */
+  read(file) {
+    if (file.size > LARGEST) {
+      this.#say(`${file.name} has ${told(file.size / 1e9, 3)} GB, and at most ${LARGEST / 1e9} can be read.`, true);
+      return;
+    }
+    this.worker?.terminate();
+    const worker = (this.worker = new Worker(new URL("./analyst.js", import.meta.url), { type: "module" }));
+    worker.onmessage = ({ data }) => {
+      worker.terminate();
+      this.worker = null;
+      this.#take(data);
+    };
+    worker.onerror = () => this.#take({ name: file.name, refused: "it is too large for this browser" });
+    this.number += 1;
+    worker.postMessage({ file, number: this.number });
+    this.#say(`Reading ${file.name} …`);
+  }
+
+  #take(answer) {
+    if (answer.refused) {
+      this.#say(`${answer.name} is not shown: ${answer.refused}.${this.found ? ` ${this.found.name} stays.` : ""}`, true);
+      return;
+    }
+    this.found = answer;
+    this.number += 1;
+    const { time, length } = answer;
+    $("measured-length").value = length in METRES || length === "V" || length === "mV" ? length : "um";
+    if (length === "1" && !this.scales()) $("measured-length").value = "1";
+    $("measured-time").value = time === "1" && !this.scales() ? "1" : "s";
+    $("measured-mark").value = 0;
+    $("measured-period").value = "";
+    $("measured-scale").value = /V$/.test(length) && this.scales() ? VOLT : "";
+    this.#show();
+  }
+
+  /** Forget the file. */
+  remove() {
+    this.worker?.terminate();
+    this.worker = this.found = null;
+    this.#say("");
+    this.#show();
+    $("measured-choose").focus();
+  }
+
+  #show() {
+    this.kept = null;
+    $("measured-form").hidden = !this.found;
+    this.refresh();
+    this.changed(Boolean(this.found));
+  }
+
+  /** Ask for what is needed to hold the file against the page, and tell what it is. */
+  refresh() {
+    if (!this.found) return;
+    const { name, samples, time, length, by, order, notes } = this.found;
+    const isMachine = Boolean(this.scales());
+    const volts = /V$/.test($("measured-length").value);
+    const plain = $("measured-length").value === "1";
+    $("measured-scale").closest("label").hidden = plain || (isMachine && !volts);
+    $("measured-scale-name").textContent = volts && isMachine ? "µm a volt" : `1 of length [${SHOWN[$("measured-length").value] ?? $("measured-length").value}]`;
+    $("measured-period").closest("label").hidden = isMachine || $("measured-time").value === "1";
+    const { scales } = this;
+    const speeds = order?.speed.length ? `, ${this.#speeds(scales())}` : "";
+    const asked = isMachine ? "say how many µm a volt is" : "say how much a 1 of the page is, or choose SI units for the page";
+    const isOpen = this.#units(scales()) ? "" : ` To draw it, ${asked}.`;
+    const guessed = [time === "1" && isMachine ? "times are taken to be in s" : "", length === "1" && isMachine ? "lengths in the unit chosen below" : ""].filter(Boolean).join(" and ");
+    this.#say(`${name}: ${samples.toLocaleString("en")} samples${by ? `, turned by ${by}` : ""}${speeds}${guessed ? `; ${guessed}` : ""}. It stays in this browser.${isOpen}${notes.map((each) => ` Note: ${each}.`).join("")}`);
+  }
+
+  #speeds(scales) {
+    const { order: { speed }, time } = this.found;
+    const last = speed.at(-1);
+    const units = this.#units(scales);
+    if (!units) return `from speed ${told(speed[0])} to ${told(last)}${time === "s" ? " rad/s" : ""}`;
+    const shown = (value) => (scales ? withUnit(scales, "rate", value * units.rate, 4) : told(value * units.rate));
+    return `from speed ${shown(speed[0])} to ${shown(last)}`;
+  }
+
+  /** Return what a unit of the file is without dimensions: of length, and of the speed. */
+  #units(scales) {
+    const unit = $("measured-length").value, own = this.found.length;
+    const [given, period] = ["scale", "period"].map((name) => $(`measured-${name}`).valueAsNumber);
+    const volts = /V$/.test(unit);
+    // of a reading in volts the choice says which they are; of one without a unit what it is in
+    const factor = own in METRES && unit in METRES ? METRES[own] / METRES[unit] : 1;
+    if (scales) {
+      if (volts && !(given > 0)) return null;
+      const metres = volts ? given * (unit === "mV" ? 1e-9 : 1e-6) : unit === "1" ? scales.length : METRES[unit];
+      return { length: (factor * metres) / scales.length, rate: 1 / scales.rate };
+    }
+    const [length, rate] = [unit === "1" ? 1 : factor / given, $("measured-time").value === "1" ? 1 : period];
+    return Number.isFinite(length) && length > 0 && rate > 0 ? { length, rate } : null;
+  }
+
+  /** Return what panels draw of the file at a speed of the page; nothing while there is none. */
+  source(scales, speed) {
+    if (!this.found) return null;
+    const units = this.#units(scales?.length ? scales : null);
+    if (!units) return null;
+    const key = JSON.stringify(units);
+    if (this.kept?.key !== key) this.kept = { key, ...this.#scaled(units) };
+    const { order, rows, full } = this.kept;
+    return {
+      name: "measured", icon: "line-key measured", ink: () => colour("measured"), order, rows, curve: null, exact: null, sparse: true,
+      lines: full ? linesAt(full, full.speed ?? speed) : nearest(rows, speed, scales),
+      has(panel) {
+        return panel === "full" ? Boolean(this.lines) : panel === "cascade" ? rows.length > 0 : order.speed.length > 0;
+      },
+    };
+  }
+
+  #scaled({ length, rate }) {
+    const { order, rows, full } = this.found;
+    const mark = (Math.PI / 180) * ($("measured-mark").valueAsNumber || 0);
+    const whirl = (each) => ({ ...each, frequency: each.frequency.map((value) => value * rate), amplitude: each.amplitude.map((value) => value * length), speed: each.speed && each.speed * rate });
+    return {
+      order: order ? { speed: order.speed.map((each) => each * rate), amplitude: order.amplitude.map((each) => each * length), lag: order.lag.map((each) => each + mark) } : NOTHING,
+      rows: rows.map(whirl), full: full && whirl(full),
+    };
+  }
+
+  #say(text, isWrong = false) {
+    $("measured-said").textContent = text;
+    $("measured-said").classList.toggle("wrong", isWrong);
+  }
+}
+
+const linesAt = ({ frequency, amplitude }, speed, words = "") => (speed > 0 ? { over: frequency.map((each) => each / speed), amplitude, told: words } : null);
+
+/** Return the lines at the speed that is nearest to another. */
+function nearest(rows, speed, scales) {
+  if (!rows.length || !(speed > 0)) return null;
+  const row = rows.reduce((best, each) => (Math.abs(each.speed - speed) < Math.abs(best.speed - speed) ? each : best));
+  return linesAt(row, row.speed, `at speed ${scales?.rate ? withUnit(scales, "rate", row.speed, 4) : told(row.speed)}, Hann window`);
+}

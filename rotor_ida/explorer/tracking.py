@@ -1,0 +1,200 @@
+"""What probes and a keyphasor would show of a run-up that comes in pieces: order 1, and a cascade.
+
+A piece goes on from the record that ends where it begins. Of that only the end is kept, from where
+the next window of a revolution and the next spectrum begin, so that windows and spectra are those
+of the record as a whole.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import OrderedDict
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+import scipy.signal  # noqa: F401 - here, as nobody waits for it while the speed changes
+import xarray as xr
+
+from rotor_ida.checks import State
+from rotor_ida.explorer.questions import Question
+from rotor_ida.explorer.responses import at_rest
+from rotor_ida.parameters import Rotor
+from rotor_ida.signals.orders import fit
+from rotor_ida.signals.record import Record
+from rotor_ida.signals.spectra import spectrogram
+from rotor_ida.signals.windows import EDGE, windows_of
+
+Values = npt.NDArray[np.float64]
+Arrays = dict[str, npt.NDArray[np.generic]]
+
+# Equally spaced samples: so many in a revolution at the highest speed that is shown.
+PER_REVOLUTION = 32
+# Samples of a spectrum. It is as fine as can be while the speed changes: longer ones would show
+# wider lines again.
+FEWEST, MOST = 128, 4096
+OVERLAP = 0.5
+# Lines up to so many times the highest speed.
+FURTHEST = 2.5
+# Ends that are kept, and the samples of one.
+MOST_ENDS, MOST_SAMPLES = 32, 2**20
+TURN = 2.0 * math.pi
+
+
+@dataclass(frozen=True, slots=True)
+class Tail:
+    """The end of a record, from which the next piece goes on.
+
+    Parameters
+    ----------
+    step : float
+        Step of the samples [1].
+    segment : int
+        Number of samples in a spectrum.
+    furthest : float
+        Highest frequency of a spectrum [1].
+    time, angle, speed : float
+        Time and angle since the beginning of the record, and the speed, at its end.
+    first, due : int
+        Number of the first sample that is kept, and of the one at which the next spectrum begins.
+    begin : float
+        Angle at which the next window of a revolution begins.
+    angles, z : ndarray
+        Samples: angles since the beginning, displacements on fixed axes.
+    """
+
+    step: float
+    segment: int
+    furthest: float
+    time: float
+    angle: float
+    speed: float
+    first: int
+    due: int
+    begin: float
+    angles: Values
+    z: npt.NDArray[np.complex128]
+
+    def times_until(self, duration: float) -> Values:
+        """Return the times of the samples that a piece of some duration adds, in its own time."""
+        first = self.first + self.z.size
+        end = math.floor((self.time + duration) / self.step)
+        times = np.arange(first, end + 1) * self.step - self.time
+        return np.asarray(np.clip(times, 0.0, duration), dtype=np.float64)
+
+
+_ends: OrderedDict[tuple[Rotor, State], Tail] = OrderedDict()
+
+
+def tail_of(question: Question) -> Tail:
+    """Return the record that ends where a piece begins, or a new one."""
+    rotor, rate = question.rotor, question.rate
+    assert rate is not None
+    found = _ends.get((at_rest(rotor), question.start))
+    if found is not None and math.isclose(found.speed, rotor.omega, rel_tol=1e-9, abs_tol=1e-12):
+        return found
+    top = question.speeds[1]
+    step = TURN / (PER_REVOLUTION * top)
+    fine = math.sqrt(TURN / abs(rate)) / step
+    return Tail(
+        step=step,
+        segment=2 ** round(math.log2(min(max(fine, FEWEST), MOST))),
+        furthest=FURTHEST * top,
+        time=0.0, angle=0.0, speed=rotor.omega, first=0, due=0, begin=0.0,
+        angles=np.empty(0), z=np.empty(0, np.complex128),
+    )  # fmt: skip
+
+
+def tracked(
+    tail: Tail, duration: float, speed: float, turned: float, angles: Values, z: npt.ArrayLike
+) -> tuple[Tail, Arrays]:
+    """Return a record with a piece added, and what comes to be known of it.
+
+    Parameters
+    ----------
+    tail : Tail
+        The record so far.
+    duration, speed, turned : float
+        How long the piece is, the speed at its end, and the angle through which it turns.
+    angles, z : ndarray
+        Angles and displacements at the samples, as the piece has them.
+
+    Returns
+    -------
+    tail : Tail
+        The record.
+    arrays : dict
+        ``order_speed``, ``order_amplitude`` and ``order_lag`` of each revolution that is whole now;
+        of each spectrum its ``cascade_speed`` and, one after the other, its ``cascade_amplitude``
+        at each ``cascade_frequency``.
+    """
+    longer = replace(
+        tail,
+        time=tail.time + duration,
+        angle=tail.angle + turned,
+        speed=speed,
+        angles=np.concatenate([tail.angles, tail.angle + angles]),
+        z=np.concatenate([tail.z, np.asarray(z) * np.exp(1j * tail.angle)]),
+    )
+    whole, orders = _orders(longer)
+    known, cascade = _cascade(whole)
+    keep = min(_first_of(known), known.due - known.first)
+    shorter = replace(known, first=known.first + keep, angles=known.angles[keep:], z=known.z[keep:])
+    return shorter, orders | cascade
+
+
+def keep_tail(question: Question, end: State, tail: Tail) -> None:
+    """Keep a record for the piece that goes on from the state at its end."""
+    if tail.z.size > MOST_SAMPLES:
+        return
+    _ends[at_rest(question.rotor), end] = tail
+    while len(_ends) > MOST_ENDS:
+        _ends.popitem(last=False)
+
+
+def _orders(tail: Tail) -> tuple[Tail, Arrays]:
+    """Return order 1 in each revolution that is whole, as `orders` has it."""
+    first = _first_of(tail)
+    last = tail.angles[-1] if tail.angles.size else 0.0
+    count = math.floor((last - tail.begin) / TURN + EDGE)
+    if count < 1:
+        names = ("order_speed", "order_amplitude", "order_lag")
+        return tail, dict.fromkeys(names, np.empty(0))
+    # with the sample behind the last window, which tells where that ends
+    end = int(np.searchsorted(tail.angles, tail.begin + (count - EDGE) * TURN)) + 1
+    z, angles = tail.z[first:end], tail.angles[first:end]
+    times = np.asarray((tail.first + first + np.arange(z.size)) * tail.step, dtype=np.float64)
+    record = Record(times, z, angles, "1", "1", {}, {})
+    windows = windows_of(record, 1, begin=tail.begin)
+    ahead = fit(record, windows, np.ones(1)).amplitudes[:, 0]
+    return replace(tail, begin=tail.begin + TURN * windows.times.size), {
+        "order_speed": windows.speeds,
+        "order_amplitude": np.abs(ahead),
+        "order_lag": np.angle(ahead.conj()),
+    }
+
+
+def _first_of(tail: Tail) -> int:
+    """Return which of the samples is the first of the next window."""
+    return int(np.searchsorted(tail.angles, tail.begin - EDGE * TURN))
+
+
+def _cascade(tail: Tail) -> tuple[Tail, Arrays]:
+    """Return the spectra that are whole, as `spectrogram` has them."""
+    late = slice(tail.due - tail.first, None)
+    z, angles = tail.z[late], tail.angles[late]
+    if z.size < tail.segment:
+        names = ("cascade_speed", "cascade_frequency", "cascade_amplitude")
+        return tail, dict.fromkeys(names, np.empty(0))
+    signals = xr.Dataset(
+        {"x": ("t", z.real), "y": ("t", z.imag), "angle": ("t", angles)},
+        {"t": (tail.due + np.arange(z.size)) * tail.step},
+    )
+    seen = spectrogram(signals, window="hann", segment=tail.segment, overlap=OVERLAP)
+    shown = np.abs(seen["frequency"].values) <= tail.furthest
+    hop = round(tail.segment * (1.0 - OVERLAP))
+    return replace(tail, due=tail.due + hop * seen.sizes["window"]), {
+        "cascade_speed": seen["speed"].values,
+        "cascade_frequency": seen["frequency"].values[shown],
+        "cascade_amplitude": seen["whirl_amplitude"].values[:, shown].ravel(),
+    }

@@ -1,0 +1,150 @@
+"""The explorer in a browser, as a person sees it and as the page's own record tells it."""
+
+from __future__ import annotations
+
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+selenium = pytest.importorskip("selenium", reason="there is no selenium")
+DRIVER = shutil.which("chromedriver")
+BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")
+if not (DRIVER and BROWSER):
+    pytest.skip("there is no Chromium with its driver", allow_module_level=True)
+
+from selenium import webdriver  # noqa: E402
+from selenium.webdriver import Keys  # noqa: E402
+from selenium.webdriver.chrome.options import Options  # noqa: E402
+from selenium.webdriver.chrome.service import Service  # noqa: E402
+from selenium.webdriver.common.by import By  # noqa: E402
+
+PATIENCE = 200.0  # seconds, on a machine that does other things too
+PIXELS = """
+const seen = Array.from(document.querySelectorAll("canvas")).filter((each) => each.offsetParent);
+return seen.map((canvas) => {
+  const context = canvas.getContext("2d");
+  const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
+  let sum = 0, painted = 0;
+  for (let i = 0; i < data.length; i += 4) if (data[i + 3]) {
+    painted += 1;
+    sum = (31 * sum + data[i] + 7 * data[i + 1] + i) % 1000003;
+  }
+  return painted > 500 ? sum : 0;
+})"""
+
+
+def served(*words):
+    """Start the explorer; return its process and its address."""
+    command = [sys.executable, "-c", "import sys; from rotor_ida.cli import main; sys.exit(main())"]
+    process = subprocess.Popen(
+        [*command, "explore", "--no-browser", "--port", "0", *words],
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    for line in process.stderr:
+        if "http://" in line:
+            return process, line.split()[-1]
+    raise AssertionError(f"the explorer ended with {process.wait()}")
+
+
+def ended(process):
+    process.send_signal(signal.SIGTERM)
+    process.communicate(timeout=PATIENCE)
+
+
+def chromium_in(folder):
+    """Return a headless browser that keeps what it downloads in a folder."""
+    options = Options()
+    options.binary_location = BROWSER
+    for word in ("headless=new", "no-sandbox", "disable-gpu", "disable-dev-shm-usage"):
+        options.add_argument(f"--{word}")
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    driver = webdriver.Chrome(options=options, service=Service(DRIVER))
+    driver.execute_cdp_cmd(
+        "Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(folder)}
+    )
+    driver.folder = folder
+    driver.set_script_timeout(PATIENCE)
+    return driver
+
+
+def errors_of(driver):
+    log = driver.get_log("browser")
+    return [entry["message"] for entry in log if entry["level"] == "SEVERE"]
+
+
+class Page:
+    """The page as a person sees it, and as its own record tells it."""
+
+    def __init__(self, driver, address, more=""):
+        self.driver = driver
+        driver.get("about:blank")
+        driver.get(address + more)
+        self.settle()
+
+    def run(self, script, *given):
+        return self.driver.execute_script(script, *given)
+
+    def until(self, script, *given):
+        """Wait until a script returns something true, and return that."""
+        end = time.monotonic() + PATIENCE
+        while time.monotonic() < end:
+            found = self.run(f"return {script}", *given)
+            if found:
+                return found
+            time.sleep(0.02)
+        raise AssertionError(f"never: {script}")
+
+    def settle(self, *parts, side=0):
+        """Wait until the newest question has been answered in full, and all of it is drawn."""
+        for part in ("motion", "curve", *parts):
+            self.until(
+                "window.rotorIda && rotorIda.asked > 0 && rotorIda.shown[arguments[0]]"
+                "[arguments[1]]?.number === rotorIda.asked && rotorIda.drawn === rotorIda.asked",
+                side, part,
+            )  # fmt: skip
+        self.until("rotorIda.hasAllDrawn()")
+
+    def array(self, part, name, side=0):
+        found = self.run(
+            "return Array.from(rotorIda.shown[arguments[0]][arguments[1]].arrays[arguments[2]], "
+            "(each) => Number.isNaN(each) ? null : each)", side, part, name
+        )  # fmt: skip
+        return np.array([np.nan if each is None else each for each in found], dtype=float)
+
+    def facts(self, part, side=0):
+        return self.run("return rotorIda.shown[arguments[0]][arguments[1]].facts", side, part)
+
+    def state(self):
+        return self.run("return {...rotorIda.state}")
+
+    def find(self, selector):
+        return self.driver.find_element(By.CSS_SELECTOR, selector)
+
+    def type(self, selector, value):
+        field = self.find(selector)
+        field.send_keys(Keys.CONTROL, "a")
+        field.send_keys(str(value), Keys.TAB)
+
+    def words(self):
+        return self.find("#words").text
+
+    def pictures(self):
+        """Return for each canvas that is seen a number that its pixels give."""
+        return self.run(PIXELS)
+
+    def pictures_at_rest(self):
+        """Return the pictures once they no longer change: basin and branch come bit by bit."""
+        end, before = time.monotonic() + PATIENCE, self.pictures()
+        while time.monotonic() < end:
+            time.sleep(1.0)
+            after = self.pictures()
+            if after == before:
+                return after
+            before = after
+        raise AssertionError("the pictures never rest")

@@ -1,0 +1,231 @@
+"""Panels of signals in a browser: as the library has them, and a measurement that stays there."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rotor_ida import Rotor, run_up, simulate
+from rotor_ida.explorer.tracking import PER_REVOLUTION
+from rotor_ida.signals.orders import orders
+from rotor_ida.signals.reading import read_signals
+from rotor_ida.signals.spectra import full_spectrum, spectrogram
+
+pytest.importorskip("selenium", reason="there is no selenium")
+
+from selenium.webdriver import Keys
+
+from tests.explorer.browser import Page, chromium_in, ended, errors_of, served
+
+# On a machine that does other things as well.
+pytestmark = pytest.mark.timeout(1500)
+START = {"omega": 2.4, "zeta": 0.07, "delta0": 2.0}
+BOUNCED = (2.6, 0.75, 0.66, -1.65)
+ALL = "bode,polar,full,cascade"
+DROP = """
+const [text, name] = arguments, carried = new DataTransfer();
+carried.items.add(new File([text], name));
+const told = {dataTransfer: carried, bubbles: true, cancelable: true};
+document.body.dispatchEvent(new DragEvent("drop", told));"""
+# Every message of the page to the program, from now on.
+LISTEN = """
+const send = WebSocket.prototype.send;
+window.sent = [];
+WebSocket.prototype.send = function (text) { window.sent.push(text); send.call(this, text); };"""
+THIN = """
+const done = arguments[0];
+import("/plot.js").then(({ Pen }) => {
+  const at = [];
+  const keep = (...place) => at.push(place), none = () => {};
+  const ctx = { beginPath: none, stroke: none, setLineDash: none, moveTo: keep, lineTo: keep };
+  const pen = new Pen(ctx, (x) => x, (y) => y, 1, null);
+  const xs = Float64Array.from({ length: 1e6 }, (_, i) => 1e-4 * i);
+  const ys = xs.map((x, i) => (i === 123456 ? 50 : i === 654321 ? -40 : Math.sin(x)));
+  pen.dense(xs, ys, { stroke: "black" });
+  const heights = at.map(([, y]) => y);
+  done([at.length, Math.max(...heights), Math.min(...heights), at.find(([, y]) => y === 50)[0]]);
+});"""
+
+
+@pytest.fixture(scope="module")
+def address():
+    process, found = served(*(f"--{name}={value}" for name, value in START.items()),
+                            "--start", *map(str, BOUNCED))  # fmt: skip
+    yield found
+    ended(process)
+
+
+@pytest.fixture(scope="module")
+def chromium(tmp_path_factory):
+    driver = chromium_in(tmp_path_factory.mktemp("downloads"))
+    driver.set_window_size(1400, 1300)
+    yield driver
+    driver.quit()
+
+
+@pytest.fixture
+def page(chromium, address):
+    yield Page(chromium, address, f"&panels={ALL}&ramp=0.01")
+    assert errors_of(chromium) == []
+
+
+def drop(page, text, name="probes.csv"):
+    """Drop a file on the page, and wait until it has said what comes of it."""
+    page.run(DROP, text, name)
+    page.until("!rotorIda.measured.worker")
+    return page.find("#measured-said").text
+
+
+def measured(page, place):
+    """Return numbers of what is measured, as the page has them."""
+    found = page.run(
+        f"return rotorIda.measured.found.{place} && [...rotorIda.measured.found.{place}]"
+    )
+    return np.array(found, dtype=float)
+
+
+def written(names, columns, separator=","):
+    lines = [separator.join(names)]
+    for row in zip(*columns, strict=True):
+        cells = [repr(float(each)) for each in row]
+        lines.append(separator.join(c.replace(".", ",") if separator == ";" else c for c in cells))
+    return "\n".join(lines) + "\n"
+
+
+def test_the_panels_show_a_run_up_as_the_library_has_it(page):
+    beginning = page.facts("motion")["end"]
+    page.find("#run-up").send_keys(Keys.SPACE)
+    page.until("rotorIda.passage.tracks[0]?.rows.length >= 3")
+    page.find("#run-up").send_keys(Keys.SPACE)
+    page.until("!rotorIda.passage.running && !rotorIda.passage.waiting.size")
+    page.settle("settled", "lines")
+    end = page.run("return rotorIda.passage.speed")
+    step = 2.0 * np.pi / (PER_REVOLUTION * 4.0)
+    times = step * np.arange(int((end - 2.4) / 0.01 / step) + 1)
+    whole = run_up(Rotor(**START), start=beginning, to=end, rate=0.01, samples=times, rtol=1e-10)
+    shown = page.run("return rotorIda.passage.tracks[0].order")
+    exact = orders(whole).isel(order=0, window=slice(len(shown["speed"])))
+    assert shown["speed"] == pytest.approx(exact.speed.values, abs=1e-8)
+    assert shown["amplitude"] == pytest.approx(exact.forward_whirl_amplitude.values, abs=1e-5)
+    rows = page.run(
+        "return rotorIda.passage.tracks[0].rows"
+        ".map(({speed, amplitude}) => [speed, Math.max(...amplitude)])"
+    )
+    size = page.run("const {frequency: f} = rotorIda.passage.tracks[0].rows[0]; return f[1] - f[0]")
+    seen = spectrogram(whole, segment=round(2.0 * np.pi / step / size))
+    assert len(rows) == seen.sizes["window"]
+    exact = np.stack([seen.speed.values, seen.whirl_amplitude.values.max(axis=1)], axis=1)
+    assert np.array(rows) == pytest.approx(exact, abs=1e-5)
+    rotor = Rotor(**{**START, "omega": page.facts("motion")["rotor"]["omega"]})
+    run = simulate(rotor, start=page.facts("motion")["start"], duration=120 * np.pi / rotor.omega,
+                   samples=page.array("motion", "t").size, method="taylor")  # fmt: skip
+    lines = full_spectrum(run.isel(t=slice((run.sizes["t"] - 1) // 2, -1)))
+    near = lines.whirl_amplitude.values[np.abs(lines.frequency.values / rotor.omega) <= 5.0]
+    assert page.array("lines", "line_amplitude") == pytest.approx(near, abs=1e-12)
+    # eight plots as ever, two of Bode, and one of each other panel
+    assert sum(map(bool, page.pictures())) == 8 + 5
+    page.find('[name="signals"][value="polar"]').send_keys(Keys.SPACE)
+    page.until("location.hash.includes('panels=bode%2Cfull%2Ccascade')")
+    assert sum(map(bool, page.pictures())) == 8 + 4
+
+
+def test_a_dropped_run_up_is_analysed_as_by_the_library_and_never_sent(page, tmp_path):
+    rotor = Rotor(omega=0.6, zeta=0.1, delta0=0.5)
+    run = run_up(rotor, start=(0.3, 0, 0, 0), to=2.6, rate=0.02, samples=6001)
+    text = written(("t", "x", "y", "angle"), (run.t, run.x, run.y, run.angle))
+    page.run(LISTEN)
+    said = drop(page, text)
+    assert "6,001 samples, turned by angle, from speed" in said
+    assert "It stays in this browser." in said
+    (tmp_path / "probes.csv").write_text(text)
+    record = read_signals(tmp_path / "probes.csv")
+    exact = orders(record).isel(order=0)
+    assert measured(page, "order.speed") == pytest.approx(exact.speed.values, abs=1e-9)
+    heights = exact.forward_whirl_amplitude.values
+    assert measured(page, "order.amplitude") == pytest.approx(heights, abs=1e-9)
+    assert measured(page, "order.lag") == pytest.approx(exact.forward_phase_lag.values, abs=1e-9)
+    seen = spectrogram(record, segment=page.run("return rotorIda.measured.found.segment"))
+    assert seen.sizes["window"] > 5
+    top = exact.speed.values.max()
+    for place, row in enumerate(seen.whirl_amplitude.values):
+        furthest = max(2.5 * top, 5.0 * seen.speed[place].item())
+        shown = np.abs(seen.frequency.values) <= furthest
+        assert measured(page, f"rows[{place}].amplitude") == pytest.approx(row[shown], abs=1e-9)
+    assert page.run("return rotorIda.measured.found.rows.length") == seen.sizes["window"]
+    assert page.run("return window.sent") == []
+    page.find("#measured-remove").send_keys(Keys.SPACE)
+    assert page.run(
+        "return [rotorIda.measured.found, document.getElementById('measured-form').hidden]"
+    ) == [None, True]
+
+
+def test_a_keyphasor_and_decimal_commas_give_the_library_s_spectrum(page, tmp_path):
+    t = np.arange(5003) / 2000.0
+    angle = 2.0 * np.pi * 31.3 * t + 1.0
+    z = 12.0 * np.exp(1j * (angle - 0.7)) + 2.5 * np.exp(-0.5j * angle) + 4.0
+    pulse = np.where(np.mod(angle, 2.0 * np.pi) < 0.6, 4.9, 0.1)
+    names = ("Time [ms]", "Probe X [um]", "Probe Y [um]", "Keyphasor")
+    text = written(names, (1e3 * t, z.real, z.imag, pulse), ";")
+    said = drop(page, text)
+    assert "turned by Keyphasor" in said
+    (tmp_path / "probes.csv").write_text(text)
+    record = read_signals(tmp_path / "probes.csv")
+    exact = orders(record).isel(order=0)
+    assert measured(page, "order.speed") == pytest.approx(exact.speed.values, rel=1e-9)
+    heights = exact.forward_whirl_amplitude.values
+    assert measured(page, "order.amplitude") == pytest.approx(heights, abs=1e-8)
+    lags = measured(page, "order.lag") - exact.forward_phase_lag.values
+    assert np.abs(np.exp(1j * lags) - 1.0).max() < 1e-9
+    lines = full_spectrum(record)
+    shown = np.abs(lines.frequency_over_omega.values) <= 5.0
+    assert measured(page, "full.frequency") == pytest.approx(
+        lines.frequency.values[shown], rel=1e-9
+    )
+    heights = lines.whirl_amplitude.values[shown]
+    assert measured(page, "full.amplitude") == pytest.approx(heights, abs=1e-8)
+    assert page.run("return rotorIda.measured.found.full.bandwidth") == pytest.approx(
+        lines.bandwidth.item()
+    )
+    # the page has no dimensions: a unit of its length is told to be 2 um, of its time 0.01 s
+    page.type("#measured-scale", 2)
+    page.type("#measured-period", 0.01)
+    order = page.run("return rotorIda.measured.source(undefined, 2).order")
+    assert order["amplitude"][5] == pytest.approx(0.5 * exact.forward_whirl_amplitude[5].item())
+    assert order["speed"][5] == pytest.approx(0.01 * exact.speed[5].item())
+
+
+def test_odd_files_are_told_of_in_one_line_and_nothing_is_lost(page):
+    t = np.arange(400) / 100.0
+    x, y, turn = np.cos(30 * t), np.sin(30 * t), 30 * t
+    good = written(("t", "x", "y", "angle"), (t, x, y, turn))
+    assert "400 samples" in drop(page, good, "good.csv")
+    gap = np.where(t < 2.0, t, t + 1.0)
+    pulses = np.mod(30 * t, 6.2831853) < 1.5 * (np.abs(t - 2.0) > 0.2)
+    odd = {
+        "words alone\nand more": "must hold lines of two numbers or more",
+        good.replace("x,", "radius,", 1): "must have a column for x, got t, radius, y, angle",
+        good + "4.01,1,zwei,5\n": 'row 401 of the numbers must hold finite numbers, got "zwei"',
+        good + "4.01,1\n": "row 401 of the numbers must have 4 columns",
+        written(("t", "x", "y"), (gap, x, y)): "t must have no gaps, got one of 1.01 after 1.99",
+        written(("t", "x", "y"), (t[::-1], x, y)): "t must increase, got 3.98 after 3.99",
+        written(("t", "x", "y"), (t, np.clip(x, -0.5, 0.5), y)): "x must not be clipped",
+        written(("t", "x", "y", "key"), (t, x, y, pulses)):
+            "keyphasor must not lose pulses, but does after t 1.6",
+        written(("t [h]", "x", "y"), (t, x, y)): 'the unit of t must be s, ms, us or min, got "h"',
+        written(("t", "x", "y"), (t[:9], x[:9], y[:9])): "at least 16 samples, got 9",
+    }  # fmt: skip
+    for text, why in odd.items():
+        said = drop(page, text, "odd.csv")
+        assert said.startswith("odd.csv is not shown: "), said
+        assert why in said
+        assert said.endswith("good.csv stays.")
+    assert page.run("return rotorIda.measured.found.name") == "good.csv"
+    plain = written(("t", "x", "y"), (t, x, y))
+    assert "neither speed nor phase is known" in drop(page, plain, "no_key.csv")
+    assert page.run("return rotorIda.measured.source(undefined, 2).lines.over.length") > 0
+
+
+def test_of_a_million_points_the_extremes_are_drawn_and_few_others(page):
+    count, top, bottom, where = page.driver.execute_async_script(THIN)
+    assert count < 4 * 110
+    assert (top, bottom, where) == (50, -40, 12)

@@ -1,0 +1,155 @@
+"""Order tracks and cascade of a run-up in pieces are those of the library, of the run-up whole."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from rotor_ida import Rotor, run_up, simulate, synchronous_response
+from rotor_ida.explorer.tracking import FURTHEST, PER_REVOLUTION
+from rotor_ida.signals.orders import orders
+from rotor_ida.signals.spectra import full_spectrum, spectrogram
+from tests.explorer.asking import MACHINE, Message, answer_to, question
+
+BOUNCING, BOUNCED = {"omega": 2.4, "zeta": 0.07, "delta0": 2.0}, (2.6, 0.75, 0.66, -1.65)
+TOP = 4.0
+
+
+def pieces(
+    rotor: dict[str, float],
+    start: object,
+    stops: tuple[float, ...],
+    rate: float,
+    name: str,
+    scale: float = 1.0,
+) -> list[Message]:
+    """Ask as the page does: each piece begins in the state in which the last one ended."""
+    found = []
+    for here, to in pairwise(stops):
+        asking = question(
+            "run_up", machine={**rotor, name: here}, start=list(start), to=to / scale, rate=rate,
+            speeds=[0.05, TOP],
+        )  # fmt: skip
+        (answer,) = answer_to(asking)
+        assert answer.part == "run_up", answer.facts
+        start = answer.facts["end"]
+        found.append(answer)
+    return found
+
+
+def joined(answers: list[Message], name: str) -> np.ndarray:
+    return np.concatenate([each.arrays[name] for each in answers])
+
+
+@pytest.mark.parametrize("rate", [0.02, -0.02], ids=["up", "down"])
+def test_windows_and_spectra_do_not_tell_where_a_piece_ends(rate: float) -> None:
+    """In and out of contact, over stops at any place of a revolution."""
+    stops = (2.4, 2.4004, 2.51, 2.5222, 3.0) if rate > 0.0 else (2.4, 2.3871, 2.1, 1.9)
+    rotor = BOUNCING
+    found = pieces(rotor, BOUNCED, stops, rate, "omega")
+    step = 2.0 * np.pi / (PER_REVOLUTION * TOP)
+    times = step * np.arange(int((stops[-1] - stops[0]) / rate / step) + 1)
+    whole = run_up(
+        Rotor(**rotor), start=BOUNCED, to=stops[-1], rate=rate, samples=times, rtol=1e-10
+    )
+    exact = orders(whole).isel(order=0)
+    assert exact.sizes["window"] >= 8
+    assert whole.sizes["event"] >= 8
+    speeds = joined(found, "order_speed")
+    # the library also takes a last window that would end before the next sample
+    assert exact.sizes["window"] - speeds.size in {0, 1}
+    exact = exact.isel(window=slice(speeds.size))
+    assert speeds == pytest.approx(exact.speed.values, abs=1e-8)
+    amplitudes = joined(found, "order_amplitude")
+    assert amplitudes == pytest.approx(exact.forward_whirl_amplitude.values, abs=1e-6)
+    turned = joined(found, "order_lag") - exact.forward_phase_lag.values
+    assert np.abs(np.exp(1j * turned) - 1.0).max() < 1e-6
+    (size,) = {len(each.arrays["cascade_frequency"]) for each in found if
+               len(each.arrays["cascade_frequency"])}  # fmt: skip
+    lines = next(each.arrays["cascade_frequency"] for each in found if
+                 len(each.arrays["cascade_frequency"]))  # fmt: skip
+    fine = spectrogram(whole, segment=round(2.0 * np.pi / step / (lines[1] - lines[0])))
+    shown = fine.sel(frequency=slice(-FURTHEST * TOP, FURTHEST * TOP))
+    assert shown.sizes["window"] >= 2
+    assert lines == pytest.approx(shown.frequency.values, abs=1e-9)
+    assert joined(found, "cascade_speed") == pytest.approx(shown.speed.values, abs=1e-8)
+    heights = joined(found, "cascade_amplitude").reshape(-1, size)
+    assert heights == pytest.approx(shown.whirl_amplitude.values, abs=1e-6)
+
+
+def test_a_slow_run_up_follows_the_exact_whirl_in_amplitude_and_phase() -> None:
+    """The slower it is, the closer: the whirl of a rotor on a shaft, through its resonance."""
+    rotor = {"omega": 0.7, "zeta": 0.3, "delta0": 9.0, "shaft_stiffness": 1.0}
+    whirl = synchronous_response(**rotor).isel(omega=0, zeta=0, delta0=0, branch=0)
+    z = whirl.amplitude.item() * np.exp(-1j * whirl.phase_lag.item())
+    start = (z.real, z.imag, (0.7j * z).real, (0.7j * z).imag)
+    off = []
+    for rate in (0.001, 0.00025):
+        found = pieces(rotor, start, (0.7, 0.9, 1.1, 1.3), rate, "omega")
+        speeds = joined(found, "order_speed")
+        exact = synchronous_response(**{**rotor, "omega": speeds}).isel(zeta=0, delta0=0, branch=0)
+        tracked = joined(found, "order_amplitude") * np.exp(-1j * joined(found, "order_lag"))
+        off.append(np.abs(tracked - exact.amplitude * np.exp(-1j * exact.phase_lag)).max().item())
+    assert off[1] < 0.01
+    assert off[0] / off[1] == pytest.approx(4.0, rel=0.1)
+
+
+def test_a_machine_in_si_units_has_the_record_of_its_rotor() -> None:
+    stops = (2.0, 2.013, 2.05, 2.1)
+    rotor = {"omega": 2.0, "zeta": 0.07, "delta0": 2.0}
+    ours = pieces(MACHINE, BOUNCED, tuple(500.0 * stop for stop in stops), 0.004, "speed", 500.0)
+    other = pieces(rotor, BOUNCED, stops, 0.004, "omega")
+    assert joined(ours, "order_speed").size == 8
+    for name in ("order_speed", "order_amplitude", "order_lag"):
+        assert joined(ours, name) == pytest.approx(joined(other, name), abs=1e-5)
+
+
+def test_another_state_begins_another_record() -> None:
+    first = pieces(BOUNCING, BOUNCED, (2.4, 2.44), 0.01, "omega")
+    again = pieces({**BOUNCING, "omega": 2.44}, BOUNCED, (2.44, 2.48), 0.01, "omega")
+    assert joined(again, "order_speed")[0] > 2.44
+    assert joined(first, "order_speed").size == joined(again, "order_speed").size == 1
+
+
+def test_the_curve_has_the_phase_lag_of_every_whirl() -> None:
+    for beyond in ({}, {"shaft_stiffness": 0.25, "contact_exponent": 1.0}):
+        asking = question(
+            "responses", machine={"omega": 1.7, "zeta": 0.07, "delta0": 0.5, **beyond}
+        )
+        curve = answer_to(asking)[0]
+        assert curve.part == "curve"
+        arrays, compared = curve.arrays, 0
+        for omega, amplitude, lag in zip(
+            *(arrays[name][::7] for name in ("omega", "amplitude", "phase_lag")), strict=True
+        ):
+            exact = synchronous_response(omega=omega, zeta=0.07, delta0=0.5, **beyond)
+            away = np.abs(exact.amplitude.values.ravel() - amplitude)
+            if np.nanmin(away) < 1e-6:  # at a fold rounding may take both whirls away
+                found = exact.phase_lag.values.ravel()[np.nanargmin(away)]
+                assert lag == pytest.approx(found, abs=1e-5)
+                compared += 1
+        assert compared > 15
+
+
+def test_the_lines_of_what_is_settled_on_are_those_of_a_long_run() -> None:
+    """A bouncing limit cycle has many, whatever the window shows of them; a whirl has one."""
+    answers = answer_to(question("responses", machine=BOUNCING, start=list(BOUNCED)))
+    settled = next(each for each in answers if each.part == "settled")
+    assert settled.facts["lies_on"] == "cycle"
+    rotor, period = Rotor(**BOUNCING), settled.facts["exact_period"]
+    run = simulate(rotor, start=settled.facts["end"], duration=200 * period, samples=40_001)
+    seen = full_spectrum(run)
+    orders_, heights = settled.arrays["exact_order"], settled.arrays["exact_amplitude"]
+    large = heights > 1e-3 * heights.max()
+    assert large.sum() >= 5
+    # the flat-top window shows a line to 0.1 %, and leaks a 30,000th of it into others
+    near = seen.whirl_amplitude.sel(frequency=rotor.omega * orders_[large], method="nearest")
+    assert near.values == pytest.approx(heights[large], rel=1e-3, abs=3e-5 * heights.max())
+    answers = answer_to(question("responses", machine={"omega": 0.8, "zeta": 0.2, "delta0": 0.5}))
+    settled = next(each for each in answers if each.part == "settled")
+    assert settled.facts["lies_on"] == "whirl"
+    assert settled.arrays["exact_order"].tolist() == [1.0]
+    exact = synchronous_response(omega=0.8, zeta=0.2, delta0=0.5).amplitude.max().item()
+    assert settled.arrays["exact_amplitude"] == pytest.approx([exact], rel=1e-9)
