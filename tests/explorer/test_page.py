@@ -968,10 +968,13 @@ def test_each_panel_is_saved_as_picture_and_table(page):
     folder = page.driver.folder
     for panel in PANELS:
         for ending in ("png", "svg", "csv"):
-            selector = f'[data-panel="{panel}"] [data-keep="{ending}"]'
+            menu = page.find(f'[data-panel="{panel}"] .menu')
             page.find(f'[data-panel="{panel}"] summary').click()
-            page.find(selector).click()
             deadline = time.monotonic() + PATIENCE
+            # the menu closes once it is served; what still comes in above may move it from the hand
+            while page.run("return arguments[0].open", menu):
+                assert time.monotonic() < deadline
+                page.find(f'[data-panel="{panel}"] [data-keep="{ending}"]').click()
             while not (folder / f"{panel}.{ending}").exists():
                 assert time.monotonic() < deadline
                 time.sleep(0.05)
