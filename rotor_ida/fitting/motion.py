@@ -28,7 +28,6 @@ from rotor_ida.simulation.orbit import (
     EXIT,
     OF_FRICTION,
     PRESS,
-    RELEASE,
     ROLLS,
     Orbit,
 )
@@ -36,6 +35,8 @@ from rotor_ida.simulation.run import run
 from rotor_ida.simulation.spin import Course, Ramp
 
 OPTIONS = Options(rtol=1e-11, atol=1e-13, method="taylor")
+# Beyond, a motion is chaotic for a fit: what is left of its start is rounding.
+LARGEST_GROWTH = 1e6
 # What a motion and its panels may take: some seconds.
 MOST_PANELS = 1_000_000
 # Column of the largest indentation of a contact in the table of an orbit.
@@ -94,6 +95,8 @@ class Motion:
         Their derivatives.
     growth : float
         The largest factor by which a small change of the start has grown.
+    lost : float
+        When that first exceeds a million, or infinity [s].
     """
 
     z: Complex
@@ -103,6 +106,7 @@ class Motion:
     entry_slopes: Values
     exit_slopes: Values
     growth: float
+    lost: float
 
 
 def motion_of(
@@ -161,6 +165,7 @@ def motion_of(
         _rates_at(slopes_of(machine, moments(ends[here], stretch, side), names), grown_to[here])
         for here, side in ((slice(None, -1), "right"), (slice(1, None), "left"))
     )
+    growth = np.linalg.norm(_scaled(grown_to[:, :, :4], turning), axis=(1, 2))
     touches = [
         _times_of(kind, bare, machine, ends, grown_to, names) for kind in (ENTRY, EXIT)
     ]
@@ -168,7 +173,8 @@ def motion_of(
         z[np.searchsorted(seen, times)],
         between(ends, grown_to, (rates[0], rates[1]), times),
         touches[0][0], touches[1][0], touches[0][1], touches[1][1],
-        float(np.linalg.norm(_scaled(grown_to[:, :, :4], turning), axis=(1, 2)).max()),
+        float(growth.max()),
+        float(ends[(growth > LARGEST_GROWTH).argmax()]) if growth.max() > LARGEST_GROWTH else math.inf,
     )  # fmt: skip
 
 
@@ -278,6 +284,3 @@ def _times_of(
     with np.errstate(divide="ignore", invalid="ignore"):
         slopes = outwards / rise[:, None]
     return times, slopes
-
-
-__all__ = ["EXIT", "RELEASE", "Motion", "Turning", "motion_of"]
