@@ -65,7 +65,11 @@ class Turning:
         number = np.searchsorted(self.ends[1:-1], times, side=side)  # type: ignore[call-overload]
         since = times - self.ends[number]
         rate, speed = self.rates[number], self.speeds[number]
-        return self.angles[number] + (speed + 0.5 * rate * since) * since, speed + rate * since, rate
+        return (
+            self.angles[number] + (speed + 0.5 * rate * since) * since,
+            speed + rate * since,
+            rate,
+        )
 
     def course(self, frequency: float, ahead: float) -> Course:
         """Return it without dimensions, the unbalance so far ahead of the mark."""
@@ -156,7 +160,9 @@ def motion_of(
         place = np.searchsorted(seen, at)
         angle, speed, rate = turning.at(at, side)
         pull = (speed**2 - 1j * rate) * np.exp(1j * (angle + ahead))
-        return Moments(z[place], v[place], pull, stretches.pushes[stretch], stretches.slides[stretch])
+        return Moments(
+            z[place], v[place], pull, stretches.pushes[stretch], stretches.slides[stretch]
+        )
 
     inside = slopes_of(machine, moments(nodes.ravel(), np.repeat(stretch, 3)), names)
     shape = (*nodes.shape, 4)
@@ -166,9 +172,7 @@ def motion_of(
         for here, side in ((slice(None, -1), "right"), (slice(1, None), "left"))
     )
     growth = np.linalg.norm(_scaled(grown_to[:, :, :4], turning), axis=(1, 2))
-    touches = [
-        _times_of(kind, bare, machine, ends, grown_to, names) for kind in (ENTRY, EXIT)
-    ]
+    touches = [_times_of(kind, bare, machine, ends, grown_to, names) for kind in (ENTRY, EXIT)]
     return Motion(
         z[np.searchsorted(seen, times)],
         between(ends, grown_to, (rates[0], rates[1]), times),

@@ -68,6 +68,12 @@ class Problem:
     _last: tuple[bytes, Values, Values, list[Motion]] | None = field(default=None, repr=False)
     evaluations: int = 0
 
+    def renew(self, **known: float) -> None:
+        """Set the noise or the error of contact times, with which all is weighed anew."""
+        for name, value in known.items():
+            setattr(self, name, value)
+        self._last = None
+
     def first(self) -> Values:
         """Return the first guess: the unknowns, then the states at the begins."""
         held = [np.array([each.guess for each in self.unknown])]

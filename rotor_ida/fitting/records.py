@@ -107,6 +107,12 @@ class Measured:
         A guess of the state at the begin, and how far it is believed [m, m/s].
     touches : mapping of int to ndarray
         Measured times at which contacts began (1) and ended (-1), from the begin [s].
+    begin : float
+        When the signals begin, in their own time.
+    metre, second : float
+        How many metres and seconds the units of the signals are.
+    units : tuple of str
+        These units.
     """
 
     record: Record
@@ -116,6 +122,10 @@ class Measured:
     start: Values
     spread: Values
     touches: Mapping[int, Values]
+    begin: float
+    metre: float
+    second: float
+    units: tuple[str, str]
 
 
 def measured(
@@ -147,6 +157,7 @@ def measured(
             kind: (_times_within(kind, each, given) - begin) * time
             for kind, each in touches.items() if each is not None
         },
+        begin, length, time, (given.length, given.time),
     )  # fmt: skip
 
 

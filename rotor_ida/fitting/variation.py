@@ -130,9 +130,7 @@ class _Force:
         across = self.spring * self.machine.contact_damping * self.turning
         grows = self.steepness * self.outward + across * self.around
         sideways = self.direction * 1j
-        return _product(self.direction, grows) + _product(
-            self.over_radius * sideways, self.around
-        )
+        return _product(self.direction, grows) + _product(self.over_radius * sideways, self.around)
 
     def by_velocity(self) -> Values:
         """Return the derivative by ``(vx, vy)``, shape (n, 2, 2)."""
@@ -242,9 +240,7 @@ def _across(steps: Values, by_state: Values, added: Values) -> Values:
     return np.asarray(np.einsum("p,i,pikc->pkc", steps, WEIGHTS, rates), dtype=np.float64)
 
 
-def between(
-    ends: Values, grown_to: Values, rates: tuple[Values, Values], times: Values
-) -> Complex:
+def between(ends: Values, grown_to: Values, rates: tuple[Values, Values], times: Values) -> Complex:
     """Return the derivatives of ``x + i y`` at times, shape (n, 4 + k), by quintic interpolation.
 
     `rates` are those of the velocities at the beginning and at the end of each panel,
@@ -253,9 +249,7 @@ def between(
     panel = np.clip(np.searchsorted(ends, times, side="right") - 1, 0, ends.size - 2)
     step = np.diff(ends)[panel]
     s = (times - ends[panel]) / step
-    place, speed = (
-        grown_to[:, row] + 1j * grown_to[:, row + 1] for row in (0, 2)
-    )
+    place, speed = (grown_to[:, row] + 1j * grown_to[:, row + 1] for row in (0, 2))
     faster = [each[:, 0] + 1j * each[:, 1] for each in rates]
     s3 = s**3
     weights = (
