@@ -22,7 +22,7 @@ Record = dict[str, object]
 Kind = Literal[
     "run", "sweep", "bifurcation_diagram", "basin", "basin_fractions", "atlas", "comparison",
     "run_ups", "whirls", "folds", "hopf_points", "backward_whirl", "cycle", "branch", "curve",
-    "touchdown", "other",
+    "touchdown", "fit", "other",
 ]  # fmt: skip
 Description = tuple[Record, list[RenderableType]]
 METHOD = ("method", "flight", "backend", "rtol", "atol")
@@ -86,6 +86,7 @@ MOST_FRACTIONS = 40
 MOST_TOLD = 1_000_000
 RANGES = ("omega", "amplitude", "radius_max")
 MULTIPLIER = ("multiplier_real", "multiplier_imag", "multiplier_error")
+FITTED = ("unknown", "estimate", "standard_error", "lower", "upper", "first_guess", "unit")
 LINE = ("frequency", "whirl_amplitude", "line_kind")
 CYCLE = (
     *("period", "radius_min", "radius_max", "stability", "response", "contact_count"),
@@ -122,6 +123,7 @@ def kind_of(dataset: xr.Dataset) -> Kind:
         "hopf_points": "hopf_omega" in dataset,
         "backward_whirl": "birth_omega" in dataset and "whirl" in dataset.dims,
         "curve": "special_second_value" in dataset,
+        "fit": {"estimate", "covariance"} <= set(dataset.variables),
         "branch": "special_value" in dataset and "special" in dataset.dims,
         "cycle": {"period_error", "multiplier_error"} <= set(dataset.variables),
     }
@@ -147,6 +149,7 @@ def describe(dataset: xr.Dataset, *, most: int | None = None) -> Description:
         "cycle": _cycle,
         "branch": _branch,
         "curve": _curve,
+        "fit": _fit,
         "other": _other,
     }
     return described[kind_of(dataset)](dataset, most)
@@ -609,6 +612,23 @@ def _span(values: np.ndarray[Any, Any], digits: int) -> str:
     """Return the range of those values that are known, in words; nothing where none is."""
     known = values[np.isfinite(values)]
     return f"{known.min():.{digits}g} to {known.max():.{digits}g}" if known.size else ""
+
+
+def _fit(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return what a fit found, what the signals tell of it, and whether noise is left."""
+    about: Record = {
+        "machine": dataset.attrs["machine"],
+        "windows": dataset.sizes["window"],
+        "chi_square": float(dataset["chi_square"]),
+        "degrees_of_freedom": int(dataset["degrees_of_freedom"]),
+        "noise": float(dataset["noise"]),
+        "remainder": str(dataset.attrs["remainder"]),
+    }
+    rows, parts = _rows(dataset, "Unknown", FITTED, most)
+    told = [f"{each}." for each in str(dataset.attrs["identifiability"]).split("; ")]
+    return {**about, "unknown": rows, "identifiability": told}, [
+        pairs("Fit", about), *parts, "\n".join(told)
+    ]  # fmt: skip
 
 
 def _other(dataset: xr.Dataset, most: int | None) -> Description:

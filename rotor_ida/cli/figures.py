@@ -39,12 +39,13 @@ def figure_of(dataset: xr.Dataset) -> Figure:
         "atlas": _figure_of_atlas,
         "backward_whirl": _figure_of_backward_whirl,
         "run_ups": plot.run_ups_figure,
+        "fit": plot.fit_figure,
         **dict.fromkeys(("whirls", "sweep", "folds", "hopf_points"), _figure_of_whirls),
     }
     if kind not in figures:
         raise InputError(
             "figure must be of a run, of whirls, their folds or Hopf points, of a sweep, run-ups, "
-            f"a basin or atlas, or of limit cycles, got {kind!r}"
+            f"a basin or atlas, of limit cycles, or of a fit, got {kind!r}"
         )
     return figures[kind](dataset)
 

@@ -376,8 +376,8 @@ def _least(problem: Problem, first: Values) -> Values:
     if not found.success:
         state = tuple(found.x[len(problem.unknown) :][:4].tolist()) or (0.0, 0.0, 0.0, 0.0)
         raise SimulationError(
-            f"no least squares in {MOST_EVALUATIONS} evaluations: begin nearer, with fewer unknowns "
-            "or a shorter part",
+            f"no least squares in {MOST_EVALUATIONS} evaluations: begin nearer, with fewer "
+            "unknowns or a shorter part",
             time=0.0, state=state,
         )  # fmt: skip
     solution: Values = found.x
@@ -398,7 +398,7 @@ def _dataset(
     level: float,
 ) -> xr.Dataset:
     """Return what was found as a dataset."""
-    chi_square, freedom = _left_over(problem, solution, motions)
+    chi_square, freedom = _left_over(problem, solution, motions), problem.freedom(solution)
     in_si = isinstance(machine, DimensionalRotor)
     variables = {
         **_estimates(problem, solution, told, quantile, in_si=in_si),
@@ -433,13 +433,12 @@ def _dataset(
     return plain.dataset("Fit of a machine to signals", variables, coordinates)
 
 
-def _left_over(problem: Problem, solution: Values, motions: list[Motion]) -> tuple[float, int]:
-    """Return chi-square of all that is compared, and its degrees of freedom."""
-    total, count = 0.0, -len(problem.unknown)
+def _left_over(problem: Problem, solution: Values, motions: list[Motion]) -> float:
+    """Return chi-square of all that is compared, the guesses of the starts among it."""
+    total = 0.0
     for number, (each, motion) in enumerate(zip(problem.records, motions, strict=True)):
         left = each.tracks.weighed((motion.z - each.record.z)[:, None]) / problem.noise
         total += float((left**2).sum())
-        count += left.size
         if problem.starts is None:
             place = len(problem.unknown) + 4 * number
             guessed = (solution[place : place + 4] - each.start) / each.spread
@@ -447,8 +446,7 @@ def _left_over(problem: Problem, solution: Values, motions: list[Motion]) -> tup
         for kind, times in each.touches.items():
             apart = (partners(times, motion, kind) - times) / problem.time_error
             total += float(np.nansum(apart**2))
-            count += int(np.isfinite(apart).sum())
-    return total, count
+    return total
 
 
 def _at_bounds(problem: Problem, solution: Values) -> list[str]:
@@ -496,10 +494,9 @@ def _tracks(problem: Problem, motions: list[Motion]) -> dict[str, Column]:
             "t": tracks.windows.times / each.second + each.begin,
             "speed": tracks.windows.speeds * each.second,
         }
+        # the orders are symmetric about 0
         ahead = np.flatnonzero(tracks.orders >= 0.0)
-        back = ahead[::-1] * 0 + [
-            int(np.flatnonzero(tracks.orders == -o)[0]) for o in tracks.orders[ahead]
-        ]
+        back = tracks.orders.size - 1 - ahead
         for words, column in (("", 0), ("fitted_", 1)):
             forward, backward = both[:, ahead, column], both[:, back, column]
             parts |= {

@@ -14,6 +14,8 @@ from rotor_ida.fitting.records import Measured
 from rotor_ida.parameters import DimensionalRotor
 
 ANGLE = "unbalance_angle"
+# Singular values below this part of the largest are rounding.
+RANK = 1e-10
 # What cannot be followed counts as so many times what the first guess leaves.
 FAR_OFF = 1e3
 
@@ -140,6 +142,29 @@ class Problem:
     def slopes(self, sought: Values) -> Values:
         """Return the derivatives of what is left over."""
         return self.at(sought)[1]
+
+    def freedom(self, sought: Values) -> int:
+        """Return how many numbers are compared, less how many these determine of what is sought.
+
+        The start of a motion that forgets it is determined by its guess instead.
+        """
+        _, slopes, motions = self.at(sought)
+        measured = np.ones(len(slopes), dtype=bool)
+        lost, row = 0, 0
+        for each, motion in zip(self.records, motions, strict=True):
+            row += 2 * each.tracks.orders.size * each.tracks.windows.times.size
+            if self.starts is None:
+                measured[row : row + 4] = False
+                row += 4
+            if math.isfinite(self.time_error):
+                for kind, times in each.touches.items():
+                    lost += int(np.isnan(partners(times, motion, kind)).sum())
+                    row += times.size
+        sizes = np.linalg.norm(slopes, axis=0)
+        basis = np.linalg.svd(slopes / np.where(sizes > 0.0, sizes, 1.0), full_matrices=False)
+        kept = basis[0][:, basis[1] > RANK * basis[1].max(initial=0.0)]
+        used = float((kept[measured] ** 2).sum())
+        return int(measured.sum()) - lost - round(used)
 
     def _compared(self, number: int, motion: Motion, sought: Values) -> tuple[Values, Values]:
         """Return what is left of one record, and its derivatives by all that is sought."""

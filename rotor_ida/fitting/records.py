@@ -1,4 +1,4 @@
-"""What is measured and what is compared: order tracks, weighed by their errors, and contact times."""
+"""What is compared: order tracks, weighed by their errors, and contact times."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
@@ -79,7 +78,7 @@ class Tracks:
         return np.concatenate([independent.real, independent.imag])
 
     def left(self, z: Complex) -> tuple[float, int]:
-        """Return the squares of x and y that the orders leave, summed, and their degrees of freedom."""
+        """Return the sum of the squares that the orders leave, and its degrees of freedom."""
         inside = z[: self.samples].copy()
         amplitudes = self.amplitudes(z[:, None])[:, :, 0]
         counts = np.diff(self.windows.edges)
@@ -208,9 +207,9 @@ def _tracks_of(record: Record, orders: Values, revolutions: int | None) -> Track
     gram = np.empty((counts.size, every.size, every.size), dtype=np.complex128)
     for row, each in enumerate(basis):
         gram[:, row] = np.add.reduceat(each.conj() * basis, starts, axis=1).T
-    inverse = np.linalg.inv(gram)
+    inverse: Complex = np.asarray(np.linalg.inv(gram), dtype=np.complex128)
     root = np.linalg.cholesky(inverse[:, : kept.size, : kept.size])
-    return Tracks(windows, kept, basis, inverse, root)
+    return Tracks(windows, kept, basis, inverse, np.asarray(root, dtype=np.complex128))
 
 
 def turning_of(record: Record) -> Turning:
@@ -254,7 +253,8 @@ def _first_state(record: Record, turning: Turning) -> tuple[Values, Values]:
     found, *_ = np.linalg.lstsq(basis, z)
     noise = np.sqrt((np.abs(z - basis @ found) ** 2).sum() / (2.0 * max(count - 4, 1)))
     errors = noise * np.sqrt(np.diag(np.linalg.inv(basis.T @ basis))[:2])
-    first_turn = record.z[record.angles - record.angles[0] <= 2.0 * np.pi]  # type: ignore[operator,index]
+    turned = record.known_angles() - record.known_angles()[0]
+    first_turn = record.z[turned <= 2.0 * np.pi]
     size = LEAST_SPREAD * float(np.sqrt(np.mean(np.abs(first_turn) ** 2)))
     spread = np.maximum(SPREAD * errors, size) * np.array([1.0, speed])
     start = np.array([found[0].real, found[0].imag, found[1].real * speed, found[1].imag * speed])

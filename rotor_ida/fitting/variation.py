@@ -18,8 +18,9 @@ References
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -139,7 +140,7 @@ class _Force:
     def by_parameter(self, name: str) -> Complex:
         """Return the derivative of the acceleration by a parameter, shape (n,)."""
         machine, at, contact = self.machine, self.at, self.push * self.direction
-        changes = {
+        changes: dict[str, Callable[[], Complex]] = {
             "mass": lambda: (machine.damping * at.v + machine.shaft_stiffness * at.z + contact
                              + 1j * machine.load) / machine.mass,
             "damping": lambda: -at.v,
@@ -182,7 +183,7 @@ def panels_of(
     """
     parts, stretch = [ends[:1]], []
     halves = 0.5 ** np.arange(HALVINGS, 0.0, -1.0)
-    for number, (begin, end) in enumerate(zip(ends[:-1], ends[1:], strict=True)):
+    for number, (begin, end) in enumerate(pairwise(ends.tolist())):
         presses = bool(pushes[number])
         count = max(2, math.ceil((end - begin) / longest[presses]))
         inner = begin + (end - begin) * np.arange(1, count) / count
@@ -197,7 +198,7 @@ def panels_of(
 
 def nodes_of(ends: Values) -> Values:
     """Return the nodes in panels, shape (panels, 3)."""
-    return ends[:-1, None] + np.diff(ends)[:, None] * NODES
+    return np.asarray(ends[:-1, None] + np.diff(ends)[:, None] * NODES)
 
 
 def grown(ends: Values, by_state: Values, added: Values) -> Values:
