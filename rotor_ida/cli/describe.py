@@ -624,10 +624,10 @@ def _fit(dataset: xr.Dataset, most: int | None) -> Description:
         "noise": float(dataset["noise"]),
         "remainder": str(dataset.attrs["remainder"]),
     }
-    rows, parts = _rows(dataset, "Unknown", FITTED, most)
+    rows = rows_of(dataset, FITTED)
     told = [f"{each}." for each in str(dataset.attrs["identifiability"]).split("; ")]
     return {**about, "unknown": rows, "identifiability": told}, [
-        pairs("Fit", about), *parts, "\n".join(told)
+        pairs("Fit", about), *_rows("Unknown", rows, FITTED, most), *told
     ]  # fmt: skip
 
 

@@ -20,9 +20,9 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.errors import InputError, SimulationError
-from rotor_ida.fitting.identifiability import Told, left_in_words, told_by
+from rotor_ida.fitting.identifiability import ANGLE, Told, left_in_words, told_by
 from rotor_ida.fitting.motion import Motion
-from rotor_ida.fitting.problem import ANGLE, Problem, Unknown, partners
+from rotor_ida.fitting.problem import Problem, Unknown, partners
 from rotor_ida.fitting.records import Measured, measured
 from rotor_ida.parameters import DimensionalRotor, Rotor
 from rotor_ida.provenance import provenance
@@ -156,8 +156,11 @@ def fit(
     )  # fmt: skip
     solution, noise_found = _solved(problem, noise)
     _, slopes, motions = problem.at(solution)
-    count = len(problem.unknown)
-    told = told_by(slopes, solution[:count], [each.name for each in problem.unknown])
+    scale = [
+        abs(value) if value != 0.0 and each.name != ANGLE else 1.0
+        for each, value in zip(problem.unknown, solution.tolist(), strict=False)
+    ]
+    told = told_by(slopes, np.array(scale), [each.name for each in problem.unknown])
     quantile = float(norm.ppf(0.5 + 0.5 * level))
     return _dataset(problem, machine, solution, motions, told, quantile, noise_found, level)
 

@@ -10,6 +10,8 @@ import numpy.typing as npt
 
 from rotor_ida.arrays import Values
 
+# What is measured in radians, and may be 0.
+ANGLE = "unbalance_angle"
 # An unknown is told if its error is at most this part of it; an angle, of a radian.
 TOLD = 0.5
 # Singular values below this part of the largest are rounding.
@@ -39,8 +41,10 @@ class Told:
     words: list[str]
 
 
-def told_by(slopes: Values, values: Values, names: list[str]) -> Told:
+def told_by(slopes: Values, scale: Values, names: list[str]) -> Told:
     """Return what the slopes of weighed residuals, shape (n, k + others), tell of the first k.
+
+    What is known of each is measured by its scale: its value, or 1 where that may as well be 0.
 
     Notes
     -----
@@ -52,7 +56,6 @@ def told_by(slopes: Values, values: Values, names: list[str]) -> Told:
     .. [1] G. A. F. Seber and C. J. Wild, "Nonlinear Regression", Wiley, 1989, section 2.1.
     """
     count = len(names)
-    scale = np.where(values != 0.0, np.abs(values), 1.0)
     relative = slopes[:, :count] * scale
     if slopes.shape[1] > count:
         others = slopes[:, count:]
@@ -91,7 +94,9 @@ def _words(
         if not members:
             continue
         if len(members) == 1:
-            words.append(f"{names[members[0]]} is hardly told: {_part(errors[members[0]])}")
+            words.append(
+                f"{names[members[0]]} is hardly told: {_part(names[members[0]], errors[members[0]])}"
+            )
         else:
             ways = ", ".join(f"{names[n]} {direction[n] / direction[members[0]]:+.2g}"
                              for n in members)  # fmt: skip
@@ -102,7 +107,7 @@ def _words(
         done.update(members)
     for number, name in enumerate(names):
         if number not in done:
-            words.append(f"{name} is known to {_part(errors[number])}")
+            words.append(f"{name} is known to {_part(name, errors[number])}")
     deviations = np.sqrt(np.maximum(np.diag(covariance), np.finfo(float).tiny))
     for i in range(len(names)):
         for j in range(i):
@@ -112,10 +117,12 @@ def _words(
     return words
 
 
-def _part(error: float) -> str:
-    """Return a relative error in words."""
+def _part(name: str, error: float) -> str:
+    """Return an error in parts of the scale in words."""
     if not math.isfinite(error):
         return "no error can be stated"
+    if name == ANGLE:
+        return f"{error:.2g} rad"
     return f"{100.0 * error:.2g} %" if error < 10.0 else f"{error:.2g} times its value"
 
 

@@ -172,13 +172,13 @@ def motion_of(
         for here, side in ((slice(None, -1), "right"), (slice(1, None), "left"))
     )
     growth = np.linalg.norm(_scaled(grown_to[:, :, :4], turning), axis=(1, 2))
+    lost = ~(growth <= LARGEST_GROWTH)
     touches = [_times_of(kind, bare, machine, ends, grown_to, names) for kind in (ENTRY, EXIT)]
     return Motion(
         z[np.searchsorted(seen, times)],
         between(ends, grown_to, (rates[0], rates[1]), times),
         touches[0][0], touches[1][0], touches[0][1], touches[1][1],
-        float(growth.max()),
-        float(ends[(growth > LARGEST_GROWTH).argmax()]) if growth.max() > LARGEST_GROWTH else math.inf,
+        float(growth.max()), float(ends[lost.argmax()]) if lost.any() else math.inf,
     )  # fmt: skip
 
 

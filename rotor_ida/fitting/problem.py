@@ -9,11 +9,11 @@ import numpy as np
 
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError, RotorError
+from rotor_ida.fitting.identifiability import ANGLE
 from rotor_ida.fitting.motion import LARGEST_GROWTH, Motion, motion_of
 from rotor_ida.fitting.records import Measured
 from rotor_ida.parameters import DimensionalRotor
 
-ANGLE = "unbalance_angle"
 # Singular values below this part of the largest are rounding.
 RANK = 1e-10
 # What cannot be followed counts as so many times what the first guess leaves.

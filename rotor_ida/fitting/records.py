@@ -181,7 +181,8 @@ def _times_within(kind: int, values: object, record: Record) -> Values:
     wrong = times[(times < low) | (times > high)]
     if wrong.size:
         raise InputError(
-            f"{name} must lie within the signals, from t {low:.6g} to {high:.6g}, got {wrong[0]:.6g}"
+            f"{name} must lie within the signals, from t {low:.6g} to {high:.6g}, got "
+            f"{wrong[0]:.6g}"
         )
     return times
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -35,7 +36,7 @@ CLEAR = 3.0
 
 
 def fit_figure(dataset: xr.Dataset, *, order: float = 1.0) -> Figure:
-    """Return a figure of a fit: measured over fitted amplitude and phase, and what is left.
+    r"""Return a figure of a fit: measured over fitted amplitude and phase, and what is left.
 
     Parameters
     ----------
@@ -62,7 +63,7 @@ def fit_figure(dataset: xr.Dataset, *, order: float = 1.0) -> Figure:
     >>> seen = signals_of(run_up(rotor, start=(0, 0, 0, 0), to=2.0, rate=0.01, samples=4001))
     >>> figure = fit_figure(fit(seen, rotor, ["zeta"]))
     >>> [ax.get_ylabel() for ax in figure.axes][1:]
-    ['phase lag $\\\\theta$ [°]', 'residual over its error']
+    ['phase lag $\\theta$ [°]', 'residual over its error']
     """
     dataset = check_dataset("dataset", dataset, NEEDED)
     rows = 4 if "measured_time" in dataset.variables else 3
@@ -119,7 +120,7 @@ def plot_fit(
             _draw_amplitude(axes[0], places, part, first=number == 0)
             _draw_phase(axes[1], places, part)
         axes[0].set_ylim(bottom=0.0)
-        label_axis(axes[0].yaxis, label_of("whirl_amplitude", units.lengths(0.0)))
+        label_axis(axes[0].yaxis, "whirl_amplitude", units.lengths(0.0))
         axes[1].set_ylabel(r"phase lag $\theta$ [°]")
         for ax in axes:
             ax.set_xlabel(str(over.attrs["label"]))
@@ -169,18 +170,17 @@ def _order_of(dataset: xr.Dataset, order: float) -> tuple[xr.Dataset, Units, xr.
         over.attrs["label"] = label_of("t", one["t"])
     else:
         over = units.speeds(one["speed"].values)
-        unit = over.attrs["units"]
-        over.attrs["label"] = r"speed $\Omega$" if unit == "1" else rf"speed $\Omega$ [{unit}]"
+        over.attrs["label"] = label_of("speed", over)
     return one, units, over
 
 
-def _records(one: xr.Dataset) -> list[tuple[int, Values]]:
+def _records(one: xr.Dataset) -> list[tuple[int, npt.NDArray[np.intp]]]:
     """Return the number of each record, and its windows."""
     numbers = one["record"].values
     return [(int(each), np.flatnonzero(numbers == each)) for each in np.unique(numbers)]
 
 
-def _complex(one: xr.Dataset, words: str) -> np.ndarray[tuple[int, ...], np.dtype[np.complex128]]:
+def _complex(one: xr.Dataset, words: str) -> npt.NDArray[np.complex128]:
     """Return the complex amplitude of forward whirl."""
     size = one[f"{words}forward_whirl_amplitude"].values
     lag = one[f"{words}forward_phase_lag"].values
