@@ -49,6 +49,9 @@ MOST_EVALUATIONS = 100
 TOLERANCE = 1e-10
 # Noise that is told by what is left is told again until it changes by less than this.
 SETTLED, MOST_ROUNDS = 1e-3, 5
+# Which part of the windows is fitted after which; the second way where the first leaves more than
+# so many squares of the noise for each number.
+WAYS, NEAR = ((1.0,), (0.25, 0.5, 0.75, 1.0)), 2.0
 # A clearance is sought from these parts of the largest displacement, and from the first guess.
 CLEARANCES = (0.5, 0.7, 0.85, 0.95)
 
@@ -331,7 +334,7 @@ def _solved(problem: Problem, noise: float | None) -> tuple[Values, float]:
     """Return the solution, and the noise; that is told by what the fit leaves, if not given."""
     time_error = problem.time_error
     problem.time_error = math.inf
-    solution = _least(problem, _first_guess(problem))
+    solution = _searched(problem, _first_guess(problem))
     for _ in range(MOST_ROUNDS):
         before = problem.noise
         if noise is None:
@@ -367,6 +370,33 @@ def _first_guess(problem: Problem) -> Values:
     return guesses[int(np.argmin(left))]
 
 
+def _searched(problem: Problem, first: Values) -> Values:
+    """Return where the sum of squares is least, from a guess that may be far off.
+
+    A motion that goes another way early on, as where it jumps at another speed, tells little of
+    what comes later. So where all windows at once lead astray, the first ones are fitted first.
+    """
+    found: list[tuple[float, Values]] = []
+    failure = SimulationError("no least squares", time=0.0, state=(0.0, 0.0, 0.0, 0.0))
+    for parts in WAYS:
+        solution = first
+        try:
+            for part in parts:
+                problem.renew(part=part)
+                solution = _least(problem, solution)
+        except SimulationError as error:
+            failure = error
+            problem.renew(part=1.0)
+            continue
+        left = problem.at(solution)[0]
+        found.append((float((left**2).sum()), solution))
+        if found[-1][0] <= NEAR * left.size:
+            break
+    if not found:
+        raise failure
+    return min(found, key=lambda each: each[0])[1]
+
+
 def _least(problem: Problem, first: Values) -> Values:
     """Return where the sum of squares is least, near a guess."""
     from scipy.optimize import least_squares  # noqa: PLC0415 - takes long to import
@@ -379,8 +409,8 @@ def _least(problem: Problem, first: Values) -> Values:
     if not found.success:
         state = tuple(found.x[len(problem.unknown) :][:4].tolist()) or (0.0, 0.0, 0.0, 0.0)
         raise SimulationError(
-            f"no least squares in {MOST_EVALUATIONS} evaluations: begin nearer, with fewer "
-            "unknowns or a shorter part",
+            f"no least squares in {MOST_EVALUATIONS} evaluations: begin nearer to the solution, or "
+            "fit fewer unknowns or a shorter part",
             time=0.0, state=state,
         )  # fmt: skip
     solution: Values = found.x
@@ -403,7 +433,7 @@ def _dataset(
     """Return what was found as a dataset."""
     chi_square, freedom = _left_over(problem, solution, motions), problem.freedom(solution)
     in_si = isinstance(machine, DimensionalRotor)
-    variables = {
+    variables: dict[str, Column] = {
         **_estimates(problem, solution, told, quantile, in_si=in_si),
         **_tracks(problem, motions),
         **_touches(problem, motions),
@@ -415,6 +445,7 @@ def _dataset(
     coordinates: dict[str, Column] = {
         "unknown": ("unknown", names),
         "unknown_too": ("unknown_too", names),
+        **{name: variables.pop(name) for name in ("t", "speed", "record", "order")},
     }
     words = [*told.words, *_at_bounds(problem, solution)]
     attributes = provenance({"method": "taylor"}) | {
@@ -535,5 +566,6 @@ def _touches(problem: Problem, motions: list[Motion]) -> dict[str, Column]:
         "measured_time": ("touch", np.concatenate([row[2] for row in rows])),
         "fitted_time": ("touch", np.concatenate([row[3] for row in rows])),
         "event_kind": ("touch", np.repeat([row[1] for row in rows], counts).astype(np.int8)),
+        "time_error": ((), problem.time_error / problem.records[0].second),
         "touch_record": ("touch", np.repeat([row[0] for row in rows], counts)),
     }

@@ -93,10 +93,9 @@ def _words(
         ]  # fmt: skip
         if not members:
             continue
+        first = members[0]
         if len(members) == 1:
-            words.append(
-                f"{names[members[0]]} is hardly told: {_part(names[members[0]], errors[members[0]])}"
-            )
+            words.append(f"{names[first]} is hardly told: {_part(names[first], errors[first])}")
         else:
             ways = ", ".join(f"{names[n]} {direction[n] / direction[members[0]]:+.2g}"
                              for n in members)  # fmt: skip

@@ -59,6 +59,10 @@ class Problem:
         Standard error of a contact time [s]; infinite leaves contact times out.
     starts : list of ndarray, optional
         The states at the begins, if they are known; else they are sought as well.
+    evaluations : int
+        How often motions have been followed.
+    part : float
+        The first part of the windows, to which the search keeps: 1 is all.
     """
 
     machine: DimensionalRotor
@@ -69,9 +73,10 @@ class Problem:
     starts: list[Values] | None = None
     _last: tuple[bytes, Values, Values, list[Motion]] | None = field(default=None, repr=False)
     evaluations: int = 0
+    part: float = 1.0
 
     def renew(self, **known: float) -> None:
-        """Set the noise or the error of contact times, with which all is weighed anew."""
+        """Set the noise, the error of contact times or the part, with which all is weighed anew."""
         for name, value in known.items():
             setattr(self, name, value)
         self._last = None
@@ -170,8 +175,9 @@ class Problem:
         """Return what is left of one record, and its derivatives by all that is sought."""
         each, count = self.records[number], len(self.unknown)
         tracks = each.tracks
-        left = [tracks.weighed((motion.z - each.record.z)[:, None])[:, 0] / self.noise]
-        slopes = [tracks.weighed(motion.slopes) / self.noise]
+        kept = tracks.first(self.part) / self.noise
+        left = [tracks.weighed((motion.z - each.record.z)[:, None])[:, 0] * kept]
+        slopes = [tracks.weighed(motion.slopes) * kept[:, None]]
         if self.starts is None:
             start = sought[count + 4 * number : count + 4 * number + 4]
             left.append((start - each.start) / each.spread)

@@ -77,6 +77,12 @@ class Tracks:
         independent = np.linalg.solve(self.root, kept).reshape(-1, values.shape[1])
         return np.concatenate([independent.real, independent.imag])
 
+    def first(self, part: float) -> Values:
+        """Return 1 for each number of `weighed` in the first part of the windows, else 0."""
+        count = self.windows.times.size
+        inside = np.arange(count) < max(part * count, 1.0)
+        return np.tile(np.repeat(inside.astype(float), self.orders.size), 2)
+
     def left(self, z: Complex) -> tuple[float, int]:
         """Return the sum of the squares that the orders leave, and its degrees of freedom."""
         inside = z[: self.samples].copy()

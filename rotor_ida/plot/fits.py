@@ -189,8 +189,8 @@ def _complex(one: xr.Dataset, words: str) -> npt.NDArray[np.complex128]:
 
 def _draw_amplitude(ax: Axes, places: Values, one: xr.Dataset, *, first: bool) -> None:
     """Draw measured over fitted amplitude of one record."""
-    ax.plot(places, one["fitted_forward_whirl_amplitude"].values, color=ORANGE, lw=1.6,
-            label="fitted" if first else None)  # fmt: skip
+    ax.plot(places, one["fitted_forward_whirl_amplitude"].values, color=ORANGE, lw=1.3,
+            label="fitted" if first else None, zorder=3.0)  # fmt: skip
     ax.errorbar(
         places, one["forward_whirl_amplitude"].values, one["forward_amplitude_error"].values,
         fmt=".", ms=3.5, lw=0.0, elinewidth=0.8, color=INK, label="measured" if first else None,
@@ -205,7 +205,7 @@ def _draw_phase(ax: Axes, places: Values, one: xr.Dataset) -> None:
     near = lag + np.angle(np.exp(1j * apart))
     error = one["forward_amplitude_error"].values / one["forward_whirl_amplitude"].values
     clear = error < 1.0 / CLEAR
-    ax.plot(places, np.degrees(lag), color=ORANGE, lw=1.6)
+    ax.plot(places, np.degrees(lag), color=ORANGE, lw=1.3, zorder=3.0)
     ax.errorbar(
         places[clear], np.degrees(near[clear]), np.degrees(error[clear]),
         fmt=".", ms=3.5, lw=0.0, elinewidth=0.8, color=INK,
@@ -216,14 +216,18 @@ def _plot_touches(dataset: xr.Dataset, ax: Axes) -> None:
     """Draw by how much computed contact times differ from measured ones."""
     times = dataset["measured_time"]
     apart = dataset["fitted_time"].values - times.values
+    error = float(dataset["time_error"])
     with style():
         ax.axhline(0.0, color=INK, lw=0.7)
         for kind, words, mark, colour in ((1, "entries", "^", BLUE), (-1, "exits", "v", ORANGE)):
             here = dataset["event_kind"].values == kind
             if here.any():
-                ax.plot(times.values[here], apart[here], mark, ms=4.0, color=colour, label=words)
-        ax.set_xlabel(label_of("t", dataset["measured_time"]))
-        ax.set_ylabel(label_of("t", dataset["measured_time"], words="fitted less measured"))
+                ax.errorbar(times.values[here], apart[here], error, fmt=mark, ms=4.0, lw=0.0,
+                            elinewidth=0.8, color=colour, label=words)  # fmt: skip
+        most = 1.2 * (float(np.nanmax(np.abs(apart), initial=0.0)) + error)
+        ax.set_ylim(-most, most)
+        ax.set_xlabel(label_of("t", times))
+        ax.set_ylabel(label_of("t", times, words="fitted less measured"))
         alone = int(np.isnan(apart).sum())
         if alone:
             ax.set_title(f"{alone} of {apart.size} without a partner", fontsize=8.0, loc="right")
