@@ -29,6 +29,8 @@ LINEAR = replace(MACHINE, contact_stiffness=2e6, contact_exponent=1.0)
 START = np.array([1e-7, 0.0, 0.0, 1e-5])
 TIMES = np.linspace(0.0, 1.0, 2001)
 AHEAD = 0.3
+# What moves the disc hardly at all is changed by more.
+PARTS = {"contact_damping": 1e-2, "load": 1e-4}
 
 
 def moved(machine, start, ahead):
@@ -61,32 +63,32 @@ def test_derivatives_are_those_of_the_motion(machine):
     motion = motion_of(machine, TURNING, START, TIMES, names, AHEAD)
     assert motion.growth < 1e3
     steps = dict(enumerate([1e-10, 1e-10, 1e-7, 1e-7])) | {
-        name: 1e-3 if name == ANGLE else 1e-4 * getattr(machine, name) for name in names
+        name: 1e-6 if name == ANGLE else PARTS.get(name, 1e-6) * getattr(machine, name)
+        for name in names
     }
-    # a force that moves the disc as little as this damping does is known to fewer digits
     for column, (name, step) in enumerate(steps.items()):
         by_z, by_time = difference(machine, name, step)
         error = np.abs(motion.slopes[:, column] - by_z).max() / np.abs(by_z).max()
-        assert error < 3e-5, name
+        assert error < 1e-4, name
         scale = np.abs(by_time).max()
         assert np.abs(motion.entry_slopes[:, column] - by_time).max() / scale < 1e-4, name
 
 
 def test_derivatives_are_those_of_the_core_at_one_speed():
     """The core carries differences along by Taylor series, on axes that turn with the unbalance."""
-    rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5, shaft_stiffness=0.25, contact_damping=0.1,
+    rotor = Rotor(omega=1.7, zeta=0.07, delta0=2.5, shaft_stiffness=0.25, contact_damping=0.1,
                   load=0.2)  # fmt: skip
-    start, end = np.array([0.2, -0.1, 0.3, 0.9]), 9.0
+    start, end = np.array([0.2, -0.1, 0.3, 2.9]), 20.0
     shot = shoot(rotor, start, end, np.zeros(1, np.uint8))
     machine = DimensionalRotor(
-        mass=1.0, contact_stiffness=1.0, damping=0.14, eccentricity=1.0, clearance=0.5, speed=1.7,
+        mass=1.0, contact_stiffness=1.0, damping=0.14, eccentricity=1.0, clearance=2.5, speed=1.7,
         shaft_stiffness=0.25, contact_damping=0.1, load=0.2,
     )  # fmt: skip
     turning = Turning(np.array([0.0, end]), np.zeros(1), np.array([1.7]), np.zeros(1))
     names = ("damping", "clearance", "shaft_stiffness", "contact_damping", "load")
     motion = motion_of(machine, turning, start, np.array([0.0, end]), names)
     turned = np.exp(1.7j * end)
-    exact = {name: shot.by_parameter[:, n] for n, name in enumerate(COLUMNS[: len(COLUMNS)])}
+    exact = {name: shot.by_parameter[:, n] for n, name in enumerate(COLUMNS)}
     exact |= {"damping": 0.5 * exact["zeta"], "clearance": exact["delta0"]}
     by_start = (shot.monodromy[0] + 1j * shot.monodromy[1]) * turned
     np.testing.assert_allclose(motion.slopes[-1, :4], by_start, rtol=0, atol=1e-7)

@@ -10,7 +10,6 @@ from rotor_ida import (
     DimensionalRotor,
     InputError,
     Rotor,
-    SimulationError,
     dimensional,
     fit,
     load,
@@ -59,7 +58,7 @@ def test_without_noise_the_truth_comes_back(up):
 
 
 def test_the_truth_is_covered_as_often_as_it_should_be(up):
-    """Of 40 fits with noise all three true values lie within 95 % intervals as often as chance has it.
+    """Of 40 fits with noise the true values lie within 95 % intervals as often as chance has it.
 
     The bounds leave a chance of 1e-5 on each side; chi-square is held against its own law. A
     thousand more are in benchmarks/fit.py.
@@ -76,7 +75,8 @@ def test_the_truth_is_covered_as_often_as_it_should_be(up):
         freedom += int(found.degrees_of_freedom)
         assert abs(float(found.noise) / NOISE - 1.0) < 0.1
     low, high = binom.ppf([1e-5, 1.0 - 1e-5], trials, 0.95)
-    assert (covered >= low).all() and (covered <= high).all(), covered
+    assert covered.min() >= low
+    assert covered.max() <= high
     low, high = chi2.ppf([1e-5, 1.0 - 1e-5], freedom)
     assert low < squares < high
 
@@ -88,7 +88,9 @@ def test_errors_are_those_of_the_scatter(up):
     found = [fit(noisy(seen, rng), TRUE, SOUGHT) for _ in range(trials)]
     parts = np.array([(each.estimate - TRUTH) / each.standard_error for each in found])
     low, high = chi2.ppf([1e-5, 1.0 - 1e-5], trials) / trials
-    assert ((parts**2).mean(axis=0) > low).all() and ((parts**2).mean(axis=0) < high).all()
+    squares = (parts**2).mean(axis=0)
+    assert squares.min() > low
+    assert squares.max() < high
 
 
 def test_contact_times_tell_the_clearance_better(up):
@@ -195,8 +197,10 @@ def test_a_known_start_is_not_sought(up):
 
 
 def test_chaos_is_refused():
-    rotor = Rotor(omega=2.0, zeta=0.02, delta0=0.5)
-    run = simulate(rotor, start=(0.4, 0, 0, 1), duration=600.0, samples=12_001)
+    """Of the rotor of the page on signatures, whose largest exponent is 0.075."""
+    rotor = Rotor(omega=0.925, zeta=0.04, delta0=2.0, shaft_stiffness=0.04, contact_exponent=1.0,
+                  load=0.06, friction=0.1, disc_radius=20.0)  # fmt: skip
+    run = simulate(rotor, start=(0.4, 0, 0, 0.1), duration=600.0, samples=6001)
     with pytest.raises(InputError, match=r"that its start determines, but by .* fit a part"):
         fit(run, rotor, ["zeta"])
 
@@ -245,10 +249,6 @@ def test_few_windows_and_no_angle_are_refused(up):
 def test_a_guess_far_off_is_said_to_be(up):
     """Or it comes to the truth all the same: it never ends elsewhere without a word."""
     far = Rotor(omega=0.3, zeta=0.6, delta0=4.0, shaft_stiffness=0.2)
-    try:
-        found = fit(noisy(signals_of(up), np.random.default_rng(7)), far, SOUGHT)
-    except SimulationError as error:
-        assert "begin nearer" in str(error)
-    else:
-        near = (np.abs(found.estimate - TRUTH) < 6.0 * found.standard_error).all()
-        assert near or found.attrs["remainder"].startswith("more than noise")
+    found = fit(noisy(signals_of(up), np.random.default_rng(7)), far, SOUGHT)
+    near = bool((np.abs(found.estimate - TRUTH) < 6.0 * found.standard_error).all())
+    assert near or found.attrs["remainder"].startswith("more than noise")
