@@ -333,10 +333,17 @@ def _turning_points(speeds: Values) -> list[int]:
 def _broken(
     across: Values, up: Values, breaks: npt.NDArray[np.bool_], part: slice
 ) -> tuple[Values, Values]:
-    """Return a part of a line with gaps where it is broken."""
+    """Return a part of a line with gaps where it is broken.
+
+    A point between two gaps, which no line shows, is left out, lest the axis make room for it.
+    """
     at = np.flatnonzero(breaks[part])
     at = at[at > 0]
-    return np.insert(across[part], at, np.nan), np.insert(up[part], at, np.nan)
+    ends = np.concatenate([[0], at, [across[part].size]])
+    alone = ends[:-1][np.diff(ends) == 1]
+    seen = up[part].copy()
+    seen[alone] = np.nan
+    return np.insert(across[part], at, np.nan), np.insert(seen, at, np.nan)
 
 
 def _speed_limits(ax: Axes, speeds: Values) -> None:
@@ -387,7 +394,7 @@ def _polar_axes(ax: Axes | None) -> Any:
 def _words_of_polar(units: Units, amplitude: Values) -> str:
     """Return what the circles, the angle and the dots of a polar plot are."""
     radius = label_of("whirl_amplitude", units.lengths(amplitude))
-    unit = "rpm" if units.rate is not None else r"$\omega$"
+    unit = "[rpm]" if units.rate is not None else r"$\omega$"
     return f"{radius}; lag clockwise, against the rotation; dots: speed {unit}"
 
 
@@ -411,8 +418,11 @@ def _mark_speeds(polar: Any, speeds: Values, lag: Values, amplitude: Values, col
     for tick, place in zip(ticks, places, strict=True):
         if all(abs(place - other) > apart for other in told):
             told.append(complex(place))
+            # outside of a run-up's way and inside of a run-down's; lags grow clockwise
+            right, above = (place.real >= 0.0) == rising, (place.imag <= 0.0) == rising
             polar.annotate(
                 f"{tick:.6g}", (float(np.angle(place)), float(np.abs(place))),
-                xytext=(4, 3) if rising else (-4, -8), textcoords="offset points", fontsize=7.0,
-                ha="left" if rising else "right", zorder=3.5,
+                xytext=(4 if right else -4, 2 if above else -2), textcoords="offset points",
+                fontsize=7.0, ha="left" if right else "right", va="bottom" if above else "top",
+                zorder=3.5,
             )  # fmt: skip
