@@ -1,4 +1,4 @@
-"""Whether fits of simulated measurements cover the truth as often as they say, and how fast they are.
+"""Whether fits cover the truth as often as they say, and how fast they are.
 
 A run-up through the ring is measured with noise of its own, again and again; its contact times
 with errors. Of each unknown the truth must lie within the 95 % interval in 95 of 100 trials, and
@@ -73,7 +73,8 @@ def trials_of(case, trials, rng):
     return np.array(off), covered, squares, freedom, took / trials
 
 
-def main():
+def main() -> None:
+    """Fit each case again and again, and tell how the truth was covered."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--trials", type=int, default=300)
     trials = parser.parse_args().trials

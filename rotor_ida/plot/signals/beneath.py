@@ -258,8 +258,8 @@ def _lines_of_whirls(whirls: xr.Dataset, scales: Scales, units: Units) -> list[L
     flags = flags_of(whirls["stability"])
     rates = omega * scales.omega
     return [
-        Line(float(units.frequencies(rate)), float(height) * scales.length, "exact whirl", INK, "s",
-             float(units.speeds(rate)))
+        Line(float(units.frequencies(rate)), float(height) * scales.length, "line of exact whirl",
+             INK, "s", float(units.speeds(rate)))
         for rate, height, kind in zip(rates, amplitude, stability, strict=True)
         if math.isfinite(height) and kind != flags["unstable"]
     ]  # fmt: skip

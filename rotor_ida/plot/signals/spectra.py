@@ -54,6 +54,8 @@ ROWS, DOTS_UP, DOTS_ACROSS = 60, 500, 900
 POINTS = 1000
 # Height of the tallest line of a cascade, of the range of its speeds.
 TALLEST = 0.25
+# A line at the edge of a picture is in it, whatever rounding did.
+SLACK = 1e-9
 COLOURS = "YlGnBu"
 FLOOR = 1e-3
 # Segments of which a picture is made overlap by this part.
@@ -207,7 +209,7 @@ def plot_cascade(
         top = float((places[:, None] + scale * heights).max())
         ax.set_ylim(places[0] - 0.01 * extent, top + 0.03 * extent)
         _draw_orders(ax, held, units, up.values, orders, limit)
-        _mark_lines(ax, exact, name, up.values)
+        _mark_lines(ax, exact, name, up.values, limit)
         _draw_frequencies(ax, frequencies)
         _draw_scale(ax, units, highest, scale)
         ax.grid(visible=False)
@@ -277,7 +279,7 @@ def plot_spectrogram(
         )  # fmt: skip
         ax.set_xlim(-limit, limit)
         _draw_orders(ax, held, units, up.values, orders, limit)
-        _mark_lines(ax, exact, name, up.values)
+        _mark_lines(ax, exact, name, up.values, limit)
         _draw_frequencies(ax, frequencies)
         ax.grid(visible=False)
         ax.set_title(title_of(held, one_speed=_one_speed(held)), pad=16.0)
@@ -442,26 +444,28 @@ def _draw_bandwidth(ax: Axes, held: xr.Dataset, units: Units, limit: float) -> N
 
 
 def _draw_lines(ax: Axes, exact: Sequence[Line], limit: float) -> None:
-    """Mark exact lines by their amplitudes."""
+    """Mark exact lines by their amplitudes, those at the edges of the picture as a whole."""
     told: set[str] = set()
     for line in exact:
-        if abs(line.frequency) <= limit:
+        if abs(line.frequency) <= limit * (1.0 + SLACK):
             words = "_" if line.words in told else line.words
             told.add(line.words)
             ax.plot(line.frequency, line.amplitude, ls="", marker=line.marker, ms=5.0, mfc="none",
-                    mec=line.colour, mew=1.1, label=words, zorder=3.2)  # fmt: skip
+                    mec=line.colour, mew=1.1, label=words, zorder=3.2, clip_on=False)  # fmt: skip
 
 
-def _mark_lines(ax: Axes, exact: Sequence[Line], name: str, up: Values) -> None:
+def _mark_lines(ax: Axes, exact: Sequence[Line], name: str, up: Values, limit: float) -> None:
     """Mark the frequencies of exact lines at their speed, or all the way up over the time."""
     told: set[str] = set()
     low, high = float(up.min()), float(up.max())
     for line in exact:
+        if abs(line.frequency) > limit * (1.0 + SLACK):
+            continue
         words = "_" if line.words in told else line.words
         told.add(line.words)
         if name == "speed" and low <= line.speed <= high:
             ax.plot(line.frequency, line.speed, ls="", marker=line.marker, ms=5.0, mfc="white",
-                    mec=line.colour, mew=1.1, label=words, zorder=3.2)  # fmt: skip
+                    mec=line.colour, mew=1.1, label=words, zorder=3.2, clip_on=False)  # fmt: skip
         elif name != "speed":
             ax.axvline(line.frequency, color=line.colour, lw=0.8, ls=(0, (1, 1.2)), label=words,
                        zorder=2.7)  # fmt: skip
