@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 import signal
 import subprocess
@@ -59,14 +60,18 @@ def ended(process):
     process.communicate(timeout=PATIENCE)
 
 
-def chromium_in(folder):
-    """Return a headless browser that keeps what it downloads in a folder."""
+def chromium_in(folder, *, watched=False):
+    """Return a headless browser that keeps what it downloads in a folder.
+
+    One that is watched notes all that goes over the network, for `traffic_of`.
+    """
     options = Options()
     options.binary_location = BROWSER
     size = f"window-size={WINDOW[0]},{WINDOW[1]}"
     for word in ("headless=new", "no-sandbox", "disable-gpu", "disable-dev-shm-usage", size):
         options.add_argument(f"--{word}")
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    logs = {"browser": "ALL", **({"performance": "ALL"} if watched else {})}
+    options.set_capability("goog:loggingPrefs", logs)
     driver = webdriver.Chrome(options=options, service=Service(DRIVER))
     driver.execute_cdp_cmd(
         "Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(folder)}
@@ -79,6 +84,20 @@ def chromium_in(folder):
 def errors_of(driver):
     log = driver.get_log("browser")
     return [entry["message"] for entry in log if entry["level"] == "SEVERE"]
+
+
+def traffic_of(driver):
+    """Return methods, addresses and bodies of what a watched browser has sent since the last look."""
+    found = []
+    for entry in driver.get_log("performance"):
+        message = json.loads(entry["message"])["message"]
+        given = message["params"]
+        if message["method"] == "Network.requestWillBeSent":
+            request = given["request"]
+            found.append((request["method"], request["url"], request.get("postData", "")))
+        elif message["method"] == "Network.webSocketFrameSent":
+            found.append(("SEND", "", given["response"]["payloadData"]))
+    return found
 
 
 class Page:
