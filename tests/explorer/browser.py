@@ -87,7 +87,7 @@ def errors_of(driver):
 
 
 def traffic_of(driver):
-    """Return methods, addresses and bodies of what a watched browser has sent since the last look."""
+    """Return method, address and body of what a watched browser has sent since the last look."""
     found = []
     for entry in driver.get_log("performance"):
         message = json.loads(entry["message"])["message"]

@@ -124,6 +124,27 @@ def test_the_panels_show_a_run_up_as_the_library_has_it(page):
     assert sum(map(bool, page.pictures())) == 8 + 4
 
 
+@pytest.mark.parametrize(("width", "columns"), [(1400, 2), (360, 1)])
+@pytest.mark.parametrize("panels", [ALL, "bode,polar,full", "cascade"])
+def test_panels_fill_their_rows_and_nothing_is_cut_off(chromium, address, width, columns, panels):
+    size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500}
+    chromium.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    try:
+        page = Page(chromium, address, f"&panels={panels}")
+        edges = page.run(
+            "const {right} = document.getElementById('signal-panels').getBoundingClientRect();"
+            "return [right, ...Array.from(document.querySelectorAll('#signal-panels .card'), "
+            "(each) => each.getBoundingClientRect().right)]"
+        )
+        assert page.run("return document.documentElement.scrollWidth") <= width
+    finally:
+        chromium.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+    right, *cards = edges
+    # each row ends at the right edge, also one with a single card
+    ends = [*cards[columns - 1 :: columns], cards[-1]]
+    assert ends == pytest.approx([right] * len(ends), abs=1.0)
+
+
 def test_a_dropped_run_up_is_analysed_as_by_the_library_and_never_sent(page, tmp_path):
     rotor = Rotor(omega=0.6, zeta=0.1, delta0=0.5)
     run = run_up(rotor, start=(0.3, 0, 0, 0), to=2.6, rate=0.02, samples=6001)

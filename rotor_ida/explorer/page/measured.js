@@ -2,6 +2,7 @@
 
 import { colour } from "./plot.js";
 import { PROBES } from "./record.js";
+import { NOTHING, hasPanel } from "./signals.js";
 import { told, withUnit } from "./units.js";
 
 const LARGEST = 2e9;
@@ -10,7 +11,6 @@ const METRES = { m: 1, mm: 1e-3, um: 1e-6, nm: 1e-9, in: 0.0254, mil: 2.54e-5 };
 const SHOWN = { um: "µm" };
 // Micrometres a volt, of a probe with the usual 200 mV a mil.
 const VOLT = 127;
-const NOTHING = { speed: [], amplitude: [], lag: [] };
 // The fields of the probes, as they stand one after the other.
 const FIELDS = { angles: ["measured-angle-x", "measured-angle-y"], gains: ["measured-gain-x", "measured-gain-y"] };
 const $ = (id) => document.getElementById(id);
@@ -82,12 +82,12 @@ export class Measured {
     this.number += 1;
     const isNew = file !== this.file || probes === PROBES;
     this.file = file;
-    if (isNew) this.#fillIn(answer);
+    if (isNew) this.#suggest(answer);
     this.#show();
   }
 
-  /** Fill in the form as it suits a file that is new. */
-  #fillIn({ time, length }) {
+  /** Put into the form what suits a new file. */
+  #suggest({ time, length }) {
     for (const [name, ids] of Object.entries(FIELDS)) ids.forEach((id, i) => ($(id).value = PROBES[name][i]));
     $("measured-length").value = length in METRES || length === "V" || length === "mV" ? length : "um";
     if (length === "1" && !this.scales()) $("measured-length").value = "1";
@@ -167,9 +167,7 @@ export class Measured {
     return {
       name: "measured", icon: "line-key measured", ink: () => colour("measured"), order, rows, curve: null, exact: null, sparse: true,
       lines: full ? linesAt(full, full.speed ?? speed) : nearest(rows, speed, scales),
-      has(panel) {
-        return panel === "full" ? Boolean(this.lines) : panel === "cascade" ? rows.length > 0 : order.speed.length > 0;
-      },
+      has: hasPanel,
     };
   }
 
