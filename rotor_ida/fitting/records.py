@@ -84,14 +84,20 @@ class Tracks:
         return np.tile(np.repeat(inside.astype(float), self.orders.size), 2)
 
     def left(self, z: Complex) -> tuple[float, int]:
-        """Return the sum of the squares that the orders leave, and its degrees of freedom."""
+        """Return the sum of the squares that the orders leave, and its degrees of freedom.
+
+        The first of several windows is left out: a start that is forgotten within it is hardly told
+        by its orders, and what is then wrong with the start is no noise.
+        """
         inside = z[: self.samples].copy()
         amplitudes = self.amplitudes(z[:, None])[:, :, 0]
         counts = np.diff(self.windows.edges)
         for each, amplitude in zip(self.basis, amplitudes.T, strict=True):
             inside -= np.repeat(amplitude, counts) * each
-        free = 2 * (inside.size - amplitudes.size)
-        return float((np.abs(inside) ** 2).sum()), max(free, 1)
+        skipped = min(counts.size - 1, 1)
+        later = inside[counts[:skipped].sum() :]
+        free = 2 * (later.size - amplitudes[skipped:].size)
+        return float((np.abs(later) ** 2).sum()), max(free, 1)
 
 
 @dataclass(frozen=True)

@@ -29,6 +29,12 @@ TIMES = np.arange(8000) / 1000.0
 ANGLES = 2.0 * math.pi * 10.3 * TIMES
 
 
+@pytest.fixture(autouse=True)
+def _as_wide_as_it_needs(monkeypatch):
+    """Print tables as they are, however wide the terminal is said to be."""
+    monkeypatch.delenv("COLUMNS", raising=False)
+
+
 @pytest.fixture(scope="module")
 def measured():
     """Forward at 1X, then backward at half of it, about a mean position, in units."""

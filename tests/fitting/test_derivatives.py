@@ -30,7 +30,7 @@ START = np.array([1e-7, 0.0, 0.0, 1e-5])
 TIMES = np.linspace(0.0, 1.0, 2001)
 AHEAD = 0.3
 # What moves the disc hardly at all is changed by more.
-PARTS = {"contact_damping": 1e-2, "load": 1e-4}
+PARTS = {"contact_damping": 3e-3, "load": 1e-4}
 
 
 def moved(machine, start, ahead):
@@ -91,11 +91,12 @@ def test_derivatives_are_those_of_the_core_at_one_speed():
     exact = {name: shot.by_parameter[:, n] for n, name in enumerate(COLUMNS)}
     exact |= {"damping": 0.5 * exact["zeta"], "clearance": exact["delta0"]}
     by_start = (shot.monodromy[0] + 1j * shot.monodromy[1]) * turned
-    np.testing.assert_allclose(motion.slopes[-1, :4], by_start, rtol=0, atol=1e-7)
+    size = np.abs(by_start).max()
+    np.testing.assert_allclose(motion.slopes[-1, :4], by_start, rtol=0, atol=2e-7 * size)
     for column, name in enumerate(names, 4):
         expected = (exact[name][0] + 1j * exact[name][1]) * turned
         size = np.abs(motion.slopes[:, column]).max()
-        assert abs(motion.slopes[-1, column] - expected) < 1e-7 * max(size, 1.0), name
+        assert abs(motion.slopes[-1, column] - expected) < 2e-7 * max(size, 1.0), name
     assert motion.entries.size > 2
 
 
