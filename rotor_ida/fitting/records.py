@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -137,6 +138,16 @@ class Measured:
     metre: float
     second: float
     units: tuple[str, str]
+
+
+def noise_of(records: Sequence[Measured], motions: Sequence[Complex] | None = None) -> float:
+    """Return the standard deviation of x and y about motions, or 0, that all orders leave."""
+    about = [np.zeros(1, complex)] * len(records) if motions is None else motions
+    sums = [each.tracks.left(each.record.z - z) for each, z in zip(records, about, strict=True)]
+    squares, free = (sum(each) for each in zip(*sums, strict=True))
+    size = max(float(np.abs(each.record.z).max()) for each in records)
+    # signals without noise are still rounded, and computed to a tolerance
+    return max(math.sqrt(squares / free), 1e-9 * size)
 
 
 def measured(

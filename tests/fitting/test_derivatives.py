@@ -9,7 +9,7 @@ import pytest
 
 from rotor_ida import DimensionalRotor, InputError, Rotor
 from rotor_ida.core.runs import COLUMNS
-from rotor_ida.fitting.fit import OF_MACHINE
+from rotor_ida.fitting.asked import OF_MACHINE
 from rotor_ida.fitting.identifiability import ANGLE
 from rotor_ida.fitting.motion import Turning, motion_of
 from rotor_ida.stability.orbit import shoot

@@ -1,0 +1,189 @@
+"""What is asked of a fit: the problem, from arguments that are checked."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.arrays import Values
+from rotor_ida.checks import (
+    check_positive,
+    check_state,
+    check_vector,
+    shown,
+)
+from rotor_ida.errors import InputError
+from rotor_ida.fitting.identifiability import ANGLE
+from rotor_ida.fitting.problem import Problem, Unknown
+from rotor_ida.fitting.records import Measured, measured, noise_of
+from rotor_ida.parameters import DimensionalRotor, Rotor
+from rotor_ida.simulation.orbit import ENTRY, EXIT
+
+# What can be sought of a machine: the unit, and of a dimensionless rotor the name, with how many of
+# the one the other is.
+OF_MACHINE = {
+    "mass": "kg", "contact_stiffness": "N m-1.5", "damping": "N s m-1", "eccentricity": "m",
+    "clearance": "m", "shaft_stiffness": "N m-1", "contact_damping": "s m-1", "load": "N",
+    "friction": "1", ANGLE: "rad",
+}  # fmt: skip
+OF_ROTOR = {
+    "zeta": ("damping", 2.0),
+    "delta0": ("clearance", 1.0),
+    **{name: (name, 1.0) for name in ("shaft_stiffness", "contact_damping", "load", "friction")},
+    ANGLE: (ANGLE, 1.0),
+}
+# What must stay above this part of its first guess, as a machine has none without it.
+POSITIVE, LEAST = ("mass", "contact_stiffness", "eccentricity", "clearance"), 1e-3
+MOST_ORDERS, LARGEST_ORDER = 20, 20.0
+
+
+def problem_of(
+    signals: xr.Dataset | Sequence[xr.Dataset],
+    machine: Rotor | DimensionalRotor,
+    unknown: Sequence[str],
+    *,
+    orders: npt.ArrayLike,
+    revolutions: int | None,
+    start: npt.ArrayLike | None,
+    entries: Any,
+    exits: Any,
+    time_error: float | None,
+    noise: float | None,
+) -> Problem:
+    """Return the problem, all checked."""
+    given = [signals] if isinstance(signals, xr.Dataset) else list(signals)
+    if not given:
+        raise InputError("signals must hold at least one record, got none")
+    in_si = isinstance(machine, DimensionalRotor)
+    whole = _in_si(machine)
+    if whole.clearance <= 0.0:
+        raise InputError("machine must have a clearance above 0 for a fit, got 0.0")
+    sought = _unknowns(unknown, whole, in_si=in_si)
+    tracked = _checked_orders(orders)
+    touches = {
+        ENTRY: _by_record("entries", entries, len(given)),
+        EXIT: _by_record("exits", exits, len(given)),
+    }
+    records = [
+        measured(
+            each, tracked, revolutions, {kind: times[n] for kind, times in touches.items()},
+            in_si=in_si,
+        )
+        for n, each in enumerate(given)
+    ]  # fmt: skip
+    problem = Problem(whole, sought, records, 1.0)
+    if any(record.touches for record in records):
+        if time_error is None:
+            raise InputError("time_error must be given with entries or exits, got None")
+        problem.time_error = check_positive("time_error", time_error) * records[0].second
+    elif time_error is not None:
+        raise InputError("entries or exits must be given with time_error, got none of them")
+    problem.starts = _starts(start, records)
+    problem.noise = (
+        noise_of(records) if noise is None else check_positive("noise", noise) * records[0].metre
+    )
+    _check_enough(problem)
+    return problem
+
+
+def _in_si(machine: object) -> DimensionalRotor:
+    """Return a machine whose length, mass and time of reference are 1, if it has no dimensions."""
+    if isinstance(machine, DimensionalRotor):
+        return machine
+    if not isinstance(machine, Rotor):
+        raise InputError(f"machine must be a Rotor or a DimensionalRotor, got {shown(machine)}")
+    beyond = {
+        each.name: getattr(machine, each.name)
+        for each in fields(Rotor)
+        if each.name not in {"omega", "zeta", "delta0"}
+    }
+    return DimensionalRotor(
+        mass=1.0, contact_stiffness=1.0, damping=2.0 * machine.zeta, eccentricity=1.0,
+        clearance=machine.delta0, speed=machine.omega, **beyond,
+    )  # fmt: skip
+
+
+def _unknowns(unknown: object, machine: DimensionalRotor, *, in_si: bool) -> list[Unknown]:
+    """Return what is sought."""
+    known = OF_MACHINE if in_si else OF_ROTOR
+    allowed = f"{', '.join(known)}"
+    if isinstance(unknown, str) or not isinstance(unknown, Sequence | np.ndarray):
+        raise InputError(f"unknown must be a sequence of names, of {allowed}, got {shown(unknown)}")
+    names = list(unknown)
+    wrong = [each for each in names if not isinstance(each, str) or each not in known]
+    if wrong or not names:
+        raise InputError(f"unknown must be of {allowed}, got {shown(wrong[0] if wrong else names)}")
+    if len(set(names)) < len(names):
+        raise InputError(f"unknown must name each once, got {shown(names)}")
+    if "friction" in names and not machine.disc_radius:
+        raise InputError("machine must have a disc_radius for friction to be sought, got none")
+    found = []
+    for name in names:
+        field, factor = (name, 1.0) if in_si else OF_ROTOR[name]
+        guess = 0.0 if field == ANGLE else getattr(machine, field) / factor
+        least = -math.inf if field == ANGLE else LEAST * guess if field in POSITIVE else 0.0
+        found.append(Unknown(name, field, factor, guess, least))
+    return found
+
+
+def _checked_orders(orders: npt.ArrayLike) -> Values:
+    """Return orders that can be compared."""
+    asked = check_vector("orders", orders, largest=LARGEST_ORDER)
+    if (asked < 0.0).any() or not (asked > 0.0).any():
+        raise InputError(
+            f"orders must hold one above 0 and none below, got {shown(asked.tolist())}"
+        )
+    if asked.size > MOST_ORDERS or np.unique(asked).size < asked.size:
+        raise InputError(
+            f"orders must be at most {MOST_ORDERS} that differ, got {shown(asked.tolist())}"
+        )
+    return asked
+
+
+def _by_record(name: str, times: Any, count: int) -> list[Any]:
+    """Return contact times for each record; None where there are none."""
+    if times is None:
+        return [None] * count
+    flat = count == 1 and not (
+        isinstance(times, Sequence) and len(times) == 1 and np.ndim(times[0]) == 1
+    )
+    found = [times] if flat else list(times)
+    if len(found) != count:
+        raise InputError(f"{name} must be given for each of {count} records, got {len(found)}")
+    return [None if each is None or not np.size(each) else each for each in found]
+
+
+def _starts(start: Any, records: list[Measured]) -> list[Values] | None:
+    """Return the states at the begins in SI units, if they are given."""
+    if start is None:
+        return None
+    rows = [start] if np.ndim(start) == 1 else list(start)
+    if len(rows) != len(records):
+        raise InputError(f"start must be one state for each record, got {len(rows)}")
+    scale = np.array([records[0].metre] * 2 + [records[0].metre / records[0].second] * 2)
+    return [np.array(check_state("start", row)) * scale for row in rows]
+
+
+def _check_enough(problem: Problem) -> None:
+    """Raise `InputError` where more is sought than compared."""
+    compared = _compared(problem)
+    sought = problem.first().size
+    if compared < sought:
+        raise InputError(
+            f"signals must hold at least as many numbers to compare as are sought, {sought}, got "
+            f"{compared} in {sum(each.tracks.windows.times.size for each in problem.records)} "
+            "windows"
+        )
+
+
+def _compared(problem: Problem) -> int:
+    """Return how many numbers are compared, but for contact times."""
+    return sum(
+        2 * each.tracks.orders.size * each.tracks.windows.times.size for each in problem.records
+    )
