@@ -119,6 +119,7 @@ QUANTITIES: dict[str, Quantity] = {
     "measured_time": Quantity("measured time of contact entry or exit", scale="time"),
     "fitted_time": Quantity("fitted time of contact entry or exit", scale="time"),
     "time_error": Quantity("standard error of a measured contact time", scale="time"),
+    "compared": Quantity("1 where a measured contact time is compared, else 0"),
     "touch_record": Quantity("number of the record that the contact is in"),
     "chi_square": Quantity("sum of the squares that are left, over their variances"),
     "degrees_of_freedom": Quantity("numbers compared less numbers sought"),

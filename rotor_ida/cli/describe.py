@@ -619,6 +619,8 @@ def _fit(dataset: xr.Dataset, most: int | None) -> Description:
         "noise": float(dataset["noise"]),
         "remainder": str(dataset.attrs["remainder"]),
     }
+    if "contact_times" in dataset.attrs:
+        about["contact_times"] = str(dataset.attrs["contact_times"])
     rows = rows_of(dataset, FITTED)
     told = [f"{each}." for each in str(dataset.attrs["identifiability"]).split("; ")]
     return {**about, "unknown": rows, "identifiability": told}, [

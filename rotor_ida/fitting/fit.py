@@ -89,9 +89,10 @@ def fit(
         tracks that were compared: measured ``forward_whirl_amplitude``, ``forward_phase_lag`` and
         so on, as of `rotor_ida.orders`, beside ``fitted_forward_whirl_amplitude`` and so on;
         ``record``, ``t``, ``speed``. On ``touch``, where contact times are compared,
-        ``measured_time``, ``fitted_time``, ``event_kind``. ``chi_square``, ``degrees_of_freedom``
-        and ``noise``. The attributes ``identifiability`` and ``remainder`` say in words what the
-        signals tell of each unknown, and whether what is left is noise.
+        ``measured_time``, ``fitted_time``, ``event_kind``, ``compared``. ``chi_square``,
+        ``degrees_of_freedom`` and ``noise``. The attributes ``identifiability``, ``remainder`` and
+        ``contact_times`` say in words what the signals tell of each unknown, whether what is left
+        is noise, and which contact times are left out.
 
     Raises
     ------
@@ -107,7 +108,9 @@ def fit(
     Windows of measured and computed motion go through the same least squares of `rotor_ida.orders`,
     and what is left is divided by its standard error, the orders of a window made independent of
     each other. The derivatives are those of the motion itself, from its equations of variation,
-    and of contact times ``dt = (d(clearance) - (z/|z|) . dz)/r'``. The covariance is that of
+    and of contact times ``dt = (d(clearance) - (z/|z|) . dz)/r'``. That has no bound at a graze, so
+    contact times count only where the event before and the one after are farther away than 10 of
+    their errors. The covariance is that of
     least squares, the states at the begins sought beside: right where noise is white, of one
     strength in all directions, and small enough for the motion to change in proportion.
 
@@ -139,14 +142,15 @@ def _solved(problem: Problem, noise: float | None) -> Values:
     time_error = problem.time_error
     problem.time_error = math.inf
     solution = _searched(problem, _first_guess(problem))
+    problem.renew(time_error=time_error)
     for _ in range(MOST_ROUNDS):
-        before = problem.noise
+        motions, before, clear = problem.motions(solution), problem.noise, problem.clear
         if noise is None:
-            motions = problem.motions(solution)
             problem.renew(noise=noise_of(problem.records, [each.z for each in motions]))
-        problem.renew(time_error=time_error)
+        problem.renew(clear=problem.clear_in(motions))
         solution = _least(problem, solution)
-        if noise is not None or abs(problem.noise - before) <= SETTLED * before:
+        same = all(np.array_equal(each, clear.get(key, [])) for key, each in problem.clear.items())
+        if same and abs(problem.noise - before) <= SETTLED * before:
             break
     return solution
 

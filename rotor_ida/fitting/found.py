@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +13,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.fitting.asked import OF_MACHINE
 from rotor_ida.fitting.identifiability import ANGLE, Told, left_in_words, told_by
 from rotor_ida.fitting.motion import Motion
-from rotor_ida.fitting.problem import Problem, partners
+from rotor_ida.fitting.problem import APART, Problem, matched
 from rotor_ida.parameters import DimensionalRotor, Rotor
 from rotor_ida.provenance import provenance
 from rotor_ida.schema import Column
@@ -49,6 +50,8 @@ def dataset_of(
         "confidence": level,
         "evaluations": problem.evaluations,
     }
+    if "compared" in variables:
+        attributes["contact_times"] = _touches_in_words(variables)
     record = problem.records[0].record
     plain = replace(
         record,
@@ -78,9 +81,8 @@ def _left_over(problem: Problem, solution: Values, motions: list[Motion]) -> flo
             place = len(problem.unknown) + 4 * number
             guessed = (solution[place : place + 4] - each.start) / each.spread
             total += float((guessed**2).sum())
-        for kind, times in each.touches.items():
-            apart = (partners(times, motion, kind) - times) / problem.time_error
-            total += float(np.nansum(apart**2))
+        for found in problem.touches(number, motion).values():
+            total += float((found.apart[found.compared] ** 2).sum()) / problem.time_error**2
     return total
 
 
@@ -156,20 +158,38 @@ def _tracks(problem: Problem, motions: list[Motion]) -> dict[str, Column]:
 
 
 def _touches(problem: Problem, motions: list[Motion]) -> dict[str, Column]:
-    """Return measured and fitted contact times, those without a partner as NaN."""
-    rows = [
-        (number, kind, times / each.second + each.begin,
-         partners(times, motion, kind) / each.second + each.begin)
-        for number, (each, motion) in enumerate(zip(problem.records, motions, strict=True))
-        for kind, times in each.touches.items()
-    ]  # fmt: skip
-    if not rows:
+    """Return measured and fitted contact times, those of no computed contact as NaN."""
+    measured, fitted, kinds, numbers, compared = [], [], [], [], []
+    for number, (each, motion) in enumerate(zip(problem.records, motions, strict=True)):
+        for kind, found in problem.touches(number, motion).items():
+            whole = matched(found.times, motion, kind)
+            times = np.where(whole.compared, found.times + whole.apart, np.nan)
+            measured.append(found.times / each.second + each.begin)
+            fitted.append(times / each.second + each.begin)
+            kinds.append(np.full(times.size, kind, np.int8))
+            numbers.append(np.full(times.size, number))
+            compared.append(found.compared.astype(np.int8))
+    if not measured:
         return {}
-    counts = [times.size for _, _, times, _ in rows]
     return {
-        "measured_time": ("touch", np.concatenate([row[2] for row in rows])),
-        "fitted_time": ("touch", np.concatenate([row[3] for row in rows])),
-        "event_kind": ("touch", np.repeat([row[1] for row in rows], counts).astype(np.int8)),
+        "measured_time": ("touch", np.concatenate(measured)),
+        "fitted_time": ("touch", np.concatenate(fitted)),
+        "event_kind": ("touch", np.concatenate(kinds)),
+        "touch_record": ("touch", np.concatenate(numbers)),
+        "compared": ("touch", np.concatenate(compared)),
         "time_error": ((), problem.time_error / problem.records[0].second),
-        "touch_record": ("touch", np.repeat([row[0] for row in rows], counts)),
     }
+
+
+def _touches_in_words(variables: Mapping[str, Column]) -> str:
+    """Return how many contact times are compared, and why others are not."""
+    compared, fitted = (np.asarray(variables[name][1]) for name in ("compared", "fitted_time"))
+    alone = int(np.isnan(fitted).sum())
+    grazes = compared.size - alone - int(compared.sum())
+    why = [f"{alone} have no computed contact near them"] if alone else []
+    if grazes:
+        why.append(
+            f"{grazes} are within {APART:g} time errors of another event, at a graze or in chatter"
+        )
+    words = f"{int(compared.sum())} of {compared.size} are compared"
+    return f"{words}; {'; '.join(why)}" if why else words

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError, RotorError
@@ -14,10 +17,15 @@ from rotor_ida.fitting.motion import LARGEST_GROWTH, Motion, motion_of
 from rotor_ida.fitting.records import Measured
 from rotor_ida.parameters import DimensionalRotor
 
+Mask: TypeAlias = npt.NDArray[np.bool_]
+
 # Singular values below this part of the largest are rounding.
 RANK = 1e-10
 # What cannot be followed counts as so many times what the first guess leaves.
 FAR_OFF = 1e3
+# Contact times count where no other event is nearer than so many of their standard errors: at a
+# graze both run together, and either does not change in proportion any more.
+APART = 10.0
 
 
 @dataclass(frozen=True)
@@ -63,6 +71,8 @@ class Problem:
         How often motions have been followed.
     part : float
         The first part of the windows, to which the search keeps: 1 is all.
+    clear : dict
+        Of each record and kind, which of the measured times are compared; by default all.
     """
 
     machine: DimensionalRotor
@@ -74,12 +84,33 @@ class Problem:
     _last: tuple[bytes, Values, Values, list[Motion]] | None = field(default=None, repr=False)
     evaluations: int = 0
     part: float = 1.0
+    clear: dict[tuple[int, int], Mask] = field(default_factory=dict)
 
-    def renew(self, **known: float) -> None:
+    def renew(self, **known: object) -> None:
         """Set the noise, the error of contact times or the part, with which all is weighed anew."""
         for name, value in known.items():
             setattr(self, name, value)
         self._last = None
+
+    def touches(self, number: int, motion: Motion) -> dict[int, Touches]:
+        """Return how the contact times of one record are missed, of each kind."""
+        if not math.isfinite(self.time_error):
+            return {}
+        found = {
+            kind: matched(times, motion, kind)
+            for kind, times in self.records[number].touches.items()
+        }
+        return {kind: each.only(self.clear.get((number, kind))) for kind, each in found.items()}
+
+    def clear_in(self, motions: Sequence[Motion]) -> dict[tuple[int, int], Mask]:
+        """Return which measured times are clear of a graze, or of chatter, in these motions too."""
+        return {
+            (number, kind): ~(found.gaps < APART * self.time_error)
+            & self.clear.get((number, kind), np.array(True))
+            for number, motion in enumerate(motions)
+            for kind, times in self.records[number].touches.items()
+            for found in [matched(times, motion, kind)]
+        }
 
     def first(self) -> Values:
         """Return the first guess: the unknowns, then the states at the begins."""
@@ -155,20 +186,23 @@ class Problem:
         """
         _, slopes, motions = self.at(sought)
         measured = np.ones(len(slopes), dtype=bool)
-        lost, row = 0, 0
-        for each, motion in zip(self.records, motions, strict=True):
+        row = 0
+        for each in self.records:
             row += 2 * each.tracks.orders.size * each.tracks.windows.times.size
             if self.starts is None:
                 measured[row : row + 4] = False
                 row += 4
             if math.isfinite(self.time_error):
-                for kind, times in each.touches.items():
-                    lost += int(np.isnan(partners(times, motion, kind)).sum())
-                    row += times.size
+                row += sum(times.size for times in each.touches.values())
         sizes = np.linalg.norm(slopes, axis=0)
         basis = np.linalg.svd(slopes / np.where(sizes > 0.0, sizes, 1.0), full_matrices=False)
         kept = basis[0][:, basis[1] > RANK * basis[1].max(initial=0.0)]
         used = float((kept[measured] ** 2).sum())
+        lost = sum(
+            int((~each.compared).sum())
+            for number, motion in enumerate(motions)
+            for each in self.touches(number, motion).values()
+        )
         return int(measured.sum()) - lost - round(used)
 
     def _compared(self, number: int, motion: Motion, sought: Values) -> tuple[Values, Values]:
@@ -182,11 +216,9 @@ class Problem:
             start = sought[count + 4 * number : count + 4 * number + 4]
             left.append((start - each.start) / each.spread)
             slopes.append(np.hstack([np.diag(1.0 / each.spread), np.zeros((4, count))]))
-        if math.isfinite(self.time_error):
-            for kind, times in each.touches.items():
-                apart, by = matched(times, motion, kind)
-                left.append(apart / self.time_error)
-                slopes.append(by / self.time_error)
+        for found in self.touches(number, motion).values():
+            left.append(found.apart / self.time_error)
+            slopes.append(found.slopes / self.time_error)
         return np.concatenate(left), self._by_sought(np.concatenate(slopes), number)
 
     def _by_sought(self, slopes: Values, number: int) -> Values:
@@ -199,29 +231,68 @@ class Problem:
         return found
 
 
-def matched(times: Values, motion: Motion, kind: int) -> tuple[Values, Values]:
-    """Return by how much the next of the computed contact times misses each measured one.
+@dataclass(frozen=True)
+class Touches:
+    """How computed contact times of one kind miss the measured ones of a record.
 
-    One that is farther than half the usual gap has no partner: it misses by that, whatever the
-    unknowns.
+    Parameters
+    ----------
+    times : ndarray, shape (n,)
+        The measured times [s].
+    apart : ndarray, shape (n,)
+        By how much the nearest computed one misses each [s].
+    slopes : ndarray, shape (n, c)
+        The derivatives of that.
+    gaps : ndarray, shape (n,)
+        From the nearest computed one to the event next to it [s].
+    compared : ndarray of bool, shape (n,)
+        Whether it belongs to the measured one, and is compared.
+    """
+
+    times: Values
+    apart: Values
+    slopes: Values
+    gaps: Values
+    compared: Mask
+
+    def only(self, clear: Mask | None) -> Touches:
+        """Return them with those that are not clear left out."""
+        return (
+            self
+            if clear is None
+            else replace(
+                self,
+                apart=np.where(clear, self.apart, 0.0),
+                slopes=np.where(clear[:, None], self.slopes, 0.0),
+                compared=self.compared & clear,
+            )
+        )
+
+
+def matched(times: Values, motion: Motion, kind: int) -> Touches:
+    """Return how computed contact times miss the measured ones.
+
+    One that is farther than half the usual gap belongs to no measured one, which then misses by
+    that, whatever the unknowns.
     """
     found, slopes = (
         (motion.entries, motion.entry_slopes) if kind > 0 else (motion.exits, motion.exit_slopes)
     )
     reach = 0.5 * float(np.median(np.diff(times))) if times.size > 1 else math.inf
     if not found.size:
-        return np.full(times.size, min(reach, float(times[-1]))), np.zeros(
-            (times.size, slopes.shape[1])
-        )
+        missed, none = np.full(times.size, min(reach, float(times[-1]))), np.zeros(times.size)
+        still = np.zeros((times.size, slopes.shape[1]))
+        return Touches(times, missed, still, none + math.inf, none.astype(bool))
     nearest = np.abs(found[:, None] - times).argmin(axis=0)
-    apart, by = found[nearest] - times, slopes[nearest].copy()
+    apart, by = found[nearest] - times, slopes[nearest]
     alone = (np.abs(apart) >= reach) | ~np.isfinite(by).all(axis=1)
-    apart[alone] = np.clip(apart[alone], -reach, reach)
-    by[alone] = 0.0
-    return apart, by
-
-
-def partners(times: Values, motion: Motion, kind: int) -> Values:
-    """Return the computed time that belongs to each measured one, or NaN."""
-    apart, by = matched(times, motion, kind)
-    return np.where(by.any(axis=1), times + apart, np.nan)
+    events = np.sort(np.concatenate([[-math.inf], motion.entries, motion.exits, [math.inf]]))
+    gaps = np.diff(events)
+    place = np.searchsorted(events, found[nearest])
+    return Touches(
+        times,
+        np.where(alone, np.clip(apart, -reach, reach), apart),
+        np.where(alone[:, None], 0.0, by),
+        np.minimum(gaps[place - 1], gaps[place]),
+        ~alone,
+    )

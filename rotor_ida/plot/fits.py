@@ -216,21 +216,25 @@ def _plot_touches(dataset: xr.Dataset, ax: Axes) -> None:
     """Draw by how much computed contact times differ from measured ones."""
     times = dataset["measured_time"]
     apart = dataset["fitted_time"].values - times.values
-    error = float(dataset["time_error"])
+    compared, error = dataset["compared"].values, float(dataset["time_error"])
     with style():
         ax.axhline(0.0, color=INK, lw=0.7)
         for kind, words, mark, colour in ((1, "entries", "^", BLUE), (-1, "exits", "v", ORANGE)):
-            here = dataset["event_kind"].values == kind
-            if here.any():
-                ax.errorbar(times.values[here], apart[here], error, fmt=mark, ms=4.0, lw=0.0,
-                            elinewidth=0.8, color=colour, label=words)  # fmt: skip
+            for used, face, addition in ((1, colour, ""), (0, "white", ", not compared")):
+                here = (dataset["event_kind"].values == kind) & (compared == used)
+                here &= np.isfinite(apart)
+                if here.any():
+                    ax.errorbar(times.values[here], apart[here], error, fmt=mark, ms=4.0, lw=0.0,
+                                elinewidth=0.8, color=colour, mfc=face,
+                                label=words + addition)  # fmt: skip
         most = 1.2 * (float(np.nanmax(np.abs(apart), initial=0.0)) + error)
         ax.set_ylim(-most, most)
         ax.set_xlabel(label_of("t", times))
         ax.set_ylabel(label_of("t", times, words="fitted less measured"))
         alone = int(np.isnan(apart).sum())
         if alone:
-            ax.set_title(f"{alone} of {apart.size} without a partner", fontsize=8.0, loc="right")
+            words = f"{alone} of {apart.size} without a computed contact near them"
+            ax.set_title(words, fontsize=8.0, loc="right")
         own_legend(ax)
 
 
