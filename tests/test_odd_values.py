@@ -55,6 +55,12 @@ def run() -> xr.Dataset:
 
 
 @functools.cache
+def seen() -> xr.Dataset:
+    longer = rotor_ida.simulate(ROTOR, start=REST, duration=30.0, samples=301)
+    return rotor_ida.signals_of(longer)
+
+
+@functools.cache
 def swept() -> xr.Dataset:
     return rotor_ida.sweep(omega=1.2, zeta=0.5, delta0=0.5)
 
@@ -180,6 +186,13 @@ GIVEN: dict[str, Callable[[Path], dict[str, object]]] = {
     "whirl_ratio": lambda _: {"signals": run()},
     "correct_probes": lambda _: {"signals": run()},
     "subtract_runout": lambda _: {"signals": run(), "slow_roll": run()},
+    "fit": lambda _: {
+        "signals": seen(),
+        "machine": ROTOR,
+        "unknown": ["zeta"],
+        "time_error": 0.1,
+        "entries": [15.0],
+    },
     "read_signals": lambda folder: {"path": measured_in(folder)},
     "spectrum": lambda _: {"run": run()},
     "contact_forces": lambda _: {"run": run()},

@@ -272,8 +272,8 @@ class Touches:
 def matched(times: Values, motion: Motion, kind: int) -> Touches:
     """Return how computed contact times miss the measured ones.
 
-    One that is farther than half the usual gap belongs to no measured one, which then misses by
-    that, whatever the unknowns.
+    Two belong together if each is the nearest of the other, and no farther than half the usual gap.
+    A measured one without a computed one misses by as much as it does, whatever the unknowns.
     """
     found, slopes = (
         (motion.entries, motion.entry_slopes) if kind > 0 else (motion.exits, motion.exit_slopes)
@@ -283,9 +283,11 @@ def matched(times: Values, motion: Motion, kind: int) -> Touches:
         missed, none = np.full(times.size, min(reach, float(times[-1]))), np.zeros(times.size)
         still = np.zeros((times.size, slopes.shape[1]))
         return Touches(times, missed, still, none + math.inf, none.astype(bool))
-    nearest = np.abs(found[:, None] - times).argmin(axis=0)
+    distances = np.abs(found[:, None] - times)
+    nearest = distances.argmin(axis=0)
     apart, by = found[nearest] - times, slopes[nearest]
     alone = (np.abs(apart) >= reach) | ~np.isfinite(by).all(axis=1)
+    alone |= distances.argmin(axis=1)[nearest] != np.arange(times.size)
     events = np.sort(np.concatenate([[-math.inf], motion.entries, motion.exits, [math.inf]]))
     gaps = np.diff(events)
     place = np.searchsorted(events, found[nearest])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 import numpy.typing as npt
@@ -33,6 +34,8 @@ NEEDED = (
 RARE = 2.0
 # A phase is shown where the amplitude is so many times its error.
 CLEAR = 3.0
+# More windows than these are drawn with small marks.
+MANY = 300
 
 
 def fit_figure(dataset: xr.Dataset, *, order: float = 1.0) -> Figure:
@@ -147,13 +150,16 @@ def plot_fit_residuals(dataset: xr.Dataset, ax: Axes | None = None, *, order: fl
         ax = axes_or_new(ax)
         ax.axhspan(-RARE, RARE, color=INK, alpha=0.08, lw=0.0)
         ax.axhline(0.0, color=INK, lw=0.7)
-        ax.plot(over.values, left.real, ".", ms=4.0, color=BLUE, label="along the mark")
-        ax.plot(over.values, left.imag, "x", ms=3.5, color=ORANGE, label="across it")
-        most = 1.15 * max(float(np.abs(np.concatenate([left.real, left.imag])).max()), 1.5 * RARE)
+        small = 0.5 if left.size > MANY else 1.0
+        ax.plot(over.values, left.real, ".", ms=4.0 * small, color=BLUE, label="along the mark")
+        ax.plot(over.values, left.imag, "x", ms=3.5 * small, color=ORANGE, label="across it")
+        most = 1.5 * max(float(np.abs(np.concatenate([left.real, left.imag])).max()), 1.5 * RARE)
         ax.set_ylim(-most, most)
         ax.set_xlabel(str(over.attrs["label"]))
         ax.set_ylabel("residual over its error")
-        ax.legend(loc="upper left", ncols=2, handlelength=1.2, fontsize=8.0)
+        ax.legend(
+            loc="upper left", ncols=2, handlelength=1.2, fontsize=8.0, markerscale=1.0 / small
+        )
     return ax
 
 
@@ -246,15 +252,19 @@ def _estimates_in_words(dataset: xr.Dataset) -> str:
         dataset["unit"].values, strict=True,
     ):  # fmt: skip
         shown = _with_error(float(value), float(error))
-        words.append(f"{str(name).replace('_', ' ')} {shown}" + (f" {unit}" if unit != "1" else ""))
+        written = re.sub(r"(?<=[a-z])(-[0-9.]+)", r"$^{\1}$", str(unit))
+        words.append(
+            f"{str(name).replace('_', ' ')} {shown}" + (f" {written}" if unit != "1" else "")
+        )
     return "\n".join(";  ".join(words[n : n + 2]) for n in range(0, len(words), 2))
 
 
 def _with_error(value: float, error: float) -> str:
-    """Return a value with its error, both to two digits of that."""
+    """Return a value with its error, both to two digits of that, in powers of a thousand."""
     if not math.isfinite(error) or error <= 0.0:
         return f"{value:.4g}"
-    digits = max(
-        2, 2 + math.floor(math.log10(max(abs(value), error))) - math.floor(math.log10(error))
-    )
-    return f"{value:.{min(digits, 12)}g} ± {error:.2g}"
+    place = math.floor(math.log10(max(abs(value), error)))
+    power = 0 if -3 < place < 5 else 3 * (place // 3)
+    decimals = min(max(power + 1 - math.floor(math.log10(error)), 0), 12)
+    both = f"{value / 10.0**power:.{decimals}f} ± {error / 10.0**power:.{decimals}f}"
+    return rf"({both})$\,\cdot\,10^{{{power}}}$" if power else both

@@ -47,7 +47,7 @@ COMMANDS = [
         "continue",
         "curve",
     ),
-    *("explore", "status", "resume", "compare", "verify", "show", "plot", "doctor"),
+    *("explore", "status", "resume", "compare", "verify", "show", "plot", "fit", "doctor"),
 ]
 
 

@@ -1,0 +1,172 @@
+"""A machine is found from what its probes saw, with errors that hold.
+
+Six numbers of a machine are taken from the noisy signals of one run-up into its ring: first
+guesses of a data sheet are off by up to a third, the probes have noise of one micrometre, and where
+the unbalance is nobody knows. What `fit` finds is held against the truth, which here is known.
+
+Whether the errors hold is a matter of many trials: another rotor is measured again and again, each
+time with noise of its own, and each fit is held against the truth.
+
+Writes the signals (measured.nc), what was found in them (found.nc), the errors of the trials
+(trials.nc), and the figures as PNG and SVG.
+"""
+
+import sys
+from collections.abc import Mapping
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+import xarray as xr
+from scipy.stats import norm
+
+from rotor_ida import DimensionalRotor, Rotor, dimensional, fit, run_up, signals_of
+from rotor_ida.paper.scenario import Settings, run_script
+from rotor_ida.plot import fit_figure, mixed_panels, style
+from rotor_ida.plot.appearance import BLUE, INK
+from rotor_ida.schema import CONVENTIONS
+
+REST = (0.0, 0.0, 0.0, 0.0)
+MACHINE = DimensionalRotor(
+    mass=4.0,  # kg
+    contact_stiffness=3.2e7,  # N/m^1.5
+    damping=89.1,  # N s/m
+    eccentricity=10e-6,  # m
+    clearance=25e-6,  # m
+    speed=31.416,  # rad/s, where the run-up begins
+    shaft_stiffness=5e4,  # N/m
+)
+LAST, RATE, SLOW = 2500, 200.0, 50.0  # rpm; rpm/s, quickly and not
+AHEAD = 0.7  # rad from the mark to the unbalance
+NOISE = 1.0  # micrometres
+SEED = 1
+DATA_SHEET = {
+    "damping": 60.0, "eccentricity": 13e-6, "clearance": 30e-6, "shaft_stiffness": 4.5e4,
+    "contact_stiffness": 4e7,
+}  # fmt: skip
+
+TRIED = Rotor(omega=0.3, zeta=0.1, delta0=1.5, shaft_stiffness=1.0)
+SOUGHT = {"zeta": TRIED.zeta, "delta0": TRIED.delta0, "shaft_stiffness": TRIED.shaft_stiffness}
+GUESS = replace(TRIED, zeta=0.08, delta0=1.8, shaft_stiffness=0.9)
+TRIAL_NOISE, TIME_ERROR = 0.02, 0.01
+TRIALS, FEW = 300, 12
+SYMBOLS = {"zeta": r"$\zeta$", "delta0": r"$\delta_0$", "shaft_stiffness": r"$k_s$"}
+
+
+def main(settings: Settings) -> None:
+    seen = signals_of_machine(RATE if settings.quick else SLOW)
+    settings.keep(seen, "measured")
+    guess = replace(MACHINE, **DATA_SHEET)
+    found = fit(seen, guess, [*DATA_SHEET, "unbalance_angle"])
+    settings.keep(found, "found")
+    draw_found(found, settings)
+    trials = trials_with(FEW if settings.quick else TRIALS, settings.workers)
+    settings.keep(trials, "trials")
+    draw_trials(trials, settings)
+
+
+def signals_of_machine(rate: float) -> xr.Dataset:
+    """Return what two noisy probes see of a run-up by so many rpm a second, in micrometres."""
+    change = MACHINE.change_of_speed(to=LAST, rate=rate, unit="rpm")
+    samples = round(1000.0 * (LAST - 300.0) / rate) + 1
+    run = run_up(MACHINE.rotor(), start=REST, samples=samples, **change)
+    seen = signals_of(dimensional(run, MACHINE, units={"length": "µm"}))
+    # a run counts the angle of the unbalance, a keyphasor that of its mark
+    seen["angle"] = seen["angle"].copy(data=seen["angle"].values - AHEAD)
+    return with_noise(seen, NOISE, SEED)
+
+
+def with_noise(signals: xr.Dataset, noise: float, seed: int) -> xr.Dataset:
+    """Return signals whose x and y have white noise of this standard deviation."""
+    rng = np.random.default_rng(seed)
+    size = signals.sizes["t"]
+    return signals.assign(
+        {
+            name: signals[name].copy(data=signals[name].values + rng.normal(0.0, noise, size))
+            for name in ("x", "y")
+        }
+    )
+
+
+def draw_found(found: xr.Dataset, settings: Settings) -> None:
+    """Draw measured over fitted tracks, and say how far from the truth they led."""
+    true = {**{name: getattr(MACHINE, name) for name in DATA_SHEET}, "unbalance_angle": AHEAD}
+    off = [
+        (float(each.estimate) - true[name]) / float(each.standard_error)
+        for name in true
+        for each in [found.sel(unknown=name)]
+    ]
+    free = int(found["degrees_of_freedom"])
+    settings.show(
+        fit_figure(found), "found", archives=["measured", "found"],
+        shows="Amplitude and lag that two noisy probes measured, on those of the machine found.",
+        found=f"The six numbers found differ from the true ones by {min(map(abs, off)):.1f} to "
+        f"{max(map(abs, off)):.1f} of their standard errors, and what is left is "
+        f"{float(found['chi_square']) / free:.2f} of what the noise alone would leave.",
+    )  # fmt: skip
+
+
+def trials_with(count: int, workers: int) -> xr.Dataset:
+    """Return by how many of its standard errors each fit misses the truth."""
+    run = run_up(TRIED, start=REST, to=2.0, rate=0.02, samples=2501)
+    clean = signals_of(run)
+    entries = run["event_time"].values[run["event_kind"].values == 1]
+    jobs = [(clean, entries, seed) for seed in range(count)]
+    if workers == 1:
+        rows = [one_trial(*job) for job in jobs]
+    else:
+        with ProcessPoolExecutor(workers) as pool:
+            rows = list(pool.map(one_trial, *zip(*jobs, strict=True), chunksize=8))
+    words = {"long_name": "estimate less truth over the standard error stated", "units": "1"}
+    return xr.Dataset(
+        {"miss": (("trial", "unknown"), np.array(rows), words)},
+        {"unknown": ("unknown", list(SOUGHT), {"long_name": "what was sought"})},
+        {"Conventions": CONVENTIONS, "title": "Trials of a fit", "noise": TRIAL_NOISE},
+    )
+
+
+def one_trial(clean: xr.Dataset, entries: np.ndarray, seed: int) -> np.ndarray:
+    """Return by how many of its standard errors one fit misses the truth."""
+    late = np.random.default_rng([seed, 1]).normal(0.0, TIME_ERROR, entries.size)
+    found = fit(
+        with_noise(clean, TRIAL_NOISE, seed), GUESS, list(SOUGHT),
+        entries=np.sort(entries + late), time_error=TIME_ERROR,
+    )  # fmt: skip
+    return (found["estimate"].values - list(SOUGHT.values())) / found["standard_error"].values
+
+
+def draw_trials(trials: xr.Dataset, settings: Settings) -> None:
+    """Draw the errors of the trials on the law that they should follow."""
+    covered = covered_of(trials)
+    grid = np.linspace(-4.0, 4.0, 201)
+    count = trials.sizes["trial"]
+    with style():
+        figure, axes = mixed_panels(1, len(SOUGHT), height=2.6)
+        for name, ax in zip(SOUGHT, axes, strict=True):
+            misses = trials["miss"].sel(unknown=name).values
+            ax.hist(np.clip(misses, -4.0, 4.0), np.linspace(-4.0, 4.0, 17), density=True,
+                    color=BLUE, alpha=0.45)  # fmt: skip
+            ax.plot(grid, norm.pdf(grid), color=INK, lw=1.2)
+            for edge in norm.ppf([0.025, 0.975]):
+                ax.axvline(edge, color=INK, lw=0.7, ls=":")
+            ax.set_title(f"{SYMBOLS[name]}: {covered[name]} of {count} covered", fontsize=9.0)
+            ax.set_xlabel("error over its standard error")
+        axes[0].set_ylabel("density of the trials")
+    settings.show(
+        figure, "trials", archives=["trials"],
+        shows="Errors of fits to signals with ever new noise, over the standard errors that these "
+        "state, on the normal law; dotted, where intervals of 95 % end.",
+        found=f"Of {count} intervals "
+        f"{', '.join(f'{covered[name]}' for name in SOUGHT)} hold the true damping, clearance and "
+        f"shaft stiffness; {0.95 * count:.0f} are to be expected.",
+    )  # fmt: skip
+
+
+def covered_of(trials: xr.Dataset) -> Mapping[str, int]:
+    """Return in how many trials the interval of 95 % holds the truth."""
+    edge = float(norm.ppf(0.975))
+    return {name: int((abs(trials["miss"].sel(unknown=name)) <= edge).sum()) for name in SOUGHT}
+
+
+if __name__ == "__main__":
+    sys.exit(run_script(main, description=__doc__, script=__file__))

@@ -1,0 +1,107 @@
+"""The command fit finds what a simulated measurement was made with, and refuses in one line."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rotor_ida
+
+Program = Callable[..., Any]
+GUESS = ("--zeta", "0.08", "--delta0", "1.8", "--shaft-stiffness", "0.9")
+SOUGHT = ("--unknown", "zeta", "delta0", "shaft_stiffness")
+MACHINE = rotor_ida.DimensionalRotor(
+    mass=4.0, contact_stiffness=3.2e7, damping=89.1, eccentricity=1e-5, clearance=2.5e-5,
+    speed=31.416, shaft_stiffness=5e4,
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with a run-up, and a table of two probes and the angle of another."""
+    found = tmp_path_factory.mktemp("measured")
+    rotor = rotor_ida.Rotor(omega=0.3, zeta=0.1, delta0=1.5, shaft_stiffness=1.0)
+    run = rotor_ida.run_up(rotor, start=(0, 0, 0, 0), to=2.0, rate=0.02, samples=2501)
+    rotor_ida.save(run, found / "run_up.nc")
+    change = MACHINE.change_of_speed(to=1500, rate=300, unit="rpm")
+    up = rotor_ida.run_up(MACHINE.rotor(), start=(0, 0, 0, 0), samples=4001, **change)
+    seen = rotor_ida.dimensional(up, MACHINE, units={"length": "µm"})
+    angle = rotor_ida.signals_of(seen)["angle"].values
+    table = np.stack([seen["t"], seen["x"], seen["y"], angle], axis=1)
+    np.savetxt(found / "probes.csv", table, delimiter=",", header="t,x,y,angle", comments="")
+    return found
+
+
+def test_a_run_up_gives_its_rotor_back(program: Program, folder: Path):
+    answer = program("fit", folder / "run_up.nc", *GUESS, *SOUGHT, "--json")
+    assert (answer.status, answer.err) == (0, "")
+    told = json.loads(answer.out)
+    found = {row["unknown"]: row["estimate"] for row in told["unknown"]}
+    assert found == pytest.approx({"zeta": 0.1, "delta0": 1.5, "shaft_stiffness": 1.0}, rel=1e-5)
+    assert len(told["identifiability"]) >= 3
+
+
+def test_a_table_in_micrometres_gives_its_machine_back(program: Program, folder: Path):
+    machine = ("--mass", "4", "--contact-stiffness", "3.2e7", "--damping", "70",
+               "--eccentricity", "1.2e-5", "--clearance", "3e-5",
+               "--shaft-stiffness", "5e4")  # fmt: skip
+    answer = program("fit", folder / "probes.csv", "--units", "t=s", "x=um", "y=um", *machine,
+                     "--unknown", "damping", "eccentricity", "clearance",
+                     "--out", "found.nc", "--figure", "found")  # fmt: skip
+    assert (answer.status, answer.err) == (0, "")
+    assert "identifiability" not in answer.out
+    assert "damping is known to" in answer.out
+    assert {path.name for path in Path().iterdir()} == {"found.nc", "found.png", "found.svg"}
+    found = rotor_ida.load("found.nc")
+    np.testing.assert_allclose(found.estimate, [89.1, 1e-5, 2.5e-5], rtol=1e-5)
+    shown = program("show", "found.nc")
+    assert shown.status == 0
+    assert "N s m-1" in shown.out
+    drawn = program("show", "found.nc", "--figure", "again.png")
+    assert (drawn.status, drawn.err) == (0, "")
+
+
+def test_contact_times_are_taken(program: Program, folder: Path):
+    run = rotor_ida.load(folder / "run_up.nc")
+    entry = float(run.event_time[0])
+    answer = program("fit", folder / "run_up.nc", *GUESS, *SOUGHT, "--entries", f"{entry:.17g}",
+                     "--time-error", "0.01")  # fmt: skip
+    assert (answer.status, answer.err) == (0, "")
+    assert "1 of 1 are compared" in answer.out
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--unknown", "weight"), "unknown must be of zeta, delta0"),
+        (("--unknown", "zeta", "--entries", "20"), "time_error must be given with entries"),
+        (("--unknown", "zeta", "--time-error", "0.1"), "entries or exits must be given"),
+        (("--unknown", "zeta", "--noise", "-1"), "noise must be positive, got -1"),
+        (("--unknown", "zeta", "--orders", "0"), "orders must hold one above 0"),
+        (("--unknown", "friction"), "machine must have a disc_radius"),
+        (("--unknown", "zeta", "--times", "0", "5"), "signals must"),
+        (("--unknown", "zeta", "--entries", "1e6", "--time-error", "1"),
+         "entries must lie within the signals"),
+    ],
+)  # fmt: skip
+def test_bad_input_is_told_in_one_line(program: Program, folder: Path, words, told):
+    answer = program("fit", folder / "run_up.nc", *GUESS, *words)
+    assert answer.status == 2
+    assert answer.err.count("\n") == 1
+    assert told in answer.err
+    assert not list(Path().iterdir())
+
+
+def test_a_machine_in_si_units_is_refused_for_signals_without(program: Program, folder: Path):
+    answer = program("fit", folder / "run_up.nc", "--mass", "4", "--contact-stiffness", "3.2e7",
+                     "--damping", "70", "--eccentricity", "1e-5", "--clearance", "3e-5",
+                     "--unknown", "damping")  # fmt: skip
+    assert answer.status == 2
+    assert "machine must be a Rotor for signals" in answer.err
+    assert answer.err.count(os.linesep) == 1
