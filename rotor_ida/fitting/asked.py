@@ -13,7 +13,7 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import (
-    check_positive,
+    check_between,
     check_state,
     check_vector,
     shown,
@@ -41,6 +41,8 @@ OF_ROTOR = {
 # What must stay above this part of its first guess, as a machine has none without it.
 POSITIVE, LEAST = ("mass", "contact_stiffness", "eccentricity", "clearance"), 1e-3
 MOST_ORDERS, LARGEST_ORDER = 20, 20.0
+# The least errors, over the length or size of the signals: rounding.
+SHARPEST = 1e-12
 
 
 def problem_of(
@@ -57,9 +59,9 @@ def problem_of(
     noise: float | None,
 ) -> Problem:
     """Return the problem, all checked."""
-    given = [signals] if isinstance(signals, xr.Dataset) else list(signals)
+    given = [signals] if isinstance(signals, xr.Dataset) else _several(signals)
     if not given:
-        raise InputError("signals must hold at least one record, got none")
+        raise InputError(f"signals must be a dataset, or a list of them, got {shown(signals)}")
     in_si = isinstance(machine, DimensionalRotor)
     whole = _in_si(machine)
     if whole.clearance <= 0.0:
@@ -78,16 +80,9 @@ def problem_of(
         for n, each in enumerate(given)
     ]  # fmt: skip
     problem = Problem(whole, sought, records, 1.0)
-    if any(record.touches for record in records):
-        if time_error is None:
-            raise InputError("time_error must be given with entries or exits, got None")
-        problem.time_error = check_positive("time_error", time_error) * records[0].second
-    elif time_error is not None:
-        raise InputError("entries or exits must be given with time_error, got none of them")
+    problem.time_error = _checked_time_error(time_error, records)
     problem.starts = _starts(start, records)
-    problem.noise = (
-        noise_of(records) if noise is None else check_positive("noise", noise) * records[0].metre
-    )
+    problem.noise = noise_of(records) if noise is None else _checked_noise(noise, records)
     _check_enough(problem)
     return problem
 
@@ -113,9 +108,9 @@ def _unknowns(unknown: object, machine: DimensionalRotor, *, in_si: bool) -> lis
     """Return what is sought."""
     known = OF_MACHINE if in_si else OF_ROTOR
     allowed = f"{', '.join(known)}"
-    if isinstance(unknown, str) or not isinstance(unknown, Sequence | np.ndarray):
-        raise InputError(f"unknown must be a sequence of names, of {allowed}, got {shown(unknown)}")
-    names = list(unknown)
+    names = _several(unknown)
+    if names is None:
+        raise InputError(f"unknown must be a list of names, of {allowed}, got {shown(unknown)}")
     wrong = [each for each in names if not isinstance(each, str) or each not in known]
     if wrong or not names:
         raise InputError(f"unknown must be of {allowed}, got {shown(wrong[0] if wrong else names)}")
@@ -146,28 +141,54 @@ def _checked_orders(orders: npt.ArrayLike) -> Values:
     return asked
 
 
-def _by_record(name: str, times: Any, count: int) -> list[Any]:
-    """Return contact times for each record; None where there are none."""
-    if times is None:
+def _by_record(name: str, values: Any, count: int) -> list[Any]:
+    """Return what is given for each record, of which one may stand alone; None where it is none."""
+    if values is None:
         return [None] * count
-    flat = count == 1 and not (
-        isinstance(times, Sequence) and len(times) == 1 and np.ndim(times[0]) == 1
-    )
-    found = [times] if flat else list(times)
-    if len(found) != count:
-        raise InputError(f"{name} must be given for each of {count} records, got {len(found)}")
-    return [None if each is None or not np.size(each) else each for each in found]
+    held = _several(values)
+    if count == 1 and not (held and len(held) == 1 and _several(held[0]) is not None):
+        held = [values]
+    if held is None or len(held) != count:
+        raise InputError(
+            f"{name} must be a list, one for each of {count} records, got {shown(values)}"
+        )
+    return [None if _several(each) == [] else each for each in held]
+
+
+def _several(values: Any) -> list[Any] | None:
+    """Return what a list, a tuple or an array holds; None of anything else."""
+    if isinstance(values, list | tuple) or (isinstance(values, np.ndarray) and values.ndim > 0):
+        return list(values)
+    return None
 
 
 def _starts(start: Any, records: list[Measured]) -> list[Values] | None:
     """Return the states at the begins in SI units, if they are given."""
     if start is None:
         return None
-    rows = [start] if np.ndim(start) == 1 else list(start)
-    if len(rows) != len(records):
-        raise InputError(f"start must be one state for each record, got {len(rows)}")
+    rows = _by_record("start", start, len(records))
     scale = np.array([records[0].metre] * 2 + [records[0].metre / records[0].second] * 2)
     return [np.array(check_state("start", row)) * scale for row in rows]
+
+
+def _checked_time_error(time_error: float | None, records: list[Measured]) -> float:
+    """Return the standard error of contact times [s]; infinite where there are none."""
+    touched = any(record.touches for record in records)
+    if time_error is None:
+        if touched:
+            raise InputError("time_error must be given with entries or exits, got None")
+        return math.inf
+    if not touched:
+        raise InputError("entries or exits must be given with time_error, got none of them")
+    longest = max(float(record.times[-1]) for record in records) / records[0].second
+    error = check_between("time_error", time_error, SHARPEST * longest, longest)
+    return error * records[0].second
+
+
+def _checked_noise(noise: float, records: list[Measured]) -> float:
+    """Return the noise [m]."""
+    size = max(float(np.abs(record.record.z).max()) for record in records) / records[0].metre
+    return check_between("noise", noise, SHARPEST * size, size / SHARPEST) * records[0].metre
 
 
 def _check_enough(problem: Problem) -> None:

@@ -234,7 +234,7 @@ def test_chaos_is_refused():
 REFUSED = {
     "names": ({"unknown": ["omega"]}, r"unknown must be of zeta, delta0, .* got 'omega'"),
     "none": ({"unknown": []}, r"unknown must be of .*, got \[\]"),
-    "text": ({"unknown": "zeta"}, r"unknown must be a sequence of names.* got 'zeta'"),
+    "text": ({"unknown": "zeta"}, r"unknown must be a list of names.* got 'zeta'"),
     "twice": ({"unknown": ["zeta", "zeta"]}, r"unknown must name each once"),
     "friction": ({"unknown": ["friction"]}, r"machine must have a disc_radius .* got none"),
     "orders": ({"orders": [0]}, r"orders must hold one above 0 and none below, got \[0.0\]"),
@@ -268,7 +268,7 @@ def test_few_windows_and_no_angle_are_refused(up):
         fit(seen.isel(t=slice(0, 420)), GUESS, SOUGHT)
     with pytest.raises(InputError, match="signals must hold angle, keyphasor or omega"):
         fit(seen.drop_vars(["angle", "omega"]), GUESS, SOUGHT)
-    with pytest.raises(InputError, match="signals must hold at least one record, got none"):
+    with pytest.raises(InputError, match="signals must be a dataset, or a list of them, got"):
         fit([], GUESS, SOUGHT)
 
 

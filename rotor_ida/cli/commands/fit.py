@@ -39,11 +39,12 @@ def fit(
         rotor-ida fit run_up.nc --zeta 0.1 --delta0 0.7 --shaft-stiffness 1.1 \
             --unknown zeta delta0 shaft_stiffness --figure fit
 
-    Of a machine in SI units, from a table of probes and a keyphasor:
+    How large the unbalance of a machine is, and where, from a table of probes and a keyphasor:
 
-        rotor-ida fit probes.csv --units x=um y=um --mass 4 --contact-stiffness 3.2e7 \
-            --damping 100 --eccentricity 1e-5 --clearance 2.5e-5 --shaft-stiffness 4e5 \
-            --unknown damping clearance unbalance_angle
+        rotor-ida fit probes.csv --columns x=A y=B --units x=um y=um \
+            --mass 4 --contact-stiffness 3.2e7 --damping 100 --clearance 2.5e-5 \
+            --shaft-stiffness 5e5 --eccentricity 1e-6 \
+            --unknown eccentricity unbalance_angle
     """
     output.check()
     given = machine
