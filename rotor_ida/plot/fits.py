@@ -239,9 +239,9 @@ def _plot_touches(dataset: xr.Dataset, ax: Axes) -> None:
         ax.set_ylabel(label_of("t", times, words="fitted less measured"))
         alone = int(np.isnan(apart).sum())
         if alone:
-            words = f"{alone} of {apart.size} without a computed contact near them"
-            ax.set_title(words, fontsize=8.0, loc="right")
-        own_legend(ax)
+            ax.plot([], [], ls="", label=f"{alone} of {apart.size} without a computed contact")
+        ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5, fontsize=8.0,
+                  handlelength=1.0, columnspacing=1.2, borderaxespad=0.2)  # fmt: skip
 
 
 def _estimates_in_words(dataset: xr.Dataset) -> str:
