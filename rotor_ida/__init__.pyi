@@ -24,6 +24,7 @@ from .errors import InstallationError as InstallationError
 from .errors import InvariantError as InvariantError
 from .errors import RotorError as RotorError
 from .errors import SimulationError as SimulationError
+from .fitting.fit import fit as fit
 from .parameters import DimensionalRotor as DimensionalRotor
 from .parameters import Rotor as Rotor
 from .resuming import resume as resume

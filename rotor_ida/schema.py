@@ -98,6 +98,31 @@ WITH_EXTENTS = ("omega", "zeta", "delta0", "shaft_stiffness", "contact_damping",
 EXTREMUM = {"minimum": -1, "constant": 0, "maximum": 1}
 
 QUANTITIES: dict[str, Quantity] = {
+    # a fit
+    "unknown": Quantity("parameter that was sought", ""),
+    "unknown_too": Quantity("parameter that was sought, once more", ""),
+    "estimate": Quantity("value found, in its own unit", ""),
+    "standard_error": Quantity("standard error of the value, in its own unit", ""),
+    "lower": Quantity("lower end of the confidence interval, in its own unit", ""),
+    "upper": Quantity("upper end of the confidence interval, in its own unit", ""),
+    "first_guess": Quantity("value at which the search began, in its own unit", ""),
+    "told": Quantity("whether the signals tell it to half of its value at least", flags=NO_YES),
+    "unit": Quantity("unit of the value", ""),
+    "covariance": Quantity("covariance of two values, in their units", ""),
+    "record": Quantity("number of the record of signals"),
+    "fitted_forward_whirl_amplitude": Quantity("fitted amplitude of forward whirl", scale="length"),
+    "fitted_backward_whirl_amplitude": Quantity(
+        "fitted amplitude of backward whirl", scale="length"
+    ),
+    "fitted_forward_phase_lag": Quantity("fitted phase lag of forward whirl", "radian"),
+    "fitted_backward_phase_lag": Quantity("fitted phase lag of backward whirl", "radian"),
+    "measured_time": Quantity("measured time of contact entry or exit", scale="time"),
+    "fitted_time": Quantity("fitted time of contact entry or exit", scale="time"),
+    "time_error": Quantity("standard error of a measured contact time", scale="time"),
+    "touch_record": Quantity("number of the record that the contact is in"),
+    "chi_square": Quantity("sum of the squares that are left, over their variances"),
+    "degrees_of_freedom": Quantity("numbers compared less numbers sought"),
+    "noise": Quantity("standard deviation of the noise in each direction", scale="length"),
     # parameters
     "omega": Quantity("spin speed over the reference frequency"),
     "zeta": Quantity("damping ratio"),

@@ -24,6 +24,7 @@ from rotor_ida import (
     dimensional,
     folds,
     limit_cycle,
+    orders,
     read_signals,
     run_up,
     simulate,
@@ -147,8 +148,9 @@ def draw_measured(up: xr.Dataset, exact: Sequence[xr.Dataset], settings: Setting
         path, columns={"x": "A", "y": "B"}, units={"x": "um", "y": "um"}, probe_angles=(45, 135)
     )
     beneath = [dimensional(each, MACHINE) for each in exact]
+    tracked = orders(signals, revolutions=4)  # a pulse is told to a part of a sample only
     show(
-        plot_bode(signals, beneath=beneath), "measured", settings, ["run_up"],
+        plot_bode(tracked, beneath=beneath), "measured", settings, ["run_up"],
         "The Bode plot of two probes at 45° and 135° with noise and a keyphasor, read from a CSV "
         "file.",
         "It is the one of the simulation: a file and a run are drawn by the same lines.",

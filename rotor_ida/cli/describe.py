@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from itertools import product
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import xarray as xr
@@ -13,24 +13,32 @@ from rich.console import RenderableType
 
 from rotor_ida.analysis.branch_course import parameters_of, stable_ranges
 from rotor_ida.checks import COMPONENTS
+from rotor_ida.cli import describe_signals
 from rotor_ida.cli.report import pairs, table
+from rotor_ida.cli.variables import (
+    Description,
+    Record,
+    about,
+    attributes_of,
+    names_on,
+    parameters_in,
+    rows_of,
+    rows_table,
+    span,
+    spread_on,
+    value_of,
+    with_unit,
+)
 from rotor_ida.parameters import ALL_PARAMETERS, BEYOND, PARAMETERS, SPEED_UNITS
-from rotor_ida.schema import ENDS_IN_WORDS, NO_YES, RESPONSE, flags_of, words_of
+from rotor_ida.schema import ENDS_IN_WORDS, RESPONSE, flags_of
 from rotor_ida.si_units import in_rpm
 
-Record = dict[str, object]
 Kind = Literal[
     "run", "sweep", "bifurcation_diagram", "basin", "basin_fractions", "atlas", "comparison",
     "run_ups", "whirls", "folds", "hopf_points", "backward_whirl", "cycle", "branch", "curve",
-    "touchdown", "other",
+    "touchdown", "fit", "signals", "orders", "centre_line", "whirl_over_spin", "full_spectrum",
+    "spectrogram", "spectral_lines", "other",
 ]  # fmt: skip
-Description = tuple[Record, list[RenderableType]]
-METHOD = ("method", "flight", "backend", "rtol", "atol")
-VERSION = "_version"
-# What an archive adds for its own use.
-HOUSEKEEPING = ("Conventions", "content_sha256", "rotor_ida_format")
-
-SPEEDS = ("speed", "event_speed")
 EVENT = ("event_time", "event_kind", "event_speed", "event_x", "event_y", "event_time_error")
 CONTACT = (
     *("entry_time", "exit_time", "peak_time", "peak_indentation", "peak_force"),
@@ -86,6 +94,7 @@ MOST_FRACTIONS = 40
 MOST_TOLD = 1_000_000
 RANGES = ("omega", "amplitude", "radius_max")
 MULTIPLIER = ("multiplier_real", "multiplier_imag", "multiplier_error")
+FITTED = ("unknown", "estimate", "standard_error", "lower", "upper", "first_guess", "unit")
 LINE = ("frequency", "whirl_amplitude", "line_kind")
 CYCLE = (
     *("period", "radius_min", "radius_max", "stability", "response", "contact_count"),
@@ -122,8 +131,16 @@ def kind_of(dataset: xr.Dataset) -> Kind:
         "hopf_points": "hopf_omega" in dataset,
         "backward_whirl": "birth_omega" in dataset and "whirl" in dataset.dims,
         "curve": "special_second_value" in dataset,
+        "fit": {"estimate", "covariance"} <= set(dataset.variables),
         "branch": "special_value" in dataset and "special" in dataset.dims,
         "cycle": {"period_error", "multiplier_error"} <= set(dataset.variables),
+        "orders": "forward_whirl_amplitude" in dataset,
+        "centre_line": "offset_x" in dataset,
+        "whirl_over_spin": "whirl_over_spin" in dataset,
+        "full_spectrum": "noise_floor" in dataset,
+        "spectrogram": "bandwidth" in dataset and "window" in dataset.dims,
+        "spectral_lines": "window_residual" in dataset and "line" in dataset.dims,
+        "signals": {"x", "y"} <= set(dataset.data_vars) and "t" in dataset.dims,
     }
     return next((kind for kind, found in signs.items() if found), "other")
 
@@ -147,6 +164,8 @@ def describe(dataset: xr.Dataset, *, most: int | None = None) -> Description:
         "cycle": _cycle,
         "branch": _branch,
         "curve": _curve,
+        "fit": _fit,
+        **describe_signals.BY_KIND,
         "other": _other,
     }
     return described[kind_of(dataset)](dataset, most)
@@ -165,9 +184,9 @@ def origin(dataset: xr.Dataset) -> RenderableType:
 
 
 def _run(dataset: xr.Dataset, most: int | None) -> Description:
-    about = _about(dataset)
-    parameters = _parameters(dataset)
-    parameters |= _begun(dataset, about)
+    attributes = about(dataset)
+    parameters = parameters_in(dataset)
+    parameters |= _begun(dataset, attributes)
     scalars = {name: value_of(dataset, name) for name in names_on(dataset)}
     events = rows_of(dataset, names_on(dataset, "event"))
     contacts = rows_of(dataset, names_on(dataset, "contact"))
@@ -177,7 +196,7 @@ def _run(dataset: xr.Dataset, most: int | None) -> Description:
         **scalars,
         "events": events,
         "contacts": contacts,
-        **about,
+        **attributes,
     }
     summary = {
         **parameters,
@@ -190,7 +209,7 @@ def _run(dataset: xr.Dataset, most: int | None) -> Description:
     for name in ("heat", "rolling_time"):
         if name in dataset:
             summary[name] = float(dataset[name].sum())
-    told = {_with_unit(dataset, name): each for name, each in summary.items()}
+    told = {with_unit(dataset, name): each for name, each in summary.items()}
     parts: list[RenderableType] = [pairs("Run", told | _change_of_speed(dataset))]
     named = [name for name in EVENT if name in dataset]
     parts += _rows_of_run("Events", events, named, dataset, most, prefix="event_")
@@ -204,7 +223,7 @@ def _change_of_speed(run: xr.Dataset) -> Record:
     if "speed" not in run:
         return {}
     first, last = run["speed"].values[[0, -1]].tolist()
-    told: Record = {_with_unit(run, "speed"): f"{first:.8g} to {last:.8g}"}
+    told: Record = {with_unit(run, "speed"): f"{first:.8g} to {last:.8g}"}
     if (turns := in_rpm(run["speed"])) is not None:
         told["speed [rpm]"] = f"{turns[0]:.8g} to {turns[-1]:.8g}"
     attributes = attributes_of(run)
@@ -227,7 +246,7 @@ def _rows_of_run(
     prefix: str = "",
 ) -> list[RenderableType]:
     """Return a table of events or contacts, with units and speeds in rpm where it has units."""
-    heads = {name: _with_unit(run, name) for name in columns}
+    heads = {name: with_unit(run, name) for name in columns}
     shown: list[Record] = [{heads[name]: row[name] for name in columns} for row in rows]
     turns = in_rpm(run["event_speed"]) if "event_speed" in columns else None
     if turns is not None:
@@ -238,7 +257,7 @@ def _rows_of_run(
             for row, turn in zip(shown, turns.tolist(), strict=True)
         ]  # fmt: skip
     words = list(shown[0]) if shown else []
-    return _rows(title, shown, words, most, prefix=prefix.replace("_", " "))
+    return rows_table(title, shown, words, most, prefix=prefix.replace("_", " "))
 
 
 def _begun(dataset: xr.Dataset, about: Record) -> Record:
@@ -252,12 +271,6 @@ def _begun(dataset: xr.Dataset, about: Record) -> Record:
         if "duration" in told:
             told["duration"] = float(dataset.attrs["duration"] * dataset.attrs["time_scale"])
     return told
-
-
-def _parameters(dataset: xr.Dataset) -> Record:
-    """Return the parameters that a result has, each as a number or, along an axis, as a list."""
-    told = [name for name in ALL_PARAMETERS if name in dataset.variables]
-    return {name: dataset[name].values.tolist() for name in told}
 
 
 def _largest(values: Iterable[object]) -> float:
@@ -277,7 +290,7 @@ def _sweep(dataset: xr.Dataset, most: int | None) -> Description:
     kinds = _kinds(dataset)
     parts: list[RenderableType] = [table("Responses by kind", kinds, list(kinds[0]))]
     if most is not None and points:
-        parts += _rows("Responses", points, _telling(points), most, digits=6)
+        parts += rows_table("Responses", points, _telling(points), most, digits=6)
     return record, parts
 
 
@@ -306,11 +319,11 @@ def _run_ups(dataset: xr.Dataset, most: int | None) -> Description:
     said = [name for name in parts if any(row[name] != 0.0 for row in fractions)]
     columns = ["rate", *varied, *said, *(f"{name}_error" for name in said), "largest_force"]
     title = f"How run-ups to {float(dataset['to']):.6g} end"
-    tables: list[RenderableType] = _rows(title, fractions, columns, MOST_FRACTIONS, digits=6)
+    tables: list[RenderableType] = rows_table(title, fractions, columns, MOST_FRACTIONS, digits=6)
     if most is not None and run_ups:
         saying = {name for row in run_ups for name, value in row.items() if _says(value)}
-        tables += _rows("Run-ups", run_ups, [name for name in TOLD_OF_RUN_UP if name in saying],
-                        most, digits=6)  # fmt: skip
+        columns = [name for name in TOLD_OF_RUN_UP if name in saying]
+        tables += rows_table("Run-ups", run_ups, columns, most, digits=6)
     return record, tables
 
 
@@ -325,7 +338,7 @@ def _kinds(dataset: xr.Dataset) -> list[Record]:
         here = numbers == kind
         row: Record = {"response": words[kind], "points": int(here.sum())}
         for name in (name for name in RANGES if name in dataset):  # a diagram has no amplitudes
-            row[name] = _span(_spread(dataset, name, response).values[here], 6)
+            row[name] = span(spread_on(dataset, name, response).values[here], 6)
         rows.append(row)
     return rows
 
@@ -336,17 +349,17 @@ def _attractors(dataset: xr.Dataset, most: int | None) -> Description:
     counts = {name: value_of(dataset, name) for name in names_on(dataset)}
     record: Record = {
         "kind": kind_of(dataset),
-        "parameters": _parameters(dataset),
+        "parameters": parameters_in(dataset),
         "attractors": attractors,
         **counts,
     }
-    parts = _rows("Attractors", attractors, columns, most, digits=6)
+    parts = rows_table("Attractors", attractors, columns, most, digits=6)
     if "response_fraction" in dataset:
         record["responses"] = rows_of(dataset, SHARE)
-        parts += _rows("Kinds of response", rows_of(dataset, SHARE), SHARE, most, digits=6)
+        parts += rows_table("Kinds of response", rows_of(dataset, SHARE), SHARE, most, digits=6)
     else:
         record["grid"] = {name: dataset.sizes[name] for name in dataset["label"].dims}
-    return record | _about(dataset), [*parts, pairs("Starts", counts)]
+    return record | about(dataset), [*parts, pairs("Starts", counts)]
 
 
 def _atlas(dataset: xr.Dataset, most: int | None) -> Description:
@@ -359,17 +372,17 @@ def _atlas(dataset: xr.Dataset, most: int | None) -> Description:
         here = np.isfinite(fraction.values)
         kinds = sorted({words[kind] for kind in own["kind"].values[here].tolist()})
         row: Record = {"attractor": number, "kind": ", ".join(kinds), "points": int(here.sum())}
-        for name in _parameters(dataset):
+        for name in parameters_in(dataset):
             if dataset[name].size > 1:
-                row[name] = _span(_spread(dataset, name, fraction).values[here], 6)
-        row["fraction"] = _span(fraction.values[here], 3)
-        row["radius_max"] = _span(own["radius_max"].values[here], 6)
+                row[name] = span(spread_on(dataset, name, fraction).values[here], 6)
+        row["fraction"] = span(fraction.values[here], 3)
+        row["radius_max"] = span(own["radius_max"].values[here], 6)
         if SHOCK[0] in own:
-            row[SHOCK[0]] = _span(own[SHOCK[0]].values, 4)
+            row[SHOCK[0]] = span(own[SHOCK[0]].values, 4)
         rows.append(row)
     record: Record = {
         "kind": "atlas",
-        "parameters": _parameters(dataset),
+        "parameters": parameters_in(dataset),
         "attractors": rows,
         "missed_fraction": float(dataset["missed_fraction"]),
         "largest_undecided_fraction": float(dataset["undecided_fraction"].max()),
@@ -377,11 +390,11 @@ def _atlas(dataset: xr.Dataset, most: int | None) -> Description:
     scalars = {name: record[name] for name in ("missed_fraction", "largest_undecided_fraction")}
     if "agreement" in dataset:
         scalars |= _agreement(dataset)
-    told = _about(dataset)
+    told = about(dataset)
     if isinstance(given := told.get("starts"), list):  # the archive holds them, row after row
         told["starts"] = len(given) // len(COMPONENTS)
     columns = list(rows[0]) if rows else []
-    parts = _rows("Attractors", rows, columns, most, digits=6)
+    parts = rows_table("Attractors", rows, columns, most, digits=6)
     return record | scalars | told, [*parts, pairs("Starts", scalars)]
 
 
@@ -399,7 +412,7 @@ def _touchdown(dataset: xr.Dataset, most: int | None) -> Description:
     record: Record = {"kind": "touchdown", "attractors": rows, **scalars}
     heads = [f"{number} {row['kind']}" for number, row in enumerate(rows)]
     lines: list[Record] = [
-        {"": _with_unit(dataset, name)} | dict(zip(heads, [row[name] for row in rows], strict=True))
+        {"": with_unit(dataset, name)} | dict(zip(heads, [row[name] for row in rows], strict=True))
         for name in DONE_TO_MACHINE
         if rows and name in rows[0]
     ]
@@ -416,14 +429,14 @@ def _touchdown(dataset: xr.Dataset, most: int | None) -> Description:
         shocks = _shocks(dataset)
         told: list[Record] = [
             {"from": heads[one], "to": heads[to]}
-            | {_with_unit(dataset, name): each[name] for name in SHOCK}
+            | {with_unit(dataset, name): each[name] for name in SHOCK}
             for (one, to), each in shocks.items()
             if "touching" not in {rows[one]["kind"], rows[to]["kind"]}  # as the contact-free
         ]
         record["smallest_shocks"] = list(shocks.values())
-        parts += _rows("Smallest shocks", told, list(told[0]) if told else [], most, digits=5)
+        parts += rows_table("Smallest shocks", told, list(told[0]) if told else [], most, digits=5)
     parts.append(pairs("Machine", {name: scalars[name] for name in OF_MACHINE if name in scalars}))
-    return record | _about(dataset), parts
+    return record | about(dataset), parts
 
 
 def _shocks(dataset: xr.Dataset) -> dict[tuple[int, int], Record]:
@@ -450,19 +463,6 @@ def _end(row: Record, name: str) -> str:
     return f"{row[name]:.5g}" if kind == "none" else f"{row[name]:.5g} {kind}"
 
 
-def _with_unit(dataset: xr.Dataset, name: str) -> str:
-    """Return a variable's name with its unit, if it has one."""
-    if name == "duration" and "time_scale" in dataset.attrs:
-        unit = dataset["t"].attrs["units"]
-    elif name not in dataset.variables:
-        unit = "1"
-    else:
-        unit = dataset[name].attrs.get("units", "1")
-    if name in SPEEDS and unit == "s-1":
-        unit = "rad/s"
-    return name.replace("_", " ") + (f" [{unit}]" if unit not in {"", "1"} else "")
-
-
 def _comparison(dataset: xr.Dataset, most: int | None) -> Description:
     from rotor_ida.analysis.comparison import summarise  # noqa: PLC0415 - only this kind needs it
 
@@ -483,7 +483,8 @@ def _comparison(dataset: xr.Dataset, most: int | None) -> Description:
     title = "On an exact whirl or limit cycle, by clearance"
     parts: list[RenderableType] = [table(title, summary, columns)]
     if most is not None:
-        parts += _rows("Points", points, [name for name in names if name in TOLD], most, digits=6)
+        told = [name for name in names if name in TOLD]
+        parts += rows_table("Points", points, told, most, digits=6)
     return record, parts
 
 
@@ -495,7 +496,7 @@ def _whirls(dataset: xr.Dataset, most: int | None) -> Description:
         *(*PARAMETERS, *more, "amplitude", "phase_lag", "stability", "growth_rate", "in_contact"),
     )
     record: Record = {"kind": "whirls", "whirls": whirls}
-    parts = _rows("Synchronous whirls", whirls, ordered, most)
+    parts = rows_table("Synchronous whirls", whirls, ordered, most)
     if "fold_omega" in dataset:
         record["folds"], of_folds = _fold_rows(dataset, most)
         parts += of_folds
@@ -512,7 +513,7 @@ def _fold_rows(dataset: xr.Dataset, most: int | None) -> tuple[list[Record], lis
     every = rows_of(dataset, (*FOLD, *more))
     rows = [row for row in every if row["fold_omega"] == row["fold_omega"]]
     columns = ("zeta", "delta0", *more, "fold_omega", "fold_amplitude")
-    return rows, _rows("Folds", rows, columns, most)
+    return rows, rows_table("Folds", rows, columns, most)
 
 
 def _hopf_points(dataset: xr.Dataset, most: int | None) -> Description:
@@ -520,14 +521,14 @@ def _hopf_points(dataset: xr.Dataset, most: int | None) -> Description:
     found = ("hopf_omega", "hopf_amplitude", "hopf_frequency")
     every = rows_of(dataset, (*found, "zeta", "delta0", *more))
     rows = [row for row in every if row["hopf_omega"] == row["hopf_omega"]]
-    parts = _rows("Hopf points", rows, ("zeta", "delta0", *more, *found), most)
+    parts = rows_table("Hopf points", rows, ("zeta", "delta0", *more, *found), most)
     return {"kind": "hopf_points", "hopf_points": rows, **attributes_of(dataset)}, parts
 
 
 def _backward_whirl(dataset: xr.Dataset, most: int | None) -> Description:
     every = rows_of(dataset, BACKWARD)
     whirls = [row for row in every if row["stability"] != "absent"]
-    parameters, birth = _parameters(dataset), float(dataset["birth_omega"])
+    parameters, birth = parameters_in(dataset), float(dataset["birth_omega"])
     record: Record = {
         "kind": "backward_whirl",
         "parameters": parameters,
@@ -535,14 +536,14 @@ def _backward_whirl(dataset: xr.Dataset, most: int | None) -> Description:
         "birth_omega": birth,
         **attributes_of(dataset),
     }
-    parts = _rows("Backward whirls without unbalance", whirls, BACKWARD, most)
+    parts = rows_table("Backward whirls without unbalance", whirls, BACKWARD, most)
     return record, [*parts, pairs("Machine", {**parameters, "birth_omega": birth})]
 
 
 def _cycle(dataset: xr.Dataset, most: int | None) -> Description:
-    about = _about(dataset)
-    parameters = _parameters(dataset)
-    parameters["start"] = about.pop("start", None)
+    attributes = about(dataset)
+    parameters = parameters_in(dataset)
+    parameters["start"] = attributes.pop("start", None)
     scalars = {name: value_of(dataset, name) for name in names_on(dataset)}
     record: Record = {
         "kind": "cycle",
@@ -550,15 +551,15 @@ def _cycle(dataset: xr.Dataset, most: int | None) -> Description:
         **scalars,
         "multipliers": rows_of(dataset, MULTIPLIER),
         "lines": rows_of(dataset, LINE) if dataset.sizes["line"] else [],
-        **about,
+        **attributes,
     }
     if dataset["period"].isnull():
         told = {**parameters, "response": scalars["response"]}
         return record, [pairs("No limit cycle", told)]
     lines = dataset[list(LINE)].sortby("whirl_amplitude", ascending=False)
     parts: list[RenderableType] = [pairs("Limit cycle", {**parameters, **scalars})]
-    parts += _rows("Multipliers", rows_of(dataset, MULTIPLIER), MULTIPLIER, None)
-    parts += _rows("Strongest lines", rows_of(lines, LINE), LINE, most)
+    parts += rows_table("Multipliers", rows_of(dataset, MULTIPLIER), MULTIPLIER, None)
+    parts += rows_table("Strongest lines", rows_of(lines, LINE), LINE, most)
     return record, parts
 
 
@@ -567,7 +568,7 @@ def _branch(dataset: xr.Dataset, most: int | None) -> Description:
     record, parts = _followed("branch", "Branch of limit cycles", dataset, varied, most)
     stable: list[Record] = [{"from": low, "to": high} for low, high in stable_ranges(dataset)]
     record["stable_ranges"] = stable
-    return record, [*parts, *_rows("Stable ranges", stable, ("from", "to"), most)]
+    return record, [*parts, *rows_table("Stable ranges", stable, ("from", "to"), most)]
 
 
 def _curve(dataset: xr.Dataset, most: int | None) -> Description:
@@ -580,7 +581,7 @@ def _followed(
     kind: Kind, title: str, dataset: xr.Dataset, varied: Sequence[str], most: int | None
 ) -> Description:
     """Return what a branch and a bifurcation curve have in common."""
-    held = _parameters(dataset.drop_vars(varied))
+    held = parameters_in(dataset.drop_vars(varied))
     attributes = attributes_of(dataset)
     told_of = ("first_end", "first_reason", "last_end", "last_reason")
     ends = {name: attributes.pop(name, "") for name in told_of}
@@ -597,18 +598,32 @@ def _followed(
         **{RENAMED.get(name, name): entry for name, entry in attributes.items()},
     }
     ranged = (*varied, "period", "radius_min", "radius_max")
-    ranges = {name: _span(dataset[name].values, 8) for name in ranged}
+    ranges = {name: span(dataset[name].values, 8) for name in ranged}
     told = {name: end for name, end in ends.items() if end != ""}
     summary = {**held, **ranges, "points": dataset.sizes["point"], **told}
     columns = list(specials[0]) if specials else ()
     parts: list[RenderableType] = [pairs(title, summary)]
-    return record, [*parts, *_rows("Special points", specials, columns, most, prefix="special_")]
+    return record, [
+        *parts,
+        *rows_table("Special points", specials, columns, most, prefix="special_"),
+    ]
 
 
-def _span(values: np.ndarray[Any, Any], digits: int) -> str:
-    """Return the range of those values that are known, in words; nothing where none is."""
-    known = values[np.isfinite(values)]
-    return f"{known.min():.{digits}g} to {known.max():.{digits}g}" if known.size else ""
+def _fit(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return what a fit found, what the signals tell of it, and whether noise is left."""
+    about: Record = {
+        "machine": dataset.attrs["machine"],
+        "windows": dataset.sizes["window"],
+        "chi_square": float(dataset["chi_square"]),
+        "degrees_of_freedom": int(dataset["degrees_of_freedom"]),
+        "noise": float(dataset["noise"]),
+        "remainder": str(dataset.attrs["remainder"]),
+    }
+    rows = rows_of(dataset, FITTED)
+    told = [f"{each}." for each in str(dataset.attrs["identifiability"]).split("; ")]
+    return {**about, "unknown": rows, "identifiability": told}, [
+        pairs("Fit", about), *rows_table("Unknown", rows, FITTED, most), *told
+    ]  # fmt: skip
 
 
 def _other(dataset: xr.Dataset, most: int | None) -> Description:
@@ -622,24 +637,7 @@ def _other(dataset: xr.Dataset, most: int | None) -> Description:
         for name, variable in dataset.variables.items()
     ]
     record: Record = {"kind": "other", "variables": variables, **attributes_of(dataset)}
-    return record, _rows("Variables", variables, list(variables[0]) if variables else (), most)
-
-
-def _rows(
-    title: str,
-    rows: Sequence[Record],
-    columns: Sequence[str],
-    most: int | None,
-    *,
-    prefix: str = "",
-    digits: int = 8,
-) -> list[RenderableType]:
-    if not rows:
-        return [f"{title}: none"]
-    counted = f"{title}: {len(rows)}"
-    if most is not None and len(rows) > most:
-        counted = f"{title}: first {most} of {len(rows)} (all with --json)"
-    return [table(counted, rows[:most], columns, prefix=prefix, digits=digits)]
+    return record, rows_table("Variables", variables, list(variables[0]) if variables else (), most)
 
 
 def _telling(points: Sequence[Record]) -> list[str]:
@@ -651,71 +649,3 @@ def _telling(points: Sequence[Record]) -> list[str]:
 def _says(value: object) -> bool:
     nothing = isinstance(value, float) and math.isnan(value)
     return not nothing and value not in {"", "done", "from_start"}
-
-
-def names_on(dataset: xr.Dataset, *dims: str) -> list[str]:
-    """Return the variables that stand on just these dimensions."""
-    return [str(name) for name, variable in dataset.data_vars.items() if variable.dims == dims]
-
-
-def rows_of(dataset: xr.Dataset, names: Sequence[str]) -> list[Record]:
-    """Return one record for each element of the first variable named, the others spread on it.
-
-    Flags become their words, or true and false where the words are yes and no.
-
-    Examples
-    --------
-    >>> from rotor_ida import synchronous_response
-    >>> whirls = synchronous_response(omega=[0.5, 1.0], zeta=0.5, delta0=2.0)
-    >>> rows_of(whirls, ["stability", "omega"])
-    [{'stability': 'neutral', 'omega': 0.5}, {'stability': 'neutral', 'omega': 1.0}]
-    """
-    first = dataset[names[0]]
-    columns = [_values(_spread(dataset, name, first)) for name in names]
-    return [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)]
-
-
-def value_of(dataset: xr.Dataset, name: str) -> object:
-    """Return a scalar variable, in words if it is a flag."""
-    (value,) = _values(dataset[name])
-    return value
-
-
-def attributes_of(dataset: xr.Dataset) -> Record:
-    """Return where a dataset came from: method, versions, and what else its attributes say."""
-    plain = {
-        str(name): value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
-        for name, value in dataset.attrs.items()
-        if name not in HOUSEKEEPING
-    }
-    record: Record = {}
-    method = {name: plain.pop(name) for name in METHOD if name in plain}
-    versions = {
-        name.removesuffix(VERSION): plain.pop(name)
-        for name in list(plain)
-        if name.endswith(VERSION)
-    }
-    if method:
-        record["method"] = method
-    if versions:
-        record["versions"] = versions
-    return {**plain, **record}
-
-
-def _about(dataset: xr.Dataset) -> Record:
-    """Return what the attributes of a dataset say beside its parameters."""
-    attributes = attributes_of(dataset)
-    return {name: entry for name, entry in attributes.items() if name not in ALL_PARAMETERS}
-
-
-def _spread(dataset: xr.Dataset, name: str, other: xr.DataArray) -> xr.DataArray:
-    """Return a variable on the dimensions of another."""
-    return dataset[name].broadcast_like(other).transpose(*other.dims)
-
-
-def _values(variable: xr.DataArray) -> list[Any]:
-    """Return the values of a variable one after the other, in words if it is a flag."""
-    if "flag_meanings" not in variable.attrs:
-        return list(variable.values.ravel().tolist())
-    words = words_of(variable)
-    return [word == "yes" for word in words] if flags_of(variable) == NO_YES else words

@@ -1,6 +1,14 @@
-"""What is known exactly of the rotor of an archive, to lie beneath a picture of its motion."""
+"""What is known exactly of the rotor of an archive, to lie beneath a picture of its motion.
+
+While the speed stays, that is the limit cycle that the motion settles on, or the whirls. Over
+speeds it is the response curve with its special points. While the speed changes it is the motion
+in flight, up to the first touch.
+"""
 
 from __future__ import annotations
+
+import math
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -8,65 +16,242 @@ import xarray as xr
 import rotor_ida
 from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS
-from rotor_ida.closed_forms import response_curve
+from rotor_ida.closed_forms import ramp_flight, response_curve, rest
+from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.errors import InputError
 from rotor_ida.parameters import ALL_PARAMETERS, PARAMETERS, Rotor
-from rotor_ida.schema import words_of
+from rotor_ida.schema import LINE_KIND, Column, labelled, labelled_dataset, words_of
 from rotor_ida.signals.record import Record, record_of
 
 OVER_SPEED = ("bode", "polar", "orders")
-AT_SPEED = ("orbit", "full-spectrum", "cascade", "spectrogram")
+OVER_FREQUENCY = ("cascade", "spectrogram")
 # The curve reaches beyond the speeds of the run by this part of them.
 BEYOND_RUN = 0.02
 # Limit cycles are followed to; what else a rotor settles on has no lines of its own.
 CYCLES = ("bouncing", "full_contact", "rolling")
 STEADY = 1e-3
+# Speeds of a run-up at which backward whirls are told, and points of one revolution.
+WHIP_SPEEDS, POINTS = 24, 361
 
 
 def exact_beneath(dataset: xr.Dataset, kind: str) -> list[xr.Dataset]:
-    """Return the exact results for a kind of picture, of the rotor that the labels tell."""
-    if kind not in (*OVER_SPEED, *AT_SPEED):
-        raise InputError(f"exact must be of {', '.join((*OVER_SPEED, *AT_SPEED))}, got {kind!r}")
+    """Return the exact results for a kind of picture, of the rotor that the labels tell.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        A run, a run-up or signals with the parameters of the rotor.
+    kind : str
+        Kind of the picture, as of the command ``plot``.
+
+    Raises
+    ------
+    InputError
+        If a parameter is missing, or nothing exact is known for the picture.
+    """
     record = record_of(dataset)
     rotor = _rotor_of(dataset)
     speeds = _speeds_of(dataset, record)
-    if kind in OVER_SPEED:
-        return _over_speed(rotor, speeds)
-    changes = np.ptp(speeds) > STEADY * speeds.max()
     last = _at(rotor, float(speeds[-1]))
-    backward = [rotor_ida.backward_whirl(last)] if rotor.friction > 0.0 else []
+    changes = bool(np.ptp(speeds) > STEADY * speeds.max())
+    if kind in OVER_SPEED:
+        found = _over_speed(rotor, speeds)
+        return _some(found + ([] if changes else _cycle(last, dataset, record)), rotor, kind)
+    if kind == "centreline":
+        steady = [] if changes else _steady(last, dataset, record)
+        return _some(_rest(rotor) + steady, rotor, kind)
+    if kind == "orbit" or not changes:
+        backward = [] if kind == "trace" else _backward([last])
+        return _some(_steady(last, dataset, record) + backward, rotor, kind)
+    if kind == "trace":
+        return [_flight(dataset, record, rotor)]
+    whips = _backward([_at(rotor, each) for each in _few(speeds)])
+    points = _special_points(rotor, speeds)
+    over = points + whips if kind in OVER_FREQUENCY else _backward([last])
+    return _some(over, rotor, kind, changes=True)
+
+
+def _some(
+    found: list[xr.Dataset], rotor: Rotor, kind: str, *, changes: bool = False
+) -> list[xr.Dataset]:
+    """Return what was found; refuse where that is nothing."""
+    if found:
+        return found
     if changes:
-        if not backward:
-            raise InputError(
-                "exact lines are not known while the speed changes, but for dry whip: "
-                "the order 1 is that of every whirl"
-            )
-        return backward
-    cycle = rotor_ida.limit_cycle(last, start=_end_of(dataset, record))
-    if words_of(cycle["response"])[0] in CYCLES:
-        return [cycle, *backward]
-    if rotor.load > 0.0:
-        return backward
-    given = {name: getattr(rotor, name) for name in ALL_PARAMETERS[1:]}
-    for name in ("load", "disc_radius"):  # no load, and the radius moves none of these whirls
-        given.pop(name)
-    return [rotor_ida.synchronous_response(omega=rotor.omega, **given), *backward]
+        raise InputError(
+            "exact lines are not known while the speed changes, but for folds, Hopf points and "
+            f"dry whip, and the {kind} has none of these: the order 1 is that of every whirl"
+        )
+    under = f" under a load, got load {rotor.load!r}" if rotor.load > 0.0 else ""
+    raise InputError(f"exact must be left out: nothing exact is known for the {kind}{under}")
 
 
 def _over_speed(rotor: Rotor, speeds: Values) -> list[xr.Dataset]:
     """Return the response curve over the speeds of a run, with its folds and Hopf points."""
-    if rotor.load > 0.0:
-        raise InputError(f"exact must be of a rotor without load, got load {rotor.load!r}")
-    given = {name: getattr(rotor, name) for name in ALL_PARAMETERS[1:]}
-    for name in ("load", "disc_radius"):
-        given.pop(name)
     low, high = (1.0 - BEYOND_RUN) * speeds.min(), (1.0 + BEYOND_RUN) * speeds.max()
-    found = [response_curve(**given, limits=(max(1e-6, float(low)), float(high)))]
+    given: dict[str, Any] = _given(rotor)
+    curve = response_curve(**given, limits=(max(1e-6, float(low)), float(high)))
+    if rotor.load > 0.0:
+        return _clear_of_ring(curve, rotor)
+    return [curve, *_folds_and_hopf_points(rotor)]
+
+
+def _clear_of_ring(curve: xr.Dataset, rotor: Rotor) -> list[xr.Dataset]:
+    """Return the part of a curve on which a rotor whirls about where it hangs, without a touch.
+
+    The equation is linear there, and load and unbalance do not know of each other.
+    """
+    offset = _offset(rotor)
+    if offset is None:
+        return []
+    clear = (curve["in_contact"] == 0) & (curve["amplitude"] <= rotor.delta0 - offset)
+    if not clear.any():
+        return []
+    load = labelled("load", (), rotor.load)
+    return [curve.assign(amplitude=curve["amplitude"].where(clear)).assign_coords(load=load)]
+
+
+def _folds_and_hopf_points(rotor: Rotor) -> list[xr.Dataset]:
+    given = _given(rotor)
     of_folds = {name: value for name, value in given.items() if name != "contact_damping"}
-    found.append(rotor_ida.folds(**of_folds))
+    found = [rotor_ida.folds(**of_folds)]
     if rotor.friction > 0.0 or rotor.contact_damping > 0.0:
         found.append(rotor_ida.hopf_points(**given))
     return found
+
+
+def _special_points(rotor: Rotor, speeds: Values) -> list[xr.Dataset]:
+    """Return folds and Hopf points, if there are any within the speeds of a run."""
+    if rotor.load > 0.0:
+        return []
+    found = []
+    for each in _folds_and_hopf_points(rotor):
+        omega = each["fold_omega" if "fold_omega" in each.variables else "hopf_omega"].values
+        if ((omega >= speeds.min()) & (omega <= speeds.max())).any():
+            found.append(each)
+    return found
+
+
+def _backward(rotors: list[Rotor]) -> list[xr.Dataset]:
+    """Return the backward whirls of rotors that have any."""
+    found = [
+        rotor_ida.backward_whirl(each)
+        for each in rotors
+        if each.friction > 0.0 and each.load == 0.0 and each.disc_radius
+    ]
+    return [each for each in found if np.isfinite(each["amplitude"].values).any()]
+
+
+def _steady(rotor: Rotor, dataset: xr.Dataset, record: Record) -> list[xr.Dataset]:
+    """Return what the motion settles on at one speed: a limit cycle, or else the whirls."""
+    cycle = _cycle(rotor, dataset, record)
+    if cycle or rotor.load > 0.0:
+        return cycle
+    return [rotor_ida.synchronous_response(omega=rotor.omega, **_given(rotor))]
+
+
+def _cycle(rotor: Rotor, dataset: xr.Dataset, record: Record) -> list[xr.Dataset]:
+    """Return the limit cycle that the end of a record leads to, if it leads to one."""
+    if rotor.zeta == 0.0:  # nothing settles
+        return []
+    cycle = rotor_ida.limit_cycle(rotor, start=_end_of(dataset, record))
+    word = words_of(cycle["response"])[0]
+    if word in CYCLES:
+        return [cycle]
+    return [_hanging(rotor)] if word == "contact_free" and rotor.load > 0.0 else []
+
+
+def _hanging(rotor: Rotor) -> xr.Dataset:
+    """Return the motion clear of the ring under a load, in the form of a limit cycle.
+
+    It is ``z = -i gamma/kappa + a exp(i omega t)``, linear and so exact.
+    """
+    offset = _offset(rotor)
+    assert offset is not None  # without a shaft a load takes the rotor to the ring
+    whirl = complex(complex_amplitude(rotor.omega, rotor.zeta, rotor.shaft_stiffness))
+    period = 2.0 * math.pi / rotor.omega
+    times = np.linspace(0.0, period, POINTS)
+    z = whirl - 1j * offset * np.exp(-1j * rotor.omega * times)
+    kinds = np.array([LINE_KIND["static"], LINE_KIND["spin"]], dtype=np.int8)
+    return labelled_dataset(
+        "Motion of a rotor under a load, clear of the ring",
+        {
+            "period": ((), period),
+            "x": ("t", z.real),
+            "y": ("t", z.imag),
+            "whirl_amplitude": ("line", np.array([offset, abs(whirl)])),
+            "line_kind": ("line", kinds),
+            "frequency": ("line", np.array([0.0, rotor.omega])),
+        },
+        {"t": ("t", times), **_labels(rotor)},
+    )
+
+
+def _offset(rotor: Rotor) -> float | None:
+    """Return how far below the axis the rotor hangs on its shaft; None if it lies on the ring."""
+    if rotor.load > 0.0 and rotor.shaft_stiffness == 0.0:
+        return None
+    smooth = _changed(rotor, friction=0.0)  # in the clearance there is none
+    place = rest(smooth)
+    return -float(place["y"]) if float(place["indentation"]) == 0.0 else None
+
+
+def _rest(rotor: Rotor) -> list[xr.Dataset]:
+    """Return the place of rest of a rotor that has one."""
+    if rotor.load == 0.0 and rotor.shaft_stiffness == 0.0:
+        return []
+    if rotor.friction > 0.0 and _offset(rotor) is None:
+        return []  # friction holds it anywhere about the lowest point of the ring
+    return [rest(_changed(rotor, friction=0.0))]
+
+
+def _flight(dataset: xr.Dataset, record: Record, rotor: Rotor) -> xr.Dataset:
+    """Return the exact motion of a run-up from its start to its first touch."""
+    start, rate = dataset.attrs.get("start"), dataset.attrs.get("rate")
+    if start is None or rate is None:
+        raise InputError(
+            "exact needs the start and the rate of a run-up, as its archive has them, for a trace "
+            "while the speed changes"
+        )
+    if rotor.load > 0.0:
+        raise InputError(
+            "exact must be left out: nothing exact is known for the trace of a run-up under a "
+            f"load, got load {rotor.load!r}"
+        )
+    scale = dataset.attrs.get("time_scale", 1.0)
+    times = record.times / scale
+    slope = float(rate) * scale**2 if "rate_units" in dataset.attrs else float(rate)
+    # also before the record begins, as it may be a part
+    before = np.arange(0.0, times[0], times[1] - times[0])
+    whole = np.concatenate([before, times])
+    x, y, *_ = ramp_flight(whole, rotor=rotor, start=tuple(np.asarray(start)), rate=slope)
+    touches = np.flatnonzero(np.hypot(x, y) >= rotor.delta0)
+    seen = slice(before.size, int(touches[0]) if touches.size else whole.size)
+    if seen.stop - seen.start < 2:
+        raise InputError(
+            "exact is known for the trace of a run-up until the first touch only, and these times "
+            f"begin behind it, got {record.times[0]:g}"
+        )
+    columns = {"x": ("t", x[seen]), "y": ("t", y[seen])}
+    return labelled_dataset(
+        "Flight until the first touch", columns, {"t": ("t", whole[seen]), **_labels(rotor)}
+    )
+
+
+def _few(speeds: Values) -> list[float]:
+    """Return speeds across those of a run."""
+    found: list[float] = np.linspace(speeds.min(), speeds.max(), WHIP_SPEEDS).tolist()
+    return found
+
+
+def _given(rotor: Rotor) -> dict[str, float]:
+    """Return what closed forms ask of a rotor without load; the radius moves none of its whirls."""
+    names = (name for name in ALL_PARAMETERS[1:] if name not in {"load", "disc_radius"})
+    return {name: getattr(rotor, name) for name in names}
+
+
+def _labels(rotor: Rotor) -> dict[str, Column]:
+    return {name: ((), value) for name, value in rotor.given.items()}
 
 
 def _rotor_of(dataset: xr.Dataset) -> Rotor:
@@ -83,9 +268,11 @@ def _rotor_of(dataset: xr.Dataset) -> Rotor:
 
 def _at(rotor: Rotor, omega: float) -> Rotor:
     """Return the rotor at another speed, or at its own where that is the same but for rounding."""
-    if abs(omega - rotor.omega) <= STEADY * omega:
-        return rotor
-    return Rotor(**{name: getattr(rotor, name) for name in ALL_PARAMETERS} | {"omega": omega})
+    return rotor if abs(omega - rotor.omega) <= STEADY * omega else _changed(rotor, omega=omega)
+
+
+def _changed(rotor: Rotor, **changes: float) -> Rotor:
+    return Rotor(**{name: getattr(rotor, name) for name in ALL_PARAMETERS} | changes)
 
 
 def _speeds_of(dataset: xr.Dataset, record: Record) -> Values:

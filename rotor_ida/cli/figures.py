@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from itertools import product
+from typing import cast
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rotor_ida import folds, hopf_points, plot
@@ -39,14 +41,26 @@ def figure_of(dataset: xr.Dataset) -> Figure:
         "atlas": _figure_of_atlas,
         "backward_whirl": _figure_of_backward_whirl,
         "run_ups": plot.run_ups_figure,
+        "fit": plot.fit_figure,
+        "signals": lambda signals: _figure_with(plot.plot_orbit(signals)),
+        "orders": lambda orders: _figure_with(plot.plot_orders(orders)),
+        "full_spectrum": lambda lines: _figure_with(plot.plot_full_spectrum(lines)),
+        "spectrogram": lambda lines: _figure_with(plot.plot_spectrogram(lines)),
+        "centre_line": lambda means: _figure_with(plot.plot_centre_line(means)),
         **dict.fromkeys(("whirls", "sweep", "folds", "hopf_points"), _figure_of_whirls),
     }
     if kind not in figures:
         raise InputError(
             "figure must be of a run, of whirls, their folds or Hopf points, of a sweep, run-ups, "
-            f"a basin or atlas, or of limit cycles, got {kind!r}"
+            "a basin or atlas, of limit cycles, of signals, their orders or spectra, or of a fit, "
+            f"got {kind!r}"
         )
     return figures[kind](dataset)
+
+
+def _figure_with(ax: Axes) -> Figure:
+    """Return the figure that axes are in."""
+    return cast(Figure, ax.figure)
 
 
 def _figure_of_basin(dataset: xr.Dataset) -> Figure:

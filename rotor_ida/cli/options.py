@@ -277,6 +277,22 @@ ShownClearance = Annotated[
 Times = Annotated[
     tuple[float, float] | None, _several_numbers("Show only what lies between.", "START END")
 ]
+Unknowns = Annotated[
+    list[str],
+    Parameter(
+        help="What is sought: names of what machine options give, or unbalance_angle.",
+        metavar="NAME",
+        consume_multiple=True,
+        negative=(),
+    ),
+]
+ContactTimes = Annotated[
+    list[float] | None, _numbers("Times at which contacts were seen to begin, or to end.")
+]
+TimeError = Annotated[float | None, _number("Standard error of these times.")]
+NoiseLevel = Annotated[
+    float | None, _number("Standard deviation of the noise; without it, what the fit leaves.")
+]
 Results = Annotated[Path, _path("Folder for archives and figures.")]
 Direction = Annotated[
     Literal["up", "down", "both"] | None, Parameter(help="Follow the response from speed to speed.")

@@ -38,6 +38,7 @@ from rotor_ida.cli.commands.compute import (
 from rotor_ida.cli.commands.cycles import continue_, curve, cycle
 from rotor_ida.cli.commands.doctor import doctor
 from rotor_ida.cli.commands.explore import explore
+from rotor_ida.cli.commands.fit import fit
 from rotor_ida.cli.commands.plot import plot
 from rotor_ida.cli.commands.stored import compare, resume, show, status, verify
 from rotor_ida.cli.parsing import with_ranges_joined
@@ -106,7 +107,7 @@ def application(console: Console) -> App:
         *(cycle, continue_, curve),
     )
     archived = (status, resume, compare, verify, show)
-    for command in (reproduce, *computing, explore, *archived, plot, doctor):
+    for command in (reproduce, *computing, explore, *archived, plot, fit, doctor):
         app.command(command)
     app.register_install_completion_command(
         help="Complete commands and options with the tab key, in bash, zsh or fish."

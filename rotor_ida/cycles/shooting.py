@@ -172,9 +172,11 @@ def close_orbit(
             return checked_cycle(shot)
         if size > LONGEST_STEP:
             step *= LONGEST_STEP / size
+        before = shot
         shot = shoot(rotor, shot.start + step[:4], shot.duration + step[4], stop, rtol)
         if size <= CONVERGED or (size < STALLED and size >= last):
-            return checked_cycle(shot)
+            # beside a fold or a corner the last step may lead away again
+            return checked_cycle(shot if _closes(shot) else before)
         last = size
     raise failure(shot, f"Newton's method found no limit cycle in {MOST_STEPS} steps")
 

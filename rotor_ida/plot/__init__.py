@@ -24,6 +24,7 @@ from rotor_ida.plot.cycles import (
     plot_lines,
     plot_multipliers,
 )
+from rotor_ida.plot.fits import fit_figure, plot_fit, plot_fit_residuals
 from rotor_ida.plot.formulas import (
     plot_cuts,
     plot_deviation,
@@ -66,6 +67,7 @@ from rotor_ida.plot.signals import (
 
 __all__ = [
     "cycle_figure",
+    "fit_figure",
     "mixed_panels",
     "panels",
     "parameter_text",
@@ -92,6 +94,8 @@ __all__ = [
     "plot_endings",
     "plot_exponents",
     "plot_extrema",
+    "plot_fit",
+    "plot_fit_residuals",
     "plot_force_peaks",
     "plot_forces",
     "plot_full_spectrum",

@@ -53,7 +53,11 @@ def filtered_orbit(
     -----
     An order is fitted as by `orders` in each window; between their middles the complex amplitudes
     change linearly, and before the first and after the last they are held. A band is passed by a
-    Butterworth filter of 4 poles forwards and backwards in time, without a shift of phase.
+    Butterworth filter of order 4 forwards and backwards in time, without a shift of phase: its gain
+    is ``1/(1 + s**8)`` with, up to the frequency W, ``s = T(f)/T(W)`` and, between V and W, ``s =
+    (T(f)**2 - T(V) T(W))/(T(f) (T(W) - T(V)))``, where ``T(f) = tan(f h/2)`` for samples a step h
+    apart. So a line at an end of the band has half its amplitude. Near the ends of the record it
+    rings.
 
     Examples
     --------

@@ -145,7 +145,7 @@ def test_a_measured_file_has_no_exact_response(program: Program, folder: Path):
 
 
 def test_a_speed_that_changes_has_no_exact_lines(program: Program, folder: Path):
-    words = ("plot", folder / "machine.nc", "--kind", "cascade", "--figure", "a", "--exact")
+    words = ("plot", folder / "machine.nc", "--kind", "full-spectrum", "--figure", "a", "--exact")
     answer = program(*words)
     assert (answer.status, answer.out) == (2, "")
     assert "exact lines are not known while the speed changes" in answer.err

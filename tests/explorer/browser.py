@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 import signal
 import subprocess
@@ -18,11 +19,13 @@ if not (DRIVER and BROWSER):
     pytest.skip("there is no Chromium with its driver", allow_module_level=True)
 
 from selenium import webdriver  # noqa: E402
-from selenium.webdriver import Keys  # noqa: E402
+from selenium.webdriver import ActionChains, Keys  # noqa: E402
 from selenium.webdriver.chrome.options import Options  # noqa: E402
 from selenium.webdriver.chrome.service import Service  # noqa: E402
 from selenium.webdriver.common.by import By  # noqa: E402
 
+# Width and height of the window: what lies beyond it, no pointer reaches.
+WINDOW = (1400, 1000)
 PATIENCE = 200.0  # seconds, on a machine that does other things too
 PIXELS = """
 const seen = Array.from(document.querySelectorAll("canvas")).filter((each) => each.offsetParent);
@@ -57,13 +60,18 @@ def ended(process):
     process.communicate(timeout=PATIENCE)
 
 
-def chromium_in(folder):
-    """Return a headless browser that keeps what it downloads in a folder."""
+def chromium_in(folder, *, watched=False):
+    """Return a headless browser that keeps what it downloads in a folder.
+
+    One that is watched notes all that goes over the network, for `traffic_of`.
+    """
     options = Options()
     options.binary_location = BROWSER
-    for word in ("headless=new", "no-sandbox", "disable-gpu", "disable-dev-shm-usage"):
+    size = f"window-size={WINDOW[0]},{WINDOW[1]}"
+    for word in ("headless=new", "no-sandbox", "disable-gpu", "disable-dev-shm-usage", size):
         options.add_argument(f"--{word}")
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    logs = {"browser": "ALL", **({"performance": "ALL"} if watched else {})}
+    options.set_capability("goog:loggingPrefs", logs)
     driver = webdriver.Chrome(options=options, service=Service(DRIVER))
     driver.execute_cdp_cmd(
         "Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(folder)}
@@ -76,6 +84,20 @@ def chromium_in(folder):
 def errors_of(driver):
     log = driver.get_log("browser")
     return [entry["message"] for entry in log if entry["level"] == "SEVERE"]
+
+
+def traffic_of(driver):
+    """Return method, address and body of what a watched browser has sent since the last look."""
+    found = []
+    for entry in driver.get_log("performance"):
+        message = json.loads(entry["message"])["message"]
+        given = message["params"]
+        if message["method"] == "Network.requestWillBeSent":
+            request = given["request"]
+            found.append((request["method"], request["url"], request.get("postData", "")))
+        elif message["method"] == "Network.webSocketFrameSent":
+            found.append(("SEND", "", given["response"]["payloadData"]))
+    return found
 
 
 class Page:
@@ -125,6 +147,16 @@ class Page:
 
     def find(self, selector):
         return self.driver.find_element(By.CSS_SELECTOR, selector)
+
+    def pointer_on(self, element, across=0, down=0):
+        """Return a chain of actions whose pointer is so far from the middle of an element.
+
+        The element is brought to the middle of the window first: a pointer that is to leave the
+        window is refused, and so would be a drag from an element at its edge.
+        """
+        self.run("arguments[0].scrollIntoView({block: 'center', inline: 'center'})", element)
+        chain = ActionChains(self.driver)
+        return chain.move_to_element_with_offset(element, round(across), round(down))
 
     def type(self, selector, value):
         field = self.find(selector)

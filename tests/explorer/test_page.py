@@ -33,10 +33,11 @@ from tests.explorer.asking import CHATTER, RUB, WHIP
 
 pytest.importorskip("selenium", reason="there is no selenium")
 
-from selenium.webdriver import ActionChains, Keys
+from selenium.webdriver import Keys
 
 from tests.explorer.browser import (
     PATIENCE,
+    WINDOW,
     Page,
     chromium_in,
     ended,
@@ -86,7 +87,7 @@ def chromium(tmp_path_factory):
 @pytest.fixture
 def page(chromium, address):
     """The page, at its beginning; whatever is done to it, its console stays without an error."""
-    chromium.set_window_size(1400, 1000)
+    chromium.set_window_size(*WINDOW)
     yield Page(chromium, address)
     assert errors_of(chromium) == []
 
@@ -675,14 +676,14 @@ def test_two_clearances_side_by_side(page):
 
 def test_dragging_on_the_plane_moves_the_start(page):
     plane = page.find('[data-panel="starts"] .u-over')
-    ActionChains(page.driver).move_to_element_with_offset(plane, 40, -30).click().perform()
+    page.pointer_on(plane, 40, -30).click().perform()
     page.settle()
     x, y, vx, vy = page.facts("motion")["start"]
     assert x > 0.5
     assert y > 0.5
     assert (vx, vy) == (0, 0)
     page.find('[data-panel="starts"] [value="velocity"]').click()
-    chain = ActionChains(page.driver).move_to_element_with_offset(plane, 40, -30)
+    chain = page.pointer_on(plane, 40, -30)
     chain.click_and_hold().move_by_offset(-25, 0).release().perform()
     page.settle()
     after = page.facts("motion")["start"]
@@ -697,7 +698,7 @@ def test_dragging_on_the_plane_moves_the_start(page):
 def test_dragging_on_the_response_moves_the_speed(page):
     curve = page.find('[data-panel="response"] .u-over')
     width = curve.size["width"]
-    ActionChains(page.driver).move_to_element_with_offset(curve, -width // 4, 0).click().perform()
+    page.pointer_on(curve, -width // 4).click().perform()
     page.settle()
     assert page.state()["omega"] == pytest.approx(1.0, abs=0.02)
 
@@ -779,7 +780,7 @@ def test_the_speed_of_a_machine_is_shown_in_turns_a_minute(page):
     told = page.facts("motion")
     assert told["rotor"]["omega"] * told["scales"]["rate"] == pytest.approx(100 * np.pi)
     curve = page.find('[data-panel="response"] .u-over')
-    ActionChains(page.driver).move_to_element(curve).click().perform()
+    page.pointer_on(curve).click().perform()
     page.settle()
     assert page.facts("motion")["rotor"]["omega"] == pytest.approx(2.0, abs=0.02)
     page.until("location.hash.includes('speedIn=rpm')")
@@ -858,19 +859,17 @@ def test_the_page_is_recorded_at_the_press_of_a_button(page):
     assert rotor == {"omega": 2.0, "zeta": 0.07, "delta0": 2.0}
 
 
-def hovered(page, panel, value, *, pointer=None):
+def hovered(page, panel, value):
     """Move the pointer to values in a plot; return what is told of the place."""
     script = """
         const over = document.querySelector(arguments[0] + " .u-over");
-        over.scrollIntoView({block: "center"});
         const box = over.getBoundingClientRect();
         const plot = rotorIda.plotOf(over);
         return [plot.valToPos(arguments[1][0], "x") - box.width / 2,
                 plot.valToPos(arguments[1][1], "y") - box.height / 2]"""
     across, down = page.run(script, panel, value)
     over = page.find(f"{panel} .u-over")
-    chain = pointer or ActionChains(page.driver)
-    chain.move_to_element_with_offset(over, round(across), round(down)).perform()
+    page.pointer_on(over, across, down).perform()
     return page.run("return document.querySelector(arguments[0] + ' .readout').textContent", panel)
 
 
@@ -940,9 +939,7 @@ def test_a_box_is_zoomed_into_and_out_of(page, panel):
     before = page.run(ranges, panel)
     if panel == "response":  # there a drag without the button moves the speed
         button.click()
-    # a drag must end within the window, wherever the page has been scrolled to
-    page.run("arguments[0].scrollIntoView({block: 'center'})", over)
-    chain = ActionChains(page.driver).move_to_element_with_offset(over, -30, -15)
+    chain = page.pointer_on(over, -30, -15)
     chain.click_and_hold().move_by_offset(60, 30).release().perform()
     for (low, high), (lowest, highest) in zip(page.run(ranges, panel), before, strict=True):
         assert lowest <= low < high <= highest
@@ -958,6 +955,8 @@ def test_a_box_is_zoomed_into_and_out_of(page, panel):
     assert page.run(ranges, panel) == before
 
 
+# Chromium drops what a page saves beyond ten files in a second.
+APART = 0.2
 PANELS = ("response", "starts", "orbit", "turning", "history", "section", "spectrum")
 
 
@@ -971,6 +970,7 @@ def test_each_panel_is_saved_as_picture_and_table(page):
             selector = f'[data-panel="{panel}"] [data-keep="{ending}"]'
             page.find(f'[data-panel="{panel}"] summary').click()
             page.find(selector).click()
+            time.sleep(APART)
             deadline = time.monotonic() + PATIENCE
             while not (folder / f"{panel}.{ending}").exists():
                 assert time.monotonic() < deadline

@@ -15,7 +15,7 @@ pytest.importorskip("selenium", reason="there is no selenium")
 
 from selenium.webdriver import Keys
 
-from tests.explorer.browser import Page, chromium_in, ended, errors_of, served
+from tests.explorer.browser import Page, chromium_in, ended, errors_of, served, traffic_of
 
 # On a machine that does other things as well.
 pytestmark = pytest.mark.timeout(1500)
@@ -27,11 +27,6 @@ const [text, name] = arguments, carried = new DataTransfer();
 carried.items.add(new File([text], name));
 const told = {dataTransfer: carried, bubbles: true, cancelable: true};
 document.body.dispatchEvent(new DragEvent("drop", told));"""
-# Every message of the page to the program, from now on.
-LISTEN = """
-const send = WebSocket.prototype.send;
-window.sent = [];
-WebSocket.prototype.send = function (text) { window.sent.push(text); send.call(this, text); };"""
 THIN = """
 const done = arguments[0];
 import("/plot.js").then(({ Pen }) => {
@@ -57,7 +52,7 @@ def address():
 
 @pytest.fixture(scope="module")
 def chromium(tmp_path_factory):
-    driver = chromium_in(tmp_path_factory.mktemp("downloads"))
+    driver = chromium_in(tmp_path_factory.mktemp("downloads"), watched=True)
     driver.set_window_size(1400, 1300)
     yield driver
     driver.quit()
@@ -129,11 +124,32 @@ def test_the_panels_show_a_run_up_as_the_library_has_it(page):
     assert sum(map(bool, page.pictures())) == 8 + 4
 
 
+@pytest.mark.parametrize(("width", "columns"), [(1400, 2), (360, 1)])
+@pytest.mark.parametrize("panels", [ALL, "bode,polar,full", "cascade"])
+def test_panels_fill_their_rows_and_nothing_is_cut_off(chromium, address, width, columns, panels):
+    size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500}
+    chromium.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    try:
+        page = Page(chromium, address, f"&panels={panels}")
+        edges = page.run(
+            "const {right} = document.getElementById('signal-panels').getBoundingClientRect();"
+            "return [right, ...Array.from(document.querySelectorAll('#signal-panels .card'), "
+            "(each) => each.getBoundingClientRect().right)]"
+        )
+        assert page.run("return document.documentElement.scrollWidth") <= width
+    finally:
+        chromium.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+    right, *cards = edges
+    # each row ends at the right edge, also one with a single card
+    ends = [*cards[columns - 1 :: columns], cards[-1]]
+    assert ends == pytest.approx([right] * len(ends), abs=1.0)
+
+
 def test_a_dropped_run_up_is_analysed_as_by_the_library_and_never_sent(page, tmp_path):
     rotor = Rotor(omega=0.6, zeta=0.1, delta0=0.5)
     run = run_up(rotor, start=(0.3, 0, 0, 0), to=2.6, rate=0.02, samples=6001)
     text = written(("t", "x", "y", "angle"), (run.t, run.x, run.y, run.angle))
-    page.run(LISTEN)
+    traffic_of(page.driver)
     said = drop(page, text)
     assert "6,001 samples, turned by angle, from speed" in said
     assert "It stays in this browser." in said
@@ -152,11 +168,65 @@ def test_a_dropped_run_up_is_analysed_as_by_the_library_and_never_sent(page, tmp
         shown = np.abs(seen.frequency.values) <= furthest
         assert measured(page, f"rows[{place}].amplitude") == pytest.approx(row[shown], abs=1e-9)
     assert page.run("return rotorIda.measured.found.rows.length") == seen.sizes["window"]
-    assert page.run("return window.sent") == []
+    assert_only_code_was_asked_for(page)
     page.find("#measured-remove").send_keys(Keys.SPACE)
     assert page.run(
         "return [rotorIda.measured.found, document.getElementById('measured-form').hidden]"
     ) == [None, True]
+
+
+def assert_only_code_was_asked_for(page):
+    """Hold what went over the network since the last look against what the analysis needs."""
+    sent = traffic_of(page.driver)
+    assert {method for method, *_ in sent} <= {"GET"}, sent
+    scripts = {address.rpartition("/")[2] for _, address, _ in sent}
+    assert scripts <= {"analyst.js", "record.js"}
+    assert not any(body for *_, body in sent)
+
+
+def test_the_watch_over_the_network_sees_what_the_page_sends(page):
+    """Else the test that a measurement is never sent could not fail."""
+    traffic_of(page.driver)
+    page.type("#field-omega", 2.3)
+    page.settle()
+    page.run("navigator.sendBeacon('/nowhere', 'told')")
+    page.until("performance.getEntriesByType('resource').some((each) => /nowhere/.test(each.name))")
+    seen = traffic_of(page.driver)
+    assert any(method == "SEND" and '"number"' in body for method, _, body in seen)
+    assert any(method == "POST" and address.endswith("/nowhere") for method, address, _ in seen)
+    errors_of(page.driver)  # nobody is there
+
+
+def test_probes_at_45_and_135_degrees_with_gains_are_turned_as_by_the_library(page, tmp_path):
+    t = np.arange(4000) / 2000.0
+    turn = 2.0 * np.pi * 31.0 * t
+    z = 12.0 * np.exp(1j * (turn - 0.7)) + 2.5 * np.exp(-1j * turn)
+    readings = [
+        gain * (z * np.exp(-1j * np.radians(angle))).real for angle, gain in ((45, 2), (135, 0.5))
+    ]
+    text = written(("t [s]", "x [um]", "y [um]", "angle"), (t, *readings, turn))
+    drop(page, text)
+    assert page.run("return [...document.querySelectorAll('#measured-form [id^=measured-angle], "
+                    "#measured-form [id^=measured-gain]')].map((each) => each.valueAsNumber)"
+                    ) == [0, 90, 1, 1]  # fmt: skip
+    for place, value in {"gain-x": 2, "gain-y": 0.5, "angle-x": 45, "angle-y": 135}.items():
+        page.type(f"#measured-{place}", value)
+        page.until("!rotorIda.measured.worker")
+    (tmp_path / "probes.csv").write_text(text)
+    record = read_signals(tmp_path / "probes.csv", probe_angles=(45, 135), gains=(2, 0.5))
+    exact = orders(record).isel(order=0)
+    heights, lags = measured(page, "order.amplitude"), measured(page, "order.lag")
+    assert heights == pytest.approx(exact.forward_whirl_amplitude.values, abs=1e-9)
+    assert lags == pytest.approx(exact.forward_phase_lag.values, abs=1e-9)
+    assert heights == pytest.approx(12.0, abs=1e-9)
+    page.type("#measured-gain-x", 0)
+    page.until("!rotorIda.measured.worker")
+    assert "gains of the probes must be numbers other than 0" in page.find("#measured-said").text
+    page.type("#measured-gain-x", 2)
+    page.type("#measured-angle-y", 225)
+    page.until("!rotorIda.measured.worker")
+    assert "must not look along one line" in page.find("#measured-said").text
+    assert measured(page, "order.amplitude") == pytest.approx(12.0, abs=1e-9)  # it stays
 
 
 def test_a_keyphasor_and_decimal_commas_give_the_library_s_spectrum(page, tmp_path):
@@ -202,7 +272,10 @@ def test_odd_files_are_told_of_in_one_line_and_nothing_is_lost(page):
     gap = np.where(t < 2.0, t, t + 1.0)
     pulses = np.mod(30 * t, 6.2831853) < 1.5 * (np.abs(t - 2.0) > 0.2)
     odd = {
+        "": "must hold lines of two numbers or more",
         "words alone\nand more": "must hold lines of two numbers or more",
+        "x\n" + "\n".join(map(str, range(50))): "must hold lines of two numbers or more",
+        good + "4.01,NaN,1,120\n": 'row 401 of the numbers must hold finite numbers, got "NaN"',
         good.replace("x,", "radius,", 1): "must have a column for x, got t, radius, y, angle",
         good + "4.01,1,zwei,5\n": 'row 401 of the numbers must hold finite numbers, got "zwei"',
         good + "4.01,1\n": "row 401 of the numbers must have 4 columns",
@@ -220,6 +293,7 @@ def test_odd_files_are_told_of_in_one_line_and_nothing_is_lost(page):
         assert why in said
         assert said.endswith("good.csv stays.")
     assert page.run("return rotorIda.measured.found.name") == "good.csv"
+    assert "400 samples" in drop(page, "\ufeff" + good, "mark.csv")  # as spreadsheets write it
     plain = written(("t", "x", "y"), (t, x, y))
     assert "neither speed nor phase is known" in drop(page, plain, "no_key.csv")
     assert page.run("return rotorIda.measured.source(undefined, 2).lines.over.length") > 0

@@ -68,7 +68,7 @@ def plot(
         "segment": segment, "clearance": clearance,
     }  # fmt: skip
     chosen = _options_of(kind, given)
-    dataset = _between(_signals(file, reading), times)
+    dataset = signals_in(file, reading, times)
     if exact:
         from rotor_ida.cli.exact import exact_beneath  # noqa: PLC0415 - heavy, and not for --help
 
@@ -104,6 +104,13 @@ def _options_of(kind: str, given: Mapping[str, object]) -> dict[str, Any]:
         if name not in known:
             raise InputError(f"{name} must be left out with --kind {kind}")
     return chosen
+
+
+def signals_in(
+    file: Path, reading: options.ReadingOptions, times: tuple[float, float] | None
+) -> xr.Dataset:
+    """Return the part between two times of a run or of signals in a file."""
+    return _between(_signals(file, reading), times)
 
 
 def _signals(file: Path, reading: options.ReadingOptions) -> xr.Dataset:

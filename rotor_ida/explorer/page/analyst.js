@@ -2,10 +2,10 @@
 
 import { Refusal, analysed, recordOf } from "./record.js";
 
-onmessage = async ({ data: { file, number } }) => {
+onmessage = async ({ data: { file, number, probes } }) => {
   try {
     const began = performance.now();
-    const record = recordOf(await file.text());
+    const record = recordOf(await file.text(), probes);
     const { time, length, samples, by } = record;
     postMessage({ number, name: file.name, time, length, samples, by, ...analysed(record), took: performance.now() - began });
   } catch (error) {

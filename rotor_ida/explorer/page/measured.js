@@ -1,6 +1,8 @@
 // A measured file, dropped on the page or chosen: it is read and analysed in the browser, and stays there.
 
 import { colour } from "./plot.js";
+import { PROBES } from "./record.js";
+import { NOTHING, hasPanel } from "./signals.js";
 import { told, withUnit } from "./units.js";
 
 const LARGEST = 2e9;
@@ -9,7 +11,8 @@ const METRES = { m: 1, mm: 1e-3, um: 1e-6, nm: 1e-9, in: 0.0254, mil: 2.54e-5 };
 const SHOWN = { um: "µm" };
 // Micrometres a volt, of a probe with the usual 200 mV a mil.
 const VOLT = 127;
-const NOTHING = { speed: [], amplitude: [], lag: [] };
+// The fields of the probes, as they stand one after the other.
+const FIELDS = { angles: ["measured-angle-x", "measured-angle-y"], gains: ["measured-gain-x", "measured-gain-y"] };
 const $ = (id) => document.getElementById(id);
 
 export class Measured {
@@ -24,6 +27,7 @@ export class Measured {
     });
     $("measured-remove").addEventListener("click", () => this.remove());
     for (const name of ["length", "time", "period", "scale", "mark"]) $(`measured-${name}`).addEventListener("change", () => this.#show());
+    for (const id of Object.values(FIELDS).flat()) $(id).addEventListener("change", () => this.#read(this.file, probesShown()));
     if (listens) this.#listenToDrops();
   }
 
@@ -47,6 +51,11 @@ export class Measured {
 
   /** Read a file; what was there stays until the new one has been understood. */
   read(file) {
+    this.#read(file, PROBES);
+  }
+
+  /** Read a file of probes at some angles and with some gains. */
+  #read(file, probes) {
     if (file.size > LARGEST) {
       this.#say(`${file.name} has ${told(file.size / 1e9, 3)} GB, and at most ${LARGEST / 1e9} can be read.`, true);
       return;
@@ -56,35 +65,42 @@ export class Measured {
     worker.onmessage = ({ data }) => {
       worker.terminate();
       this.worker = null;
-      this.#take(data);
+      this.#take(data, file, probes);
     };
     worker.onerror = () => this.#take({ name: file.name, refused: "it is too large for this browser" });
     this.number += 1;
-    worker.postMessage({ file, number: this.number });
+    worker.postMessage({ file, number: this.number, probes });
     this.#say(`Reading ${file.name} …`);
   }
 
-  #take(answer) {
+  #take(answer, file, probes) {
     if (answer.refused) {
       this.#say(`${answer.name} is not shown: ${answer.refused}.${this.found ? ` ${this.found.name} stays.` : ""}`, true);
       return;
     }
     this.found = answer;
     this.number += 1;
-    const { time, length } = answer;
+    const isNew = file !== this.file || probes === PROBES;
+    this.file = file;
+    if (isNew) this.#suggest(answer);
+    this.#show();
+  }
+
+  /** Put into the form what suits a new file. */
+  #suggest({ time, length }) {
+    for (const [name, ids] of Object.entries(FIELDS)) ids.forEach((id, i) => ($(id).value = PROBES[name][i]));
     $("measured-length").value = length in METRES || length === "V" || length === "mV" ? length : "um";
     if (length === "1" && !this.scales()) $("measured-length").value = "1";
     $("measured-time").value = time === "1" && !this.scales() ? "1" : "s";
     $("measured-mark").value = 0;
     $("measured-period").value = "";
     $("measured-scale").value = /V$/.test(length) && this.scales() ? VOLT : "";
-    this.#show();
   }
 
   /** Forget the file. */
   remove() {
     this.worker?.terminate();
-    this.worker = this.found = null;
+    this.worker = this.found = this.file = null;
     this.#say("");
     this.#show();
     $("measured-choose").focus();
@@ -151,9 +167,7 @@ export class Measured {
     return {
       name: "measured", icon: "line-key measured", ink: () => colour("measured"), order, rows, curve: null, exact: null, sparse: true,
       lines: full ? linesAt(full, full.speed ?? speed) : nearest(rows, speed, scales),
-      has(panel) {
-        return panel === "full" ? Boolean(this.lines) : panel === "cascade" ? rows.length > 0 : order.speed.length > 0;
-      },
+      has: hasPanel,
     };
   }
 
@@ -172,6 +186,9 @@ export class Measured {
     $("measured-said").classList.toggle("wrong", isWrong);
   }
 }
+
+/** Return how the probes stand, as the form has it. */
+const probesShown = () => Object.fromEntries(Object.entries(FIELDS).map(([name, ids]) => [name, ids.map((id) => $(id).valueAsNumber)]));
 
 const linesAt = ({ frequency, amplitude }, speed, words = "") => (speed > 0 ? { over: frequency.map((each) => each / speed), amplitude, told: words } : null);
 

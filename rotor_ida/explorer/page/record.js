@@ -7,6 +7,8 @@ const MOST_HEAD = 200;
 const FEWEST_SAMPLES = 16;
 // A step that is so much longer than the usual one is a gap; times are equally spaced to so much of a step.
 const GAP = 1.5, UNEQUAL = 0.01;
+// Nearer to one line, the sine of the angle between, two probes tell of one direction only.
+const NEARLY_ALONG = 1e-3;
 // Samples that stay at the largest or smallest reading.
 const CLIPPED = 4;
 // Of a window: a sample at its edge belongs to it, whatever rounding did to its angle.
@@ -148,8 +150,23 @@ function placesOf(names) {
   return places;
 }
 
+/** How probes usually stand in a table: along x and y, told as displacements. */
+export const PROBES = { angles: [0, 90], gains: [1, 1] };
+
+/** Return displacements along x and y of the readings of two probes, at angles [°] and with gains. */
+function displacements(first, second, { angles, gains }) {
+  if (gains.some((each) => !(each !== 0 && Number.isFinite(each)))) refuse(`the gains of the probes must be numbers other than 0, got ${gains.join(" and ")}`);
+  if (!angles.every(Number.isFinite)) refuse(`the angles of the probes must be numbers, got ${angles.join(" and ")}`);
+  if (angles[0] === 0 && angles[1] === 90) return [scaled(first, 1 / gains[0]), scaled(second, 1 / gains[1])];
+  const [one, other] = angles.map((each) => (each * Math.PI) / 180);
+  const between = Math.sin(other - one);
+  if (Math.abs(between) < NEARLY_ALONG) refuse(`the probes must not look along one line, got the angles ${angles.join(" and ")} degrees`);
+  const mixed = (a, b) => first.map((each, i) => ((each / gains[0]) * a + (second[i] / gains[1]) * b) / between);
+  return [mixed(Math.sin(other), -Math.sin(one)), mixed(-Math.cos(other), Math.cos(one))];
+}
+
 /** Return a record: times in seconds or as they are, displacements, and the angle where it is known. */
-export function recordOf(text) {
+export function recordOf(text, probes = PROBES) {
   const { names, units, columns } = columnsOf(text);
   const places = placesOf(names);
   const unitOf = (name) => ALIASES[units[places[name]]] ?? units[places[name]];
@@ -158,13 +175,14 @@ export function recordOf(text) {
   if (!LENGTHS.includes(length) && length !== "1") refuse(`the unit of x must be one of ${LENGTHS.join(", ")}, got ${shown(length)}`);
   if (unitOf("y") !== length) refuse(`x and y must be in one unit, got ${length} and ${unitOf("y")}`);
   const t = scaled(columns[places.t], TIMES[time] ?? 1);
-  const [x, y] = [columns[places.x], columns[places.y]];
+  const readings = [columns[places.x], columns[places.y]];
   if (t.length < FEWEST_SAMPLES) refuse(`the file must hold at least ${FEWEST_SAMPLES} samples, got ${t.length}`);
   checkTimes(t);
-  for (const [name, values] of [["x", x], ["y", y]]) {
+  readings.forEach((values, i) => {
     const at = clippedAt(values);
-    if (at >= 0) refuse(`${name} must not be clipped, but stays at ${short(values[at])} from t ${short(t[at])} on`);
-  }
+    if (at >= 0) refuse(`${"xy"[i]} must not be clipped, but stays at ${short(values[at])} from t ${short(t[at])} on`);
+  });
+  const [x, y] = displacements(...readings, probes);
   const record = { t, x, y, angle: null, time: time === "1" ? "1" : "s", length, samples: t.length, by: "" };
   if ("angle" in places) return { ...record, ...withAngle(record, columns[places.angle], unitOf("angle")), by: names[places.angle] };
   if ("keyphasor" in places) return { ...record, ...byPulses(record, pulsesIn(t, columns[places.keyphasor])), by: names[places.keyphasor] };

@@ -35,6 +35,9 @@ const largest = (values, top = 0) => {
 };
 const jumps = (lags) => (i) => Math.abs(lags[i] - lags[i - 1]) > 180;
 
+/** Add a row to a table that is held as columns. */
+const addRow = (columns, row) => Object.values(columns).forEach((column, i) => column.push(row[i]));
+
 /** A panel: its card, its plots, and what they show. */
 class Panel {
   constructor(name, plots, say) {
@@ -144,7 +147,7 @@ class Bode extends Panel {
   table() {
     const [{ label: speed }, { label: lag }] = this.lag.plot.axes;
     const columns = { what: [], [speed]: [], [this.amplitude.plot.axes[1].label]: [], [lag]: [] };
-    const add = (...row) => Object.values(columns).forEach((column, i) => column.push(row[i]));
+    const add = (...row) => addRow(columns, row);
     const { view } = this;
     for (const each of this.drawn) {
       const { curve } = each.source;
@@ -258,7 +261,7 @@ class Polar extends Panel {
     const [x, y] = this.plot.plot.axes.map(({ label }) => label);
     const columns = { what: [], [labelled("speed", this.view.speed.unit)]: [], [x]: [], [y]: [] };
     for (const { source, xs, ys } of this.drawn) {
-      xs.forEach((each, i) => Number.isNaN(each) || [source.name, source.order.speed[i] * this.view.speed.factor, each, ys[i]].forEach((value, place) => Object.values(columns)[place].push(value)));
+      xs.forEach((each, i) => Number.isNaN(each) || addRow(columns, [source.name, source.order.speed[i] * this.view.speed.factor, each, ys[i]]));
     }
     return columns;
   }
@@ -320,8 +323,8 @@ class Full extends Panel {
     const [x, y] = this.plot.plot.axes.map(({ label }) => label);
     const columns = { what: [], [x]: [], [y]: [] };
     for (const { source, xs, ys, exact } of this.drawn) {
-      xs.forEach((each, i) => [source.name, each, ys[i]].forEach((value, place) => Object.values(columns)[place].push(value)));
-      exact?.over.forEach((each, i) => [`what it settles on, ${source.name}`, each, exact.amplitude[i]].forEach((value, place) => Object.values(columns)[place].push(value)));
+      xs.forEach((each, i) => addRow(columns, [source.name, each, ys[i]]));
+      exact?.over.forEach((each, i) => addRow(columns, [`what it settles on, ${source.name}`, each, exact.amplitude[i]]));
     }
     return columns;
   }
@@ -411,10 +414,9 @@ class Cascade extends Panel {
     const { factor } = this.view.speed;
     const [x, y] = this.plots[0].plot.axes.map(({ label }) => label);
     const columns = { what: [], [y]: [], [x]: [], [labelled("amplitude", this.view.length.unit)]: [] };
-    const lists = Object.values(columns);
     for (const { source, rows } of this.drawn) {
       for (const { speed, frequency, amplitude } of rows) {
-        frequency.forEach((each, i) => [source.name, speed * factor, each * factor, amplitude[i] * this.view.length.factor].forEach((value, place) => lists[place].push(value)));
+        frequency.forEach((each, i) => addRow(columns, [source.name, speed * factor, each * factor, amplitude[i] * this.view.length.factor]));
       }
     }
     return columns;
@@ -526,7 +528,14 @@ function roundStep(about) {
 }
 
 const KINDS = { bode: Bode, polar: Polar, full: Full, cascade: Cascade };
-const NOTHING = { speed: [], amplitude: [], lag: [] };
+/** Order 1 of what was never tracked. */
+export const NOTHING = { speed: [], amplitude: [], lag: [] };
+
+/** Return whether a source, of which it is a method, has something to show in a panel. */
+export function hasPanel(panel) {
+  if (panel === "full") return Boolean(this.lines);
+  return panel === "cascade" ? this.rows.length > 0 : this.order.speed.length > 0;
+}
 
 /** The panels that are chosen, and what they are shown of. */
 export class Signals {
@@ -573,10 +582,7 @@ export class Signals {
       name: rotors.length > 1 ? `${side ? "second" : "first"} rotor` : "the rotor",
       icon: side ? "line-key second" : "line-key passage thin",
       ink: (usual = "accent") => colour(side ? "second" : usual),
-      order: track?.order ?? NOTHING, rows: track?.rows ?? [], curve: curve?.omega.length ? curve : null, lines, exact,
-      has(panel) {
-        return panel === "full" ? Boolean(this.lines) : panel === "cascade" ? this.rows.length > 0 : this.order.speed.length > 0;
-      },
+      order: track?.order ?? NOTHING, rows: track?.rows ?? [], curve: curve?.omega.length ? curve : null, lines, exact, has: hasPanel,
     }));
     if (measured) sources.push(measured);
     // a measurement may take up a small part of the speeds, and is what one looks at

@@ -169,12 +169,14 @@ def _whirls(dataset: xr.Dataset, shown: xr.Dataset, units: Units) -> Response:
 
 
 def _cycle(cycle: xr.Dataset, shown: xr.Dataset, units: Units) -> Response:
-    """Return the part of a limit cycle at the spin speed."""
+    """Return the part of a limit cycle at the spin speed, with its lag: its mean as it turns."""
     scales = _scales(cycle, shown, units)
     spin = cycle["line_kind"].values == flags_of(cycle["line_kind"])["spin"]
     amplitude = np.atleast_1d(cycle["whirl_amplitude"].values[spin]) * scales.length
     speeds = units.speeds(np.full(amplitude.size, float(cycle["omega"])) * scales.omega).values
-    return Response(None, speeds, amplitude, np.full(amplitude.size, np.nan), "s", f"1X of {CYCLE}")
+    z = cycle["x"].values[:-1] + 1j * cycle["y"].values[:-1]
+    lag = math.degrees(-np.angle(z.mean())) if z.size else math.nan
+    return Response(None, speeds, amplitude, np.full(amplitude.size, lag), "s", f"1X of {CYCLE}")
 
 
 def _scales(exact: xr.Dataset, shown: xr.Dataset, units: Units) -> Scales:
@@ -202,9 +204,16 @@ class Line:
 
 
 def lines_of(
-    beneath: xr.Dataset | Sequence[xr.Dataset], shown: xr.Dataset, units: Units
+    beneath: xr.Dataset | Sequence[xr.Dataset],
+    shown: xr.Dataset,
+    units: Units,
+    *,
+    over_speed: bool = False,
 ) -> list[Line]:
-    """Return the exact lines of cycles and whirls; refuse what has none."""
+    """Return the exact lines of cycles and whirls; refuse what has none.
+
+    In a picture over the speed also folds and Hopf points, on the line of order 1.
+    """
     found: list[Line] = []
     for dataset in list_of(beneath):
         check_parameters(dataset, shown, skipped=("omega",))
@@ -215,7 +224,9 @@ def lines_of(
             found += _lines_of_backward(dataset, scales, units)
         elif {"amplitude", "branch"} <= names:
             found += _lines_of_whirls(dataset, scales, units)
-        elif not set(CURVE) <= names and not {"fold_omega", "hopf_omega"} & names:
+        elif {"fold_omega", "hopf_omega"} & names:
+            found += _special_lines(dataset, scales, units) if over_speed else []
+        elif not set(CURVE) <= names:
             raise InputError(
                 "beneath must be a limit cycle, backward whirls or synchronous whirls, got "
                 f"{dataset.attrs.get('title', 'another dataset')!r}"
@@ -232,6 +243,23 @@ def _lines_of_cycle(cycle: xr.Dataset, scales: Scales, units: Units) -> list[Lin
         for place, height in zip(places, heights, strict=True)
         if height > WEAKEST * heights.max()
     ]
+
+
+def _special_lines(dataset: xr.Dataset, scales: Scales, units: Units) -> list[Line]:
+    """Return folds, or Hopf points with the two lines that a cycle has beside 1X as it is born."""
+    fold = "fold_omega" in dataset.variables
+    name, words, marker = ("fold", FOLD, "D") if fold else ("hopf", HOPF, "o")
+    found = []
+    for place, omega in np.ndenumerate(dataset[f"{name}_omega"].values):
+        if not math.isfinite(omega):
+            continue
+        height = float(dataset[f"{name}_amplitude"].values[place]) * scales.length
+        beside = 0.0 if fold else float(dataset["hopf_frequency"].values[place])
+        speed = float(units.speeds(omega * scales.omega))
+        for rate in [omega] if fold else [omega, omega - beside, omega + beside]:
+            at = float(units.frequencies(rate * scales.rate))
+            found.append(Line(at, height, words, INK, marker, speed))
+    return found
 
 
 def _lines_of_backward(whirls: xr.Dataset, scales: Scales, units: Units) -> list[Line]:
@@ -258,8 +286,8 @@ def _lines_of_whirls(whirls: xr.Dataset, scales: Scales, units: Units) -> list[L
     flags = flags_of(whirls["stability"])
     rates = omega * scales.omega
     return [
-        Line(float(units.frequencies(rate)), float(height) * scales.length, "exact whirl", INK, "s",
-             float(units.speeds(rate)))
+        Line(float(units.frequencies(rate)), float(height) * scales.length, "line of exact whirl",
+             INK, "s", float(units.speeds(rate)))
         for rate, height, kind in zip(rates, amplitude, stability, strict=True)
         if math.isfinite(height) and kind != flags["unstable"]
     ]  # fmt: skip

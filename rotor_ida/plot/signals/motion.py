@@ -32,6 +32,7 @@ from rotor_ida.plot.labels import label_axis, scale_of
 from rotor_ida.plot.runs import NEEDED, path_of
 from rotor_ida.plot.runs import plot_orbit as plot_orbit_of_run
 from rotor_ida.plot.signals.beneath import CYCLE
+from rotor_ida.plot.signals.over_time import Path, paths_over_time
 from rotor_ida.plot.signals.tracks import MOST_MARKS, Beneath
 from rotor_ida.plot.signals.units import (
     Units,
@@ -46,6 +47,8 @@ from rotor_ida.schema import flags_of
 from rotor_ida.signals.orders import centre_line
 from rotor_ida.signals.record import Record, record_of
 
+# Speeds by which a run is told to be one at a constant speed.
+FEW_SPEEDS = 200
 # The orbit is left blank for this part of a revolution before each pulse.
 BLANK = 0.03
 # More pulses have smaller dots.
@@ -80,7 +83,8 @@ def plot_orbit(
         Clearance of signals that do not tell it, in their unit.
     beneath : Dataset or sequence of Dataset
         Exact orbits under this one: of `rotor_ida.synchronous_response`, `rotor_ida.limit_cycle`
-        and `rotor_ida.backward_whirl`. Of whirls at several speeds those at that of the run.
+        and `rotor_ida.backward_whirl`. Of whirls at several speeds those at that of the run. Under
+        a run-up they may be of any speed, such as its last.
     ax : Axes, optional
         Where to draw, and what is returned; by default the axes of a new figure.
 
@@ -127,6 +131,7 @@ def plot_centre_line(
     *,
     clearance: float | None = None,
     revolutions: int = 1,
+    beneath: Beneath = (),
     ax: Axes | None = None,
 ) -> Axes:
     """Draw the mean position of the shaft as the speed changes, in the circle of the clearance.
@@ -139,6 +144,9 @@ def plot_centre_line(
         Clearance of signals that do not tell it, in their unit.
     revolutions : int
         As of `rotor_ida.centre_line`, where that is still to be computed.
+    beneath : Dataset or sequence of Dataset
+        Exact places under the line: of `rotor_ida.closed_forms.rest`, the mean of a
+        `rotor_ida.limit_cycle`, and the centre of `rotor_ida.synchronous_response`.
     ax : Axes, optional
         Where to draw, and what is returned; by default the axes of a new figure.
 
@@ -156,6 +164,7 @@ def plot_centre_line(
     units = units_of(held, "offset_x", "speed")
     speeds = units.speeds(held["speed"].values)
     x, y = held["offset_x"].values, held["offset_y"].values
+    exact = _centres_of(beneath, held, units)
     with style():
         ax = axes_or_new(ax, width=4.2, height=4.9)
         label_axis(ax.xaxis, "x", units.lengths(x), words="mean displacement $x$")
@@ -163,6 +172,9 @@ def plot_centre_line(
         ring = _ring_of(held, clearance)
         draw_ring(ax, ring or 0.0)
         ax.plot(*thinned(x, y), color=BLUE, lw=1.1, label="centre line", zorder=3.0)
+        for place, words, marker in exact:
+            ax.plot(place.real, place.imag, ls="", marker=marker, ms=8.0, mfc="none", mec=PURPLE,
+                    mew=1.3, label=words, zorder=3.3)  # fmt: skip
         _mark_speeds(ax, x, y, speeds, ring)
         ax.set_aspect("equal", adjustable="datalim")
         ax.set_title(title_of(held, one_speed=is_one_speed(speeds.values)))
@@ -175,6 +187,7 @@ def plot_trace(
     *,
     names: tuple[str, ...] = ("x", "y"),
     clearance: float | None = None,
+    beneath: Beneath = (),
     ax: Axes | None = None,
 ) -> Axes:
     """Draw displacements over time, with contacts shaded and the pulses of the keyphasor.
@@ -187,6 +200,10 @@ def plot_trace(
         What is drawn.
     clearance : float, optional
         Clearance of signals that do not tell it, in their unit.
+    beneath : Dataset or sequence of Dataset
+        Exact motion under the trace: of `rotor_ida.limit_cycle`, shifted along time to where the
+        end of the trace lies on it, of `rotor_ida.synchronous_response` the whirl nearest to that
+        end, or any other motion ``x y`` on ``t``, such as a flight.
     ax : Axes, optional
         Where to draw, and what is returned; by default the axes of a new figure.
 
@@ -210,9 +227,12 @@ def plot_trace(
     times, units = given["t"].values, units_of(given, "x", "t")
     columns = {"x": given["x"].values, "y": given["y"].values}
     columns["radius"] = np.hypot(columns["x"], columns["y"])
+    exact = paths_over_time(beneath, given, units)
     with style():
         ax = axes_or_new(ax, width=7.0, height=2.9)
         _shade_contacts(ax, given)
+        for path in exact:
+            _draw_exact_trace(ax, path, names)
         label_axis(ax.xaxis, "t", given["t"])
         words = "displacement" if names != ("radius",) else "radius $|z|$"
         label_axis(ax.yaxis, "x", units.lengths(times), words=words)
@@ -229,6 +249,16 @@ def plot_trace(
         ax.set_xlim(float(times[0]), float(times[-1]))
         legend_below(ax, columns=5)
     return ax
+
+
+def _draw_exact_trace(ax: Axes, path: Path, names: tuple[str, ...]) -> None:
+    words = path.words
+    for name in names:
+        values = {"x": path.z.real, "y": path.z.imag, "radius": np.abs(path.z)}[name]
+        kept = kept_in_columns(path.times, values)
+        ax.plot(path.times[kept], values[kept], color=PURPLE, lw=2.6, alpha=0.4, label=words,
+                zorder=1.9)  # fmt: skip
+        words = "_"
 
 
 def pulses_of(record: Record) -> Values:
@@ -337,8 +367,9 @@ def _orbits_of(
     """Return exact orbits in the unit of the signals, with their words and looks."""
     found: list[tuple[Values, Values, str, str, object]] = []
     turn = np.exp(1j * np.linspace(0.0, 2.0 * math.pi, 361))
+    skipped = () if _is_of_one_speed(given) else ("omega",)
     for dataset in list_of(beneath):
-        check_parameters(dataset, given)
+        check_parameters(dataset, given, skipped=skipped)
         length, names = scales_of(dataset, given, units).length, set(dataset.variables)
         if "line_kind" in names:
             z = _cycle_in_plane(dataset) * length
@@ -366,7 +397,8 @@ def _whirls_at(
     whirls: xr.Dataset, given: xr.Dataset, length: float, turn: npt.NDArray[np.complex128]
 ) -> list[tuple[Values, Values, str, str, object]]:
     """Return the circles of synchronous whirls, those at the speed of the run if that is known."""
-    if "omega" in given.variables and not given["omega"].ndim and "omega" in whirls.dims:
+    several = whirls.sizes.get("omega", 0) > 1
+    if several and "omega" in given.variables and not given["omega"].ndim:
         whirls = whirls.sel(omega=float(given["omega"]))
     unstable = flags_of(whirls["stability"])["unstable"]
     radii = whirls["amplitude"].values.ravel() * length
@@ -380,6 +412,48 @@ def _whirls_at(
     centre = 0j if middle is None else complex(middle["offset_x"], middle["offset_y"])
     circles = (centre * loose + radius * turn for radius, loose in zip(radii, free, strict=True))
     return [(z.real, z.imag, *each) for z, each in zip(circles, looks, strict=True)]
+
+
+def _is_of_one_speed(given: xr.Dataset) -> bool:
+    """Return whether the speed of a run or of signals stays the same, or is not known."""
+    record = record_of(given)
+    if record.angles is None:
+        return True
+    places = np.unique(np.linspace(0, record.times.size - 1, FEW_SPEEDS).astype(int))
+    return is_one_speed(np.diff(record.angles[places]) / np.diff(record.times[places]))
+
+
+def _centres_of(beneath: Beneath, held: xr.Dataset, units: Units) -> list[tuple[complex, str, str]]:
+    """Return exact mean positions in the unit of the signals, with their words and markers."""
+    found = []
+    for dataset in list_of(beneath):
+        check_parameters(dataset, held, skipped=("omega",))
+        length, names = scales_of(dataset, held, units).length, set(dataset.variables)
+        if "radial_frequency" in names:
+            place = complex(dataset["x"], dataset["y"])
+            found.append((place * length, "place of rest", "s"))
+        elif "line_kind" in names:
+            found.append((_mean_of(dataset) * length, f"mean of {CYCLE}", "D"))
+        elif {"amplitude", "branch"} <= names:
+            found.append((0j, "centre of whirls in contact", "o"))
+        else:
+            raise InputError(
+                "beneath must be a place of rest, a limit cycle or synchronous whirls, got "
+                f"{dataset.attrs.get('title', 'another dataset')!r}"
+            )
+    return found
+
+
+def _mean_of(cycle: xr.Dataset) -> complex:
+    """Return where a limit cycle is in the mean, at axes at rest: at its static line, or nowhere.
+
+    Under a load, which alone makes that line, a cycle begins where the unbalance points along x.
+    """
+    if flags_of(cycle["line_kind"])["static"] not in cycle["line_kind"].values:
+        return 0j
+    omega = float(cycle["omega"]) / scale_of(cycle, "time")
+    z = (cycle["x"].values + 1j * cycle["y"].values) * np.exp(1j * omega * cycle["t"].values)
+    return complex(z[:-1].mean())
 
 
 def _cycle_in_plane(cycle: xr.Dataset) -> npt.NDArray[np.complex128]:

@@ -54,6 +54,8 @@ ROWS, DOTS_UP, DOTS_ACROSS = 60, 500, 900
 POINTS = 1000
 # Height of the tallest line of a cascade, of the range of its speeds.
 TALLEST = 0.25
+# A line at the edge of a picture is in it, whatever rounding did.
+SLACK = 1e-9
 COLOURS = "YlGnBu"
 FLOOR = 1e-3
 # Segments of which a picture is made overlap by this part.
@@ -207,7 +209,7 @@ def plot_cascade(
         top = float((places[:, None] + scale * heights).max())
         ax.set_ylim(places[0] - 0.01 * extent, top + 0.03 * extent)
         _draw_orders(ax, held, units, up.values, orders, limit)
-        _mark_lines(ax, exact, name, up.values)
+        _mark_lines(ax, exact, held, units, name, limit)
         _draw_frequencies(ax, frequencies)
         _draw_scale(ax, units, highest, scale)
         ax.grid(visible=False)
@@ -277,7 +279,7 @@ def plot_spectrogram(
         )  # fmt: skip
         ax.set_xlim(-limit, limit)
         _draw_orders(ax, held, units, up.values, orders, limit)
-        _mark_lines(ax, exact, name, up.values)
+        _mark_lines(ax, exact, held, units, name, limit)
         _draw_frequencies(ax, frequencies)
         ax.grid(visible=False)
         ax.set_title(title_of(held, one_speed=_one_speed(held)), pad=16.0)
@@ -302,7 +304,7 @@ def _prepared(
         size = _segment_for(record) if segment is None else segment
         held = spectrogram(given, segment=size, overlap=OVERLAP)
     units = units_of(held, "whirl_amplitude", "frequency")
-    return held, units, lines_of(beneath, held, units)
+    return held, units, lines_of(beneath, held, units, over_speed=not _one_speed(held))
 
 
 def _segment_for(record: Record) -> int:
@@ -442,29 +444,53 @@ def _draw_bandwidth(ax: Axes, held: xr.Dataset, units: Units, limit: float) -> N
 
 
 def _draw_lines(ax: Axes, exact: Sequence[Line], limit: float) -> None:
-    """Mark exact lines by their amplitudes."""
+    """Mark exact lines by their amplitudes, those at the edges of the picture as a whole."""
     told: set[str] = set()
     for line in exact:
-        if abs(line.frequency) <= limit:
+        if abs(line.frequency) <= limit * (1.0 + SLACK):
             words = "_" if line.words in told else line.words
             told.add(line.words)
             ax.plot(line.frequency, line.amplitude, ls="", marker=line.marker, ms=5.0, mfc="none",
-                    mec=line.colour, mew=1.1, label=words, zorder=3.2)  # fmt: skip
+                    mec=line.colour, mew=1.1, label=words, zorder=3.2, clip_on=False)  # fmt: skip
 
 
-def _mark_lines(ax: Axes, exact: Sequence[Line], name: str, up: Values) -> None:
-    """Mark the frequencies of exact lines at their speed, or all the way up over the time."""
+def _mark_lines(
+    ax: Axes, exact: Sequence[Line], held: xr.Dataset, units: Units, name: str, limit: float
+) -> None:
+    """Mark the frequencies of exact lines where the speed is theirs.
+
+    Over the time that is all the way up, unless the speed changes.
+    """
     told: set[str] = set()
-    low, high = float(up.min()), float(up.max())
+    known = "speed" in held.variables
+    speeds = units.speeds(held["speed"].values).values if known else np.empty(0)
     for line in exact:
+        if abs(line.frequency) > limit * (1.0 + SLACK):
+            continue
         words = "_" if line.words in told else line.words
-        told.add(line.words)
-        if name == "speed" and low <= line.speed <= high:
-            ax.plot(line.frequency, line.speed, ls="", marker=line.marker, ms=5.0, mfc="white",
-                    mec=line.colour, mew=1.1, label=words, zorder=3.2)  # fmt: skip
-        elif name != "speed":
+        if name == "t" and _one_speed(held):
+            told.add(line.words)
             ax.axvline(line.frequency, color=line.colour, lw=0.8, ls=(0, (1, 1.2)), label=words,
                        zorder=2.7)  # fmt: skip
+            continue
+        places = _crossed(speeds, line.speed, speeds if name == "speed" else held["t"].values)
+        if places.size:
+            told.add(line.words)
+            ax.plot(np.full(places.size, line.frequency), places, ls="", marker=line.marker, ms=5.0,
+                    mfc="white", mec=line.colour, mew=1.1, label=words, zorder=3.2,
+                    clip_on=False)  # fmt: skip
+
+
+def _crossed(speeds: Values, wanted: float, up: Values) -> Values:
+    """Return what is upwards wherever the speed is one that is wanted."""
+    if up is speeds:
+        within = speeds.min() * (1.0 - STEADY) <= wanted <= speeds.max() * (1.0 + STEADY)
+        return np.array([wanted] if within else [])
+    steps = np.diff(speeds)
+    before = np.flatnonzero((speeds[:-1] - wanted) * (speeds[1:] - wanted) <= 0.0)
+    before = before[steps[before] != 0.0]
+    part = (wanted - speeds[before]) / steps[before]
+    return np.unique(up[before] + part * (up[before + 1] - up[before]))
 
 
 def _draw_frequencies(ax: Axes, frequencies: Mapping[str, float] | None) -> None:

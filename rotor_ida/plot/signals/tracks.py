@@ -172,7 +172,10 @@ def plot_polar(
         polar.set_rlabel_position(202.5)
         polar.tick_params(axis="y", labelsize=7.5)
         polar.set_xlabel(_words_of_polar(units, amplitude), labelpad=8.0)
-        polar.set_title(title_of(tracks, one_speed=is_one_speed(speeds.values)))
+        # above the label of the angle, in whatever order the two are laid out
+        polar.set_title(
+            title_of(tracks, one_speed=is_one_speed(speeds.values)), y=1.0, pad=20.0
+        )  # fmt: skip
         legend_below(polar, columns=3)
     return cast(Axes, polar)
 
@@ -333,10 +336,17 @@ def _turning_points(speeds: Values) -> list[int]:
 def _broken(
     across: Values, up: Values, breaks: npt.NDArray[np.bool_], part: slice
 ) -> tuple[Values, Values]:
-    """Return a part of a line with gaps where it is broken."""
+    """Return a part of a line with gaps where it is broken.
+
+    A point between two gaps, which no line shows, is left out, lest the axis make room for it.
+    """
     at = np.flatnonzero(breaks[part])
     at = at[at > 0]
-    return np.insert(across[part], at, np.nan), np.insert(up[part], at, np.nan)
+    ends = np.concatenate([[0], at, [across[part].size]])
+    alone = ends[:-1][np.diff(ends) == 1]
+    seen = up[part].copy()
+    seen[alone] = np.nan
+    return np.insert(across[part], at, np.nan), np.insert(seen, at, np.nan)
 
 
 def _speed_limits(ax: Axes, speeds: Values) -> None:
@@ -378,7 +388,7 @@ def _pair_of(axes: Sequence[Axes] | None) -> tuple[Axes, Axes]:
 
 def _polar_axes(ax: Axes | None) -> Any:
     if ax is None:
-        return Figure(figsize=(4.6, 5.2), layout="constrained").add_subplot(projection="polar")
+        return Figure(figsize=(4.6, 5.6), layout="constrained").add_subplot(projection="polar")
     if getattr(ax, "name", "") != "polar":
         raise InputError("ax must be polar: figure.add_subplot(projection='polar') makes it")
     return ax
@@ -387,7 +397,7 @@ def _polar_axes(ax: Axes | None) -> Any:
 def _words_of_polar(units: Units, amplitude: Values) -> str:
     """Return what the circles, the angle and the dots of a polar plot are."""
     radius = label_of("whirl_amplitude", units.lengths(amplitude))
-    unit = "rpm" if units.rate is not None else r"$\omega$"
+    unit = "[rpm]" if units.rate is not None else r"$\omega$"
     return f"{radius}; lag clockwise, against the rotation; dots: speed {unit}"
 
 
@@ -411,8 +421,10 @@ def _mark_speeds(polar: Any, speeds: Values, lag: Values, amplitude: Values, col
     for tick, place in zip(ticks, places, strict=True):
         if all(abs(place - other) > apart for other in told):
             told.append(complex(place))
+            # outside of a run-up's way, and inside of a run-down's
+            right = (place.real >= 0.0) == rising
             polar.annotate(
                 f"{tick:.6g}", (float(np.angle(place)), float(np.abs(place))),
-                xytext=(4, 3) if rising else (-4, -8), textcoords="offset points", fontsize=7.0,
-                ha="left" if rising else "right", zorder=3.5,
+                xytext=(5 if right else -5, 0), textcoords="offset points", fontsize=7.0,
+                ha="left" if right else "right", va="center_baseline", zorder=3.5,
             )  # fmt: skip

@@ -1,0 +1,67 @@
+"""The command fit: from measured signals to the parameters of a machine."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import rotor_ida
+from rotor_ida.cli import options
+from rotor_ida.cli.commands.plot import signals_in
+from rotor_ida.cli.output import Output, answer
+from rotor_ida.cli.report import Report
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# The speed of a machine is measured: what it is given here is not looked at.
+ANY_SPEED = 1.0
+
+
+def fit(
+    *files: options.SignalFile,
+    unknown: options.Unknowns,
+    machine: options.MachineOptions = options.MachineOptions(),
+    orders: options.Orders = None,
+    start: options.StartOrNone = None,
+    entries: options.ContactTimes = None,
+    exits: options.ContactTimes = None,
+    time_error: options.TimeError = None,
+    noise: options.NoiseLevel = None,
+    times: options.Times = None,
+    reading: options.ReadingOptions = options.ReadingOptions(),  # noqa: B008 - frozen
+    output: Output = Output(),
+) -> Report:
+    r"""Find parameters of a machine from its signals, with errors, and what they tell of each.
+
+    Of the run-up that the example of run-up wrote; what is sought begins at the values given:
+
+        rotor-ida fit run_up.nc --zeta 0.1 --delta0 0.7 --shaft-stiffness 1.1 \
+            --unknown zeta delta0 shaft_stiffness --figure fit
+
+    Of a machine in SI units, from a table of probes and a keyphasor:
+
+        rotor-ida fit probes.csv --units x=um y=um --mass 4 --contact-stiffness 3.2e7 \
+            --damping 100 --eccentricity 1e-5 --clearance 2.5e-5 --shaft-stiffness 4e5 \
+            --unknown damping clearance unbalance_angle
+    """
+    output.check()
+    given = machine
+    if given.omega is None and given.zeta is not None:
+        given = replace(given, omega=ANY_SPEED)
+    if given.speed is None and given.mass is not None:
+        given = replace(given, speed=ANY_SPEED)
+    chosen = given.machine()
+    signals: list[xr.Dataset] = [signals_in(each, reading, times) for each in files]
+    found = rotor_ida.fit(
+        signals,
+        chosen,
+        unknown,
+        orders=(1.0,) if orders is None else orders,
+        start=start,
+        entries=entries,
+        exits=exits,
+        time_error=time_error,
+        noise=noise,
+    )
+    return answer(found, output)

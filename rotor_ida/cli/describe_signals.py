@@ -1,0 +1,316 @@
+"""What is said of signals, their orders, spectra and whirl: the few lines that tell most."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+
+import numpy as np
+import xarray as xr
+from rich.console import RenderableType
+
+from rotor_ida.cli.report import pairs, table
+from rotor_ida.cli.variables import (
+    Description,
+    Record,
+    about,
+    names_on,
+    parameters_in,
+    rows_of,
+    rows_table,
+    span,
+    value_of,
+    with_unit,
+)
+from rotor_ida.parameters import SPEED_UNITS
+from rotor_ida.si_units import in_rpm
+
+# Peaks that noise, too, may have are below so many times the floor.
+CLEAR = 4.0
+MOST_PEAKS = 50
+PLACE = ("t", "speed")
+
+
+def _signals(dataset: xr.Dataset, _: int | None) -> Description:
+    """Return how long and how dense a record is, how fast the rotor turns, and the displacements.
+
+    The samples themselves stay in the archive.
+    """
+    times = dataset["t"].values
+    record: Record = {
+        "kind": "signals",
+        "parameters": parameters_in(dataset),
+        "samples": times.size,
+        "first_time": float(times[0]),
+        "last_time": float(times[-1]),
+        "sampling_rate": (times.size - 1) / float(times[-1] - times[0]),
+        "displacements": [_displacement(dataset, name) for name in ("x", "y")],
+    }
+    told: Record = {
+        **parameters_in(dataset),
+        "samples": times.size,
+        with_unit(dataset, "t"): span(times, 6),
+        "sampling rate" + _inverse_of(dataset["t"]): record["sampling_rate"],
+    }
+    for name, value in _turning(dataset).items():
+        record[name] = value
+        told[name] = value
+    columns = list(_displacement(dataset, "x"))
+    unit = str(dataset["x"].attrs.get("units", "1"))
+    title = "Displacements" if unit == "1" else f"Displacements [{unit}]"
+    rows = [_displacement(dataset, name) for name in ("x", "y")]
+    title_of = str(dataset.attrs.get("title", "Signals"))
+    parts: list[RenderableType] = [pairs(title_of, told), table(title, rows, columns, digits=6)]
+    return record | about(dataset), parts
+
+
+def _displacement(dataset: xr.Dataset, name: str) -> Record:
+    values = dataset[name].values
+    return {
+        "probe": name,
+        "mean": float(values.mean()),
+        "smallest": float(values.min()),
+        "largest": float(values.max()),
+        "peak_to_peak": float(np.ptp(values)),
+    }
+
+
+def _turning(dataset: xr.Dataset) -> Record:
+    """Return the revolutions of a record and the speeds at its ends, where the angle is known."""
+    if "keyphasor" in dataset:
+        pulses = dataset["keyphasor"].values
+        step = 2.0 * math.pi / int(dataset.attrs.get("pulses_per_revolution", 1))
+        angles, times = step * np.arange(pulses.size), pulses
+    elif "angle" in dataset:
+        angles, times = dataset["angle"].values, dataset["t"].values
+    else:
+        return {}
+    told: Record = {"pulses": times.size} if "keyphasor" in dataset else {}
+    told["revolutions"] = float(angles[-1] - angles[0]) / (2.0 * math.pi)
+    # over a revolution, as a single step is at the mercy of rounding
+    first = min(int(np.searchsorted(angles, angles[0] + 2.0 * math.pi)), angles.size - 1)
+    last = min(int(np.searchsorted(angles, angles[-1] - 2.0 * math.pi)), angles.size - 2)
+    ends = [
+        float((angles[end] - angles[begin]) / (times[end] - times[begin]))
+        for begin, end in ((0, first), (last, -1))
+    ]
+    if str(dataset["t"].attrs.get("units", "1")) == "s":
+        told["speed [rpm]"] = _from_to(*(each / SPEED_UNITS["rpm"] for each in ends))
+    else:
+        told["speed"] = _from_to(*ends)
+    return told
+
+
+def _inverse_of(times: xr.DataArray) -> str:
+    """Return the unit of what is counted over time."""
+    unit = str(times.attrs.get("units", "1"))
+    return {"1": "", "s": " [Hz]"}.get(unit, f" [1/{unit}]")
+
+
+def _orders(dataset: xr.Dataset, _: int | None) -> Description:
+    """Return of each order, forward and backward, the largest amplitude and where it is."""
+    largest: list[Record] = []
+    for order in dataset["order"].values.tolist():
+        own = dataset.sel(order=order)
+        for sense in ("forward", "backward"):
+            amplitude = own[f"{sense}_whirl_amplitude"]
+            here = own.isel(window=int(amplitude.values.argmax()))
+            largest.append(
+                {
+                    "order": order,
+                    "sense": sense,
+                    with_unit(dataset, f"{sense}_whirl_amplitude").removeprefix(f"{sense} "): float(
+                        here[f"{sense}_whirl_amplitude"]
+                    ),
+                    "standard error": float(here[f"{sense}_amplitude_error"]),
+                    "phase lag [degree]": math.degrees(float(here[f"{sense}_phase_lag"])),
+                    **_place(here),
+                }
+            )
+    every = rows_of(dataset, [*names_on(dataset, "window", "order"), "order", "window", *PLACE])
+    record: Record = {"kind": "orders", "orders": every, **_windows_record(dataset)}
+    columns = list(largest[0]) if largest else []
+    # of all windows the means, beside the largest
+    told = _windows(dataset) | {
+        with_unit(dataset, "window_residual"): float(dataset["window_residual"].mean())
+    }
+    parts = [pairs("Orders of the speed", told)]
+    return record, [*parts, table("Largest amplitudes", largest, columns, digits=6)]
+
+
+def _centre_line(dataset: xr.Dataset, _: int | None) -> Description:
+    """Return the mean position first and last, and where it is furthest from the middle."""
+    distance = np.hypot(dataset["offset_x"].values, dataset["offset_y"].values)
+    places = {"first": 0, "last": -1, "furthest out": int(distance.argmax()),
+              "furthest in": int(distance.argmin())}  # fmt: skip
+    rows: list[Record] = []
+    for words, place in places.items():
+        here = dataset.isel(window=place)
+        offsets = {with_unit(dataset, f"offset_{each}"): float(here[f"offset_{each}"])
+                   for each in "xy"}  # fmt: skip
+        rows.append({"": words, **_place(here), **offsets})
+    every = rows_of(dataset, [*names_on(dataset, "window"), "window", *PLACE])
+    record: Record = {"kind": "centre_line", "windows": every, **_windows_record(dataset)}
+    parts = [pairs("Mean position of the shaft", _windows(dataset))]
+    return record, [*parts, table("Positions", rows, list(rows[0]), digits=6)]
+
+
+def _whirl(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return the stretches over which the whirl keeps its sense."""
+    sense = dataset["whirl_sense"].values
+    edges = [0, *(np.flatnonzero(np.diff(sense)) + 1).tolist(), sense.size]
+    rows: list[Record] = []
+    for begin, end in pairwise(edges):
+        part = dataset.isel(window=slice(begin, end))
+        first, last = (_place(part.isel(window=place)) for place in (0, -1))
+        ranges = {name: _from_to(first[name], last[name]) for name in first}
+        ratio = part["whirl_over_spin"].values
+        word = value_of(part.isel(window=0), "whirl_sense")
+        rows.append({"sense": word, "windows": end - begin, **ranges,
+                     "mean whirl over spin": float(ratio.mean()),
+                     "whirl over spin": span(ratio, 6)})  # fmt: skip
+    every = rows_of(dataset, [*names_on(dataset, "window"), "window", *PLACE])
+    record: Record = {"kind": "whirl_over_spin", "windows": every, **_windows_record(dataset)}
+    parts = [pairs("Whirl against spin", _windows(dataset))]
+    return record, [*parts, *rows_table("Senses", rows, list(rows[0]), most, digits=6)]
+
+
+def _full_spectrum(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return bandwidth and noise floor, and the highest peaks that are clear of it."""
+    attributes = about(dataset)
+    scalars = {name: value_of(dataset, name) for name in names_on(dataset)}
+    peaks = _peaks(dataset)
+    record: Record = {"kind": "full_spectrum", "parameters": parameters_in(dataset), **scalars,
+                      "peaks": peaks, **attributes}  # fmt: skip
+    told = {
+        **parameters_in(dataset),
+        with_unit(dataset, "frequency"): span(dataset["frequency"].values, 6),
+        **{with_unit(dataset, name): value for name, value in scalars.items()},
+        **_named(attributes, ("window", "segment", "segment_count")),
+    }
+    shown = _headed(dataset, peaks)
+    columns = list(shown[0]) if shown else []
+    words = f"Peaks above {CLEAR:g} times the noise floor"
+    parts = rows_table(words, shown, columns, most, digits=6)
+    return record, [pairs("Full spectrum", told), *parts]
+
+
+def _peaks(dataset: xr.Dataset) -> list[Record]:
+    """Return the highest peaks, further apart than the window is wide, in order of height."""
+    from scipy.signal import find_peaks  # noqa: PLC0415 - takes long to import
+
+    heights, frequency = dataset["whirl_amplitude"].values, dataset["frequency"].values
+    apart = 2.0 * float(dataset["bandwidth"]) / float(frequency[1] - frequency[0])
+    # the spectrum goes on at its other end, so a peak may lie at an edge
+    ringed = np.concatenate([heights[-1:], heights, heights[:1]])
+    least = CLEAR * float(dataset["noise_floor"])
+    found = find_peaks(ringed, height=max(least, 1e-300), distance=max(apart, 1.0))[0] - 1
+    places = found[np.argsort(-heights[found])][:MOST_PEAKS]
+    names = [each for each in ("frequency", "frequency_over_omega", "whirl_amplitude")
+             if each in dataset.variables]  # fmt: skip
+    return rows_of(dataset[names].isel(frequency=places), names) if places.size else []
+
+
+def _spectral_lines(dataset: xr.Dataset, most: int | None) -> Description:
+    names = names_on(dataset, "line")
+    rows = sorted(rows_of(dataset, names), key=lambda row: -_number(row["whirl_amplitude"]))
+    scalars = {name: value_of(dataset, name) for name in names_on(dataset)}
+    record: Record = {"kind": "spectral_lines", "parameters": parameters_in(dataset), **scalars,
+                      "lines": rows, **about(dataset)}  # fmt: skip
+    told = {with_unit(dataset, name): value for name, value in scalars.items()}
+    shown = _headed(dataset, rows)
+    columns = list(shown[0]) if shown else []
+    parts = [pairs("Lines by least squares", {**parameters_in(dataset), **told})]
+    return record, [*parts, *rows_table("Lines", shown, columns, most)]
+
+
+def _spectrogram(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return what is covered, and the highest line of some segments from first to last."""
+    every = _highest(dataset)
+    attributes = about(dataset)
+    bandwidth = float(dataset["bandwidth"])
+    record: Record = {"kind": "spectrogram", "parameters": parameters_in(dataset),
+                      "bandwidth": bandwidth, "highest": every, **attributes}  # fmt: skip
+    told = {
+        **_windows(dataset),
+        with_unit(dataset, "frequency"): span(dataset["frequency"].values, 6),
+        with_unit(dataset, "bandwidth"): bandwidth,
+        **_named(attributes, ("window", "segment", "overlap")),
+    }
+    count = len(every) if most is None else min(most, len(every))
+    rows: list[Record] = []
+    for number in np.linspace(0, len(every) - 1, count).round().astype(int).tolist():
+        line = {with_unit(dataset, name): every[number][name]
+                for name in ("frequency", "whirl_amplitude")}  # fmt: skip
+        rows.append({**_place(dataset.isel(window=number)), **line})
+    title = f"Highest line of {'each segment' if count == len(every) else 'some segments'}"
+    return record, [pairs("Spectrogram", told), table(title, rows, list(rows[0]), digits=6)]
+
+
+def _highest(dataset: xr.Dataset) -> list[Record]:
+    """Return the highest line of each segment."""
+    lines = dataset["whirl_amplitude"].transpose("window", "frequency").values
+    places = lines.argmax(axis=1)
+    times = dataset["t"].values.tolist()
+    speeds: Sequence[float] = dataset["speed"].values.tolist() if "speed" in dataset.coords else []
+    return [
+        {"t": time, **({"speed": speeds[number]} if speeds else {}),
+         "frequency": float(dataset["frequency"].values[place]),
+         "whirl_amplitude": float(lines[number, place])}
+        for number, (time, place) in enumerate(zip(times, places.tolist(), strict=True))
+    ]  # fmt: skip
+
+
+def _windows(dataset: xr.Dataset) -> Record:
+    """Return how many windows there are, of what length, and the times and speeds they cover."""
+    told: Record = {**parameters_in(dataset), "windows": dataset.sizes["window"]}
+    told |= _named(dict(dataset.attrs), ("window_revolutions", "window_overlap"))
+    first, last = (_place(dataset.isel(window=place)) for place in (0, -1))
+    return told | {name: _from_to(first[name], last[name]) for name in first}
+
+
+def _windows_record(dataset: xr.Dataset) -> Record:
+    return {"parameters": parameters_in(dataset), **about(dataset)}
+
+
+def _place(window: xr.Dataset) -> dict[str, float]:
+    """Return time and speed of a window by names with units, the speed of a machine in rpm."""
+    told = {with_unit(window, "t"): float(window["t"])}
+    if "speed" in window.variables:
+        turns = in_rpm(window["speed"])
+        told |= (
+            {with_unit(window, "speed"): float(window["speed"])}
+            if turns is None
+            else {"speed [rpm]": float(turns)}
+        )
+    return told
+
+
+def _from_to(first: float, last: float) -> str:
+    ends = f"{first:.6g}", f"{last:.6g}"
+    return ends[0] if ends[0] == ends[1] else " to ".join(ends)
+
+
+def _headed(dataset: xr.Dataset, rows: list[Record]) -> list[Record]:
+    """Return rows whose names have units."""
+    return [{with_unit(dataset, name): each for name, each in row.items()} for row in rows]
+
+
+def _named(attributes: Record, names: Sequence[str]) -> Record:
+    return {name: attributes[name] for name in names if name in attributes}
+
+
+def _number(value: object) -> float:
+    return value if isinstance(value, float) else math.nan
+
+
+BY_KIND: dict[str, Callable[[xr.Dataset, int | None], Description]] = {
+    "signals": _signals,
+    "orders": _orders,
+    "centre_line": _centre_line,
+    "whirl_over_spin": _whirl,
+    "full_spectrum": _full_spectrum,
+    "spectrogram": _spectrogram,
+    "spectral_lines": _spectral_lines,
+}

@@ -1,0 +1,139 @@
+"""What signals tell of each unknown, in numbers and in words."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.arrays import Values
+
+# What is measured in radians, and may be 0.
+ANGLE = "unbalance_angle"
+# An unknown is told if its error is at most this part of it; an angle, of a radian.
+TOLD = 0.5
+# Singular values below this part of the largest are rounding.
+ROUNDING = 1e-10
+# Unknowns that belong together have this part of the worst direction at least, or this correlation.
+SHARE, TOGETHER = 0.25, 0.95
+# A chance this small is none.
+NO_CHANCE = 1e-3
+
+
+@dataclass(frozen=True)
+class Told:
+    """What the derivatives at a solution tell.
+
+    Parameters
+    ----------
+    covariance : ndarray, shape (k, k)
+        Of the unknowns; infinite on the diagonal of those that nothing tells.
+    told : ndarray of bool, shape (k,)
+        Whether each is known to half of its value at least.
+    words : list of str
+        A sentence for each unknown, or for several that are known only together.
+    """
+
+    covariance: Values
+    told: npt.NDArray[np.bool_]
+    words: list[str]
+
+
+def told_by(slopes: Values, scale: Values, names: list[str]) -> Told:
+    """Return what the slopes of weighed residuals, shape (n, k + others), tell of the first k.
+
+    What is known of each is measured by its scale: its value, or 1 where that may as well be 0.
+
+    Notes
+    -----
+    The covariance is ``inverse(S' S)`` of the slopes S [1]_. It is computed from those of the
+    unknowns in parts of their values, once all that the others could explain is taken out.
+
+    References
+    ----------
+    .. [1] G. A. F. Seber and C. J. Wild, "Nonlinear Regression", Wiley, 1989, section 2.1.
+    """
+    count = len(names)
+    relative = slopes[:, :count] * scale
+    if slopes.shape[1] > count:
+        others = slopes[:, count:]
+        others = others / np.maximum(np.linalg.norm(others, axis=0), np.finfo(float).tiny)
+        relative = relative - others @ np.linalg.lstsq(others, relative)[0]
+    sizes = np.linalg.norm(slopes[:, :count] * scale, axis=0)
+    _, singular, rows = np.linalg.svd(relative, full_matrices=False)
+    largest = max(float(singular[0]), np.finfo(float).tiny)
+    kept = singular > ROUNDING * largest
+    parts = rows / np.where(kept, singular, math.inf)[:, None]
+    covariance = np.einsum("ki,kj->ij", parts, parts)
+    free = rows[~kept] if (~kept).any() else np.empty((0, count))
+    lost = (np.abs(free) > ROUNDING**0.5).any(axis=0) if free.size else np.zeros(count, dtype=bool)
+    errors = np.where(lost, math.inf, np.sqrt(np.diag(covariance)))
+    told = errors <= TOLD
+    words = _words(names, sizes, errors, rows[::-1], covariance)
+    full = covariance * scale * scale[:, None]
+    full[np.diag_indices(count)] = np.where(lost, math.inf, np.diag(full))
+    return Told(full, told, words)
+
+
+def _words(
+    names: list[str], sizes: Values, errors: Values, directions: Values, covariance: Values
+) -> list[str]:
+    """Return a sentence for each unknown, or for those that are known only together."""
+    words, done = [], set()
+    for number, name in enumerate(names):
+        if sizes[number] <= ROUNDING * sizes.max(initial=1e-300):
+            words.append(f"{name} is not told: nothing in these signals changes with it")
+            done.add(number)
+    for direction in directions:
+        members = [
+            n for n in np.flatnonzero(np.abs(direction) > SHARE).tolist()
+            if n not in done and errors[n] > TOLD
+        ]  # fmt: skip
+        if not members:
+            continue
+        first = members[0]
+        if len(members) == 1:
+            words.append(f"{names[first]} is hardly told: {_part(names[first], errors[first])}")
+        else:
+            ways = ", ".join(f"{names[n]} {direction[n] / direction[members[0]]:+.2g}"
+                             for n in members)  # fmt: skip
+            words.append(
+                f"{_listed([names[n] for n in members])} are told only together: changed in these "
+                f"parts of their values ({ways}), they change next to nothing"
+            )
+        done.update(members)
+    for number, name in enumerate(names):
+        if number not in done:
+            words.append(f"{name} is known to {_part(name, errors[number])}")
+    deviations = np.sqrt(np.maximum(np.diag(covariance), np.finfo(float).tiny))
+    for i in range(len(names)):
+        for j in range(i):
+            goes = covariance[i, j] / (deviations[i] * deviations[j])
+            if abs(goes) > TOGETHER and not {i, j} & done:
+                words.append(f"errors of {names[j]} and {names[i]} go together: {goes:+.3f}")
+    return words
+
+
+def _part(name: str, error: float) -> str:
+    """Return an error in parts of the scale in words."""
+    if not math.isfinite(error):
+        return "no error can be stated"
+    if name == ANGLE:
+        return f"{error:.2g} rad"
+    return f"{100.0 * error:.2g} %" if error < 10.0 else f"{error:.2g} times its value"
+
+
+def _listed(names: list[str]) -> str:
+    return f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def left_in_words(chi_square: float, freedom: int) -> str:
+    """Return whether what a fit leaves is noise."""
+    from scipy.stats import chi2  # noqa: PLC0415 - takes long to import
+
+    told = f"chi-square {chi_square:.4g} with {freedom} degrees of freedom"
+    if freedom > 0 and chi2.sf(chi_square, freedom) < NO_CHANCE:
+        return f"more than noise is left, and the errors are too small: {told}"
+    return f"what is left is noise: {told}"

@@ -1,0 +1,290 @@
+"""The motion of a machine along a measured course of its speed, with its derivatives."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.arrays import Values
+from rotor_ida.errors import InputError
+from rotor_ida.fitting.variation import (
+    LONGEST,
+    Complex,
+    Moments,
+    between,
+    grown,
+    nodes_of,
+    panels_of,
+    slopes_of,
+)
+from rotor_ida.parameters import DimensionalRotor
+from rotor_ida.simulation.options import Options, check_can_be_followed
+from rotor_ida.simulation.orbit import (
+    ENTRY,
+    EXIT,
+    OF_FRICTION,
+    PRESS,
+    ROLLS,
+    Orbit,
+)
+from rotor_ida.simulation.run import run
+from rotor_ida.simulation.spin import Course, Ramp
+
+OPTIONS = Options(rtol=1e-11, atol=1e-13, method="taylor")
+# Beyond, a motion is chaotic for a fit: what is left of its start is rounding.
+LARGEST_GROWTH = 1e6
+# What a motion and its panels may take: some seconds.
+MOST_PANELS = 1_000_000
+# Column of the largest indentation of a contact in the table of an orbit.
+DEEPEST = 3
+
+
+@dataclass(frozen=True)
+class Turning:
+    """How the angle of the rotor was measured to change: quadratic in time, piece by piece.
+
+    Parameters
+    ----------
+    ends : ndarray, shape (n + 1,)
+        Where pieces begin and end, from 0 [s].
+    angles, speeds, rates : ndarray, shape (n,)
+        Angle, speed and angular acceleration at the beginning of each [rad, rad/s, rad/s^2].
+    """
+
+    ends: Values
+    angles: Values
+    speeds: Values
+    rates: Values
+
+    def at(self, times: Values, side: str = "right") -> tuple[Values, Values, Values]:
+        """Return angle, speed and angular acceleration at times."""
+        number = np.searchsorted(self.ends[1:-1], times, side=side)  # type: ignore[call-overload]
+        since = times - self.ends[number]
+        rate, speed = self.rates[number], self.speeds[number]
+        return (
+            self.angles[number] + (speed + 0.5 * rate * since) * since,
+            speed + rate * since,
+            rate,
+        )
+
+    def course(self, frequency: float, ahead: float) -> Course:
+        """Return it without dimensions, the unbalance so far ahead of the mark."""
+        spins = tuple(
+            Ramp(begin * frequency, angle + ahead, speed / frequency, rate / frequency**2)
+            for begin, angle, speed, rate in zip(
+                self.ends.tolist(), self.angles.tolist(), self.speeds.tolist(),
+                self.rates.tolist(), strict=False,
+            )
+        )  # fmt: skip
+        return Course(tuple((self.ends[1:] * frequency).tolist()), spins)
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A motion at the times of a record, and how it answers to changes.
+
+    Parameters
+    ----------
+    z : ndarray of complex, shape (n,)
+        Displacement ``x + i y`` at the samples [m].
+    slopes : ndarray of complex, shape (n, 4 + k)
+        Its derivatives by the start, and by each unknown.
+    entries, exits : ndarray, shape (m,)
+        When contacts begin and end [s].
+    entry_slopes, exit_slopes : ndarray, shape (m, 4 + k)
+        Their derivatives.
+    growth : float
+        The largest factor by which a small change of the start has grown.
+    lost : float
+        When that first exceeds a million, or infinity [s].
+    """
+
+    z: Complex
+    slopes: Complex
+    entries: Values
+    exits: Values
+    entry_slopes: Values
+    exit_slopes: Values
+    growth: float
+    lost: float
+
+
+def motion_of(
+    machine: DimensionalRotor,
+    turning: Turning,
+    start: Values,
+    times: Values,
+    names: Sequence[str],
+    ahead: float = 0.0,
+) -> Motion:
+    """Follow a machine, and its derivatives by its start and by parameters.
+
+    Parameters
+    ----------
+    machine : DimensionalRotor
+        The machine; its speed is not looked at.
+    turning : Turning
+        How its angle changes.
+    start : ndarray, shape (4,)
+        ``(x, y, vx, vy)`` at time 0 [m, m/s].
+    times : ndarray, shape (n,)
+        When to report it, from 0 to the end of the course [s].
+    names : sequence of str
+        By which parameters it is differentiated.
+    ahead : float
+        Angle of the unbalance ahead of the mark [rad].
+
+    Raises
+    ------
+    InputError
+        If the machine cannot be followed, or rolls or slips the other way on the ring.
+    SimulationError
+        If the motion could not be followed.
+    """
+    bare = _follow(machine, turning, start, np.empty(0), ahead)
+    stretches = _stretches_of(bare, machine, turning)
+    ends, stretch = panels_of(
+        stretches.ends, stretches.pushes, _longest_panels(bare, machine, turning),
+        hertz=machine.contact_exponent > 1.0,
+    )  # fmt: skip
+    nodes = nodes_of(ends)
+    seen = np.sort(np.concatenate([times, nodes.ravel(), ends]))
+    orbit = _follow(machine, turning, start, seen, ahead)
+    z, v = _displacements(orbit, machine)
+
+    def moments(at: Values, stretch: npt.NDArray[np.intp], side: str = "right") -> Moments:
+        place = np.searchsorted(seen, at)
+        angle, speed, rate = turning.at(at, side)
+        pull = (speed**2 - 1j * rate) * np.exp(1j * (angle + ahead))
+        return Moments(
+            z[place], v[place], pull, stretches.pushes[stretch], stretches.slides[stretch]
+        )
+
+    inside = slopes_of(machine, moments(nodes.ravel(), np.repeat(stretch, 3)), names)
+    shape = (*nodes.shape, 4)
+    grown_to = grown(ends, *(each.reshape(*shape, -1) for each in inside))
+    rates = tuple(
+        _rates_at(slopes_of(machine, moments(ends[here], stretch, side), names), grown_to[here])
+        for here, side in ((slice(None, -1), "right"), (slice(1, None), "left"))
+    )
+    growth = np.linalg.norm(_scaled(grown_to[:, :, :4], turning), axis=(1, 2))
+    lost = ~(growth <= LARGEST_GROWTH)
+    touches = [_times_of(kind, bare, machine, ends, grown_to, names) for kind in (ENTRY, EXIT)]
+    return Motion(
+        z[np.searchsorted(seen, times)],
+        between(ends, grown_to, (rates[0], rates[1]), times),
+        touches[0][0], touches[1][0], touches[0][1], touches[1][1],
+        float(growth.max()), float(ends[lost.argmax()]) if lost.any() else math.inf,
+    )  # fmt: skip
+
+
+def _scaled(grown_to: Values, turning: Turning) -> Values:
+    """Return derivatives by the start with velocities in parts of the speed."""
+    scale = np.array([1.0, 1.0, *2 * [float(turning.speeds.max())]])
+    return np.asarray(grown_to / scale[:, None] * scale)
+
+
+def _follow(
+    machine: DimensionalRotor, turning: Turning, start: Values, times: Values, ahead: float
+) -> Orbit:
+    """Return the orbit, without dimensions."""
+    rotor, frequency = machine.rotor(), machine.reference_frequency
+    scale = np.repeat([machine.length_scale, machine.velocity_scale], 2)
+    x, y, vx, vy = (start / scale).tolist()
+    check_can_be_followed(rotor, (x, y, vx, vy))
+    course = turning.course(frequency, ahead)
+    sampled = np.minimum(times * frequency, course.ends[-1])
+    return run(rotor, (x, y, vx, vy), course.ends[-1], sampled, OPTIONS, course=course)
+
+
+def _displacements(orbit: Orbit, machine: DimensionalRotor) -> tuple[Complex, Complex]:
+    """Return displacements and velocities of an orbit."""
+    x, y, vx, vy = orbit.states.T
+    return machine.length_scale * (x + 1j * y), machine.velocity_scale * (vx + 1j * vy)
+
+
+@dataclass(frozen=True)
+class _Stretches:
+    """What lies between events and changes of the course: whether surfaces press, and slide."""
+
+    ends: Values
+    pushes: Values
+    slides: Values
+
+
+def _stretches_of(orbit: Orbit, machine: DimensionalRotor, turning: Turning) -> _Stretches:
+    """Return the stretches of an orbit."""
+    kinds, times = orbit.event_kinds, orbit.event_times / machine.reference_frequency
+    rolls = orbit.ways is not None and bool((orbit.ways == ROLLS).any())
+    if rolls or np.isin(kinds, OF_FRICTION).any():
+        raise InputError(
+            "machine must slide one way on the ring in the motion that is fitted, but the disc "
+            "rolls or slips back there: fit without friction, or another part"
+        )
+    presses = np.array([orbit.starts_in_contact, *np.isin(kinds, (ENTRY, PRESS))], dtype=float)
+    slides = np.zeros(presses.size) if orbit.ways is None else orbit.ways.astype(float)
+    whole = np.unique(np.concatenate([turning.ends, times]))
+    whole = whole[np.append(np.diff(whole) > np.spacing(whole[-1]), True)]
+    number = np.searchsorted(times, 0.5 * (whole[1:] + whole[:-1]))
+    return _Stretches(whole, presses[number], slides[number] * presses[number])
+
+
+def _longest_panels(
+    orbit: Orbit, machine: DimensionalRotor, turning: Turning
+) -> tuple[float, float]:
+    """Return how long panels may be in flight and in contact [s]."""
+    speeds = np.abs(turning.at(turning.ends[1:], "left")[1])
+    fastest = max(float(speeds.max()), float(turning.speeds.max()), machine.damping / machine.mass)
+    flight = fastest + math.sqrt(machine.shaft_stiffness / machine.mass)
+    found = orbit.contacts[:, DEEPEST]
+    depth = float(np.nanmax(found)) if np.isfinite(found).any() else 0.0
+    deepest = depth * machine.length_scale
+    exponent = machine.contact_exponent
+    stiff = machine.contact_stiffness * exponent * deepest ** (exponent - 1.0)
+    contact = flight + math.sqrt(stiff / machine.mass)
+    panels = turning.ends[-1] * contact / LONGEST + 2.0 * orbit.event_times.size
+    if panels > MOST_PANELS:
+        raise InputError(
+            f"signals must be shorter, or the machine softer: {panels:.3g} steps of the equations "
+            f"are more than {MOST_PANELS}"
+        )
+    return LONGEST / flight, LONGEST / contact
+
+
+def _rates_at(slopes: tuple[Values, Values], grown_to: Values) -> Values:
+    """Return the rates of the velocities of differences, shape (p, 2, 4 + k)."""
+    rates = np.einsum("pij,pjc->pic", slopes[0][:, 2:], grown_to)
+    rates[:, :, 4:] += slopes[1][:, 2:]
+    return np.asarray(rates)
+
+
+def _times_of(
+    kind: int,
+    orbit: Orbit,
+    machine: DimensionalRotor,
+    ends: Values,
+    grown_to: Values,
+    names: Sequence[str],
+) -> tuple[Values, Values]:
+    """Return when contacts begin, or end, and by how much that changes.
+
+    From ``|z(t)| = d``: ``r' dt = d(clearance) - (z/|z|) . dz``.
+    """
+    # an exit from a loose contact is one as well
+    chosen = orbit.event_kinds == kind
+    times = orbit.event_times[chosen] / machine.reference_frequency
+    place = np.abs(ends[:, None] - times).argmin(axis=0) if times.size else np.empty(0, int)
+    x, y, vx, vy = orbit.event_states[chosen].T
+    radius = np.hypot(x, y)
+    rise = (x * vx + y * vy) / radius * machine.velocity_scale
+    here = grown_to[place]
+    outwards = -(x[:, None] * here[:, 0] + y[:, None] * here[:, 1]) / radius[:, None]
+    if "clearance" in names:
+        outwards[:, 4 + list(names).index("clearance")] += 1.0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slopes = outwards / rise[:, None]
+    return times, slopes

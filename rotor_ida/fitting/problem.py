@@ -1,0 +1,227 @@
+"""The least-squares problem of a fit: what is unknown, what is left over, and its derivatives."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from rotor_ida.arrays import Values
+from rotor_ida.errors import InputError, RotorError
+from rotor_ida.fitting.identifiability import ANGLE
+from rotor_ida.fitting.motion import LARGEST_GROWTH, Motion, motion_of
+from rotor_ida.fitting.records import Measured
+from rotor_ida.parameters import DimensionalRotor
+
+# Singular values below this part of the largest are rounding.
+RANK = 1e-10
+# What cannot be followed counts as so many times what the first guess leaves.
+FAR_OFF = 1e3
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """One unknown.
+
+    Parameters
+    ----------
+    name, field : str
+        Its name, and that of the parameter of a machine in SI units that it is.
+    factor : float
+        How many of that one of it is.
+    guess, least : float
+        The first guess, and the least value allowed.
+    """
+
+    name: str
+    field: str
+    factor: float
+    guess: float
+    least: float
+
+
+@dataclass
+class Problem:
+    """What is to be made small.
+
+    Parameters
+    ----------
+    machine : DimensionalRotor
+        The machine with the first guesses.
+    unknown : list of Unknown
+        What is sought.
+    records : list of Measured
+        What is compared.
+    noise : float
+        Standard deviation of x and y [m].
+    time_error : float
+        Standard error of a contact time [s]; infinite leaves contact times out.
+    starts : list of ndarray, optional
+        The states at the begins, if they are known; else they are sought as well.
+    evaluations : int
+        How often motions have been followed.
+    part : float
+        The first part of the windows, to which the search keeps: 1 is all.
+    """
+
+    machine: DimensionalRotor
+    unknown: list[Unknown]
+    records: list[Measured]
+    noise: float
+    time_error: float = math.inf
+    starts: list[Values] | None = None
+    _last: tuple[bytes, Values, Values, list[Motion]] | None = field(default=None, repr=False)
+    evaluations: int = 0
+    part: float = 1.0
+
+    def renew(self, **known: float) -> None:
+        """Set the noise, the error of contact times or the part, with which all is weighed anew."""
+        for name, value in known.items():
+            setattr(self, name, value)
+        self._last = None
+
+    def first(self) -> Values:
+        """Return the first guess: the unknowns, then the states at the begins."""
+        held = [np.array([each.guess for each in self.unknown])]
+        if self.starts is None:
+            held += [each.start for each in self.records]
+        return np.concatenate(held)
+
+    def bounds(self) -> tuple[Values, Values]:
+        """Return the least and the largest values allowed."""
+        low = np.full(self.first().size, -math.inf)
+        low[: len(self.unknown)] = [each.least for each in self.unknown]
+        return low, np.full(low.size, math.inf)
+
+    def machine_of(self, sought: Values) -> tuple[DimensionalRotor, float]:
+        """Return the machine with these unknowns, and the angle of its unbalance."""
+        values = {
+            each.field: each.factor * value
+            for each, value in zip(self.unknown, sought.tolist(), strict=False)
+        }
+        ahead = values.pop(ANGLE, 0.0)
+        return replace(self.machine, **values), ahead
+
+    def motions(self, sought: Values) -> list[Motion]:
+        """Return the motions that belong to each record."""
+        machine, ahead = self.machine_of(sought)
+        names = [each.field for each in self.unknown]
+        count = len(names)
+        found = []
+        for number, each in enumerate(self.records):
+            start = (
+                sought[count + 4 * number : count + 4 * number + 4]
+                if self.starts is None
+                else self.starts[number]
+            )
+            found.append(motion_of(machine, each.turning, start, each.times, names, ahead))
+            if not found[-1].growth <= LARGEST_GROWTH:
+                raise InputError(
+                    "signals must hold a motion that its start determines, but by "
+                    f"{found[-1].lost:.6g} after their begin small changes "
+                    f"have grown by {LARGEST_GROWTH:g}: fit a part of them"
+                )
+        return found
+
+    def at(self, sought: Values) -> tuple[Values, Values, list[Motion]]:
+        """Return what is left over, its derivatives, and the motions."""
+        key = sought.tobytes()
+        if self._last is None or self._last[0] != key:
+            self.evaluations += 1
+            motions = self.motions(sought)
+            parts = [self._compared(n, motion, sought) for n, motion in enumerate(motions)]
+            left, slopes = (np.concatenate(each) for each in zip(*parts, strict=True))
+            self._last = (key, left, slopes, motions)
+        return self._last[1:]
+
+    def left(self, sought: Values) -> Values:
+        """Return what is left over; where nothing can be followed, much."""
+        try:
+            return self.at(sought)[0]
+        except RotorError:
+            if self._last is None:
+                raise
+            return np.full(self._last[1].size, FAR_OFF * (1.0 + np.abs(self._last[1]).max()))
+
+    def slopes(self, sought: Values) -> Values:
+        """Return the derivatives of what is left over."""
+        return self.at(sought)[1]
+
+    def freedom(self, sought: Values) -> int:
+        """Return how many numbers are compared, less how many these determine of what is sought.
+
+        The start of a motion that forgets it is determined by its guess instead.
+        """
+        _, slopes, motions = self.at(sought)
+        measured = np.ones(len(slopes), dtype=bool)
+        lost, row = 0, 0
+        for each, motion in zip(self.records, motions, strict=True):
+            row += 2 * each.tracks.orders.size * each.tracks.windows.times.size
+            if self.starts is None:
+                measured[row : row + 4] = False
+                row += 4
+            if math.isfinite(self.time_error):
+                for kind, times in each.touches.items():
+                    lost += int(np.isnan(partners(times, motion, kind)).sum())
+                    row += times.size
+        sizes = np.linalg.norm(slopes, axis=0)
+        basis = np.linalg.svd(slopes / np.where(sizes > 0.0, sizes, 1.0), full_matrices=False)
+        kept = basis[0][:, basis[1] > RANK * basis[1].max(initial=0.0)]
+        used = float((kept[measured] ** 2).sum())
+        return int(measured.sum()) - lost - round(used)
+
+    def _compared(self, number: int, motion: Motion, sought: Values) -> tuple[Values, Values]:
+        """Return what is left of one record, and its derivatives by all that is sought."""
+        each, count = self.records[number], len(self.unknown)
+        tracks = each.tracks
+        kept = tracks.first(self.part) / self.noise
+        left = [tracks.weighed((motion.z - each.record.z)[:, None])[:, 0] * kept]
+        slopes = [tracks.weighed(motion.slopes) * kept[:, None]]
+        if self.starts is None:
+            start = sought[count + 4 * number : count + 4 * number + 4]
+            left.append((start - each.start) / each.spread)
+            slopes.append(np.hstack([np.diag(1.0 / each.spread), np.zeros((4, count))]))
+        if math.isfinite(self.time_error):
+            for kind, times in each.touches.items():
+                apart, by = matched(times, motion, kind)
+                left.append(apart / self.time_error)
+                slopes.append(by / self.time_error)
+        return np.concatenate(left), self._by_sought(np.concatenate(slopes), number)
+
+    def _by_sought(self, slopes: Values, number: int) -> Values:
+        """Return derivatives by all that is sought of those by start and unknowns."""
+        count = len(self.unknown)
+        found = np.zeros((len(slopes), self.first().size))
+        found[:, :count] = slopes[:, 4:] * [each.factor for each in self.unknown]
+        if self.starts is None:
+            found[:, count + 4 * number : count + 4 * number + 4] = slopes[:, :4]
+        return found
+
+
+def matched(times: Values, motion: Motion, kind: int) -> tuple[Values, Values]:
+    """Return by how much the next of the computed contact times misses each measured one.
+
+    One that is farther than half the usual gap has no partner: it misses by that, whatever the
+    unknowns.
+    """
+    found, slopes = (
+        (motion.entries, motion.entry_slopes) if kind > 0 else (motion.exits, motion.exit_slopes)
+    )
+    reach = 0.5 * float(np.median(np.diff(times))) if times.size > 1 else math.inf
+    if not found.size:
+        return np.full(times.size, min(reach, float(times[-1]))), np.zeros(
+            (times.size, slopes.shape[1])
+        )
+    nearest = np.abs(found[:, None] - times).argmin(axis=0)
+    apart, by = found[nearest] - times, slopes[nearest].copy()
+    alone = (np.abs(apart) >= reach) | ~np.isfinite(by).all(axis=1)
+    apart[alone] = np.clip(apart[alone], -reach, reach)
+    by[alone] = 0.0
+    return apart, by
+
+
+def partners(times: Values, motion: Motion, kind: int) -> Values:
+    """Return the computed time that belongs to each measured one, or NaN."""
+    apart, by = matched(times, motion, kind)
+    return np.where(by.any(axis=1), times + apart, np.nan)

@@ -1,0 +1,268 @@
+"""What is compared: order tracks, weighed by their errors, and contact times."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+import xarray as xr
+
+from rotor_ida.arrays import Values
+from rotor_ida.checks import check_increasing, check_vector
+from rotor_ida.errors import InputError
+from rotor_ida.fitting.motion import Turning
+from rotor_ida.fitting.variation import Complex
+from rotor_ida.si_units import PREFIXES, UNITS
+from rotor_ida.signals.orders import revolutions_for
+from rotor_ida.signals.record import Record, record_of
+from rotor_ida.signals.windows import Windows, windows_of
+
+# Whole orders up to this are fitted beside those that are asked for.
+BESIDE = 3
+MOST_SAMPLES = 1_000_000
+# Pieces of the course of the speed, the fewest that leave no more than twice what the most leave.
+MOST_PIECES = 64
+ENOUGH = 2.0
+# What the course may leave of the measured angle [rad].
+SMOOTH, EXACT = 0.05, 1e-9
+# The start is sought within the motion in the first part of a revolution [rad]. What a cubic finds
+# there is a guess, not a measurement: it is believed within so many of its errors, and within a
+# tenth of the motion at the least.
+FIRST_PART, FEWEST = 1.5, 8
+SPREAD, LEAST_SPREAD = 10.0, 0.1
+
+
+@dataclass(frozen=True)
+class Tracks:
+    """How windows of a record are turned into order tracks with independent errors.
+
+    Parameters
+    ----------
+    windows : Windows
+        The windows.
+    orders : ndarray, shape (k,)
+        Signed orders that are compared: negative for backward whirl, 0 for the mean position.
+    basis : ndarray of complex, shape (m, n)
+        ``exp(i n angle)`` of these and of the orders beside, at the samples.
+    inverse : ndarray of complex, shape (windows, m, m)
+        Inverse of the matrix of the normal equations.
+    root : ndarray of complex, shape (windows, k, k)
+        Cholesky factor of what it holds of the orders compared: their covariance over the variance
+        of the noise.
+    """
+
+    windows: Windows
+    orders: Values
+    basis: Complex
+    inverse: Complex
+    root: Complex
+
+    @property
+    def samples(self) -> int:
+        """Samples that lie in windows."""
+        return int(self.windows.edges[-1])
+
+    def amplitudes(self, values: Complex) -> Complex:
+        """Return what each window holds of the orders, shape (windows, m, c), of (n, c) values."""
+        starts = self.windows.edges[:-1]
+        inside = values[: self.samples]
+        sums = [np.add.reduceat(each.conj()[:, None] * inside, starts) for each in self.basis]
+        found: Complex = np.einsum("wjk,kwc->wjc", self.inverse, np.stack(sums))
+        return found
+
+    def weighed(self, values: Complex) -> Values:
+        """Return amplitudes of unit noise, real parts then imaginary ones, shape (2 w k, c)."""
+        kept = self.amplitudes(values)[:, : self.orders.size]
+        independent = np.linalg.solve(self.root, kept).reshape(-1, values.shape[1])
+        return np.concatenate([independent.real, independent.imag])
+
+    def first(self, part: float) -> Values:
+        """Return 1 for each number of `weighed` in the first part of the windows, else 0."""
+        count = self.windows.times.size
+        inside = np.arange(count) < max(part * count, 1.0)
+        return np.tile(np.repeat(inside.astype(float), self.orders.size), 2)
+
+    def left(self, z: Complex) -> tuple[float, int]:
+        """Return the sum of the squares that the orders leave, and its degrees of freedom."""
+        inside = z[: self.samples].copy()
+        amplitudes = self.amplitudes(z[:, None])[:, :, 0]
+        counts = np.diff(self.windows.edges)
+        for each, amplitude in zip(self.basis, amplitudes.T, strict=True):
+            inside -= np.repeat(amplitude, counts) * each
+        free = 2 * (inside.size - amplitudes.size)
+        return float((np.abs(inside) ** 2).sum()), max(free, 1)
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One record of signals as it is compared, in SI units where the machine is in these.
+
+    Parameters
+    ----------
+    record : Record
+        The signals.
+    times : ndarray, shape (n,)
+        From their begin [s].
+    turning : Turning
+        How the angle changed.
+    tracks : Tracks
+        What is compared.
+    start, spread : ndarray, shape (4,)
+        A guess of the state at the begin, and how far it is believed [m, m/s].
+    touches : mapping of int to ndarray
+        Measured times at which contacts began (1) and ended (-1), from the begin [s].
+    begin : float
+        When the signals begin, in their own time.
+    metre, second : float
+        How many metres and seconds the units of the signals are.
+    units : tuple of str
+        These units.
+    """
+
+    record: Record
+    times: Values
+    turning: Turning
+    tracks: Tracks
+    start: Values
+    spread: Values
+    touches: Mapping[int, Values]
+    begin: float
+    metre: float
+    second: float
+    units: tuple[str, str]
+
+
+def measured(
+    signals: xr.Dataset,
+    orders: Values,
+    revolutions: int | None,
+    touches: Mapping[int, object],
+    *,
+    in_si: bool,
+) -> Measured:
+    """Return signals as they are compared; raise `InputError` where they cannot be."""
+    given = record_of(signals)
+    given.known_angles()
+    length, time = _scale(given.length, "length", in_si), _scale(given.time, "time", in_si)
+    if given.times.size > MOST_SAMPLES:
+        raise InputError(
+            f"signals must hold at most {MOST_SAMPLES} samples for a fit, got {given.times.size}: "
+            "give a part, or resample them"
+        )
+    begin = float(given.times[0])
+    record = replace(given, times=(given.times - begin) * time, z=given.z * length)
+    tracks = _tracks_of(record, orders, revolutions)
+    turning = turning_of(record)
+    times = np.minimum(record.times, turning.ends[-1])
+    start, spread = _first_state(record, turning)
+    return Measured(
+        record, times, turning, tracks, start, spread,
+        {
+            kind: (_times_within(kind, each, given) - begin) * time
+            for kind, each in touches.items() if each is not None
+        },
+        begin, length, time, (given.length, given.time),
+    )  # fmt: skip
+
+
+def _scale(unit: str, kind: str, in_si: bool) -> float:
+    """Return how many SI units a unit is; 1 without dimensions."""
+    wanted = "DimensionalRotor" if unit != "1" else "Rotor"
+    if (unit != "1") != in_si:
+        raise InputError(f"machine must be a {wanted} for signals with {kind} in {unit!r}")
+    if not in_si:
+        return 1.0
+    prefix = unit.removesuffix(UNITS[kind])
+    if not unit.endswith(UNITS[kind]) or prefix not in PREFIXES:
+        raise InputError(f"signals must have a {kind} in {UNITS[kind]}, got {unit!r}")
+    return 1.0 / PREFIXES[prefix]
+
+
+def _times_within(kind: int, values: object, record: Record) -> Values:
+    """Return measured contact times, checked."""
+    name = "entries" if kind > 0 else "exits"
+    times = check_increasing(name, check_vector(name, values))
+    low, high = record.times[[0, -1]].tolist()
+    wrong = times[(times < low) | (times > high)]
+    if wrong.size:
+        raise InputError(
+            f"{name} must lie within the signals, from t {low:.6g} to {high:.6g}, got "
+            f"{wrong[0]:.6g}"
+        )
+    return times
+
+
+def _tracks_of(record: Record, orders: Values, revolutions: int | None) -> Tracks:
+    """Return how a record is turned into tracks."""
+    windows = windows_of(record, revolutions_for(orders[orders > 0.0], revolutions))
+    highest = max(BESIDE, int(np.abs(orders).max()))
+    kept = np.unique(np.concatenate([orders, -orders]))
+    whole = np.arange(-highest, highest + 1.0)
+    every = np.concatenate([kept, whole[~np.isin(whole, kept)]])
+    counts = np.diff(windows.edges)
+    fewest = int(counts.argmin())
+    rate = counts[fewest] / windows.revolutions
+    if rate <= 2.0 * np.abs(every).max() or counts[fewest] <= every.size:
+        raise InputError(
+            f"signals must hold more than {max(2 * highest, every.size)} samples a revolution to "
+            f"be fitted, got {rate:.3g} at t {windows.times[fewest]:.6g}"
+        )
+    angles = record.known_angles()[: windows.edges[-1]]
+    basis = np.exp(1j * every[:, None] * angles)
+    starts = windows.edges[:-1]
+    gram = np.empty((counts.size, every.size, every.size), dtype=np.complex128)
+    for row, each in enumerate(basis):
+        gram[:, row] = np.add.reduceat(each.conj() * basis, starts, axis=1).T
+    inverse: Complex = np.asarray(np.linalg.inv(gram), dtype=np.complex128)
+    root = np.linalg.cholesky(inverse[:, : kept.size, : kept.size])
+    return Tracks(windows, kept, basis, inverse, np.asarray(root, dtype=np.complex128))
+
+
+def turning_of(record: Record) -> Turning:
+    """Return the measured angle as a spline of order two with few pieces."""
+    from scipy.interpolate import PPoly, make_lsq_spline  # noqa: PLC0415 - takes long to import
+
+    times, angles = record.times, record.known_angles()
+    fits, left, pieces = [], [], 1
+    most = min(MOST_PIECES, max(1, times.size // FEWEST))
+    while pieces <= most:
+        inner = np.linspace(times[0], times[-1], pieces + 1)
+        spline = make_lsq_spline(times, angles, np.pad(inner, 2, mode="edge"), k=2)
+        fits.append((inner, spline))
+        left.append(float(np.sqrt(np.mean((spline(times) - angles) ** 2))))
+        if left[-1] <= EXACT * max(1.0, abs(float(angles[-1]))):
+            break
+        pieces *= 2
+    chosen = next(i for i, each in enumerate(left) if each <= ENOUGH * min(left))
+    if left[chosen] > SMOOTH:
+        raise InputError(
+            f"angle of signals must change smoothly, but {left[chosen]:.3g} rad are left by "
+            f"{len(fits[chosen][0]) - 1} ramps of the speed"
+        )
+    ends, spline = fits[chosen]
+    parts = PPoly.from_spline(spline).c[:, 2:-2]
+    rates, speeds, first = 2.0 * parts[0], parts[1], parts[2]
+    turning = Turning(ends, first, speeds, rates)
+    slowest = float(turning.at(ends, "left")[1].min())
+    if slowest <= 0.0:
+        raise InputError(f"signals must be of a rotor that turns, got a speed of {slowest:.3g}")
+    return turning
+
+
+def _first_state(record: Record, turning: Turning) -> tuple[Values, Values]:
+    """Return a guess of the state at the begin, and how far it is believed."""
+    speed = float(turning.speeds[0])
+    within = record.times <= FIRST_PART / speed
+    count = max(int(within.sum()), FEWEST)
+    times, z = record.times[:count], record.z[:count]
+    basis = np.vander(times * speed, 4, increasing=True)
+    found, *_ = np.linalg.lstsq(basis, z)
+    noise = np.sqrt((np.abs(z - basis @ found) ** 2).sum() / (2.0 * max(count - 4, 1)))
+    errors = noise * np.sqrt(np.diag(np.linalg.inv(basis.T @ basis))[:2])
+    turned = record.known_angles() - record.known_angles()[0]
+    first_turn = record.z[turned <= 2.0 * np.pi]
+    size = LEAST_SPREAD * float(np.sqrt(np.mean(np.abs(first_turn) ** 2)))
+    spread = np.maximum(SPREAD * errors, size) * np.array([1.0, speed])
+    start = np.array([found[0].real, found[0].imag, found[1].real * speed, found[1].imag * speed])
+    return start, np.repeat(np.maximum(spread, np.finfo(float).tiny), 2)

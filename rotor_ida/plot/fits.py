@@ -1,0 +1,256 @@
+"""What was measured over what was fitted, and what is left."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from rotor_ida.arrays import Values
+from rotor_ida.errors import InputError
+from rotor_ida.plot.appearance import (
+    BLUE,
+    INK,
+    ORANGE,
+    axes_or_new,
+    check_dataset,
+    own_legend,
+    style,
+)
+from rotor_ida.plot.labels import label_axis, label_of
+from rotor_ida.plot.signals.units import Units, is_one_speed, units_of
+
+NEEDED = (
+    *("estimate", "standard_error", "forward_whirl_amplitude", "forward_phase_lag"),
+    *("fitted_forward_whirl_amplitude", "fitted_forward_phase_lag", "forward_amplitude_error"),
+    *("record", "speed", "t"),
+)
+# A residual beyond so many standard errors is rare.
+RARE = 2.0
+# A phase is shown where the amplitude is so many times its error.
+CLEAR = 3.0
+
+
+def fit_figure(dataset: xr.Dataset, *, order: float = 1.0) -> Figure:
+    r"""Return a figure of a fit: measured over fitted amplitude and phase, and what is left.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        What `rotor_ida.fit` returned.
+    order : float
+        Multiple of the speed that is shown, one of those that were compared [1].
+
+    Returns
+    -------
+    Figure
+        Amplitude, phase lag and residuals of forward whirl over the speed, or over the time where
+        that is one; a fourth panel with the contact times, where these were compared.
+
+    Raises
+    ------
+    InputError
+        If the dataset is none of a fit, or does not hold the order.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, fit, run_up, signals_of
+    >>> rotor = Rotor(omega=0.3, zeta=0.1, delta0=1.5, shaft_stiffness=1.0)
+    >>> seen = signals_of(run_up(rotor, start=(0, 0, 0, 0), to=2.0, rate=0.01, samples=4001))
+    >>> figure = fit_figure(fit(seen, rotor, ["zeta"]))
+    >>> [ax.get_ylabel() for ax in figure.axes][1:]
+    ['phase lag $\\theta$ [°]', 'residual over its error']
+    """
+    dataset = check_dataset("dataset", dataset, NEEDED)
+    rows = 4 if "measured_time" in dataset.variables else 3
+    with style():
+        figure = Figure(figsize=(6.0, 1.4 + 1.55 * rows), layout="constrained")
+        heights = [1.6, 1.2, 1.0, 1.0][:rows]
+        axes = list(np.atleast_1d(figure.subplots(rows, 1, height_ratios=heights)))
+    for ax in axes[1:3]:
+        ax.sharex(axes[0])
+    plot_fit(dataset, axes[:2], order=order)
+    plot_fit_residuals(dataset, axes[2], order=order)
+    for ax in axes[:2]:
+        ax.tick_params(labelbottom=False)
+        ax.set_xlabel("")
+    if rows > 3:
+        _plot_touches(dataset, axes[3])
+    with style():
+        axes[0].set_title(_estimates_in_words(dataset), fontsize=9.0, loc="left")
+    return figure
+
+
+def plot_fit(
+    dataset: xr.Dataset, axes: list[Axes] | None = None, *, order: float = 1.0
+) -> list[Axes]:
+    """Draw measured amplitude and phase lag of an order, with errors, over the fitted ones.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        What `rotor_ida.fit` returned.
+    axes : list of two Axes, optional
+        Where to draw, and what is returned; by default the axes of a new figure.
+    order : float
+        Multiple of the speed that is shown [1].
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, fit, run_up, signals_of
+    >>> rotor = Rotor(omega=0.3, zeta=0.1, delta0=1.5, shaft_stiffness=1.0)
+    >>> seen = signals_of(run_up(rotor, start=(0, 0, 0, 0), to=2.0, rate=0.01, samples=4001))
+    >>> plot_fit(fit(seen, rotor, ["zeta"]))[0].get_legend().get_texts()[0].get_text()
+    'fitted'
+    """
+    dataset = check_dataset("dataset", dataset, NEEDED)
+    one, units, over = _order_of(dataset, order)
+    with style():
+        if axes is None:
+            axes = list(
+                Figure(figsize=(5.0, 4.4), layout="constrained").subplots(2, 1, sharex=True)
+            )
+        for number, row in _records(one):
+            places = over.values[row]
+            part = one.isel(window=row)
+            _draw_amplitude(axes[0], places, part, first=number == 0)
+            _draw_phase(axes[1], places, part)
+        axes[0].set_ylim(bottom=0.0)
+        label_axis(axes[0].yaxis, "whirl_amplitude", units.lengths(0.0))
+        axes[1].set_ylabel(r"phase lag $\theta$ [°]")
+        for ax in axes:
+            ax.set_xlabel(str(over.attrs["label"]))
+        own_legend(axes[0])
+    return axes
+
+
+def plot_fit_residuals(dataset: xr.Dataset, ax: Axes | None = None, *, order: float = 1.0) -> Axes:
+    """Draw by how many standard errors measured and fitted order differ, in both components.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        What `rotor_ida.fit` returned.
+    ax : Axes, optional
+        Where to draw, and what is returned; by default the axes of a new figure.
+    order : float
+        Multiple of the speed that is shown [1].
+    """
+    dataset = check_dataset("dataset", dataset, NEEDED)
+    one, _, over = _order_of(dataset, order)
+    left = (_complex(one, "") - _complex(one, "fitted_")) / one["forward_amplitude_error"].values
+    with style():
+        ax = axes_or_new(ax)
+        ax.axhspan(-RARE, RARE, color=INK, alpha=0.08, lw=0.0)
+        ax.axhline(0.0, color=INK, lw=0.7)
+        ax.plot(over.values, left.real, ".", ms=4.0, color=BLUE, label="along the mark")
+        ax.plot(over.values, left.imag, "x", ms=3.5, color=ORANGE, label="across it")
+        most = 1.15 * max(float(np.abs(np.concatenate([left.real, left.imag])).max()), 1.5 * RARE)
+        ax.set_ylim(-most, most)
+        ax.set_xlabel(str(over.attrs["label"]))
+        ax.set_ylabel("residual over its error")
+        ax.legend(loc="upper left", ncols=2, handlelength=1.2, fontsize=8.0)
+    return ax
+
+
+def _order_of(dataset: xr.Dataset, order: float) -> tuple[xr.Dataset, Units, xr.DataArray]:
+    """Return one order of a fit, the units, and what it is drawn over, with its label."""
+    held = dataset["order"].values
+    if order not in held:
+        allowed = ", ".join(f"{each:g}" for each in held)
+        raise InputError(f"order must be one of those that were compared, {allowed}, got {order!r}")
+    one = dataset.sel(order=order)
+    units = units_of(one, "forward_whirl_amplitude", "speed")
+    if is_one_speed(one["speed"].values):
+        over = one["t"].copy()
+        over.attrs["label"] = label_of("t", one["t"])
+    else:
+        over = units.speeds(one["speed"].values)
+        over.attrs["label"] = label_of("speed", over)
+    return one, units, over
+
+
+def _records(one: xr.Dataset) -> list[tuple[int, npt.NDArray[np.intp]]]:
+    """Return the number of each record, and its windows."""
+    numbers = one["record"].values
+    return [(int(each), np.flatnonzero(numbers == each)) for each in np.unique(numbers)]
+
+
+def _complex(one: xr.Dataset, words: str) -> npt.NDArray[np.complex128]:
+    """Return the complex amplitude of forward whirl."""
+    size = one[f"{words}forward_whirl_amplitude"].values
+    lag = one[f"{words}forward_phase_lag"].values
+    return np.asarray(size * np.exp(-1j * lag), dtype=np.complex128)
+
+
+def _draw_amplitude(ax: Axes, places: Values, one: xr.Dataset, *, first: bool) -> None:
+    """Draw measured over fitted amplitude of one record."""
+    ax.plot(places, one["fitted_forward_whirl_amplitude"].values, color=ORANGE, lw=1.3,
+            label="fitted" if first else None, zorder=3.0)  # fmt: skip
+    ax.errorbar(
+        places, one["forward_whirl_amplitude"].values, one["forward_amplitude_error"].values,
+        fmt=".", ms=3.5, lw=0.0, elinewidth=0.8, color=INK, label="measured" if first else None,
+    )  # fmt: skip
+
+
+def _draw_phase(ax: Axes, places: Values, one: xr.Dataset) -> None:
+    """Draw measured over fitted phase lag of one record, where it is clear."""
+    lag = np.unwrap(one["fitted_forward_phase_lag"].values)
+    lag = lag - 2.0 * math.pi * round(float(np.median(lag)) / (2.0 * math.pi) - 0.25)
+    apart = one["forward_phase_lag"].values - lag
+    near = lag + np.angle(np.exp(1j * apart))
+    error = one["forward_amplitude_error"].values / one["forward_whirl_amplitude"].values
+    clear = error < 1.0 / CLEAR
+    ax.plot(places, np.degrees(lag), color=ORANGE, lw=1.3, zorder=3.0)
+    ax.errorbar(
+        places[clear], np.degrees(near[clear]), np.degrees(error[clear]),
+        fmt=".", ms=3.5, lw=0.0, elinewidth=0.8, color=INK,
+    )  # fmt: skip
+
+
+def _plot_touches(dataset: xr.Dataset, ax: Axes) -> None:
+    """Draw by how much computed contact times differ from measured ones."""
+    times = dataset["measured_time"]
+    apart = dataset["fitted_time"].values - times.values
+    error = float(dataset["time_error"])
+    with style():
+        ax.axhline(0.0, color=INK, lw=0.7)
+        for kind, words, mark, colour in ((1, "entries", "^", BLUE), (-1, "exits", "v", ORANGE)):
+            here = dataset["event_kind"].values == kind
+            if here.any():
+                ax.errorbar(times.values[here], apart[here], error, fmt=mark, ms=4.0, lw=0.0,
+                            elinewidth=0.8, color=colour, label=words)  # fmt: skip
+        most = 1.2 * (float(np.nanmax(np.abs(apart), initial=0.0)) + error)
+        ax.set_ylim(-most, most)
+        ax.set_xlabel(label_of("t", times))
+        ax.set_ylabel(label_of("t", times, words="fitted less measured"))
+        alone = int(np.isnan(apart).sum())
+        if alone:
+            ax.set_title(f"{alone} of {apart.size} without a partner", fontsize=8.0, loc="right")
+        own_legend(ax)
+
+
+def _estimates_in_words(dataset: xr.Dataset) -> str:
+    """Return what was found, a line for two unknowns."""
+    words = []
+    for name, value, error, unit in zip(
+        dataset["unknown"].values, dataset["estimate"].values, dataset["standard_error"].values,
+        dataset["unit"].values, strict=True,
+    ):  # fmt: skip
+        shown = _with_error(float(value), float(error))
+        words.append(f"{str(name).replace('_', ' ')} {shown}" + (f" {unit}" if unit != "1" else ""))
+    return "\n".join(";  ".join(words[n : n + 2]) for n in range(0, len(words), 2))
+
+
+def _with_error(value: float, error: float) -> str:
+    """Return a value with its error, both to two digits of that."""
+    if not math.isfinite(error) or error <= 0.0:
+        return f"{value:.4g}"
+    digits = max(
+        2, 2 + math.floor(math.log10(max(abs(value), error))) - math.floor(math.log10(error))
+    )
+    return f"{value:.{min(digits, 12)}g} ± {error:.2g}"

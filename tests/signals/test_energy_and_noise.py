@@ -1,0 +1,106 @@
+"""Known answers of sums: Parseval's theorem, segments, and the statistics of white noise."""
+
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.signal import get_window
+
+from rotor_ida import Rotor, full_spectrum, orders, run_up, simulate, spectrogram
+
+TIMES = np.arange(20_000) / 1000
+ANGLES = 2.0 * math.pi * 10.0 * TIMES
+NOISE = 0.1
+
+
+def made(z):
+    return xr.Dataset(
+        {"x": ("t", z.real), "y": ("t", z.imag), "angle": ("t", ANGLES)}, {"t": TIMES}
+    )
+
+
+def noise(seed):
+    x, y = np.random.default_rng(seed).normal(size=(2, TIMES.size)) * NOISE
+    return x + 1j * y
+
+
+@pytest.mark.parametrize("window", ["boxcar", "hann", "flattop"])
+def test_squares_of_all_lines_add_up_to_the_mean_square(window):
+    """Parseval: with weights, the weighted mean square times the bandwidth over that of a line."""
+    run = simulate(Rotor(omega=2.0, zeta=0.07, delta0=2.0), start=(2.6, 0.75, 0.66, -1.65),
+                   duration=100.0, samples=2001)  # fmt: skip
+    found = full_spectrum(run, window=window)
+    weights = get_window(window, 2001)
+    z = run.x.values + 1j * run.y.values
+    mean_square = np.sum(weights**2 * np.abs(z) ** 2) / np.sum(weights**2)
+    line = 2.0 * math.pi / (2001 * 0.05)
+    assert float((found.whirl_amplitude**2).sum()) == pytest.approx(
+        mean_square * found.bandwidth.item() / line, rel=1e-12
+    )
+
+
+@pytest.mark.parametrize("window", ["boxcar", "hann", "flattop"])
+def test_a_spectrogram_is_the_full_spectrum_of_each_stretch(window):
+    run = run_up(Rotor(omega=0.3, zeta=0.07, delta0=0.5), start=(0, 0, 0, 0), to=2.0, rate=0.02,
+                 samples=4001)  # fmt: skip
+    seen = spectrogram(run, window=window, segment=500, overlap=0.6)
+    assert seen.sizes["window"] == (4001 - 500) // 200 + 1
+    for place in (0, 7, 17):
+        alone = seen.isel(window=place)
+        stretch = run.isel(t=slice(200 * place, 200 * place + 500))
+        lines = full_spectrum(stretch, window=window)
+        np.testing.assert_allclose(alone.frequency, lines.frequency, rtol=1e-12)
+        np.testing.assert_allclose(alone.whirl_amplitude, lines.whirl_amplitude, atol=1e-13)
+        assert alone.bandwidth.item() == pytest.approx(lines.bandwidth.item(), rel=1e-12)
+        assert alone.t.item() == pytest.approx(stretch.t.values.mean(), rel=1e-12)
+        # a speed that rises evenly is in the middle what it is in the mean
+        assert alone.speed.item() == pytest.approx(0.3 + 0.02 * alone.t.item(), rel=1e-10)
+
+
+def test_the_noise_floor_is_not_moved_by_lines():
+    """Ten lines, eight hundred times above it, each of which lifts at most twenty powers."""
+    frequencies = np.random.default_rng(5).uniform(-3000.0, 3000.0, 10)
+    z = noise(6) + np.exp(1j * np.outer(frequencies, TIMES)).sum(axis=0)
+    found = full_spectrum(made(z), window="hann")
+    exact = math.sqrt(2.0 * NOISE**2 * found.bandwidth.item() / (2.0 * math.pi * 1000.0))
+    assert found.whirl_amplitude.max() > 800.0 * exact
+    # the median of n exponential powers scatters by 1/(sqrt(n) ln 2) of itself; of 20,000 powers
+    # Hann's weights leave half independent
+    scatter = 4.0 / (math.sqrt(10_000) * math.log(2.0))
+    lifted = 10 * 20 / 20_000 / math.log(2.0)
+    assert -scatter < found.noise_floor.item() ** 2 / exact**2 - 1.0 < scatter + lifted
+
+
+def test_stated_errors_of_orders_cover_what_noise_does_to_them():
+    """Squares over those of the stated errors are exponential: mean 1 and variance 1, both parts.
+
+    That of a lag is the error of the amplitude over the amplitude, for which half the variance is.
+    """
+    z = 0.7 * np.exp(1j * (ANGLES - 0.4)) + 0.5 * np.exp(-2j * (ANGLES - 0.3)) + noise(7)
+    found = orders(made(z), [1, 2])
+    windows = found.sizes["window"]
+    assert windows == 200
+    ahead = found.sel(order=1)
+    exact = 0.7 * np.exp(-0.4j)
+    whirl = ahead.forward_whirl_amplitude * np.exp(-1j * ahead.forward_phase_lag)
+    squares = np.abs(whirl - exact) ** 2 / (2.0 * ahead.forward_amplitude_error**2)
+    assert squares.mean().item() == pytest.approx(1.0, abs=4.0 / math.sqrt(windows))
+    lags = (ahead.forward_phase_lag - 0.4) * 0.7 / ahead.forward_amplitude_error
+    back = found.sel(order=2)
+    sizes = (back.backward_whirl_amplitude - 0.5) / back.backward_amplitude_error
+    for score in (lags, sizes):
+        assert abs(score.mean().item()) < 4.0 / math.sqrt(windows)
+        assert score.std().item() == pytest.approx(1.0, abs=4.0 / math.sqrt(2.0 * windows))
+        within = float((abs(score) < 1.96).mean())
+        assert within == pytest.approx(0.95, abs=4.0 * math.sqrt(0.05 * 0.95 / windows))
+
+
+def test_stated_errors_fall_with_the_root_of_the_length_of_windows():
+    z = 0.7 * np.exp(1j * ANGLES) + noise(8)
+    short, long = (orders(made(z), revolutions=count) for count in (1, 16))
+    ratio = short.forward_amplitude_error.mean() / long.forward_amplitude_error.mean()
+    assert float(ratio) == pytest.approx(4.0, rel=0.05)
+    # of N samples with the variance s**2 in x and y: s/sqrt(N)
+    exact = NOISE / math.sqrt(16 * 100)
+    np.testing.assert_allclose(long.forward_amplitude_error.mean(), exact, rtol=0.05)
