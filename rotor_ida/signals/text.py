@@ -22,7 +22,9 @@ MOST_HEAD = 200
 COMMENTS = ("#", "%", "//")
 # What stands where a number is missing.
 MISSING = {"", "-", "--", "---", "na", "n/a", "#n/a", "null", "none"}
-_BRACKETS = re.compile(r"^(.*?)\s*(?:\[\s*(?P<square>[^\]]*?)\s*\]|\(\s*(?P<round>[^)]*?)\s*\))\s*$")
+_BRACKETS = re.compile(
+    r"^(.*?)\s*(?:\[\s*(?P<square>[^\]]*?)\s*\]|\(\s*(?P<round>[^)]*?)\s*\))\s*$"
+)
 _SLASH = re.compile(r"^(.+?)\s*/\s*(\S+)$")
 
 
@@ -92,6 +94,8 @@ def _layout(lines: Sequence[str], path: Path) -> Layout:
         for number, line in enumerate(lines)
         if line.strip() and not line.lstrip().startswith(COMMENTS)
     ][: MOST_HEAD + 1]
+    if not begin:
+        raise InputError(f"{shown(path)} must hold lines of two numbers or more, got an empty file")
     for alone in (True, False):
         for (number, line), (_, next_line) in zip(begin, [*begin[1:], (0, "")], strict=True):
             for separator in (";", "\t", ",", None):
@@ -100,8 +104,7 @@ def _layout(lines: Sequence[str], path: Path) -> Layout:
                 if _holds_numbers(cells, after, alone):
                     return _layout_from(lines, number, separator, cells)
     raise InputError(
-        f"{shown(path)} must hold lines of two numbers or more, got "
-        + (f"none, but {shown(begin[0][1])}" if begin else "an empty file")
+        f"{shown(path)} must hold lines of two numbers or more, got none, but {shown(begin[0][1])}"
     )
 
 
@@ -154,9 +157,7 @@ def _numbers(body: Sequence[str], rows: Sequence[int], layout: Layout, path: Pat
     return table
 
 
-def _names(
-    head: Sequence[str], layout: Layout, path: Path
-) -> tuple[list[str], list[str]]:
+def _names(head: Sequence[str], layout: Layout, path: Path) -> tuple[list[str], list[str]]:
     """Return names and units of the columns; without a line of names they are numbered from 1."""
     told = [line for line in head if line.strip()]
     plain = [line for line in told if not line.lstrip().startswith(COMMENTS)]
