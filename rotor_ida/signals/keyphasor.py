@@ -10,12 +10,24 @@ import numpy.typing as npt
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
 
+Counts = npt.NDArray[np.int64]
+
 FEWEST_PULSES = 3
-# An interval that is so much longer, or shorter, than those round it has lost or gained a pulse.
-LONGER = 1.5
+FEWEST_JUDGED = 4
+# An interval that is so much longer than one round it may have lost a pulse; one so much shorter
+# than usual may hold one too many.
+LONGER = 1.25
 SHORTER = 0.6
 # At the ends, where a machine may start from rest, only if those beyond are so nearly alike.
 ALIKE = 1.15
+# An interval so many times longer than its neighbour is a rest, or a loss, and says nothing of it.
+REST = 3.0
+# Turns in an interval above which they are counted by a parabola.
+LONG_GAP = 4.5
+MOST_PASSES = 20
+# Points a turn at which the angle in an interval is worked out to fill in its pulses.
+FINE = 200
+ROUNDING = 1e-9
 # Of the height of the pulses: a crossing counts when the signal has been below and gets above.
 LOW, HIGH = 0.4, 0.6
 
@@ -25,62 +37,168 @@ def angles_by_pulses(
 ) -> tuple[npt.NDArray[np.bool_], Values]:
     """Return which samples lie between pulses, and the angle of the rotor at each of them [rad].
 
-    A cubic spline through the pulses, which is exact while the speed changes evenly.
+    A cubic spline through the pulses, which is exact while the speed changes evenly; where it would
+    turn back, as while a machine stands still, a cubic that never does (Fritsch and Carlson).
     """
-    from scipy.interpolate import CubicSpline  # noqa: PLC0415 - takes long to import
+    from scipy.interpolate import CubicSpline, PchipInterpolator  # noqa: PLC0415 - slow to import
 
     check_pulses(pulses)
     # a sample at a pulse is between pulses, whatever rounding did to its time
     slack = 1e-9 * float(np.diff(pulses).min())
     within = (times >= pulses[0] - slack) & (times <= pulses[-1] + slack)
-    angles = 2.0 * math.pi / per_revolution * np.arange(pulses.size)
-    return within, np.asarray(CubicSpline(pulses, angles)(times[within]), dtype=np.float64)
+    turns = np.arange(pulses.size, dtype=np.float64)
+    angles = np.asarray(CubicSpline(pulses, turns)(times[within]), dtype=np.float64)
+    falls = np.flatnonzero(np.diff(angles) < 0.0)
+    if falls.size:
+        place = np.searchsorted(pulses, times[within], side="right")
+        back = np.isin(place, place[np.concatenate([falls, falls + 1])])
+        angles[back] = PchipInterpolator(pulses, turns)(times[within][back])
+    return within, 2.0 * math.pi / per_revolution * angles
 
 
 def check_pulses(pulses: Values) -> None:
-    """Raise `InputError` for pulses that are too few, out of order, lost or one too many."""
+    """Raise `InputError` for pulses that are too few, out of order, lost or too many."""
     if pulses.size < FEWEST_PULSES:
         raise InputError(f"keyphasor must have at least {FEWEST_PULSES} pulses, got {pulses.size}")
     intervals = np.diff(pulses)
     if not (intervals > 0.0).all():
         at = pulses[:-1][~(intervals > 0.0)][0]
         raise InputError(f"keyphasor must have times that increase, but not after {at:.6g}")
-    usual = usual_intervals(intervals)
-    lost = np.flatnonzero(intervals > LONGER * usual)
-    if lost.size:
-        where = ", ".join(f"{pulses[each]:.6g}" for each in lost[:3])
-        more = f" and {lost.size - 3} more places" if lost.size > 3 else ""
-        count = round(float(intervals[lost[0]] / usual[lost[0]]), 2)
-        raise InputError(
-            f"keyphasor must not lose pulses, but does after t {where}{more}: the interval there "
-            f"is {count:g} times those beside it"
-        )
-    extra = np.flatnonzero(intervals < SHORTER * usual)
+    extra = extra_pulses(intervals)
     if extra.size:
         raise InputError(
             "keyphasor must not have pulses too many, but two follow each other too soon after t "
-            f"{pulses[extra[0]]:.6g}"
+            f"{pulses[extra[0]]:.6g}{_more(extra.size - 1)}"
+        )
+    counts = counts_between(pulses)
+    lost = np.flatnonzero(counts > 1)
+    if lost.size:
+        where = ", ".join(f"{pulses[each]:.6g}" for each in lost[:3])
+        raise InputError(
+            f"keyphasor must not lose pulses, but does after t {where}{_more(lost.size - 3)}: "
+            f"{counts[lost[0]] - 1} in the interval there, judged by those beside it; "
+            "fill_pulses=True fills them in"
         )
 
 
+def _more(count: int) -> str:
+    """Return how many more places there are."""
+    return f" and {count} more place{'s' if count > 1 else ''}" if count > 0 else ""
+
+
 def with_lost_pulses(pulses: Values) -> Values:
-    """Return pulses with those that were lost set evenly into their intervals.
+    """Return pulses with those that were lost, where a spline through the others puts them.
 
     Examples
     --------
-    >>> with_lost_pulses(np.array([0.0, 1.0, 2.0, 4.0, 5.0, 6.0]))
+    >>> with_lost_pulses(np.array([0.0, 1.0, 2.0, 4.0, 5.0, 6.0])).round(6)
     array([0., 1., 2., 3., 4., 5., 6.])
     """
-    if pulses.size < FEWEST_PULSES:
-        return pulses
+    from scipy.interpolate import CubicSpline  # noqa: PLC0415 - takes long to import
+
+    if pulses.size < FEWEST_PULSES or not (np.diff(pulses) > 0.0).all():
+        return pulses  # which will be refused
+    counts = counts_between(pulses)
+    turns = np.concatenate([[0.0], np.cumsum(counts)])
+    spline = CubicSpline(pulses, turns)
+    filled = [pulses]
+    for each in np.flatnonzero(counts > 1):
+        times = np.linspace(pulses[each], pulses[each + 1], FINE * int(counts[each]) + 1)
+        angles = spline(times)
+        if not (np.diff(angles) > 0.0).all():
+            angles = np.linspace(turns[each], turns[each + 1], times.size)
+        filled.append(np.interp(np.arange(turns[each] + 1.0, turns[each + 1]), angles, times))
+    return np.sort(np.concatenate(filled))
+
+
+def counts_between(pulses: Values) -> Counts:
+    """Return how many turns, from mark to mark, lie between each pulse and the next.
+
+    Only intervals longer than one of those round them are judged, the least striking first, and by
+    none beside it that is not judged yet; then all of them again until nothing changes.
+    """
+    from scipy.ndimage import minimum_filter  # noqa: PLC0415 - takes long to import
+
     intervals = np.diff(pulses)
-    usual = usual_intervals(intervals)
-    parts = np.where(intervals > LONGER * usual, np.round(intervals / usual), 1.0).astype(int)
-    pieces = [
-        start + interval / count * np.arange(count)
-        for start, interval, count in zip(pulses[:-1], intervals, parts, strict=True)
+    counts = np.ones(intervals.size, dtype=np.int64)
+    if pulses.size < FEWEST_JUDGED:
+        return counts
+    excess = intervals / minimum_filter(intervals, size=5, mode="nearest")
+    judged = excess <= LONGER
+    suspects = sorted(np.flatnonzero(~judged).tolist(), key=lambda place: float(excess[place]))
+    for _ in range(MOST_PASSES):
+        before = counts.copy()
+        for place in suspects:
+            found = _turns_in(pulses, counts, judged, place)
+            if found is not None:
+                counts[place], judged[place] = max(1, round(found)), True
+        if judged.all() and (counts == before).all():
+            break
+        judged[:] = True
+    return counts
+
+
+def _turns_in(
+    pulses: Values, counts: Counts, judged: npt.NDArray[np.bool_], place: int
+) -> float | None:
+    """Return the turns between a pulse and the next, by up to three pulses on each side.
+
+    The angle is a polynomial of time through all of them, and the turns between are the unknown
+    that lets its degree be one lower. Where the machine stops between them, each side has a
+    parabola of its own. None if there are too few pulses.
+    """
+    first, last = _trusted(pulses, counts, judged, place)
+    turns = np.concatenate([[0.0], np.cumsum(counts[first:last])])
+    after = np.arange(first, last + 1) > place
+    turns -= turns[place - first] + counts[place] * after
+    t = (pulses[first : last + 1] - pulses[place]) / (pulses[place + 1] - pulses[place])
+    ends = [
+        _until_rest(t[~after], turns[~after]),
+        _until_rest(1.0 - t[after][::-1], -turns[after][::-1]),
     ]
-    return np.concatenate([*pieces, pulses[-1:]])
+    enough = np.array([3, 3]) <= [after.size - after.sum(), after.sum()]
+    stops = [end for end in ends if end is not None]
+    if stops and len(stops) == enough.sum() and sum(end[0] for end in stops) <= 1.0 + ROUNDING:
+        return sum(end[1] for end in stops)
+    if t.size < FEWEST_JUDGED:
+        return None
+    # the highest divided difference of the angles is 0
+    weights = 1.0 / np.prod(t[:, None] - t + np.eye(t.size), axis=1)
+    found = -float(weights @ turns / weights[after].sum())
+    if found < LONG_GAP:
+        return found
+    # far from the pulses a polynomial of high degree is noise
+    basis = np.stack([np.ones(t.size), t, t**2, -1.0 * after], axis=1)
+    return float(np.linalg.lstsq(basis, turns, rcond=None)[0][3])
+
+
+def _trusted(
+    pulses: Values, counts: Counts, judged: npt.NDArray[np.bool_], place: int
+) -> tuple[int, int]:
+    """Return the first and last pulse to judge an interval by: none beyond a rest."""
+    longest = REST * (pulses[place + 1] - pulses[place])
+
+    def near(each: int) -> bool:
+        length = (pulses[each + 1] - pulses[each]) * counts[place] / counts[each]
+        return bool(judged[each] and length < longest)
+
+    first, last = place, place + 1
+    while first > max(place - 2, 0) and near(first - 1):
+        first -= 1
+    while last < min(place + 3, pulses.size - 1) and near(last):
+        last += 1
+    return first, last
+
+
+def _until_rest(t: Values, turns: Values) -> tuple[float, float] | None:
+    """Return time and turns from 0 to rest, by a parabola through three pulses up to time 0."""
+    if t.size < FEWEST_PULSES:
+        return None
+    half, speed, _ = np.polyfit(t, turns, 2)
+    if half >= 0.0:
+        return None
+    speed = max(speed, 0.0)
+    return float(speed / (-2.0 * half)), float(speed**2 / (-4.0 * half))
 
 
 def usual_intervals(intervals: Values) -> Values:
@@ -93,6 +211,14 @@ def usual_intervals(intervals: Values) -> Values:
             pair = sorted((intervals[next_], intervals[beyond]))
             usual[end] = intervals[next_] if pair[1] < ALIKE * pair[0] else intervals[end]
     return usual
+
+
+def extra_pulses(intervals: Values) -> npt.NDArray[np.intp]:
+    """Return intervals that are too short, but with one beside them are no longer than usual."""
+    usual = usual_intervals(intervals)
+    padded = np.concatenate([[np.inf], intervals, [np.inf]])
+    joined = intervals + np.minimum(padded[:-2], padded[2:])
+    return np.flatnonzero((intervals < SHORTER * usual) & (joined < LONGER * usual))
 
 
 def pulses_in(times: Values, signal: Values) -> Values:

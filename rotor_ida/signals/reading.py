@@ -22,10 +22,11 @@ from rotor_ida.checks import (
 from rotor_ida.errors import InputError
 from rotor_ida.files import check_path
 from rotor_ida.schema import labelled, labelled_dataset
+from rotor_ida.signals.columns import Table, Unit, known_units, unit_called
 from rotor_ida.signals.keyphasor import check_pulses, pulses_in, with_lost_pulses
 from rotor_ida.signals.probes import displacements
 from rotor_ida.signals.record import FEWEST_SAMPLES
-from rotor_ida.signals.tables import UNITS, Columns, read_table
+from rotor_ida.signals.tables import read_table
 
 Keyphasor = Literal["auto", "signal", "times"]
 
@@ -44,6 +45,10 @@ RATES = (1e-9, 1e12)
 GAP = 1.5
 # Samples that stay at the largest or smallest reading.
 CLIPPED = 4
+# Times within so much of the last digit written of an even spacing are evenly spaced, if they are
+# not so to this part of a step anyway.
+ROUNDED, EVEN = 0.6, 1e-3
+MOST_DECIMALS = 12
 
 
 def read_signals(
@@ -128,7 +133,7 @@ def read_signals(
     table = read_table(file)
     names = _names(table, told)
     found = {name: _converted(name, column, table, given) for name, column in names.items()}
-    times, time = _times(found, rate)
+    times, time = _times(found, rate, table, names)
     length = _check_probes(found, times, accept_clipped)
     z = displacements(found["x"][0] + 1j * found["y"][0], probe_angles, gains)
     guessed = [name for name in names if name not in told]
@@ -140,6 +145,8 @@ def read_signals(
         "probe_angles": check_array("probe_angles", probe_angles),
         "gains": check_array("gains", gains),
     }
+    if rate is None and not np.array_equal(times, found["t"][0]):
+        attributes["times"] = "evenly spaced, to the digits that the file has of them"
     variables = {"x": _labelled("x", "t", z.real, length), "y": _labelled("y", "t", z.imag, length)}
     if "angle" in found:
         variables["angle"] = labelled("angle", "t", _angle(found["angle"][0], times))
@@ -164,15 +171,15 @@ def _words(name: str, given: object) -> dict[str, str]:
     return dict(given)
 
 
-def _names(table: Columns, told: Mapping[str, str]) -> dict[str, str]:
+def _names(table: Table, told: Mapping[str, str]) -> dict[str, str]:
     """Return the column of each signal, as told or guessed."""
     for name, column in told.items():
-        if column not in table:
+        if column not in table.columns:
             raise InputError(
                 f"the file must have the column {shown(column)} for {name}, got "
-                f"{shown(', '.join(table))}"
+                f"{shown(table.listed())}"
             )
-    free = {each.lower().strip(): each for each in table if each not in told.values()}
+    free = {each.lower().strip(): each for each in table.columns if each not in told.values()}
     names: dict[str, str] = {}
     for name, guesses in _guesses(table).items():
         found = told.get(name) or next((free[each] for each in guesses if each in free), None)
@@ -181,41 +188,65 @@ def _names(table: Columns, told: Mapping[str, str]) -> dict[str, str]:
         elif name in ("x", "y"):
             raise InputError(
                 f"the file must have a column for {name}; name it in columns, got "
-                f"{shown(', '.join(table))}"
+                f"{shown(table.listed())}"
             )
     if "angle" in names and "keyphasor" in names:
         names.pop("keyphasor" if "angle" in told or "keyphasor" not in told else "angle")
     return names
 
 
-def _guesses(table: Columns) -> dict[str, tuple[str, ...]]:
+def _guesses(table: Table) -> dict[str, tuple[str, ...]]:
     """Return names to guess by: in a file without any the columns are t, x, y, keyphasor."""
-    if "t" not in table and all(name.isdigit() for name in table):
-        return {name: (str(place),) for place, name in enumerate(GUESSES, 1) if name != "angle"}
+    if "t" not in table.columns and all(name.isdigit() for name in table.columns):
+        return {"t": ("1",), "x": ("2",), "y": ("3",), "keyphasor": ("4",), "angle": ()}
     return GUESSES
 
 
 def _converted(
-    name: str, column: str, table: Columns, units: Mapping[str, str]
+    name: str, column: str, table: Table, units: Mapping[str, str]
 ) -> tuple[Values, str]:
     """Return a column in s, radians or a unit of length, and its unit."""
-    values, unit = table[column]
-    if name == "keyphasor" and name not in units and unit not in ("s", "ms", "us", "min"):
-        unit = ""  # the height of its pulses does not count
-    unit = units.get(name, unit)
-    kind, plain, factor = UNITS.get(unit, ("", "", 0.0))
-    if kind not in (KIND[name], "any"):
-        known = ", ".join(each for each, what in UNITS.items() if each and what[0] == KIND[name])
-        raise InputError(f"the unit of {name} must be one of {known}, got {shown(unit)}")
-    if not np.isfinite(values).all():
-        at = int(np.flatnonzero(~np.isfinite(values))[0])
+    values = table.columns[column].values
+    if name == "keyphasor":
+        values = _without_end(values)
+    missing = np.flatnonzero(~np.isfinite(values))
+    if missing.size:
+        more = f" and {missing.size - 1} more" if missing.size > 1 else ""
         raise InputError(
-            f"column {shown(column)} must hold finite numbers, got {values[at]} in row {at + 1}"
+            f"column {shown(column)} must hold finite numbers, got "
+            f"{table.cell(column, int(missing[0]))}{more}"
         )
-    return values * factor if factor != 1.0 else values, plain
+    unit = _unit_of(name, column, table, units)
+    return values * unit.factor if unit.factor != 1.0 else values, unit.plain
 
 
-def _times(found: Mapping[str, tuple[Values, str]], rate: float | None) -> tuple[Values, str]:
+def _without_end(values: Values) -> Values:
+    """Return times of pulses, which are fewer than samples, without the empty cells after them."""
+    known = np.flatnonzero(~np.isnan(values))
+    return values[: known[-1] + 1] if known.size else values
+
+
+def _unit_of(name: str, column: str, table: Table, units: Mapping[str, str]) -> Unit:
+    """Return the unit of a column, as told or as the file has it."""
+    written = table.columns[column].unit
+    unit = unit_called(units.get(name, written))
+    if name == "keyphasor" and name not in units and (unit is None or unit.kind != "time"):
+        unit = unit_called("")  # the height of its pulses does not count
+    if unit is None or unit.kind not in (KIND[name], "any"):
+        place = "" if name in units else f" in the column {shown(column)}; say it in units"
+        raise InputError(
+            f"the unit of {name} must be one of {known_units(KIND[name])}, got "
+            f"{shown(units.get(name, written))}{place}"
+        )
+    return unit
+
+
+def _times(
+    found: Mapping[str, tuple[Values, str]],
+    rate: float | None,
+    table: Table,
+    names: Mapping[str, str],
+) -> tuple[Values, str]:
     """Return the times of the samples, and their unit."""
     size = found["x"][0].size
     if size < FEWEST_SAMPLES:
@@ -229,19 +260,52 @@ def _times(found: Mapping[str, tuple[Values, str]], rate: float | None) -> tuple
         raise InputError(
             f"t, x and y must be of one length, got {times.size}, {size}, {found['y'][0].size}"
         )
+    written = table.columns[names["t"]].values
+    largest = int(np.abs(written).argmax())
+    scale = times[largest] / written[largest] if written[largest] else 1.0
+    times = _evenly_spaced(times, scale * _last_digit(written))
     steps = np.diff(times)
     if not (steps > 0.0).all():
         at = int(np.flatnonzero(~(steps > 0.0))[0])
-        raise InputError(f"t must increase, got {times[at + 1]:.9g} after {times[at]:.9g}")
+        raise InputError(
+            f"t must increase, got {table.cell(names['t'], at + 1)} after "
+            f"{table.cell(names['t'], at)}"
+        )
     usual = float(np.median(steps))
     gaps = np.flatnonzero(steps > GAP * usual)
     if gaps.size:
         more = f" and {gaps.size - 1} more" if gaps.size > 1 else ""
         raise InputError(
-            f"t must have no gaps, got one of {steps[gaps[0]]:.6g} after {times[gaps[0]]:.9g}"
-            f"{more}; the usual step is {usual:.6g}"
+            f"t must have no gaps, got one of {steps[gaps[0]]:.6g} after "
+            f"{table.cell(names['t'], int(gaps[0]))}{more}; the usual step is {usual:.6g}"
         )
     return times, unit
+
+
+def _evenly_spaced(times: Values, digit: float) -> Values:
+    """Return times that are evenly spaced but for the last digit written of them."""
+    number = np.arange(times.size) - 0.5 * (times.size - 1)
+    mean = float(times.mean())
+    step = float(number @ (times - mean) / (number @ number))
+    off = float(np.abs(times - mean - step * number).max())
+    if step > 0.0 and EVEN * step < off <= ROUNDED * digit:
+        return np.asarray(mean + step * number, dtype=np.float64)
+    return times
+
+
+def _last_digit(values: Values) -> float:
+    """Return what one is worth in the last place of numbers with few digits; 0 of those with all.
+
+    Of numbers of single precision, what their last bit is worth.
+    """
+    size = float(np.abs(values).max())
+    for decimals in range(MOST_DECIMALS + 1):
+        scaled = values * 10.0**decimals
+        if np.abs(scaled - np.rint(scaled)).max() <= 4.0 * np.spacing(size * 10.0**decimals):
+            return 10.0**-decimals
+    if (values.astype(np.float32) == values).all():
+        return float(np.spacing(np.float32(size)))
+    return 0.0
 
 
 def _check_probes(

@@ -1,0 +1,240 @@
+"""Tables in text: commas, semicolons, tabs or blanks between numbers, with or without a head."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from rotor_ida.arrays import Values
+from rotor_ida.checks import shown
+from rotor_ida.errors import InputError
+from rotor_ida.signals.columns import Column, Table, unit_called
+
+# Lines before the numbers in which instruments tell about themselves.
+MOST_HEAD = 200
+COMMENTS = ("#", "%", "//")
+# What stands where a number is missing.
+MISSING = {"", "-", "--", "---", "na", "n/a", "#n/a", "null", "none"}
+_BRACKETS = re.compile(
+    r"^(.*?)\s*(?:\[\s*(?P<square>[^\]]*?)\s*\]|\(\s*(?P<round>[^)]*?)\s*\))\s*$"
+)
+_SLASH = re.compile(r"^(.+?)\s*/\s*(\S+)$")
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How the lines with numbers are written, and where the first of them is."""
+
+    separator: str | None
+    first: int
+    width: int
+    decimal_comma: bool
+
+    def cells(self, line: str) -> list[str]:
+        """Return the cells of a line, less an empty one behind a last separator."""
+        found = _cells(line, self.separator)
+        return found[:-1] if len(found) == self.width + 1 and not found[-1] else found
+
+    def number(self, cell: str) -> float:
+        """Return the number in a cell, NaN if it holds none."""
+        return _number(cell.replace(",", ".") if self.decimal_comma else cell)
+
+
+def read_text(path: Path) -> Table:
+    """Return the columns of a text."""
+    lines = _lines(path)
+    layout = _layout(lines, path)
+    names, units = _names(lines[: layout.first], layout, path)
+    rows = [
+        number
+        for number in range(layout.first, len(lines))
+        if (line := lines[number].lstrip()) and not line.startswith(COMMENTS)
+    ]
+    numbers = _numbers([lines[row] for row in rows], rows, layout, path)
+
+    def cell(name: str, row: int) -> str:
+        held = layout.cells(lines[rows[row]])[names.index(name)]
+        return f"{shown(held)} in line {rows[row] + 1}"
+
+    return Table(
+        {
+            name: Column(np.ascontiguousarray(column), unit)
+            for name, column, unit in zip(names, numbers.T, units, strict=True)
+        },
+        cell,
+    )
+
+
+def _lines(path: Path) -> list[str]:
+    """Return the lines of a text in UTF-8, UTF-16 with its mark, or Latin-1."""
+    held = path.read_bytes()
+    if held.startswith((b"\xff\xfe", b"\xfe\xff")):
+        text = held.decode("utf-16", errors="replace")
+    elif b"\0" in held[:4096]:
+        raise InputError(f"{shown(path)} must be text, a .wav or a .mat file, got other bytes")
+    else:
+        try:
+            text = held.decode("utf-8-sig")
+        except UnicodeDecodeError:
+            text = held.decode("latin-1")
+    return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+
+
+def _layout(lines: Sequence[str], path: Path) -> Layout:
+    """Return how the numbers are written: in lines of numbers alone if there are any."""
+    begin = [
+        (number, line)
+        for number, line in enumerate(lines)
+        if line.strip() and not line.lstrip().startswith(COMMENTS)
+    ][: MOST_HEAD + 1]
+    if not begin:
+        raise InputError(f"{shown(path)} must hold lines of two numbers or more, got an empty file")
+    for alone in (True, False):
+        for (number, line), (_, next_line) in zip(begin, [*begin[1:], (0, "")], strict=True):
+            for separator in (";", "\t", ",", None):
+                cells = _cells(line, separator)
+                after = cells if alone else _cells(next_line, separator)
+                if _holds_numbers(cells, after, alone):
+                    return _layout_from(lines, number, separator, cells)
+    raise InputError(
+        f"{shown(path)} must hold lines of two numbers or more, got none, but {shown(begin[0][1])}"
+    )
+
+
+def _holds_numbers(cells: Sequence[str], after: Sequence[str], alone: bool) -> bool:
+    """Return whether cells are numbers, alone or beside words in the same places as in the next."""
+    kinds = [_kind(cell) for cell in cells]
+    if kinds.count("number") < 2:
+        return False
+    if alone:
+        return "word" not in kinds
+    return [kind == "word" for kind in kinds] == [_kind(cell) == "word" for cell in after]
+
+
+def _layout_from(
+    lines: Sequence[str], first: int, separator: str | None, cells: Sequence[str]
+) -> Layout:
+    """Return how the lines from the first with numbers on are written."""
+    head = [_cells(_bare(line), separator) for line in lines[:first] if line.strip()]
+    ended = not cells[-1] and any(
+        len(each) == len(cells) - 1 or (len(each) == len(cells) and not each[-1]) for each in head
+    )
+    plain = [cell for line in lines[first : first + MOST_HEAD] for cell in _cells(line, separator)]
+    point = any("." in cell and not math.isnan(_number(cell)) for cell in plain)
+    comma = any(
+        "," in line and (separator != "," or '"' in line) for line in lines[first:]
+    ) and not point  # fmt: skip
+    return Layout(separator, first, len(cells) - ended, comma)
+
+
+def _numbers(body: Sequence[str], rows: Sequence[int], layout: Layout, path: Path) -> Values:
+    """Return a table of the numbers, with NaN in cells without one."""
+    plain = [line.replace(",", ".") for line in body] if layout.decimal_comma else body
+    if layout.separator != "," or not layout.decimal_comma:
+        try:
+            found = np.loadtxt(plain, delimiter=layout.separator, ndmin=2, comments=None)
+        except ValueError:
+            pass  # some cells are no numbers
+        else:
+            if found.shape[1] == layout.width:
+                return np.asarray(found, dtype=np.float64)
+    table = np.empty((len(body), layout.width))
+    for row, line in enumerate(body):
+        cells = layout.cells(line)
+        if len(cells) != layout.width:
+            raise InputError(
+                f"line {rows[row] + 1} of {shown(path)} must hold {layout.width} cells as the "
+                f"first with numbers, got {len(cells)} in {shown(line)}"
+            )
+        table[row] = [layout.number(cell) for cell in cells]
+    return table
+
+
+def _names(head: Sequence[str], layout: Layout, path: Path) -> tuple[list[str], list[str]]:
+    """Return names and units of the columns; without a line of names they are numbered from 1."""
+    told = [line for line in head if line.strip()]
+    plain = [line for line in told if not line.lstrip().startswith(COMMENTS)]
+    fitting: list[list[str]] = []
+    for lines in (plain, told):
+        cells = [layout.cells(_bare(line)) for line in lines]
+        fitting = [each for each in cells if len(each) == layout.width and any(each)]
+        if fitting:
+            break
+    if not fitting and plain and layout.separator and len(_cells(plain[-1], layout.separator)) > 1:
+        raise InputError(
+            f"line {head.index(plain[-1]) + 1} of {shown(path)} must name the {layout.width} "
+            f"columns of the numbers after it, got {shown(plain[-1])}"
+        )
+    units = [""] * layout.width
+    if len(fitting) > 1 and _are_units(fitting[-1]):
+        units = [cell.strip("[]() ") for cell in fitting.pop()]
+    names = list(fitting[-1]) if fitting else [""] * layout.width
+    for place, name in enumerate(names):
+        names[place], unit = _name_and_unit(name)
+        names[place] = names[place] or str(place + 1)
+        units[place] = unit or units[place]
+    return _told_apart(names), units
+
+
+def _are_units(cells: Sequence[str]) -> bool:
+    """Return whether a line is one of units: for the first column, or for most, they are known."""
+    bare = [cell.strip("[]() ") for cell in cells]
+    known = [cell for cell in bare if cell and unit_called(cell) is not None]
+    first = unit_called(bare[0]) if bare[0] else None
+    return (first is not None and first.kind == "time") or 2 * len(known) > sum(map(bool, bare))
+
+
+def _name_and_unit(name: str) -> tuple[str, str]:
+    """Return a name less the unit in it: ``x [um]``, ``x (um)`` or ``x/um``."""
+    if found := _BRACKETS.match(name):
+        square, round_ = found["square"], found["round"]
+        if square is not None or unit_called(round_) is not None:
+            return found[1], square if square is not None else round_
+    if (found := _SLASH.match(name)) and unit_called(found[2]) is not None:
+        return found[1], found[2]
+    return name, ""
+
+
+def _told_apart(names: Sequence[str]) -> list[str]:
+    """Return names of which those that are alike are numbered: ``x (1)`` and ``x (2)``."""
+    count, seen = Counter(names), Counter[str]()
+    apart = []
+    for name in names:
+        seen[name] += 1
+        apart.append(f"{name} ({seen[name]})" if count[name] > 1 else name)
+    return apart
+
+
+def _bare(line: str) -> str:
+    """Return a line less the sign that makes it a comment."""
+    return line.strip().lstrip("#%/").strip()
+
+
+def _cells(line: str, separator: str | None) -> list[str]:
+    """Return what stands between separators."""
+    if '"' in line and separator is not None:
+        return [cell.strip() for cell in next(csv.reader([line.strip("\n")], delimiter=separator))]
+    return [cell.strip().strip('"') for cell in line.strip(" ").split(separator)]
+
+
+def _kind(cell: str) -> str:
+    """Return whether a cell holds a number, with point or comma, none, or a word."""
+    if cell.lower() in MISSING:
+        return "none"
+    return "word" if math.isnan(_number(cell.replace(",", "."))) and cell.lower() != "nan" else (
+        "number")  # fmt: skip
+
+
+def _number(cell: str) -> float:
+    """Return a number, NaN if a cell holds none."""
+    try:
+        return float(cell)
+    except ValueError:
+        return math.nan
