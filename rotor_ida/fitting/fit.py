@@ -25,11 +25,12 @@ MOST_EVALUATIONS = 100
 TOLERANCE = 1e-10
 # Noise that is told by what is left is told again until it changes by less than this.
 SETTLED, MOST_ROUNDS = 1e-3, 5
-# Which part of the windows is fitted after which; the second way where the first leaves more than
-# so many squares of the noise for each number.
-WAYS, NEAR = ((1.0,), (0.25, 0.5, 0.75, 1.0)), 2.0
+# Whether the clearance is chosen again, and which part of the windows is fitted after which; the
+# next way where one leaves more than so many squares of the noise for each number.
+WAYS = ((False, (1.0,)), (True, (1.0,)), (False, (0.25, 0.5, 0.75, 1.0)))
+NEAR = 2.0
 # A clearance is sought from these parts of the largest displacement, and from the first guess.
-CLEARANCES = (0.5, 0.7, 0.85, 0.95)
+CLEARANCES = (0.2, 0.35, 0.5, 0.7, 0.85, 0.95)
 
 
 def fit(
@@ -141,7 +142,9 @@ def _solved(problem: Problem, noise: float | None) -> Values:
     """Return the solution; what it leaves tells the noise, if that is not given."""
     time_error = problem.time_error
     problem.time_error = math.inf
-    solution = _searched(problem, _first_guess(problem))
+    first = problem.first()
+    problem.at(first)  # what cannot be followed at all is told
+    solution = _searched(problem, first)
     problem.renew(time_error=time_error)
     for _ in range(MOST_ROUNDS):
         motions, before, clear = problem.motions(solution), problem.noise, problem.clear
@@ -155,22 +158,19 @@ def _solved(problem: Problem, noise: float | None) -> Values:
     return solution
 
 
-def _first_guess(problem: Problem) -> Values:
-    """Return the first guess; of the clearance, beside the user's, the best of several.
+def _with_clearance(problem: Problem, sought: Values) -> Values:
+    """Return a guess with its own clearance, or the best of several if that is sought.
 
     A motion that never touches the ring does not change with the clearance.
     """
-    first = problem.first()
-    problem.at(first)  # what cannot be followed at all is told
     names = [each.field for each in problem.unknown]
     if "clearance" not in names:
-        return first
-    place = names.index("clearance")
+        return sought
     size = max(float(np.abs(each.record.z).max()) for each in problem.records)
-    guesses = [first]
+    guesses = [sought]
     for part in CLEARANCES:
-        guess = first.copy()
-        guess[place] = part * size
+        guess = sought.copy()
+        guess[names.index("clearance")] = part * size
         guesses.append(guess)
     left = [float((problem.left(each) ** 2).sum()) for each in guesses]
     return guesses[int(np.argmin(left))]
@@ -179,13 +179,15 @@ def _first_guess(problem: Problem) -> Values:
 def _searched(problem: Problem, first: Values) -> Values:
     """Return where the sum of squares is least, from a guess that may be far off.
 
-    A motion that goes another way early on, as where it jumps at another speed, tells little of
-    what comes later. So where all windows at once lead astray, the first ones are fitted first.
+    Other unknowns far off mislead about the clearance, so where much is left it is chosen again
+    beside those that were found. A motion that goes another way early on, as where it jumps at
+    another speed, tells little of what comes later: at last the first windows are fitted first.
     """
+    guess = _with_clearance(problem, first)
     found: list[tuple[float, Values]] = []
     failure = SimulationError("no least squares", time=0.0, state=(0.0, 0.0, 0.0, 0.0))
-    for parts in WAYS:
-        solution = first
+    for again, parts in WAYS:
+        solution = _with_clearance(problem, found[-1][1]) if again and found else guess
         try:
             for part in parts:
                 problem.renew(part=part)

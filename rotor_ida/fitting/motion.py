@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -21,8 +21,8 @@ from rotor_ida.fitting.variation import (
     panels_of,
     slopes_of,
 )
-from rotor_ida.parameters import DimensionalRotor
-from rotor_ida.simulation.options import Options, check_can_be_followed
+from rotor_ida.parameters import DimensionalRotor, Rotor
+from rotor_ida.simulation.options import SMALLEST_BEYOND, Options, check_can_be_followed
 from rotor_ida.simulation.orbit import (
     ENTRY,
     EXIT,
@@ -192,13 +192,19 @@ def _follow(
     machine: DimensionalRotor, turning: Turning, start: Values, times: Values, ahead: float
 ) -> Orbit:
     """Return the orbit, without dimensions."""
-    rotor, frequency = machine.rotor(), machine.reference_frequency
+    rotor, frequency = _simulated(machine.rotor()), machine.reference_frequency
     scale = np.repeat([machine.length_scale, machine.velocity_scale], 2)
     x, y, vx, vy = (start / scale).tolist()
     check_can_be_followed(rotor, (x, y, vx, vy))
     course = turning.course(frequency, ahead)
     sampled = np.minimum(times * frequency, course.ends[-1])
     return run(rotor, (x, y, vx, vy), course.ends[-1], sampled, OPTIONS, course=course)
+
+
+def _simulated(rotor: Rotor) -> Rotor:
+    """Return a rotor in which what is nearly 0 is as small as can be simulated."""
+    tiny = {name for name, value in rotor.beyond.items() if 0.0 < value < SMALLEST_BEYOND}
+    return replace(rotor, **dict.fromkeys(tiny, SMALLEST_BEYOND)) if tiny else rotor
 
 
 def _displacements(orbit: Orbit, machine: DimensionalRotor) -> tuple[Complex, Complex]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.stats import binom, chi2
@@ -278,3 +280,16 @@ def test_a_guess_far_off_is_said_to_be(up):
     found = fit(noisy(signals_of(up), np.random.default_rng(7)), far, SOUGHT)
     near = bool((np.abs(found.estimate - TRUTH) < 6.0 * found.standard_error).all())
     assert near or found.attrs["remainder"].startswith("more than noise")
+
+
+def test_an_unknown_may_begin_at_zero(up):
+    """Least squares take steps beside 0 that are smaller than what can be simulated."""
+    found = fit(signals_of(up), replace(TRUE, shaft_stiffness=0.0), ["shaft_stiffness", "zeta"])
+    np.testing.assert_allclose(found.estimate, [1.0, 0.1], rtol=1e-5)
+
+
+def test_a_clearance_is_chosen_again_where_others_misled(up):
+    """With six times the damping the rotor would hardly reach the ring, wherever that is."""
+    far = replace(TRUE, zeta=0.6, delta0=5.0)
+    found = fit(signals_of(up), far, ["zeta", "delta0"])
+    np.testing.assert_allclose(found.estimate, [0.1, 1.5], rtol=1e-5)
