@@ -17,7 +17,7 @@ from rotor_ida.basins.labelling import label
 from rotor_ida.parallel import count_workers, run_all
 from rotor_ida.schema import FATE
 from rotor_ida.simulation.options import Options
-from rotor_ida.steady_state.follow import follow_to_steady_state
+from rotor_ida.steady.follow import follow_to_steady_state
 
 HALF_WIDTH = 15.0
 ASIDE = 1e-9

@@ -19,7 +19,7 @@ from rotor_ida import Rotor
 from rotor_ida.basins.following import RTOL, follow_starts
 from rotor_ida.basins.kernel import NOT_COMPUTED, SECTION, follow
 from rotor_ida.basins.known import known_from_closed_forms
-from rotor_ida.storage.studies.results import Results
+from rotor_ida.results.studies.results import Results
 
 HALF_WIDTH = 15.0
 SPAN = 100.0

@@ -27,7 +27,7 @@ from scipy.linalg import eig
 
 from rotor_ida import Rotor, branches_through, compare, continue_cycle, limit_cycle, sweep
 from rotor_ida.cycles.multipliers import contraction, defects_of, is_stable
-from rotor_ida.stability.orbit import shoot
+from rotor_ida.simulation.neighbours import shoot
 
 ZETA, CLEARANCES = 0.07, [0.5, 1.0, 2.0]
 SPEEDS = np.linspace(0.05, 3.0, 60)

@@ -8,8 +8,8 @@ import argparse
 import numpy as np
 
 from rotor_ida import Rotor, touchdown_report
-from rotor_ida.atlas import resilience
-from rotor_ida.atlas.shocks import KINDS
+from rotor_ida.basins.atlas import resilience
+from rotor_ida.basins.atlas.shocks import KINDS
 
 ROTOR = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 

@@ -12,7 +12,7 @@ from xarray.indexes import Index, PandasIndex
 
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import DEFAULTS
+from rotor_ida.model.parameters import DEFAULTS
 
 CONVENTIONS = "CF-1.11"
 

@@ -16,7 +16,7 @@ import xarray as xr
 
 from rotor_ida import folds, sweep, synchronous_response
 from rotor_ida.closed_forms import clearance_curve, peaks
-from rotor_ida.equations.contact import contact_force
+from rotor_ida.model.contact import contact_force
 from rotor_ida.paper.scenario import Settings, progress_bar, run_script
 from rotor_ida.plot import (
     mixed_panels,

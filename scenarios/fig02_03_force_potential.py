@@ -16,7 +16,7 @@ import xarray as xr
 
 from rotor_ida import Rotor, simulate
 from rotor_ida.closed_forms import restoring_field
-from rotor_ida.equations.model import energy
+from rotor_ida.model.equations import energy
 from rotor_ida.paper.printed import hamiltonian
 from rotor_ida.paper.scenario import Settings, run_script, scientific
 from rotor_ida.plot import mixed_panels, plot_cuts, plot_surface, style

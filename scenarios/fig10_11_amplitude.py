@@ -32,7 +32,6 @@ from rotor_ida import (
     sweep,
     synchronous_response,
 )
-from rotor_ida.analysis.comparison import summarise
 from rotor_ida.closed_forms import free_periods, response_curve
 from rotor_ida.paper.printed import phase_31
 from rotor_ida.paper.scenario import Settings, progress_bar, run_script, scientific
@@ -47,6 +46,7 @@ from rotor_ida.plot import (
 )
 from rotor_ida.plot.appearance import BLUE, RED
 from rotor_ida.schema import RESPONSE, SPECIAL
+from rotor_ida.verification.compare import summarise
 
 ZETA = 0.07
 CLEARANCES = [2.0, 1.0, 0.5, 0.0]

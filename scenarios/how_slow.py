@@ -30,7 +30,7 @@ from matplotlib.patches import Patch
 
 from rotor_ida import DimensionalRotor, Rotor, dimensional, run_ups, synchronous_response
 from rotor_ida.closed_forms import peaks
-from rotor_ida.equations.contact import contact_force
+from rotor_ida.model.contact import contact_force
 from rotor_ida.paper.scenario import Settings, progress_bar, run_script
 from rotor_ida.plot import mixed_panels, style
 from rotor_ida.plot.appearance import DASHES, GREY, INK, look

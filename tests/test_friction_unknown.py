@@ -6,7 +6,7 @@ import pytest
 
 import rotor_ida
 from rotor_ida import InputError, Rotor, simulate
-from rotor_ida.simulation.dataset import rotor_of
+from rotor_ida.results.run import rotor_of
 
 RUBBING = Rotor(omega=1.2, zeta=0.07, delta0=0.5, friction=0.3, disc_radius=0.6)
 

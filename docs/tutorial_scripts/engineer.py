@@ -117,7 +117,7 @@ print("folds at", ", ".join(f"{speed:.1f} rpm" for speed in speeds))
 import numpy as np
 
 from rotor_ida import sweep
-from rotor_ida.equations.contact import contact_force
+from rotor_ida.model.contact import contact_force
 
 clearances = np.array([0.0, 5.0, 10.0, 15.0, 20.0, 30.0])  # µm
 found = sweep(omega=rotor.omega, zeta=rotor.zeta, delta0=clearances * 1e-6 / machine.eccentricity)

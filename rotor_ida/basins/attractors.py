@@ -17,13 +17,13 @@ from rotor_ida.basins.known import followed_alone, may_roll
 from rotor_ida.checks import State
 from rotor_ida.cycles.limit_cycle import follow
 from rotor_ida.cycles.shooting import Cycle
+from rotor_ida.model.parameters import Rotor
 from rotor_ida.parallel import Stop
-from rotor_ida.parameters import Rotor
+from rotor_ida.results.studies.arrays import stretches
 from rotor_ida.simulation.options import Options
-from rotor_ida.steady_state import response
-from rotor_ida.steady_state.follow import SettledResponse, follow_to_steady_state
-from rotor_ida.steady_state.response import phase_lag_of
-from rotor_ida.storage.studies.arrays import stretches
+from rotor_ida.steady import response
+from rotor_ida.steady.follow import SettledResponse, follow_to_steady_state
+from rotor_ida.steady.response import phase_lag_of
 
 # CVODE follows so many starts of an attractor before the attractor counts as unconfirmed.
 WITNESSES = 3
@@ -53,7 +53,7 @@ class Attractor:
     Parameters
     ----------
     kind : str
-        One of the kinds of `rotor_ida.steady_state.response`.
+        One of the kinds of `rotor_ida.steady.response`.
     amplitude, phase_lag : float
         Of the motion at the spin speed [1], [rad].
     radius_min, radius_max : float

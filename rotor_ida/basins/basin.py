@@ -13,8 +13,8 @@ from rotor_ida.basins.dataset import basin_dataset
 from rotor_ida.basins.labelling import label
 from rotor_ida.checks import COMPONENTS, check_increasing, check_vector, is_scalar
 from rotor_ida.errors import InputError
+from rotor_ida.model.parameters import Rotor
 from rotor_ida.parallel import Progress
-from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.options import LARGEST
 
 

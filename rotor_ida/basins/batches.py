@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Values
-from rotor_ida.storage.studies.arrays import Arrays
-from rotor_ida.storage.studies.results import Form
+from rotor_ida.results.studies.arrays import Arrays
+from rotor_ida.results.studies.results import Form
 
 # What is kept of a limit cycle: state, period, and 1 where a section of it holds starts.
 CYCLE = 6

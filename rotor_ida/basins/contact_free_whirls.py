@@ -26,8 +26,8 @@ from rotor_ida.arrays import Values
 from rotor_ida.closed_forms import touch_fading
 from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.errors import SimulationError
+from rotor_ida.model.parameters import Rotor
 from rotor_ida.parallel import Stop
-from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
 

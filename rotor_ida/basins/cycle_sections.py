@@ -30,7 +30,7 @@ from rotor_ida.cycles.multipliers import multipliers_of
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
-from rotor_ida.stability.orbit import MAXIMUM, shoot
+from rotor_ida.simulation.neighbours import MAXIMUM, shoot
 
 # Of a step of the kernel: close to a graze the set is small.
 TOLERANCE = 1e-10

@@ -19,12 +19,12 @@ from rotor_ida.basins.following import Starts
 from rotor_ida.basins.kernel import Labels
 from rotor_ida.basins.known import followed_alone, may_roll
 from rotor_ida.basins.labelling import Labelled
-from rotor_ida.parameters import Rotor
-from rotor_ida.provenance import provenance
+from rotor_ida.model.parameters import Rotor
+from rotor_ida.results.provenance import provenance
+from rotor_ida.results.run import parameter_coordinates
+from rotor_ida.results.studies.arrays import scratch, stretches
 from rotor_ida.schema import FATE, RESPONSE, TRAPPING, Column, labelled, labelled_dataset
-from rotor_ida.simulation.dataset import parameter_coordinates
 from rotor_ida.simulation.options import Options
-from rotor_ida.storage.studies.arrays import scratch, stretches
 
 LABELLING = (
     "every start followed beside others by DOP853 on the rotating axes, with the error "

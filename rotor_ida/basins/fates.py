@@ -40,8 +40,8 @@ from rotor_ida.cycles.shooting import Cycle, close_orbit, once_round
 from rotor_ida.errors import SimulationError
 from rotor_ida.parallel import Stop
 from rotor_ida.simulation.options import Options
-from rotor_ida.steady_state import response
-from rotor_ida.steady_state.follow import (
+from rotor_ida.steady import response
+from rotor_ida.steady.follow import (
     LATE,
     LONGEST,
     PATIENCE,

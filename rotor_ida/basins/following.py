@@ -24,11 +24,11 @@ from rotor_ida.basins.known import (
     same_cycle,
 )
 from rotor_ida.cycles.shooting import Cycle, close_orbit
+from rotor_ida.model.parameters import Rotor
 from rotor_ida.parallel import FailedJob, Progress, Stop, interruptible, run_all
-from rotor_ida.parameters import Rotor
-from rotor_ida.steady_state.follow import SettledResponse
-from rotor_ida.storage.studies.arrays import scratch
-from rotor_ida.storage.studies.results import Results
+from rotor_ida.results.studies.arrays import scratch
+from rotor_ida.results.studies.results import Results
+from rotor_ida.steady.follow import SettledResponse
 
 Starts = Callable[[int, int], Values]
 

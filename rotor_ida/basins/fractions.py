@@ -22,8 +22,8 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.errors import InputError
+from rotor_ida.model.parameters import Rotor
 from rotor_ida.parallel import Progress
-from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.options import LARGEST
 
 Range = npt.ArrayLike

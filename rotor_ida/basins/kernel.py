@@ -16,8 +16,8 @@ import numpy.typing as npt
 
 from rotor_ida.arrays import Values
 from rotor_ida.core.interface import RotorStruct, library_of, pointer
+from rotor_ida.model.parameters import Rotor
 from rotor_ida.parallel import Stop
-from rotor_ida.parameters import Rotor
 
 Labels = npt.NDArray[np.int16]
 Times = npt.NDArray[np.float32]

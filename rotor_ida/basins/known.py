@@ -21,9 +21,9 @@ from rotor_ida.basins.kernel import NOT_COMPUTED, REGION, SECTION, Labels, Times
 from rotor_ida.basins.trapping_regions import TrappingRegion, trapping_regions
 from rotor_ida.closed_forms.rest import rest
 from rotor_ida.cycles.shooting import Cycle
+from rotor_ida.model.parameters import Rotor
 from rotor_ida.parallel import Stop
-from rotor_ida.parameters import Rotor
-from rotor_ida.steady_state.follow import durations
+from rotor_ida.steady.follow import durations
 
 # Two cycles of one rotor are the same when period and largest radius differ by less than this part.
 SAME = 1e-6

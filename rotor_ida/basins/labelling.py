@@ -14,11 +14,11 @@ from rotor_ida.basins.kernel import Labels
 from rotor_ida.basins.known import known_from_closed_forms
 from rotor_ida.checks import MOST_POINTS_OF_STUDY, check_between, check_instance, check_progress
 from rotor_ida.errors import InputError
+from rotor_ida.model.parameters import Rotor, check_no_load
 from rotor_ida.parallel import Progress, choose, interruptible
-from rotor_ida.parameters import Rotor, check_no_load
-from rotor_ida.provenance import computing
+from rotor_ida.results.provenance import computing
+from rotor_ida.results.studies.results import open_results
 from rotor_ida.simulation.options import Options, check_can_be_followed
-from rotor_ida.storage.studies.results import open_results
 
 # The errors of a step that may be asked for [1].
 TIGHTEST, LOOSEST = 1e-12, 1e-4

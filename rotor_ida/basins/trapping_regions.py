@@ -56,8 +56,8 @@ import numpy.typing as npt
 from rotor_ida.arrays import Values
 from rotor_ida.closed_forms import synchronous_response
 from rotor_ida.closed_forms.contact_laws import force, stiffnesses
-from rotor_ida.equations.model import rotating_jacobian
-from rotor_ida.parameters import Rotor
+from rotor_ida.model.equations import rotating_jacobian
+from rotor_ida.model.parameters import Rotor
 from rotor_ida.schema import STABILITY
 
 # V must fall at this fraction of the fastest possible rate or faster: far more than the rounding of

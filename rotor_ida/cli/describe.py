@@ -11,7 +11,6 @@ import numpy as np
 import xarray as xr
 from rich.console import RenderableType
 
-from rotor_ida.analysis.branch_course import parameters_of, stable_ranges
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.cli import describe_signals
 from rotor_ida.cli.report import pairs, table
@@ -29,9 +28,10 @@ from rotor_ida.cli.variables import (
     value_of,
     with_unit,
 )
-from rotor_ida.parameters import ALL_PARAMETERS, BEYOND, PARAMETERS, SPEED_UNITS
+from rotor_ida.cycles.branch_course import parameters_of, stable_ranges
+from rotor_ida.model.parameters import ALL_PARAMETERS, BEYOND, PARAMETERS, SPEED_UNITS
+from rotor_ida.results.si_units import in_rpm
 from rotor_ida.schema import ENDS_IN_WORDS, RESPONSE, flags_of
-from rotor_ida.si_units import in_rpm
 
 Kind = Literal[
     "run", "sweep", "bifurcation_diagram", "basin", "basin_fractions", "atlas", "comparison",
@@ -464,7 +464,7 @@ def _end(row: Record, name: str) -> str:
 
 
 def _comparison(dataset: xr.Dataset, most: int | None) -> Description:
-    from rotor_ida.analysis.comparison import summarise  # noqa: PLC0415 - only this kind needs it
+    from rotor_ida.verification.compare import summarise  # noqa: PLC0415 - only this kind needs it
 
     names = [name for name in MATCH if name in dataset.variables]
     summary, points = summarise(dataset), rows_of(dataset, names)

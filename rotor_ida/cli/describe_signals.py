@@ -23,8 +23,8 @@ from rotor_ida.cli.variables import (
     value_of,
     with_unit,
 )
-from rotor_ida.parameters import SPEED_UNITS
-from rotor_ida.si_units import in_rpm
+from rotor_ida.model.parameters import SPEED_UNITS
+from rotor_ida.results.si_units import in_rpm
 
 # Peaks that noise, too, may have are below so many times the floor.
 CLEAR = 4.0

@@ -17,7 +17,7 @@ from rotor_ida.cli.describe import kind_of
 from rotor_ida.cli.options import check_panels
 from rotor_ida.closed_forms import response_curve
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import ALL_PARAMETERS, DEFAULTS
+from rotor_ida.model.parameters import ALL_PARAMETERS, DEFAULTS
 from rotor_ida.plot.labels import LABELS
 
 # Up to so many speeds of a table of whirls are marked.

@@ -20,7 +20,7 @@ from rotor_ida.checks import (
 )
 from rotor_ida.cli import parsing
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import (
+from rotor_ida.model.parameters import (
     BEYOND,
     DEFAULTS,
     MACHINE_PARAMETERS,

@@ -40,7 +40,7 @@ class Output:
 
     def check(self, *, panels: int = 1) -> None:
         """Refuse files that cannot be written, so that nothing that is computed is lost."""
-        from rotor_ida.files import check_target  # noqa: PLC0415 - takes a moment
+        from rotor_ida.results.files import check_target  # noqa: PLC0415 - takes a moment
 
         if self.out is not None:
             if self.out.suffix != OUT_ENDING:

@@ -29,9 +29,9 @@ import xarray as xr
 
 from rotor_ida.checks import LARGEST_NUMBER, check_instance, check_nonnegative
 from rotor_ida.closed_forms.rest import slowest_rate
-from rotor_ida.equations.contact import HERTZ_EXPONENT
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import Rotor, check_no_load
+from rotor_ida.model.contact import HERTZ_EXPONENT
+from rotor_ida.model.parameters import Rotor, check_no_load
 from rotor_ida.schema import STABILITY, WHIRL_KIND, labelled, labelled_dataset
 
 # With less friction the whirl speed leaves the range of doubles.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rotor_ida.arrays import Values
-from rotor_ida.equations.contact import (
+from rotor_ida.model.contact import (
     HERTZ_EXPONENT,
     contact_force,
     contact_stiffness,

@@ -26,9 +26,9 @@ from rotor_ida.closed_forms.fold_locus_rubbing import rub_cusp
 from rotor_ida.closed_forms.further_parameters import FurtherAxes, check_law, further_axes
 from rotor_ida.closed_forms.rubs import Rub, rub_folds
 from rotor_ida.closed_forms.synchronous import synchronous_response
-from rotor_ida.equations.contact import HERTZ_EXPONENT
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import check_exponent
+from rotor_ida.model.contact import HERTZ_EXPONENT
+from rotor_ida.model.parameters import check_exponent
 from rotor_ida.schema import STABILITY, labelled, labelled_dataset
 
 # At a fold two whirls are one, up to the root of rounding.

@@ -17,8 +17,8 @@ from scipy.special import beta
 
 from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_nonnegative, check_points, check_real
 from rotor_ida.closed_forms.further_parameters import law_of
-from rotor_ida.equations.contact import HERTZ_EXPONENT
 from rotor_ida.errors import InputError
+from rotor_ida.model.contact import HERTZ_EXPONENT
 from rotor_ida.schema import labelled, labelled_dataset
 
 SMALLEST_DEPTH = 1e-200

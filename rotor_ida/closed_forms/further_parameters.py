@@ -9,7 +9,7 @@ import numpy as np
 from rotor_ida.arrays import Values
 from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_nonnegative, is_scalar
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import DEFAULTS, check_exponent
+from rotor_ida.model.parameters import DEFAULTS, check_exponent
 from rotor_ida.schema import Column
 
 # The value of each with which it is the paper's rotor.

@@ -46,7 +46,7 @@ from rotor_ida.closed_forms.exact_polynomials import (
 )
 from rotor_ida.closed_forms.further_parameters import further_axes
 from rotor_ida.closed_forms.rubs import Rub, rub_hopf_points
-from rotor_ida.equations.contact import HERTZ_EXPONENT
+from rotor_ida.model.contact import HERTZ_EXPONENT
 from rotor_ida.schema import labelled_dataset
 
 

@@ -33,8 +33,8 @@ from rotor_ida.checks import LARGEST_NUMBER, check_axis, is_scalar
 from rotor_ida.closed_forms.contact_laws import force, stiffnesses
 from rotor_ida.closed_forms.folds import folds
 from rotor_ida.closed_forms.stability import eigenvalues
-from rotor_ida.equations.contact import HERTZ_EXPONENT
 from rotor_ida.errors import InputError
+from rotor_ida.model.contact import HERTZ_EXPONENT
 from rotor_ida.schema import labelled
 
 # The solution of ``x' = t + x**2`` that begins on the whirl is at infinity at this time.

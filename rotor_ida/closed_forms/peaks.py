@@ -22,7 +22,7 @@ from rotor_ida.closed_forms.contact_laws import stiffnesses
 from rotor_ida.closed_forms.fold_locus_further import Ring, positive_roots
 from rotor_ida.closed_forms.further_parameters import check_law, further_axes, law_of
 from rotor_ida.closed_forms.rubs import Rub, flanks, rub_tips
-from rotor_ida.equations.contact import HERTZ_EXPONENT, contact_force, secant_stiffness
+from rotor_ida.model.contact import HERTZ_EXPONENT, contact_force, secant_stiffness
 from rotor_ida.schema import labelled_dataset
 
 # With less damping the tip lies beyond the range of doubles.

@@ -41,8 +41,8 @@ from rotor_ida.closed_forms.peaks import (
 from rotor_ida.closed_forms.rubs import Rub, flanks, rub_tips
 from rotor_ida.closed_forms.stability import eigenvalues
 from rotor_ida.closed_forms.synchronous import SMALLEST_SPEED, whirls_in_contact
-from rotor_ida.equations.contact import HERTZ_EXPONENT, secant_stiffness
 from rotor_ida.errors import InputError
+from rotor_ida.model.contact import HERTZ_EXPONENT, secant_stiffness
 from rotor_ida.schema import STABILITY, Column, labelled_dataset
 
 # Amplitude and the speed or clearance at which a whirl has it.

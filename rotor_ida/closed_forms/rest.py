@@ -8,8 +8,8 @@ from fractions import Fraction
 import xarray as xr
 
 from rotor_ida.checks import LARGEST_NUMBER, check_instance, check_nonnegative
-from rotor_ida.equations.contact import HERTZ_EXPONENT
-from rotor_ida.parameters import Rotor, check_no_friction
+from rotor_ida.model.contact import HERTZ_EXPONENT
+from rotor_ida.model.parameters import Rotor, check_no_friction
 from rotor_ida.schema import STABILITY, labelled, labelled_dataset
 
 

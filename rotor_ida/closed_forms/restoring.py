@@ -8,7 +8,7 @@ import xarray as xr
 
 from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_points, check_vector
 from rotor_ida.closed_forms.further_parameters import law_of
-from rotor_ida.equations.contact import HERTZ_EXPONENT, contact_potential, secant_stiffness
+from rotor_ida.model.contact import HERTZ_EXPONENT, contact_potential, secant_stiffness
 from rotor_ida.schema import labelled_dataset
 
 

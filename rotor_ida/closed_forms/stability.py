@@ -14,8 +14,8 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import LARGEST_NUMBER, check_array, check_axis
 from rotor_ida.closed_forms.contact_laws import force, stiffnesses
 from rotor_ida.closed_forms.further_parameters import PAPERS, Further, check_law
-from rotor_ida.equations.contact import HERTZ_EXPONENT, contact_stiffness, secant_stiffness
 from rotor_ida.errors import InputError
+from rotor_ida.model.contact import HERTZ_EXPONENT, contact_stiffness, secant_stiffness
 
 ComplexValues = npt.NDArray[np.complex128]
 

@@ -1,4 +1,4 @@
-/* Derived from rotor_ida/equations/modes.py by `python -m rotor_ida.equations.writing`. */
+/* Derived from rotor_ida/model/modes.py by `python -m rotor_ida.model.writing`. */
 /* clang-format off */
 #ifndef WHOLE_MODEL
 #include "motion.h"

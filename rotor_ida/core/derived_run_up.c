@@ -1,4 +1,4 @@
-/* Derived from rotor_ida/equations/spinning.py by `python -m rotor_ida.equations.writing`. */
+/* Derived from rotor_ida/model/spinning.py by `python -m rotor_ida.model.writing`. */
 /* clang-format off */
 #ifdef RUN_UP
 #include "motion.h"

@@ -1,4 +1,4 @@
-/* Derived from rotor_ida/equations/spinning.py by `python -m rotor_ida.equations.writing`. */
+/* Derived from rotor_ida/model/spinning.py by `python -m rotor_ida.model.writing`. */
 /* clang-format off */
 #ifndef ROTOR_IDA_DERIVED_RUN_UP_H
 #define ROTOR_IDA_DERIVED_RUN_UP_H

@@ -1,4 +1,4 @@
-/* Derived from rotor_ida/equations/modes.py by `python -m rotor_ida.equations.writing`. */
+/* Derived from rotor_ida/model/modes.py by `python -m rotor_ida.model.writing`. */
 /* clang-format off */
 #ifndef ROTOR_IDA_DERIVED_WHOLE_H
 #define ROTOR_IDA_DERIVED_WHOLE_H

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.core import library as found
-from rotor_ida.parameters import ALL_PARAMETERS, Rotor
+from rotor_ida.model.parameters import ALL_PARAMETERS, Rotor
 
 # How a call ended; the flags of SUNDIALS are negative.
 DONE = 0

@@ -11,7 +11,7 @@
  * in contact, where it might roll or slide the other way, leaves its lane with a label of its own.
  *
  * The model is written by hand here, and the whole of it but for a load, under which the motion on
- * the rotating axes hangs on time; tests/basins/test_lanes.py holds it against equations/modes.py.
+ * the rotating axes hangs on time; tests/basins/test_lanes.py holds it against model/modes.py.
  */
 #ifndef RUN_UP
 #include <math.h>

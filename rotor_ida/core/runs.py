@@ -28,7 +28,7 @@ from rotor_ida.core.interface import (
     library_of,
     pointer,
 )
-from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.model.parameters import PARAMETERS, Rotor
 
 Stop = npt.NDArray[np.uint8]
 

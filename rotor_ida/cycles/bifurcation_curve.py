@@ -53,10 +53,10 @@ from rotor_ida.cycles.limit_cycle import check_revolutions, check_turns_and_sett
 from rotor_ida.cycles.multipliers import doubling_test, fold_test, on_unit_circle, torus_test
 from rotor_ida.cycles.shooting import Cycle, checked_cycle, failure, revolutions_of
 from rotor_ida.errors import InputError
+from rotor_ida.model.parameters import Rotor
 from rotor_ida.parallel import Progress, Stop
-from rotor_ida.parameters import Rotor
-from rotor_ida.provenance import provenance
-from rotor_ida.stability.orbit import Shot
+from rotor_ida.results.provenance import provenance
+from rotor_ida.simulation.neighbours import Shot
 
 Kind = Literal["fold", "period_doubling", "torus"]
 

@@ -19,8 +19,8 @@ from rotor_ida.closed_forms.stability import eigenvalues
 from rotor_ida.closed_forms.synchronous import synchronous_response
 from rotor_ida.cycles.continuation import Point, Problem
 from rotor_ida.cycles.shooting import Cycle
-from rotor_ida.parameters import Rotor
-from rotor_ida.stability.orbit import Shot
+from rotor_ida.model.parameters import Rotor
+from rotor_ida.simulation.neighbours import Shot
 
 # The bifurcation is sought so many times farther than two points by it tell.
 FARTHER = 4.0

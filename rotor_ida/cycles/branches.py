@@ -16,8 +16,8 @@ from rotor_ida.cycles.continue_cycle import branch_from, check_limits
 from rotor_ida.cycles.guess import Guess
 from rotor_ida.cycles.shooting import close_orbit
 from rotor_ida.errors import InputError, SimulationError
+from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS, Rotor
 from rotor_ida.parallel import Progress
-from rotor_ida.parameters import ALL_PARAMETERS, PARAMETERS, Rotor
 from rotor_ida.schema import EXACT, check_dimensionless
 
 NEEDED = ("lies_on", "exact_period", "exact_radius_max", *(f"end_{name}" for name in COMPONENTS))

@@ -36,13 +36,13 @@ from rotor_ida.cycles.limit_cycle import check_revolutions, check_turns_and_sett
 from rotor_ida.cycles.shooting import checked_cycle
 from rotor_ida.cycles.special_points import Special
 from rotor_ida.errors import InputError
+from rotor_ida.model.parameters import OF_FRICTION_DEFAULTS, Rotor
 from rotor_ida.parallel import Progress
-from rotor_ida.parameters import OF_FRICTION_DEFAULTS, Rotor
-from rotor_ida.provenance import computing, provenance
+from rotor_ida.results.provenance import computing, provenance
+from rotor_ida.results.studies.arrays import Arrays
+from rotor_ida.results.studies.results import Form, Results, open_results
 from rotor_ida.schema import SPECIAL, labelled, labelled_dataset
-from rotor_ida.stability.orbit import Shot
-from rotor_ida.storage.studies.arrays import Arrays
-from rotor_ida.storage.studies.results import Form, Results, open_results
+from rotor_ida.simulation.neighbours import Shot
 
 Parameter = Literal[
     "omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "load", "friction",

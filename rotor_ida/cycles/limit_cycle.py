@@ -23,11 +23,11 @@ from rotor_ida.cycles.shooting import (
     period_of,
     revolutions_of,
 )
-from rotor_ida.equations.contact import contact_force
 from rotor_ida.errors import InputError, SimulationError
+from rotor_ida.model.contact import contact_force
+from rotor_ida.model.parameters import Rotor
 from rotor_ida.parallel import Stop, interruptible
-from rotor_ida.parameters import Rotor
-from rotor_ida.provenance import provenance
+from rotor_ida.results.provenance import provenance
 from rotor_ida.schema import (
     LINE_KIND,
     RESPONSE,
@@ -36,10 +36,10 @@ from rotor_ida.schema import (
     Column,
     labelled_dataset,
 )
+from rotor_ida.simulation.neighbours import ATOL, RTOL
 from rotor_ida.simulation.options import Options, check_can_be_followed
-from rotor_ida.stability.orbit import ATOL, RTOL
-from rotor_ida.steady_state.follow import FAILED, follow_to_steady_state
-from rotor_ida.steady_state.response import UNRESOLVED
+from rotor_ida.steady.follow import FAILED, follow_to_steady_state
+from rotor_ida.steady.response import UNRESOLVED
 
 NOT_FOUND = "not_found"
 # The rotor is followed to its cycle with the default tolerance of a sweep; Newton's method takes

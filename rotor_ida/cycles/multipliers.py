@@ -42,7 +42,7 @@ from itertools import combinations, permutations
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.stability.orbit import Shot
+from rotor_ida.simulation.neighbours import Shot
 
 Complex = npt.NDArray[np.complex128]
 

@@ -31,11 +31,11 @@ from rotor_ida.core.interface import (
     RADIUS,
     STATE,
 )
-from rotor_ida.equations.contact import contact_force
 from rotor_ida.errors import SimulationError
+from rotor_ida.model.contact import contact_force
+from rotor_ida.model.parameters import Rotor
 from rotor_ida.parallel.jobs import Stop
-from rotor_ida.parameters import Rotor
-from rotor_ida.stability.orbit import MAXIMUM, RTOL, Shot, shoot
+from rotor_ida.simulation.neighbours import MAXIMUM, RTOL, Shot, shoot
 
 # Steps of Newton's method at most; a guess far off takes some of them to come near.
 MOST_STEPS = 25

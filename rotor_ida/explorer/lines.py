@@ -8,7 +8,6 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.equations.model import rotated
 from rotor_ida.explorer.answers import Answer
 from rotor_ida.explorer.motion import (
     FASTEST_LINE,
@@ -19,7 +18,8 @@ from rotor_ida.explorer.motion import (
     values_of,
 )
 from rotor_ida.explorer.questions import Question
-from rotor_ida.parameters import Rotor
+from rotor_ida.model.equations import rotated
+from rotor_ida.model.parameters import Rotor
 from rotor_ida.signals.spectra import full_spectrum
 from rotor_ida.simulation.simulate import simulate
 

@@ -10,15 +10,15 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.analysis.spectra import lines_of
 from rotor_ida.checks import COMPONENTS
-from rotor_ida.equations.contact import contact_force, damping_factor
-from rotor_ida.equations.model import rotated
 from rotor_ida.explorer.answers import Answer
 from rotor_ida.explorer.questions import Question
 from rotor_ida.explorer.words import words_of_run
-from rotor_ida.parameters import DimensionalRotor, Rotor
+from rotor_ida.model.contact import contact_force, damping_factor
+from rotor_ida.model.equations import rotated
+from rotor_ida.model.parameters import DimensionalRotor, Rotor
 from rotor_ida.schema import DAMPED_EVENT_KIND, EVENT_KIND, MODE
+from rotor_ida.signals.run_spectrum import lines_of
 from rotor_ida.simulation.options import Method
 from rotor_ida.simulation.simulate import simulate
 

@@ -10,14 +10,14 @@ import numpy as np
 
 from rotor_ida.closed_forms.folds import folds
 from rotor_ida.closed_forms.synchronous import synchronous_response
-from rotor_ida.equations.model import rotated
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.answers import Answer
 from rotor_ida.explorer.motion import facts_of, force_of, states_of, values_of
 from rotor_ida.explorer.questions import Question
 from rotor_ida.explorer.responses import MOST_KEPT, at_rest, of_whirls
 from rotor_ida.explorer.tracking import keep_tail, tail_of, tracked
-from rotor_ida.parameters import Rotor
+from rotor_ida.model.equations import rotated
+from rotor_ida.model.parameters import Rotor
 from rotor_ida.schema import STABILITY
 from rotor_ida.simulation.options import Method
 from rotor_ida.simulation.run_up import run_up

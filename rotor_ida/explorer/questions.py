@@ -19,7 +19,7 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import (
+from rotor_ida.model.parameters import (
     BEYOND,
     MACHINE_PARAMETERS,
     PARAMETERS,

@@ -18,8 +18,8 @@ from rotor_ida.explorer.motion import show_motion
 from rotor_ida.explorer.page import page_files
 from rotor_ida.explorer.questions import Question
 from rotor_ida.explorer.responses import show_responses
+from rotor_ida.model.parameters import DimensionalRotor, Rotor
 from rotor_ida.parallel import Progress
-from rotor_ida.parameters import DimensionalRotor, Rotor
 
 Arrays = dict[str, npt.NDArray[np.float64]]
 

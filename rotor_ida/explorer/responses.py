@@ -12,14 +12,11 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.analysis.comparison import compare
-from rotor_ida.analysis.sections import poincare_section
 from rotor_ida.closed_forms.backward_whirl import backward_whirl
 from rotor_ida.closed_forms.folds import fold_table, folds
 from rotor_ida.closed_forms.hopf import hopf_points
 from rotor_ida.closed_forms.response_curve import pieces_over_speed, response_curve
 from rotor_ida.cycles.branches import branches_through, holds_cycle
-from rotor_ida.equations.contact import secant_stiffness
 from rotor_ida.errors import InputError, RotorError
 from rotor_ida.explorer.answers import Answer
 from rotor_ida.explorer.lines import exact_lines
@@ -31,10 +28,13 @@ from rotor_ida.explorer.words import (
     words_of_transient,
     words_of_whip,
 )
-from rotor_ida.parameters import PARAMETERS, Rotor
+from rotor_ida.model.contact import secant_stiffness
+from rotor_ida.model.parameters import PARAMETERS, Rotor
 from rotor_ida.schema import EXACT, RESPONSE, STABILITY
+from rotor_ida.simulation.sections import poincare_section
 from rotor_ida.simulation.simulate import simulate
-from rotor_ida.sweeps.sweep import sweep
+from rotor_ida.steady.sweep import sweep
+from rotor_ida.verification.compare import compare
 
 Arrays = dict[str, npt.NDArray[np.generic]]
 

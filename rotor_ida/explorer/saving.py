@@ -13,10 +13,10 @@ from rotor_ida.explorer.answers import Answer
 from rotor_ida.explorer.motion import METHOD, duration_of, run_of, samples_of
 from rotor_ida.explorer.questions import Question
 from rotor_ida.explorer.recording import SHOWN, check_speeds, recording
-from rotor_ida.parameters import DimensionalRotor
+from rotor_ida.model.parameters import DimensionalRotor
 from rotor_ida.plot import plot_machine, plot_run, save_figure
-from rotor_ida.si_units import dimensional
-from rotor_ida.storage.archive import save
+from rotor_ida.results.archive import save
+from rotor_ida.results.si_units import dimensional
 
 NAME = "run"
 LINES = '''\

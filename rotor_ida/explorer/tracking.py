@@ -19,7 +19,7 @@ import xarray as xr
 from rotor_ida.checks import State
 from rotor_ida.explorer.questions import Question
 from rotor_ida.explorer.responses import at_rest
-from rotor_ida.parameters import Rotor
+from rotor_ida.model.parameters import Rotor
 from rotor_ida.signals.orders import fit
 from rotor_ida.signals.record import Record
 from rotor_ida.signals.spectra import spectrogram

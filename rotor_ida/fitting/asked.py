@@ -22,7 +22,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.fitting.identifiability import ANGLE
 from rotor_ida.fitting.problem import Problem, Unknown
 from rotor_ida.fitting.records import Measured, measured, noise_of
-from rotor_ida.parameters import DimensionalRotor, Rotor
+from rotor_ida.model.parameters import DimensionalRotor, Rotor
 from rotor_ida.simulation.orbit import ENTRY, EXIT
 
 # What can be sought of a machine: the unit, and of a dimensionless rotor the name, with how many of

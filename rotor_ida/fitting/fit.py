@@ -19,7 +19,7 @@ from rotor_ida.fitting.asked import problem_of
 from rotor_ida.fitting.found import dataset_of
 from rotor_ida.fitting.problem import Problem
 from rotor_ida.fitting.records import noise_of
-from rotor_ida.parameters import DimensionalRotor, Rotor
+from rotor_ida.model.parameters import DimensionalRotor, Rotor
 
 MOST_EVALUATIONS = 100
 TOLERANCE = 1e-10

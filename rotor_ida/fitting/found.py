@@ -14,8 +14,8 @@ from rotor_ida.fitting.asked import OF_MACHINE
 from rotor_ida.fitting.identifiability import ANGLE, Told, left_in_words, told_by
 from rotor_ida.fitting.motion import Motion
 from rotor_ida.fitting.problem import APART, Problem, matched
-from rotor_ida.parameters import DimensionalRotor, Rotor
-from rotor_ida.provenance import provenance
+from rotor_ida.model.parameters import DimensionalRotor, Rotor
+from rotor_ida.results.provenance import provenance
 from rotor_ida.schema import Column
 
 

@@ -14,7 +14,7 @@ from rotor_ida.checks import check_increasing, check_vector
 from rotor_ida.errors import InputError
 from rotor_ida.fitting.motion import Turning
 from rotor_ida.fitting.variation import Complex
-from rotor_ida.si_units import PREFIXES, UNITS
+from rotor_ida.results.si_units import PREFIXES, UNITS
 from rotor_ida.signals.orders import revolutions_for
 from rotor_ida.signals.record import Record, record_of
 from rotor_ida.signals.windows import Windows, windows_of

@@ -26,7 +26,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Values
-from rotor_ida.parameters import DimensionalRotor
+from rotor_ida.model.parameters import DimensionalRotor
 
 Complex = npt.NDArray[np.complex128]
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from rotor_ida.provenance import KINDS_OF_SOURCE
+from rotor_ida.results.provenance import KINDS_OF_SOURCE
 
 RECORD = "digest.json"
 # What decides the numbers and the pictures beside this package's own sources.

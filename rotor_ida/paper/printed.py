@@ -17,9 +17,9 @@ from scipy.optimize import brentq
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import State, check_choice, check_nonnegative, check_positive, check_state
-from rotor_ida.equations.contact import contact_force, contact_potential
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import DimensionalRotor
+from rotor_ida.model.contact import contact_force, contact_potential
+from rotor_ida.model.parameters import DimensionalRotor
 
 ComplexValues = npt.NDArray[np.complex128]
 
@@ -76,7 +76,7 @@ def hamiltonian(states: npt.ArrayLike, delta0: float) -> Values:
     Notes
     -----
     Wrong: it is not conserved. Right is ``|z'|**2/2`` in the first term,
-    `rotor_ida.equations.model.energy`.
+    `rotor_ida.model.equations.energy`.
 
     References
     ----------

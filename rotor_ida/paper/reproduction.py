@@ -12,12 +12,12 @@ from pathlib import Path
 
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
-from rotor_ida.files import check_path
 from rotor_ida.paper import freshness
 from rotor_ida.paper.gallery import write_gallery
 from rotor_ida.paper.running import Ended, run_scripts
 from rotor_ida.paper.scenario import check_folder
 from rotor_ida.parallel import count_workers
+from rotor_ida.results.files import check_path
 
 # One scenario draws while the other computes.
 AT_ONCE = 2

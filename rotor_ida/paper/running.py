@@ -22,14 +22,14 @@ from rotor_ida.paper import freshness
 # script begins in a copy of that.
 IMPORTED = (
     "mpl_toolkits.mplot3d",
-    "rotor_ida.analysis.bifurcation_diagram",
-    "rotor_ida.analysis.spectra",
+    "rotor_ida.steady.bifurcation_diagram",
+    "rotor_ida.signals.run_spectrum",
     "rotor_ida.basins",
     "rotor_ida.cycles.bifurcation_curve",
     "rotor_ida.cycles.branches",
     "rotor_ida.paper.errata",
     "rotor_ida.paper.scenario",
-    "rotor_ida.stability.lyapunov",
+    "rotor_ida.simulation.lyapunov",
 )
 
 

@@ -18,7 +18,7 @@ from rotor_ida.paper.gallery import Entry, add_entry
 from rotor_ida.parallel import count_workers
 from rotor_ida.parallel.progress import progress_bar
 from rotor_ida.plot import save_figure
-from rotor_ida.storage.archive import save
+from rotor_ida.results.archive import save
 
 __all__ = ["Settings", "check_folder", "progress_bar", "run_script", "scientific"]
 

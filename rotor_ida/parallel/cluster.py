@@ -150,7 +150,7 @@ def versions_teller(names: tuple[str, ...]) -> Callable[[], dict[str, str]]:
 
         found = dict.fromkeys((*names, "sources"), "missing")
         with suppress(ImportError):
-            from rotor_ida.provenance import sources_digest  # noqa: PLC0415 - on the worker
+            from rotor_ida.results.provenance import sources_digest  # noqa: PLC0415 - on the worker
 
             found["sources"] = sources_digest()
         for name in names:

@@ -18,9 +18,9 @@ from matplotlib.transforms import ScaledTranslation
 
 from rotor_ida.checks import check_count
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import BEYOND, PARAMETERS
+from rotor_ida.model.parameters import BEYOND, PARAMETERS
 from rotor_ida.plot.labels import KIND_WORDS, SEPARATOR, parameter_text, scale_of
-from rotor_ida.si_units import in_rpm
+from rotor_ida.results.si_units import in_rpm
 
 # From matplotlib's petroff10, chosen so that the greys differ too.
 BLUE, ORANGE, RED, PURPLE, GREY = "#3f90da", "#e76300", "#bd1f01", "#832db6", "#94a4a2"

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 
 from rotor_ida.checks import check_positive
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import ALL_PARAMETERS, DEFAULTS, PARAMETERS
+from rotor_ida.model.parameters import ALL_PARAMETERS, DEFAULTS, PARAMETERS
 from rotor_ida.plot.appearance import (
     BLUE,
     DASHES,

@@ -16,9 +16,9 @@ from matplotlib.patheffects import Stroke
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS, check_choice
-from rotor_ida.equations.contact import contact_force, damping_factor
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import DEFAULTS, PARAMETERS
+from rotor_ida.model.contact import contact_force, damping_factor
+from rotor_ida.model.parameters import DEFAULTS, PARAMETERS
 from rotor_ida.plot.appearance import (
     BLUE,
     DARK_BROWN,

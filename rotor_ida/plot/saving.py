@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
 
 from rotor_ida.errors import ArchiveError, InputError
-from rotor_ida.files import already_there, check_path, check_target, written_whole
 from rotor_ida.plot.appearance import style
+from rotor_ida.results.files import already_there, check_path, check_target, written_whole
 
 # What would change from day to day or from version to version is left out.
 _METADATA: dict[str, dict[str, None]] = {

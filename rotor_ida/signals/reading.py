@@ -20,7 +20,7 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.files import check_path
+from rotor_ida.results.files import check_path
 from rotor_ida.schema import labelled, labelled_dataset
 from rotor_ida.signals.columns import Table, Unit, known_units, unit_called
 from rotor_ida.signals.keyphasor import check_pulses, pulses_in, with_lost_pulses

@@ -21,9 +21,9 @@ import numpy as np
 
 from rotor_ida.arrays import ROUNDING, Values
 from rotor_ida.checks import State
-from rotor_ida.equations.contact import contact_potential, force_over_radius
-from rotor_ida.equations.modes import Along, acceleration
-from rotor_ida.parameters import Rotor
+from rotor_ida.model.contact import contact_potential, force_over_radius
+from rotor_ida.model.modes import Along, acceleration
+from rotor_ida.model.parameters import Rotor
 from rotor_ida.simulation.orbit import (
     FLIES,
     IS_LOOSE,

@@ -34,11 +34,11 @@ from sksundae.ida import IDA
 from rotor_ida.arrays import ROUNDING, Values
 from rotor_ida.checks import State
 from rotor_ida.core.interface import CONTACT_COLUMNS
-from rotor_ida.equations.contact import force_over_radius
-from rotor_ida.equations.model import rotated
 from rotor_ida.errors import SimulationError
+from rotor_ida.model.contact import force_over_radius
+from rotor_ida.model.equations import rotated
+from rotor_ida.model.parameters import Rotor
 from rotor_ida.parallel import Stop
-from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.mechanics import (
     BACKWARDS,
     FLIGHT,

@@ -9,7 +9,7 @@ import numpy as np
 from rotor_ida.arrays import Values
 from rotor_ida.checks import State
 from rotor_ida.core.interface import ENTRY_TIME, EXIT_TIME
-from rotor_ida.equations.contact import contact_force, damping_factor
+from rotor_ida.model.contact import contact_force, damping_factor
 from rotor_ida.simulation.orbit import (
     SLIDES_BACKWARDS,
     SLIDES_FORWARDS,

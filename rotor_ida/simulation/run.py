@@ -20,10 +20,10 @@ from rotor_ida.core.interface import (
     message_of,
 )
 from rotor_ida.core.runs import Asked, Seen, follow
-from rotor_ida.equations.model import rotated
 from rotor_ida.errors import InstallationError, InvariantError, SimulationError
+from rotor_ida.model.equations import rotated
+from rotor_ida.model.parameters import Rotor
 from rotor_ida.parallel.jobs import Stop
-from rotor_ida.parameters import Rotor
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import Orbit, Turning, check_orbit
 from rotor_ida.simulation.spin import Course

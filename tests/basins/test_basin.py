@@ -8,10 +8,10 @@ from rotor_ida.basins import attractors, following
 from rotor_ida.basins import dataset as basin_dataset_module
 from rotor_ida.basins.labelling import label
 from rotor_ida.parallel import FailedJob
-from rotor_ida.resuming import resume
 from rotor_ida.schema import FATE, RESPONSE, flags_of
 from rotor_ida.simulation.options import Options
-from rotor_ida.steady_state.follow import follow_to_steady_state
+from rotor_ida.steady.follow import follow_to_steady_state
+from rotor_ida.verification.resume import resume
 
 FIGURE_7 = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
 AXIS = np.linspace(-15.0, 15.0, 24)

@@ -9,7 +9,7 @@ import pytest
 from rotor_ida import Rotor
 from rotor_ida.basins.contact_free_whirls import MOST_DRIFT, contact_free_whirls
 from rotor_ida.simulation.options import Options
-from rotor_ida.steady_state.follow import follow_to_steady_state
+from rotor_ida.steady.follow import follow_to_steady_state
 
 GO_ON = np.zeros(1, np.uint8)
 ROTORS = [

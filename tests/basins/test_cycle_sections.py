@@ -8,9 +8,9 @@ from rotor_ida.basins import cycle_sections
 from rotor_ida.basins.cycle_sections import cycle_section
 from rotor_ida.basins.kernel import SECTION, measure_returns
 from rotor_ida.cycles.limit_cycle import cycle_from
+from rotor_ida.simulation.neighbours import shoot
 from rotor_ida.simulation.options import Options
-from rotor_ida.stability.orbit import shoot
-from rotor_ida.steady_state.follow import follow_to_steady_state
+from rotor_ida.steady.follow import follow_to_steady_state
 
 GO_ON = np.zeros(1, np.uint8)
 CASES = [

@@ -15,9 +15,9 @@ from rotor_ida.basins.kernel import CHAOTIC, NOT_COMPUTED, UNDECIDED
 from rotor_ida.basins.known import known_from_closed_forms
 from rotor_ida.core.interface import RADIUS
 from rotor_ida.schema import RESPONSE, TRAPPING
+from rotor_ida.simulation.neighbours import shoot
 from rotor_ida.simulation.options import Options
-from rotor_ida.stability.orbit import shoot
-from rotor_ida.steady_state.follow import follow_to_steady_state
+from rotor_ida.steady.follow import follow_to_steady_state
 
 BOUNCER = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 BOX = dict.fromkeys(("x", "y", "vx", "vy"), (-8.0, 8.0))

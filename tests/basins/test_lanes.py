@@ -16,7 +16,7 @@ from rotor_ida import Rotor, simulate
 from rotor_ida.basins import contact_free_whirls, kernel
 from rotor_ida.basins.kernel import LANES, NOT_COMPUTED, SECTION, UNDECIDED
 from rotor_ida.cycles.limit_cycle import follow
-from rotor_ida.equations.model import rotating_field
+from rotor_ida.model.equations import rotating_field
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
 

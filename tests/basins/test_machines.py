@@ -20,11 +20,11 @@ from rotor_ida.basins.kernel import (
 )
 from rotor_ida.basins.trapping_regions import trapping_regions
 from rotor_ida.closed_forms import eigenvalues
-from rotor_ida.equations.model import rotating_field
+from rotor_ida.model.equations import rotating_field
 from rotor_ida.schema import RESPONSE
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
-from rotor_ida.steady_state.follow import follow_to_steady_state
+from rotor_ida.steady.follow import follow_to_steady_state
 
 GO_ON = np.zeros(1, np.uint8)
 NOWHERE = np.array([0.0, 0.0, -1.0, -1.0])

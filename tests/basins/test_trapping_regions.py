@@ -5,7 +5,7 @@ import pytest
 
 from rotor_ida import Rotor, folds
 from rotor_ida.basins.trapping_regions import trapping_regions
-from rotor_ida.equations.model import rotated, rotating_field
+from rotor_ida.model.equations import rotated, rotating_field
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
 

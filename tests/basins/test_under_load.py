@@ -7,11 +7,11 @@ import pytest
 import xarray as xr
 
 from rotor_ida import InputError, Rotor, basin, basin_fractions, limit_cycle, sweep
-from rotor_ida.analysis.verification import rerun
 from rotor_ida.basins.fractions import drawn_from
 from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.closed_forms.rest import rest
 from rotor_ida.schema import RESPONSE
+from rotor_ida.verification.verify import rerun
 
 BOX = {"x": (-4, 4), "y": (-4, 4)}
 HELD = Rotor(omega=1.7, zeta=0.1, delta0=1.0, shaft_stiffness=0.25, load=0.3)

@@ -9,7 +9,6 @@ import xarray as xr
 from scipy.integrate import solve_ivp
 
 from rotor_ida import InputError, Rotor, basin, basin_fractions, limit_cycle, simulate, sweep
-from rotor_ida.analysis.verification import rerun
 from rotor_ida.basins import kernel
 from rotor_ida.basins.attractors import Attractor, leads_to
 from rotor_ida.basins.cycle_sections import cycle_section
@@ -18,10 +17,11 @@ from rotor_ida.basins.fractions import drawn_from
 from rotor_ida.basins.known import known_from_closed_forms
 from rotor_ida.basins.trapping_regions import trapping_regions
 from rotor_ida.cycles.limit_cycle import cycle_from
-from rotor_ida.equations.model import push_over_radius, rotated, rotating_field
+from rotor_ida.model.equations import push_over_radius, rotated, rotating_field
 from rotor_ida.schema import RESPONSE, TRAPPING
 from rotor_ida.simulation.options import Options
-from rotor_ida.steady_state.follow import follow_to_steady_state
+from rotor_ida.steady.follow import follow_to_steady_state
+from rotor_ida.verification.verify import rerun
 
 WHIP = Rotor(omega=0.62962981, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
 BOX = {"x": (-6, 6), "y": (-6, 6), "vx": (-6, 6), "vy": (-6, 6)}

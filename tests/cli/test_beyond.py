@@ -12,7 +12,7 @@ import pytest
 
 import rotor_ida
 from rotor_ida.cli.options import BeyondAxes, MachineOptions
-from rotor_ida.parameters import DEFAULTS, OF_FRICTION_DEFAULTS, DimensionalRotor, Rotor
+from rotor_ida.model.parameters import DEFAULTS, OF_FRICTION_DEFAULTS, DimensionalRotor, Rotor
 
 Program = Callable[..., Any]
 

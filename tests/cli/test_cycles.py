@@ -14,7 +14,7 @@ import pytest
 import rotor_ida
 from rotor_ida.cli.commands import cycles
 from rotor_ida.cli.figures import figure_of
-from rotor_ida.storage.studies.database import FILE
+from rotor_ida.results.studies.database import FILE
 
 Program = Callable[..., Any]
 

@@ -27,7 +27,7 @@ from rotor_ida.cli.commands.compute import (
 )
 from rotor_ida.cli.commands.cycles import continue_, curve, cycle
 from rotor_ida.cli.options import BeyondAxes
-from rotor_ida.parameters import BEYOND
+from rotor_ida.model.parameters import BEYOND
 
 Program = Callable[..., Any]
 
@@ -164,7 +164,7 @@ def test_defaults_are_those_of_the_library(command: Callable[..., object], libra
 
 
 def test_directions_are_those_of_the_library():
-    from rotor_ida.sweeps.sweep import Direction
+    from rotor_ida.steady.sweep import Direction
 
     choices = {
         choice for kind in get_args(options_of(sweep)["direction"][0]) for choice in get_args(kind)

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from rotor_ida.cli.options import MachineOptions
-from rotor_ida.parameters import DimensionalRotor, Rotor
+from rotor_ida.model.parameters import DimensionalRotor, Rotor
 
 Program = Callable[..., Any]
 

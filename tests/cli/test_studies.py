@@ -19,7 +19,7 @@ import rotor_ida
 import rotor_ida.cli
 from rotor_ida.basins import following
 from rotor_ida.cli.output import working
-from rotor_ida.storage.studies.database import FILE
+from rotor_ida.results.studies.database import FILE
 
 Program = Callable[..., Any]
 

@@ -10,8 +10,8 @@ import pytest
 from rotor_ida import Rotor, folds, hopf_points, limit_cycle, synchronous_response
 from rotor_ida.closed_forms import eigenvalues
 from rotor_ida.closed_forms.exact_polynomials import Polynomial, positive_roots
-from rotor_ida.equations.model import rotating_field, rotating_jacobian
 from rotor_ida.errors import InputError
+from rotor_ida.model.equations import rotating_field, rotating_jacobian
 
 MACHINES = [
     {"zeta": 0.07, "delta0": 0.5, "contact_damping": 0.5},

@@ -11,7 +11,7 @@ from rotor_ida.closed_forms import (
     response_curve,
     speeds_at_amplitude,
 )
-from rotor_ida.equations.contact import contact_force
+from rotor_ida.model.contact import contact_force
 
 
 @pytest.mark.parametrize("delta0", [0.0, 0.5, 2.0])

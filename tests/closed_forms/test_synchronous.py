@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from rotor_ida.closed_forms import folds, stability_determinant, synchronous_response
-from rotor_ida.equations import contact
 from rotor_ida.errors import InputError
+from rotor_ida.model import contact
 from rotor_ida.schema import STABILITY
 
 # A few rounding errors of a double: what is left when the roots themselves are exact.

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from rotor_ida.core.identity import MODELS
-from rotor_ida.equations import writing
+from rotor_ida.model import writing
 
 ROOT = Path(__file__).parents[2]
 ANY = next(filter(shutil.which, ("cc", "gcc", "clang")), "")

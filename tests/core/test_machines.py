@@ -18,10 +18,10 @@ from rotor_ida.core import interface, runs
 from rotor_ida.core.interface import DONE, UNBALANCED
 from rotor_ida.core.runs import COLUMNS, Asked, follow
 from rotor_ida.errors import InvariantError
+from rotor_ida.simulation.neighbours import shoot
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import check_orbit
 from rotor_ida.simulation.run import run
-from rotor_ida.stability.orbit import shoot
 
 HOW = {"rtol": 1e-12, "atol": 1e-14}
 ROOT = Path(__file__).parents[2]

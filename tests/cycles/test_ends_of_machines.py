@@ -14,7 +14,7 @@ from rotor_ida import (
     synchronous_response,
 )
 from rotor_ida.closed_forms import eigenvalues
-from rotor_ida.equations.model import rotating_jacobian
+from rotor_ida.model.equations import rotating_jacobian
 from rotor_ida.schema import SPECIAL
 
 # A machine whose whirl turns into a cycle at a Hopf point.

@@ -14,7 +14,7 @@ from rotor_ida.cycles.multipliers import (
     multipliers_of,
 )
 from rotor_ida.cycles.shooting import close_orbit
-from rotor_ida.stability.orbit import shoot
+from rotor_ida.simulation.neighbours import shoot
 from tests.cycles.known import BOUNCING, FULL, PAIRS, PARTNERS, SLIVER, SPECIAL_POINTS
 from tests.witness import flown
 

@@ -7,9 +7,9 @@ import pytest
 
 from rotor_ida import Rotor, SimulationError, synchronous_response
 from rotor_ida.cycles.shooting import checked_cycle, close_orbit, contacts_of, once_round
+from rotor_ida.simulation.neighbours import shoot
 from rotor_ida.simulation.options import Options
-from rotor_ida.stability.orbit import shoot
-from rotor_ida.steady_state.follow import follow_to_steady_state
+from rotor_ida.steady.follow import follow_to_steady_state
 from tests.cycles.known import BOUNCING, FULL, HIGHEST, SPECIAL_POINTS, signature
 from tests.witness import flown
 

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from rotor_ida import Rotor, bifurcation_curve, continue_cycle, limit_cycle
-from rotor_ida.analysis.branch_course import stable_ranges
+from rotor_ida.cycles.branch_course import stable_ranges
 from rotor_ida.cycles.limit_cycle import follow
 from rotor_ida.cycles.multipliers import doubling_test, fold_test, torus_test
 from rotor_ida.errors import InputError
 from rotor_ida.schema import RESPONSE, SPECIAL
-from rotor_ida.stability.orbit import shoot
+from rotor_ida.simulation.neighbours import shoot
 from tests.witness import machine_flown
 
 GO_ON = np.zeros(1, np.uint8)

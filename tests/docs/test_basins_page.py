@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from rotor_ida.atlas import shocks
 from rotor_ida.basins import agreement, attractors, contact_free_whirls, cycle_sections, fates
+from rotor_ida.basins.atlas import shocks
 
 PAGE = (Path(__file__).parents[2] / "docs" / "basins.md").read_text("utf-8")
 WORDS = {2: "two", 3: "three", 5: "five", 8: "eighth", 12: "twelve", 20: "twenty"}

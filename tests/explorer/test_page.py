@@ -28,7 +28,7 @@ from rotor_ida import (
 )
 from rotor_ida.cli import main
 from rotor_ida.closed_forms import response_curve
-from rotor_ida.equations.contact import contact_force
+from rotor_ida.model.contact import contact_force
 from tests.explorer.asking import CHATTER, RUB, WHIP
 
 pytest.importorskip("selenium", reason="there is no selenium")

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.questions import Question, read_question
-from rotor_ida.parameters import DimensionalRotor, Rotor
+from rotor_ida.model.parameters import DimensionalRotor, Rotor
 from tests.explorer.asking import BEYOND, BEYOND_IN_SI, MACHINE, ROTOR, RUB, RUB_IN_SI, asked
 
 NAN, INFINITY = float("nan"), float("inf")

@@ -12,7 +12,7 @@ from rotor_ida.core.runs import COLUMNS
 from rotor_ida.fitting.asked import OF_MACHINE
 from rotor_ida.fitting.identifiability import ANGLE
 from rotor_ida.fitting.motion import Turning, motion_of
-from rotor_ida.stability.orbit import shoot
+from rotor_ida.simulation.neighbours import shoot
 
 # Runs up at one rate, then at another, through contacts that end and that do not.
 TURNING = Turning(

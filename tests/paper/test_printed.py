@@ -8,7 +8,7 @@ import pytest
 
 from rotor_ida import DimensionalRotor, InputError, Rotor, simulate, synchronous_response
 from rotor_ida.closed_forms import circular_period, planar_period
-from rotor_ida.equations.model import energy
+from rotor_ida.model.equations import energy
 from rotor_ida.paper.printed import (
     amplitudes_18,
     amplitudes_29,

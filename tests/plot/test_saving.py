@@ -95,7 +95,7 @@ def test_style_of_the_user_is_left_alone(exact):
 def test_plots_need_no_solver():
     code = (
         "import sys, rotor_ida.plot\n"
-        "barred = ('sksundae', 'rotor_ida.simul', 'rotor_ida.sweeps', "
+        "barred = ('sksundae', 'rotor_ida.simul', 'rotor_ida.steady', "
         "'matplotlib.pyplot')\n"
         "print([name for name in sys.modules if name.startswith(barred)])"
     )

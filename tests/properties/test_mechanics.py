@@ -8,7 +8,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from rotor_ida import Rotor, simulate
-from rotor_ida.equations.model import energy, power, rotated
+from rotor_ida.model.equations import energy, power, rotated
 from rotor_ida.simulation import run as simulation_run
 
 coordinates = st.floats(-2.0, 2.0)

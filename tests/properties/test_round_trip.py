@@ -11,8 +11,8 @@ import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rotor_ida.storage.archive import load, save
-from rotor_ida.storage.archive.checksum import content_sha256
+from rotor_ida.results.archive import load, save
+from rotor_ida.results.archive.checksum import content_sha256
 
 ADDED = (
     *("Conventions", "rotor_ida_format", "rotor_ida_version"),

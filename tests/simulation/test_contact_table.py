@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rotor_ida import InputError, Rotor, contact_summary, simulate, synchronous_response
-from rotor_ida.equations.contact import contact_force
+from rotor_ida.model.contact import contact_force
 
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 REST = (0.0, 0.0, 0.0, 0.0)

@@ -5,10 +5,10 @@ import pytest
 import xarray as xr
 
 from rotor_ida import InputError, Rotor, load, rotating, save, simulate, spectrum
-from rotor_ida.analysis.forces import contact_forces
-from rotor_ida.parameters import DEFAULTS
+from rotor_ida.model.parameters import DEFAULTS
+from rotor_ida.results.run import check_run, rotor_of
 from rotor_ida.schema import DAMPED_EVENT_KIND, EVENT_KIND, QUANTITIES, flags_of, labelled
-from rotor_ida.simulation.dataset import check_run, rotor_of
+from rotor_ida.signals.forces import contact_forces
 
 REST = (0.0, 0.0, 0.0, 0.0)
 PLAIN = Rotor(omega=1.2, zeta=0.07, delta0=0.5)

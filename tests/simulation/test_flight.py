@@ -9,7 +9,7 @@ import pytest
 
 from rotor_ida import Rotor
 from rotor_ida.core import runs
-from rotor_ida.equations.model import rotated
+from rotor_ida.model.equations import rotated
 from rotor_ida.simulation import mechanics
 from rotor_ida.simulation.spin import Steady
 

@@ -8,8 +8,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from rotor_ida import Rotor, simulate
-from rotor_ida.equations import modes
 from rotor_ida.errors import InvariantError
+from rotor_ida.model import modes
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import check_orbit
 from rotor_ida.simulation.run import run

@@ -8,7 +8,7 @@ from scipy.special import beta
 
 from rotor_ida import InputError, Rotor, simulate
 from rotor_ida.core.runs import Asked, follow, starts_in_contact
-from rotor_ida.equations.model import angular_momentum, energy
+from rotor_ida.model.equations import angular_momentum, energy
 from rotor_ida.simulation.options import SMALLEST_CLEARANCE
 
 LEAVING = beta(0.4, 0.5) / math.sqrt(5.0)  # time from rest at A to the ring, times (A-delta0)^1/4

@@ -25,7 +25,6 @@ from rotor_ida import (
     spectrum,
     synchronous_response,
 )
-from rotor_ida.analysis.verification import differences, rerun
 from rotor_ida.closed_forms import ramp_flight
 from rotor_ida.plot import plot_rotating_orbit
 from rotor_ida.simulation import run as run_module
@@ -33,6 +32,7 @@ from rotor_ida.simulation.event_errors import _guards_of_friction
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import check_orbit
 from rotor_ida.simulation.spin import driven, through
+from rotor_ida.verification.verify import differences, rerun
 from tests.spin_witness import Spinner, ran
 
 START = (0.3, 0.1, 0.2, 0.1)

@@ -5,7 +5,7 @@ import pytest
 
 from rotor_ida import InputError, Rotor, simulate
 from rotor_ida.closed_forms import planar_period
-from rotor_ida.equations.model import energy
+from rotor_ida.model.equations import energy
 
 
 def test_planar_vibration_through_the_centre_keeps_its_period():

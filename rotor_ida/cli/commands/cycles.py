@@ -14,7 +14,7 @@ from rotor_ida.cli import options
 from rotor_ida.cli.output import Output, answer, answer_whole, read, working
 from rotor_ida.cli.report import FIRST_ROWS, Report
 from rotor_ida.errors import InputError, SimulationError
-from rotor_ida.parameters import (
+from rotor_ida.model.parameters import (
     ALL_PARAMETERS,
     DEFAULTS,
     OF_FRICTION_DEFAULTS,

@@ -13,7 +13,7 @@ from rotor_ida.checks import COMPONENTS, State, shown
 from rotor_ida.cli import options
 from rotor_ida.cli.output import FORCED, read, working
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import DimensionalRotor, Rotor
+from rotor_ida.model.parameters import DimensionalRotor, Rotor
 from rotor_ida.simulation.options import check_can_be_followed
 
 # What serves the page, and the package itself does not need.
@@ -85,10 +85,7 @@ def _beginning(
         return chosen, begun, REVOLUTIONS
     if given or start is not None:
         raise InputError("file must be given alone: it has a rotor and a start of its own")
-    from rotor_ida.simulation.dataset import (  # noqa: PLC0415 - heavy, and not for --help
-        check_one_speed,
-        rotor_of,
-    )
+    from rotor_ida.results.run import check_one_speed, rotor_of  # noqa: PLC0415 - heavy, and not for --help
 
     run = read(file)
     if "event_time" not in run or "duration" not in run.attrs or "length_scale" in run.attrs:
@@ -115,7 +112,7 @@ def _export(
     speeds: list[float] | None, force: bool,
 ) -> int:  # fmt: skip
     from rotor_ida.explorer.recording import check_speeds, record  # noqa: PLC0415
-    from rotor_ida.files import check_target, written_whole  # noqa: PLC0415
+    from rotor_ida.results.files import check_target, written_whole  # noqa: PLC0415
 
     if place.suffix != PAGE:
         raise InputError(f"export must end in {PAGE}, got {shown(place)}")

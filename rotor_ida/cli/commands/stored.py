@@ -14,7 +14,7 @@ from rotor_ida.cli import options
 from rotor_ida.cli.output import Output, answer, answer_whole, read, working
 from rotor_ida.cli.report import FIRST_ROWS, Report, pairs
 from rotor_ida.errors import InputError
-from rotor_ida.parameters import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 
 # A time left beyond this many seconds says no more than this one.
 LONGEST_LEFT = 1e12
@@ -85,7 +85,7 @@ def verify(
         rotor-ida verify run.nc --method taylor
     """
     archived = read(file)
-    from rotor_ida.analysis.verification import differences, rerun  # noqa: PLC0415 - heavy
+    from rotor_ida.verification.verify import differences, rerun  # noqa: PLC0415 - heavy
 
     with working("verify") as progress:
         again = rerun(archived, method=method, workers=workers, progress=progress)
@@ -143,7 +143,7 @@ def resume(
 
 def _panels(folder: Path) -> int:
     """Return how many panels the figure of a study has; refuse a study that has none."""
-    from rotor_ida.storage.studies import design_of  # noqa: PLC0415 - heavy, and not for --help
+    from rotor_ida.results.studies import design_of  # noqa: PLC0415 - heavy, and not for --help
 
     design = design_of(folder)
     if design.get("kind") == "basin_fractions":

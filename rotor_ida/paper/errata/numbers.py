@@ -18,7 +18,8 @@ from rotor_ida.closed_forms import (
     restoring_field,
     synchronous_response,
 )
-from rotor_ida.equations.model import energy, jacobian
+from rotor_ida.model.equations import energy, jacobian
+from rotor_ida.model.parameters import DimensionalRotor, Rotor
 from rotor_ida.paper.errata.scaling import PRINTED, RIGHT, check_scaling, deviations
 from rotor_ida.paper.printed import (
     amplitudes_18,
@@ -29,10 +30,9 @@ from rotor_ida.paper.printed import (
     phase_31,
     transfer_21,
 )
-from rotor_ida.parameters import DimensionalRotor, Rotor
 from rotor_ida.schema import RESPONSE
 from rotor_ida.simulation.simulate import simulate
-from rotor_ida.sweeps.sweep import sweep
+from rotor_ida.steady.sweep import sweep
 
 Numbers = dict[str, float]
 

@@ -1,1 +1,0 @@
-"""What the response curve cannot show: axes, sections, spectra, forces, exponents, extrema."""

@@ -1,9 +1,0 @@
-"""The atlas: which attractors a rotor has, and how likely each is, over speed, damping, clearance.
-
-*Label the starts of every rotor of a grid; follow each attractor from one to the next; count.*
-"""
-
-from rotor_ida.atlas.continue_attractors import continue_attractors
-from rotor_ida.atlas.touchdown import touchdown_report
-
-__all__ = ["continue_attractors", "touchdown_report"]

@@ -1,0 +1,193 @@
+"""One rotor of an atlas: its attractors, and how many of the starts end on each."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, fields
+from operator import attrgetter
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.arrays import Values
+from rotor_ida.basins.atlas.resilience import Resilience, Search, Subject, resilience_of
+from rotor_ida.basins.atlas.rubbing import needs_run, settled_state
+from rotor_ida.basins.attractors import (
+    CONTACT_FREE_FAMILY,
+    NUMBERS,
+    Attractor,
+    attractors_of,
+    family_of,
+)
+from rotor_ida.basins.entropy import sample_entropy
+from rotor_ida.basins.fates import LASTING
+from rotor_ida.basins.following import FollowedStarts, follow_here
+from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED
+from rotor_ida.basins.known import known_from_closed_forms, same_cycle, with_cycle
+from rotor_ida.cycles.shooting import Cycle
+from rotor_ida.model.parameters import DEFAULTS, OF_FRICTION_DEFAULTS, PARAMETERS, Rotor
+from rotor_ida.parallel import Stop
+from rotor_ida.results.studies.arrays import Arrays
+from rotor_ida.results.studies.results import Form
+from rotor_ida.schema import RESPONSE, TRAPPING
+
+# Of one rotor, so that its labels fit into memory many times.
+MOST_STARTS = 1_000_000
+# Of the times after which starts are decided: the median, and that of 95 of 100.
+# What an archived cell knows its rotor by: of the paper's, of a machine, and with a disc radius.
+OF_MACHINES = (*PARAMETERS, *DEFAULTS)
+OF_RUBS = (*OF_MACHINES, *OF_FRICTION_DEFAULTS)
+QUANTILES = (0.5, 0.95)
+# What these are where no start is.
+NEVER = np.full(2, np.nan)
+RESILIENCE = tuple(each.name for each in fields(Resilience))
+_KIND = {number: word for word, number in RESPONSE.items()}
+_TRAPPING = {number: word for word, number in TRAPPING.items()}
+
+
+@dataclass(slots=True)
+class Member:
+    """An attractor of one rotor, with the starts that end on it."""
+
+    attractor: Attractor
+    count: int  # number of these starts
+    settling: Values  # median and 95 % of the times after which they are decided [1]; else NaN
+    # on the rotating axes, of a limit cycle, or with friction of a motion without a period [1];
+    state: Values  # else NaN
+    # how far it is from being left, to the other attractors in their order; None if not asked for
+    resilience: Resilience | None = None
+    identity: int = -1  # number of the attractor along the atlas; -1 until it is known
+
+
+@dataclass(slots=True)
+class Cell:
+    """One rotor with its attractors."""
+
+    rotor: Rotor
+    members: list[Member] = field(default_factory=list)
+    undecided: int = 0  # number of starts, as the next one
+    not_computed: int = 0
+    entropies: tuple[float, float] = (math.nan, math.nan)  # of the basins and of their boundary
+    # number of starts labelled again with a smaller error, and of those with the same label
+    rechecked: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(2, dtype=np.int64))
+    # the largest change of velocity and of place that was tried [1]
+    largest_shocks: tuple[float, float] = (math.nan, math.nan)
+
+
+@dataclass(frozen=True, slots=True)
+class CellJob:
+    """A rotor with its starts, (4, n), the error allowed in a step, and how many shocks to try."""
+
+    rotor: Rotor
+    states: Values
+    tolerance: float
+    shocks: int = 0
+
+
+def fill_cell(job: CellJob, stop: Stop) -> Cell:
+    """Follow all starts of a rotor, and count them by attractor."""
+    known = known_from_closed_forms(job.rotor, stop)
+    found = follow_here(known, job.states, job.tolerance, stop)
+    cell, attractors = Cell(job.rotor), attractors_of(found)
+    cell.undecided = int((found.labels == UNDECIDED).sum())
+    cell.not_computed = int((found.labels == NOT_COMPUTED).sum())
+    cell.rechecked = found.rechecked
+    cell.entropies = sample_entropy(job.states, found.labels, family_of(attractors))
+    for number, attractor in enumerate(attractors):
+        own = found.labels == number
+        times = found.times[own]
+        settling = np.quantile(times, QUANTILES) if times.size else NEVER
+        state = _state_on(job, found, number, attractor)
+        cell.members.append(Member(attractor, int(own.sum()), settling, state))
+    if job.shocks and not stop[0]:
+        search = _search_among(job, found, attractors, stop)
+        cell.largest_shocks = search.largest()
+        for member, resilience in zip(cell.members, resilience_of(search), strict=True):
+            member.resilience = resilience
+    return cell
+
+
+def _state_on(job: CellJob, found: FollowedStarts, number: int, attractor: Attractor) -> Values:
+    """Return a state on an attractor, where its numbers do not say all."""
+    own, cycle = np.flatnonzero(found.labels == number), _cycle_of(found, attractor)
+    if cycle is not None:
+        return cycle.state
+    if needs_run(job.rotor, attractor) and own.size:
+        return settled_state(job.rotor, job.states[:, own[0]])
+    return np.full(4, np.nan)
+
+
+def _search_among(
+    job: CellJob, found: FollowedStarts, attractors: list[Attractor], stop: Stop
+) -> Search:
+    """Return the attractors of a rotor with what is needed to look for shocks."""
+    known, subjects = found.known, []
+    for cycle in sorted(found.cycles, key=attrgetter("radius_max")):
+        if known.label_of_cycle(cycle) is None:
+            known = with_cycle(known, cycle, stop)
+    for number, attractor in enumerate(attractors):
+        own = np.flatnonzero(found.labels == number)
+        start = job.states[:, own[0]] if own.size else np.full(4, np.nan)
+        own_cycle, label = _cycle_of(found, attractor), number  # the whirls come first
+        if own_cycle is not None:
+            same = [same_cycle(each.cycle, own_cycle) for each in known.cycles]
+            label = known.first_cycle + same.index(True)
+        elif attractor.kind in CONTACT_FREE_FAMILY:
+            label = known.free_label
+        elif attractor.kind in LASTING:
+            label = LASTING[attractor.kind]
+        subjects.append(Subject(attractor, label, own_cycle, start))
+    return Search(known, subjects, job.shocks, job.tolerance, stop)
+
+
+def _cycle_of(found: FollowedStarts, attractor: Attractor) -> Cycle | None:
+    """Return the limit cycle that an attractor is."""
+    return next((each for each in found.cycles if each.period == attractor.period), None)
+
+
+def _as_arrays(cell: Cell) -> Arrays:
+    members, names = cell.members, OF_MACHINES if cell.rotor.beyond else PARAMETERS
+    names = names if cell.rotor.disc_radius is None else OF_RUBS
+    attractors = [each.attractor for each in members]
+    arrays = {
+        "rotor": np.array([getattr(cell.rotor, name) for name in names]),
+        "left": np.array([cell.undecided, cell.not_computed]),
+        "kind": np.array([RESPONSE[each.kind] for each in attractors], dtype=np.int8),
+        "trapping": np.array([TRAPPING[each.trapping] for each in attractors], dtype=np.int8),
+        "numbers": np.array([[getattr(each, name) for name in NUMBERS] for each in attractors]),
+        "count": np.array([each.count for each in members], dtype=np.int64),
+        "settling": np.array([each.settling for each in members]),
+        "state": np.array([each.state for each in members]),
+        "entropies": np.array(cell.entropies),
+        "rechecked": cell.rechecked,
+        "largest_shocks": np.array(cell.largest_shocks),
+    }
+    told = [each.resilience for each in members if each.resilience is not None]
+    if told:
+        arrays |= {name: np.array([getattr(each, name) for each in told]) for name in RESILIENCE}
+    return arrays
+
+
+def _from_arrays(arrays: Arrays) -> Cell:
+    # those that follow the paper's are left out where they are the default
+    given = zip(OF_RUBS, arrays["rotor"].tolist(), strict=False)
+    cell = Cell(Rotor(**dict(given)))
+    cell.undecided, cell.not_computed = arrays["left"].tolist()
+    cell.entropies = tuple(arrays["entropies"].tolist())
+    cell.rechecked = arrays.get("rechecked", cell.rechecked)  # not told before
+    cell.largest_shocks = tuple(arrays["largest_shocks"].tolist())
+    for place, (kind, trapping, count) in enumerate(
+        zip(*(arrays[name].tolist() for name in ("kind", "trapping", "count")), strict=True)
+    ):
+        numbers = dict(zip(NUMBERS, arrays["numbers"][place].tolist(), strict=True))
+        attractor = Attractor(_KIND[kind], trapping=_TRAPPING[trapping], **numbers)
+        member = Member(attractor, count, arrays["settling"][place], arrays["state"][place])
+        if "sizes" in arrays:
+            kept = {name: arrays[name][place] for name in RESILIENCE if name in arrays}
+            kept.setdefault("scatter", np.full_like(kept["sizes"], np.nan))  # not told before
+            member.resilience = Resilience(**kept)
+        cell.members.append(member)
+    return cell
+
+
+FORM = Form("cell of an atlas", _as_arrays, _from_arrays)

@@ -1,0 +1,263 @@
+"""Which attractors exist over speed, damping, clearance and the like, and how likely each is."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping
+from contextlib import closing
+from itertools import product
+from operator import attrgetter
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.arrays import Values
+from rotor_ida.basins.atlas.cells import FORM, MOST_STARTS, Cell, CellJob, fill_cell
+from rotor_ida.basins.atlas.dataset import atlas_dataset, how_computed
+from rotor_ida.basins.atlas.identities import identify
+from rotor_ida.basins.following import RTOL
+from rotor_ida.basins.fractions import box_of, drawn_from, range_of
+from rotor_ida.basins.labelling import LOOSEST, TIGHTEST, check_rotor
+from rotor_ida.checks import (
+    COMPONENTS,
+    MOST_SHOCKS,
+    check_array,
+    check_between,
+    check_count,
+    check_increasing,
+    check_points,
+    check_progress,
+    check_seed,
+    check_vector,
+    is_scalar,
+    shown,
+)
+from rotor_ida.errors import InputError
+from rotor_ida.model.parameters import DEFAULTS, OF_FRICTION_DEFAULTS, Rotor
+from rotor_ida.parallel import FailedJob, Progress, choose, interruptible, run_all
+from rotor_ida.results.provenance import computing
+from rotor_ida.results.studies.results import Results, open_results
+from rotor_ida.simulation.options import LARGEST
+
+# The atlas is drawn over a line or a plane.
+MOST_AXES = 2
+# All rotors with their attractors are in memory at the end.
+MOST_ROTORS = 100_000
+
+
+def continue_attractors(
+    *,
+    omega: npt.ArrayLike,
+    zeta: npt.ArrayLike,
+    delta0: npt.ArrayLike,
+    shaft_stiffness: npt.ArrayLike = 0.0,
+    contact_exponent: npt.ArrayLike = 1.5,
+    contact_damping: npt.ArrayLike = 0.0,
+    load: npt.ArrayLike = 0.0,
+    friction: npt.ArrayLike = 0.0,
+    disc_radius: npt.ArrayLike | None = None,
+    x: npt.ArrayLike = 0.0,
+    y: npt.ArrayLike = 0.0,
+    vx: npt.ArrayLike = 0.0,
+    vy: npt.ArrayLike = 0.0,
+    starts: int | npt.ArrayLike = 1000,
+    seed: int = 0,
+    rtol: float = RTOL,
+    shocks: int = 0,
+    workers: int | None = None,
+    executor: str = "auto",
+    study: str | os.PathLike[str] | None = None,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Return the attractors over speed, damping or clearance, and the fraction of starts on each.
+
+    Parameters
+    ----------
+    omega, zeta, delta0 : float or array_like, shape (n,)
+        Parameters [1]: one or two of all rising arrays, the others numbers; damped throughout.
+    shaft_stiffness, contact_exponent, contact_damping : float or array_like, shape (n,)
+        What a machine has beyond the paper's rotor [1]: a dimension where an axis is given, a
+        coordinate where a number is given that is not the default.
+    load : float
+        Must be 0: under a load nothing stands still on the turning axes.
+    friction : float or array_like, shape (n,)
+        Coefficient of friction in the contact [1]; likewise.
+    disc_radius : float or array_like, shape (n,), optional
+        Radius of the disc [1], which friction needs; likewise.
+    x, y, vx, vy : float or array_like, shape (2,)
+        Components of the start [1]: numbers, or ranges ``(low, high)`` from which they are drawn,
+        independently and uniformly.
+    starts : int or array_like, shape (n, 4)
+        Number of starts, the same for all rotors; or the starts themselves, ``(x, y, vx, vy)`` [1],
+        drawn from any distribution: then the ranges are left out.
+    seed : int
+        Seed of the random numbers: the same seed gives the same starts.
+    shocks : int
+        With more than 0, so many shocks of velocity and of displacement are tried to each
+        attractor of each rotor, as for `rotor_ida.touchdown_report`.
+    rtol : float
+        Error allowed in a step, relative to the size of the state and of the eccentricity [1].
+    workers, executor, study, progress
+        As for `rotor_ida.basin`; rotors are what is counted and kept.
+
+    Returns
+    -------
+    Dataset
+        On the parameters and ``attractor``, NaN where an attractor does not exist:
+        ``fraction``, ``fraction_error`` and ``count``; ``amplitude``, ``phase_lag``,
+        ``radius_min``, ``radius_max``, ``period``, ``lifetime``, ``lifetime_low``,
+        ``settling_median`` and ``settling_95`` [1]; ``kind`` and ``trapping`` as flags. On the
+        parameters ``undecided_fraction``, ``not_computed_count``, ``agreement`` and
+        ``agreement_count`` as `rotor_ida.basin` has them, ``basin_entropy`` and
+        ``boundary_entropy``. With `shocks` on ``attractor`` and ``target`` ``velocity_shock`` and
+        ``displacement_shock``, on ``attractor`` their bounds and the extents of the attractor, as
+        `rotor_ida.touchdown_report` has them. The scalar
+        ``missed_fraction``: an attractor with this part of all starts is missed by the sample with
+        a probability of 5 %.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used.
+    SimulationError
+        If one of ``"processes"`` died, or the scheduler.
+
+    Notes
+    -----
+    Every rotor is labelled as by `rotor_ida.basin_fractions`, all from the same starts; but `rtol`
+    is not chosen by them, and CVODE confirms no attractor. With `shocks` it follows the smallest
+    ones, as the attributes ``witness_method``, ``witness_rtol`` and so on say. An
+    attractor has one number throughout: a limit cycle is followed from rotor to rotor along its
+    branch, a whirl along the exact response curve. One that comes to a rotor where no start ended
+    on it is listed there with the fraction 0: its basin is smaller than the sample can tell. Where
+    a period doubles, the cycle of twice the period is a new attractor.
+
+    References
+    ----------
+    G. Datseris, K. Luiz Rossi, A. Wagemakers, "Framework for global stability analysis of dynamical
+    systems", Chaos 33, 2023: basin fractions continued over a parameter.
+
+    Examples
+    --------
+    >>> found = continue_attractors(omega=[1.7, 1.75], zeta=0.07, delta0=0.0, x=(-15, 15),
+    ...                             y=(-15, 15), starts=200)
+    >>> found.fraction.squeeze().values.sum(axis=1)
+    array([1., 1.])
+    >>> found.amplitude.squeeze().sel(omega=1.7).values.round(4)
+    array([1.8796, 9.4872])
+    """
+    axes, held = _axes({
+        "omega": omega, "zeta": zeta, "delta0": delta0, "shaft_stiffness": shaft_stiffness,
+        "contact_exponent": contact_exponent, "contact_damping": contact_damping, "load": load,
+        "friction": friction, **({} if disc_radius is None else {"disc_radius": disc_radius}),
+    })  # fmt: skip
+    rotors = [
+        Rotor(**dict(zip(axes, place, strict=True)), **held)
+        for place in product(*(values.tolist() for values in axes.values()))
+    ]
+    for rotor in rotors:
+        check_rotor(rotor, "an atlas")
+    check_progress(progress)
+    states, drawn = _states({"x": x, "y": y, "vx": vx, "vy": vy}, starts, seed)
+    tolerance = check_between("rtol", rtol, TIGHTEST, LOOSEST)
+    tried = check_count("shocks", shocks, minimum=0, maximum=MOST_SHOCKS)
+    place, several = choose(executor, workers, compiled=True)
+    design = {
+        "kind": "continue_attractors",
+        **{name: values.tolist() for name, values in axes.items()},
+        **held, **drawn, "rtol": tolerance, "shocks": tried, **computing(),
+    }  # fmt: skip
+    with open_results(study, design, len(rotors), FORM) as kept:
+        jobs = [CellJob(rotor, states, tolerance, tried) for rotor in rotors]
+        reason = _fill(jobs, kept, place, several, progress)
+        cells = [Cell(rotor, not_computed=states.shape[1]) for rotor in rotors]
+        for number, cell in kept.results():
+            cells[number] = cell
+    lines = _lines({name: values.size for name, values in axes.items()})
+    interruptible(lambda stop: identify(cells, lines, stop))
+    told = {f"range_{each}" if each in COMPONENTS else each: drawn[each] for each in drawn}
+    rubs_most = max(rotors, key=attrgetter("friction"))
+    attributes = {**how_computed(tolerance, tried, rubs_most), **told}
+    if reason:
+        attributes["not_computed_reason"] = reason
+    return atlas_dataset(axes, held, cells, states.shape[1], attributes)
+
+
+def _fill(
+    jobs: list[CellJob], kept: Results[Cell], executor: str, workers: int | None,
+    progress: Progress | None,
+) -> str:  # fmt: skip
+    """Follow the starts of each rotor that is not kept; return why one could not be, or nothing."""
+    due = [number for number in range(len(jobs)) if number not in kept.done]
+    reason = ""
+    if progress is not None and kept.points_done:
+        progress(kept.points_done, len(jobs))
+    if not due:
+        return reason
+    chosen = (jobs[number] for number in due)
+    with closing(run_all(fill_cell, chosen, workers=workers, executor=executor)) as ended:
+        for turn, cell in ended:
+            if isinstance(cell, FailedJob):
+                reason = cell.reason
+            else:
+                kept.keep(due[turn], cell, 1)
+            if progress is not None:
+                progress(kept.points_done, len(jobs))
+    return reason
+
+
+def _axes(given: Mapping[str, npt.ArrayLike]) -> tuple[dict[str, Values], dict[str, float]]:
+    """Return the parameters as rising axes of which two at most are longer than one.
+
+    Beside them, what a machine has that is a number, where it is not the default.
+    """
+    axes = {
+        name: check_increasing(name, check_vector(name, value)) for name, value in given.items()
+    }
+    defaults = DEFAULTS | OF_FRICTION_DEFAULTS
+    numbers = [name for name in defaults if name in given and is_scalar(name, given[name])]
+    held = {name: axes.pop(name).item() for name in numbers}
+    longer = [name for name, axis in axes.items() if axis.size > 1]
+    if len(longer) > MOST_AXES:
+        raise InputError(
+            f"two of the parameters at most may be arrays, got {len(longer)}: {', '.join(longer)}"
+        )
+    check_points(*axes.values(), most=MOST_ROTORS)
+    return axes, {name: value for name, value in held.items() if value != defaults[name]}
+
+
+def _states(
+    ranges: Mapping[str, npt.ArrayLike], starts: object, seed: object
+) -> tuple[Values, dict[str, object]]:
+    """Return the starts, shape (4, n), and what tells of them."""
+    if is_scalar("starts", starts):
+        count = check_count("starts", starts, maximum=MOST_STARTS)
+        chosen = check_seed(seed)
+        box = box_of(ranges, count)
+        told: dict[str, object] = {"starts": count, "seed": chosen}
+        told |= {name: limits.tolist() for name, limits in zip(COMPONENTS, box, strict=True)}
+        return drawn_from(box, chosen, 0, count), told
+    given = check_array("starts", starts, largest=LARGEST)
+    if given.ndim != 2 or given.shape[1] != len(COMPONENTS) or not 1 <= len(given) <= MOST_STARTS:
+        raise InputError(
+            f"starts must be a number, or an array of shape (n, 4) with n from 1 to {MOST_STARTS}, "
+            f"got one of shape {shown(given.shape)}"
+        )
+    if any(range_of(name, value) != (0.0, 0.0) for name, value in ranges.items()):
+        raise InputError("x, y, vx and vy must be left out where starts are given")
+    return np.ascontiguousarray(given.T), {"starts": given.tolist()}
+
+
+def _lines(sizes: Mapping[str, int]) -> list[list[int]]:
+    """Return the numbers of the cells along each line of the grid.
+
+    From one law of contact to the other nothing can be followed.
+    """
+    numbers = np.arange(math.prod(sizes.values())).reshape(*sizes.values())
+    lines = []
+    for axis, (name, size) in enumerate(sizes.items()):
+        if size > 1 and name != "contact_exponent":
+            lines += np.moveaxis(numbers, axis, -1).reshape(-1, size).tolist()
+    return lines

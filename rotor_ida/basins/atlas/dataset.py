@@ -1,0 +1,160 @@
+"""An atlas as a labelled dataset."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.arrays import Values
+from rotor_ida.basins.atlas.cells import Cell, Member
+from rotor_ida.basins.atlas.extents import varied
+from rotor_ida.basins.atlas.resilience import Resilience, witness_options
+from rotor_ida.basins.atlas.shocks import KINDS
+from rotor_ida.basins.attractors import NUMBERS
+from rotor_ida.basins.dataset import ENTROPIES, agreement_of, followed_by, labelled_how
+from rotor_ida.model.parameters import Rotor
+from rotor_ida.results.provenance import provenance
+from rotor_ida.schema import (
+    END,
+    RESPONSE,
+    TRAPPING,
+    WHIRL_DIRECTION,
+    WITH_EXTENTS,
+    Column,
+    labelled_dataset,
+)
+
+# The sample misses an attractor that has more than `missed_fraction` with this probability at most.
+RISK = 0.05
+# Ends of what a parameter may be where an attractor exists.
+SIDES = ("low", "high")
+# What stands where there is no such attractor; in other columns NaN.
+FLAGS = {
+    "whirl_direction": WHIRL_DIRECTION["none"],
+    "kind": RESPONSE["not_found"],
+    "trapping": TRAPPING["none"],
+    **{f"{name}_{side}_end": END["not_found"] for name in WITH_EXTENTS for side in SIDES},
+}
+
+
+def atlas_dataset(
+    axes: Mapping[str, Values], held: Mapping[str, float], cells: Sequence[Cell], starts: int,
+    attributes: Mapping[str, object],
+) -> xr.Dataset:  # fmt: skip
+    """Return the attractors over the parameters, of rotors that have so many starts each.
+
+    `held` are those of a machine that are numbers.
+    """
+    members = [each for cell in cells for each in cell.members]
+    count = 1 + max((each.identity for each in members), default=-1)
+    columns = _columns(cells, count, starts)
+    coordinates: dict[str, Column] = {name: (name, values) for name, values in axes.items()}
+    coordinates |= {name: ((), value) for name, value in held.items()}
+    coordinates["attractor"] = ("attractor", np.arange(count))
+    if any(each.resilience is not None for each in members):
+        columns |= _shocks(cells, count)
+        coordinates["target"] = ("target", np.arange(count))
+    sizes = tuple(values.size for values in axes.values())
+    over = (*axes, "attractor", "target")
+    of_cell: dict[str, npt.ArrayLike] = {
+        "undecided_fraction": [
+            each.undecided / max(starts - each.not_computed, 1) for each in cells
+        ],
+        "not_computed_count": [each.not_computed for each in cells],
+    }
+    for place, name in enumerate(ENTROPIES):
+        of_cell[name] = [each.entropies[place] for each in cells]
+    agreement = [agreement_of(each.rechecked) for each in cells]
+    of_cell |= {name: [each[name] for each in agreement] for name in agreement[0]}
+    variables: dict[str, Column] = {
+        name: (over[: len(axes) - 1 + values.ndim], values.reshape(*sizes, *values.shape[1:]))
+        for name, values in {
+            **columns, **{name: np.array(values) for name, values in of_cell.items()}
+        }.items()
+    }  # fmt: skip
+    variables["missed_fraction"] = ((), missed_fraction(starts))
+    title = "Rotor in a clearance: attractors and the fractions of starts on each"
+    return labelled_dataset(title, variables, coordinates, _flat(attributes))
+
+
+def how_computed(tolerance: float, shocks: int, rotor: Rotor) -> dict[str, object]:
+    """Return as attributes what labelled starts and, if any were tried, followed shocks."""
+    how = labelled_how(tolerance, rotor)
+    if shocks:
+        how |= followed_by("witness", witness_options())
+    return {**provenance(how), "shocks": shocks}
+
+
+def missed_fraction(starts: int) -> float:
+    """Return the fraction that an attractor may have and yet be missed by so many starts."""
+    return float(1.0 - RISK ** (1.0 / starts))
+
+
+def member_row(rotor: Rotor, member: Member, computed: int) -> dict[str, float]:
+    """Return the numbers of an attractor by name, of so many starts that were computed."""
+    attractor = member.attractor
+    row = {name: getattr(attractor, name) for name in NUMBERS}
+    row |= {"kind": RESPONSE[attractor.kind], "trapping": TRAPPING[attractor.trapping]}
+    part = member.count / computed if computed else math.nan
+    error = math.sqrt(part * (1.0 - part) / computed) if computed else math.nan
+    row |= {"count": member.count, "fraction": part, "fraction_error": error}
+    row["settling_median"], row["settling_95"] = member.settling.tolist()
+    if member.resilience is not None:
+        row |= _resilience_row(rotor, member.resilience)
+    return row
+
+
+def _resilience_row(rotor: Rotor, told: Resilience) -> dict[str, float]:
+    bounds = [f"{kind}_shock_bound" for kind in KINDS]
+    extents = [f"{name}_{side}" for name in varied(rotor) for side in SIDES]
+    return {
+        **dict(zip(bounds, told.bounds.tolist(), strict=True)),
+        **dict(zip(extents, told.extents.ravel().tolist(), strict=True)),
+        **dict(zip([f"{name}_end" for name in extents], told.ends.ravel().tolist(), strict=True)),
+    }
+
+
+def column_of(name: str, shape: tuple[int, ...]) -> npt.NDArray[np.generic]:
+    """Return an empty column."""
+    if name in FLAGS:
+        return np.full(shape, FLAGS[name], dtype=np.int8)
+    return np.zeros(shape, dtype=np.int64) if name == "count" else np.full(shape, np.nan)
+
+
+def _columns(cells: Sequence[Cell], count: int, starts: int) -> dict[str, npt.NDArray[np.generic]]:
+    """Return the numbers of each attractor of each rotor, shape (cells, count)."""
+    columns: dict[str, npt.NDArray[np.generic]] = {}
+    for place, cell in enumerate(cells):
+        for each in cell.members:
+            row = member_row(cell.rotor, each, starts - cell.not_computed)
+            for name, value in row.items():
+                if name not in columns:
+                    columns[name] = column_of(name, (len(cells), count))
+                columns[name][place, each.identity] = value
+    return columns
+
+
+def _shocks(cells: Sequence[Cell], count: int) -> dict[str, npt.NDArray[np.generic]]:
+    """Return the smallest shocks from each attractor to each, shape (cells, count, count)."""
+    names = [f"{kind}_shock{what}" for what in ("", "_scatter") for kind in KINDS]
+    columns = {name: np.full((len(cells), count, count), np.nan) for name in names}
+    for place, cell in enumerate(cells):
+        numbers = [each.identity for each in cell.members]
+        for each in cell.members:
+            if each.resilience is not None:
+                told = (*each.resilience.sizes, *each.resilience.scatter)
+                for column, values in zip(columns.values(), told, strict=True):
+                    column[place, each.identity, numbers[: values.size]] = values
+    return dict(columns)
+
+
+def _flat(attributes: Mapping[str, object]) -> dict[str, object]:
+    """Return attributes that an archive can hold: tables of starts row after row."""
+    return {
+        name: np.ravel(np.asarray(value, dtype=np.float64)) if isinstance(value, list) else value
+        for name, value in attributes.items()
+    }

@@ -1,0 +1,350 @@
+"""Extents: between which speeds, dampings and clearances an attractor exists, the others held.
+
+A whirl in contact ends at a fold or where it first touches the ring, a limit cycle at a fold, where
+its period doubles or where a torus is born, the contact-free whirl where it fills the clearance. A
+whirl is followed along its exact curve, over the speed (`response_curve`) or the clearance
+(`clearance_curve`). Over the damping a rotor has one whirl at most of each amplitude, so the curve
+needs no tracing: it turns at the folds (`fold_locus`) and ends at first touch and at the whirls
+without damping. A limit cycle is followed along its branch, from the rotor at hand; with friction
+one that rolls may end at a corner, where it meets one that does not: that counts as a fold.
+
+So it is for the paper's rotor. With a shaft, another contact law, contact damping or friction a
+whirl is followed along its exact amplitudes in small steps, and where it ends is sought among ever
+smaller ones; contact damping and friction may end it at a Hopf point.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from operator import itemgetter
+
+import numpy as np
+from scipy.optimize import brentq
+
+from rotor_ida.arrays import Values
+from rotor_ida.closed_forms import (
+    clearance_curve,
+    eigenvalues,
+    folds,
+    response_curve,
+    synchronous_response,
+    touch_speeds,
+)
+from rotor_ida.closed_forms.contact_free import complex_amplitude
+from rotor_ida.closed_forms.contacting_whirls import contacting_whirls
+from rotor_ida.closed_forms.fold_locus import LocusSide, fold_locus, locus_points
+from rotor_ida.cycles.branch import (
+    BORN,
+    CONTACT_FREE,
+    DOUBLING,
+    FOLD,
+    HALVED,
+    LIMITS,
+    PLACE,
+    SLIDING,
+    TORUS,
+    Side,
+    advance,
+    course_from,
+)
+from rotor_ida.cycles.guess import Guess
+from rotor_ida.errors import SimulationError
+from rotor_ida.model.parameters import PARAMETERS, Rotor, without
+from rotor_ida.parallel import Stop
+from rotor_ida.schema import STABILITY, WITH_EXTENTS
+
+# What lasts down to this part of a parameter's value is said to last down to zero.
+AT_ZERO = 1e-4
+# A whirl that lasts up to so many times the damping is said to last for any.
+FARTHEST_OF_WHIRL = 1e6
+# With hardly any damping a whirl has the amplitude of one without, to this part: its rounding.
+UNDAMPED = 1e-12
+# A limit cycle, dearer to follow, is followed up to so many times its value, or 1 if that is more.
+FARTHEST_OF_CYCLE = 50.0
+# A branch of limit cycles is followed for so many points each way: what one that goes on costs.
+MOST_POINTS = 300
+# A whirl of a machine is followed up to so many times a parameter, or this where that is 0,
+FARTHEST_OF_MACHINE = 1e4
+# in so many steps, in each of which its amplitude may change by this part; where it ends lies in
+# one of them, which is divided into so many again, so many times.
+STEPS, MOST_CHANGE, PARTS, DIVISIONS = 1024, 0.1, 64, 8
+# It ends at the ring where its indentation is this part of the clearance or less.
+AT_RING = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class End:
+    """Where an attractor ends, one way."""
+
+    value: float  # of the parameter [1]; 0 or infinite where it goes on, NaN if that is not known
+    kind: str  # one of `rotor_ida.schema.END`
+
+
+UNKNOWN = End(math.nan, "not_found")
+
+
+def varied(rotor: Rotor) -> tuple[str, ...]:
+    """Return the parameters of a rotor that extents are told of."""
+    return tuple(name for name in WITH_EXTENTS if name in PARAMETERS or name in rotor.beyond)
+
+
+def extent_of_contact_free(rotor: Rotor, parameter: str) -> tuple[End, End]:
+    """Return between which values the contact-free whirl has room: |w| is at most delta0."""
+    below, above = End(0.0, "none"), End(math.inf, "none")
+    if parameter in ("contact_damping", "friction"):
+        return below, above
+    if rotor.shaft_stiffness > 0.0:
+        low, high = _room_with_shaft(rotor, parameter)
+        return (
+            End(low, "touch") if low > 0.0 else below,
+            End(high, "touch") if high < math.inf else above,
+        )
+    if parameter != "delta0" and rotor.delta0 >= 1.0:
+        return below, above
+    end = End(_first_touch(rotor, parameter), "touch")
+    return (below, end) if parameter == "omega" else (end, above)
+
+
+def _first_touch(rotor: Rotor, parameter: str) -> float:
+    """Return the value of a parameter at which |w| is delta0."""
+    omega, zeta, delta0 = rotor.omega, rotor.zeta, rotor.delta0
+    if parameter == "delta0":
+        return omega / math.hypot(omega, 2.0 * zeta)
+    ratio = 2.0 * delta0 / math.sqrt((1.0 - delta0) * (1.0 + delta0))  # of omega to zeta
+    return zeta * ratio if parameter == "omega" else omega / ratio
+
+
+def _room_with_shaft(rotor: Rotor, parameter: str) -> tuple[float, float]:
+    """Return between which values ``omega**4 <= delta0**2 ((kappa - q)**2 + 4 zeta**2 q)``."""
+    omega, zeta, kappa, delta0 = rotor.omega, rotor.zeta, rotor.shaft_stiffness, rotor.delta0
+    q = omega * omega
+    if parameter == "omega":
+        first, second = touch_speeds(zeta=zeta, delta0=delta0, shaft_stiffness=kappa).tolist()
+        if math.isnan(first):
+            return 0.0, math.inf
+        return (0.0, first) if omega <= first else (second, math.inf)
+    if parameter == "delta0":
+        return abs(complex(complex_amplitude(omega, zeta, kappa))), math.inf
+    off, drag = (kappa - q) ** 2, 4.0 * zeta * zeta * q
+    lacking = (q / delta0) ** 2 - (off if parameter == "zeta" else drag)
+    if lacking <= 0.0:
+        return 0.0, math.inf
+    if parameter == "zeta":
+        return 0.5 * math.sqrt(lacking) / omega, math.inf
+    root = math.sqrt(lacking)
+    return (q + root, math.inf) if kappa > q else (0.0, q - root)
+
+
+def extent_of_whirl(rotor: Rotor, amplitude: float, parameter: str) -> tuple[End, End]:
+    """Return between which values a stable whirl in contact exists."""
+    if rotor.beyond:
+        value = getattr(rotor, parameter)
+        farthest = FARTHEST_OF_MACHINE * (value or 1.0)
+        upwards = np.geomspace(value or AT_ZERO, farthest, STEPS)
+        if value == 0.0:
+            upwards[0] = 0.0
+        high = _end_of_steps(rotor, amplitude, parameter, upwards)
+        if value == 0.0:
+            return End(0.0, "none"), high
+        downwards = np.geomspace(value, AT_ZERO * value, STEPS)
+        return _end_of_steps(rotor, amplitude, parameter, downwards), high
+    if parameter == "zeta":
+        return _extent_over_damping(rotor, amplitude)
+    value = getattr(rotor, parameter)
+    if parameter == "omega":
+        last_turn = folds(zeta=rotor.zeta, delta0=rotor.delta0)["fold_omega"].max().item()
+        lowest, highest = AT_ZERO * value, 2.0 * float(np.fmax(value, last_turn))
+    else:  # the clearance is less than the amplitude, and that at most omega/(2 zeta)
+        lowest, highest = 0.0, rotor.omega / rotor.zeta
+    ends = (
+        _end_along_curve(rotor, amplitude, parameter, limit) if limit != value else None
+        for limit in (lowest, highest)
+    )
+    low, upper = ends
+    return low or End(0.0, "none"), upper or End(math.inf, "none")
+
+
+def amplitudes_along(rotor: Rotor, amplitude: float, parameter: str, values: Values) -> Values:
+    """Return the amplitudes that a stable whirl takes on; NaN from where it ends.
+
+    Where a branch ends at a fold, the nearest of the others is farther off than it can have moved.
+    """
+    given = _of_whirls(rotor)
+    whirls = synchronous_response(**given | {parameter: values})
+    stands = (whirls["stability"] == STABILITY["stable"]) & (whirls["in_contact"] == 1)
+    sizes = whirls["amplitude"].where(stands).transpose(parameter, ..., "branch").values
+    found = np.full(values.size, math.nan)
+    for place, row in enumerate(sizes.reshape(values.size, -1)):
+        apart = np.abs(row - amplitude)
+        if not (apart <= MOST_CHANGE * amplitude).any():
+            break
+        found[place] = amplitude = float(row[np.nanargmin(apart)])
+    return found
+
+
+def _of_whirls(rotor: Rotor) -> dict[str, float]:
+    """Return what exact whirls have of a rotor: no load, and the radius of the disc moves none."""
+    return without(without(rotor.given, "load"), "disc_radius")
+
+
+def _end_of_steps(rotor: Rotor, amplitude: float, parameter: str, values: Values) -> End:
+    """Return where a stable whirl ends on its way along values, from the rotor's own on."""
+    value, size = _last_of_steps(rotor, amplitude, parameter, values, DIVISIONS)
+    if value == values[-1]:
+        return End(math.inf if values[-1] > values[0] else 0.0, "none")
+    if math.isnan(value):
+        return UNKNOWN
+    return End(value, _how_whirl_ends(replace(rotor, **{parameter: value}), size))
+
+
+def _last_of_steps(
+    rotor: Rotor, amplitude: float, parameter: str, values: Values, divisions: int
+) -> tuple[float, float]:
+    """Return the last of the values that a stable whirl comes to, or one between, and its size.
+
+    A step in which it ends, or its amplitude changes by much, is divided into finer ones.
+    """
+    while True:
+        sizes = amplitudes_along(rotor, amplitude, parameter, values)
+        lasting = int(np.isfinite(sizes).sum())
+        if lasting == 0:
+            return math.nan, math.nan
+        last, amplitude = float(values[lasting - 1]), float(sizes[lasting - 1])
+        if lasting == values.size:
+            return last, amplitude
+        goal = float(values[lasting])
+        finer = np.linspace(last, goal, PARTS + 1)
+        if not divisions or finer[1] == finer[0]:
+            return last, amplitude
+        reached, amplitude = _last_of_steps(rotor, amplitude, parameter, finer, divisions - 1)
+        if reached != goal:
+            return reached, amplitude
+        values = values[lasting:]
+
+
+def _how_whirl_ends(rotor: Rotor, amplitude: float) -> str:
+    """Return how a stable whirl ends that does so beside a rotor."""
+    if amplitude - rotor.delta0 <= AT_RING * rotor.delta0:
+        return "touch"
+    given = _of_whirls(rotor)
+    rates = eigenvalues(amplitude, **given)
+    slowest = rates[np.argmax(rates.real)]
+    return "fold" if slowest.imag == 0.0 else "hopf"
+
+
+def extent_of_cycle(
+    rotor: Rotor, state: Values, period: float, parameter: str, stop: Stop
+) -> tuple[End, End]:
+    """Return between which values the stable limit cycle through a state exists."""
+    value = getattr(rotor, parameter)
+    farthest = FARTHEST_OF_CYCLE * max(1.0, value)
+    try:
+        course = course_from(
+            Guess(rotor, state, period), parameter, (0.0, farthest), MOST_POINTS, stop
+        )
+    except SimulationError:
+        return UNKNOWN, UNKNOWN
+    ends = []
+    for way in (-1, 1):
+        first = course.first
+        ahead = first if way * first.tangent[PLACE] > 0.0 else first.reversed()
+        side = Side([ahead])
+        while not side.end and not _met(side):
+            advance(course, side)
+        ends.append(_end_of_side(side, way, value))
+    return ends[0], ends[1]
+
+
+def _met(side: Side) -> list[End]:
+    """Return where stability was lost on what has been followed, in order."""
+    ends = (FOLD, DOUBLING, TORUS)
+    names = [
+        FOLD if special.name == SLIDING and _turns_after(side, place) else special.name
+        for place, special in side.specials
+    ]
+    return [
+        End(float(special.point.unknowns[PLACE]), name)
+        for name, (_, special) in zip(names, side.specials, strict=True)
+        if name in ends
+    ]
+
+
+def _turns_after(side: Side, place: int) -> bool:
+    """Return whether the parameter turns back between a point of a branch and the next."""
+    here, there = side.points[place : place + 2]
+    return bool(here.tangent[PLACE] * there.tangent[PLACE] < 0.0)
+
+
+def _end_of_side(side: Side, way: int, begin: float) -> End:
+    """Return where a branch of limit cycles ends, one way."""
+    if met := _met(side):
+        return met[0]
+    last = float(side.points[-1].unknowns[PLACE])
+    if way < 0 and (side.end == LIMITS or last < AT_ZERO * (begin or 1.0)):
+        return End(0.0, "none")
+    if side.end == HALVED:
+        return End(last, DOUBLING)
+    if side.end == BORN:
+        return End(last, "hopf")
+    return End(last, "touch") if side.end == CONTACT_FREE else UNKNOWN
+
+
+def _end_along_curve(rotor: Rotor, amplitude: float, parameter: str, limit: float) -> End:
+    """Return where a stable whirl ends on its curve over speed or clearance, up to a limit."""
+    value = getattr(rotor, parameter)
+    limits = (min(value, limit), max(value, limit))
+    if parameter == "omega":
+        curve = response_curve(zeta=rotor.zeta, delta0=rotor.delta0, limits=limits, points=2)
+    else:
+        curve = clearance_curve(omega=rotor.omega, zeta=rotor.zeta, limits=limits, points=2)
+    columns = (parameter, "amplitude", "stability", "in_contact", "piece")
+    values, sizes, stability, touching, piece = (curve[name].values.ravel() for name in columns)
+    # the curve is cut at the rotor at hand, so that a piece of it begins or ends with the whirl
+    ends = np.flatnonzero((values == value) & (touching == 1))
+    whirl = ends[np.argmin(np.abs(sizes[ends] - amplitude))]
+    path = np.flatnonzero(piece == piece[whirl])
+    arcs = stability[path[1:]] == STABILITY["stable"]  # each leads to its point from the one before
+    if whirl != path[0]:
+        path, arcs = path[::-1], arcs[::-1]
+    if not arcs.all():
+        return End(float(values[path[np.argmin(arcs)]]), "fold")
+    if values[path[-1]] == limit:
+        return End(math.inf if limit > value else 0.0, "none")
+    return End(_first_touch(rotor, parameter), "touch")
+
+
+def _extent_over_damping(rotor: Rotor, amplitude: float) -> tuple[End, End]:
+    """Return between which dampings a stable whirl exists; its amplitude falls as they rise."""
+    lowest, highest = AT_ZERO * rotor.zeta, FARTHEST_OF_WHIRL * rotor.zeta
+    turns = [turn for side in fold_locus(rotor.delta0, 4.0 * lowest**2)
+             for turn in _folds_at_speed(side, rotor.omega)]  # fmt: skip
+    touch = End(math.inf, "none")
+    if 0.0 < rotor.delta0 < 1.0:
+        touch = End(_first_touch(rotor, "zeta"), "touch")
+    speed, clearance = np.array([rotor.omega]), np.array([rotor.delta0])
+    undamped = contacting_whirls(speed, np.zeros(1), clearance).amplitude
+    lasting = undamped[undamped >= amplitude * (1.0 - UNDAMPED)]
+    below = [(rotor.delta0, touch), *(turn for turn in turns if turn[0] <= amplitude)]
+    above = [*((size, End(0.0, "none")) for size in lasting.tolist()),
+             *(turn for turn in turns if turn[0] > amplitude)]  # fmt: skip
+    (_, low), (_, high) = min(above, key=itemgetter(0)), max(below, key=itemgetter(0))
+    return (
+        low if low.value >= lowest else End(0.0, "none"),
+        high if high.value <= highest else End(math.inf, "none"),
+    )
+
+
+def _folds_at_speed(side: LocusSide, omega: float) -> list[tuple[float, End]]:
+    """Return the amplitudes of the folds of one speed, each with its damping."""
+
+    def faster(u: Values | float) -> Values:
+        return np.asarray(u) ** 3 / locus_points(u, side.delta0, side.side).b - omega**2
+
+    beyond = faster(side.u)
+    found = []
+    for place in np.flatnonzero(beyond[:-1] * beyond[1:] <= 0.0).tolist():
+        u = float(brentq(faster, side.u[place], side.u[place + 1], xtol=1e-300, rtol=1e-15))
+        damping = float(locus_points(u, side.delta0, side.side).damping)
+        found.append((side.delta0 + u * u, End(0.5 * math.sqrt(damping), "fold")))
+    return found

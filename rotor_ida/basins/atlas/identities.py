@@ -1,0 +1,187 @@
+"""Which attractors of neighbouring rotors are one: each is followed from rotor to rotor.
+
+A limit cycle is followed along its branch by pseudo-arclength, a whirl along its exact response
+curve. One that comes to the neighbour stable is an attractor there, whether a start ended on it or
+not: a basin that no start has hit is found so. The contact-free family, its touching edge and chaos
+carry on where both neighbours have them; and so do motions with friction that have no period.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from rotor_ida.basins.atlas.cells import NEVER, Cell, Member
+from rotor_ida.basins.atlas.extents import amplitudes_along
+from rotor_ida.basins.attractors import CONTACT_FREE_FAMILY, attractor_of_cycle
+from rotor_ida.basins.cycle_sections import cycle_section
+from rotor_ida.basins.fates import LASTING
+from rotor_ida.basins.known import may_roll, same_numbers
+from rotor_ida.cycles.branch import LIMITS, PLACE, Side, advance, course_from
+from rotor_ida.cycles.guess import Guess
+from rotor_ida.cycles.multipliers import is_stable
+from rotor_ida.cycles.shooting import Cycle, close_orbit
+from rotor_ida.errors import SimulationError
+from rotor_ida.model.parameters import ALL_PARAMETERS, Rotor
+from rotor_ida.parallel import Stop
+from rotor_ida.steady import response
+
+# From one rotor to the next a branch of limit cycles has at most so many points.
+MOST_POINTS = 400
+# From one rotor to the next a whirl is followed in so many steps: a twentyfold change in all of its
+# amplitude has been met.
+STEPS = 64
+# A whirl is the same as one of the neighbour when their amplitudes agree to this part: both are
+# exact but for rounding.
+SAME_WHIRL = 1e-9
+# Of these kinds a rotor has one attractor at most, the same as its neighbour's.
+SHARED = (response.CONTACT_FREE, response.TOUCHING, response.CHAOTIC)
+# Attractors are numbered in this order of their kinds.
+KINDS = (
+    response.CONTACT_FREE,
+    response.TOUCHING,
+    response.SYNCHRONOUS,
+    response.BOUNCING,
+    response.FULL_CONTACT,
+    response.ROLLING,
+    response.QUASI_PERIODIC,
+    response.CHAOTIC,
+)
+
+
+def identify(cells: Sequence[Cell], lines: Sequence[Sequence[int]], stop: Stop) -> int:
+    """Give the attractors of all cells their numbers; return how many there are.
+
+    `lines` has the numbers of the cells along each line of the grid, one parameter rising.
+    Attractors that are found by following others are added to the cells.
+    """
+    links: list[tuple[Member, Member]] = []
+    joined: set[tuple[int, int]] = set()  # an attractor, and the neighbour that it was found in
+    for line in lines:
+        for way in (list(line), list(reversed(line))):
+            for here, there in pairwise(way):
+                if stop[0]:
+                    return 0
+                for member in list(cells[here].members):
+                    if (id(member), there) in joined:
+                        continue
+                    other = _successor(member, cells[here].rotor, cells[there], stop)
+                    if other is not None:
+                        links.append((member, other))
+                        joined |= {(id(member), there), (id(other), here)}
+    for kind in CONTACT_FREE_FAMILY:  # wherever they are, they are whirls of one family
+        alike = [each for cell in cells for each in cell.members if each.attractor.kind == kind]
+        links += pairwise(alike)
+    return _numbered(cells, links)
+
+
+def _successor(member: Member, rotor: Rotor, there: Cell, stop: Stop) -> Member | None:
+    """Return what an attractor of a rotor is in a neighbouring cell."""
+    kind = member.attractor.kind
+    lasting = kind in LASTING and math.isnan(member.attractor.period)
+    if kind in SHARED or (may_roll(rotor) and lasting):
+        return _of_kind(there, kind)
+    if kind == response.SYNCHRONOUS:
+        amplitude = followed_whirl(member.attractor.amplitude, rotor, there.rotor)
+        for each in there.members:
+            apart = abs(each.attractor.amplitude - amplitude)
+            if each.attractor.kind == kind and apart <= SAME_WHIRL * amplitude:
+                return each
+        return None
+    known = [each for each in there.members if not math.isnan(each.attractor.period)]
+    cycle = followed_cycle(member, rotor, there.rotor, stop)
+    if cycle is None:
+        return None
+    for each in known:
+        if same_numbers(each.attractor.period, each.attractor.radius_max, cycle):
+            return each
+    held = cycle_section(cycle, stop).exists
+    added = Member(attractor_of_cycle(cycle, held, stop), 0, NEVER, cycle.state)
+    there.members.append(added)
+    return added
+
+
+def _of_kind(there: Cell, kind: str) -> Member | None:
+    """Return the attractor that is told by its kind alone, if there is."""
+    alike = [each for each in there.members if each.attractor.kind == kind]
+    return next((each for each in alike if math.isnan(each.attractor.period)), None)
+
+
+def followed_cycle(member: Member, here: Rotor, there: Rotor, stop: Stop) -> Cycle | None:
+    """Return the stable limit cycle that one becomes as a parameter changes; None if it ends."""
+    name = _changed(here, there)
+    begin, end = getattr(here, name), getattr(there, name)
+    period = member.attractor.period
+    limits = (min(begin, end), max(begin, end))
+    try:
+        if name == "disc_radius" and here.friction == 0.0:  # no cycle knows it
+            return close_orbit(there, member.state, period, stop)
+        guess = Guess(here, member.state, period)
+        course = course_from(guess, name, limits, MOST_POINTS, stop)
+        rising = course.first.tangent[PLACE] > 0.0
+        side = Side([course.first if rising == (end > begin) else course.first.reversed()])
+        while not side.end:
+            advance(course, side)
+        last = side.points[-1]
+        if side.end != LIMITS or last.unknowns[PLACE] != end or not is_stable(last.stretch):
+            return None
+        return close_orbit(there, last.unknowns[:4], float(last.unknowns[4]), stop)
+    except SimulationError:
+        return None
+
+
+def followed_whirl(amplitude: float, here: Rotor, there: Rotor) -> float:
+    """Return the amplitude that a whirl takes on as parameters change; NaN if it ends."""
+    name = _changed(here, there)
+    if name == "disc_radius":  # whirls do not know it
+        return amplitude
+    begin, end = getattr(here, name), getattr(there, name)
+    # amplitudes are powers of a small speed
+    spread = np.geomspace if begin > 0.0 and end > 0.0 else np.linspace
+    values = spread(begin, end, STEPS + 1)
+    return float(amplitudes_along(there, amplitude, name, values[1:])[-1])
+
+
+def _changed(here: Rotor, there: Rotor) -> str:
+    """Return the parameter in which two neighbours differ."""
+    return next(each for each in ALL_PARAMETERS if getattr(here, each) != getattr(there, each))
+
+
+def _numbered(cells: Sequence[Cell], links: Sequence[tuple[Member, Member]]) -> int:
+    """Give linked attractors one number, and no two of one cell the same."""
+    members = [each for cell in cells for each in cell.members]
+    place = {id(each): number for number, each in enumerate(members)}
+    within = [{number} for number, cell in enumerate(cells) for _ in cell.members]  # its cells
+    above = list(range(len(members)))  # each group hangs together below its first member
+
+    def first_of(member: Member) -> int:
+        number = place[id(member)]
+        while above[number] != number:
+            above[number] = above[above[number]]
+            number = above[number]
+        return number
+
+    for one, other in links:
+        first, second = sorted((first_of(one), first_of(other)))
+        # round a cusp the two whirls of one rotor are joined: they stay two
+        if first != second and not within[first] & within[second]:
+            above[second] = first
+            within[first] |= within[second]
+    groups = [first_of(each) for each in members]
+    order = _ordered(list(zip(groups, members, strict=True)))
+    for group, each in zip(groups, members, strict=True):
+        each.identity = order[group]
+    return len(order)
+
+
+def _ordered(members: Sequence[tuple[int, Member]]) -> dict[int, int]:
+    """Return the number of each group: by kind of response, then as they are met."""
+    kinds: dict[int, list[int]] = {}
+    for group, each in members:
+        kinds.setdefault(group, []).append(KINDS.index(each.attractor.kind))
+    usual = {group: max(set(found), key=found.count) for group, found in kinds.items()}
+    ordered = sorted(usual, key=lambda group: (usual[group], group))
+    return {group: number for number, group in enumerate(ordered)}

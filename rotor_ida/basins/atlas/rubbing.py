@@ -1,0 +1,125 @@
+"""What friction does to a machine: on a whirl, on a limit cycle, and on motions without a period.
+
+An attractor without a period is known by a state on it, and what it does by following it on.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.arrays import Values
+from rotor_ida.basins.attractors import Attractor
+from rotor_ida.basins.fates import ALONE
+from rotor_ida.checks import State
+from rotor_ida.cycles.shooting import Cycle
+from rotor_ida.model.equations import rotated
+from rotor_ida.model.parameters import Rotor
+from rotor_ida.simulation.contact_table import contact_summary
+from rotor_ida.simulation.orbit import ENTRY
+from rotor_ida.simulation.simulate import simulate
+from rotor_ida.steady import response
+from rotor_ida.steady.follow import follow_to_steady_state
+
+# A run is of so many revolutions,
+REVOLUTIONS = 64
+# with so many samples in each.
+SAMPLES = 256
+# Samples of one period of a limit cycle, for how far the surfaces slide.
+SAMPLES_OF_CYCLE = 2048
+
+
+def needs_run(rotor: Rotor, attractor: Attractor) -> bool:
+    """Return whether what an attractor does is told by a run: with friction, without a period.
+
+    Chaos may be left, so that no run tells it.
+    """
+    lasting = attractor.kind in (response.ROLLING, response.QUASI_PERIODIC)
+    return rotor.friction > 0.0 and lasting and math.isnan(attractor.period)
+
+
+def settled_state(rotor: Rotor, start: Values) -> Values:
+    """Return a state of the motion that a start ends on, shape (4,), on the rotating axes [1]."""
+    return np.array(follow_to_steady_state(rotor, _state(start), ALONE).end)
+
+
+def states_of_rub(rotor: Rotor, start: Values, count: int) -> Values:
+    """Return so many states of the motion that a start ends on, shape (4, count)."""
+    duration = REVOLUTIONS * 2.0 * math.pi / rotor.omega
+    run = simulate(
+        rotor, start=settled_state(rotor, start), duration=duration, samples=count, method="taylor"
+    )
+    states = np.stack([run[name].values for name in ("x", "y", "vx", "vy")], axis=-1)
+    return rotated(states, -rotor.omega * run["t"].values).T
+
+
+def numbers_of_rub(rotor: Rotor, start: Values) -> dict[str, float]:
+    """Return what the motion without a period does that a start ends on, dimensionless."""
+    revolution, turns = 2.0 * math.pi / rotor.omega, REVOLUTIONS
+    state, samples = settled_state(rotor, start), SAMPLES * turns + 1
+    run = simulate(
+        rotor, start=state, duration=turns * revolution, samples=samples, method="taylor"
+    )
+    told = contact_summary(run)
+    viscous = 2.0 * rotor.zeta * float((run["vx"] ** 2 + run["vy"] ** 2)[:-1].mean())
+    heat = float(told["total_heat"]) / turns
+    numbers = {
+        "largest_force": float(told["largest_force"]),
+        "mean_force": float(run["normal_force"][:-1].mean()),
+        "contacts_per_revolution": float((run["event_kind"] == ENTRY).sum()) / turns,
+        "contact_fraction": float(told["contact_fraction"]),
+        "dissipation_per_revolution": viscous * revolution + heat,
+        "heat_per_revolution": heat,
+        "slip_distance_per_revolution": float(told["total_slip_distance"]) / turns,
+        "rolling_fraction": float(told["rolling_fraction"]),
+    }
+    if rotor.contact_damping > 0.0:
+        loss = float(told["total_contact_loss"]) / turns
+        numbers["contact_loss_per_revolution"] = loss
+        numbers["dissipation_per_revolution"] += loss
+    fixed = run["x"].values + 1j * run["y"].values
+    turning = fixed * np.exp(-1j * rotor.omega * run["t"].values)
+    numbers["whirl_ratio"] = _strongest_whirl(turning[:-1], turns)
+    return numbers
+
+
+def numbers_of_cycle(cycle: Cycle) -> dict[str, float]:
+    """Return what friction takes on a limit cycle, from one period of it."""
+    run = simulate(
+        cycle.rotor, start=cycle.state, duration=cycle.period, samples=SAMPLES_OF_CYCLE,
+        method="taylor",
+    )  # fmt: skip
+    told, turns = contact_summary(run), cycle.period * cycle.rotor.omega / (2.0 * math.pi)
+    return {
+        "heat_per_revolution": float(told["total_heat"]) / turns,
+        "slip_distance_per_revolution": float(told["total_slip_distance"]) / turns,
+        "rolling_fraction": float(told["rolling_fraction"]),
+    }
+
+
+def numbers_of_whirl(rotor: Rotor, amplitude: float, force: float) -> dict[str, float]:
+    """Return what friction takes on a whirl in contact, which slides forwards all the time."""
+    distance = 2.0 * math.pi * (amplitude + (rotor.disc_radius or 0.0))
+    return {
+        "heat_per_revolution": rotor.friction * force * distance,
+        "slip_distance_per_revolution": distance,
+        "rolling_fraction": 0.0,
+    }
+
+
+def _strongest_whirl(position: npt.NDArray[np.complex128], turns: float) -> float:
+    """Return the frequency over the spin speed of the strongest whirl beside the spin.
+
+    The position, complex, is that of so many revolutions on the rotating axes.
+    """
+    sizes = np.abs(np.fft.fft(position))
+    orders = np.fft.fftfreq(position.size, 1.0 / position.size)
+    sizes[orders == 0.0] = 0.0
+    return 1.0 + float(orders[np.argmax(sizes)]) / turns
+
+
+def _state(values: Values) -> State:
+    x, y, vx, vy = np.asarray(values).tolist()
+    return (x, y, vx, vy)

@@ -1,0 +1,317 @@
+"""What touching the ring does to a machine: a line of numbers for each of its attractors."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.basins.atlas.cells import MOST_STARTS, Cell, CellJob, Member, fill_cell
+from rotor_ida.basins.atlas.dataset import column_of, how_computed, member_row, missed_fraction
+from rotor_ida.basins.atlas.rubbing import (
+    needs_run,
+    numbers_of_cycle,
+    numbers_of_rub,
+    numbers_of_whirl,
+)
+from rotor_ida.basins.atlas.shocks import KINDS
+from rotor_ida.basins.dataset import ENTROPIES, agreement_of
+from rotor_ida.basins.following import RTOL
+from rotor_ida.basins.fractions import box_of, drawn_from
+from rotor_ida.basins.labelling import LOOSEST, TIGHTEST, check_rotor
+from rotor_ida.checks import (
+    COMPONENTS,
+    MOST_SHOCKS,
+    check_array,
+    check_between,
+    check_count,
+    check_seed,
+    shown,
+)
+from rotor_ida.core.interface import ENTRY_TIME, EXIT_TIME, LOST
+from rotor_ida.cycles.limit_cycle import follow, whirl_beside
+from rotor_ida.cycles.shooting import close_orbit
+from rotor_ida.errors import InputError
+from rotor_ida.model.contact import contact_force
+from rotor_ida.model.parameters import DimensionalRotor, Rotor
+from rotor_ida.parallel import interruptible
+from rotor_ida.results.run import parameter_coordinates
+from rotor_ida.results.si_units import dimensional
+from rotor_ida.schema import WHIRL_DIRECTION, Column, labelled_dataset
+from rotor_ida.simulation.neighbours import Shot
+from rotor_ida.simulation.options import LARGEST
+from rotor_ida.steady import response
+
+# Samples of one period of a limit cycle, for its mean force, its power and its whirl.
+SAMPLES = 2048
+# Of the numbers of an attractor, these say nothing more.
+LEFT_OUT = ("count", "phase_lag")
+# What an attractor does, in numbers that it may lack.
+NUMBERS = (
+    "largest_force", "mean_force", "contacts_per_revolution", "contact_fraction",
+    "dissipation_per_revolution", "whirl_ratio", "excursion",
+)  # fmt: skip
+# and with friction.
+OF_FRICTION = ("heat_per_revolution", "slip_distance_per_revolution", "rolling_fraction")
+
+
+def touchdown_report(
+    machine: DimensionalRotor | Rotor,
+    *,
+    x: npt.ArrayLike = 0.0,
+    y: npt.ArrayLike = 0.0,
+    vx: npt.ArrayLike = 0.0,
+    vy: npt.ArrayLike = 0.0,
+    starts: int = 1000,
+    seed: int = 0,
+    rtol: float = RTOL,
+    shocks: int = 4096,
+) -> xr.Dataset:
+    """Return what each attractor of a machine does to it, and how likely it is.
+
+    Parameters
+    ----------
+    machine : DimensionalRotor or Rotor
+        The machine. For a `DimensionalRotor` starts and results are in SI units; for a `Rotor`
+        they are dimensionless.
+    x, y, vx, vy : float or array_like, shape (2,)
+        Components of the start [m], [m/s] or [1]: numbers, or ranges ``(low, high)`` from which
+        they are drawn, independently and uniformly.
+    starts : int
+        Number of starts.
+    seed : int
+        Seed of the random numbers: the same seed gives the same starts.
+    rtol : float
+        Error allowed in a step, relative to the size of the state and of the eccentricity [1].
+    shocks : int
+        About so many shocks of velocity and of displacement are tried to each attractor, and the
+        smallest that throws it to each other one is told; with 0 none is, nor what follows below.
+
+    Returns
+    -------
+    Dataset
+        On ``attractor``: ``kind``; ``fraction`` and ``fraction_error`` of the starts that end
+        there, ``settling_median`` and ``settling_95`` [s]; ``largest_force`` and its mean over the
+        time, ``mean_force`` (the impulse a second) [N], both of the normal force;
+        ``contacts_per_revolution`` and
+        ``contact_fraction``, the share of time in contact; ``dissipation_per_revolution``, the
+        energy that damping takes [J], and with contact damping what that takes of it,
+        ``contact_loss_per_revolution``; with friction, of which the heat counts as well,
+        ``heat_per_revolution`` [J], ``slip_distance_per_revolution``, how far the surfaces slide
+        over each other [m], and ``rolling_fraction``, the part of the time in contact in which the
+        disc rolls; ``whirl_ratio`` and ``whirl_direction`` of the strongest
+        whirl beside the spin; ``radius_min``, ``radius_max``, ``period`` [m], [s]; ``excursion``,
+        the largest distance from the bearing axis over the clearance; the scalars
+        ``basin_entropy`` and ``boundary_entropy``, and ``agreement``, the part of the labels that
+        come out the same with a smaller error in a step, of ``agreement_count`` that were found
+        again. Of chaos what needs a period is NaN, and with contact damping its largest force.
+
+        With `shocks`, on ``(attractor, target)``: ``velocity_shock`` and ``displacement_shock``
+        [m/s], [m], NaN where none was found up to ``velocity_shock_largest`` and
+        ``displacement_shock_largest``, ``velocity_shock_scatter`` and
+        ``displacement_shock_scatter``, by how much of it the best shock is larger that another
+        draw led to [1], and the states just before and after each,
+        ``velocity_shock_before_x`` and so on: divided by the attributes ``length_scale`` and
+        ``velocity_scale``, starts of `rotor_ida.simulate`; on ``attractor`` the
+        sizes below which no shock throws it off, ``velocity_shock_bound`` and
+        ``displacement_shock_bound``, proven or estimated as ``trapping`` says; and ``omega_low``,
+        ``omega_high`` and so on [1], the values of each parameter between which the attractor
+        exists, with the way it ends there, ``omega_low_end`` and so on, as a flag.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used, the machine does not turn, or it has a load.
+
+    Notes
+    -----
+    Energy comes from the drive and leaves through damping alone, ``2 zeta |z'|**2``, through
+    contact damping, and as heat of friction: without these the contact gives back all that it
+    takes. With friction the drive is the torque, too, that turns the disc against it.
+
+    Starts are labelled as by `rotor_ida.basin_fractions`, with the same `rtol` for any machine;
+    CVODE confirms no attractor.
+
+    A shock strikes at any phase and in any direction. The smallest one found has been followed by
+    CVODE to its end, with what the attributes ``witness_method``, ``witness_rtol`` and so on say:
+    it is a witness, and a smaller one may exist, down to the bound. All whirls
+    that stay inside the clearance, with the touches that fade towards them, are one attractor
+    here: of its outermost whirls, which just reach the ring, no bound is known but 0.
+
+    With friction what rolls without a period, or never comes again, does what one such motion does
+    that is followed over many revolutions. A shock that no region holds is followed to its end by
+    itself, which takes some milliseconds: so it does where one may throw the rotor into dry whip.
+
+    References
+    ----------
+    L. Halekotte, U. Feudel, "Minimal fatal shocks in multistable complex networks", Scientific
+    Reports 10, 2020: the smallest shock that leaves a basin. A. Daza et al., "Basin entropy: a new
+    tool to analyze uncertainty in dynamical systems", Scientific Reports 6, 2016.
+
+    Examples
+    --------
+    >>> machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0,
+    ...                            eccentricity=1e-6, clearance=2e-6, speed=1000.0)
+    >>> report = touchdown_report(machine, x=(-1e-5, 1e-5), y=(-1e-5, 1e-5), starts=100,
+    ...                           shocks=512)
+    >>> report.largest_force.dims, report.largest_force.attrs["units"]
+    (('attractor',), 'N')
+    >>> bool((report.velocity_shock_bound <= report.velocity_shock.min("target")).all())
+    True
+    """
+    rotor, length, velocity = _scales(machine)
+    check_rotor(rotor, "a touchdown report")
+    if rotor.omega == 0.0:
+        raise InputError("speed must be above 0 for a report on touching, got 0.0")
+    count = check_count("starts", starts, maximum=MOST_STARTS)
+    chosen, tolerance = check_seed(seed), check_between("rtol", rtol, TIGHTEST, LOOSEST)
+    box = box_of({"x": x, "y": y, "vx": vx, "vy": vy}, count)
+    scaled = box / np.array([length, length, velocity, velocity])[:, None]
+    check_array("x, y, vx and vy, in eccentricities,", scaled, largest=LARGEST)
+    tried = check_count("shocks", shocks, minimum=0, maximum=MOST_SHOCKS)
+    job = CellJob(rotor, drawn_from(scaled, chosen, 0, count), tolerance, tried)
+    cell = interruptible(lambda stop: fill_cell(job, stop))
+    told = {**how_computed(tolerance, tried, rotor), "starts": count, "seed": chosen}
+    ranges = {f"range_{name}": ends for name, ends in zip(COMPONENTS, box, strict=True)}
+    report = _dataset(cell, count, {**told, **ranges})
+    return dimensional(report, machine) if isinstance(machine, DimensionalRotor) else report
+
+
+def _dataset(cell: Cell, starts: int, attributes: Mapping[str, object]) -> xr.Dataset:
+    """Return what each attractor does, dimensionless, as a labelled dataset."""
+    rows = []
+    for each in cell.members:
+        own = _numbers(cell.rotor, each)
+        row = {**member_row(cell.rotor, each, starts), **own, "whirl_direction": _direction(own)}
+        rows.append({name: value for name, value in row.items() if name not in LEFT_OUT})
+    variables: dict[str, Column] = {}
+    for name in rows[0] if rows else ():
+        column = column_of(name, (len(rows),))
+        column[:] = [row[name] for row in rows]
+        variables[name] = ("attractor", column)
+    variables |= (tried := _shocks(cell))
+    variables |= {name: ((), one) for name, one in zip(ENTROPIES, cell.entropies, strict=True)}
+    variables |= {name: ((), one) for name, one in agreement_of(cell.rechecked).items()}
+    variables["undecided_fraction"] = ((), cell.undecided / starts)
+    variables["missed_fraction"] = ((), missed_fraction(starts))
+    coordinates = parameter_coordinates(cell.rotor)
+    numbers = np.arange(len(rows))
+    coordinates["attractor"] = ("attractor", numbers)
+    if tried:
+        coordinates["target"] = ("target", numbers)
+    told = {**attributes, **cell.rotor.given}
+    return labelled_dataset("What touching the ring does", variables, coordinates, told)
+
+
+def _shocks(cell: Cell) -> dict[str, Column]:
+    """Return the smallest shocks from each attractor to each, with the states about them."""
+    told = [each.resilience for each in cell.members if each.resilience is not None]
+    variables: dict[str, Column] = {}
+    over = ("attractor", "target")
+    for place, kind in enumerate(KINDS if told else ()):
+        variables[f"{kind}_shock"] = (over, np.array([each.sizes[place] for each in told]))
+        scatter = np.array([each.scatter[place] for each in told])
+        variables[f"{kind}_shock_scatter"] = (over, scatter)
+        variables[f"{kind}_shock_largest"] = ((), cell.largest_shocks[place])
+        for when in ("before", "after"):
+            states = np.array([getattr(each, when)[place] for each in told])
+            for column, name in enumerate(COMPONENTS):
+                variables[f"{kind}_shock_{when}_{name}"] = (over, states[..., column])
+    return variables
+
+
+def _scales(machine: object) -> tuple[Rotor, float, float]:
+    """Return the rotor of a machine, and what a dimensionless length and velocity of 1 are."""
+    if isinstance(machine, DimensionalRotor):
+        return machine.rotor(), machine.length_scale, machine.velocity_scale
+    if isinstance(machine, Rotor):
+        return machine, 1.0, 1.0
+    raise InputError(f"machine must be a DimensionalRotor or a Rotor, got {shown(machine)}")
+
+
+def _numbers(rotor: Rotor, member: Member) -> dict[str, float]:
+    """Return what one attractor does, dimensionless."""
+    attractor = member.attractor
+    numbers = dict.fromkeys(NUMBERS, math.nan)
+    exponent, damped = rotor.contact_exponent, rotor.contact_damping > 0.0
+    if damped:
+        numbers["contact_loss_per_revolution"] = math.nan
+    rubs = rotor.friction > 0.0
+    if rubs:
+        numbers |= dict.fromkeys(OF_FRICTION, math.nan)
+    if rotor.delta0 > 0.0:  # NaN where the radius hangs on the start
+        numbers["excursion"] = attractor.radius_max / rotor.delta0
+    if attractor.kind == response.CHAOTIC:
+        if not damped:  # then the force is largest where the radius is
+            force = contact_force(attractor.radius_max, rotor.delta0, exponent)
+            numbers["largest_force"] = float(force)
+        return numbers
+    if needs_run(rotor, attractor):
+        return numbers | numbers_of_rub(rotor, member.state)
+    if attractor.period > 0.0:
+        return numbers | _of_cycle(rotor, member)
+    steady = 0.0
+    if attractor.kind == response.SYNCHRONOUS:
+        steady = float(contact_force(attractor.amplitude, rotor.delta0, exponent))
+    numbers["largest_force"] = numbers["mean_force"] = steady
+    if damped:  # at a radius that stands still, or in touches that are nothing in the limit
+        numbers["contact_loss_per_revolution"] = 0.0
+    numbers["contact_fraction"] = float(attractor.kind == response.SYNCHRONOUS)
+    # the touches of a motion that fades come once a revolution, and are nothing in the limit
+    numbers["contacts_per_revolution"] = float(attractor.kind == response.TOUCHING)
+    speed = rotor.omega * attractor.amplitude
+    numbers["dissipation_per_revolution"] = 4.0 * math.pi * rotor.zeta * speed**2 / rotor.omega
+    if rubs:
+        whirls = attractor.kind == response.SYNCHRONOUS
+        if whirls:
+            numbers |= numbers_of_whirl(rotor, attractor.amplitude, steady)
+        else:
+            numbers["heat_per_revolution"] = numbers["slip_distance_per_revolution"] = 0.0
+        numbers["dissipation_per_revolution"] += numbers["heat_per_revolution"]
+    return numbers
+
+
+def _of_cycle(rotor: Rotor, member: Member) -> dict[str, float]:
+    """Return what a limit cycle does, from one period of it."""
+    stop, period = np.zeros(1, np.uint8), member.attractor.period
+    cycle = close_orbit(rotor, member.state, period, stop)
+    states = follow(rotor, cycle.state, cycle.period / SAMPLES, SAMPLES + 1, stop)[:-1]
+    revolution = 2.0 * math.pi / rotor.omega
+    impulse = cycle.impulse
+    if math.isnan(impulse):  # without clearance: the integral of a smooth periodic function
+        radii = np.hypot(states[:, 0], states[:, 1])
+        force = contact_force(radii, rotor.delta0, rotor.contact_exponent)
+        impulse = float(force.mean()) * cycle.period
+    # velocities read on the rotating axes are those of the fixed ones, turned
+    power = 2.0 * rotor.zeta * float((states[:, 2] ** 2 + states[:, 3] ** 2).mean())
+    loss = float(np.nansum(cycle.shot.contacts[:, LOST])) * revolution / cycle.period
+    told = {"contact_loss_per_revolution": loss} if rotor.contact_damping > 0.0 else {}
+    heat = 0.0
+    if rotor.friction > 0.0:
+        told |= numbers_of_cycle(cycle)
+        heat = told["heat_per_revolution"]
+    return told | {
+        "largest_force": cycle.largest_force,
+        "mean_force": impulse / cycle.period,
+        "contacts_per_revolution": cycle.contacts * revolution / cycle.period,
+        "contact_fraction": _time_in_contact(cycle.shot) / cycle.period if cycle.contacts else 1.0,
+        "dissipation_per_revolution": power * revolution + loss + heat,
+        "whirl_ratio": whirl_beside(cycle, states)[0],
+    }
+
+
+def _time_in_contact(shot: Shot) -> float:
+    """Return for how long a closed orbit is in contact; one contact may go on over its end."""
+    entry = np.nan_to_num(shot.contacts[:, ENTRY_TIME], nan=0.0)
+    leaving = np.nan_to_num(shot.contacts[:, EXIT_TIME], nan=shot.duration)
+    return float((leaving - entry).sum())
+
+
+def _direction(numbers: dict[str, float]) -> int:
+    ratio = numbers["whirl_ratio"]
+    if math.isnan(ratio):
+        return WHIRL_DIRECTION["none"]
+    return WHIRL_DIRECTION["forward" if ratio > 0.0 else "backward"]

@@ -1,0 +1,294 @@
+"""The rotor as a first-order system, in the fixed frame and in the frame that turns with it.
+
+The state is ``(x, y, vx, vy)``: displacement and velocity as seen by a bystander. In the
+rotating frame the same two vectors are read on axes that turn with the unbalance,
+``Z = z exp(-i omega t)`` and ``W = z' exp(-i omega t)``; there the system is autonomous and
+a synchronous whirl is an equilibrium.
+
+References
+----------
+.. [1] "Analytical Nonlinear Response for a Rotor with the Hertz Contact and Clearance",
+   Mechanika 25(6), 2019, eqs (10), (12) and (13).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.arrays import Values
+from rotor_ida.model.contact import (
+    HERTZ_EXPONENT,
+    contact_force,
+    contact_potential,
+    damping_factor,
+    force_over_radius,
+    stiffness,
+)
+from rotor_ida.model.modes import Along, acceleration, turned_rates
+from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.symbols import Dual, variables
+
+
+def field(time: float, state: npt.ArrayLike, rotor: Rotor) -> Values:
+    """Rate of change of the state in the fixed frame.
+
+    Parameters
+    ----------
+    time : float
+        Dimensionless time [1].
+    state : array_like, shape (4,)
+        ``(x, y, vx, vy)`` [1].
+    rotor : Rotor
+        The rotor.
+
+    Returns
+    -------
+    ndarray, shape (4,)
+        ``(vx, vy, ax, ay)`` [1].
+
+    Notes
+    -----
+    ``z'' = omega**2 exp(i omega t) - i gamma - 2 zeta z' - kappa z - N z/|z|``, of which a paper's
+    rotor has neither load nor shaft, and ``N = f(|z|)``. The force is zero at ``z = 0``, its limit.
+
+    References
+    ----------
+    Eq. (10) of the paper, Mechanika 25(6), 2019.
+
+    Examples
+    --------
+    >>> field(0.0, (1.5, 0.0, 0.0, 0.0), Rotor(omega=2.0, zeta=0.1, delta0=0.5))
+    array([0., 0., 3., 0.])
+    """
+    x, y, vx, vy = np.asarray(state, dtype=np.float64).tolist()
+    secant, angle = push_over_radius((x, y, vx, vy), rotor), rotor.omega * time
+    ax = acceleration(Along(x, vx, x, math.cos(angle)), secant, rotor)
+    ay = acceleration(Along(y, vy, y, math.sin(angle), -1.0), secant, rotor)
+    return np.array([vx, vy, ax, ay])
+
+
+def push_over_radius(state: Sequence[float], rotor: Rotor) -> float:
+    """Return the normal force over the radius, ``N/|z|`` [1], in either frame; never tensile.
+
+    Examples
+    --------
+    >>> machine = Rotor(omega=2.0, zeta=0.1, delta0=0.5, contact_damping=0.5)
+    >>> push_over_radius((1.5, 0.0, 1.0, 0.0), machine), push_over_radius((1.5, 0, -3, 0), machine)
+    (1.0, 0.0)
+    """
+    x, y, vx, vy = state
+    radius = math.hypot(x, y)
+    secant = force_over_radius(radius, rotor.delta0, rotor.contact_exponent)
+    if rotor.contact_damping == 0.0 or secant == 0.0:
+        return secant
+    return secant * max(0.0, 1.0 + rotor.contact_damping * (x * vx + y * vy) / radius)
+
+
+def jacobian(state: npt.ArrayLike, rotor: Rotor) -> Values:
+    """Return the derivative of `field` by the state, shape (4, 4) [1], the same at all times.
+
+    Examples
+    --------
+    >>> jacobian((1.5, 0.0, 0.0, 0.0), Rotor(omega=2.0, zeta=0.0, delta0=0.5))[2:, :2]
+    array([[-1.5       ,  0.        ],
+           [ 0.        , -0.66666667]])
+    """
+    return _jacobian(state, rotor, 0.0)
+
+
+def rotating_field(state: npt.ArrayLike, rotor: Rotor, time: float = 0.0) -> Values:
+    """Rate of change of the state read on the rotating axes, shape (4,) [1].
+
+    A load, which turns on these axes, is where it is at a time.
+
+    Notes
+    -----
+    ``Z' = W - i omega Z`` and ``W' = omega**2 - (2 zeta + i omega) W - f(|Z|) Z/|Z|``,
+    which is eq. (10) of the paper times ``exp(-i omega t)``.
+
+    Examples
+    --------
+    A contact-free whirl without damping is an equilibrium of amplitude one:
+
+    >>> rotating_field((-1.0, 0.0, 0.0, -2.0), Rotor(omega=2.0, zeta=0.0, delta0=1.5)) + 0.0
+    array([0., 0., 0., 0.])
+    """
+    x, y, vx, vy = np.asarray(state, dtype=np.float64).tolist()
+    secant = push_over_radius((x, y, vx, vy), rotor)
+    rates = np.array(_rates((x, y, vx, vy), secant, rotor, rotor.omega))
+    if rotor.load > 0.0 and time != 0.0:
+        angle = rotor.omega * time
+        rates[2:] += rotor.load * np.array([-math.sin(angle), 1.0 - math.cos(angle)])
+    return rates
+
+
+def rotating_jacobian(state: npt.ArrayLike, rotor: Rotor) -> Values:
+    """Return the derivative of `rotating_field` by the state, shape (4, 4) [1].
+
+    Its eigenvalues at a synchronous whirl are the whirl's own.
+
+    Examples
+    --------
+    >>> rotating_jacobian((0.0, 0.0, 0.0, 0.0), Rotor(omega=2.0, zeta=0.5, delta0=1.0))[2] + 0.0
+    array([ 0.,  0., -1.,  2.])
+    """
+    return _jacobian(state, rotor, rotor.omega)
+
+
+def _rates(state: Sequence[Any], secant: Any, rotor: Rotor, turning: float) -> list[Any]:
+    """Return the rates of a state read on axes that turn; `secant` is f/|z|."""
+    x, y, vx, vy = state
+    ax = acceleration(Along(x, vx, x, 1.0), secant, rotor)
+    ay = acceleration(Along(y, vy, y, 0.0, -1.0), secant, rotor)
+    return turned_rates((x, y), (vx, vy), (ax, ay), turning)
+
+
+def _jacobian(state: npt.ArrayLike, rotor: Rotor, turning: float) -> Values:
+    """Return the derivative of the rates of a state read on axes that turn."""
+    values = np.asarray(state, dtype=np.float64).tolist()
+    radius, exponent = math.hypot(values[0], values[1]), rotor.contact_exponent
+    secant, slope = force_over_radius(radius, rotor.delta0, exponent), (0.0, 0.0)
+    if radius > 0.0:
+        # not over radius**2, which may be 0
+        more = (stiffness(radius, rotor.delta0, exponent) - secant) / radius
+        slope = more * (values[0] / radius), more * (values[1] / radius)
+    restoring = Dual(secant, (*slope, 0.0, 0.0))
+    given = variables(values)
+    if rotor.contact_damping > 0.0 and secant > 0.0:
+        x, y, vx, vy = given
+        held = rotor.contact_damping * (x * vx + y * vy) / (x * x + y * y) ** 0.5 + 1.0
+        restoring = restoring * held if held.value > 0.0 else restoring * 0.0
+    return np.array([rate.parts for rate in _rates(given, restoring, rotor, turning)])
+
+
+def rotated(states: npt.ArrayLike, angle: npt.ArrayLike) -> Values:
+    """Rotate displacement and velocity of each state by `angle`.
+
+    With ``angle = -omega t`` it reads fixed-frame states on the rotating axes, with
+    ``+omega t`` it goes back.
+
+    Parameters
+    ----------
+    states : array_like, shape (..., 4)
+        States ``(x, y, vx, vy)`` [1].
+    angle : array_like, shape (...)
+        Angle [rad].
+
+    Returns
+    -------
+    ndarray, shape (..., 4)
+        The rotated states [1].
+
+    Examples
+    --------
+    >>> rotated((1.0, 0.0, 0.0, 2.0), 0.0)
+    array([1., 0., 0., 2.])
+    """
+    given = np.asarray(states, dtype=np.float64)
+    cosine, sine = np.cos(angle), np.sin(angle)
+    x, y, vx, vy = given[..., 0], given[..., 1], given[..., 2], given[..., 3]
+    shape = np.broadcast_shapes(given.shape[:-1], np.shape(angle))
+    rows = np.empty((*shape, 4))
+    rows[..., 0], rows[..., 1] = cosine * x - sine * y, sine * x + cosine * y
+    rows[..., 2], rows[..., 3] = cosine * vx - sine * vy, sine * vx + cosine * vy
+    return rows
+
+
+def energy(
+    states: npt.ArrayLike,
+    delta0: float,
+    *,
+    shaft_stiffness: float = 0.0,
+    contact_exponent: float = HERTZ_EXPONENT,
+    load: float = 0.0,
+) -> Values:
+    """Kinetic energy and potentials, ``|z'|**2/2 + kappa |z|**2/2 + V(|z|) + gamma y`` [1].
+
+    Parameters
+    ----------
+    states : array_like, shape (..., 4)
+        States ``(x, y, vx, vy)`` [1], in either frame; under a load in the fixed frame.
+    delta0 : float
+        Radial clearance [1].
+    shaft_stiffness, contact_exponent, load : float
+        As of `Rotor` [1]: by default those of the paper's rotor, whose energy is
+        ``|z'|**2/2 + V(|z|)``.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        The energy [1]. It is conserved at ``omega = zeta = 0`` without contact damping.
+
+    References
+    ----------
+    Eq. (13) of the paper, Mechanika 25(6), 2019, which prints |z| for |z'|.
+
+    Examples
+    --------
+    >>> float(energy((1.5, 0.0, 0.0, 2.0), 0.5))
+    2.4
+    >>> float(energy((1.5, 0.0, 0.0, 2.0), 0.5, shaft_stiffness=2.0))
+    4.65
+    """
+    x, y, vx, vy = np.moveaxis(np.asarray(states, dtype=np.float64), -1, 0)
+    kinetic: Values = 0.5 * (vx**2 + vy**2)
+    whole: Values = kinetic + contact_potential(np.hypot(x, y), delta0, contact_exponent)
+    if shaft_stiffness > 0.0:
+        whole = np.asarray(whole + 0.5 * shaft_stiffness * (x**2 + y**2))
+    if load > 0.0:
+        whole = np.asarray(whole + load * y)
+    return whole
+
+
+def angular_momentum(states: npt.ArrayLike) -> Values:
+    """Moment of momentum about the bearing axis, ``x vy - y vx`` [1].
+
+    Examples
+    --------
+    >>> float(angular_momentum((1.5, 0.0, 0.0, 2.0)))
+    3.0
+    """
+    x, y, vx, vy = np.moveaxis(np.asarray(states, dtype=np.float64), -1, 0)
+    return np.asarray(x * vy - y * vx)
+
+
+def power(time: npt.ArrayLike, states: npt.ArrayLike, rotor: Rotor) -> Values:
+    """Power that the unbalance puts in less what damping takes out, ``dE/dt`` [1].
+
+    Parameters
+    ----------
+    time : array_like, shape (...)
+        Dimensionless times [1].
+    states : array_like, shape (..., 4)
+        States ``(x, y, vx, vy)`` [1] in the fixed frame at those times.
+    rotor : Rotor
+        The rotor.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        ``-2 zeta |z'|**2 + Re(omega**2 exp(i omega t) conj(z'))`` [1], less the loss in the
+        contact, ``(N - d**n) d'``, where that is damped.
+
+    Examples
+    --------
+    >>> float(power(0.0, (0.0, 0.0, 1.0, 0.0), Rotor(omega=1.0, zeta=0.25, delta0=1.0)))
+    0.5
+    """
+    x, y, vx, vy = np.moveaxis(np.asarray(states, dtype=np.float64), -1, 0)
+    angle = rotor.omega * np.asarray(time, dtype=np.float64)
+    given = rotor.omega**2 * (np.cos(angle) * vx + np.sin(angle) * vy)
+    left = np.asarray(given - 2.0 * rotor.zeta * (vx**2 + vy**2))
+    if rotor.contact_damping == 0.0:
+        return left
+    radius = np.hypot(x, y)
+    outwards = x * vx + y * vy
+    speed = np.divide(outwards, radius, out=np.zeros_like(outwards), where=radius > 0.0)
+    spring = contact_force(radius, rotor.delta0, rotor.contact_exponent)
+    added = damping_factor(speed, rotor.contact_damping) - 1.0
+    return np.asarray(left - spring * added * speed)

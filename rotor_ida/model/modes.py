@@ -1,0 +1,547 @@
+"""The model, stated once: how a rotor moves in contact, and where nothing has to be smoothed.
+
+A mode is a state, its rate of change, and guards: components of the state that pass through 0 where
+the mode ends, or where something else is to be told. All are plain Python, of sums, products,
+quotients and constant powers alone. Run over numbers they are the model itself. Run once over
+symbols they become what the compiled core needs (`rotor_ida.model.writing`): fields and
+Jacobians, Taylor series, the growth of small differences, and what the parameters add.
+
+A force is stated by one component, along any direction that is given: the same lines serve on
+the rotating axes and in the polar basis of a contact.
+
+All is derived twice: for the paper's rotor, of which shaft, contact damping and load are the number
+0 and vanish from what is derived, and for the whole model, whose states hold the direction of the
+load and the work of a contact as well. There the contact has two ways: pressed, and
+loose, while damping would make the force tensile; `rotor.pressed` is 1 or 0. The exponent of the
+force is 3/2 where `rotor.hertz` is 1, or 1 where `rotor.linear` is.
+
+Friction has modes of its own, so that a contact without it is what it was: in one the surfaces
+slide, forwards or backwards as `rotor.sigma` is 1 or -1, in the other the disc rolls on the ring.
+
+References
+----------
+.. [1] "Analytical Nonlinear Response for a Rotor with the Hertz Contact and Clearance",
+   Mechanika 25(6), 2019, eq. (10).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
+
+from rotor_ida.model.contact import HERTZ_EXPONENT, secant_of_square
+
+# How fast a direction is drawn back to the unit circle, in parts of the spin: a pull as fast as the
+# motion cost Adams a sixth more steps, and this one cost none.
+PULL = 0.1
+# A number, or whatever can be added, multiplied, divided and raised to a constant power like one.
+Number = Any
+Numbers = Sequence[Number]
+
+
+class Along(NamedTuple):
+    """Components along one direction.
+
+    Parameters
+    ----------
+    position, velocity : number
+        Of the disc's centre and its velocity [1].
+    normal : number
+        Of the direction from the bearing axis to the disc's centre [1].
+    unbalance : number
+        Of the direction of the unbalance [1].
+    down : number
+        Of the direction of the load [1].
+    """
+
+    position: Number
+    velocity: Number
+    normal: Number
+    unbalance: Number
+    down: Number = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Guard:
+    """A component of the state that says when something happens: its series is the guard's.
+
+    Parameters
+    ----------
+    event : str
+        What happens where it passes through 0.
+    of : str
+        Which component it is.
+    """
+
+    event: str
+    of: str
+
+
+@dataclass(frozen=True, slots=True)
+class Mode:
+    """One way to move.
+
+    Parameters
+    ----------
+    name : str
+        What it is called in derived code.
+    state : tuple of str
+        Names of the components of its state.
+    rates : callable
+        ``rates(state, rotor)`` returns the rate of change of each component. A rotor is whatever
+        has its parameters as attributes.
+    neighbour : callable
+        ``neighbour(state, apart, deeper, rotor)`` returns position, velocity and acceleration of a
+        rotor that is a little `apart`, with an indentation `deeper` by so much, and the rate at
+        which the basis of all these turns; to first order. None where nothing is differentiated.
+    pace : callable
+        ``pace(state)``: time by the variable of integration.
+    guards : tuple of Guard
+        What may happen.
+    drawn_rates : callable
+        As `rates`, and what draws the state back to where it belongs: for an integrator that
+        cannot put it there after a step. And the rates of what has no series.
+    watched : callable, optional
+        ``watched(state, rotor)`` returns what is no component of the state, and yet is needed to
+        say when the mode ends: of which there are series, values and rates of change.
+    """
+
+    name: str
+    state: tuple[str, ...]
+    rates: Callable[[Numbers, Any], list[Number]]
+    neighbour: Callable[[Numbers, Numbers, Number, Any], Neighbour] | None
+    pace: Callable[[Numbers], Number]
+    guards: tuple[Guard, ...]
+    drawn_rates: Callable[[Numbers, Any], list[Number]]
+    watched: Callable[[Numbers, Any], list[Number]] | None = None
+
+
+class Neighbour(NamedTuple):
+    """Position, velocity and acceleration, by components in one basis, and how fast this turns."""
+
+    position: tuple[Number, Number]
+    velocity: tuple[Number, Number]
+    acceleration: tuple[Number, Number]
+    turning: Number
+
+
+def acceleration(along: Along, push: Number, rotor: Any) -> Number:
+    """Return one component of ``z'' = omega**2 e - 2 zeta z' - kappa z - N z/|z| + gamma g`` [1].
+
+    `push` is the normal force N, and ``along.normal`` the component of ``z/|z|``; or N/|z| and that
+    of z, where |z| may vanish. e and g are the directions of unbalance and load.
+    """
+    return (
+        rotor.omega * rotor.omega * along.unbalance
+        - 2.0 * rotor.zeta * along.velocity
+        - push * along.normal
+        - rotor.shaft_stiffness * along.position
+        + rotor.load * along.down
+    )
+
+
+def spring_of_root(q: Number, rotor: Any) -> Number:
+    """Return ``(|z| - delta0)**n``: analytic in ``q = sqrt(|z| - delta0)`` through q = 0 [1]."""
+    return q * q * (rotor.hertz * q + rotor.linear)
+
+
+def slope_of_root(q: Number, rotor: Any) -> Number:
+    """Return the slope of the spring's force, by q [1]."""
+    return HERTZ_EXPONENT * rotor.hertz * q + rotor.linear
+
+
+def damped(push: Number, approach: Number, rotor: Any) -> Number:
+    """Return the normal force ``d**n (1 + c d')``, or 0 where the contact is loose [1]."""
+    return rotor.pressed * push * (1.0 + rotor.contact_damping * approach)
+
+
+def secant(square: Number, rotor: Any) -> Number:
+    """Return force over distance without clearance, by ``|z|**2`` [1]."""
+    return rotor.felt * (rotor.hertz * secant_of_square(square) + rotor.linear)
+
+
+def turned_rates(
+    position: Numbers, velocity: Numbers, force: Numbers, turning: Number
+) -> list[Number]:
+    """Return the rates of position and velocity, of which the components turn with their basis."""
+    return [
+        velocity[0] + turning * position[1],
+        velocity[1] - turning * position[0],
+        force[0] + turning * velocity[1],
+        force[1] - turning * velocity[0],
+    ]
+
+
+def contact_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) -> list[Number]:
+    """Return the rates of a contact by a fictitious time u, with ``dt = q du``.
+
+    The Hertz force has a kink of order 1.5 at |z| = delta0. In ``q = sqrt(|z| - delta0)`` and u the
+    motion is analytic through entry and exit; p is the radial velocity, h the angular momentum, c
+    and s the direction on the rotating axes, t the time and j the impulse of the force. Of the
+    whole model there are the components of the load's direction along the radius and across it,
+    the work of the rotor on the ring (the energy that the ring holds, and what it has lost), and
+    what `spent_rate` says, of which there is no series. `more` acceleration may be given, outwards
+    and sideways.
+    """
+    q, p, h, c, s, *rest = state
+    whole = len(state) > len(CONTACT_STATE)
+    down_r, down_t = rest[:2] if whole else (0.0, 0.0)
+    square = q * q
+    r = rotor.delta0 + square
+    around = h / r
+    spin = around / r
+    spring = spring_of_root(q, rotor)
+    force = damped(spring, p, rotor)
+    centrifugal = around * spin
+    outwards = acceleration(Along(r, p, 1.0, c, down_r), force, rotor) + centrifugal + more[0]
+    sideways = acceleration(Along(0.0, around, 0.0, -s, down_t), force, rotor) + more[1]
+    moment = r * sideways
+    turned = q * spin
+    turn = turned - rotor.omega * q
+    of_q, of_p, of_h = 0.5 * p, q * outwards, q * moment
+    of_c, of_s, of_j = -(s * turn), c * turn, q * force
+    if not whole:
+        return [of_q, of_p, of_h, of_c, of_s, q, of_j]
+    of_down_r, of_down_t = turned * down_t, -(turned * down_r)
+    return [of_q, of_p, of_h, of_c, of_s, of_down_r, of_down_t, q, of_j, of_j * p, 0.0 * q]
+
+
+def spent_rate(state: Numbers, rotor: Any) -> Number:
+    """Return the rate, by u, at which damping and load take energy on the rotating axes.
+
+    That is ``q (2 zeta (|z'|**2 - omega h) - gamma omega x)``, x the displacement across the load.
+    On these axes the unbalance pulls with a constant force, and the work on the ring is all else
+    that is missing of ``|z'|**2/2 + kappa |z|**2/2 + gamma y - omega h - omega**2 |z| c``: so the
+    energy of a contact balances without an integral over the work of the unbalance.
+    """
+    q, p, h, _, _, _, down_t, *_ = state
+    r = rotor.delta0 + q * q
+    around = h / r
+    damped = 2.0 * rotor.zeta * (p * p + around * around - rotor.omega * h)
+    return q * (damped + rotor.load * rotor.omega * r * down_t)
+
+
+def drawn_contact_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) -> list[Number]:
+    """Return the rates of a contact, with its directions drawn back to the unit circle.
+
+    Errors of single steps would carry them off it in a long contact, and with their length the
+    unbalance would change. What is left of ``c**2 + s**2 - 1`` falls like ``exp(-0.2 omega t)``.
+    Of the whole model with `spent_rate`.
+    """
+    rates = contact_rates(state, rotor, more)
+    firsts = (3, 5) if len(state) > len(CONTACT_STATE) else (3,)
+    for first in firsts:
+        c, s = state[first : first + 2]
+        pull = PULL * rotor.omega * state[0] * (1.0 - (c * c + s * s))
+        rates[first] = rates[first] + pull * c
+        rates[first + 1] = rates[first + 1] + pull * s
+    if len(state) > len(CONTACT_STATE):
+        rates[-1] = spent_rate(state, rotor)
+    return rates
+
+
+def contact_neighbour(state: Numbers, apart: Numbers, deeper: Number, rotor: Any) -> Neighbour:
+    """Return a rotor a little apart from one in contact, in the polar basis of the latter."""
+    q, p, h, c, s, *rest = state
+    down_r, down_t = rest[:2] if len(state) > len(CONTACT_STATE) else (0.0, 0.0)
+    r = rotor.delta0 + q * q
+    around = h / r
+    spin = around / r
+    position = (r + apart[0], apart[1])
+    velocity = (p + apart[2], around + apart[3])
+    aside = apart[1] / r
+    push = spring_of_root(q, rotor) + slope_of_root(q, rotor) * deeper
+    push = damped(push, velocity[0] + around * aside, rotor)
+    radial = Along(position[0], velocity[0], 1.0, c, down_r)
+    tangential = Along(position[1], velocity[1], aside, -s, down_t)
+    forces = (acceleration(radial, push, rotor), acceleration(tangential, push, rotor))
+    return Neighbour(position, velocity, forces, spin)
+
+
+def hold_of_rolling(along: Along, r: Number, p: Number, rotor: Any) -> Number:
+    """Return the tangential force F that rolling needs [1].
+
+    While the disc rolls, ``r phi' = -V`` with ``V = rho omega``, so that the angular momentum
+    ``h = -V r`` changes at the rate ``-V r'``: F is the force that sees to it.
+    """
+    return acceleration(along, 0.0, rotor) + rotor.rim * p / r
+
+
+def rub_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) -> list[Number]:
+    """Return the rates of a contact in which surfaces slide, by u, as `contact_rates` has it.
+
+    Instead of the angular momentum h there is the moment of the slip, ``r v_s = h + V r``, which
+    passes through 0 where the surfaces stop sliding. The last component is the heat of sliding, of
+    which there is no series, as of what `spent_sliding` says.
+    """
+    q, p, slip, c, s, down_r, down_t, *_ = state
+    square = q * q
+    r = rotor.delta0 + square
+    slip_speed = slip / r
+    around = slip_speed - rotor.rim
+    spin = around / r
+    force = damped(spring_of_root(q, rotor), p, rotor)
+    drag = rotor.friction * rotor.sigma * force
+    centrifugal = around * spin
+    outwards = acceleration(Along(r, p, 1.0, c, down_r), force, rotor) + centrifugal + more[0]
+    sideways = acceleration(Along(0.0, around, 0.0, -s, down_t), force, rotor) - drag + more[1]
+    moment = r * sideways + rotor.rim * p
+    turned = q * spin
+    turn = turned - rotor.omega * q
+    of_q, of_p, of_slip = 0.5 * p, q * outwards, q * moment
+    of_c, of_s, of_j = -(s * turn), c * turn, q * force
+    of_down_r, of_down_t = turned * down_t, -(turned * down_r)
+    still = 0.0 * q
+    return [
+        of_q, of_p, of_slip, of_c, of_s, of_down_r, of_down_t, q, of_j, of_j * p, still, still,
+    ]  # fmt: skip
+
+
+def rolling_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) -> list[Number]:
+    """Return the rates of a contact in which the disc rolls: its slip is 0 and stays so."""
+    q, p, _, c, s, down_r, down_t, *_ = state
+    square = q * q
+    r = rotor.delta0 + square
+    spin = -(rotor.rim / r)
+    force = damped(spring_of_root(q, rotor), p, rotor)
+    centrifugal = -(rotor.rim * spin)
+    outwards = acceleration(Along(r, p, 1.0, c, down_r), force, rotor) + centrifugal + more[0]
+    turned = q * spin
+    turn = turned - rotor.omega * q
+    of_q, of_p = 0.5 * p, q * outwards
+    of_c, of_s, of_j = -(s * turn), c * turn, q * force
+    of_down_r, of_down_t = turned * down_t, -(turned * down_r)
+    still = 0.0 * q
+    return [
+        of_q, of_p, still, of_c, of_s, of_down_r, of_down_t, q, of_j, of_j * p, still, still,
+    ]  # fmt: skip
+
+
+def grip_and_hold(state: Numbers, rotor: Any) -> list[Number]:
+    """Return ``mu N`` and F: the disc rolls as long as ``|F|`` is no larger than ``mu N``."""
+    q, p, _, _, s, _, down_t, *_ = state
+    r = rotor.delta0 + q * q
+    grip = rotor.friction * damped(spring_of_root(q, rotor), p, rotor)
+    return [grip, hold_of_rolling(Along(0.0, -rotor.rim, 0.0, -s, down_t), r, p, rotor)]
+
+
+def spent_sliding(state: Numbers, rotor: Any) -> tuple[Number, Number]:
+    """Return `spent_rate` of a contact with friction, and the rate of its heat ``mu N |v_s|``.
+
+    Of the power of friction, ``-T v_t``, this is the heat ``T v_s``, and what the drive has to put
+    in, ``T (V + omega r)`` on the rotating axes.
+    """
+    q, p, slip, c, s, down_r, down_t, *_ = state
+    r = rotor.delta0 + q * q
+    spent = spent_rate((q, p, slip - rotor.rim * r, c, s, down_r, down_t), rotor)
+    drag = rotor.friction * rotor.sigma * damped(spring_of_root(q, rotor), p, rotor)
+    return spent - q * drag * (rotor.rim + rotor.omega * r), q * drag * (slip / r)
+
+
+def spent_rolling(state: Numbers, rotor: Any) -> tuple[Number, Number]:
+    """Return what `spent_sliding` does where the disc rolls: there is no heat."""
+    q, p, _, c, s, down_r, down_t, *_ = state
+    r = rotor.delta0 + q * q
+    spent = spent_rate((q, p, -(rotor.rim * r), c, s, down_r, down_t), rotor)
+    _, hold = grip_and_hold(state, rotor)
+    return spent - q * hold * (rotor.rim + rotor.omega * r), 0.0 * q
+
+
+def drawn_back(
+    rates: list[Number], state: Numbers, spent: tuple[Number, Number], rotor: Any
+) -> list[Number]:
+    """Return rates of a contact with friction, as `drawn_contact_rates` does."""
+    for first in (3, 5):
+        c, s = state[first : first + 2]
+        pull = PULL * rotor.omega * state[0] * (1.0 - (c * c + s * s))
+        rates[first] = rates[first] + pull * c
+        rates[first + 1] = rates[first + 1] + pull * s
+    rates[-2:] = spent
+    return rates
+
+
+def drawn_rub_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) -> list[Number]:
+    """Return the rates of a sliding contact, drawn back to where it belongs."""
+    return drawn_back(rub_rates(state, rotor, more), state, spent_sliding(state, rotor), rotor)
+
+
+def drawn_rolling_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) -> list[Number]:
+    """Return the rates of a rolling contact, drawn back to where it belongs."""
+    return drawn_back(rolling_rates(state, rotor, more), state, spent_rolling(state, rotor), rotor)
+
+
+def rub_neighbour(state: Numbers, apart: Numbers, deeper: Number, rotor: Any) -> Neighbour:
+    """Return a rotor a little apart from one whose surfaces slide."""
+    q, p, slip, c, s, down_r, down_t, *_ = state
+    r = rotor.delta0 + q * q
+    around = slip / r - rotor.rim
+    near, push, aside = _apart(r, p, around, apart, (q, deeper), rotor)
+    drag = rotor.friction * rotor.sigma * push
+    radial = acceleration(Along(near[0], near[2], 1.0, c, down_r), push, rotor)
+    tangential = acceleration(Along(near[1], near[3], aside, -s, down_t), push, rotor)
+    forces = (radial + drag * aside, tangential - drag)
+    return Neighbour((near[0], near[1]), (near[2], near[3]), forces, around / r)
+
+
+def rolling_neighbour(state: Numbers, apart: Numbers, deeper: Number, rotor: Any) -> Neighbour:
+    """Return a rotor a little apart from one that rolls, of which the slip is as constant."""
+    q, p, _, c, s, down_r, down_t, *_ = state
+    r = rotor.delta0 + q * q
+    around = -rotor.rim
+    near, push, aside = _apart(r, p, around, apart, (q, deeper), rotor)
+    outwards = acceleration(Along(near[0], near[2], 0.0, c, down_r), 0.0, rotor)
+    sideways = acceleration(Along(near[1], near[3], 0.0, -s, down_t), 0.0, rotor)
+    rim = rotor.disc_radius * rotor.omega  # and not what the motion has, which stays as it is
+    hold = sideways - aside * outwards + rim * (near[2] + around * aside) / near[0]
+    forces = (outwards - push + hold * aside, sideways - push * aside - hold)
+    return Neighbour((near[0], near[1]), (near[2], near[3]), forces, around / r)
+
+
+def _apart(
+    r: Number, p: Number, around: Number, apart: Numbers, depth: Numbers, rotor: Any
+) -> tuple[Numbers, Number, Number]:
+    """Return position and velocity of a neighbour, its normal force, and how far round it is."""
+    q, deeper = depth
+    near = (r + apart[0], apart[1], p + apart[2], around + apart[3])
+    aside = apart[1] / r
+    push = spring_of_root(q, rotor) + slope_of_root(q, rotor) * deeper
+    return near, damped(push, near[2] + around * aside, rotor), aside
+
+
+def cartesian_rates(state: Numbers, rotor: Any) -> list[Number]:
+    """Return the rates by time of displacement and velocity, read on the rotating axes.
+
+    The force is that without clearance where `rotor.felt` is 1. Where it is 0 there is none: in
+    flight, or so close to the centre that it cannot be felt. Of the whole model there is the
+    direction of the load, which turns backwards on these axes.
+    """
+    x, y, vx, vy, *down = state
+    down_x, down_y = down or (0.0, 0.0)
+    push = secant(x * x + y * y, rotor)
+    ax = acceleration(Along(x, vx, x, 1.0, down_x), push, rotor)
+    ay = acceleration(Along(y, vy, y, 0.0, down_y), push, rotor)
+    rates = turned_rates((x, y), (vx, vy), (ax, ay), rotor.omega)
+    return [*rates, rotor.omega * down_y, -(rotor.omega * down_x)] if down else rates
+
+
+def cartesian_neighbour(state: Numbers, apart: Numbers, _deeper: Number, rotor: Any) -> Neighbour:
+    """Return a rotor a little apart, on the rotating axes; without clearance none is deeper."""
+    x, y, vx, vy = (here + more for here, more in zip(state[:4], apart, strict=True))
+    down_x, down_y = state[4:] or (0.0, 0.0)
+    push = secant(x * x + y * y, rotor)
+    ax = acceleration(Along(x, vx, x, 1.0, down_x), push, rotor)
+    ay = acceleration(Along(y, vy, y, 0.0, down_y), push, rotor)
+    return Neighbour((x, y), (vx, vy), (ax, ay), rotor.omega)
+
+
+CONTACT_STATE = ("q", "p", "h", "c", "s", "t", "j")
+CARTESIAN_STATE = ("x", "y", "vx", "vy")
+CONTACT = Mode(
+    name="contact",
+    state=CONTACT_STATE,
+    rates=contact_rates,
+    neighbour=contact_neighbour,
+    pace=lambda state: state[0],
+    guards=(
+        Guard(event="exit", of="q"),
+        Guard(event="extremum", of="p"),
+    ),
+    drawn_rates=drawn_contact_rates,
+)
+CARTESIAN = Mode(
+    name="cartesian",
+    state=CARTESIAN_STATE,
+    rates=cartesian_rates,
+    neighbour=cartesian_neighbour,
+    pace=lambda _state: 1.0,
+    guards=(),
+    drawn_rates=cartesian_rates,
+)
+WHOLE_CONTACT = replace(
+    CONTACT, state=(*CONTACT_STATE[:5], "down_r", "down_t", "t", "j", "work", "spent")
+)
+# Laid out like a contact without friction, but for the moment of the slip, and the heat.
+RUB_STATE = (*WHOLE_CONTACT.state[:2], "slip", *WHOLE_CONTACT.state[3:], "heat")
+RUB = Mode(
+    name="rub",
+    state=RUB_STATE,
+    rates=rub_rates,
+    neighbour=rub_neighbour,
+    pace=lambda state: state[0],
+    guards=(*CONTACT.guards, Guard(event="roll", of="slip")),
+    drawn_rates=drawn_rub_rates,
+)
+ROLLING = Mode(
+    name="rolling",
+    state=RUB_STATE,
+    rates=rolling_rates,
+    neighbour=rolling_neighbour,
+    pace=lambda state: state[0],
+    guards=CONTACT.guards,
+    drawn_rates=drawn_rolling_rates,
+    watched=grip_and_hold,
+)
+WHOLE_CARTESIAN = replace(CARTESIAN, state=(*CARTESIAN_STATE, "down_x", "down_y"))
+
+
+@dataclass(frozen=True, slots=True)
+class Model:
+    """A rotor whose core is derived.
+
+    Parameters
+    ----------
+    name : str
+        What its files are called by.
+    modes : tuple of Mode
+        The ways to move.
+    parameters : tuple of str
+        Those that are not constant: of a rotor, and of a mode.
+    constants : dict
+        What is a number in it.
+    columns : tuple of str
+        The parameters by which is differentiated.
+    lighter : dict
+        Further series of each mode that take fewer products, by name: what is a number in them. Of
+        a state, what is named is 0.
+    """
+
+    name: str
+    modes: tuple[Mode, ...]
+    parameters: tuple[str, ...]
+    constants: dict[str, float]
+    columns: tuple[str, ...]
+    lighter: dict[str, dict[str, float]] = field(default_factory=dict)
+
+
+OF_ROTOR = ("omega", "zeta", "delta0")
+# Of friction there is the speed of the rim, rho omega, and the sense in which surfaces slide.
+OF_MACHINE = ("shaft_stiffness", "contact_damping", "load")
+PAPER = Model(
+    name="paper",
+    modes=(CONTACT, CARTESIAN),
+    parameters=(*OF_ROTOR, "felt"),
+    constants={
+        **dict.fromkeys(("shaft_stiffness", "contact_damping", "load", "linear"), 0.0),
+        **dict.fromkeys(("hertz", "pressed"), 1.0),
+    },
+    columns=OF_ROTOR,
+)
+WHOLE = Model(
+    name="whole",
+    modes=(WHOLE_CONTACT, WHOLE_CARTESIAN, RUB, ROLLING),
+    parameters=(
+        *OF_ROTOR,
+        *OF_MACHINE,
+        "hertz",
+        "linear",
+        "felt",
+        "pressed",
+        "friction",
+        "disc_radius",
+        "rim",
+        "sigma",
+    ),
+    constants={},
+    columns=(*OF_ROTOR, *OF_MACHINE, "friction", "disc_radius"),
+)

@@ -1,0 +1,211 @@
+"""The modes of a rotor whose speed changes: the whole model's, with angle and speed as states.
+
+The unbalance pulls with ``(theta'**2 - i theta'') exp(i theta)``. All is read on axes that turn
+with it, at the speed of the moment: so the rates are those of a constant speed, as
+`rotor_ida.model.modes` has them, and what the angular acceleration adds. That is prescribed, or
+what a torque leaves against the reaction of the motion. Nothing is differentiated by a start or by
+a parameter here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+from rotor_ida.model.modes import (
+    ROLLING,
+    RUB,
+    WHOLE,
+    WHOLE_CARTESIAN,
+    WHOLE_CONTACT,
+    Mode,
+    Model,
+    Number,
+    Numbers,
+    cartesian_rates,
+    contact_rates,
+    damped,
+    drawn_contact_rates,
+    drawn_rolling_rates,
+    drawn_rub_rates,
+    grip_and_hold,
+    rolling_rates,
+    rub_rates,
+    secant,
+    spring_of_root,
+)
+
+# In a contact the speed stands before the time, by which no step is chosen, and the angle since the
+# contact began behind it.
+TIME = WHOLE_CONTACT.state.index("t")
+
+
+def spun(state: Numbers, rotor: Any) -> tuple[list[Number], Number, Any]:
+    """Return the state of a contact without its turn, its speed, and the rotor as it is at that."""
+    speed, rest = state[TIME], [*state[:TIME], state[TIME + 1], *state[TIME + 3 :]]
+    return rest, speed, at_speed(speed, rotor)
+
+
+def at_speed(speed: Number, rotor: Any) -> Any:
+    """Return the rotor as it is at a speed."""
+    return SimpleNamespace(**vars(rotor), omega=speed, rim=rotor.disc_radius * speed)
+
+
+def torque_left(pull: Number, velocity: Number, rotor: Any) -> Number:
+    """Return the torque that is left without friction, ``tau - Im(exp(-i theta) b)``.
+
+    b is z'' without the part of the unbalance, and without the load, which acts at the centre of
+    mass. `pull` is the force of shaft and ring, and `velocity` that of the centre, both along the
+    direction a quarter turn ahead of the unbalance.
+    """
+    return rotor.torque - rotor.slope * rotor.omega + 2.0 * rotor.zeta * velocity + pull
+
+
+def pull_and_velocity(state: Numbers, around: Number, rotor: Any) -> tuple[Number, Number]:
+    """Return what `torque_left` needs of a contact with a tangential velocity `around`."""
+    q, p, _, c, s, *_ = state
+    force = damped(spring_of_root(q, rotor), p, rotor)
+    pull = force * s + rotor.shaft_stiffness * ((rotor.delta0 + q * q) * s)
+    return pull, p * s + around * c
+
+
+def joined(rates: list[Number], q: Number, faster: Number, speed: Number) -> list[Number]:
+    """Return rates of a contact with those of speed and angle in their places."""
+    return [*rates[:TIME], q * faster, rates[TIME], q * speed, *rates[TIME + 1 :]]
+
+
+def spent_turning(state: Numbers, around: Number, faster: Number, here: Any) -> Number:
+    """Return what the change of the speed adds to `rotor_ida.model.modes.spent_rate`.
+
+    That is ``q theta'' (w + h + theta' x)``: w is the velocity of the centre ahead of the
+    unbalance, h its angular momentum, and x its displacement along the unbalance.
+    """
+    q, p, _, c, s, *_ = state
+    r = here.delta0 + q * q
+    return q * faster * (p * s + around * c + r * around + here.omega * (r * c))
+
+
+def spinning_contact(state: Numbers, rotor: Any, *, drawn: bool = False) -> list[Number]:
+    """Return the rates of a contact without friction, by u."""
+    rest, speed, here = spun(state, rotor)
+    q, _, h, c, s, *_ = rest
+    r = rotor.delta0 + q * q
+    around = h / r
+    left = torque_left(*pull_and_velocity(rest, around, here), here)
+    faster = rotor.rate + rotor.inverse_inertia * left
+    more = (-(faster * s), -(faster * c))  # of -i theta'' exp(i theta)
+    rates = (drawn_contact_rates if drawn else contact_rates)(rest, here, more)
+    if drawn:
+        rates[-1] = rates[-1] + spent_turning(rest, around, faster, here)
+    return joined(rates, q, faster, speed)
+
+
+def spinning_rub(state: Numbers, rotor: Any, *, drawn: bool = False) -> list[Number]:
+    """Return the rates of a contact in which surfaces slide.
+
+    The slip ``v_t + rho theta'`` grows with the speed of the rim as well.
+    """
+    rest, speed, here = spun(state, rotor)
+    q, p, slip, c, s, *_ = rest
+    r = rotor.delta0 + q * q
+    around = slip / r - here.rim
+    lever = rotor.disc_radius - c
+    drag = rotor.friction * rotor.sigma * damped(spring_of_root(q, rotor), p, rotor)
+    left = torque_left(*pull_and_velocity(rest, around, here), here) - drag * lever
+    faster = rotor.rate + rotor.inverse_inertia * left
+    more = (-(faster * s), faster * lever)
+    rates = (drawn_rub_rates if drawn else rub_rates)(rest, here, more)
+    if drawn:
+        rates[-2] = rates[-2] + spent_turning(rest, around, faster, here)
+    return joined(rates, q, faster, speed)
+
+
+def held(rest: Numbers, here: Any, rotor: Any) -> tuple[Number, Number, Number]:
+    """Return ``theta''`` of a disc that rolls, the force F that holds it, and its grip ``mu N``.
+
+    ``F = F0 + lambda theta''``, of which F0 is that at constant speed and
+    ``lambda = rho - cos(theta - phi)``, so that ``(j + lambda**2) theta'' = tau - R - lambda F0``.
+    """
+    c = rest[3]
+    grip, hold = grip_and_hold(rest, here)
+    lever = rotor.disc_radius - c
+    left = torque_left(*pull_and_velocity(rest, -here.rim, here), here) - hold * lever
+    moved = 1.0 + rotor.inverse_inertia * (lever * lever)
+    faster = (rotor.rate + rotor.inverse_inertia * left) / moved
+    return faster, hold + lever * faster, grip
+
+
+def spinning_roll(state: Numbers, rotor: Any, *, drawn: bool = False) -> list[Number]:
+    """Return the rates of a contact in which the disc rolls: its slip stays 0."""
+    rest, speed, here = spun(state, rotor)
+    q, r = rest[0], rotor.delta0 + rest[0] * rest[0]
+    faster, hold, _ = held(rest, here, rotor)
+    more = (-(faster * rest[4]), 0.0)
+    rates = (drawn_rolling_rates if drawn else rolling_rates)(rest, here, more)
+    if drawn:
+        turning = spent_turning(rest, -here.rim, faster, here)
+        added = hold - grip_and_hold(rest, here)[1]
+        rates[-2] = rates[-2] + turning - q * added * (here.rim + speed * r)
+    return joined(rates, q, faster, speed)
+
+
+def spinning_grip(state: Numbers, rotor: Any) -> list[Number]:
+    """Return ``mu N`` and F: the disc rolls as long as ``|F|`` is no larger than ``mu N``."""
+    rest, _, here = spun(state, rotor)
+    _, hold, grip = held(rest, here, rotor)
+    return [grip, hold]
+
+
+def spinning_cartesian(state: Numbers, rotor: Any) -> list[Number]:
+    """Return the rates by time of displacement and velocity, and of speed and angle."""
+    *rest, speed, _ = state
+    here = at_speed(speed, rotor)
+    x, y, _, vy, *_ = rest
+    pull = secant(x * x + y * y, rotor) * y + rotor.shaft_stiffness * y
+    faster = rotor.rate + rotor.inverse_inertia * torque_left(pull, vy, here)
+    rates = cartesian_rates(rest, here)
+    rates[3] = rates[3] - faster
+    return [*rates, faster, 1.0 * speed]
+
+
+def _spinning(mode: Mode, rates: Any, watched: Any = None) -> Mode:
+    """Return a mode of the whole model, of a rotor whose speed changes."""
+    before, behind = mode.state[:TIME], mode.state[TIME:]
+    return replace(
+        mode,
+        state=(*before, "speed", *behind[:1], "angle", *behind[1:]),
+        rates=rates,
+        neighbour=None,
+        drawn_rates=rates if mode is WHOLE_CARTESIAN else _drawn(rates),
+        watched=watched,
+    )
+
+
+def _drawn(rates: Any) -> Any:
+    return lambda state, rotor: rates(state, rotor, drawn=True)
+
+
+# Of the drive: the rate of a prescribed speed, or torque, slope and 1/j.
+OF_DRIVE = ("rate", "torque", "slope", "inverse_inertia")
+# What is fixed where the speed is prescribed, and in the paper's rotor, friction or not. There the
+# work on the ring is what the ring holds.
+PRESCRIBED = dict.fromkeys(("torque", "slope", "inverse_inertia"), 0.0)
+PLAIN = {
+    **dict.fromkeys(("shaft_stiffness", "contact_damping", "load", "linear"), 0.0),
+    **dict.fromkeys(("hertz", "pressed"), 1.0),
+    **dict.fromkeys(("down_r", "down_t", "down_x", "down_y", "work"), 0.0),
+}
+RUN_UP = Model(
+    name="run_up",
+    modes=(
+        _spinning(WHOLE_CONTACT, spinning_contact),
+        _spinning(WHOLE_CARTESIAN, spinning_cartesian),
+        _spinning(RUB, spinning_rub),
+        _spinning(ROLLING, spinning_roll, spinning_grip),
+    ),
+    parameters=(*(name for name in WHOLE.parameters if name not in {"omega", "rim"}), *OF_DRIVE),
+    constants={},
+    columns=(),
+    lighter={"prescribed": PRESCRIBED, "plain": PRESCRIBED | PLAIN},
+)

@@ -1,0 +1,236 @@
+"""Writing an archive: checked, written through netCDF4 block by block, sealed and published."""
+
+from __future__ import annotations
+
+import errno
+import importlib.metadata
+import os
+import shutil
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from rotor_ida.errors import ArchiveError
+from rotor_ida.results.archive.checksum import (
+    BLOCK,
+    CHUNK,
+    Array,
+    Index,
+    append_seal,
+    content_sha256,
+    largest_block,
+)
+from rotor_ida.results.archive.content import (
+    CHECKSUM,
+    CREATED,
+    HISTORY,
+    LABEL_OF,
+    NUMERIC,
+    archived_form,
+    coordinates_of,
+    stored_names,
+)
+from rotor_ida.results.archive.library import LOCK
+from rotor_ida.results.files import already_there, check_target, written_whole
+from rotor_ida.results.provenance import command
+
+if TYPE_CHECKING:
+    import netCDF4
+
+OVERHEAD = 2**15  # bytes, more than what HDF5 adds to the values of a variable
+
+_NO_ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
+
+
+def save(dataset: xr.Dataset, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
+    """Write `dataset` to a netCDF file at `path`, wholly or not at all.
+
+    Parameters
+    ----------
+    dataset : xr.Dataset
+        Variables of integers, float32, float64 or strings; attributes that are strings, numbers
+        or one-dimensional numeric arrays. It is left as it was.
+    path : path-like
+        Where to write. The folder must exist.
+    overwrite : bool
+        Whether a file that is there may be replaced.
+
+    Returns
+    -------
+    Path
+        `path`.
+
+    Raises
+    ------
+    InputError
+        If the folder does not exist or cannot be written to, `path` is a folder, or a file is
+        there and `overwrite` is false, even one that appeared during the writing; or for a name,
+        dtype or attribute that an archive cannot hold.
+    ArchiveError
+        If the system does not let the file be written: a full disk, for example.
+
+    Notes
+    -----
+    The file gets six global attributes, which `load` shows: ``Conventions``,
+    ``rotor_ida_format``, ``rotor_ida_version`` (unless `dataset` has one: it says what computed
+    the data), ``date_created`` (unchanged if the content is the same), ``history`` (one line more)
+    and ``content_sha256``, the checksum of `content_sha256`, which `load` verifies. They describe
+    the file: a dataset that was changed since it was loaded carries the old ones until it is saved
+    again.
+
+    Numbers that are not in memory, but in another file or to be computed by dask, are written
+    block by block. The disk must have room for the numbers uncompressed, at most 32 MiB at a time.
+
+    netCDF makes no difference between an attribute that is an array of one number and the number:
+    both come back as the number. It has no fixed dimension of length zero: such a one is unlimited
+    in the file, the others are fixed. The width of strings and encodings are lost. Compressed
+    variables carry HDF5's own checksum beside.
+
+    A process that is killed while it writes leaves `path` as it was, and perhaps a folder
+    ``.*.rotor_ida-part`` beside it, which the next `save` there removes. On a file system without
+    hard links the moment of publishing without `overwrite` can leave an empty file in such a case.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> run = xr.Dataset({"x": ("t", [0.0, 1.0])}, attrs={"omega": 1.7})
+    >>> save(run, folder.name + "/run.nc").name
+    'run.nc'
+    >>> save(run, folder.name + "/run.nc")
+    Traceback (most recent call last):
+    ...
+    rotor_ida.errors.InputError: path must not exist unless overwrite is true, got '.../run.nc'
+    >>> folder.cleanup()
+    """
+    shown = check_target("path", path, overwrite=overwrite)
+    stored = archived_form(dataset)
+    try:
+        with written_whole(shown, overwrite=overwrite) as part:
+            _write_netcdf(stored, part, dataset.attrs)
+            append_seal(part)
+    except FileExistsError:
+        raise already_there("path", shown) from None
+    except (OSError, RuntimeError) as error:
+        raise ArchiveError(f"cannot write {shown}: {_reason(error, shown.parent)}") from error
+    return shown
+
+
+def now() -> str:
+    """Return the time, in UTC, as ISO 8601."""
+    return datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+
+
+def _write_netcdf(stored: xr.Dataset, path: Path, earlier: Mapping[str, Any]) -> None:
+    """Write a dataset in its archived form to a new file; `earlier` are the attributes before."""
+    import netCDF4  # noqa: PLC0415 - not needed to import the package
+
+    names = stored_names(stored)
+
+    def write(name: str, index: Index, values: Array) -> None:
+        if values.nbytes > CHUNK:
+            _make_sure_of_room(path.parent, values.nbytes + OVERHEAD)
+        numeric = values.dtype in NUMERIC
+        with LOCK:
+            file[names[name]][index] = (
+                np.ascontiguousarray(values) if numeric else values.astype(object)
+            )
+
+    room = min(stored.nbytes, BLOCK) + OVERHEAD * (8 + len(stored.variables))
+    _make_sure_of_room(path.parent, room)
+    with LOCK:
+        file = netCDF4.Dataset(path, "w", format="NETCDF4")
+    try:
+        with LOCK:
+            _define(file, stored, names)
+        # to compute a block may itself read a file under the lock
+        checksum = content_sha256(stored, write)
+        with LOCK:
+            file.setncatts(_of_the_file(checksum, earlier))
+    finally:
+        with LOCK:
+            file.close()
+
+
+def _make_sure_of_room(folder: Path, size: int) -> None:
+    """Raise what the system says where so many bytes may not be written.
+
+    Where a disk is full, HDF5 fails without saying so, and does not give back the file and its
+    space until the process ends.
+    """
+    if not hasattr(os, "posix_fallocate"):
+        return
+    room = folder / "room"
+    descriptor = os.open(room, os.O_RDWR | os.O_CREAT)
+    try:
+        os.posix_fallocate(descriptor, 0, size)
+    except OSError as error:
+        if error.errno in _NO_ROOM:
+            raise OSError(error.errno, os.strerror(error.errno)) from None
+    finally:
+        os.close(descriptor)
+        room.unlink()
+
+
+def _define(file: netCDF4.Dataset, stored: xr.Dataset, names: Mapping[str, str]) -> None:
+    file.set_auto_maskandscale(False)
+    for dim, size in stored.sizes.items():
+        file.createDimension(str(dim), size)
+    coordinates, others = coordinates_of(stored)
+    for name, name_in_file in names.items():
+        variable = stored.variables[name]
+        attributes = {**variable.attrs, **({LABEL_OF: name} if name_in_file != name else {})}
+        if name in coordinates:
+            attributes["coordinates"] = coordinates[name]
+        _create(file, name_in_file, variable).setncatts(attributes)
+    file.setncatts({**stored.attrs, **({"coordinates": others} if others else {})})
+
+
+def _create(file: netCDF4.Dataset, name: str, variable: xr.Variable) -> netCDF4.Variable[Any]:
+    dims = tuple(str(dim) for dim in variable.dims)
+    if variable.dtype not in NUMERIC:
+        # Strings of any length go past HDF5's filters; the checksum of the content covers them.
+        return file.createVariable(name, str, dims)
+    if variable.ndim == 0 or variable.size == 0:
+        return file.createVariable(name, variable.dtype, dims)
+    return file.createVariable(
+        name,
+        variable.dtype,
+        dims,
+        compression="zlib",
+        complevel=4,
+        shuffle=True,
+        fletcher32=True,
+        chunksizes=largest_block(variable.shape, variable.dtype.itemsize, CHUNK),
+    )
+
+
+def _of_the_file(checksum: str, earlier: Mapping[str, Any]) -> dict[str, object]:
+    """Return the attributes that tell of the file; a content saved again keeps its date."""
+    import netCDF4  # noqa: PLC0415 - not needed to import the package
+
+    moment = now()
+    line = (
+        f"{moment} rotor_ida {importlib.metadata.version('rotor-ida')}: saved by {command()} with "
+        f"netCDF4 {netCDF4.__version__}, netCDF-C {netCDF4.__netcdf4libversion__}, "
+        f"HDF5 {netCDF4.__hdf5libversion__}"
+    )
+    history = earlier.get(HISTORY, "").rstrip()
+    again = earlier.get(CHECKSUM) == checksum
+    return {
+        CREATED: earlier.get(CREATED, moment) if again else moment,
+        HISTORY: f"{history}\n{line}" if history else line,
+        CHECKSUM: checksum,
+    }
+
+
+def _reason(error: Exception, folder: Path) -> str:
+    """Return one line; the netCDF library hides a full disk, so it also says how full it is."""
+    if isinstance(error, OSError) and error.strerror:
+        return error.strerror
+    free = shutil.disk_usage(folder).free
+    return f"{' '.join(str(error).split())} ({free / 2**20:.0f} MiB are free on the disk)"

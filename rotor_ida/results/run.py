@@ -1,0 +1,43 @@
+"""The dataset of one run: how it is recognised, and the rotor that it is of."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import xarray as xr
+
+from rotor_ida.checks import check_instance
+from rotor_ida.errors import InputError
+from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS, Rotor
+from rotor_ida.schema import Column, check_dimensionless
+
+
+def check_run(run: object, needed: Sequence[str]) -> xr.Dataset:
+    """Return `run` if it is a dimensionless run of one rotor with the variables needed."""
+    run = check_instance("run", run, xr.Dataset)
+    missing = [name for name in (*PARAMETERS, *needed) if name not in run.variables]
+    if missing:
+        raise InputError(f"run must be a run of simulate; it lacks {', '.join(missing)}")
+    if any(run[name].ndim for name in PARAMETERS):
+        raise InputError("run must be one run; its omega, zeta and delta0 must be scalars")
+    several = [name for name in ALL_PARAMETERS if name in run.variables and run[name].ndim]
+    if several:
+        raise InputError(f"run must be one run; its {several[0]} must be a scalar")
+    check_dimensionless("run", run)
+    return run
+
+
+def check_one_speed(run: xr.Dataset, what: str) -> None:
+    """Raise `InputError` for a run at a speed that changes, where there must be one."""
+    if "event_speed" in run.variables:
+        raise InputError(f"run must be at one speed for {what}, got a run of run_up")
+
+
+def rotor_of(run: xr.Dataset) -> Rotor:
+    """Return the rotor of a run: a parameter that it does not have is the default."""
+    return Rotor(**{name: float(run[name]) for name in ALL_PARAMETERS if name in run.variables})
+
+
+def parameter_coordinates(rotor: Rotor) -> dict[str, Column]:
+    """Return the parameters of a rotor as scalar coordinates, beyond the paper's if not default."""
+    return {name: ((), value) for name, value in rotor.given.items()}

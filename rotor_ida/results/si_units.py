@@ -1,0 +1,177 @@
+"""Results of a real machine in SI units, with the prefixes that are asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+
+from rotor_ida.arrays import Values
+from rotor_ida.checks import check_instance, shown
+from rotor_ida.errors import InputError
+from rotor_ida.model.parameters import SPEED_UNITS, DimensionalRotor
+from rotor_ida.schema import QUANTITIES
+
+UNITS = {
+    "length": "m",
+    "time": "s",
+    "velocity": "m s-1",
+    "force": "N",
+    "impulse": "N s",
+    "energy": "J",
+    "rate": "s-1",
+    "speed": "s-1",
+}
+# How many radians a second each unit of speed is; for UDUNITS a radian is 1, and Hz are 1/s too.
+OF_SPEED = {UNITS["speed"]: 1.0, "rpm": SPEED_UNITS["rpm"]}
+# How many units with the prefix make one without.
+PREFIXES = {"p": 1e12, "n": 1e9, "u": 1e6, "m": 1e3, "": 1.0, "k": 1e-3, "M": 1e-6}
+
+
+def dimensional(
+    dataset: xr.Dataset, machine: DimensionalRotor, *, units: Mapping[str, str] | None = None
+) -> xr.Dataset:
+    """Return a result with displacements, times, velocities and forces in SI units.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        A dimensionless result of this package.
+    machine : DimensionalRotor
+        The machine it belongs to.
+    units : mapping of str to str, optional
+        Units other than m, s, m/s, N, N s, J and 1/s, by kind: ``length``, ``time``, ``velocity``,
+        ``force``, ``impulse`` or ``energy``, such as ``{"length": "µm", "time": "ms"}``. The
+        prefixes are p, n, µ (or u), m, k and M. A ``speed`` that changes is in ``rad/s`` or
+        ``rpm``. Figures show the units that the dataset has.
+
+    Returns
+    -------
+    Dataset
+        The same variables in those units; parameters, phases, kinds and counts unchanged. Each
+        variable's attribute ``units`` has its unit as UDUNITS writes it (``um``, ``m s-1``); the
+        attributes ``length_scale``, ``time_scale`` and so on say what a dimensionless 1 is in them.
+        Of a run-up the attributes ``to``, ``rate``, ``speeds``, ``torque`` and ``inertia`` are in
+        SI units too, which ``to_units`` and so on tell.
+
+    Raises
+    ------
+    InputError
+        If the dataset is in SI units already, or a unit is none of its kind.
+
+    Notes
+    -----
+    ``Z = D z``, ``T = t/omega_0``, force ``k D**n f``, with ``omega_0**2 = k D**(n - 1)/m`` and
+    the exponent n of the contact force: ``k D**1.5 f`` and ``omega_0**2 = k sqrt(D)/m`` by Hertz.
+
+    References
+    ----------
+    Eq. (9) of the paper, Mechanika 25(6), 2019, which prints ``omega_0**2 = k/m``.
+
+    Examples
+    --------
+    >>> from rotor_ida import simulate
+    >>> machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0,
+    ...                            eccentricity=1e-6, clearance=2e-6, speed=600.0)
+    >>> run = simulate(machine.rotor(), start=(0, 0, 0, 0), duration=20.0)
+    >>> dimensional(run, machine).t.attrs["units"]
+    's'
+    >>> shown = dimensional(run, machine, units={"length": "µm"})
+    >>> shown.x.attrs["units"], round(shown.attrs["length_scale"], 9)
+    ('um', 1.0)
+    """
+    check_instance("dataset", dataset, xr.Dataset)
+    check_instance("machine", machine, DimensionalRotor)
+    if "length_scale" in dataset.attrs:
+        raise InputError("the dataset is in SI units already")
+    in_si = {
+        "length": machine.length_scale,
+        "time": machine.time_scale,
+        "velocity": machine.velocity_scale,
+        "force": machine.force_scale,
+        "impulse": machine.force_scale * machine.time_scale,
+        "energy": machine.force_scale * machine.length_scale,
+        "rate": machine.reference_frequency,
+        "speed": machine.reference_frequency,
+    }
+    if units is None:
+        units = {}
+    if not isinstance(units, Mapping):
+        raise InputError(f"units must be a mapping such as {{'length': 'mm'}}, got {shown(units)}")
+    chosen = UNITS | {kind: _checked(kind, unit) for kind, unit in units.items()}
+    scales = {kind: in_si[kind] * _parts(kind)[unit] for kind, unit in chosen.items()}
+    converted = {}
+    for name, variable in dataset.variables.items():
+        quantity = QUANTITIES.get(str(name))
+        if quantity is not None and quantity.scale:
+            attributes = {**variable.attrs, "units": chosen[quantity.scale]}
+            values = variable.values * scales[quantity.scale]
+            converted[name] = xr.Variable(variable.dims, values, attributes)
+    told: dict[str, object] = {f"{kind}_scale": value for kind, value in scales.items()}
+    if "event_speed" in dataset.variables:
+        told |= _change_of_speed(dataset, machine, scales, chosen)
+    return dataset.assign(converted).assign_attrs(told)
+
+
+def in_rpm(speeds: xr.DataArray) -> Values | None:
+    """Return speeds in revolutions a minute; None for what is dimensionless.
+
+    Examples
+    --------
+    >>> in_rpm(xr.DataArray([50.0], attrs={"units": "s-1"})).round(3)
+    array([477.465])
+    """
+    factor = OF_SPEED.get(str(speeds.attrs.get("units")))
+    return None if factor is None else np.asarray(speeds.values) * (factor / OF_SPEED["rpm"])
+
+
+def _change_of_speed(
+    run: xr.Dataset,
+    machine: DimensionalRotor,
+    scales: Mapping[str, float],
+    units: Mapping[str, str],
+) -> dict[str, object]:
+    """Return the attributes that tell how the speed changed, with their units; seconds stay."""
+    speed, time = scales["speed"], scales["time"]
+    torque, rate = machine.torque_scale, machine.reference_frequency
+    factors: dict[str, tuple[list[float], str]] = {
+        "to": ([speed], units["speed"]),
+        "rate": ([speed * rate], "s-2" if units["speed"] == "s-1" else f"{units['speed']} s-1"),
+        "speeds": ([time, speed], f"{units['time']}, {units['speed']}"),
+        "torque": ([torque, torque / rate], "N m, N m s"),
+        "inertia": ([machine.inertia_scale], "kg m2"),
+    }
+    found: dict[str, object] = {}
+    for name, (factor, unit) in factors.items():
+        if name in run.attrs:
+            values = (np.reshape(run.attrs[name], (-1, len(factor))) * factor).ravel()
+            found[name] = values if len(factor) > 1 else values.item()
+            found[f"{name}_units"] = unit
+    return found
+
+
+def _parts(kind: str) -> dict[str, float]:
+    """Return how many of each unit of a kind make one without a prefix; rates take none."""
+    base = UNITS[kind]
+    if kind == "rate":
+        return {base: 1.0}
+    if kind == "speed":
+        return {unit: 1.0 / each for unit, each in OF_SPEED.items()}
+    return {prefix + base: parts for prefix, parts in PREFIXES.items()}
+
+
+def _checked(kind: str, unit: str) -> str:
+    """Return a unit as UDUNITS writes it, if it is one of its kind."""
+    if kind not in UNITS:
+        raise InputError(f"units must be of {', '.join(UNITS)}, got {shown(kind)}")
+    allowed = _parts(kind)
+    # the micro sign and the Greek letter look the same
+    plain = str(unit).replace("\u00b5", "u").replace("\u03bc", "u")
+    if kind == "speed":
+        plain = plain.replace("rad/s", "1/s")
+    written = plain.replace("1/s", "s-1").replace("/s", " s-1")
+    if written not in allowed:
+        words = ", ".join(allowed)
+        raise InputError(f"the unit of {kind} must be one of {words}, got {shown(unit)}")
+    return written

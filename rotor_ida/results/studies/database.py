@@ -1,0 +1,208 @@
+"""The SQLite file of a study: opened, begun, and compared with what it was begun with."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import sqlite3
+from collections.abc import Iterator, Mapping
+from contextlib import closing, contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+from rotor_ida.checks import shown
+from rotor_ida.errors import ArchiveError, InputError
+from rotor_ida.results.files import check_path
+
+Design = dict[str, Any]
+
+FILE = "study.sqlite"
+FORMAT = 2
+# A reader of the status holds the file for an instant only.
+_PATIENCE = 30.0  # seconds
+
+_TABLES = (
+    "CREATE TABLE design (text TEXT NOT NULL, points INTEGER NOT NULL, digest BLOB NOT NULL)",
+    "CREATE TABLE pieces (number INTEGER PRIMARY KEY, points INTEGER NOT NULL, "
+    "failed INTEGER NOT NULL, reason TEXT NOT NULL, digest BLOB NOT NULL, content BLOB NOT NULL)",
+    "CREATE TABLE sessions (began REAL NOT NULL, seen REAL NOT NULL, points INTEGER NOT NULL)",
+    f"PRAGMA user_version = {FORMAT}",
+)
+# What the disk or the permissions are to blame for, not the file.
+_OF_THE_SYSTEM = frozenset(
+    [
+        *(sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR, sqlite3.SQLITE_READONLY, sqlite3.SQLITE_PERM),
+        *(sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_BUSY, sqlite3.SQLITE_NOMEM),
+    ]
+)
+
+
+@contextmanager
+def connected(place: Path) -> Iterator[sqlite3.Connection]:
+    """Open the file in a folder, and say what SQLite says as an error of the study."""
+    try:
+        connection = sqlite3.connect(place / FILE, timeout=_PATIENCE, isolation_level=None)
+        with closing(connection):
+            connection.execute("PRAGMA trusted_schema = OFF")
+            connection.execute("PRAGMA synchronous = FULL")
+            yield connection
+    except sqlite3.DatabaseError as error:
+        # what SQLite adds to a code stands above its last eight bits
+        code = getattr(error, "sqlite_errorcode", sqlite3.SQLITE_CORRUPT) & 0xFF
+        intact = code in _OF_THE_SYSTEM
+        hint = "what was kept before is intact" if intact else "it may be damaged"
+        raise ArchiveError(f"cannot use {str(place / FILE)!r}: {error}; {hint}") from error
+
+
+@contextmanager
+def transaction(connection: sqlite3.Connection) -> Iterator[None]:
+    """Write all that is written meanwhile, or nothing."""
+    connection.execute("BEGIN IMMEDIATE")
+    try:
+        yield
+        connection.execute("COMMIT")
+    except BaseException:
+        with suppress(sqlite3.Error):  # SQLite may have rolled back by itself
+            connection.execute("ROLLBACK")
+        raise
+
+
+def begin(
+    connection: sqlite3.Connection, place: Path, design: Mapping[str, Any], points: int
+) -> None:
+    """Write the design of a new study; hold that of one that was begun against it."""
+    text = _as_text(design)
+    if not _is_begun(connection, place):
+        # a study has all its tables, or none yet
+        if connection.execute("SELECT 1 FROM sqlite_master").fetchone() is not None:
+            raise InputError(
+                f"study must be a new, an empty or a study's folder, got {str(place)!r}, whose "
+                f"{FILE} is of something else"
+            )
+        with transaction(connection):
+            for line in _TABLES:
+                connection.execute(line)
+            connection.execute(
+                "INSERT INTO design VALUES (?, ?, ?)", (text, points, _digest(text, points))
+            )
+    begun, _ = begun_with(connection, place)
+    wanted = json.loads(text)
+    (done,) = connection.execute("SELECT coalesce(sum(points), 0) FROM pieces").fetchone()
+    if done == points:  # nothing is left to compute, so the program may be another
+        unsaid = dict.fromkeys(program_of(begun) | program_of(wanted))
+        begun, wanted = begun | unsaid, wanted | unsaid
+    refuse_another(str(place), begun, wanted)
+
+
+def program_of(design: Mapping[str, Any]) -> Design:
+    """Return what a design says of the program that computes: versions, and a digest of sources.
+
+    Examples
+    --------
+    >>> program_of({"rtol": 1e-10, "numpy_version": "2.4", "sources": "ab"})
+    {'numpy_version': '2.4', 'sources': 'ab'}
+    """
+    return {
+        name: said
+        for name, said in design.items()
+        if name == "sources" or name.endswith("_version")
+    }
+
+
+def begun_with(connection: sqlite3.Connection, place: Path) -> tuple[Design, int]:
+    """Return the design with which a study was begun, and its number of points."""
+    rows = connection.execute("SELECT text, points, digest FROM design").fetchall()
+    try:
+        ((text, points, digest),) = rows
+        design = json.loads(text) if digest == _digest(text, points) else None
+    except (ValueError, TypeError, RecursionError):
+        design = None
+    if not isinstance(design, dict) or not isinstance(points, int):
+        raise damaged(place, "its design")
+    return design, points
+
+
+def refuse_another(folder: str, begun: Mapping[str, Any], wanted: Mapping[str, Any]) -> None:
+    """Refuse a design that differs from that with which the study in `folder` was begun.
+
+    Examples
+    --------
+    >>> refuse_another("study", {"rtol": 1e-10}, {"rtol": 1e-09})
+    Traceback (most recent call last):
+    ...
+    rotor_ida.errors.InputError: study 'study' was begun with rtol 1e-10, got 1e-09: go on with what
+    it was begun with, or begin another in a folder of its own
+    """
+    for name in sorted({*begun, *wanted}):
+        before, now = begun.get(name, "nothing"), wanted.get(name, "nothing")
+        # as text, since 0.0 and -0.0 are equal but give other bits
+        if _as_text({name: before}) != _as_text({name: now}):
+            raise InputError(
+                f"study {folder!r} was begun with {name} {_shown(before)}, got {_shown(now)}: go "
+                "on with what it was begun with, or begin another in a folder of its own"
+            )
+
+
+@contextmanager
+def reading(folder: str | os.PathLike[str]) -> Iterator[sqlite3.Connection]:
+    """Open the store of the study in a folder to look at it, even while it is worked on."""
+    place = check_path("study", folder, kind="folder")
+    refusal = f"folder must be that of a study, got {str(place)!r}"
+    try:
+        found = (place / FILE).is_file()
+    except OSError as error:
+        raise InputError(f"{refusal}: {error.strerror}") from error
+    if not found:
+        raise InputError(refusal)
+    with connected(place) as connection:
+        if not _is_begun(connection, place):
+            raise InputError(f"folder must be that of a study that was begun, got {str(place)!r}")
+        yield connection
+
+
+def design_of(folder: str | os.PathLike[str]) -> Design:
+    """Return the design with which the study in a folder was begun.
+
+    Raises
+    ------
+    InputError
+        If there is no study.
+    ArchiveError
+        If its file is damaged.
+    """
+    with reading(folder) as connection:
+        return begun_with(connection, Path(folder))[0]
+
+
+def damaged(place: Path, what: str) -> ArchiveError:
+    """Return the error for what is not as it was written."""
+    return ArchiveError(
+        f"study {str(place)!r} is damaged: {what} in {FILE} is not what was written; restore the "
+        "file from a copy, or begin another study"
+    )
+
+
+def _is_begun(connection: sqlite3.Connection, place: Path) -> bool:
+    """Return whether there is a study; one that was killed at once is none."""
+    (version,) = connection.execute("PRAGMA user_version").fetchone()
+    if version not in {0, FORMAT}:
+        raise InputError(
+            f"study {str(place)!r} has format {version}, but this version of rotor_ida goes on "
+            f"with format {FORMAT} only"
+        )
+    return bool(version == FORMAT)
+
+
+def _digest(text: str, points: int) -> bytes:
+    return hashlib.sha256(f"{points}\n{text}".encode()).digest()
+
+
+def _as_text(design: Mapping[str, Any]) -> str:
+    """Return a design as JSON in which every number has all its digits."""
+    return json.dumps(design, sort_keys=True, allow_nan=False)
+
+
+def _shown(value: object) -> str:
+    counted = f" ({len(value)} values)" if isinstance(value, list) and len(value) > 6 else ""
+    return f"{shown(value)}{counted}"

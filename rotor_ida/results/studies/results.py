@@ -1,0 +1,113 @@
+"""Results of jobs, gathered as they come: in memory, or in the folder of a study."""
+
+from __future__ import annotations
+
+import heapq
+import os
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from operator import itemgetter
+from typing import Any, Generic, TypeVar
+
+from rotor_ida.errors import ArchiveError
+from rotor_ida.results.studies.arrays import Arrays, packed, unpacked
+from rotor_ida.results.studies.database import FILE
+from rotor_ida.results.studies.store import Piece, Study, opened
+
+Result = TypeVar("Result")
+
+
+@dataclass(frozen=True, slots=True)
+class Form(Generic[Result]):
+    """What a result is called, and how it becomes arrays and comes back.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> form = Form("time", lambda time: {"t": np.array(time)}, lambda arrays: float(arrays["t"]))
+    >>> form.unpack(form.pack(0.1))
+    0.1
+    >>> form.unpack(packed({}))
+    Traceback (most recent call last):
+    ...
+    ValueError: it holds no time: 't'
+    """
+
+    word: str
+    as_arrays: Callable[[Result], Arrays]
+    from_arrays: Callable[[Arrays], Result]
+
+    def pack(self, result: Result) -> bytes:
+        """Return a result as bytes that `unpack` reads."""
+        return packed(self.as_arrays(result))
+
+    def unpack(self, content: bytes) -> Result:
+        """Return the result that `pack` was given; `ValueError` if it cannot have written it."""
+        arrays = unpacked(content)
+        try:
+            return self.from_arrays(arrays)
+        except (KeyError, TypeError, IndexError, ValueError) as error:
+            raise ValueError(f"it holds no {self.word}: {error}") from error
+
+
+class Results(Generic[Result]):
+    """The results of jobs, by number: in a study, or by default in memory.
+
+    What is larger than memory can go to `folder`, if there is one. The jobs in `done` need not be
+    done any more; `points_done` is the number of their points.
+    """
+
+    def __init__(self, study: Study | None = None, form: Form[Result] | None = None) -> None:
+        self.folder = study.folder if study else None
+        self.done = set(study.done) if study else set()
+        self.points_done = study.points_done if study else 0
+        self._study, self._form = study, form
+        self._held: dict[int, Result] = {}  # those in memory
+
+    def keep(
+        self, number: int, result: Result, points: int, *, failed: int = 0, reason: str = ""
+    ) -> None:
+        """Keep the result of a job, with so many points of which so many failed."""
+        if self._study is None or self._form is None:
+            self._held[number] = result
+        else:
+            self._study.keep(Piece(number, points, failed, reason, self._form.pack(result)))
+        self.done.add(number)
+        self.points_done += points
+
+    def hold(self, number: int, result: Result) -> None:
+        """Keep the result of a job for this time only, so that the next session does it again."""
+        self._held[number] = result
+
+    def results(self) -> Iterator[tuple[int, Result]]:
+        """Yield the number and the result of each job, in the order of the numbers."""
+        held = sorted(self._held.items(), key=itemgetter(0))
+        yield from heapq.merge(held, self._stored(), key=itemgetter(0))
+
+    def _stored(self) -> Iterator[tuple[int, Result]]:
+        if self._study is None or self._form is None:
+            return
+        for number, content in self._study.contents():
+            try:
+                result = self._form.unpack(content)
+            except ValueError as error:
+                raise ArchiveError(
+                    f"study {str(self.folder)!r} is damaged: piece {number} of {FILE}: {error}"
+                ) from error
+            yield number, result
+
+
+@contextmanager
+def open_results(
+    folder: str | os.PathLike[str] | None,
+    design: Mapping[str, Any],
+    points: int,
+    form: Form[Result],
+) -> Iterator[Results[Result]]:
+    """Gather results in the study in `folder`, begun as by `opened`, or in memory if it is None."""
+    if folder is None:
+        yield Results()
+        return
+    with opened(folder, design, points) as study:
+        yield Results(study, form)

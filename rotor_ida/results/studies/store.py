@@ -1,0 +1,282 @@
+"""The store of a study: one SQLite file in a folder, written by one process at a time.
+
+What is there outlasts a kill, a power failure and a full disk, as SQLite's transactions do.
+"""
+
+from __future__ import annotations
+
+import errno
+import hashlib
+import math
+import os
+import sqlite3
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import astuple, dataclass
+from pathlib import Path
+from typing import Any
+
+from filelock import FileLock, Timeout
+
+from rotor_ida.errors import ArchiveError, InputError
+from rotor_ida.results.files import check_path
+from rotor_ida.results.studies.database import (
+    FILE,
+    begin,
+    begun_with,
+    connected,
+    damaged,
+    reading,
+    transaction,
+)
+
+LOCK = "study.lock"
+# Who only asks whether the lock is held holds it for an instant.
+_PATIENCE = 1.0  # seconds
+_READ_ONLY = {errno.EROFS, errno.EACCES, errno.EPERM}
+# So many different reasons of failure are told.
+_MOST_REASONS = 10
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """What one job has returned."""
+
+    number: int  # of the job
+    points: int  # how many points of the study it holds
+    failed: int  # how many of these failed
+    reason: str  # why the first of them did; empty if none
+    content: bytes  # what `rotor_ida.results.studies.arrays.packed` made of the result
+
+
+class Study:
+    """A study that is being worked on, from `opened` only: which pieces and points it holds."""
+
+    def __init__(self, folder: Path, connection: sqlite3.Connection) -> None:
+        self.folder = folder
+        self.done: set[int] = set()
+        self.points_done = 0
+        self._connection = connection
+        # what is damaged is better known before more is computed
+        for *told, digest in connection.execute(
+            "SELECT number, points, failed, reason, content, digest FROM pieces"
+        ):
+            piece = Piece(*told)
+            if not isinstance(piece.content, bytes) or digest != _digest(piece):
+                raise damaged(folder, f"piece {piece.number}")
+            self.done.add(piece.number)
+            self.points_done += piece.points
+        self._points_before = self.points_done
+        self._began, self._clock = time.time(), time.monotonic()
+        (self._session,) = connection.execute(
+            "SELECT coalesce(max(rowid), 0) + 1 FROM sessions"
+        ).fetchone()
+
+    def keep(self, piece: Piece) -> None:
+        """Write a piece to the disk.
+
+        Raises
+        ------
+        ArchiveError
+            If the system does not let it be written: a full disk, a missing permission.
+        """
+        points = self.points_done + piece.points
+        seen = self._began + time.monotonic() - self._clock
+        with transaction(self._connection):
+            self._connection.execute(
+                "INSERT INTO pieces (number, points, failed, reason, content, digest) "
+                "VALUES (?, ?, ?, ?, ?, ?)",
+                (*astuple(piece), _digest(piece)),
+            )
+            self._connection.execute(
+                "INSERT OR REPLACE INTO sessions (rowid, began, seen, points) VALUES (?, ?, ?, ?)",
+                (self._session, self._began, seen, points - self._points_before),
+            )
+        self.done.add(piece.number)
+        self.points_done = points
+
+    def contents(self) -> Iterator[tuple[int, bytes]]:
+        """Yield number and content of every piece, in the order of the numbers."""
+        yield from self._connection.execute("SELECT number, content FROM pieces ORDER BY number")
+
+
+@contextmanager
+def opened(
+    folder: str | os.PathLike[str], design: Mapping[str, Any], points: int
+) -> Iterator[Study]:
+    """Begin a study in a folder, or go on with the one that is there.
+
+    Parameters
+    ----------
+    folder : path-like
+        The folder; made if it is not there.
+    design : mapping
+        What is computed, and all that decides on the bits of the result: strings, finite numbers,
+        None and lists of them.
+    points : int
+        How many points it has in all.
+
+    Yields
+    ------
+    Study
+        The study, for this process alone.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be made or written to, or holds something else, or a study of another
+        design.
+    ArchiveError
+        If another process is at work on it, or its file is damaged or cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     with opened(folder + "/study", {"rtol": 1e-10}, points=2) as study:
+    ...         study.keep(Piece(0, 1, 0, "", b"what was found"))
+    ...     with opened(folder + "/study", {"rtol": 1e-10}, points=2) as study:
+    ...         study.done, list(study.contents())
+    ({0}, [(0, b'what was found')])
+    """
+    place = check_path("study", folder, kind="folder")
+    try:
+        _check_new(place)
+        place.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            f"study must be a folder that can be used, got {str(place)!r}: {error.strerror}"
+        ) from error
+    with _locked(place, _PATIENCE), connected(place) as connection:
+        begin(connection, place, design, points)
+        # a commit to a log waits for the disk once, not four times; where nothing can be written
+        # none is needed
+        with _log_beside(connection):
+            yield Study(place.absolute(), connection)
+
+
+def status(folder: str | os.PathLike[str]) -> dict[str, object]:
+    """Return how far the study in a folder is, even while it is worked on.
+
+    Parameters
+    ----------
+    folder : path-like
+        The folder of a study that was begun.
+
+    Returns
+    -------
+    dict
+        ``kind``; the numbers of ``points``, and of those ``done``, ``failed`` and ``left``;
+        ``running``, whether a process is at work on it; ``points_per_second`` in the last session
+        and ``seconds_left`` at that rate (NaN where nothing is known); ``reasons``, why points
+        failed, the first few different ones.
+
+    Raises
+    ------
+    InputError
+        If there is no study.
+    ArchiveError
+        If its file is damaged.
+    """
+    place = check_path("study", folder, kind="folder")
+    with reading(place) as connection:
+        design, points = begun_with(connection, place)
+        done, failed = connection.execute(
+            "SELECT coalesce(sum(points), 0), coalesce(sum(failed), 0) FROM pieces"
+        ).fetchone()
+        reasons = connection.execute(
+            "SELECT DISTINCT reason FROM pieces WHERE failed > 0 ORDER BY number LIMIT ?",
+            (_MOST_REASONS,),
+        ).fetchall()
+        session = connection.execute(
+            "SELECT began, seen, points FROM sessions ORDER BY rowid DESC LIMIT 1"
+        ).fetchone()
+    if not (isinstance(done, int) and isinstance(failed, int)):
+        raise damaged(place, "the number of points of a piece")
+    rate = _rate(session)
+    return {
+        "kind": design.get("kind", ""),
+        "points": points,
+        "done": done,
+        "failed": failed,
+        "left": points - done,
+        "running": _is_locked(place),
+        "points_per_second": rate,
+        "seconds_left": (points - done) / rate if rate > 0.0 else math.nan,
+        "reasons": [str(reason) for (reason,) in reasons],
+    }
+
+
+def _check_new(place: Path) -> None:
+    """Refuse a place where no study can be: what is there stays as it is."""
+    nearest = next(path for path in (place, *place.parents) if path.exists())
+    if not nearest.is_dir():
+        raise InputError(f"study must be a folder, got the file {str(nearest)!r}")
+    if (place / FILE).exists():  # what is done can be read even where nothing can be written
+        return
+    if place.is_dir() and any(each.name != LOCK for each in place.iterdir()):
+        raise InputError(f"study must be a new, an empty or a study's folder, got {str(place)!r}")
+    if not os.access(nearest, os.W_OK):
+        raise InputError(f"study must be in a folder that can be written to, got {str(place)!r}")
+
+
+@contextmanager
+def _locked(folder: Path, patience: float) -> Iterator[None]:
+    """Hold a folder for this process alone.
+
+    What counts is the lock on the file, which goes away with the process, not that the file is
+    there. Who holds the lock removes the file in the end; one that a killed process has left does
+    no harm, and the next one removes it.
+    """
+    lock = FileLock(folder / LOCK, timeout=patience)
+    try:
+        lock.acquire()
+    except Timeout:
+        raise ArchiveError(f"another process is at work in {str(folder)!r}") from None
+    except OSError as error:
+        if error.errno not in _READ_ONLY:
+            raise ArchiveError(
+                f"cannot use the folder {str(folder)!r}: {error.strerror}"
+            ) from error
+    try:
+        yield
+    finally:
+        if lock.is_locked and os.name == "posix":  # on Windows filelock does
+            (folder / LOCK).unlink(missing_ok=True)
+        lock.release()
+
+
+def _is_locked(folder: Path) -> bool:
+    """Return whether a process is at work in a folder, as far as can be told."""
+    if not (folder / LOCK).exists():
+        return False
+    try:
+        with _locked(folder, patience=0.0):
+            return False
+    except ArchiveError:
+        return True
+
+
+@contextmanager
+def _log_beside(connection: sqlite3.Connection) -> Iterator[None]:
+    """Let commits go to a log, which is gone afterwards: then the one file is all of the study."""
+    with suppress(sqlite3.OperationalError):
+        connection.execute("PRAGMA journal_mode = WAL")
+    try:
+        yield
+    finally:
+        with suppress(sqlite3.OperationalError):
+            connection.execute("PRAGMA journal_mode = DELETE")
+
+
+def _rate(session: tuple[object, ...] | None) -> float:
+    if session is None:
+        return math.nan
+    began, seen, points = (each if isinstance(each, (int, float)) else 0 for each in session)
+    return points / (seen - began) if seen > began else math.nan
+
+
+def _digest(piece: Piece) -> bytes:
+    told = f"{piece.number}\n{piece.points}\n{piece.failed}\n{piece.reason}\n"
+    return hashlib.sha256(told.encode() + piece.content).digest()

@@ -1,0 +1,128 @@
+"""The contact force along a run, and how its peaks are distributed."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import xarray as xr
+from scipy.stats import rankdata
+
+from rotor_ida.arrays import Values
+from rotor_ida.model.contact import contact_force, damping_factor, secant_stiffness
+from rotor_ida.model.modes import Along, hold_of_rolling
+from rotor_ida.model.parameters import Rotor
+from rotor_ida.results.run import check_one_speed, check_run, parameter_coordinates, rotor_of
+from rotor_ida.schema import MODE, Column, labelled_dataset, origin_of
+
+NEEDED = (*("t", "x", "y", "vx", "vy", "entry_time", "exit_time"), "peak_time", "peak_force")
+NEEDED_WITH_FRICTION = ("mode", "normal_force")
+
+
+def contact_forces(run: xr.Dataset) -> xr.Dataset:
+    """Return the force of the ring on the rotor along a run, and its peaks.
+
+    Parameters
+    ----------
+    run : Dataset
+        A run of `rotor_ida.simulate`.
+
+    Returns
+    -------
+    Dataset
+        ``force force_x force_y`` on ``t``: the magnitude and the components in the fixed
+        frame [1]; with friction also ``normal_force`` and ``tangential_force``, which pulls the
+        disc back along the ring where it is positive. On ``contact``: ``peak_time`` and
+        ``peak_force``, the largest normal force of each contact, found between the samples too,
+        and ``peak_fraction``, the part of the whole contacts whose peak is no larger: over
+        ``peak_force`` it is the distribution of the peaks. It is NaN for a contact that the run
+        begins or ends inside.
+
+    Raises
+    ------
+    InputError
+        If the dataset is no run.
+
+    Notes
+    -----
+    The force is ``-(N + i T) z/|z|`` with ``N = max(0, d**n (1 + c d'))`` in contact, where
+    ``d = |z| - delta0``: ``max(|z| - delta0, 0)**1.5`` for the paper's rotor. With contact damping
+    N is 0 from a release on until the contact presses again, and largest before the indentation
+    is. The shaft and the load push too: neither is a force of the ring.
+
+    References
+    ----------
+    Eq. (10) of the paper, Mechanika 25(6), 2019.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, simulate
+    >>> run = simulate(Rotor(omega=2.0, zeta=0.07, delta0=2.0), start=(0, 0, 0, 0), duration=20.0)
+    >>> forces = contact_forces(run)
+    >>> forces.peak_force.values.round(6)
+    array([3.338337, 3.263644, 3.889012, 4.715582])
+    """
+    run = check_run(run, NEEDED)
+    rotor, x, y = rotor_of(run), run["x"].values, run["y"].values
+    radius = np.hypot(x, y)
+    if rotor.friction > 0.0:
+        check_one_speed(run, "contact forces with friction")
+        told = _with_friction(check_run(run, (*NEEDED, *NEEDED_WITH_FRICTION)), radius, rotor)
+    else:
+        held = damping_factor(_outwards(run, radius), rotor.contact_damping)
+        stiffness = held * secant_stiffness(radius, rotor.delta0, rotor.contact_exponent)
+        told = {
+            "force": held * contact_force(radius, rotor.delta0, rotor.contact_exponent),
+            "force_x": -stiffness * x,
+            "force_y": -stiffness * y,
+        }
+    peaks = run["peak_force"].values
+    whole = np.isfinite(run["entry_time"].values) & np.isfinite(run["exit_time"].values)
+    fraction = np.full(peaks.shape, np.nan)
+    fraction[whole] = rankdata(peaks[whole], method="max") / max(int(whole.sum()), 1)
+    columns: dict[str, Column] = {
+        **{name: ("t", column) for name, column in told.items()},
+        "peak_time": ("contact", run["peak_time"].values),
+        "peak_force": ("contact", peaks),
+        "peak_fraction": ("contact", fraction),
+    }
+    coordinates = parameter_coordinates(rotor) | {"t": ("t", run["t"].values)}
+    return labelled_dataset("Contact forces of one run", columns, coordinates, origin_of(run))
+
+
+def _with_friction(run: xr.Dataset, radius: Values, rotor: Rotor) -> dict[str, Values]:
+    """Return the force of a ring with friction: it is 0 wherever the radius may vanish."""
+    x, y, mode, normal = (run[name].values for name in ("x", "y", "mode", "normal_force"))
+    along = rotor.friction * normal * (mode == MODE["slipping_forward"])
+    along -= rotor.friction * normal * (mode == MODE["slipping_backward"])
+    rolls = mode == MODE["rolling"]
+    along[rolls] = _hold(run, radius, rotor)[rolls]
+    size = np.where(radius > 0.0, radius, 1.0)
+    force = -(normal + 1j * along) * (x + 1j * y) / size
+    return {
+        "force": np.abs(force),
+        "force_x": force.real,
+        "force_y": force.imag,
+        "normal_force": normal,
+        "tangential_force": along,
+    }
+
+
+def _hold(run: xr.Dataset, radius: Values, rotor: Rotor) -> Values:
+    """Return the force along the ring that rolling takes."""
+    size = np.where(radius > 0.0, radius, 1.0)
+    c, s = run["x"].values / size, run["y"].values / size
+    angle, rim = rotor.omega * run["t"].values, (rotor.disc_radius or 0.0) * rotor.omega
+    across = Along(0.0, -rim, 0.0, np.sin(angle) * c - np.cos(angle) * s, -c)
+    of_rotor = SimpleNamespace(
+        omega=rotor.omega, zeta=rotor.zeta, shaft_stiffness=rotor.shaft_stiffness, load=rotor.load,
+        rim=rim,
+    )  # fmt: skip
+    return np.asarray(hold_of_rolling(across, size, _outwards(run, radius), of_rotor))
+
+
+def _outwards(run: xr.Dataset, radius: Values) -> Values:
+    """Return the radial velocity; of no matter at the axis."""
+    moment = run["x"].values * run["vx"].values + run["y"].values * run["vy"].values
+    speed: Values = np.divide(moment, radius, out=np.zeros_like(radius), where=radius > 0.0)
+    return speed

@@ -1,0 +1,87 @@
+"""Local maxima and minima of the distance from the bearing axis, found by the core."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.arrays import Values
+from rotor_ida.checks import MOST_NUMBERS, State
+from rotor_ida.core.interface import DONE, KIND, RADIUS, STATE, TIME, message_of
+from rotor_ida.core.runs import Asked, follow
+from rotor_ida.errors import InputError, SimulationError
+from rotor_ida.model.equations import rotated
+from rotor_ida.model.parameters import Rotor
+from rotor_ida.parallel.jobs import Stop
+from rotor_ida.simulation.neighbours import ATOL
+
+# Kinds of an extremum.
+MINIMUM, CONSTANT, MAXIMUM = -1, 0, 1
+# Knots are samples that tell whether the radius is constant; extrema lie anywhere between them.
+KNOTS_A_REVOLUTION = 64
+KNOTS_A_TIME = 16
+# A radius that varies by less than this part of it is constant: a sweep takes a whirl for steady
+# that strays from its mean by 1e-9 either way, and this is above that.
+CONSTANT_WITHIN = 1e-8
+
+
+@dataclass(frozen=True, slots=True)
+class Extrema:
+    """The extrema of the radius of one motion, in order of time.
+
+    Parameters
+    ----------
+    times, radii : ndarray, shape (n,)
+        Times from the start and distances from the bearing axis [1].
+    kinds : ndarray of int8, shape (n,)
+        -1 minimum, 1 maximum, 0 constant radius.
+    states : ndarray, shape (n, 4)
+        ``(x, y, vx, vy)`` there, on the rotating axes [1].
+    """
+
+    times: Values
+    radii: Values
+    kinds: npt.NDArray[np.int8]
+    states: Values
+
+
+def radius_extrema(rotor: Rotor, start: State, duration: float, rtol: float, stop: Stop) -> Extrema:
+    """Return the extrema of the radius from `start`, on the rotating axes, on.
+
+    If the radius is constant, one row with its mean. SimulationError if the integration was stuck,
+    or asked to stop.
+    """
+    times = np.linspace(0.0, duration, math.ceil(duration * _knots_a_time(rotor)) + 1)
+    seen = follow(
+        Asked(
+            rotor=rotor, start=start, duration=duration, rtol=rtol, atol=ATOL * rtol,
+            sample_times=times, extrema=True, stop=stop,
+        )
+    )  # fmt: skip
+    if seen.status != DONE:
+        state = rotated(seen.state, rotor.omega * seen.time).tolist()
+        raise SimulationError(
+            f"the motion could not be followed to its extrema: {message_of(seen.status)}",
+            time=seen.time, state=tuple(state),
+        )  # fmt: skip
+    radius = np.hypot(seen.samples[:, 0], seen.samples[:, 1])
+    if np.ptp(radius) <= CONSTANT_WITHIN * radius.max():
+        kinds = np.array([CONSTANT], dtype=np.int8)
+        return Extrema(times[:1], radius.mean(keepdims=True), kinds, seen.samples[:1])
+    found = seen.extrema
+    kinds = found[:, KIND].astype(np.int8)
+    return Extrema(found[:, TIME], found[:, RADIUS], kinds, found[:, STATE:])
+
+
+def check_knots(name: str, rotor: Rotor, duration: float) -> None:
+    """Refuse a time in which there are more knots than memory holds."""
+    longest = MOST_NUMBERS / _knots_a_time(rotor)
+    if duration > longest:
+        raise InputError(f"{name} must be at most {longest:.6g}, got {duration!r}")
+
+
+def _knots_a_time(rotor: Rotor) -> float:
+    return max(KNOTS_A_REVOLUTION * rotor.omega / (2.0 * math.pi), KNOTS_A_TIME)

@@ -1,0 +1,181 @@
+"""A stretch of an orbit with all that Newton's method asks of it, and all that happens on it.
+
+State and four differences from it are followed together by the core, by one Taylor series in
+contact and in closed form in flight; what small changes of the parameters make of it follows. The
+field is continuous where contact begins and ends, so nothing is added there; where friction jumps,
+as the disc begins to roll or to slide the other way, differences jump with it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.arrays import Values
+from rotor_ida.core.interface import DONE, STUCK, message_of
+from rotor_ida.core.runs import COLUMNS, DIFFERENCES, Asked, follow
+from rotor_ida.errors import SimulationError
+from rotor_ida.model.equations import push_over_radius, rotating_field
+from rotor_ida.model.parameters import PARAMETERS, Rotor
+from rotor_ida.parallel.jobs import Stop
+from rotor_ida.simulation.orbit import ROLLS, SLIDES_BACKWARDS, SLIDES_FORWARDS
+
+MAXIMUM = 1.0  # the kind of an extremum
+RTOL = 1e-15
+# Absolute tolerance of one step in parts of the relative one.
+ATOL = 1e-2
+# A slip this small beside the speeds that it is the difference of is what solving leaves.
+HIDDEN_SLIP = 1e-12
+
+
+@dataclass(frozen=True, slots=True)
+class Shot:
+    """A stretch of an orbit, from a start to its end.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        The rotor.
+    start, end : ndarray, shape (4,)
+        States ``(x, y, vx, vy)`` on the rotating axes [1].
+    duration : float
+        Time between them [1].
+    monodromy : ndarray, shape (4, 4)
+        Derivative of the end by the start [1].
+    by_parameter : ndarray, shape (4, n)
+        Derivatives of the end by the first n of `rotor_ida.core.runs.COLUMNS` [1]: omega, zeta and
+        delta0, and in the whole model what else a machine has. That by delta0 is 0 without
+        clearance.
+    contacts : ndarray, shape (n, 8)
+        Entry, exit and peak time, root of the largest indentation, impulse, angular momentum at the
+        peak, energy lost and largest force of each contact, as `rotor_ida.core.runs.Seen` has them;
+        NaN where it begins before the start, or ends after the end.
+    extrema : ndarray, shape (m, 7)
+        Time, radius, kind, -1 or 1, and state of each minimum and maximum of the radius between
+        them [1].
+    start_rate, end_rate : ndarray, shape (4,)
+        Rate of change of the state at the start and at the end [1].
+    event_kinds : ndarray, shape (k,)
+        What happens on it.
+    ways : ndarray, shape (k + 1,), optional
+        With friction how the rotor moves from its start, and from each event on; None without.
+    """
+
+    rotor: Rotor
+    start: Values
+    end: Values
+    duration: float
+    monodromy: Values
+    by_parameter: Values
+    contacts: Values
+    extrema: Values
+    start_rate: Values
+    end_rate: Values
+    event_kinds: npt.NDArray[np.int8]
+    ways: npt.NDArray[np.int8] | None = None
+
+    @property
+    def rolls(self) -> bool:
+        """Whether the disc ever rolls on the ring."""
+        return self.ways is not None and bool((self.ways == ROLLS).any())
+
+
+def shoot(
+    rotor: Rotor,
+    start: Values,
+    duration: float,
+    stop: Stop,
+    rtol: float = RTOL,
+    *,
+    whole: bool = False,
+) -> Shot:
+    """Follow a state for a time, with the derivatives of where it ends.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        The rotor.
+    start : ndarray, shape (4,)
+        ``(x, y, vx, vy)`` on the rotating axes [1], at time 0, when a load points down on them.
+    duration : float
+        Time to follow it for [1].
+    stop : ndarray, shape (1,)
+        Anything but 0 asks to stop.
+    rtol : float
+        Tolerance of one step, relative to the size of the state [1].
+    whole : bool
+        Whether to differentiate by all that a machine has, even if it is the paper's rotor.
+
+    Raises
+    ------
+    SimulationError
+        If it could not be followed.
+    """
+    if rotor.friction > 0.0:
+        start = put_on_rolling(rotor, start)
+    columns = len(COLUMNS) if whole or rotor.beyond else len(PARAMETERS)
+    bundle = np.eye(DIFFERENCES + columns, 4)
+    seen = follow(
+        Asked(
+            whole=whole,
+            rotor=rotor,
+            start=start,
+            duration=duration,
+            rtol=rtol,
+            atol=ATOL * rtol,
+            events=True,
+            extrema=True,
+            bundle=bundle,
+            stop=stop,
+        )
+    )
+    end = np.array(seen.state)
+    status = seen.status
+    if status == DONE and not math.isfinite(sum(bundle.ravel().tolist()) + sum(seen.state)):
+        status = STUCK
+    if status != DONE:
+        x, y, vx, vy = start.tolist()
+        reason = f"an orbit could not be followed round: {message_of(status)}"
+        raise SimulationError(reason, time=0.0, state=(x, y, vx, vy))
+    ways = (0, 0) if seen.ways is None else (int(seen.ways[0]), int(seen.ways[-1]))
+    rates = (
+        rotating_field(start, rotor) + _friction_at(start, rotor, 0.0, ways[0]),
+        rotating_field(end, rotor, duration) + _friction_at(end, rotor, duration, ways[1]),
+    )
+    return Shot(
+        rotor, start, end, duration, bundle[:DIFFERENCES].T, bundle[DIFFERENCES:].T,
+        seen.contacts, seen.extrema, *rates, seen.event_kinds, seen.ways,
+    )  # fmt: skip
+
+
+def put_on_rolling(rotor: Rotor, state: Values) -> Values:
+    """Return a state whose slip, if it is but rounding, is none: there the disc may roll."""
+    x, y, vx, vy = state.tolist()
+    radius, speed = math.hypot(x, y), math.hypot(vx, vy)
+    rim = (rotor.disc_radius or 0.0) * rotor.omega
+    if not radius > rotor.delta0:
+        return state
+    slip = (x * vy - y * vx) / radius + rim
+    if abs(slip) > HIDDEN_SLIP * (speed + rim):
+        return state
+    return np.array([x, y, vx + slip * y / radius, vy - slip * x / radius])
+
+
+def _friction_at(state: Values, rotor: Rotor, time: float, way: int) -> Values:
+    """Return what the tangential force adds to the rates of a state on the rotating axes."""
+    if way not in {SLIDES_FORWARDS, SLIDES_BACKWARDS, ROLLS}:
+        return np.zeros(4)
+    x, y, vx, vy = state.tolist()
+    radius = math.hypot(x, y)
+    if way == ROLLS:
+        turned = rotor.omega * time
+        down = -rotor.load * (x * math.cos(turned) - y * math.sin(turned)) / radius
+        force = -(rotor.omega**2) * y / radius + down
+        rise = (x * vx + y * vy) / radius
+        force += (rotor.disc_radius or 0.0) * rotor.omega * (2.0 * rotor.zeta + rise / radius)
+    else:
+        force = way * rotor.friction * radius * push_over_radius((x, y, vx, vy), rotor)
+    return np.array([0.0, 0.0, force * y / radius, -force * x / radius])

@@ -1,1 +1,0 @@
-"""How small differences from a motion grow or die away."""

@@ -1,0 +1,424 @@
+"""Follow a rotor to its steady state, and decide the kind of its response."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.arrays import ROUNDING, Values
+from rotor_ida.checks import State
+from rotor_ida.errors import SimulationError
+from rotor_ida.model.equations import rotated
+from rotor_ida.model.parameters import Rotor
+from rotor_ida.parallel import Stop
+from rotor_ida.simulation.lyapunov import exponents_of
+from rotor_ida.simulation.options import Options
+from rotor_ida.simulation.orbit import ENTRY, Orbit, stretches_of_rolling
+from rotor_ida.simulation.run import run
+from rotor_ida.steady.periods import (
+    SAME_TURN,
+    Recurrence,
+    TurningPoints,
+    extreme_radii,
+    recurrence,
+    recurrence_by_revolutions,
+    slowest_multiplier,
+    turning_points,
+)
+from rotor_ida.steady.response import (
+    BOUNCING,
+    CHAOTIC,
+    CONTACT_FREE,
+    FULL_CONTACT,
+    QUASI_PERIODIC,
+    ROLLING,
+    STEADY,
+    SYNCHRONOUS,
+    TOUCHING,
+    UNRESOLVED,
+    Features,
+    Window,
+    kind_at_rest,
+    phase_lag_of,
+    rolls_backwards,
+    stays_free,
+    touches_fade,
+    touches_grow_slighter,
+    whirls_steadily,
+)
+
+FAILED = "failed"
+# A transient that decays like exp(-zeta t) has fallen by 4e-11 after this many 1/zeta.
+DECAY_TIMES = 24.0
+# The first wait is no longer, however slight the damping: later ones double.
+LONGEST_FIRST_WAIT = 2000.0
+# No window begins later, unless it is the first. Until then a damping of 0.001 settles.
+LONGEST = 40_000.0
+# Errors of single contacts add up round a cycle, and the smallest radius may be a small part of
+# the motion. So runs are made with this part of the tolerances given.
+TIGHTER = 0.1
+# A tighter tolerance is used as it is: a tenth of it would be near the tightest that solvers take.
+TIGHTENED_FROM = 1e-11
+# The first window holds whole revolutions, so many at least,
+WINDOW_REVOLUTIONS = 4
+# and so much time at least: four revolutions of a fast rotor are soon over.
+WINDOW_TIME = 40.0
+# Windows double up to so many times the first, for periods of many revolutions.
+LONGEST_WINDOW = 8
+# Samples of a window, whose mean is the whirl; the run itself finds the extrema between them.
+SAMPLES_PER_REVOLUTION = 64
+SAMPLES_PER_TIME = 16
+# With a loose tolerance a motion is steady that varies by so many tolerances.
+STEADY_TOLERANCES = 10.0
+# A motion recurs that misses itself by so many times what is steady: it may be that far on either
+# side of its cycle.
+RECURS = 10.0
+# Chaos may be a transient: exponents are asked for only of a motion that has not settled after
+# this time, and so many 1/zeta, in which what decays like exp(-zeta t) has fallen by 2e-9.
+LATE = 3000.0
+PATIENCE = 20.0
+# An exponent is a mean over this time at least, and over so many times what came before.
+EXPONENT_TIME = 20_000.0
+EXPONENT_TIMES = 2.0
+# An exponent is clear of zero when it exceeds so many errors,
+CLEAR_ERRORS = 5.0
+# and when by it neighbours part by exp(20), 5e8, in the time over which it was taken.
+CLEAR_STRETCH = 20.0
+# It is zero when by it they neither part nor come together by 1 % in that time, and chaos that is
+# clear would have been seen. The errors are of the scatter of parts; the mean of the whole of a
+# torus is far better.
+NO_STRETCH = 0.01
+
+_NO_TIMES = np.empty(0)
+
+
+@dataclass(frozen=True, slots=True)
+class SettledResponse:
+    """The response on which a rotor has settled, and the events on the way to it.
+
+    Parameters
+    ----------
+    response : str
+        One of the kinds of `rotor_ida.steady.response`, or ``"failed"``.
+    features : Features
+        The motion over the final window; all NaN if the run failed.
+    window_start, window_end : float
+        The final window [1].
+    event_times, event_kinds : ndarray, shape (m,)
+        All contact events from the start on [1].
+    event_states : ndarray, shape (m, 4)
+        States at the events, fixed frame [1].
+    end : tuple of float
+        State at the end, on the rotating axes [1].
+    message : str
+        Why the run failed; empty if it did not.
+    """
+
+    response: str
+    features: Features
+    window_start: float
+    window_end: float
+    event_times: Values
+    event_kinds: npt.NDArray[np.int8]
+    event_states: Values
+    end: State
+    message: str = ""
+
+
+@dataclass(slots=True)
+class _Trajectory:
+    """The runs made so far, each from the end of the one before, on the rotating axes.
+
+    Under a load each takes whole revolutions, after which the axes point as they did.
+    """
+
+    rotor: Rotor
+    options: Options
+    state: State
+    stop: Stop
+    extrema: Values | None = None  # of the radius in the last window
+    time: float = 0.0
+    event_times: list[Values] = field(default_factory=lambda: [np.empty(0)])
+    event_kinds: list[npt.NDArray[np.int8]] = field(
+        default_factory=lambda: [np.empty(0, dtype=np.int8)]
+    )
+    event_states: list[Values] = field(default_factory=lambda: [np.empty((0, 4))])
+
+    def wait(self, duration: float) -> None:
+        """Simulate on from the end of the run before."""
+        self._extend(duration, _NO_TIMES)
+
+    def observe(self, length: float, samples: int) -> Window:
+        """Simulate on, and return what the motion does meanwhile."""
+        times = np.linspace(0.0, length, samples)
+        orbit = self._extend(length, times, extrema=True)
+        self.extrema = orbit.extrema
+        touches = int((np.abs(orbit.event_kinds) == ENTRY).sum())
+        return Window(
+            rotor=self.rotor,
+            times=times,
+            states=rotated(orbit.states, -self.rotor.omega * times),
+            contacts=orbit.contacts,
+            touches=touches,
+            ends_in_contact=orbit.starts_in_contact != bool(touches % 2),
+            steady=max(STEADY, STEADY_TOLERANCES * self.options.rtol),
+            rolling=stretches_of_rolling(orbit),
+        )
+
+    def turns(self, window: Window) -> TurningPoints:
+        """Return where the radius turns in the last window."""
+        assert self.extrema is not None
+        return turning_points(window.states, self.extrema)
+
+    def _extend(self, duration: float, times: Values, *, extrema: bool = False) -> Orbit:
+        """Simulate from the end of the run before, where time and phase count as 0 again."""
+        scale = TIGHTER if self.options.rtol >= TIGHTENED_FROM else 1.0
+        orbit = run(
+            self.rotor, self.state, duration, times, self.options,
+            scale=scale, extrema=extrema, stop=self.stop,
+        )  # fmt: skip
+        omega = self.rotor.omega
+        self.event_times.append(self.time + orbit.event_times)
+        self.event_kinds.append(orbit.event_kinds)
+        self.event_states.append(rotated(orbit.event_states, np.float64(omega * self.time)))
+        x, y, vx, vy = rotated(orbit.end, -omega * duration).tolist()
+        self.state = (x, y, vx, vy)
+        self.time += duration
+        return orbit
+
+    def settled(
+        self, response: str, features: Features, window_start: float, message: str = ""
+    ) -> SettledResponse:
+        """Return the settled response."""
+        return SettledResponse(
+            response=response,
+            features=features,
+            window_start=window_start,
+            window_end=self.time,
+            event_times=np.concatenate(self.event_times),
+            event_kinds=np.concatenate(self.event_kinds),
+            event_states=np.concatenate(self.event_states),
+            end=self.state,
+            message=message,
+        )
+
+
+@dataclass(slots=True)
+class _Approach:
+    """How near a motion has come to its cycle, from window to window.
+
+    Parameters
+    ----------
+    recurs : bool
+        Whether it repeated itself in the last window.
+    distance : float
+        How far it was from its cycle at the end of that, relative to its size [1].
+    time : float
+        When that was [1].
+    """
+
+    recurs: bool = False
+    distance: float = math.inf
+    time: float = 0.0
+
+    def period(self, trajectory: _Trajectory, window: Window, turns: TurningPoints) -> float | None:
+        """Return the period of a motion that has come to a stable cycle; None for others."""
+        loaded = window.rotor.load > 0.0
+        found = (_by_revolutions if loaded else _by_turns)(window, turns)
+        self.recurs = found is not None
+        if found is None:
+            self.distance = math.inf
+            return None
+        multiplier = slowest_multiplier(
+            trajectory.rotor, trajectory.state, found.period, trajectory.stop
+        )
+        decay = abs(multiplier) ** ((trajectory.time - self.time) / found.period)
+        # under a load there is no partner that tells which of the others is nearest 1
+        held_back = 1.0 - abs(multiplier) if loaded else abs(1.0 - multiplier)
+        distance = found.missed_by / max(held_back, ROUNDING)
+        if math.isfinite(self.distance):
+            # rounding lets no motion miss itself by less, however near it has come
+            distance = min(distance, decay * self.distance)
+        self.distance, self.time = distance, trajectory.time
+        settled = abs(multiplier) < 1.0 and distance <= window.steady
+        return found.period if settled else None
+
+
+def _by_turns(window: Window, turns: TurningPoints) -> Recurrence | None:
+    """Return how a motion repeats itself on the rotating axes."""
+    return recurrence(turns, RECURS * window.steady)
+
+
+def _by_revolutions(window: Window, _: TurningPoints) -> Recurrence | None:
+    """Return how a motion repeats itself under a load."""
+    return recurrence_by_revolutions(
+        window.once_a_revolution,
+        2.0 * math.pi / window.rotor.omega,
+        float(np.abs(window.states).max()),
+        RECURS * window.steady,
+    )
+
+
+def follow_to_steady_state(
+    rotor: Rotor,
+    start: State,
+    options: Options,
+    *,
+    longest: float = LONGEST,
+    stop: Stop | None = None,
+) -> SettledResponse:
+    """Follow a rotor until the kind of its response is decided, or for long enough.
+
+    The motion is observed over a window: first after the time in which damping should have
+    settled it, then each time the time has doubled.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        The rotor.
+    start : tuple of float
+        ``(x, y, vx, vy)`` on the rotating axes, which at time 0 are the fixed ones [1].
+    options : Options
+        How to simulate.
+    longest : float
+        Time after which no further window begins [1].
+    stop : ndarray, shape (1,), optional
+        Ends the run, as failed, as soon as it holds anything but 0.
+    """
+    trajectory = _Trajectory(rotor, options, start, np.zeros(1, np.uint8) if stop is None else stop)
+    try:
+        return _decided(trajectory, longest)
+    except SimulationError as error:
+        return trajectory.settled(FAILED, Features(), math.nan, str(error))
+
+
+def _decided(trajectory: _Trajectory, longest: float) -> SettledResponse:
+    """Observe the motion, window after window, until its kind is decided."""
+    wait, length, samples = durations(trajectory.rotor)
+    approach, times = _Approach(), 1
+    while True:
+        trajectory.wait(wait)
+        began = trajectory.time
+        window = trajectory.observe(times * length, times * (samples - 1) + 1)
+        kind, features = _kind_of(window, trajectory, approach)
+        wait, times = trajectory.time, min(2 * times, LONGEST_WINDOW)
+        never = trajectory.rotor.zeta == 0.0
+        if kind != UNRESOLVED or never or trajectory.time + wait > longest:
+            return trajectory.settled(kind, features, began)
+
+
+def _kind_of(window: Window, trajectory: _Trajectory, approach: _Approach) -> tuple[str, Features]:
+    """Return the kind of response seen in a window, and what is stated of it."""
+    rotor = window.rotor
+    if rotor.load > 0.0 and rotor.omega == 0.0:
+        return kind_at_rest(window), _features(window)
+    if whirls_steadily(window):
+        return SYNCHRONOUS, _features(window)
+    turns = trajectory.turns(window)
+    features = _features(window, turns)
+    if stays_free(window):
+        return CONTACT_FREE, features
+    period = approach.period(trajectory, window, turns)
+    if period is not None:
+        return _kind_of_cycle(window, period), _features_of_cycle(window, turns, period)
+    kind = TOUCHING if touches_fade(window) else UNRESOLVED
+    slighter = kind == TOUCHING or touches_grow_slighter(window)
+    undecided = not approach.recurs and not slighter and _may_be_chaotic(trajectory)
+    if undecided and rolls_backwards(window):
+        return ROLLING, features
+    if undecided:
+        kind, exponent, error = _kind_by_exponent(trajectory)
+        features = replace(features, lyapunov_exponent=exponent, lyapunov_error=error)
+    return kind, features
+
+
+def _kind_of_cycle(window: Window, period: float) -> str:
+    """Return the kind of a motion that has come to a cycle."""
+    if rolls_backwards(window, period):
+        return ROLLING
+    if window.touches:
+        return BOUNCING
+    # one that stays free may come so near the ring that its bounds in `stays_free` reach beyond
+    return FULL_CONTACT if window.ends_in_contact else CONTACT_FREE
+
+
+def _features_of_cycle(window: Window, turns: TurningPoints, period: float) -> Features:
+    """Return what is stated of a motion that has come to a cycle."""
+    if window.rotor.load > 0.0:
+        features = _features(*_last_of(window, turns, period))
+    else:
+        low, high = extreme_radii(turns, period)
+        features = replace(_features(window, turns), radius_min=low, radius_max=high)
+    free = _kind_of_cycle(window, period) == CONTACT_FREE
+    return features if free else replace(features, period=period)
+
+
+def _features(window: Window, turns: TurningPoints | None = None) -> Features:
+    """Return what is stated of any motion over a window."""
+    radii = np.abs(window.positions)
+    if turns is not None:
+        radii = np.concatenate([radii, turns.radii])
+    whirl = window.whirl
+    return Features(abs(whirl), phase_lag_of(whirl), float(radii.min()), float(radii.max()))
+
+
+def _last_of(window: Window, turns: TurningPoints, period: float) -> tuple[Window, TurningPoints]:
+    """Return the last period of a window, of whole revolutions, and the turns in it."""
+    since = float(window.times[-1]) - period - SAME_TURN
+    late, turned = window.times >= since, turns.times >= since
+    return (
+        replace(window, times=window.times[late], states=window.states[late]),
+        TurningPoints(turns.times[turned], turns.states[turned], turns.are_maxima[turned]),
+    )
+
+
+def _may_be_chaotic(trajectory: _Trajectory) -> bool:
+    """Return whether a motion that has not settled so late may never."""
+    rotor, time = trajectory.rotor, trajectory.time
+    return rotor.omega > 0.0 and time >= LATE and rotor.zeta * time >= PATIENCE
+
+
+def _kind_by_exponent(trajectory: _Trajectory) -> tuple[str, float, float]:
+    """Return the kind of a motion that never comes again, its largest exponent, and its error."""
+    rotor = trajectory.rotor
+    duration = max(EXPONENT_TIME, EXPONENT_TIMES * trajectory.time)
+    exponents, errors = exponents_of(rotor, trajectory.state, duration, trajectory.stop)
+    exponent, error = float(exponents[0]), float(errors[0])
+    if exponent > CLEAR_ERRORS * error and exponent * duration > CLEAR_STRETCH:
+        return CHAOTIC, exponent, error
+    # without a load that of a shift in time is zero on any motion, and on a torus one more is
+    zeros = slice(0, 1 if rotor.load > 0.0 else 2)
+    are_zero = (np.abs(exponents[zeros]) * duration <= NO_STRETCH) & (
+        errors[zeros] * duration <= CLEAR_STRETCH
+    )
+    has_tori = rotor.load > 0.0 or rotor.friction > 0.0 or rotor.contact_damping > 0.0
+    return QUASI_PERIODIC if are_zero.all() and has_tori else UNRESOLVED, exponent, error
+
+
+def failed(rotor: Rotor, start: State, options: Options, reason: str) -> SettledResponse:
+    """Return the failed response of a rotor that could not be followed from `start`."""
+    trajectory = _Trajectory(rotor, options, start, np.zeros(1, np.uint8))
+    return trajectory.settled(FAILED, Features(), math.nan, reason)
+
+
+def durations(rotor: Rotor) -> tuple[float, float, int]:
+    """Return the first wait, the length of the window and its number of samples.
+
+    The window holds whole revolutions, and under a load the wait does too.
+    """
+    zeta, kappa = rotor.zeta, rotor.shaft_stiffness
+    decay = DECAY_TIMES * max(1.0 / zeta, zeta) if zeta > 0.0 else math.inf
+    if 0.0 < kappa < zeta * zeta:  # in flight what the shaft draws back comes slowly
+        decay = max(decay, DECAY_TIMES * (zeta + math.sqrt(zeta * zeta - kappa)) / kappa)
+    wait = min(decay, LONGEST_FIRST_WAIT)
+    if rotor.omega == 0.0:
+        return wait, WINDOW_TIME, int(WINDOW_TIME * SAMPLES_PER_TIME) + 1
+    revolution = 2.0 * math.pi / rotor.omega
+    if rotor.load > 0.0:
+        wait = math.ceil(wait / revolution) * revolution
+    count = max(WINDOW_REVOLUTIONS, math.ceil(WINDOW_TIME / revolution))
+    each = max(SAMPLES_PER_REVOLUTION, math.ceil(SAMPLES_PER_TIME * revolution))
+    return wait, count * revolution, count * each + 1

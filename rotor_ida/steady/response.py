@@ -1,0 +1,292 @@
+"""Kinds of response, and those of them that a single window of the motion tells.
+
+========================= ==========================================================
+``contact_free``          whirls inside the clearance and will not touch the ring again
+``synchronous``           whirls in contact with the unbalance, at constant radius
+``bouncing``              is periodic, and enters and leaves contact (intermittent rub)
+``full_contact``          is periodic, always in contact, radius not constant (full annular rub)
+``rolling``               whirls backwards, always in contact, and rolls on the ring in every period
+                          (dry whip)
+``touching``              is contact-free in the limit, through ever slighter touches
+``quasi_periodic``        never comes again, and neighbouring motions keep apart as they are
+``chaotic``               is not periodic, and neighbouring motions part
+``unresolved``            none of these, as far as it was followed
+========================= ==========================================================
+
+Periods are those on the rotating axes, where a synchronous whirl stands still. Under a load they
+are whole revolutions, and the same on fixed axes. A cycle on the rotating axes whose own period is
+none becomes a torus under a slight load: quasi-periodic, and so it is on fixed axes without one. A
+rotor that does not turn comes to rest under its load: on the ring, which counts as synchronous, or
+inside the clearance, contact-free; where friction holds it, it may rest at other places.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.arrays import Values
+from rotor_ida.closed_forms.contact_free import complex_amplitude, touch_fading
+from rotor_ida.closed_forms.rest import rest
+from rotor_ida.model.contact import contact_force, secant_stiffness
+from rotor_ida.model.parameters import Rotor
+
+CONTACT_FREE = "contact_free"
+SYNCHRONOUS = "synchronous"
+BOUNCING = "bouncing"
+FULL_CONTACT = "full_contact"
+ROLLING = "rolling"
+TOUCHING = "touching"
+QUASI_PERIODIC = "quasi_periodic"
+CHAOTIC = "chaotic"
+UNRESOLVED = "unresolved"
+
+# A motion is steady that varies, or is off its whirl or its cycle, by less than this part of its
+# size: ten times the default tolerance.
+STEADY = 1e-9
+# A whirl is one that the equation of motion allows when what is left over of its terms is less
+# than this part of the largest; close to a fold the rotor creeps at nearly constant radius where
+# there is no whirl.
+RESIDUAL = 1e-6
+# A window holds a period, but for rounding, that fits into it to this part of the period.
+SAME_LENGTH = 1e-6
+# Fewer touches in a window tell no law.
+FEWEST_TOUCHES = 3
+# Near the limit the whirl stands still: a touch comes a revolution after the last, to this part.
+ONCE_A_REVOLUTION = 0.01
+# And 1/h grows by what the law says, to this part of it. The law is to leading order in h: after
+# 24/zeta, over speeds from 0.15 to 3 and dampings from 0.07 to 0.5, no touch missed it by over 8 %.
+LIKE_THE_LAW = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class Window:
+    """The motion over whole revolutions.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        The rotor.
+    times : ndarray, shape (n,)
+        Equally spaced times from the start of the window, 0, to its end [1].
+    states : ndarray, shape (n, 4)
+        ``(x, y, vx, vy)`` at those times, on the rotating axes [1].
+    contacts : ndarray, shape (k, 8)
+        The contacts, as in `rotor_ida.simulation.orbit.Orbit`.
+    touches : int
+        Number of entries and exits.
+    ends_in_contact : bool
+        Whether it ends in contact.
+    steady : float
+        By how much, as a part of its amplitude, a whirl may stray from its mean and still count
+        as steady [1].
+    rolling : ndarray, shape (m, 2)
+        When the disc began to roll on the ring, and no longer did, from the start of the window
+        [1].
+    """
+
+    rotor: Rotor
+    times: Values
+    states: Values
+    contacts: Values
+    touches: int
+    ends_in_contact: bool
+    steady: float
+    rolling: Values = field(default_factory=lambda: np.empty((0, 2)))
+
+    @property
+    def positions(self) -> npt.NDArray[np.complex128]:
+        """Displacements on the rotating axes [1]."""
+        return self.states[:, 0] + 1j * self.states[:, 1]
+
+    @property
+    def once_a_revolution(self) -> Values:
+        """States at the start of each revolution, and at the end of the last, shape (m, 4) [1]."""
+        revolutions = round(float(self.times[-1]) * self.rotor.omega / (2.0 * math.pi))
+        return self.states[:: (len(self.times) - 1) // revolutions]
+
+    @property
+    def whirl(self) -> complex:
+        """Complex amplitude of the part of the motion at the spin speed [1]."""
+        return complex(self.positions[:-1].mean())
+
+
+@dataclass(frozen=True, slots=True)
+class Features:
+    """What a sweep states of a motion; NaN where it has no such number.
+
+    Parameters
+    ----------
+    amplitude, phase_lag : float
+        Amplitude [1] and phase lag [rad] of the part of the motion at the spin speed.
+    radius_min, radius_max : float
+        Smallest and largest distance from the bearing axis [1].
+    period : float
+        Period on the rotating axes, of a bouncing or a full-contact motion [1]; under a load a
+        whole number of revolutions.
+    lyapunov_exponent, lyapunov_error : float
+        Largest Lyapunov exponent and its standard error, where they were asked for [1].
+    """
+
+    amplitude: float = math.nan
+    phase_lag: float = math.nan
+    radius_min: float = math.nan
+    radius_max: float = math.nan
+    period: float = math.nan
+    lyapunov_exponent: float = math.nan
+    lyapunov_error: float = math.nan
+
+
+def whirls_steadily(window: Window) -> bool:
+    """Return whether it is a synchronous whirl in contact."""
+    rotor, whirl = window.rotor, window.whirl
+    if window.touches or not window.ends_in_contact or rotor.omega == 0.0:
+        return False
+    stray = float(np.abs(window.positions - whirl).max())
+    return stray <= window.steady * abs(whirl) and _obeys_the_equation(rotor, whirl, window.steady)
+
+
+def _obeys_the_equation(rotor: Rotor, whirl: complex, steady: float) -> bool:
+    """Return whether ``(s (1 + i mu) + kappa - omega**2 + 2 i zeta omega) Z = omega**2``.
+
+    The disc slides forwards: so friction pulls it back.
+    """
+    omega = rotor.omega
+    secant = float(secant_stiffness(abs(whirl), rotor.delta0, rotor.contact_exponent))
+    stiffness = complex(secant + rotor.shaft_stiffness, rotor.friction * secant)
+    terms = (stiffness * whirl, -(omega**2) * whirl, 2j * rotor.zeta * omega * whirl, -(omega**2))
+    return abs(sum(terms)) <= max(RESIDUAL, steady) * max(map(abs, terms))
+
+
+def stays_free(window: Window) -> bool:
+    """Return whether it has left the ring for good, or has come to rest at the centre."""
+    rotor = window.rotor
+    if rotor.omega == 0.0 and float(np.abs(window.positions).max()) <= window.steady:
+        return True
+    if window.touches or window.ends_in_contact:
+        return False
+    x, y, vx, vy = window.states[-1].tolist()
+    drift, reach = _future_if_free(rotor, complex(x, y), complex(vx, vy))
+    return drift <= window.steady * rotor.delta0 and reach <= rotor.delta0
+
+
+def rolls_backwards(window: Window, period: float | None = None) -> bool:
+    """Return whether it is a dry whip.
+
+    It whirls backwards, stays in contact, and has a stretch of rolling in every period, or in every
+    revolution where it has none.
+    """
+    rotor = window.rotor
+    if not len(window.rolling) or window.touches or rotor.omega == 0.0:
+        return False
+    x, y, vx, vy = window.states.T
+    if (x * vy - y * vx).max() >= 0.0:
+        return False
+    length = float(window.times[-1])
+    each = 2.0 * math.pi / rotor.omega if period is None else period
+    starts = length - each * np.arange(1, int(length / each + SAME_LENGTH) + 1)
+    begins, ends = window.rolling.T[:, :, None]
+    overlap = np.minimum(ends, starts + each) - np.maximum(begins, starts)
+    return bool((overlap.max(axis=0) > 0.0).all())
+
+
+def _future_if_free(rotor: Rotor, position: complex, velocity: complex) -> tuple[float, float]:
+    """Return how far a free whirl's centre would still drift, and how far out it would go.
+
+    With a shaft the energy of what is not yet settled only falls: by that both are bounded. Under a
+    load the axes must point along the fixed ones; without a shaft the rotor falls.
+    """
+    omega, zeta = rotor.omega, rotor.zeta
+    if rotor.shaft_stiffness > 0.0:
+        resistance = complex(rotor.shaft_stiffness - omega**2, 2.0 * zeta * omega)
+        if resistance == 0.0:
+            return math.inf, math.inf
+        whirl, sag = omega**2 / resistance, rotor.load / rotor.shaft_stiffness
+        off, surplus = position - whirl + 1j * sag, velocity - 1j * omega * whirl
+        unsettled = math.hypot(abs(off), abs(surplus) / math.sqrt(rotor.shaft_stiffness))
+        return unsettled, abs(whirl) + sag + unsettled
+    if rotor.load > 0.0:
+        return math.inf, math.inf
+    whirl = complex(complex_amplitude(omega, zeta))
+    surplus = velocity - 1j * omega * whirl
+    if surplus != 0.0 and zeta == 0.0:
+        return math.inf, math.inf
+    drift = surplus / (2.0 * zeta) if surplus != 0.0 else 0j
+    centre = position - whirl
+    return abs(drift), max(abs(centre), abs(centre + drift)) + abs(whirl)
+
+
+def touches_fade(window: Window) -> bool:
+    """Return whether ever slighter touches follow the law of `touch_fading`.
+
+    Near its limit the whirl stands so still that it touches once a revolution, neither more nor
+    less. A motion that touches more or less often is not near it, and is not decided here.
+    """
+    growth = _growth_from_touch_to_touch(window)
+    rotor = window.rotor
+    if growth is None or rotor.shaft_stiffness > 0.0 or rotor.load > 0.0:
+        return False
+    return bool((np.abs(growth / touch_fading(rotor) - 1.0) <= LIKE_THE_LAW).all())
+
+
+def touches_grow_slighter(window: Window) -> bool:
+    """Return whether each touch is slighter than the last, a revolution later, by whatever law.
+
+    A motion that does so over a whole window is on its way to touches that fade, and no chaos.
+    """
+    growth = _growth_from_touch_to_touch(window)
+    return growth is not None and bool((growth > 0.0).all())
+
+
+def _growth_from_touch_to_touch(window: Window) -> Values | None:
+    """Return by how much 1/h grows, h the indentation; None unless it touches once a revolution.
+
+    With a linear contact that is ``1/sqrt(h)``.
+    """
+    entry, leaving, peak, depth = window.contacts[:, :4].T
+    whole = np.isfinite(entry) & np.isfinite(leaving) & (depth > 0.0)
+    if whole.sum() < FEWEST_TOUCHES:
+        return None
+    revolutions = np.diff(peak[whole]) * window.rotor.omega / (2.0 * math.pi)
+    if (np.abs(revolutions - 1.0) > ONCE_A_REVOLUTION).any():
+        return None
+    growth: Values = np.diff(depth[whole] ** (0.5 - window.rotor.contact_exponent))
+    return growth
+
+
+def kind_at_rest(window: Window) -> str:
+    """Return the kind of a rotor that does not turn, under a load: at rest, or unresolved."""
+    if window.rotor.friction > 0.0:
+        return _kind_held_by_friction(window)
+    place = rest(window.rotor)
+    y = place["y"].item()
+    off = np.abs(window.states - np.array([0.0, y, 0.0, 0.0])).max()
+    if off > window.steady * abs(y):
+        return UNRESOLVED
+    return SYNCHRONOUS if place["indentation"] > 0.0 else CONTACT_FREE
+
+
+def _kind_held_by_friction(window: Window) -> str:
+    """Return the kind of a rotor at rest, if it is, where friction may hold it off the bottom."""
+    rotor, place = window.rotor, complex(window.positions[-1])
+    off = np.abs(window.states - np.array([place.real, place.imag, 0.0, 0.0])).max()
+    if off > window.steady * abs(place):
+        return UNRESOLVED
+    radius = abs(place)
+    normal = float(contact_force(radius, rotor.delta0, rotor.contact_exponent))
+    # what is left to the contact of load and shaft, along the radius and across it
+    pull = (-1j * rotor.load - rotor.shaft_stiffness * place) * place.conjugate() / radius
+    allowed = RESIDUAL * rotor.load
+    balanced = abs(pull.real - normal) <= allowed
+    held = abs(pull.imag) <= rotor.friction * normal + allowed
+    if not (balanced and held):
+        return UNRESOLVED
+    return SYNCHRONOUS if normal > 0.0 else CONTACT_FREE
+
+
+def phase_lag_of(whirl: complex) -> float:
+    """Return the angle by which a whirl lags the unbalance [rad]."""
+    return math.atan2(-whirl.imag, whirl.real) if whirl else 0.0

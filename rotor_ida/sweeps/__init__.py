@@ -1,1 +1,0 @@
-"""Sweeps of speed, damping and clearance: the settled response at each point."""

@@ -1,0 +1,349 @@
+"""Hold simulated responses against exact ones: synchronous whirls, and limit cycles.
+
+What was simulated comes from the sweep alone. A whirl is held against the closed forms; a motion
+that repeats itself against the limit cycle to which Newton's method leads from where it ended.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.arrays import Values
+from rotor_ida.checks import COMPONENTS, check_instance
+from rotor_ida.closed_forms import rest, synchronous_response
+from rotor_ida.cycles.multipliers import is_stable
+from rotor_ida.cycles.shooting import Cycle, close_orbit
+from rotor_ida.errors import InputError, SimulationError
+from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS, Rotor
+from rotor_ida.parallel import interruptible
+from rotor_ida.parallel.jobs import Stop
+from rotor_ida.schema import (
+    EXACT,
+    RESPONSE,
+    STABILITY,
+    check_dimensionless,
+    labelled,
+    labelled_dataset,
+    origin_of,
+)
+
+NEEDED = ("response", "amplitude", "phase_lag")
+# A settled whirl lies on a branch when it is this near, as a part of its amplitude: far above
+# any simulation's error, far below the distance between branches.
+ON_BRANCH = 1e-5
+# What is stated of a motion that repeats itself, and the state from which Newton's method begins.
+OF_CYCLES = ("period", "radius_min", "radius_max")
+ENDS = tuple(f"end_{name}" for name in COMPONENTS)
+UNDER_LOAD = (
+    "under a load no whirl in contact is synchronous; rest, the contact-free whirl of a rotor with "
+    "a shaft and limit cycles are exact"
+)
+# A double holds no more decimal digits than this.
+ALL_DIGITS = 16.0
+
+
+def compare(dataset: xr.Dataset) -> xr.Dataset:
+    """Put each simulated response of a sweep beside the exact one that it is on.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        A sweep: ``response``, ``amplitude`` and ``phase_lag`` on ``omega``, ``zeta`` and
+        ``delta0`` and any further dimensions, those of a machine among them; for limit cycles also
+        ``period``, ``radius_min``, ``radius_max`` and the states at the ends.
+
+    Returns
+    -------
+    Dataset
+        ``response`` says what each point does. On the dimensions of the sweep: ``lies_on``
+        (nothing, a whirl, or a cycle) and ``digits``, to how many decimal digits simulated and
+        exact numbers agree, NaN where it lies on nothing. Of whirls ``matched_branch`` (-1 where it
+        is on none), ``amplitude_error`` [1] and ``phase_error`` [rad]; with ``branch`` added
+        ``branch_amplitude_error`` and ``branch_phase_error``; on ``branch`` and the parameters
+        that are dimensions ``exact_amplitude``, ``exact_phase_lag``, ``stability`` and
+        ``in_contact``, and under a load ``exact_offset``. Of limit cycles
+        ``period``, ``radius_min``, ``radius_max`` and the end as simulated, and ``exact_period``,
+        ``exact_radius_min``, ``exact_radius_max`` [1] and ``cycle_stability`` beside them.
+
+    Raises
+    ------
+    InputError
+        If the dataset is not a sweep, or in SI units.
+
+    Notes
+    -----
+    Only a response of constant radius in contact, or a contact-free one, can lie on a branch.
+    It does when the complex amplitudes ``A exp(-i theta)`` differ by less than 1e-5 of the
+    exact amplitude; ``digits`` is minus the decimal logarithm of that difference. A response with a
+    period lies on the limit cycle that Newton's method finds from its end, by Taylor series, where
+    period and extremes of the radius differ by less than 1e-5 of the exact ones; ``digits`` is that
+    of the largest of the three. The simulated numbers are those of the sweep, found in its own
+    motion.
+
+    Under a load there is no synchronous whirl in contact. What is known exactly is the contact-free
+    whirl of a rotor with a shaft, ``z = -i gamma/kappa + A_f exp(i (omega t - theta))``, which is
+    not touched by the load but for its centre, where it fits into the clearance,
+    ``gamma/kappa + A_f <= delta0``; and the rest of a rotor that does not turn, which counts as a
+    whirl that lags by a quarter turn, at ``z = -i A``. A motion that repeats itself after whole
+    revolutions is held against its limit cycle as without a load. The attribute ``comment`` says
+    so.
+
+    With friction the synchronous whirls are exact as well, on which the disc slides forwards
+    whatever its radius, and dry whip with unbalance is held against its limit cycle; a rest on the
+    ring under a load lies on nothing that is known, as friction may hold it at many places.
+
+    Examples
+    --------
+    >>> from rotor_ida import sweep
+    >>> compared = compare(sweep(omega=1.7, zeta=0.5, delta0=0.5))
+    >>> compared.matched_branch.item(), bool(abs(compared.amplitude_error.item()) < 1e-8)
+    (0, True)
+    """
+    _check_is_sweep(dataset)
+    dims = dataset["response"].dims
+    exact = _exact_whirls(dataset)
+    amplitude, lag = dataset["amplitude"], dataset["phase_lag"]
+    difference = _relative_distance(amplitude, lag, exact)
+    allowed = exact["in_contact"] == (dataset["response"] == RESPONSE["synchronous"])
+    could_lie = dataset["response"].isin([RESPONSE["synchronous"], RESPONSE["contact_free"]])
+    candidates = difference.where(allowed & could_lie)
+    nearest = candidates.fillna(np.inf).reduce(np.argmin, "branch")
+    distance = candidates.isel(branch=nearest).drop_vars("branch")
+    matched = distance < ON_BRANCH
+
+    amplitude_error = (amplitude - exact["amplitude"]) / exact["amplitude"]
+    # from -pi to pi
+    phase_error = (lag - exact["phase_lag"] + np.pi) % (2.0 * np.pi) - np.pi
+    columns = {
+        "matched_branch": nearest.where(matched, -1).astype(np.int8),
+        "amplitude_error": amplitude_error.isel(branch=nearest).where(matched),
+        "phase_error": phase_error.isel(branch=nearest).where(matched),
+    }
+    variables = {
+        name: labelled(name, dims, column.transpose(*dims).values)
+        for name, column in columns.items()
+    }
+    cycles = _cycles_beside(dataset)
+    on_whirl = matched.transpose(*dims).values
+    off = np.where(on_whirl, distance.transpose(*dims).values, cycles.pop("distance"))
+    on = np.where(on_whirl, EXACT["whirl"], np.where(off < ON_BRANCH, EXACT["cycle"], 0))
+    variables["lies_on"] = labelled("lies_on", dims, on.astype(np.int8))
+    digits = np.where(on == EXACT["nothing"], np.nan, -np.log10(np.maximum(off, 10.0**-ALL_DIGITS)))
+    variables["digits"] = labelled("digits", dims, digits)
+    variables |= {name: labelled(name, dims, column) for name, column in cycles.items()}
+    with_branch = (*dims, "branch")
+    for name, error in (
+        ("branch_amplitude_error", amplitude_error),
+        ("branch_phase_error", phase_error),
+    ):
+        variables[name] = labelled(name, with_branch, error.transpose(*with_branch).values)
+    variables |= _exact_variables(exact)
+    given = [name for name in (*NEEDED, *OF_CYCLES, *ENDS) if name in dataset]
+    variables |= {name: dataset[name].variable for name in given}
+    coordinates = {
+        str(name): each.variable
+        for name, each in {**dataset["response"].coords, "branch": exact["branch"]}.items()
+    }
+    title = "Simulated responses beside the exact ones"
+    comment = {"comment": UNDER_LOAD} if "exact_offset" in exact else {}
+    return labelled_dataset(title, variables, coordinates, origin_of(dataset) | comment)
+
+
+def summarise(compared: xr.Dataset) -> list[dict[str, object]]:
+    """Count, for each clearance, how many responses lie on an exact one, and to how far.
+
+    Parameters
+    ----------
+    compared : Dataset
+        What `compare` returned.
+
+    Returns
+    -------
+    list of dict
+        One row for each ``delta0``, with the number of points, how many lie on a whirl and on a
+        limit cycle, smallest and median number of digits of those, and the number of every other
+        kind.
+
+    Examples
+    --------
+    >>> from rotor_ida import sweep
+    >>> row, = summarise(compare(sweep(omega=1.7, zeta=0.5, delta0=0.5)))
+    >>> row["points"], row["on_whirl"], row["on_cycle"], row["bouncing"]
+    (1, 1, 0, 0)
+    """
+    rows = []
+    for delta0 in compared["delta0"].values:
+        part = compared.sel(delta0=delta0)
+        on = part["lies_on"].values
+        digits = part["digits"].values[on != EXACT["nothing"]]
+        other = part["response"].values[on == EXACT["nothing"]]
+        row: dict[str, object] = {
+            "delta0": float(delta0),
+            "points": int(on.size),
+            "on_whirl": int((on == EXACT["whirl"]).sum()),
+            "on_cycle": int((on == EXACT["cycle"]).sum()),
+            "fewest_digits": float(digits.min()) if digits.size else float("nan"),
+            "median_digits": float(np.median(digits)) if digits.size else float("nan"),
+        }
+        row |= {kind: int((other == flag).sum()) for kind, flag in RESPONSE.items()}
+        rows.append(row)
+    return rows
+
+
+def _check_is_sweep(dataset: xr.Dataset) -> None:
+    check_instance("dataset", dataset, xr.Dataset)
+    check_dimensionless("dataset", dataset)
+    missing = [name for name in (*NEEDED, *PARAMETERS) if name not in dataset.variables]
+    missing += [name for name in PARAMETERS if name not in dataset.dims and name not in missing]
+    if missing:
+        names = ", ".join(missing)
+        raise InputError(f"compare needs a sweep over omega, zeta and delta0; it lacks {names}")
+
+
+def _exact_whirls(dataset: xr.Dataset) -> xr.Dataset:
+    """Return the exact whirls of all rotors of a sweep."""
+    given = {
+        name: dataset[name].values[()]
+        for name in ALL_PARAMETERS
+        if name in dataset.variables and name not in {"load", "disc_radius"}
+    }
+    exact = synchronous_response(**given)
+    if "load" not in dataset.variables or not (dataset["load"] > 0.0).any():
+        return exact
+    return _under_load(exact, dataset["load"])
+
+
+def _under_load(exact: xr.Dataset, load: xr.DataArray) -> xr.Dataset:
+    """Return what a load leaves of exact whirls, with the offset of their centres.
+
+    It is the first branch, the contact-free one, if any.
+    """
+    kappa = (
+        exact["shaft_stiffness"] if "shaft_stiffness" in exact.variables else xr.zeros_like(load)
+    )
+    held = kappa > 0.0
+    offset = (load / kappa.where(held)).fillna(0.0)
+    fits = held & (offset + exact["amplitude"] <= exact["delta0"])
+    stays = (load == 0.0) | ((exact["in_contact"] == 0) & fits & (exact["omega"] > 0.0))
+    of_parameters = [name for name in ALL_PARAMETERS if name in {*exact.dims, *load.dims}]
+    dims = (*of_parameters, "branch")
+    absent = {"stability": STABILITY["absent"], "in_contact": 0}
+    columns = {
+        name: exact[name].where(stays, absent.get(name, np.nan)).transpose(*dims)
+        for name in ("amplitude", "phase_lag", "stability", "in_contact")
+    }
+    columns["exact_offset"] = offset.where(stays & exact["amplitude"].notnull()).transpose(*dims)
+    found = xr.Dataset({
+        name: labelled(name, dims, column.values.astype(np.int8 if name in absent else np.float64))
+        for name, column in columns.items()
+    }, columns["amplitude"].coords)  # fmt: skip
+    _rest_beside(found)
+    return found
+
+
+def _rest_beside(exact: xr.Dataset) -> None:
+    """Put the rest under a load beside the whirls, as the first branch where nothing turns."""
+    of_parameters = exact["amplitude"].isel(branch=0)
+    spread = {
+        name: exact[name].broadcast_like(of_parameters).transpose(*of_parameters.dims).values
+        for name in ALL_PARAMETERS
+        if name in exact.variables
+    }
+    for place in zip(*np.nonzero((spread["omega"] == 0.0) & (spread["load"] > 0.0)), strict=True):
+        at = {name: float(values[place]) for name, values in spread.items()}
+        if at.pop("friction", 0.0) > 0.0:  # which holds it wherever it is
+            continue
+        rotor = Rotor(**at)
+        if rotor.delta0 == 0.0 and rotor.contact_damping > 0.0:
+            continue
+        lying = rest(rotor)
+        first = (*place, 0)
+        exact["amplitude"].values[first] = -float(lying["y"])
+        exact["phase_lag"].values[first] = 0.5 * np.pi
+        exact["stability"].values[first] = int(lying["stability"])
+        exact["in_contact"].values[first] = int(float(lying["indentation"]) > 0.0)
+        exact["exact_offset"].values[first] = -float(lying["y"])
+
+
+def _relative_distance(
+    amplitude: xr.DataArray, lag: xr.DataArray, exact: xr.Dataset
+) -> xr.DataArray:
+    """Return the distance of complex amplitudes, as a part of the exact one."""
+    simulated = amplitude * np.exp(-1j * lag)
+    expected = exact["amplitude"] * np.exp(-1j * exact["phase_lag"])
+    distance = abs(simulated - expected)
+    # A rotor at rest is exactly on its branch of amplitude 0.
+    scale = exact["amplitude"].where(exact["amplitude"] != 0.0, 1.0)
+    return distance / scale
+
+
+def _cycles_beside(dataset: xr.Dataset) -> dict[str, npt.NDArray[np.generic]]:
+    """Return the exact limit cycles beside the responses with a period, and how far off these are.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        A sweep.
+
+    Returns
+    -------
+    dict
+        ``exact_period``, ``exact_radius_min`` and ``exact_radius_max``, NaN where there is none,
+        ``cycle_stability``, and ``distance``: the largest difference from the simulated numbers,
+        as a part of the exact one, infinite where there is none.
+    """
+    response = dataset["response"]
+    found = {f"exact_{name}": np.full(response.shape, np.nan) for name in OF_CYCLES}
+    stability = np.full(response.shape, STABILITY["absent"], dtype=np.int8)
+    distance = np.full(response.shape, np.inf)
+    table: dict[str, npt.NDArray[np.generic]] = {**found, "cycle_stability": stability}
+    table["distance"] = distance
+    if any(name not in dataset for name in (*OF_CYCLES, *ENDS)):
+        return table
+    parameters = [name for name in ALL_PARAMETERS if name in dataset.variables]
+    spread = {
+        name: dataset[name].broadcast_like(response).transpose(*response.dims).values
+        for name in (*OF_CYCLES, *ENDS, *parameters)
+    }
+    for place in zip(*np.nonzero(np.isfinite(spread["period"])), strict=True):
+        rotor = Rotor(**{name: float(spread[name][place]) for name in parameters})
+        end = np.array([spread[name][place] for name in ENDS])
+        cycle = _cycle_near(rotor, end, float(spread["period"][place]))
+        if cycle is None:
+            continue
+        stability[place] = STABILITY["stable" if is_stable(cycle.shot) else "unstable"]
+        exact = np.array([getattr(cycle, name) for name in OF_CYCLES])
+        simulated = np.array([spread[name][place] for name in OF_CYCLES])
+        # a rotor that passes near the centre has a tiny smallest radius
+        sizes = np.array([cycle.period, cycle.radius_max, cycle.radius_max])
+        distance[place] = (np.abs(simulated - exact) / sizes).max()
+        for name, value in zip(OF_CYCLES, exact.tolist(), strict=True):
+            found[f"exact_{name}"][place] = value
+    return table
+
+
+def _cycle_near(rotor: Rotor, state: Values, period: float) -> Cycle | None:
+    """Return the limit cycle near a state, or None if Newton's method finds none."""
+
+    def work(stop: Stop) -> Cycle | None:
+        try:
+            return close_orbit(rotor, state, period, stop)
+        except SimulationError:
+            return None
+
+    return interruptible(work)
+
+
+def _exact_variables(exact: xr.Dataset) -> dict[str, xr.Variable]:
+    dims = exact["amplitude"].dims
+    variables = {
+        "exact_amplitude": labelled("exact_amplitude", dims, exact["amplitude"].values),
+        "exact_phase_lag": labelled("exact_phase_lag", dims, exact["phase_lag"].values),
+        "stability": exact["stability"].variable,
+        "in_contact": exact["in_contact"].variable,
+    }
+    if "exact_offset" in exact:
+        variables["exact_offset"] = exact["exact_offset"].variable
+    return variables

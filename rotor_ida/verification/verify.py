@@ -1,0 +1,472 @@
+"""Compute an archived result again, from its own attributes, and hold it against the archive.
+
+On another machine the steps along a branch may fall elsewhere, so its points are not compared. What
+does not hang on the steps is: the special points, the ends, and where it is stable.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from rotor_ida.arrays import Values
+from rotor_ida.basins import basin, basin_fractions
+from rotor_ida.basins.atlas import continue_attractors
+from rotor_ida.checks import COMPONENTS, shown
+from rotor_ida.cycles.bifurcation_curve import bifurcation_curve
+from rotor_ida.cycles.branch_course import course_of, parameters_of, stable_ranges
+from rotor_ida.cycles.continue_cycle import branch_from
+from rotor_ida.cycles.guess import Guess
+from rotor_ida.cycles.limit_cycle import limit_cycle
+from rotor_ida.errors import InputError
+from rotor_ida.model.parameters import ALL_PARAMETERS, DEFAULTS, PARAMETERS, Rotor
+from rotor_ida.parallel import Progress
+from rotor_ida.schema import RESPONSE, SPECIAL, words_of
+from rotor_ida.simulation.options import Method
+from rotor_ida.simulation.run_up import run_up
+from rotor_ida.simulation.simulate import simulate
+from rotor_ida.steady.response import BOUNCING, CONTACT_FREE, FULL_CONTACT, SYNCHRONOUS
+from rotor_ida.steady.run_ups import run_ups
+from rotor_ida.steady.sweep import DIRECTIONS, sweep
+from rotor_ida.testing import assert_events_close
+
+HOW = ("rtol", "atol", "method", "flight")
+# How the speed of a run-up changes.
+CHANGES = ("to", "rate", "speeds", "torque", "inertia")
+# Of which motions the numbers are those of the motion, not of one stretch of it.
+OF_MOTION = {
+    **dict.fromkeys(("amplitude", "phase_lag"), (CONTACT_FREE, SYNCHRONOUS)),
+    **dict.fromkeys(
+        ("radius_min", "radius_max", "period"),
+        (CONTACT_FREE, SYNCHRONOUS, BOUNCING, FULL_CONTACT),
+    ),
+}
+# Ends of a branch that do not hang on its steps.
+SHARP = ("limits", "closed", "halved", "hopf", "start")
+# How far numbers may be off on another machine, relative to their size: those of responses, and
+# those of cycles. Lengths, forces and multipliers of cycles are of the size of 1.
+CLOSE, CLOSE_OF_CYCLES = 1e-6, 1e-8
+OF_SIZE_ONE = ("radius", "largest_force", "multiplier")
+
+# How many were compared, and how far they differ; and the first difference in words.
+Verdict = tuple[dict[str, object], str]
+# What is compared of cycles, by name.
+Facts = dict[str, object]
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """How results of a kind are known, computed again, and compared."""
+
+    variables: tuple[str, ...]  # by which it is known
+    attributes: tuple[str, ...]  # that it takes to compute it again
+    again: Callable[[xr.Dataset, int | None, Progress | None], xr.Dataset]
+    compared: Callable[[xr.Dataset, xr.Dataset], Verdict]
+
+
+def rerun(
+    dataset: xr.Dataset,
+    *,
+    method: Method | None = None,
+    workers: int | None = None,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Compute a result again, as its own attributes say, or by another method.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        A result of `simulate`, `run_up`, `sweep`, `run_ups`, `basin`, `basin_fractions`,
+        `continue_attractors`, `limit_cycle`, `continue_cycle` or `bifurcation_curve`, for instance
+        one that was loaded from an archive.
+    method : {"adams", "bdf", "ida", "taylor"}, optional
+        Another solver of the contacts of a run, sweep or run-up: a witness that shares no step with
+        the first.
+    workers, progress
+        As for the function that computed it; a single run or cycle needs neither.
+
+    Returns
+    -------
+    Dataset
+        The same result, made anew; an atlas without its shocks.
+
+    Raises
+    ------
+    InputError
+        If the dataset is no such result, or its attributes cannot be used.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, simulate
+    >>> from rotor_ida.testing import assert_events_close
+    >>> rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+    >>> run = simulate(rotor, start=(0, 0, 0, 0), duration=20.0)
+    >>> assert_events_close(rerun(run, method="taylor"), run)
+    """
+    kind = _kind_of(dataset)
+    if method is not None:
+        dataset = _by(dataset, kind, method)
+    if "time_scale" in dataset.attrs:
+        raise InputError("a result in SI units cannot be verified: verify the dimensionless one")
+    return KINDS[kind].again(dataset, workers, progress)
+
+
+def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
+    """Hold a result made again against that of the archive.
+
+    Parameters
+    ----------
+    again, archived : Dataset
+        The two results, of the same kind.
+
+    Returns
+    -------
+    dict
+        ``agrees``, and ``trouble``: the first difference in words. Of runs the numbers of events,
+        the largest difference of two event times and the largest error stated for one [1]; of the
+        others the number of points, starts or numbers of limit cycles that were compared, of those
+        that differ, and the largest difference of two amplitudes, radii, periods or such numbers,
+        relative to the larger one. And ``core``: whether the compiled core is the same; another
+        gives other last bits.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, simulate
+    >>> run = simulate(Rotor(omega=2.0, zeta=0.07, delta0=2.0), start=(0, 0, 0, 0), duration=20.0)
+    >>> differences(rerun(run), run)["agrees"]
+    True
+    """
+    counts, trouble = KINDS[_kind_of(archived)].compared(again, archived)
+    # on the core the last bits depend
+    same = again.attrs.get("core_sources") == archived.attrs.get("core_sources")
+    core = "the same" if same else "another than that of the archive"
+    return {"agrees": not trouble, **counts, "trouble": trouble, "core": core}
+
+
+def _kind_of(dataset: xr.Dataset) -> str:
+    for kind, each in KINDS.items():
+        if set(each.variables) <= set(dataset.variables):
+            missing = [name for name in each.attributes if name not in dataset.attrs]
+            if missing:
+                raise InputError(f"this {kind} cannot be verified: it lacks {', '.join(missing)}")
+            words = [name for name in each.variables if dataset[name].dtype.kind not in "iuf"]
+            if words:
+                raise InputError(f"{words[0]} must be numbers, got {dataset[words[0]].dtype}")
+            return kind
+    raise InputError(
+        "only what simulate, run_up, sweep, run_ups, basin, basin_fractions, continue_attractors, "
+        "limit_cycle, continue_cycle and bifurcation_curve have computed can be verified, got a "
+        f"dataset of {shown(list(map(str, dataset.data_vars)))}"
+    )
+
+
+def _by(dataset: xr.Dataset, kind: str, method: Method) -> xr.Dataset:
+    """Return a result that says that it was computed by another method."""
+    if "method" not in KINDS[kind].attributes:
+        raise InputError(f"method must be left out for the kind {kind}, got {method!r}")
+    exact = {"flight": "exact"} if method == "taylor" else {}
+    return dataset.assign_attrs({"method": method, **exact})
+
+
+def _run(dataset: xr.Dataset, _workers: int | None, _progress: Progress | None) -> xr.Dataset:
+    given = dataset.attrs
+    how = {name: given[name] for name in ("start", "duration", *HOW)}
+    if "event_speed" in dataset:
+        del how["flight"]
+        changes = {name: given[name] for name in CHANGES if name in given}
+        if "speeds" in changes:
+            changes["speeds"] = np.reshape(changes["speeds"], (-1, 2))
+        return run_up(_rotor(dataset), samples=dataset["t"].values, **how, **changes)
+    return simulate(_rotor(dataset), samples=dataset["t"].values, **how)
+
+
+def _sweep(dataset: xr.Dataset, workers: int | None, progress: Progress | None) -> xr.Dataset:
+    turns = tuple(dataset["direction"].values.tolist())
+    direction = next((word for word, each in DIRECTIONS.items() if each == turns), "unknown")
+    starts = zip(*(dataset[f"start_{name}"].values.tolist() for name in COMPONENTS), strict=True)
+    given: dict[str, Any] = _axes(dataset)
+    given |= {name: dataset.attrs[name] for name in HOW}
+    given |= {"starts": list(starts), "direction": direction}
+    return sweep(**given, workers=workers, progress=progress)
+
+
+def _run_ups(dataset: xr.Dataset, workers: int | None, progress: Progress | None) -> xr.Dataset:
+    starts = zip(*(dataset[f"start_{name}"].values.tolist() for name in COMPONENTS), strict=True)
+    given: dict[str, Any] = _axes(dataset)
+    given |= {name: dataset[name].values[()] for name in ("to", "rate", "phase")}
+    given |= {name: dataset.attrs[name] for name in ("rtol", "atol", "method")}
+    return run_ups(**given, starts=list(starts), workers=workers, progress=progress)
+
+
+def _basin(dataset: xr.Dataset, workers: int | None, progress: Progress | None) -> xr.Dataset:
+    starts: dict[str, Any] = {name: dataset[name].values[()] for name in COMPONENTS}
+    starts["rtol"] = dataset.attrs["labelling_rtol"]
+    return basin(_rotor(dataset), **starts, workers=workers, progress=progress)
+
+
+def _fractions(dataset: xr.Dataset, workers: int | None, progress: Progress | None) -> xr.Dataset:
+    return basin_fractions(_rotor(dataset), **_drawn(dataset), workers=workers, progress=progress)
+
+
+def _atlas(dataset: xr.Dataset, workers: int | None, progress: Progress | None) -> xr.Dataset:
+    given = dataset.attrs
+    asked: dict[str, Any] = _axes(dataset)
+    if "seed" in given:
+        asked |= _drawn(dataset)
+    else:
+        asked |= {"starts": np.reshape(given["starts"], (-1, 4)), "rtol": given["labelling_rtol"]}
+    return continue_attractors(**asked, workers=workers, progress=progress)
+
+
+def _cycle(dataset: xr.Dataset, _workers: int | None, _progress: Progress | None) -> xr.Dataset:
+    given = dataset.attrs
+    return limit_cycle(_rotor(dataset), start=given["start"], period=given.get("start_period"))
+
+
+def _branch(dataset: xr.Dataset, _workers: int | None, progress: Progress | None) -> xr.Dataset:
+    given, (parameter,) = dataset.attrs, parameters_of("branch", dataset, "parameter", 1)
+    guess = Guess(
+        _rotor(dataset, "start_"), np.array(given["start"]), float(given["start_period"]),
+        str(given["start_special"]), float(given["start_slope"]),
+    )  # fmt: skip
+    low, high = np.asarray(given["limits"]).tolist()
+    direction, points = str(given["direction"]), int(given["points"])
+    return branch_from(guess, parameter, (low, high), direction, points, progress=progress)
+
+
+def _curve(dataset: xr.Dataset, _workers: int | None, progress: Progress | None) -> xr.Dataset:
+    given, (first, second) = dataset.attrs, parameters_of("curve", dataset, "parameters", 2)
+    rotor, kind = _rotor(dataset, "start_"), given["kind"]
+    place = {name: getattr(rotor, name) for name in (*PARAMETERS, *DEFAULTS)}
+    state = zip(COMPONENTS, np.asarray(given["start"]).tolist(), strict=True)
+    special = {f"special_{name}": value for name, value in state}
+    special |= {"special_period": given["start_period"], "special_kind": SPECIAL[kind]}
+    special["special_value"] = place[first]
+    low, high, second_low, second_high = given["limits"]
+    return bifurcation_curve(
+        rotor,
+        start=xr.Dataset(special, place, {"parameter": first}),
+        kind=kind,
+        parameters=(first, second),
+        limits=((low, high), (second_low, second_high)),
+        points=int(given["points"]),
+        progress=progress,
+    )
+
+
+def _axes(dataset: xr.Dataset) -> dict[str, Any]:
+    """Return the parameters of many rotors, each a number or an axis, as it was given."""
+    return {name: dataset[name].values[()] for name in ALL_PARAMETERS if name in dataset.variables}
+
+
+def _drawn(dataset: xr.Dataset) -> dict[str, Any]:
+    """Return how random starts were drawn and followed."""
+    given = dataset.attrs
+    ranges = {name: tuple(np.atleast_1d(given[f"range_{name}"]).tolist()) for name in COMPONENTS}
+    how = {"starts": given["starts"], "seed": given["seed"], "rtol": given["labelling_rtol"]}
+    return ranges | how
+
+
+def _rotor(dataset: xr.Dataset, prefix: str = "") -> Rotor:
+    """Return the rotor that the attributes tell; what they do not tell is the default."""
+    attributes = {name: f"{prefix}{name}" for name in ALL_PARAMETERS}
+    given = dataset.attrs
+    return Rotor(**{name: given[each] for name, each in attributes.items() if each in given})
+
+
+def _events(again: xr.Dataset, archived: xr.Dataset) -> Verdict:
+    """Compare the events of two runs."""
+    trouble = ""
+    try:
+        assert_events_close(again, archived)
+    except AssertionError as difference:
+        trouble = "; ".join(str(difference).splitlines()[1:])
+    common = min(again.sizes["event"], archived.sizes["event"])
+    apart = again["event_time"].values[:common] - archived["event_time"].values[:common]
+    stated = archived["event_time_error"].values[:common]
+    return {
+        "events": int(again.sizes["event"]),
+        "archived_events": int(archived.sizes["event"]),
+        "largest_difference": float(np.abs(apart).max(initial=0.0)),
+        "largest_stated_error": float(stated.max(initial=0.0)),
+    }, trouble
+
+
+def _points(name: str, again: xr.Dataset, archived: xr.Dataset) -> Verdict:
+    """Compare points, starts or attractors by one of their variables, and by the numbers told."""
+    trouble, differing, apart = "", 0, 0.0
+    archived = archived.drop_dims("target", errors="ignore")  # shocks are not sought again
+    if dict(again.sizes) != dict(archived.sizes):
+        sizes = {dim: size for dim, size in again.sizes.items() if archived.sizes.get(dim) != size}
+        trouble = f"made again, it has {sizes}, archived {dict(archived.sizes)}"
+    else:
+        differs = again[name].values != archived[name].values
+        differing = int(differs.sum())
+        numbers = [each for each in OF_MOTION if each in archived]
+        apart = max(_apart_in_motion(again, archived, each) for each in numbers)
+        if differing:
+            place = dict(zip(again[name].dims, np.argwhere(differs)[0].tolist(), strict=True))
+            one, other = again[name].isel(place).item(), archived[name].isel(place).item()
+            trouble = f"{differing} of {differs.size} differ in {name}; the first: "
+            trouble += f"{place}, made again {one}, archived {other}"
+        elif not apart <= CLOSE:
+            trouble = f"amplitudes, radii or periods differ by {apart:.3g} of their size"
+    return _counts(archived[name].size, differing, apart), trouble
+
+
+def _apart_in_motion(again: xr.Dataset, archived: xr.Dataset, name: str) -> float:
+    """Return the largest difference of a number of the motions, relative to the larger value.
+
+    Numbers of one stretch of a motion are passed over: another machine may see another stretch.
+    """
+    kinds = archived["kind" if "kind" in archived else "response"].values
+    told = np.isin(kinds, [RESPONSE[kind] for kind in OF_MOTION[name]])
+    apart = _apart(again[name].values, archived[name].values)
+    return float(np.where(told, apart, 0.0).max(initial=0.0))
+
+
+def _facts(
+    facts_of: Callable[[xr.Dataset], Facts], again: xr.Dataset, archived: xr.Dataset
+) -> Verdict:
+    """Compare single facts of cycles, numbers as such and anything else as it is."""
+    facts, found = facts_of(archived), facts_of(again)
+    trouble, differing, largest = "", 0, 0.0
+    for name, value in facts.items():
+        here = found.get(name)
+        agrees = here == value
+        if isinstance(value, float) and isinstance(here, float):
+            apart = float(_apart(here, value, 1.0 if name.startswith(OF_SIZE_ONE) else 0.0))
+            largest, agrees = max(largest, apart), apart <= CLOSE_OF_CYCLES
+        differing += not agrees
+        if not agrees and not trouble:
+            trouble = f"{name} differs: made again {here}, archived {value}"
+    return _counts(len(facts), differing, largest), trouble
+
+
+def _counts(compared: int, differing: int, largest: float) -> dict[str, object]:
+    return {"compared": compared, "differing": differing, "largest_difference": largest}
+
+
+def _apart(one: Values | float, other: Values | float, least: float = 0.0) -> Values:
+    """Return the differences of numbers, relative to the larger one or to `least`.
+
+    What is told by neither counts as equal.
+    """
+    one, other = np.asarray(one), np.asarray(other)
+    same = (one == other) | (np.isnan(one) & np.isnan(other))
+    with np.errstate(invalid="ignore"):
+        part = np.abs(one - other) / np.maximum(np.maximum(np.abs(one), np.abs(other)), least)
+    return np.where(same, 0.0, np.where(np.isfinite(part), part, np.inf))
+
+
+def _of_cycle(dataset: xr.Dataset) -> Facts:
+    facts: Facts = {"response": words_of(dataset["response"])[0]}
+    if dataset["period"].isnull():
+        return facts
+    facts["stability"] = words_of(dataset["stability"])[0]
+    facts["contact_count"] = int(dataset["contact_count"])
+    names = ("period", "radius_min", "radius_max", "largest_force")
+    facts |= {name: float(dataset[name]) for name in names}
+    for name in ("multiplier_real", "multiplier_imag"):
+        values = dataset[name].values.tolist()
+        facts |= {f"{name} {number}": value for number, value in enumerate(values)}
+    return facts
+
+
+def _of_curve(dataset: xr.Dataset) -> Facts:
+    facts: Facts = {}
+    for place, end in ((0, "first_end"), (-1, "last_end")):
+        facts[end] = dataset.attrs.get(end, "")
+        if facts[end] in SHARP:
+            point, where = dataset.isel(point=place), end.replace("_", " ")
+            names = [name for name in ALL_PARAMETERS if name in dataset.variables]
+            names += ["period", "radius_min", "radius_max"]
+            facts |= {f"{name} at the {where}": float(point[name]) for name in names}
+    facts["the number of special points"] = dataset.sizes["special"]
+    for number, word in enumerate(words_of(dataset["special_kind"])):
+        facts[f"the kind of special point {number}"] = word
+        for name in ("value", "second_value", "period", "radius_min", "radius_max"):
+            if f"special_{name}" in dataset:
+                value = float(dataset[f"special_{name}"].values[number])
+                facts[f"{name} of special point {number}"] = value
+    return facts
+
+
+def _of_branch(dataset: xr.Dataset) -> Facts:
+    facts = _of_curve(dataset)
+    if facts["first_end"] in SHARP and facts["last_end"] in SHARP:
+        values, ranges = course_of(dataset).value, stable_ranges(dataset)
+        facts["the least value of the parameter"] = float(values.min())
+        facts["the largest value of the parameter"] = float(values.max())
+        facts["the number of stable ranges"] = len(ranges)
+        for number, (low, high) in enumerate(ranges):
+            facts[f"the beginning of stable range {number}"] = low
+            facts[f"the end of stable range {number}"] = high
+    return facts
+
+
+_NUMBERS = ("amplitude", "phase_lag", "radius_min", "radius_max")
+_STARTS = tuple(f"start_{name}" for name in COMPONENTS)
+_RANGES = tuple(f"range_{name}" for name in COMPONENTS)
+_BEGUN = ("start", "start_period", *(f"start_{name}" for name in PARAMETERS))
+KINDS = {
+    "run": Kind(
+        ("event_time", "event_time_error", "t"),
+        (*PARAMETERS, "start", "duration", *HOW),
+        _run,
+        _events,
+    ),
+    "sweep": Kind(
+        ("event_count", "response", "direction", *_STARTS, *PARAMETERS, *_NUMBERS),
+        HOW,
+        _sweep,
+        partial(_points, "response"),
+    ),
+    "run_ups": Kind(
+        ("ending", "response", "rate", "phase", "to", *_STARTS, *PARAMETERS, *_NUMBERS),
+        ("rtol", "atol", "method"),
+        _run_ups,
+        partial(_points, "response"),
+    ),
+    "basin": Kind(
+        ("label", "settling_time", "kind", *COMPONENTS, *_NUMBERS),
+        (*PARAMETERS, "labelling_rtol"),
+        _basin,
+        partial(_points, "label"),
+    ),
+    "basin_fractions": Kind(
+        ("response_fraction", "count", "kind", *_NUMBERS),
+        (*PARAMETERS, "labelling_rtol", "starts", "seed", *_RANGES),
+        _fractions,
+        partial(_points, "count"),
+    ),
+    "atlas": Kind(
+        ("missed_fraction", "count", "kind", *PARAMETERS, *_NUMBERS),
+        ("labelling_rtol", "starts"),
+        _atlas,
+        partial(_points, "count"),
+    ),
+    "cycle": Kind(
+        ("period_error", "multiplier_real", "multiplier_imag"),
+        (*PARAMETERS, "start"),
+        _cycle,
+        partial(_facts, _of_cycle),
+    ),
+    "curve": Kind(
+        ("special_second_value", "special_value", "special_period"),
+        ("kind", "parameters", "limits", "points", *_BEGUN),
+        _curve,
+        partial(_facts, _of_curve),
+    ),
+    "branch": Kind(
+        ("special_value", "special_period", "slope", "stability"),
+        ("parameter", "limits", "direction", "points", "start_special", *_BEGUN),
+        _branch,
+        partial(_facts, _of_branch),
+    ),
+}

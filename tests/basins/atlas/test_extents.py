@@ -1,0 +1,220 @@
+"""Where attractors end: at the folds of the closed forms, and the special points of branches."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rotor_ida import Rotor, continue_cycle, folds, limit_cycle, synchronous_response
+from rotor_ida.basins.atlas.extents import extent_of_contact_free, extent_of_cycle, extent_of_whirl
+from rotor_ida.cycles.guess import guess_of
+from rotor_ida.model.parameters import PARAMETERS
+from rotor_ida.schema import SPECIAL
+
+STOP = np.zeros(1, np.uint8)
+
+
+def with_value(rotor, name, value):
+    return Rotor(**{each: getattr(rotor, each) for each in PARAMETERS} | {name: value})
+
+
+def stable_whirls(**parameters):
+    """Return the amplitudes of the stable whirls in contact over one parameter; else NaN."""
+    whirls = synchronous_response(**parameters).squeeze()
+    held = (whirls.stability == 0) & (whirls.in_contact == 1)
+    return np.atleast_1d(whirls.amplitude.where(held).values)
+
+
+def stable_amplitudes(rotor):
+    found = stable_whirls(**{name: getattr(rotor, name) for name in PARAMETERS})
+    return found[np.isfinite(found)]
+
+
+def count_of_whirls(rotor):
+    """Return the number of whirls in contact."""
+    found = synchronous_response(**{name: getattr(rotor, name) for name in PARAMETERS})
+    return int(found.in_contact.sum())
+
+
+def drawn():
+    """Return rotors all over the plane with a stable whirl in contact each."""
+    random = np.random.default_rng(7)
+    rotors = []
+    while len(rotors) < 40:
+        rotor = Rotor(
+            omega=random.uniform(0.3, 4.0), zeta=10.0 ** random.uniform(-2.0, -0.5),
+            delta0=random.choice([0.0, random.uniform(0.05, 3.0)]),
+        )  # fmt: skip
+        if stable_amplitudes(rotor).size:
+            rotors.append(rotor)
+    return rotors
+
+
+ROTORS = drawn()
+# With little damping the curves are long and thin, and folds lie far off or close to the ring.
+LITTLE_DAMPING = [
+    Rotor(omega=2.8, zeta=0.0024, delta0=0.0),
+    Rotor(omega=3.4, zeta=0.00275, delta0=0.05),
+    Rotor(omega=3.033, zeta=0.00155, delta0=0.167),
+    Rotor(omega=0.0355, zeta=9.4e-6, delta0=2.4),
+    Rotor(omega=16.5, zeta=1.1e-6, delta0=2e-4),
+]
+# Parts of the way to an end, closer where it begins and ends.
+PARTS = 0.5 - 0.5 * np.cos(np.pi * np.linspace(0.0, 0.99, 4000))
+
+
+@pytest.mark.parametrize("rotor", ROTORS, ids=str)
+@pytest.mark.parametrize("name", PARAMETERS)
+def test_a_whirl_ends_where_the_locus_of_folds_says(rotor, name):
+    """`folds` finds them otherwise: by crossings of one function along the locus."""
+    for amplitude in stable_amplitudes(rotor).tolist():
+        for end in extent_of_whirl(rotor, amplitude, name):
+            if end.kind == "fold":
+                there = with_value(rotor, name, end.value)
+                known = folds(zeta=there.zeta, delta0=there.delta0).fold_omega.values
+                assert np.nanmin(np.abs(known / there.omega - 1.0)) < 1e-7
+            elif end.kind == "touch":
+                there = with_value(rotor, name, end.value)
+                size = there.omega / math.hypot(there.omega, 2.0 * there.zeta)
+                assert size == pytest.approx(there.delta0, rel=1e-12)
+            else:
+                assert end.kind == "none"
+                assert end.value == (math.inf if end.value > 0.0 else 0.0)
+
+
+@pytest.mark.parametrize(
+    ("omega", "zeta", "delta0"), [(1.2, 1e-6, 1e3), (1.2, 1e-6, 1.5), (0.15, 3.5e-6, 642.0)]
+)
+def test_a_whirl_that_never_fits_into_the_clearance_ends_at_folds(omega, zeta, delta0):
+    """It ends close to the ring, where |w| < 1 <= delta0 leaves no touch, or at a sharp peak."""
+    rotor = Rotor(omega=omega, zeta=zeta, delta0=delta0)
+    (amplitude,) = stable_amplitudes(rotor).tolist()
+    low, high = extent_of_whirl(rotor, amplitude, "omega")
+    known = folds(zeta=zeta, delta0=delta0).fold_omega.values.ravel()
+    assert high.value == pytest.approx(known[-1], rel=1e-7)
+    assert low.value == (0.0 if low.kind == "none" else pytest.approx(known[0], rel=1e-7))
+    for name in ("zeta", "delta0"):
+        low, high = extent_of_whirl(rotor, amplitude, name)
+        assert (low.kind, high.kind) == ("none", "fold")
+        there = with_value(rotor, name, high.value)
+        found = folds(zeta=there.zeta, delta0=there.delta0).fold_omega.values
+        assert np.nanmin(np.abs(found / omega - 1.0)) < 1e-7
+
+
+@pytest.mark.parametrize("rotor", ROTORS[:15], ids=str)
+@pytest.mark.parametrize("name", PARAMETERS)
+def test_up_to_there_the_whirl_can_be_followed(rotor, name):
+    """In small steps, each to the nearest stable whirl: none jumps before the end."""
+    for amplitude in stable_amplitudes(rotor).tolist():
+        begin = getattr(rotor, name)
+        for end in extent_of_whirl(rotor, amplitude, name):
+            if end.kind == "none":
+                continue
+            values = begin + (end.value - begin) * PARTS
+            parameters = {each: getattr(rotor, each) for each in PARAMETERS} | {name: values}
+            here = amplitude
+            for row in stable_whirls(**parameters).reshape(values.size, -1):
+                nearest = float(row[np.nanargmin(np.abs(row - here))])
+                assert abs(nearest - here) < 0.03 * here
+                here = nearest
+
+
+@pytest.mark.parametrize("rotor", [*ROTORS, *LITTLE_DAMPING], ids=str)
+@pytest.mark.parametrize("name", PARAMETERS)
+def test_at_an_end_whirls_are_lost(rotor, name):
+    """Two at a fold, which are one there, and one where the whirl leaves the ring."""
+    for amplitude in stable_amplitudes(rotor).tolist():
+        for way, end in zip((-1.0, 1.0), extent_of_whirl(rotor, amplitude, name), strict=True):
+            if end.kind != "none":
+                before = with_value(rotor, name, end.value * (1.0 - 1e-7 * way))
+                beyond = with_value(rotor, name, end.value * (1.0 + 1e-7 * way))
+                lost = count_of_whirls(before) - count_of_whirls(beyond)
+                assert lost == {"fold": 2, "touch": 1}[end.kind]
+
+
+def test_the_jumps_of_the_paper_are_ends():
+    rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
+    small, large = stable_amplitudes(rotor).tolist()
+    low, high = folds(zeta=0.07, delta0=0.0).fold_omega.values.ravel().tolist()
+    assert extent_of_whirl(rotor, small, "omega")[0].value == pytest.approx(low, rel=1e-11)
+    assert extent_of_whirl(rotor, large, "omega")[1].value == pytest.approx(high, rel=1e-11)
+    assert extent_of_whirl(rotor, small, "delta0")[0].value == 0.0  # there is no less
+
+
+def test_the_contact_free_whirl_ends_where_it_fills_the_clearance():
+    rotor = Rotor(omega=0.05, zeta=0.07, delta0=0.5)
+    for name in PARAMETERS:
+        ends = [end for end in extent_of_contact_free(rotor, name) if end.kind == "touch"]
+        there = with_value(rotor, name, ends[0].value)
+        size = there.omega / math.hypot(there.omega, 2.0 * there.zeta)
+        assert size == pytest.approx(there.delta0, rel=1e-12)
+    wide = Rotor(omega=2.0, zeta=0.07, delta0=1.5)
+    assert [end.value for end in extent_of_contact_free(wide, "omega")] == [0.0, math.inf]
+
+
+@pytest.mark.parametrize("name", PARAMETERS)
+@pytest.mark.parametrize(
+    ("rotor", "start"),
+    [
+        (Rotor(omega=2.0, zeta=0.07, delta0=2.0), (0.0, 0.0, 0.0, 0.0)),
+        (Rotor(omega=3.0, zeta=0.07, delta0=0.5), (3.0, 1.0, 0.0, 0.0)),
+    ],
+)
+def test_a_cycle_ends_at_the_special_points_of_its_branch(rotor, start, name):
+    cycle = limit_cycle(rotor, start=start)
+    guess, here = guess_of(rotor, cycle), getattr(rotor, name)
+    low, high = extent_of_cycle(rotor, guess.state, guess.period, name, STOP)
+    limits = (0.2 * here, 4.0 * here)
+    branch = continue_cycle(rotor, start=cycle, parameter=name, limits=limits, points=600)
+    values = branch.special_value.values
+    for kind in ("fold", "period_doubling"):
+        for end in (low, high):
+            if end.kind == kind and limits[0] < end.value < limits[1]:
+                own = values[branch.special_kind.values == SPECIAL[kind]]
+                assert np.abs(own / end.value - 1.0).min() < 1e-8
+    assert high.kind in {"fold", "period_doubling"}
+    assert low.value < here < high.value
+
+
+def test_a_cycle_ends_where_a_torus_is_born():
+    """There a pair of multipliers, of an orbit closed at the end itself, is on the unit circle."""
+    rotor = Rotor(
+        omega=1.6, zeta=0.05, delta0=0.75, load=1.6, shaft_stiffness=1.0, contact_exponent=1.0,
+        contact_damping=0.4,
+    )  # fmt: skip
+    cycle = limit_cycle(rotor, start=(0.0, -1.0, 0.0, 0.0))
+    guess = guess_of(rotor, cycle)
+    _, high = extent_of_cycle(rotor, guess.state, guess.period, "contact_damping", STOP)
+    assert high.kind == "torus"
+    sizes = []
+    for part in (1.0 - 1e-4, 1.0, 1.0 + 1e-4):
+        there = replace(rotor, contact_damping=part * high.value)
+        found = limit_cycle(there, start=guess.state, period=guess.period)
+        sizes.append(np.hypot(found.multiplier_real, found.multiplier_imag).values.max())
+    assert sizes[1] == pytest.approx(1.0, abs=1e-9)
+    assert sizes[0] < 1.0 < sizes[2]
+
+
+@pytest.mark.parametrize("beyond", [1e-6, 1e-5, 1e-4, 1e-2])
+def test_a_whirl_that_barely_touches_ends_on_the_side_of_the_ring(beyond):
+    zeta, delta0 = 0.5, 0.9
+    touch = 2.0 * zeta * delta0 / math.sqrt(1.0 - delta0**2)
+    rotor = Rotor(omega=touch * (1.0 + beyond), zeta=zeta, delta0=delta0)
+    (amplitude,) = stable_amplitudes(rotor).tolist()
+    low, high = extent_of_whirl(rotor, amplitude, "omega")
+    assert (low.kind, high.kind) == ("touch", "none")
+    assert low.value == pytest.approx(touch, rel=1e-12)
+    for name in PARAMETERS:
+        low, high = extent_of_whirl(rotor, amplitude, name)
+        assert low.value <= getattr(rotor, name) <= high.value
+
+
+def test_a_fold_far_off_is_found():
+    rotor = Rotor(omega=2.0, zeta=0.005, delta0=1.0)
+    (amplitude,) = stable_amplitudes(rotor).tolist()[-1:]
+    end = extent_of_whirl(rotor, amplitude, "delta0")[1]
+    assert end.kind == "fold"
+    assert end.value > 100.0
+    near = folds(zeta=rotor.zeta, delta0=end.value).fold_omega.values
+    assert np.nanmin(np.abs(near / rotor.omega - 1.0)) < 1e-9

@@ -1,0 +1,63 @@
+"""Results in a study come back to the last bit; bytes of anything else are refused in one line."""
+
+import numpy as np
+import pytest
+
+from rotor_ida import ArchiveError
+from rotor_ida.basins import batches
+from rotor_ida.basins.atlas import cells
+from rotor_ida.cycles import continue_cycle
+from rotor_ida.results.studies import Piece, opened
+from rotor_ida.results.studies.arrays import packed
+from rotor_ida.results.studies.results import open_results
+from rotor_ida.steady import run_ups_dataset
+from rotor_ida.steady import sweep_dataset as dataset
+
+FORMS = {
+    "points of a sweep": dataset.FORM,
+    "run-up": run_ups_dataset.FORM,
+    "batch of starts": batches.FORM,
+    "stretch of a branch": continue_cycle.FORM,
+    "cell of an atlas": cells.FORM,
+}
+
+
+def test_every_bit_of_a_batch_comes_back():
+    batch = batches.BatchResult(
+        8192,
+        np.array([0, -3, 2], dtype=np.int16),
+        np.array([0.5, np.nan, 2.0], dtype=np.float32),
+        np.array([[1.0, 2.0, 3.0, 4.0, 1e-300, 1.0]]),
+        np.empty((0, 4)),
+        np.array([3.0, 1e5]),
+        np.array(1e-6),
+    )
+    back = batches.FORM.unpack(batches.FORM.pack(batch))
+    assert back.first == 8192
+    for name in ("labels", "times", "cycles", "chaos", "watched"):
+        one, other = getattr(back, name), getattr(batch, name)
+        assert (one.dtype, one.shape, one.tobytes()) == (other.dtype, other.shape, other.tobytes())
+
+
+@pytest.mark.parametrize("word", FORMS)
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (packed({}), "it holds no {word}: "),
+        (packed({"first": np.array(0), "rotor": np.array([1.0])}), "it holds no {word}: "),
+        (b"anything", "it holds no packed arrays: "),
+    ],
+)
+def test_other_bytes_are_refused(word, content, message):
+    with pytest.raises(ValueError, match=f"^{message.format(word=word)}"):
+        FORMS[word].unpack(content)
+
+
+def test_a_piece_of_another_kind_is_damage_to_the_study(tmp_path):
+    with opened(tmp_path, {"kind": "sweep"}, 1) as study:
+        study.keep(Piece(0, 1, 0, "", packed({"first": np.array(0)})))
+    with (
+        open_results(tmp_path, {"kind": "sweep"}, 1, FORMS["points of a sweep"]) as kept,
+        pytest.raises(ArchiveError, match=r"damaged: piece 0 of study.*: it holds no points of a"),
+    ):
+        list(kept.results())

@@ -1,0 +1,250 @@
+"""A study that was broken off goes on to the same bits as one that was not."""
+
+import json
+import os
+import sqlite3
+import subprocess
+import sys
+from contextlib import closing
+from itertools import count
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from rotor_ida import (
+    Rotor,
+    basin,
+    basin_fractions,
+    continue_attractors,
+    load,
+    run_ups,
+    save,
+    sweep,
+)
+from rotor_ida.errors import InputError
+from rotor_ida.results.studies import status
+from rotor_ida.results.studies.database import FILE, _as_text, _digest
+from rotor_ida.steady import follow
+from rotor_ida.verification.resume import resume
+
+BOUNCER = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+AXIS = np.linspace(-8.0, 8.0, 40)
+
+KINDS = {
+    "sweep": lambda **more: sweep(
+        omega=[0.9, 1.2, 1.7], zeta=[0.3, 0.5], delta0=[0.0, 0.5],
+        starts=[(0, 0, 0, 0), (3, 0, 0, 1)], **more,
+    ),
+    "ramps": lambda **more: sweep(
+        omega=[0.9, 1.2, 1.7], zeta=[0.3, 0.5], delta0=[0.0, 0.5, 1.0], direction="both", **more
+    ),
+    "ramps of machines": lambda **more: sweep(
+        omega=[0.9, 1.2, 1.7], zeta=0.3, delta0=1.0, shaft_stiffness=0.25, contact_exponent=[1.0],
+        load=[0.0, 0.3], direction="both", **more
+    ),
+    "run-ups": lambda **more: run_ups(
+        omega=0.3, to=1.6, rate=[0.2, 0.3, 0.4], zeta=0.1, delta0=[1.0, 2.0], shaft_stiffness=1.0,
+        friction=[0.0, 0.1], disc_radius=10.0, phase=[0.0, 1.0],
+        starts=[(0, 0, 0, 0), (1, 0, 0, 0)], rtol=1e-8, **more,
+    ),
+    "basin": lambda **more: basin(BOUNCER, x=AXIS, y=AXIS, **more),
+    "basin_fractions": lambda **more: basin_fractions(
+        BOUNCER, x=(-8, 8), y=(-8, 8), vx=(-4, 4), starts=4000, **more
+    ),
+    "atlas of machines": lambda **more: continue_attractors(
+        omega=[1.2, 1.5, 1.8], zeta=0.3, delta0=0.5, shaft_stiffness=0.25, contact_exponent=1.0,
+        contact_damping=[0.0, 0.5], x=(-3, 3), y=(-3, 3), starts=20, **more,
+    ),
+}  # fmt: skip
+
+
+class EnoughError(Exception):
+    """Breaks a study off."""
+
+
+def breaking_off(after):
+    calls = count()
+
+    def progress(_done, _total):
+        if next(calls) == after:
+            raise EnoughError
+
+    return progress
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_it_goes_on_to_the_same_bits(kind, tmp_path):
+    whole = KINDS[kind]()
+    for after in (0, 1):
+        with pytest.raises(EnoughError):
+            KINDS[kind](study=tmp_path, progress=breaking_off(after))
+    found = status(tmp_path)
+    assert 0 < found["done"] < found["points"]
+    told = []
+    again = KINDS[kind](study=tmp_path, progress=lambda *told_now: told.append(told_now))
+    assert told[0] == (found["done"], found["points"])
+    assert told[-1] == (found["points"], found["points"])
+    xr.testing.assert_identical(again, whole)
+    assert os.listdir(tmp_path) == [FILE]
+    finished = status(tmp_path)
+    assert (finished["left"], finished["failed"]) == (0, 0)
+    xr.testing.assert_identical(KINDS[kind](study=tmp_path), whole)
+    xr.testing.assert_identical(resume(tmp_path), whole)
+
+
+def test_an_interrupt_leaves_a_study_that_goes_on(tmp_path):
+    def interrupt(done, _total):
+        if done:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        KINDS["sweep"](study=tmp_path / "sweep", progress=interrupt)
+    assert 0 < status(tmp_path / "sweep")["done"] < 24
+    with pytest.raises(KeyboardInterrupt):
+        KINDS["basin"](study=tmp_path / "basin", progress=interrupt)
+    assert 0 < status(tmp_path / "basin")["done"] < AXIS.size**2
+
+
+def test_a_failure_of_the_surroundings_is_tried_again(tmp_path, monkeypatch):
+    from rotor_ida.steady import ramps
+
+    def has_no_memory(rotor, *rest, **options):
+        if rotor.omega == 2.0:
+            raise MemoryError
+        return follow.follow_to_steady_state(rotor, *rest, **options)
+
+    given = {"omega": [1.0, 2.0], "zeta": 0.5, "delta0": 0.5, "executor": "serial"}
+    with monkeypatch.context() as patch:
+        patch.setattr(ramps, "follow_to_steady_state", has_no_memory)
+        found = sweep(**given, study=tmp_path)
+    assert found.message.values.ravel().tolist() == ["", "MemoryError"]
+    assert status(tmp_path)["left"] == 1
+    xr.testing.assert_identical(sweep(**given, study=tmp_path), sweep(**given))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"rtol": 1e-9}, "begun with rtol 1e-10, got 1e-09"),
+        ({"method": "bdf"}, "begun with method 'adams', got 'bdf'"),
+        ({"starts": [(0, 0, 0, 0)]}, "begun with starts"),
+    ],
+)
+def test_another_sweep_is_refused(tmp_path, change, message):
+    given = {"omega": 1.7, "zeta": 0.5, "delta0": 0.5, "starts": [(1, 0, 0, 0)]}
+    sweep(**given, study=tmp_path)
+    with pytest.raises(InputError, match=message):
+        sweep(**given | change, study=tmp_path)
+    with pytest.raises(InputError, match="begun with"):
+        basin(BOUNCER, x=AXIS, y=AXIS, study=tmp_path)
+
+
+def test_another_version_is_refused(tmp_path, monkeypatch):
+    from rotor_ida.steady import sweep as sweeps
+
+    given = {"omega": 1.7, "zeta": 0.5, "delta0": 0.5}
+    sweep(**given, study=tmp_path)
+    with closing(sqlite3.connect(tmp_path / FILE)) as connection, connection:
+        connection.execute("DELETE FROM pieces")
+    other = {**sweeps.computing(), "numpy_version": "9.9"}
+    monkeypatch.setattr(sweeps, "computing", lambda: other)
+    with pytest.raises(InputError, match=r"begun with numpy_version '.*', got '9.9'"):
+        sweep(**given, study=tmp_path)
+
+
+def test_only_what_draws_and_tells_does_not_decide_on_the_bits():
+    script = (
+        "import sys, rotor_ida.steady.sweep, rotor_ida.basins\n"
+        "from rotor_ida.results.provenance import NOT_COMPUTING\n"
+        "used = [name.replace('.', '/').removeprefix('rotor_ida/') for name in sys.modules]\n"
+        "print([name for name in used if name.startswith(NOT_COMPUTING)], end='')"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False
+    )
+    assert (ended.stdout, ended.stderr) == ("[]", "")
+
+
+def test_a_seed_of_numpy_leaves_no_trace(tmp_path):
+    box = {"x": (-8, 8), "y": (-8, 8), "starts": 100}
+    found = basin_fractions(BOUNCER, **box, seed=np.uint8(3), study=tmp_path)
+    assert type(found.attrs["seed"]) is int
+    xr.testing.assert_identical(basin_fractions(BOUNCER, **box, seed=3, study=tmp_path), found)
+
+
+def test_a_point_that_fails_is_recorded_and_the_others_go_on(tmp_path, monkeypatch):
+    from rotor_ida.steady import ramps
+
+    def fails_at_two(rotor, *rest, **options):
+        if rotor.omega == 2.0:
+            raise OverflowError("too large")
+        return follow.follow_to_steady_state(rotor, *rest, **options)
+
+    monkeypatch.setattr(ramps, "follow_to_steady_state", fails_at_two)
+    given = {"omega": [1.0, 2.0, 3.0], "zeta": 0.5, "delta0": 0.5, "executor": "serial"}
+    found = sweep(**given, study=tmp_path)
+    told = status(tmp_path)
+    assert (told["done"], told["failed"], told["left"]) == (3, 1, 0)
+    assert told["reasons"] == ["OverflowError: too large"]
+    assert found.status.values.ravel().tolist() == [0, 1, 0]
+    assert found.message.values.ravel()[1] == "OverflowError: too large"
+    monkeypatch.undo()
+    xr.testing.assert_identical(sweep(**given, study=tmp_path), found)
+
+
+def test_a_fault_of_the_program_is_raised_and_what_was_done_is_kept(tmp_path, monkeypatch):
+    from rotor_ida.steady import ramps
+
+    def slips_at_two(rotor, *rest, **options):
+        if rotor.omega == 2.0:
+            raise KeyError("a slip")
+        return follow.follow_to_steady_state(rotor, *rest, **options)
+
+    given = {"omega": [1.0, 2.0, 3.0], "zeta": 0.5, "delta0": 0.5, "executor": "serial"}
+    monkeypatch.setattr(ramps, "follow_to_steady_state", slips_at_two)
+    with pytest.raises(KeyError, match="a slip"):
+        sweep(**given, study=tmp_path)
+    monkeypatch.undo()
+    told = status(tmp_path)
+    assert (told["done"], told["failed"], told["left"]) == (1, 0, 2)
+    xr.testing.assert_identical(sweep(**given, study=tmp_path), sweep(**given))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_columns_on_the_disk_hold_the_same_bits(kind, tmp_path, monkeypatch):
+    from rotor_ida.results.studies import arrays
+
+    whole = KINDS[kind]()
+    monkeypatch.setattr(arrays, "LARGE", 1)
+    monkeypatch.setattr(arrays, "STRETCH", 100)
+    on_disk = KINDS[kind](study=tmp_path / "study")
+    xr.testing.assert_identical(on_disk, whole)
+    saved = load(save(on_disk, tmp_path / "result.nc"))
+    assert (
+        saved.attrs["content_sha256"]
+        == load(save(whole, tmp_path / "whole.nc")).attrs["content_sha256"]
+    )
+    assert os.listdir(tmp_path / "study") == [FILE]
+
+
+def test_what_another_program_has_done_is_loaded_and_says_so(tmp_path):
+    """A study that is done needs no computing; one that is not is refused by another program."""
+    begun = sweep(omega=[1.2, 1.7], zeta=0.5, delta0=0.5, study=tmp_path / "study")
+    database = tmp_path / "study" / FILE
+    with closing(sqlite3.connect(database)) as connection, connection:
+        ((text, points, _),) = connection.execute("SELECT * FROM design").fetchall()
+        design = json.loads(text) | {"numba_version": "0.64"}
+        old = _as_text(design)
+        connection.execute("DELETE FROM design")
+        connection.execute(
+            "INSERT INTO design VALUES (?, ?, ?)", (old, points, _digest(old, points))
+        )
+    loaded = resume(tmp_path / "study")
+    assert "numba_version 0.64" in loaded.attrs["computed_with"]
+    del loaded.attrs["computed_with"]
+    assert loaded.identical(begun)
+    with closing(sqlite3.connect(database)) as connection, connection:
+        connection.execute("DELETE FROM pieces WHERE number = 0")
+    with pytest.raises(InputError, match=r"was begun with numba_version '0\.64', got 'nothing'"):
+        resume(tmp_path / "study")

@@ -1,0 +1,336 @@
+"""The store of a study: what was kept is there again, and what is not ours is refused."""
+
+import errno
+import os
+import sqlite3
+import subprocess
+import sys
+from contextlib import closing
+from hashlib import sha256
+
+import numpy as np
+import pytest
+from filelock import FileLock
+
+from rotor_ida.errors import ArchiveError, InputError
+from rotor_ida.results.studies import Piece, design_of, opened, status, store
+from rotor_ida.results.studies.database import FILE
+from rotor_ida.results.studies.store import LOCK
+
+DESIGN = {"kind": "sweep", "omega": [1.2, 1.7], "rtol": 1e-10, "direction": None, "vx": 0.0}
+
+
+def piece(number, content=b"content", failed=0, reason=""):
+    return Piece(number, 1, failed, reason, content)
+
+
+def execute(folder, change, given=()):
+    with closing(sqlite3.connect(folder / FILE)) as connection:
+        connection.execute(change, given)
+        connection.commit()
+
+
+def test_what_was_kept_is_there_again(tmp_path):
+    contents = [bytes([number]) * number for number in range(5)]
+    with opened(tmp_path / "study", DESIGN, 5) as study:
+        for number in (3, 0, 4):
+            study.keep(piece(number, contents[number]))
+    with opened(tmp_path / "study", DESIGN, 5) as study:
+        assert study.done == {0, 3, 4}
+        assert study.points_done == 3
+        for number in (1, 2):
+            study.keep(piece(number, contents[number]))
+        assert [content for _, content in study.contents()] == contents
+    assert os.listdir(tmp_path / "study") == [FILE]
+
+
+def test_what_was_kept_outlasts_an_error(tmp_path):
+    def work():
+        with opened(tmp_path, DESIGN, 2) as study:
+            study.keep(piece(0))
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        work()
+    with opened(tmp_path, DESIGN, 2) as study:
+        assert study.done == {0}
+
+
+def test_a_piece_is_on_the_disk_at_once(tmp_path):
+    with opened(tmp_path, DESIGN, 2) as study:
+        study.keep(piece(0))
+        assert status(tmp_path)["done"] == 1
+        study.keep(piece(1))
+        assert status(tmp_path)["done"] == 2
+
+
+def test_an_interrupt_in_the_midst_of_writing_leaves_what_was_there(tmp_path, monkeypatch):
+    def interrupted(_piece):
+        raise KeyboardInterrupt
+
+    with (  # noqa: PT012 - the way out of the study is what is tested
+        pytest.raises(KeyboardInterrupt),
+        opened(tmp_path, DESIGN, 2) as study,
+    ):
+        study.keep(piece(0))
+        monkeypatch.setattr(store, "_digest", interrupted)
+        study.keep(piece(1))
+    monkeypatch.undo()
+    assert os.listdir(tmp_path) == [FILE]
+    with opened(tmp_path, DESIGN, 2) as study:
+        assert list(study.contents()) == [(0, b"content")]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"rtol": 1e-9}, "begun with rtol 1e-10, got 1e-09"),
+        ({"omega": [1.2]}, r"begun with omega \[1.2, 1.7\], got \[1.2\]"),
+        ({"direction": "up"}, "begun with direction None, got 'up'"),
+        ({"vx": -0.0}, "begun with vx 0.0, got -0.0"),
+        ({"numpy_version": "9"}, "begun with numpy_version 'nothing', got '9'"),
+    ],
+)
+def test_another_design_is_refused_with_the_difference(tmp_path, change, message):
+    with opened(tmp_path, DESIGN, 2) as study:
+        study.keep(piece(0))
+    with pytest.raises(InputError, match=message), opened(tmp_path, DESIGN | change, 2):
+        pass
+    with opened(tmp_path, DESIGN, 2) as study:
+        assert study.done == {0}
+
+
+def test_the_design_is_kept_to_the_last_digit(tmp_path):
+    design = {"omega": np.linspace(0.1, 3.0, 1001).tolist()}
+    with opened(tmp_path, design, 1001):
+        pass
+    assert design_of(tmp_path) == design
+
+
+def test_two_processes_cannot_work_on_one_study(tmp_path):
+    with opened(tmp_path, DESIGN, 2):
+        assert status(tmp_path)["running"]
+        script = (
+            "from rotor_ida.results.studies import opened\n"
+            f"with opened({str(tmp_path)!r}, {DESIGN!r}, 2): pass"
+        )
+        ended = subprocess.run(
+            [sys.executable, "-c", script], capture_output=True, text=True, check=False
+        )
+        assert "ArchiveError: another process is at work" in ended.stderr
+    assert not status(tmp_path)["running"]
+
+
+def test_a_killed_process_leaves_no_lock(tmp_path):
+    script = (
+        "import os\n"
+        "from rotor_ida.results.studies import Piece, opened\n"
+        f"with opened({str(tmp_path)!r}, {DESIGN!r}, 2) as study:\n"
+        "    study.keep(Piece(0, 1, 0, '', b'content'))\n"
+        "    os._exit(9)"
+    )
+    assert subprocess.run([sys.executable, "-c", script], check=False).returncode == 9
+    assert (tmp_path / LOCK).exists()
+    found = status(tmp_path)
+    assert (found["done"], found["running"]) == (1, False)
+    with opened(tmp_path, DESIGN, 2) as study:
+        assert study.done == {0}
+    assert os.listdir(tmp_path) == [FILE]
+
+
+def test_a_study_that_may_only_be_read_can_be_read(tmp_path, monkeypatch):
+    with opened(tmp_path, DESIGN, 1) as study:
+        study.keep(piece(0))
+
+    def refused(_lock):
+        raise PermissionError(errno.EACCES, "Permission denied")
+
+    monkeypatch.setattr(FileLock, "acquire", refused)
+    with opened(tmp_path, DESIGN, 1) as study:
+        assert list(study.contents()) == [(0, b"content")]
+    assert not status(tmp_path)["running"]
+
+
+def test_status_counts_done_failed_and_left(tmp_path):
+    with opened(tmp_path, DESIGN, 10) as study:
+        study.keep(piece(0))
+        study.keep(Piece(1, 3, 2, "too stiff", b""))
+    found = status(tmp_path)
+    assert (found["kind"], found["points"], found["done"], found["failed"], found["left"]) == (
+        "sweep", 10, 4, 2, 6,
+    )  # fmt: skip
+    assert found["reasons"] == ["too stiff"]
+    assert found["points_per_second"] > 0.0
+    assert found["seconds_left"] == pytest.approx(6 / found["points_per_second"])
+
+
+class PathOfBytes(os.PathLike):
+    """A path that is no text."""
+
+    def __fspath__(self):
+        return b"folder"
+
+
+@pytest.mark.parametrize("folder", ["", None, 3, "a\0b", b"folder", PathOfBytes()])
+def test_a_folder_has_a_name(folder):
+    with pytest.raises(InputError, match="study must be the path of a folder"):
+        opened(folder, DESIGN, 2).__enter__()
+
+
+def test_a_folder_that_cannot_be_made_is_refused(tmp_path):
+    (tmp_path / "link").symlink_to(tmp_path / "absent")
+    with pytest.raises(InputError, match=r"study must be a folder that can be .*File exists"):
+        opened(tmp_path / "link", DESIGN, 2).__enter__()
+    with pytest.raises(InputError, match="folder must be that of a study"):
+        status(tmp_path / "link")
+    for refused in (lambda place: opened(place, DESIGN, 2).__enter__(), status):
+        with pytest.raises(InputError, match="study must be a shorter path, got "):
+            refused(tmp_path / ("x" * 300))
+
+
+def test_a_file_is_no_folder(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="study must be a folder, got the file"):
+        opened(tmp_path / "file", DESIGN, 2).__enter__()
+
+
+def test_a_folder_with_other_things_is_left_alone(tmp_path):
+    (tmp_path / "thesis.tex").write_text("")
+    with pytest.raises(InputError, match="study must be a new, an empty or a study's folder"):
+        opened(tmp_path, DESIGN, 2).__enter__()
+    with pytest.raises(InputError, match="folder must be that of a study"):
+        status(tmp_path / "absent")
+    assert os.listdir(tmp_path) == ["thesis.tex"]
+
+
+def test_a_study_that_was_killed_at_once_begins_anew(tmp_path):
+    (tmp_path / FILE).write_bytes(b"")
+    with pytest.raises(InputError, match="a study that was begun"):
+        status(tmp_path)
+    with opened(tmp_path, DESIGN, 2) as study:
+        assert study.done == set()
+
+
+def test_damage_to_a_piece_is_reported(tmp_path):
+    with opened(tmp_path, DESIGN, 2) as study:
+        study.keep(piece(0, b"right"))
+    execute(tmp_path, "UPDATE pieces SET content = ?", (b"wrong",))
+    with (
+        pytest.raises(ArchiveError, match="damaged: piece 0"),
+        opened(tmp_path, DESIGN, 2) as study,
+    ):
+        list(study.contents())
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        "UPDATE pieces SET number = 1",
+        "UPDATE pieces SET number = -1",
+        "UPDATE pieces SET points = 2",
+        "UPDATE pieces SET failed = 1",
+        "UPDATE pieces SET reason = x'ff'",
+        "UPDATE pieces SET content = 'text'",
+    ],
+)
+def test_damage_to_what_is_told_of_a_piece_is_reported(tmp_path, change):
+    with opened(tmp_path, DESIGN, 2) as study:
+        study.keep(piece(0))
+    execute(tmp_path, change)
+    with (
+        pytest.raises(ArchiveError, match=r"damaged: piece (-1|0|1) in"),
+        opened(tmp_path, DESIGN, 2) as study,
+    ):
+        list(study.contents())
+
+
+@pytest.mark.parametrize(
+    ("change", "given"),
+    [
+        ("DELETE FROM design", ()),
+        ("UPDATE design SET text = replace(text, '1.7', '1.5')", ()),
+        ("UPDATE design SET points = 3", ()),
+        ("UPDATE design SET points = 'many'", ()),
+        ("UPDATE design SET text = x'ff'", ()),
+        ("UPDATE design SET text = 5", ()),
+        *(
+            (
+                "UPDATE design SET text = ?, digest = ?",
+                (text, sha256(f"2\n{text}".encode()).digest()),
+            )
+            for text in ("not JSON", "[]", "[" * 100_000, "1" * 5000)
+        ),
+    ],
+)
+def test_damage_to_the_design_is_reported(tmp_path, change, given):
+    with opened(tmp_path, DESIGN, 2):
+        pass
+    execute(tmp_path, change, given)
+    for look in (status, design_of, lambda folder: opened(folder, DESIGN, 2).__enter__()):
+        with pytest.raises(ArchiveError, match="damaged: its design in"):
+            look(tmp_path)
+
+
+def test_a_number_of_points_that_is_none_is_reported(tmp_path):
+    with opened(tmp_path, DESIGN, 2) as study:
+        study.keep(piece(0))
+    execute(tmp_path, "UPDATE pieces SET points = 'many'")
+    for look in (status, lambda folder: opened(folder, DESIGN, 2).__enter__()):
+        with pytest.raises(ArchiveError, match=r"damaged: (piece 0|the number of points)"):
+            look(tmp_path)
+
+
+def test_the_database_of_something_else_is_left_alone(tmp_path):
+    execute(tmp_path, "CREATE TABLE addresses (name)")
+    before = (tmp_path / FILE).read_bytes()
+    with pytest.raises(InputError, match="is of something else"):
+        opened(tmp_path, DESIGN, 2).__enter__()
+    assert (tmp_path / FILE).read_bytes() == before
+
+
+def test_a_table_that_is_missing_is_damage(tmp_path):
+    with opened(tmp_path, DESIGN, 2):
+        pass
+    execute(tmp_path, "DROP TABLE pieces")
+    with pytest.raises(ArchiveError, match="no such table: pieces; it may be damaged"):
+        status(tmp_path)
+
+
+def test_a_file_of_another_kind_is_reported(tmp_path):
+    (tmp_path / FILE).write_bytes(b"not a database, but long enough to be read as one" * 100)
+    with pytest.raises(ArchiveError, match="file is not a database; it may be damaged"):
+        opened(tmp_path, DESIGN, 2).__enter__()
+    with pytest.raises(ArchiveError, match="file is not a database"):
+        status(tmp_path)
+
+
+@pytest.mark.parametrize("number", [1, 3])
+def test_another_format_is_refused(tmp_path, number):
+    with opened(tmp_path, DESIGN, 2):
+        pass
+    execute(tmp_path, f"PRAGMA user_version = {number}")
+    with pytest.raises(InputError, match=f"has format {number}, but this .* with format 2 only"):
+        opened(tmp_path, DESIGN, 2).__enter__()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="limits the size of files")
+def test_a_full_disk_leaves_what_was_kept(tmp_path):
+    with opened(tmp_path, DESIGN, 2) as study:
+        study.keep(piece(0))
+    script = f"""
+import resource, signal
+from rotor_ida.results.studies import Piece, opened
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (2**16, 2**16))
+with opened({str(tmp_path)!r}, {DESIGN!r}, 2) as study:
+    study.keep(Piece(1, 1, 0, "", bytes(2**18)))
+"""
+    ended = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False
+    )
+    assert "ArchiveError: cannot use" in ended.stderr
+    assert "what was kept before is intact" in ended.stderr
+    with opened(tmp_path, DESIGN, 2) as study:
+        assert study.done == {0}
+        study.keep(piece(1))
+    assert os.listdir(tmp_path) == [FILE]

@@ -1,0 +1,138 @@
+"""Files are written whole or not at all, and where they cannot go is said before."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+from filelock import FileLock
+
+from rotor_ida.errors import InputError
+from rotor_ida.results import files
+from rotor_ida.results.files import check_path, check_target, written_whole
+
+
+class PathOfBytes(os.PathLike[bytes]):
+    """A path that is no text."""
+
+    def __fspath__(self) -> bytes:
+        return b"file"
+
+
+@pytest.mark.parametrize("path", ["", None, 3, "a\0b", b"file", PathOfBytes()])
+def test_what_is_no_path_is_refused(path: object) -> None:
+    with pytest.raises(InputError, match="out must be the path of a file, got"):
+        check_target("out", path, overwrite=False)
+    with pytest.raises(InputError, match="study must be the path of a folder, got"):
+        check_path("study", path, kind="folder")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="errors of POSIX")
+def test_a_path_that_no_system_takes_is_refused_in_a_short_line() -> None:
+    with pytest.raises(InputError, match="study must be a shorter path, got 'aaa") as caught:
+        check_path("study", "a" * 100_000, kind="folder")
+    assert len(str(caught.value)) < 250
+
+
+def test_target_that_cannot_be_written_is_refused(tmp_path: Path) -> None:
+    there = tmp_path / "there.txt"
+    there.write_text("before")
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "astray").symlink_to(tmp_path / "nowhere" / "file")
+    for path, overwrite, message in [
+        (there, False, "out must not exist unless --force is given, got '.*there.txt'"),
+        (tmp_path, True, "out must be a file, got the folder"),
+        (tmp_path / "nowhere" / "file", False, "out must be in a folder that exists, got"),
+        (tmp_path / "astray", True, "out must be in a folder that exists, got '.*astray'"),
+        (there / "file", False, "out must be in a folder that exists, got"),
+        (tmp_path / "pipe", True, "out must be a file, got the device or pipe"),
+        (there, 1, "overwrite must be true or false, got 1"),
+    ]:
+        with pytest.raises(InputError, match=message):
+            check_target("out", path, overwrite=overwrite, permission="--force is given")
+    assert check_target("out", there, overwrite=True) == there
+    assert check_target("out", str(tmp_path / "new"), overwrite=False) == tmp_path / "new"
+
+
+def test_folder_without_permission_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(os, "access", lambda path, mode: Path(path) != tmp_path)
+    with pytest.raises(InputError, match="out must be in a folder that can be written to, got"):
+        check_target("out", tmp_path / "file", overwrite=False)
+
+
+@pytest.mark.parametrize("overwrite", [False, True])
+def test_failure_leaves_what_was_there(overwrite: bool, tmp_path: Path) -> None:
+    path = tmp_path / "file"
+    if overwrite:
+        path.write_text("before")
+
+    def fail() -> None:
+        with written_whole(path, overwrite=overwrite) as part:
+            part.write_text("half")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        fail()
+    assert [each.read_text() for each in tmp_path.iterdir()] == ["before"] * overwrite
+
+
+def test_what_appeared_meanwhile_is_not_replaced(tmp_path: Path) -> None:
+    path = tmp_path / "file"
+
+    def write() -> None:
+        with written_whole(path, overwrite=False) as part:
+            part.write_text("late")
+            path.write_text("first")
+
+    with pytest.raises(FileExistsError):
+        write()
+    assert path.read_text() == "first"
+    assert os.listdir(tmp_path) == ["file"]
+
+
+def test_what_a_killed_writer_left_is_removed(tmp_path: Path) -> None:
+    with written_whole(tmp_path / "living", overwrite=False) as part:
+        part.write_text("half")
+        name = part.parent.name
+        left = tmp_path / f"{name[: name.index('.', 1)]}.{'0' * 16}.rotor_ida-part"
+        left.mkdir()
+        (left / "lock").touch()
+        (left / "dead").write_text("half")
+        elsewhere = tmp_path / f".elsewhere.{'0' * 16}.rotor_ida-part"
+        elsewhere.mkdir()
+        with written_whole(tmp_path / "next", overwrite=False) as other:
+            other.write_text("whole")
+        assert not left.exists()
+    assert sorted(os.listdir(tmp_path)) == [elsewhere.name, "living", "next"]
+
+
+@pytest.mark.parametrize("error", [FileNotFoundError, FileExistsError])
+def test_a_folder_that_another_writer_removes_is_made_anew(
+    error: type[OSError], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Between its being made and being locked; filelock then raises the one or the other."""
+    target, lock_of, seen = tmp_path / "file", files._lock_of, []
+
+    def lock_of_removed(folder: Path) -> FileLock:
+        seen.append(folder)
+        if len(seen) > 1:
+            return lock_of(folder)
+        folder.rmdir()
+        lock = lock_of(folder)
+        monkeypatch.setattr(type(lock), "_acquire", removed)
+        return lock
+
+    def removed(lock: FileLock) -> None:
+        monkeypatch.undo()
+        monkeypatch.setattr(files, "_lock_of", lock_of_removed)
+        raise error(lock.lock_file)
+
+    monkeypatch.setattr(files, "_lock_of", lock_of_removed)
+    target.write_text("before")
+    with written_whole(target, overwrite=True) as part:
+        part.write_text("after")
+    assert target.read_text() == "after"
+    assert len(seen) == 2

@@ -1,0 +1,167 @@
+"""What load refuses: other files, other formats, and damage."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+import pytest
+import xarray as xr
+
+from rotor_ida.errors import ArchiveError, InputError
+from rotor_ida.results.archive import load, reading, save
+from rotor_ida.results.archive.checksum import append_seal
+from tests.kinds import a_dataset
+
+
+def refused(path: Path, message: str) -> None:
+    with pytest.raises(ArchiveError, match=message) as caught:
+        load(path)
+    assert "\n" not in str(caught.value)
+    assert str(path) in str(caught.value)
+
+
+def test_path_that_is_no_file_is_refused(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    for path, message in [
+        (tmp_path / "run.nc", "path must be a file that exists, got .*run.nc"),
+        (tmp_path, "path must be a file, got the folder"),
+        (tmp_path / "pipe", "path must be a file that exists"),
+        (3, "path must be the path of a file, got 3"),
+    ]:
+        with pytest.raises(InputError, match=message):
+            load(path)  # type: ignore[arg-type]
+
+
+def test_files_of_another_kind_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "other.nc"
+    for data in (b"", b"time,x\n0,1\n"):
+        path.write_bytes(data)
+        refused(path, "is not an archive of rotor_ida: it is no netCDF-4 file")
+    netCDF4.Dataset(path, "w", format="NETCDF3_CLASSIC").close()
+    refused(path, "it is no netCDF-4 file")
+    path.write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(100))
+    refused(path, "is not an archive of rotor_ida: it has no seal")
+    append_seal(path)
+    refused(path, "cannot read .*, which may be damaged: HDF5 cannot list its contents")
+    a_dataset().drop_attrs().to_netcdf(path, engine="netcdf4")
+    refused(path, "it has no seal; xarray.open_dataset and ncdump may still open it")
+    append_seal(path)
+    refused(path, "has format none, but this version of rotor_ida reads format 3 only")
+
+
+def alter(path: Path, change: str) -> None:
+    with netCDF4.Dataset(path, "a") as file:
+        if change == "value":
+            file["x"][3] += 1e-12
+        elif change == "unit":
+            file["x"].units = "mm"
+        elif change == "variable":
+            file.createVariable("extra", "f8", ("t",))[:] = 0.0
+        elif change == "name":
+            file.renameVariable("x", "y")
+        elif change == "coordinates":
+            for name in file.variables:
+                if "coordinates" in file[name].ncattrs():
+                    file[name].delncattr("coordinates")
+        elif change == "no checksum":
+            file.delncattr("content_sha256")
+        elif change == "group":
+            file.createGroup("hidden")
+        elif change == "complex":
+            file.createCompoundType(np.dtype([("r", "f8"), ("i", "f8")]), "complex")
+        elif change == "char":
+            file.createVariable("extra", "S1", ("t",))
+        else:
+            file.rotor_ida_format = {"newer": 4, "older": 2, "text": "one"}[change]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ("value", "is damaged or was altered"),
+        ("unit", "is damaged or was altered"),
+        ("variable", "is damaged or was altered"),
+        ("name", "is damaged or was altered"),
+        ("coordinates", "is damaged or was altered"),
+        ("no checksum", "is damaged or was altered"),
+        ("group", "is not a sound archive: it holds 'hidden', which is not a variable"),
+        ("complex", "holds 'complex', which is not a variable"),
+        ("char", "is not a sound archive: see variable 'extra'"),
+        ("newer", "has format 4, but this version of rotor_ida reads format 3 only"),
+        ("older", "has format 2, but this version of rotor_ida reads format 3 only"),
+        ("text", "has format one, but this version of rotor_ida reads format 3 only"),
+    ],
+)
+def test_altered_archive_is_refused(change: str, message: str, archive: Path) -> None:
+    alter(archive, change)
+    refused(archive, "is damaged, was altered .*: it has no seal")
+    append_seal(archive)
+    refused(archive, message)
+
+
+def test_sealed_again_it_may_have_more_history(archive: Path) -> None:
+    with netCDF4.Dataset(archive, "a") as file:
+        file.history += "\n2026-11-22T09:00:00Z ncatted"
+    append_seal(archive)
+    assert load(archive).history.endswith("ncatted")
+
+
+def test_truncated_archive_is_refused(archive: Path) -> None:
+    whole = archive.read_bytes()
+    for length in [*range(0, len(whole), len(whole) // 40), len(whole) - 1]:
+        archive.write_bytes(whole[:length])
+        refused(archive, "no netCDF-4 file|it has no seal")
+    archive.write_bytes(whole)
+    load(archive)
+
+
+def test_flipped_bits_are_reported(archive: Path) -> None:
+    whole = archive.read_bytes()
+    places = np.random.default_rng(1).integers(0, 8 * len(whole), size=200).tolist()
+    for place in places:
+        damaged = bytearray(whole)
+        damaged[place // 8] ^= 1 << place % 8
+        archive.write_bytes(damaged)
+        refused(archive, "no netCDF-4 file|has no seal|its bytes are not those that were sealed")
+
+
+def test_absurd_sizes_are_refused_before_reading(archive: Path, tmp_path: Path) -> None:
+    for size, message in [(2**45, "declares 2.81e\\+14 bytes"), (2**22, "declares 3.36e\\+07")]:
+        path = tmp_path / f"{size}.nc"
+        shutil.copy(archive, path)
+        with netCDF4.Dataset(path, "a") as file:
+            file.createDimension("vast", size)
+            file.createVariable("extra", "f8", ("vast",), zlib=True, chunksizes=(4096,))
+        append_seal(path)
+        assert path.stat().st_size < 30_000
+        refused(path, message)
+
+
+def test_absurd_strings_are_refused(archive: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(reading, "LARGEST_CONTENT", 2000)
+    monkeypatch.setattr(reading, "_refuse_absurd_sizes", lambda file, source, in_memory: None)
+    path = save(
+        xr.Dataset({"message": ("start", [""] * 50 + ["x" * 50])}),
+        archive.with_name("texts.nc"),
+    )
+    refused(path, "declares absurdly long strings in 'message'")
+
+
+def test_file_replaced_while_it_is_read_is_read_again(
+    archive: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    read = reading.seal_of
+    replacements = [a_dataset(7)]
+
+    def read_late(source: Path, *, check: bool = True) -> str:
+        if replacements:
+            save(replacements.pop(), source, overwrite=True)
+            raise RuntimeError("half of one file and half of the other")
+        return read(source, check=check)
+
+    monkeypatch.setattr(reading, "seal_of", read_late)
+    assert load(archive).sizes["t"] == 7

@@ -1,0 +1,67 @@
+"""What a result says of the command that made it: enough to type it again, nothing of a machine."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from rotor_ida.results import provenance
+from rotor_ida.results.provenance import described
+
+
+@pytest.mark.parametrize(
+    ("arguments", "module", "expected"),
+    [
+        (["/home/me/study.py", "--quick"], "", "study.py --quick"),
+        (["./study.py", "a b", "data/run.nc"], "", "study.py 'a b' data/run.nc"),
+        (["x.py", "/home/me/run.nc", "-o=/tmp/a/b.nc", "~/c.nc"], "", "x.py run.nc -o=b.nc c.nc"),
+        (["x.py", r"C:\me\run.nc"], "", "x.py run.nc"),
+        (["/lib/pytest/__main__.py", "-n0"], "pytest.__main__", "python -m pytest -n0"),
+        (["/lib/study.py"], "study", "python -m study"),
+        (["-c"], "", "python -c"),
+        (["-"], "", "python -"),
+        ([""], "", "interactive Python"),
+        ([], "", "interactive Python"),
+        (["/lib/ipykernel_launcher.py", "-f", "/run/k.json"], "ipykernel_launcher", "a notebook"),
+        (["x.py", "\udcff", "a\nb"], "", "x.py '\\udcff' 'a b'"),
+    ],
+)
+def test_command_is_told_without_folders(arguments: list[str], module: str, expected: str) -> None:
+    assert described(arguments, module=module) == expected
+
+
+def test_run_says_which_script_made_it(tmp_path: Path) -> None:
+    script = tmp_path / "study.py"
+    script.write_text(
+        "from rotor_ida import Rotor, simulate\n"
+        "rotor = Rotor(omega=2, zeta=0.1, delta0=2)\n"
+        "print(simulate(rotor, start=(0, 0, 0, 0), duration=1.0).command)\n"
+    )
+    for program in ([script, "--out", tmp_path / "run.nc"], ["-c", script.read_text()]):
+        shown = subprocess.run([sys.executable, *program], capture_output=True, check=True)
+        expected = "python -c" if program[0] == "-c" else "study.py --out run.nc"
+        assert shown.stdout.decode().strip() == expected
+
+
+@pytest.mark.parametrize("name", ["model.py", "core/model.c", "core/model.h"])
+def test_sources_in_python_and_in_c_count(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    monkeypatch.setattr(provenance, "__file__", str(tmp_path / "provenance.py"))
+    (tmp_path / "core").mkdir()
+    before = provenance.sources_digest.__wrapped__()
+    (tmp_path / name).touch()
+    assert provenance.sources_digest.__wrapped__() != before
+
+
+def test_a_result_says_who_compiled_the_core() -> None:
+    said = provenance.provenance({})
+    assert {"core_compiler", "core_flags", "core_level"} <= {*said}
+    assert all(isinstance(value, str) for value in provenance.core().values())
+
+
+def test_no_compiler_and_no_level_decides_on_the_bits() -> None:
+    assert not [name for name in provenance.computing() if name.startswith("core")]

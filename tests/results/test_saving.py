@@ -1,0 +1,310 @@
+"""An archive is written wholly or not at all, whoever else writes, kills or fills the disk."""
+
+from __future__ import annotations
+
+import errno
+import os
+import random
+import resource
+import shutil
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rotor_ida.errors import ArchiveError, InputError
+from rotor_ida.results import files
+from rotor_ida.results.archive import load, save, writing
+from tests.kinds import a_dataset
+
+
+def leftovers(folder: Path, *expected: str) -> list[str]:
+    return sorted(set(os.listdir(folder)) - set(expected))
+
+
+def test_path_that_cannot_be_written_is_refused(archive: Path, tmp_path: Path) -> None:
+    before = archive.read_bytes()
+    os.mkfifo(tmp_path / "pipe")
+    for path, overwrite, message in [
+        (archive, False, "path must not exist unless overwrite is true, got .*run.nc"),
+        (tmp_path, True, "path must be a file, got the folder"),
+        (tmp_path / "nowhere" / "run.nc", False, "path must be in a folder that exists, got"),
+        (archive / "run.nc", False, "path must be in a folder that exists, got"),
+        (tmp_path / "pipe", True, "path must be a file, got the device or pipe"),
+        ("", False, "path must be the path of a file, got ''"),
+        (3, False, "path must be the path of a file, got 3"),
+        ("a\0b", False, "path must be the path of a file"),
+        (archive, 1, "overwrite must be true or false, got 1"),
+    ]:
+        with pytest.raises(InputError, match=message):
+            save(a_dataset(), path, overwrite=overwrite)  # type: ignore[arg-type]
+    assert archive.read_bytes() == before
+    assert not leftovers(tmp_path, "run.nc", "pipe")
+
+
+def test_overwrite_replaces_the_file(archive: Path, tmp_path: Path) -> None:
+    assert save(a_dataset(7), archive, overwrite=True) == archive
+    assert load(archive).sizes["t"] == 7
+    assert not leftovers(tmp_path, "run.nc")
+
+
+def test_overwrite_through_a_link_keeps_the_link(archive: Path, tmp_path: Path) -> None:
+    (tmp_path / "latest.nc").symlink_to("run.nc")
+    save(a_dataset(7), tmp_path / "latest.nc", overwrite=True)
+    assert (tmp_path / "latest.nc").is_symlink()
+    assert load(archive).sizes["t"] == 7
+
+
+def test_permissions_follow_the_umask(tmp_path: Path) -> None:
+    before = os.umask(0o027)
+    try:
+        path = save(a_dataset(), tmp_path / "run.nc")
+    finally:
+        os.umask(before)
+    assert path.stat().st_mode & 0o777 == 0o640
+
+
+@pytest.mark.parametrize("links", ["links", "no links"])
+def test_file_that_appears_meanwhile_is_not_lost(
+    links: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "run.nc"
+    seal = writing.append_seal
+
+    def write_slowly(part: Path) -> None:
+        seal(part)
+        path.write_text("another process was faster")
+
+    monkeypatch.setattr(writing, "append_seal", write_slowly)
+    if links == "no links":
+        monkeypatch.setattr(os, "link", no_links)
+    with pytest.raises(InputError, match="path must not exist unless overwrite is true"):
+        save(a_dataset(), path)
+    assert path.read_text() == "another process was faster"
+    assert not leftovers(tmp_path, "run.nc")
+
+
+def no_links(source: object, target: object) -> None:
+    raise OSError(errno.EPERM, "no hard links here")
+
+
+def test_file_system_without_links_will_do(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "link", no_links)
+    path = save(a_dataset(), tmp_path / "run.nc")
+    assert load(path).sizes["t"] == 50
+    assert not leftovers(tmp_path, "run.nc")
+
+
+@pytest.mark.parametrize("place", ["append_seal", "fsync", "link"])
+@pytest.mark.parametrize("failure", [KeyboardInterrupt(), OSError(errno.EACCES, "No permission")])
+def test_failure_leaves_nothing_behind(
+    place: str, failure: BaseException, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*args: object, **kwargs: object) -> None:
+        raise failure
+
+    with monkeypatch.context() as patch:
+        patch.setattr(writing if place == "append_seal" else os, place, fail)
+        expected = ArchiveError if isinstance(failure, OSError) else KeyboardInterrupt
+        with pytest.raises(expected) as caught:
+            save(a_dataset(), tmp_path / "run.nc")
+    assert not leftovers(tmp_path)
+    if expected is ArchiveError:
+        assert str(caught.value) == f"cannot write {tmp_path / 'run.nc'}: No permission"
+    load(save(a_dataset(), tmp_path / "run.nc"))
+
+
+def test_folder_that_may_not_be_written_is_refused(tmp_path: Path) -> None:
+    if os.geteuid() == 0:
+        pytest.skip("root may write everywhere")
+    tmp_path.chmod(0o500)
+    with pytest.raises(InputError, match="path must be in a folder that can be written to, got"):
+        save(a_dataset(), tmp_path / "run.nc")
+    tmp_path.chmod(0o700)
+
+
+def test_file_that_may_not_grow_is_reported(archive: Path, tmp_path: Path) -> None:
+    before = archive.read_bytes()
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, limits[1]))
+    try:
+        with pytest.raises(ArchiveError, match=r"cannot write .*run.nc: File too large$"):
+            save(a_dataset(100_000), archive, overwrite=True)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert archive.read_bytes() == before
+    assert not leftovers(tmp_path, "run.nc")
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Iterator[Path]:
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", "size=3m", "tmpfs", str(disk)]
+    if (
+        not shutil.which("mount")
+        or subprocess.run(mount, check=False, capture_output=True).returncode
+    ):
+        pytest.skip("no disk may be mounted here")
+    yield disk
+    subprocess.run(["umount", str(disk)], check=True)
+
+
+@pytest.mark.parametrize("first_check", [writing.BLOCK, 0])
+def test_full_disk_is_reported(
+    first_check: int, small_disk: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(writing, "BLOCK", first_check)
+    path = save(a_dataset(), small_disk / "run.nc")
+    before = path.read_bytes()
+    for _ in range(3):
+        with pytest.raises(ArchiveError, match=r"cannot write .*run.nc: No space left on device$"):
+            save(a_dataset(400_000), path, overwrite=True)
+        assert path.read_bytes() == before
+        assert not leftovers(small_disk, "run.nc")
+    assert load(save(a_dataset(7), path, overwrite=True)).sizes["t"] == 7
+
+
+@pytest.mark.parametrize("moment", ["half written", "written", "published"])
+def test_process_killed_leaves_the_old_or_the_new(moment: str, tmp_path: Path) -> None:
+    path = save(a_dataset(), tmp_path / "run.nc")
+    program = f"""
+import os, sys
+import xarray as xr
+from rotor_ida.results import files
+from rotor_ida.results.archive import save, writing
+def die(part):
+    if {moment!r} == "half written":
+        os.truncate(part, os.path.getsize(part) // 2)
+    os._exit(9)
+if {moment!r} == "published":
+    files._sync_folder = lambda folder: os._exit(9)
+else:
+    writing.append_seal = die
+save(xr.Dataset({{"x": ("t", [1.0] * 1000)}}), sys.argv[1], overwrite=True)
+"""
+    ended = subprocess.run([sys.executable, "-c", program, str(path)], check=False)
+    assert ended.returncode == 9
+    assert load(path).sizes["t"] == (1000 if moment == "published" else 50)
+    save(a_dataset(7), path, overwrite=True)
+    assert not leftovers(tmp_path, "run.nc")
+
+
+def test_saves_killed_at_any_moment_leave_nothing(tmp_path: Path) -> None:
+    program = """
+import sys
+import numpy as np, xarray as xr
+from rotor_ida import save
+data = xr.Dataset({"x": ("t", np.random.default_rng(0).normal(size=100_000))})
+save(data, sys.argv[1])
+print(flush=True)
+while True:
+    save(data, sys.argv[1], overwrite=True)
+"""
+    chance = random.Random(0)
+    for number in range(4):
+        path = tmp_path / f"{number}.nc"
+        with subprocess.Popen([sys.executable, "-c", program, path], stdout=-1) as writer:
+            assert writer.stdout is not None
+            writer.stdout.readline()
+            time.sleep(chance.uniform(0.0, 0.1))
+            writer.kill()
+        assert load(path).sizes["t"] == 100_000
+    save(a_dataset(), tmp_path / "last.nc")
+    assert not leftovers(tmp_path, "last.nc", *(f"{number}.nc" for number in range(4)))
+
+
+def test_part_of_a_writer_that_lives_is_left_alone(tmp_path: Path) -> None:
+    with files.written_whole(tmp_path / "run.txt", overwrite=False) as part:
+        part.write_text("half")
+        save(a_dataset(), tmp_path / "other.nc")
+        assert part.read_text() == "half"
+    other_machine = tmp_path / f".elsewhere.{'0' * 16}.rotor_ida-part"
+    other_machine.mkdir()
+    save(a_dataset(), tmp_path / "run.nc")
+    assert other_machine.exists()
+
+
+def test_two_processes_may_save_to_one_path(tmp_path: Path) -> None:
+    program = """
+import sys
+import numpy as np, xarray as xr
+from rotor_ida import InputError, save
+data = xr.Dataset({"x": ("t", np.full(50_000, float(sys.argv[2])))})
+try:
+    save(data, sys.argv[1] + "/first.nc")
+    print("first")
+except InputError as error:
+    assert "path must not exist unless overwrite is true" in str(error)
+for _ in range(20):
+    save(data, sys.argv[1] + "/last.nc", overwrite=True)
+"""
+    save(a_dataset(), tmp_path / "last.nc")
+    writers = [
+        subprocess.Popen([sys.executable, "-c", program, tmp_path, number], stdout=-1)
+        for number in ("1", "2")
+    ]
+    while any(writer.poll() is None for writer in writers):
+        seen = load(tmp_path / "last.nc").x
+        assert seen.size == 50 or (seen.size == 50_000 and len(np.unique(seen)) == 1)
+    said = [writer.communicate()[0] for writer in writers]
+    assert [writer.returncode for writer in writers] == [0, 0]
+    assert sorted(said) == [b"", b"first\n"]
+    assert len(np.unique(load(tmp_path / "first.nc").x)) == 1
+    assert not leftovers(tmp_path, "first.nc", "last.nc")
+
+
+def test_threads_may_save_and_load(tmp_path: Path) -> None:
+    shared = save(a_dataset(), tmp_path / "shared.nc")
+    ready = threading.Barrier(8)
+
+    def work(number: int) -> None:
+        ready.wait()
+        for turn in range(5):
+            dataset = a_dataset(20 + number, seed=turn)
+            path = save(dataset, tmp_path / f"{number}.nc", overwrite=True)
+            loaded = load(path)
+            assert loaded.x.identical(dataset.x)
+            save(dataset, shared, overwrite=True)
+            assert load(shared).sizes["start"] == 2
+
+    with ThreadPoolExecutor(8) as pool:
+        list(pool.map(work, range(8)))
+    assert len(leftovers(tmp_path)) == 9
+
+
+def test_one_of_many_writers_wins(tmp_path: Path) -> None:
+    def work(number: int) -> int:
+        try:
+            save(a_dataset(10 + number), tmp_path / "run.nc")
+        except InputError:
+            return 0
+        return 10 + number
+
+    with ThreadPoolExecutor(8) as pool:
+        winners = [samples for samples in pool.map(work, range(8)) if samples]
+    assert winners == [load(tmp_path / "run.nc").sizes["t"]]
+
+
+def test_failure_of_the_folder_to_synchronise_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sync = os.fsync
+
+    def fail_on_folders(descriptor: int) -> None:
+        if os.path.isdir(f"/proc/self/fd/{descriptor}"):
+            raise OSError(number, os.strerror(number))
+        sync(descriptor)
+
+    monkeypatch.setattr(os, "fsync", fail_on_folders)
+    number = errno.EINVAL
+    load(save(a_dataset(), tmp_path / "run.nc"))
+    number = errno.EIO
+    with pytest.raises(ArchiveError, match="Input/output error"):
+        save(a_dataset(), tmp_path / "run.nc", overwrite=True)

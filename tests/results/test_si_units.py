@@ -1,0 +1,264 @@
+"""Units are chosen once; the dataset carries them, and what a dimensionless 1 is in them."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from rotor_ida import (
+    DimensionalRotor,
+    InputError,
+    branches_through,
+    compare,
+    contact_forces,
+    contact_summary,
+    dimensional,
+    limit_cycle,
+    lyapunov_exponent,
+    rotating,
+    run_up,
+    simulate,
+    spectrum,
+    sweep,
+)
+from rotor_ida.cli.describe import describe
+from rotor_ida.results.si_units import UNITS
+from rotor_ida.schema import QUANTITIES, labelled
+
+REST = (0.0, 0.0, 0.0, 0.0)
+MACHINE = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=418.0, eccentricity=5e-6,
+                           clearance=1e-5, speed=1495.0)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def plain():
+    return simulate(MACHINE.rotor(), start=REST, duration=20.0, samples=201)
+
+
+def test_every_quantity_has_the_unit_and_the_scale_of_its_kind(plain):
+    chosen = {"length": "um", "time": "ms", "force": "kN", "impulse": "mN s"}
+    shown = dimensional(plain, MACHINE, units=chosen)
+    for name, variable in plain.variables.items():
+        kind = QUANTITIES[name].scale
+        if kind:
+            assert shown[name].attrs["units"] == (UNITS | chosen)[kind]
+            assert shown[name].values == pytest.approx(
+                variable.values * shown.attrs[f"{kind}_scale"], rel=1e-15, nan_ok=True
+            )
+        else:
+            assert shown[name].identical(plain[name].assign_coords(shown[name].coords))
+
+
+def test_scales_say_what_one_is_in_the_units_chosen(plain):
+    shown = dimensional(plain, MACHINE, units={"length": "um", "time": "ms"})
+    assert shown.attrs["length_scale"] == pytest.approx(1e6 * MACHINE.length_scale, rel=1e-15)
+    assert shown.attrs["time_scale"] == pytest.approx(1e3 * MACHINE.time_scale, rel=1e-15)
+    assert shown.attrs["velocity_scale"] == MACHINE.velocity_scale
+    assert dimensional(plain, MACHINE).attrs["length_scale"] == MACHINE.length_scale
+
+
+@pytest.mark.parametrize(
+    ("kind", "wanted", "written"),
+    [("length", "µm", "um"), ("length", "\u03bcm", "um"), ("length", "um", "um"),
+     ("velocity", "mm/s", "mm s-1"), ("velocity", "µm s-1", "um s-1"), ("time", "µs", "us")],
+)  # fmt: skip
+def test_units_may_be_written_as_readers_do(plain, kind, wanted, written):
+    shown = dimensional(plain, MACHINE, units={kind: wanted})
+    assert shown[{"length": "x", "velocity": "vx", "time": "t"}[kind]].attrs["units"] == written
+
+
+def test_a_limit_cycle_has_a_period_in_seconds_and_forces_in_newtons():
+    """Sampled over one period of the machine, the motion closes and has its largest force."""
+    machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6,
+                               clearance=2e-6, speed=1000.0)  # fmt: skip
+    found = limit_cycle(machine.rotor(), start=REST)
+    shown = dimensional(found, machine)
+    force = 1e9 * max(shown.radius_max.item() - 2e-6, 0.0) ** 1.5
+    assert shown.largest_force.item() == pytest.approx(force, rel=1e-12)
+    assert shown.period.item() == pytest.approx(found.period.item() * machine.time_scale, rel=1e-15)
+    units = {"period": "s", "period_error": "s", "t": "s", "radius_max": "m", "x": "m",
+             "vx": "m s-1", "largest_force": "N", "impulse_per_period": "N s", "frequency": "s-1",
+             "whirl_amplitude": "m", "multiplier_real": "1", "contact_count": "1"}  # fmt: skip
+    assert {name: shown[name].attrs["units"] for name in units} == units
+    assert shown.t.values[-1] == pytest.approx(shown.period.item(), rel=1e-15)
+    spin = shown.frequency.values[shown.line_kind.values == 0]
+    assert spin == pytest.approx(1000.0, rel=1e-12)
+
+
+def test_rates_are_per_second():
+    found = lyapunov_exponent(MACHINE.rotor(), start=REST, duration=200.0)
+    shown = dimensional(found, MACHINE, units={"rate": "1/s", "time": "ms"})
+    assert shown.running_exponent.attrs["units"] == "s-1"
+    assert shown.attrs["rate_scale"] == MACHINE.reference_frequency
+
+
+def test_parameters_beyond_the_papers_stay_and_forces_follow_the_contact_law():
+    """A linear spring of k newtons a metre: forces in units of k D, times of sqrt(m/k)."""
+    machine = DimensionalRotor(mass=4.0, contact_stiffness=4e6, damping=400.0, eccentricity=5e-6,
+                               clearance=1e-5, speed=1200.0, contact_exponent=1.0,
+                               shaft_stiffness=1e6, load=39.2, contact_damping=20.0)  # fmt: skip
+    run = simulate(machine.rotor(), start=REST, duration=10.0, samples=21)
+    run = run.assign(contact_loss=labelled("contact_loss", "contact", run.peak_force.values))
+    shown = dimensional(run, machine, units={"force": "kN"})
+    for name, value in machine.rotor().beyond.items():
+        assert shown[name].item() == run[name].item() == value
+        assert (shown[name].attrs["units"], shown.attrs[name]) == ("1", value)
+    assert shown.attrs["force_scale"] == pytest.approx(4e6 * 5e-6 / 1e3, rel=1e-15)
+    assert shown.attrs["time_scale"] == pytest.approx(1e-3, rel=1e-15)
+    assert shown.contact_loss.attrs["units"] == "J"
+    assert shown.attrs["energy_scale"] == pytest.approx(4e6 * 5e-6**2, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("units", "message"),
+    [({"length": "inch"}, "the unit of length must be one of .*, um, mm, m, km, Mm, got 'inch'"),
+     ({"length": 3}, "the unit of length must be one of .*, got 3"),
+     ({"rate": "ms-1"}, "the unit of rate must be one of s-1, got 'ms-1'"),
+     ({"mass": "kg"}, "units must be of length, time, .*, got 'mass'"),
+     ("mm", "units must be a mapping such as .*, got 'mm'")],
+)  # fmt: skip
+def test_other_units_are_refused(plain, units, message):
+    with pytest.raises(InputError, match=f"^{message}$"):
+        dimensional(plain, MACHINE, units=units)
+
+
+def test_units_are_chosen_once(plain):
+    with pytest.raises(InputError, match="SI units already"):
+        dimensional(dimensional(plain, MACHINE), MACHINE, units={"length": "mm"})
+
+
+def test_what_is_without_dimensions_in_attributes_is_not_mixed_with_si_units(plain):
+    """The time that a run took stays dimensionless, and its contacts are in seconds."""
+    in_si = dimensional(plain, MACHINE)
+    for analysis in (contact_summary, spectrum, rotating, contact_forces):
+        with pytest.raises(InputError, match="run must be dimensionless, got one in SI units"):
+            analysis(in_si)
+    summary = dimensional(contact_summary(plain), MACHINE)
+    assert summary.total_impulse.attrs["units"] == "N s"
+    contacts = in_si.exit_time.fillna(in_si.t[-1]) - in_si.entry_time.fillna(0.0)
+    held = float(contacts.sum() / in_si.t[-1])
+    assert summary.contact_fraction.item() == pytest.approx(held, rel=1e-12)
+    assert summary.total_impulse.item() == pytest.approx(float(in_si.impulse.sum()), rel=1e-12)
+
+
+def test_responses_in_si_units_are_not_held_against_exact_ones():
+    swept = sweep(omega=[1.2], zeta=0.07, delta0=0.5)
+    with pytest.raises(InputError, match="dataset must be dimensionless, got one in SI units"):
+        compare(dimensional(swept, MACHINE))
+    with pytest.raises(InputError, match="compared must be dimensionless, got one in SI units"):
+        branches_through(dimensional(compare(swept), MACHINE), limits=(1.0, 2.0))
+
+
+def test_an_archive_in_si_units_tells_start_and_time_in_them(plain):
+    told = describe(dimensional(plain, MACHINE))[0]["parameters"]
+    assert told["duration"] == pytest.approx(plain.attrs["duration"] * MACHINE.time_scale)
+    scales = [MACHINE.length_scale] * 2 + [MACHINE.velocity_scale] * 2
+    np.testing.assert_allclose(told["start"], plain.attrs["start"] * scales, rtol=1e-15)
+
+
+# ---- Speeds that change ----
+
+TURNED = DimensionalRotor(mass=4.0, contact_stiffness=3.2e7, damping=89.1, eccentricity=1e-5,
+                          clearance=8e-6, speed=60.0, shaft_stiffness=2e3)  # fmt: skip
+RPM = math.pi / 30.0
+RATE, STALL, SLOPE, INERTIA = 900.0 * RPM, 2e-3, 5e-6, 4e-6
+
+
+def in_si_by_scipy(machine, end, angular_acceleration):
+    """Return place, velocity and speed at the end: Newton and Euler in SI units, by DOP853."""
+    m, d = machine.mass, machine.eccentricity
+
+    def slope(_time, state):
+        z, v, angle, speed = complex(*state[:2]), complex(*state[2:4]), state[4], state[5]
+        depth = max(abs(z) - machine.clearance, 0.0)
+        push = machine.contact_stiffness * depth**1.5 * (z / abs(z) if depth else 0.0)
+        held = machine.damping * v + machine.shaft_stiffness * z + push
+        turned = complex(math.cos(angle), math.sin(angle))
+        # the reaction acts at the centre of the disc, one eccentricity off the centre of mass
+        angular = angular_acceleration(speed, d * (held * turned.conjugate()).imag)
+        pulled = m * d * (speed**2 - 1j * angular) * turned
+        a = (pulled - held) / m
+        return [v.real, v.imag, a.real, a.imag, speed, angular]
+
+    start = [0.0, 0.0, 0.0, 0.0, 0.0, machine.speed]
+    found = solve_ivp(slope, (0.0, end), start, method="DOP853", rtol=1e-11, atol=1e-16)
+    return found.y[[0, 1, 2, 3, 5], -1]
+
+
+@pytest.mark.parametrize(
+    ("changes", "law"),
+    [({"to": 1500.0, "rate": 900.0, "unit": "rpm"}, lambda _speed, _moment: RATE),
+     ({"torque": (STALL, SLOPE), "inertia": INERTIA, "duration": 0.8},
+      lambda speed, moment: (STALL - SLOPE * speed + moment) / INERTIA)],
+    ids=["ramp in rpm", "limited power in N m"],
+)  # fmt: skip
+def test_a_run_up_in_si_units_obeys_newton_and_euler_in_si_units(changes, law):
+    """The same run by SciPy, from the equations with kilograms, newtons and metres."""
+    given = TURNED.change_of_speed(**changes)
+    run = run_up(TURNED.rotor(), start=REST, samples=2, rtol=1e-9, **given)
+    shown = dimensional(run, TURNED)
+    assert shown.sizes["contact"] > 0
+    end = in_si_by_scipy(TURNED, float(shown.t[-1]), law)
+    for name, value in zip(("x", "y", "vx", "vy", "speed"), end, strict=True):
+        scale = float(abs(shown[name]).max())
+        assert float(shown[name][-1]) == pytest.approx(value, abs=2e-6 * scale)
+    if "to" in changes:
+        assert float(shown.t[-1]) == pytest.approx((1500.0 * RPM - 60.0) / RATE, rel=1e-12)
+
+
+def test_how_a_speed_changed_is_told_in_the_units_it_was_given_in():
+    """What is put in by hand in rpm, rpm/s, N m and kg m2 comes out of the attributes again."""
+    ramp = TURNED.change_of_speed(to=1500.0, rate=9e4, unit="rpm")
+    shown = dimensional(run_up(TURNED.rotor(), start=REST, samples=2, rtol=1e-6, **ramp), TURNED,
+                        units={"speed": "rpm"})  # fmt: skip
+    assert shown.attrs["to"] == pytest.approx(1500.0, rel=1e-14)
+    assert shown.attrs["rate"] == pytest.approx(9e4, rel=1e-14)
+    assert (shown.attrs["to_units"], shown.attrs["rate_units"]) == ("rpm", "rpm s-1")
+    assert shown.speed.values == pytest.approx([60.0 / RPM, 1500.0], rel=1e-12)
+    assert shown.speed.attrs["units"] == shown.event_speed.attrs["units"] == "rpm"
+
+    table = [(0.0, 10.0), (0.01, 12.5), (0.02, 12.5)]
+    pieces = TURNED.change_of_speed(speeds=table, unit="Hz")
+    run = run_up(TURNED.rotor(), start=REST, samples=2, rtol=1e-6, **pieces)
+    shown = dimensional(run, TURNED, units={"time": "ms", "speed": "rad/s"})
+    turns = np.multiply(table, [1e3, 2.0 * math.pi]).ravel()
+    assert shown.attrs["speeds"] == pytest.approx(turns, rel=1e-14)
+    assert shown.attrs["speeds_units"] == "ms, s-1"
+
+    drive = TURNED.change_of_speed(torque=(STALL, SLOPE), inertia=INERTIA, duration=0.02)
+    run = run_up(TURNED.rotor(), start=REST, samples=2, rtol=1e-6, **drive)
+    shown = dimensional(run, TURNED, units={"time": "ms", "speed": "rpm"})
+    assert shown.attrs["torque"] == pytest.approx([STALL, SLOPE], rel=1e-14)
+    assert shown.attrs["inertia"] == pytest.approx(INERTIA, rel=1e-14)
+    assert (shown.attrs["torque_units"], shown.attrs["inertia_units"]) == ("N m, N m s", "kg m2")
+    record, _ = describe(shown)
+    assert record["torque"] == pytest.approx([STALL, SLOPE], rel=1e-14)
+
+
+def test_a_motor_by_hand():
+    """omega_0 is the root of k sqrt(D)/m = 25,298/s2, and m D^2 is 4e-10 kg m2."""
+    rate = math.sqrt(3.2e7 * math.sqrt(1e-5) / 4.0)
+    found = TURNED.change_of_speed(torque=(STALL, SLOPE), inertia=INERTIA, duration=2.0)
+    assert found["inertia"] == pytest.approx(4e-6 / 4e-10, rel=1e-14)
+    assert found["torque"] == pytest.approx(
+        [STALL / (4e-10 * rate**2), SLOPE / (4e-10 * rate)], rel=1e-14
+    )
+    assert found["duration"] == pytest.approx(2.0 * rate, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [({"to": 100.0, "rate": 3.0, "unit": "rpm"}, "rate must be negative .* 572.958 to 100 rpm"),
+     ({"to": 100.0, "rate": -3.0}, "rate must be positive .* from 60 to 100 rad/s, got -3.0"),
+     ({"to": 60.0, "rate": 3.0}, "to must differ from the speed of the machine, 60 rad/s, got"),
+     ({"to": -1.0, "rate": -3.0}, "to must be zero or positive, got -1.0"),
+     ({"speeds": [(0.0, 10.0), (1.0, -1.0)]}, "a speed of speeds must be zero or positive"),
+     ({"speeds": [1.0, 2.0]}, "speeds must be pairs of time and speed, got"),
+     ({"torque": 3.0}, "torque must be two numbers"),
+     ({"inertia": 0.0}, "inertia must be positive, got 0.0"),
+     ({"to": 1.0, "unit": "rps"}, "unit must be one of 'rad/s', 'rpm', 'Hz', got 'rps'")],
+)  # fmt: skip
+def test_changes_of_speed_that_cannot_be_are_refused_in_the_units_given(given, message):
+    with pytest.raises(InputError, match=message):
+        TURNED.change_of_speed(**given)

@@ -1,0 +1,219 @@
+"""A stretch of an orbit, its derivatives, contacts and extrema, against DOP853 and CVODE."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rotor_ida import Rotor, SimulationError, simulate
+from rotor_ida.core.interface import (
+    ENTRY_TIME,
+    EXIT_TIME,
+    IMPULSE,
+    KIND,
+    PEAK_ROOT,
+    PEAK_TIME,
+    RADIUS,
+    TIME,
+)
+from rotor_ida.simulation.neighbours import MAXIMUM, shoot
+from tests.witness import flown
+
+GO_ON = np.zeros(1, np.uint8)
+BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+START = np.array([0.3, 0.2, 0.1, -0.4])
+DEEP = np.array([2.4, -1.1, 0.6, 0.9])  # in contact
+DEEPER = np.array([-2.5, -3.3, 1.3, -1.0])
+CASES = {
+    "bouncing": (BOUNCING, START, 20.0),
+    "from within a contact to within a contact": (BOUNCING, DEEPER, 18.0),
+    "in contact nearly always": (Rotor(omega=3.0, zeta=0.07, delta0=0.5), DEEPER, 20.0),
+    "without clearance": (Rotor(omega=1.7, zeta=0.07, delta0=0.0), DEEP, 12.0),
+    "within the clearance": (Rotor(omega=1.7, zeta=0.07, delta0=9.0), START, 9.0),
+    "free vibration": (Rotor(omega=0.0, zeta=0.0, delta0=0.2), START, 8.0),
+    "large clearance, little damping": (Rotor(omega=1.3, zeta=0.01, delta0=5.0), DEEP, 20.0),
+}
+CONTACTS = ("bouncing", "from within a contact to within a contact", "in contact nearly always")
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_end_and_monodromy_are_those_of_dop853_restarted_at_the_crossings(name):
+    """Both integrate the variational equation through entries and exits unchanged."""
+    rotor, start, duration = CASES[name]
+    expected, shot = flown(rotor, start, duration), shoot(rotor, start, duration, GO_ON)
+    size = np.abs(expected.monodromy).max()
+    # DOP853's own error at 1e-12 a step, grown as differences grow
+    np.testing.assert_allclose(shot.end, expected.end, rtol=0.0, atol=1e-10 * max(size, 1.0))
+    np.testing.assert_allclose(shot.monodromy, expected.monodromy, rtol=0.0, atol=1e-9 * size)
+    if rotor.delta0 > 0.0:
+        crossings = shot.contacts[:, [ENTRY_TIME, EXIT_TIME]].ravel()
+        crossings = crossings[np.isfinite(crossings)]
+        np.testing.assert_allclose(
+            crossings, expected.crossings, rtol=0.0, atol=1e-10 * max(size, 1.0)
+        )
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_differences_of_ends_are_the_derivatives(name):
+    """No jump is missing at entry or exit: small changes of start and parameters, both ways."""
+    rotor, start, duration = CASES[name]
+    shot, step = shoot(rotor, start, duration, GO_ON), 1e-6
+    size = max(np.abs(shot.monodromy).max(), np.abs(shot.by_parameter).max())
+    # step**2 times a third derivative, and step**1.5 where force bends; rounding over the step
+    allowed = {"rtol": 0.0, "atol": 1e-6 * size}
+
+    for place in range(4):
+        aside = step * np.eye(4)[place]
+        high, low = (shoot(rotor, start + sign * aside, duration, GO_ON) for sign in (1, -1))
+        column = (high.end - low.end) / (2.0 * step)
+        np.testing.assert_allclose(shot.monodromy[:, place], column, **allowed)
+
+    for place, parameter in enumerate(("omega", "zeta", "delta0")):
+        value = getattr(rotor, parameter)
+        if value == 0.0:
+            continue  # nothing to the left of it
+        high, low = (
+            shoot(replace(rotor, **{parameter: value + sign * step}), start, duration, GO_ON)
+            for sign in (1, -1)
+        )
+        column = (high.end - low.end) / (2.0 * step)
+        np.testing.assert_allclose(shot.by_parameter[:, place], column, **allowed)
+
+
+def test_derivatives_are_followed_where_the_parameter_is_zero():
+    """Omega and zeta 0 are no special case: one-sided differences of the end, which is smooth."""
+    rotor, start, duration = CASES["free vibration"]
+    shot, step = shoot(rotor, start, duration, GO_ON), 1e-7
+    for place, parameter in enumerate(("omega", "zeta")):
+        there = shoot(replace(rotor, **{parameter: step}), start, duration, GO_ON)
+        column = (there.end - shot.end) / step
+        np.testing.assert_allclose(shot.by_parameter[:, place], column, rtol=0.0, atol=1e-4)
+
+
+def test_without_clearance_nothing_is_said_of_the_clearance():
+    rotor, start, duration = CASES["without clearance"]
+    assert (shoot(rotor, start, duration, GO_ON).by_parameter[:, 2] == 0.0).all()
+
+
+@pytest.mark.parametrize("name", CONTACTS)
+def test_contacts_are_those_of_cvode(name):
+    rotor, start, duration = CASES[name]
+    contacts = shoot(rotor, start, duration, GO_ON).contacts
+    run = simulate(rotor, start=tuple(start), duration=duration, rtol=1e-12, atol=1e-14)
+    assert len(contacts) == run.sizes["contact"] >= 3
+    allowed = {"rtol": 0.0, "atol": 1e-8}
+    np.testing.assert_allclose(contacts[:, ENTRY_TIME], run["entry_time"], **allowed)
+    np.testing.assert_allclose(contacts[:, EXIT_TIME], run["exit_time"], **allowed)
+    np.testing.assert_allclose(contacts[:, PEAK_ROOT] ** 2, run["peak_indentation"], **allowed)
+    np.testing.assert_allclose(contacts[:, PEAK_ROOT] ** 3, run["peak_force"], **allowed)
+    np.testing.assert_allclose(contacts[:, PEAK_TIME], run["peak_time"], **allowed)
+    whole = np.isfinite(contacts[:, ENTRY_TIME]) & np.isfinite(contacts[:, EXIT_TIME])
+    np.testing.assert_allclose(contacts[whole, IMPULSE], run["impulse"][whole], **allowed)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_extrema_are_all_turns_of_the_radius_that_cvode_shows(name):
+    """Where the sampled radial velocity changes its sign, and nowhere else."""
+    rotor, start, duration = CASES[name]
+    times = np.linspace(0.0, duration, 20_001)
+    run = simulate(rotor, start=tuple(start), duration=duration, samples=times.size)
+    rising = (run["x"] * run["vx"] + run["y"] * run["vy"]).values
+    turns = np.flatnonzero(rising[:-1] * rising[1:] < 0.0)
+    shot = shoot(rotor, start, duration, GO_ON)
+    extrema = shot.extrema
+    assert len(extrema) == turns.size >= 3
+    assert (extrema[:, TIME] >= times[turns] - 1e-8).all()
+    assert (extrema[:, TIME] <= times[turns + 1] + 1e-8).all()
+    assert (extrema[:, KIND] == np.where(rising[turns] > 0.0, 1.0, -1.0)).all()
+    for time, radius, *turned in extrema[:, [TIME, RADIUS, 3, 4, 5, 6]].tolist():
+        x, y, vx, vy = end = shoot(rotor, start, time, GO_ON).end
+        np.testing.assert_allclose(turned, end, rtol=0.0, atol=1e-10 * (1.0 + np.abs(end).max()))
+        assert np.hypot(x, y) == pytest.approx(radius, abs=1e-11)
+        assert x * vx + y * vy == pytest.approx(0.0, abs=1e-8)
+
+
+@pytest.mark.parametrize("where", ["flight", "contact", "entry", "exit", "peak"])
+def test_two_stretches_make_one(where):
+    """The flow is a group: ends, products of matrices, and parts of contacts fit together."""
+    rotor, start, duration = CASES["bouncing"]
+    whole = shoot(rotor, start, duration, GO_ON)
+    entry, leaving, peak = whole.contacts[1, [ENTRY_TIME, EXIT_TIME, PEAK_TIME]]
+    places = {"flight": leaving + 0.3, "contact": 0.4 * entry + 0.6 * leaving, "entry": entry}
+    cut = float({**places, "exit": leaving, "peak": peak}[where])
+    one = shoot(rotor, start, cut, GO_ON)
+    two = shoot(rotor, one.end, duration - cut, GO_ON)
+    size = np.abs(whole.monodromy).max()
+    allowed = {"rtol": 0.0, "atol": 1e-11 * size}
+    np.testing.assert_allclose(two.end, whole.end, **allowed)
+    np.testing.assert_allclose(two.monodromy @ one.monodromy, whole.monodromy, **allowed)
+    columns = two.monodromy @ one.by_parameter + two.by_parameter
+    np.testing.assert_allclose(columns, whole.by_parameter, **allowed)
+    exits = [*one.contacts[:, EXIT_TIME], *(cut + two.contacts[:, EXIT_TIME])]
+    exits = [each for each in exits if np.isfinite(each) and abs(each - cut) > 1e-6]
+    expected = [each for each in whole.contacts[:, EXIT_TIME] if abs(each - cut) > 1e-6]
+    np.testing.assert_allclose(exits, expected, rtol=0.0, atol=1e-10)
+    impulses = np.sum(one.contacts[:, IMPULSE]) + np.sum(two.contacts[:, IMPULSE])
+    assert impulses == pytest.approx(whole.contacts[:, IMPULSE].sum(), abs=1e-11)
+
+
+def test_contacts_that_are_cut_have_no_entry_or_no_exit():
+    rotor, start, duration = CASES["from within a contact to within a contact"]
+    contacts = shoot(rotor, start, duration, GO_ON).contacts
+    assert np.isnan(contacts[0, ENTRY_TIME])
+    assert np.isnan(contacts[-1, EXIT_TIME])
+    assert np.isfinite(contacts[0, EXIT_TIME])
+    assert np.isfinite(contacts[-1, ENTRY_TIME])
+
+
+@pytest.mark.parametrize(("outwards", "at_once"), [(1.0, True), (-1.0, False)])
+def test_a_start_on_the_ring_is_in_contact_where_it_moves_outwards(outwards, at_once):
+    start = np.array([2.0, 0.0, 0.3 * outwards, 0.1])
+    shot = shoot(BOUNCING, start, 4.0, GO_ON)
+    assert np.isnan(shot.contacts[0, ENTRY_TIME]) == at_once
+    beside = start + 1e-9 * outwards * np.eye(4)[0]
+    other = shoot(BOUNCING, beside, 4.0, GO_ON)
+    # off the ring by nothing that counts
+    np.testing.assert_allclose(shot.end, other.end, rtol=0.0, atol=1e-6)
+    np.testing.assert_allclose(shot.monodromy, other.monodromy, rtol=0.0, atol=1e-3)
+
+
+def test_error_falls_in_proportion_to_the_tolerance():
+    rotor, start, duration = CASES["bouncing"]
+    exact = shoot(rotor, start, duration, GO_ON)
+    tolerances = np.array([1e-6, 1e-8, 1e-10])
+    for part in ("end", "monodromy", "by_parameter"):
+        errors = [
+            np.abs(getattr(shoot(rotor, start, duration, GO_ON, rtol), part)
+                   - getattr(exact, part)).max()
+            for rtol in tolerances
+        ]  # fmt: skip
+        slope = np.polyfit(np.log10(tolerances), np.log10(errors), 1)[0]
+        assert slope == pytest.approx(1.0, abs=0.3), part
+
+
+def test_tables_hold_as_many_contacts_as_there_are():
+    """On the known cycle of DESIGN 9 one contact and four extrema a period, a hundred times."""
+    period = 4.563916675380
+    settled = shoot(BOUNCING, np.zeros(4), 300.0, GO_ON).end
+    shot = shoot(BOUNCING, settled, 100.0 * period, GO_ON)
+    contacts = shot.contacts[np.isfinite(shot.contacts[:, EXIT_TIME])]
+    assert len(contacts) == 100
+    np.testing.assert_allclose(np.diff(contacts[:, EXIT_TIME]), period, rtol=0.0, atol=1e-7)
+    assert len(shot.extrema) % 100 == 0
+    highest = shot.extrema[shot.extrema[:, KIND] == MAXIMUM, RADIUS].max()
+    assert highest == pytest.approx(4.104416607, abs=1e-8)
+
+
+def test_what_cannot_be_followed_is_refused_with_its_start():
+    with pytest.raises(SimulationError, match="could not be followed") as refused:
+        shoot(BOUNCING, START, 20.0, np.ones(1, np.uint8))
+    assert refused.value.state == tuple(START)
+
+
+def test_rates_are_those_of_a_short_stretch():
+    """The field at both ends, by differences of the motion itself."""
+    shot = shoot(BOUNCING, DEEP, 3.0, GO_ON)
+    late = shoot(BOUNCING, DEEP, 3.0 + 1e-6, GO_ON)
+    early = shoot(BOUNCING, DEEP, 1e-6, GO_ON)
+    np.testing.assert_allclose(shot.end_rate, (late.end - shot.end) / 1e-6, rtol=0.0, atol=1e-5)
+    np.testing.assert_allclose(shot.start_rate, (early.end - DEEP) / 1e-6, rtol=0.0, atol=1e-5)

@@ -1,0 +1,235 @@
+"""Extrema of the radius: exact where motions are known, and the table of a diagram."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rotor_ida import (
+    InputError,
+    Rotor,
+    SimulationError,
+    bifurcation_diagram,
+    simulate,
+    synchronous_response,
+)
+from rotor_ida.closed_forms import planar_period
+from rotor_ida.core.interface import STUCK
+from rotor_ida.core.runs import follow
+from rotor_ida.schema import RESPONSE, STATUS
+from rotor_ida.simulation import extrema
+from rotor_ida.simulation.extrema import CONSTANT, MAXIMUM, MINIMUM, radius_extrema
+from rotor_ida.steady import bifurcation_diagram as bifurcation_module
+
+GO_ON = np.zeros(1, np.uint8)
+REST = (0.0, 0.0, 0.0, 0.0)
+BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+
+
+def test_planar_vibration_turns_back_at_its_amplitude_every_half_period():
+    """Minima lie at the centre, where the radius is the root of rounding.
+
+    Without clearance the force lacks a second derivative there; each passage costs up to some
+    hundred tolerances.
+    """
+    found = radius_extrema(
+        Rotor(omega=0.0, zeta=0.0, delta0=0.0), (2.0, 0, 0, 0), 20.0, 1e-12, GO_ON
+    )
+    half = 0.5 * float(planar_period(2.0))
+    highest, lowest = found.kinds == MAXIMUM, found.kinds == MINIMUM
+    # the start, where the motion turns back too, may count or not
+    late = found.times[highest] > 1.0
+    times = half * np.arange(1, late.sum() + 1)
+    np.testing.assert_allclose(found.times[highest][late], times, atol=1e-9)
+    np.testing.assert_allclose(found.radii[highest], 2.0, rtol=1e-9)
+    assert found.radii[lowest].max() < 1e-6
+    assert late.sum() == int(20.0 / half)
+
+
+def test_contact_free_whirl_about_another_centre():
+    """|z| runs between ||c| - A| and |c| + A once a revolution."""
+    rotor = Rotor(omega=1.3, zeta=0.0, delta0=5.0)
+    found = radius_extrema(rotor, (-1.0 + 0.4, 0.3, 0.0, -1.3), 100.0, 1e-11, GO_ON)
+    revolutions = 100.0 * 1.3 / (2.0 * math.pi)
+    for kind, radius in ((MAXIMUM, 1.5), (MINIMUM, 0.5)):
+        chosen = found.kinds == kind
+        np.testing.assert_allclose(found.radii[chosen], radius, rtol=1e-11)
+        assert chosen.sum() in (int(revolutions), int(revolutions) + 1)
+        np.testing.assert_allclose(np.diff(found.times[chosen]), 2.0 * math.pi / 1.3, atol=1e-9)
+
+
+def test_largest_radii_of_contacts_are_those_of_the_simulation():
+    """The table of contacts has them from another method, in regularised variables."""
+    run = simulate(BOUNCING, start=(4.0, 0, 0, 0), duration=60.0, samples=2, rtol=1e-12, atol=1e-14)
+    found = radius_extrema(BOUNCING, (4.0, 0, 0, 0), 60.0, 1e-12, GO_ON)
+    # the first and the last contact may peak where the run begins or ends
+    for time, depth in zip(
+        run.peak_time.values[1:-1], run.peak_indentation.values[1:-1], strict=True
+    ):
+        nearest = np.abs(found.times - time).argmin()
+        assert found.kinds[nearest] == MAXIMUM
+        assert found.radii[nearest] == pytest.approx(2.0 + depth, rel=1e-10)
+        assert found.times[nearest] == pytest.approx(time, abs=1e-8)
+    assert (np.diff(found.kinds) != 0).all()
+
+
+def test_no_extremum_is_missed_and_none_is_outside_a_dense_run():
+    rotor = Rotor(omega=1.5, zeta=0.01, delta0=1.4)
+    found = radius_extrema(rotor, REST, 60.0, 1e-12, GO_ON)
+    run = simulate(rotor, start=REST, duration=60.0, samples=60001, rtol=1e-12, atol=1e-14)
+    rate = (run.x * run.vx + run.y * run.vy).values
+    turns = np.flatnonzero((rate[1:-1] > 0.0) != (rate[2:] > 0.0)) + 1
+    assert found.times.size == turns.size
+    np.testing.assert_allclose(found.times, run.t.values[turns], atol=1.1e-3)
+
+
+def test_constant_radius_is_given_once():
+    whirl = synchronous_response(omega=1.2, zeta=0.07, delta0=0.5).isel(branch=0).squeeze()
+    found = bifurcation_diagram(omega=1.2, zeta=0.07, delta0=0.5, starts=[REST])
+    assert found.extremum_kind.values.tolist() == [CONSTANT]
+    assert found.extremum_radius.item() == pytest.approx(whirl.amplitude.item(), rel=1e-8)
+
+
+def test_table_of_a_diagram_belongs_to_its_points():
+    found = bifurcation_diagram(omega=[2.0, 3.0], zeta=0.07, delta0=[0.5, 2.0], starts=[REST])
+    counts = found.extremum_count.values.ravel()
+    assert found.extremum_count.attrs["sample_dimension"] == "extremum"
+    assert counts.sum() == found.sizes["extremum"]
+    ends = np.cumsum(counts)
+    for number, (low, high, kind) in enumerate(
+        zip(
+            found.radius_min.values.ravel(),
+            found.radius_max.values.ravel(),
+            found.response.values.ravel(),
+            strict=True,
+        )
+    ):
+        radii = found.extremum_radius.values[ends[number] - counts[number] : ends[number]]
+        # the sweep has them from cubics between samples
+        assert radii.max() == pytest.approx(high, rel=1e-4)
+        assert radii.min() == pytest.approx(low, abs=1e-3)
+        if kind == RESPONSE["synchronous"]:
+            assert radii.size == 1
+    assert {RESPONSE["bouncing"], RESPONSE["full_contact"]} <= set(found.response.values.ravel())
+
+
+def test_random_starts_come_from_the_seed():
+    arguments = {"omega": 1.2, "zeta": 1.0, "delta0": 0.0, "starts": 3}
+    one, same, other = (
+        bifurcation_diagram(**arguments, seed=seed, reach=2.0) for seed in (1, 1, 2)
+    )
+    assert one.start_x.identical(same.start_x)
+    assert not (one.start_x == other.start_x).any()
+    assert (np.abs(one.start_x) <= 2.0).all()
+    # without clearance and with so much damping there is one whirl
+    assert np.ptp(one.extremum_radius.values) < 1e-8
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"starts": 0}, "starts must be at least 1, got 0"),
+        ({"starts": True}, "starts must be a whole number, got True"),
+        ({"reach": 0.0}, "reach must be positive, got 0.0"),
+        ({"extrema_time": -1.0}, "extrema_time must be positive, got -1.0"),
+        ({"omega": -1.0}, "omega must be zero or positive"),
+        ({"zeta": [0.5, 0.0]}, "zeta must be above 0, where nothing settles, got 0.0"),
+        ({"reach": 1e308}, r"reach must be at most 1e\+06, got 1e\+308"),
+        ({"extrema_time": 1e9}, "extrema_time must be at most 625000, got 1000000000.0"),
+        ({"starts": 10**9}, "starts must be at most 10000000, got 1000000000"),
+    ],
+)
+def test_bad_input_is_refused(wrong, message):
+    with pytest.raises(InputError, match=message):
+        bifurcation_diagram(**{"omega": 1.0, "zeta": 0.5, "delta0": 0.0, **wrong})
+
+
+MACHINE = {"omega": 2.0, "zeta": 0.05, "delta0": 1.0, "starts": [REST], "method": "taylor"}
+
+
+def test_over_the_load_a_cycle_has_its_extrema_again_and_again():
+    """Of two revolutions at 0.6: the extrema of a run through two, and no others."""
+    found = bifurcation_diagram(shaft_stiffness=0.25, load=[0.0, 0.6], **MACHINE)
+    assert found.extremum_count.dims == ("omega", "zeta", "delta0", "load", "start")
+    assert found.shaft_stiffness.item() == 0.25
+    counts = found.extremum_count.values.ravel()
+    assert found.response.values.ravel()[1] == RESPONSE["bouncing"]
+    radii = found.extremum_radius.values[counts[0] :]
+    machine = Rotor(omega=2.0, zeta=0.05, delta0=1.0, shaft_stiffness=0.25, load=0.6)
+    run = simulate(
+        machine, start=REST, duration=600.0, samples=np.linspace(600.0 - 2.0 * math.pi, 600.0, 4001)
+    )
+    radius = np.hypot(run.x.values, run.y.values)
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(radius)))) + 1
+    distinct = np.unique(np.round(radii, 6))
+    np.testing.assert_allclose(distinct, np.unique(np.round(radius[turns], 6)), atol=1e-4)
+    assert distinct.size == turns.size
+    assert radii.max() == pytest.approx(found.radius_max.values.ravel()[1], rel=1e-9)
+
+
+def test_any_parameter_of_a_machine_may_be_an_axis():
+    """Each point is what it is alone, with its own rotor."""
+    axes = {"shaft_stiffness": [0.1, 0.25], "contact_damping": [0.0, 0.3]}
+    both = bifurcation_diagram(contact_exponent=1.0, load=0.6, **axes, **MACHINE)
+    counts = both.extremum_count.values.ravel()
+    ends = np.cumsum(counts)
+    numbers = iter(range(4))
+    for kappa in axes["shaft_stiffness"]:
+        for damping in axes["contact_damping"]:
+            alone = bifurcation_diagram(
+                contact_exponent=1.0, load=0.6, shaft_stiffness=kappa, contact_damping=damping,
+                **MACHINE,
+            )  # fmt: skip
+            number = next(numbers)
+            part = both.extremum_radius.values[ends[number] - counts[number] : ends[number]]
+            np.testing.assert_array_equal(part, alone.extremum_radius.values)
+
+
+def test_workers_leave_no_trace():
+    arguments = {"omega": [2.0, 3.0], "zeta": 0.07, "delta0": 2.0, "starts": 3}
+    one, two = (bifurcation_diagram(**arguments, workers=workers) for workers in (1, 2))
+    assert one.identical(two)
+
+
+def test_a_point_whose_motion_cannot_be_followed_on_has_failed(monkeypatch):
+    def stuck(rotor, start, duration, rtol, stop):
+        if rotor.omega == 2.0:
+            raise SimulationError("stuck", time=0.5, state=start)
+        return radius_extrema(rotor, start, duration, rtol, stop)
+
+    monkeypatch.setattr(bifurcation_module, "radius_extrema", stuck)
+    found = bifurcation_diagram(omega=[2.0, 3.0], zeta=0.5, delta0=0.0, starts=[REST])
+    assert found.status.values.ravel().tolist() == [STATUS["failed"], STATUS["done"]]
+    assert found.message.values.ravel()[0].startswith("stuck (at t = 0.5")
+    assert found.extremum_count.values.ravel().tolist() == [0, 1]
+
+
+def test_failure_says_where(monkeypatch):
+    def stuck(asked):
+        return replace(follow(replace(asked, duration=0.04, sample_times=None)), status=STUCK)
+
+    monkeypatch.setattr(extrema, "follow", stuck)
+    message = r"followed to its extrema: time no longer advances \(at t = 0\.04"
+    with pytest.raises(SimulationError, match=message):
+        radius_extrema(BOUNCING, REST, 10.0, 1e-10, GO_ON)
+
+
+def test_with_friction_the_extrema_of_dry_whip_are_those_of_its_samples():
+    """Beside the rub, which has one radius: both from the same rotor."""
+    machine = {"omega": [0.6, 1.2], "zeta": 0.1, "delta0": 1.0, "friction": [0.0, 0.2]}
+    starts = [(0.0, 0.0, 0.0, 0.0), (5.0, 0.0, 0.0, -6.3)]
+    found = bifurcation_diagram(**machine, disc_radius=10.0, starts=starts, extrema_time=60.0)
+    assert found.extremum_count.dims == ("omega", "zeta", "delta0", "friction", "start")
+    whips = found.response == RESPONSE["rolling"]
+    assert whips.values.ravel().tolist() == [False, False, False, True, False, False, False, True]
+    ends = np.cumsum(found.extremum_count.values.ravel())
+    for place, omega in ((3, 0.6), (7, 1.2)):
+        own = slice(ends[place - 1], ends[place])
+        kinds, radii = found.extremum_kind.values[own], found.extremum_radius.values[own]
+        rotor = Rotor(omega=omega, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
+        run = simulate(rotor, start=starts[1], duration=1000.0, samples=200_001, method="taylor")
+        radius = np.hypot(run.x, run.y).values[-4000:]
+        for kind, limit in ((1, radius.max()), (-1, radius.min())):
+            np.testing.assert_allclose(radii[kinds == kind], limit, atol=1e-4)
+            assert (kinds == kind).sum() > 10

@@ -1,0 +1,146 @@
+"""Turning points, their recurrence, and the multiplier that says what a recurrence is worth."""
+
+import math
+
+import numpy as np
+import pytest
+
+from rotor_ida import Rotor
+from rotor_ida.simulation.options import Options
+from rotor_ida.simulation.run import run
+from rotor_ida.steady.follow import follow_to_steady_state
+from rotor_ida.steady.periods import (
+    TurningPoints,
+    extreme_radii,
+    recurrence,
+    slowest_multiplier,
+    turning_points,
+)
+
+GO_ON = np.zeros(1, np.uint8)
+DURATION = 30.0
+METHODS = [Options(), Options(method="taylor"), Options(flight="cvode")]
+
+
+def found_in(rotor, start, options, step=0.05):
+    orbit = run(rotor, start, DURATION, np.arange(0.0, DURATION, step), options, extrema=True)
+    return turning_points(orbit.states, orbit.extrema)
+
+
+@pytest.mark.parametrize("options", METHODS)
+def test_turning_points_of_a_free_whirl_are_known(options):
+    """Round a centre off the axis |z| is largest and smallest once a revolution."""
+    rotor = Rotor(omega=2.0, zeta=0.07, delta0=3.0)
+    whirl = -2.0 / (2.0 - 0.14j)
+    z, v = whirl + 0.5j, 2.0j * whirl
+    found = found_in(rotor, (z.real, z.imag, v.real, v.imag), options)
+    expected = (np.angle(0.5j) - np.angle(whirl) + np.pi * np.arange(-9, 99)) / 2.0
+    expected = expected[(expected > 0.0) & (expected < DURATION)]
+    # where flight is integrated, to what its tolerance of 1e-10 leaves over 30 time units
+    exact = options.flight == "exact"
+    allowed = 1e-13 if exact else 3e-9
+    np.testing.assert_allclose(found.times, expected, rtol=0.0, atol=1e-11 if exact else 3e-9)
+    np.testing.assert_allclose(found.radii[found.are_maxima], abs(whirl) + 0.5, rtol=allowed)
+    np.testing.assert_allclose(found.radii[~found.are_maxima], abs(whirl) - 0.5, rtol=allowed)
+
+
+@pytest.mark.parametrize("options", METHODS)
+@pytest.mark.parametrize(("omega", "delta0"), [(2.0, 2.0), (3.0, 0.5), (1.7, 0.0)])
+def test_maxima_and_minima_of_a_simulated_motion_take_turns(omega, delta0, options):
+    rotor = Rotor(omega=omega, zeta=0.07, delta0=delta0)
+    found = found_in(rotor, (0.3, 0.2, 0.1, -0.4), options)
+    assert (np.diff(found.times) > 0.0).all()
+    assert (found.are_maxima[1:] != found.are_maxima[:-1]).all()
+    again = run(rotor, (0.3, 0.2, 0.1, -0.4), DURATION, found.times, options)
+    x, y, vx, vy = again.states.T
+    assert np.abs(x * vx + y * vy).max() < 1e-10
+
+
+def test_contacts_peak_at_turning_points():
+    """Peaks come from the contact phase itself, by another search."""
+    rotor, start = Rotor(omega=2.0, zeta=0.07, delta0=2.0), (0.3, 0.2, 0.1, -0.4)
+    peaks = run(rotor, start, DURATION, np.empty(0), Options()).contacts[:, 2:4]
+    found = found_in(rotor, start, Options())
+    for time, depth in peaks[:-1]:
+        place = np.abs(found.times - time).argmin()
+        assert found.times[place] == pytest.approx(time, abs=1e-9)
+        assert found.radii[place] == pytest.approx(2.0 + depth, rel=1e-11)
+
+
+@pytest.mark.parametrize("options", METHODS)
+def test_through_the_centre_the_radius_is_smallest_where_it_vanishes(options):
+    """Planar free vibration without clearance passes the centre, where |z| has a corner."""
+    found = found_in(Rotor(omega=0.0, zeta=0.0, delta0=0.0), (1.0, 0.0, 0.0, 0.0), options)
+    assert found.radii[~found.are_maxima].max() < 1e-9
+    inner = found.radii[found.are_maxima][1:]
+    np.testing.assert_allclose(inner, 1.0, rtol=1e-8)
+
+
+def test_a_constant_radius_has_no_turning_points():
+    whirl = np.tile([1.2, 0.3, 0.0, 0.0], (50, 1))
+    noise = np.tile([1.0, 1.2, 1.0, 1.2, 0.3, 0.0, 0.0], (3, 1))
+    found = turning_points(whirl, noise)
+    assert found.times.size == 0
+
+
+def turns(highs, spacing=1.0, low=0.5):
+    """Return maxima of the radius at these heights, each followed by the same minimum."""
+    radii = np.stack([highs, np.full(len(highs), low)], axis=-1).ravel()
+    states = np.zeros((radii.size, 4))
+    states[:, 0] = radii
+    times = 0.5 * spacing * np.arange(radii.size)
+    return TurningPoints(times, states, np.arange(radii.size) % 2 == 0)
+
+
+@pytest.mark.parametrize(("pattern", "count"), [([2.0], 1), ([2.0, 1.5], 2), ([2, 2, 1.5], 3)])
+def test_the_period_is_the_time_to_the_first_recurrence(pattern, count):
+    found = recurrence(turns(np.tile(pattern, 6), spacing=0.7), 1e-8)
+    assert found is not None
+    assert found.period == pytest.approx(0.7 * count, rel=1e-14)
+    assert found.missed_by == 0.0
+
+
+def test_a_window_must_hold_three_periods():
+    pattern = np.array([2.0, 1.5, 1.7, 1.2])
+    assert recurrence(turns(np.tile(pattern, 2)), 1e-8) is None
+    assert recurrence(turns(np.tile(pattern, 3)), 1e-8) is not None
+
+
+def test_nothing_recurs_that_does_so_only_at_the_end():
+    late = np.full(12, 2.0)
+    late[0] = 2.0 + 1e-6
+    assert recurrence(turns(late), 1e-8) is None
+    assert recurrence(turns(late[1:]), 1e-8) is not None
+
+
+def test_a_swing_near_the_tolerance_is_no_cycle():
+    """The last of a spiral inwards differs little from turn to turn, but its swing is no more."""
+    spiral = 2.0 + 1e-9 * 0.9 ** np.arange(12)
+    assert recurrence(turns(spiral, low=2.0 - 1e-9), 1e-8) is None
+
+
+def test_no_maxima_no_period():
+    nothing = TurningPoints(np.empty(0), np.empty((0, 4)), np.empty(0, dtype=bool))
+    assert recurrence(nothing, 1e-8) is None
+
+
+def test_extreme_radii_are_those_of_the_last_period():
+    settling = turns(np.tile([2.0, 1.5], 4))
+    settling.states[:6] *= 1.1
+    assert extreme_radii(settling, 2.0) == (0.5, 2.0)
+
+
+@pytest.mark.parametrize(
+    ("omega", "delta0", "period", "expected"),
+    [
+        (2.0, 2.0, 4.563916675380, complex(-0.51147221, 0.51598781)),
+        (3.0, 0.5, 3.115214254929, complex(0.53147652, 0.60337913)),
+    ],
+)
+def test_multipliers_are_the_known_ones(omega, delta0, period, expected):
+    """From DESIGN, section 9, where two programs that share nothing agree on them."""
+    rotor = Rotor(omega=omega, zeta=0.07, delta0=delta0)
+    settled = follow_to_steady_state(rotor, (0.0, 0.0, 0.0, 0.0), Options())
+    found = slowest_multiplier(rotor, settled.end, period, GO_ON)
+    assert complex(found.real, abs(found.imag)) == pytest.approx(expected, abs=1e-7)
+    assert abs(found) == pytest.approx(math.exp(-0.07 * period), rel=1e-9)

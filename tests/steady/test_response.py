@@ -1,0 +1,121 @@
+"""The kinds of response that a single window tells, of motions made by hand."""
+
+import numpy as np
+import pytest
+
+from rotor_ida import Rotor, synchronous_response
+from rotor_ida.closed_forms import touch_fading
+from rotor_ida.steady.response import (
+    Window,
+    phase_lag_of,
+    stays_free,
+    touches_fade,
+    touches_grow_slighter,
+    whirls_steadily,
+)
+
+OMEGA = 2.0
+TIMES = np.linspace(0.0, 8.0 * np.pi, 1601)
+ROTOR = Rotor(omega=OMEGA, zeta=0.07, delta0=1.0)
+
+
+def window(position, rotor=ROTOR, contacts=(), *, in_contact=False):
+    """Return a window on the rotating axes, from a motion on the fixed ones."""
+    velocity = np.gradient(position, TIMES, edge_order=2)
+    turn = np.exp(-1j * rotor.omega * TIMES)
+    x, v = position * turn, velocity * turn
+    states = np.stack([x.real, x.imag, v.real, v.imag], axis=-1)
+    table = np.array(contacts, dtype=float).reshape(-1, 6)
+    return Window(rotor, TIMES, states, table, 2 * len(table), in_contact, 1e-9)
+
+
+def test_amplitude_and_phase_lag_are_those_of_the_whirl_whatever_its_centre():
+    seen = window(0.7 * np.exp(1j * (OMEGA * TIMES - 0.4)) + (0.1 + 0.05j)).whirl
+    assert abs(seen) == pytest.approx(0.7, rel=1e-13)
+    assert phase_lag_of(seen) == pytest.approx(0.4, abs=1e-13)
+
+
+def test_a_phase_lag_that_no_double_holds_is_none():
+    assert phase_lag_of(complex(1e3, -5e-324)) == 0.0
+
+
+def test_a_whirl_of_constant_radius_in_contact_is_synchronous_if_it_is_a_solution():
+    exact = synchronous_response(omega=OMEGA, zeta=0.07, delta0=0.5).squeeze()
+    rotor = Rotor(omega=OMEGA, zeta=0.07, delta0=0.5)
+    whirl = exact.amplitude.item() * np.exp(1j * (OMEGA * TIMES - exact.phase_lag.item()))
+    assert whirls_steadily(window(whirl, rotor, in_contact=True))
+    assert not whirls_steadily(window(1.001 * whirl, rotor, in_contact=True))
+    assert not whirls_steadily(window(whirl, rotor, in_contact=False))
+
+
+def test_a_radius_that_creeps_is_no_steady_whirl():
+    creeping = (1.5 + 1e-3 * TIMES) * np.exp(1j * OMEGA * TIMES)
+    assert not whirls_steadily(window(creeping, in_contact=True))
+
+
+def test_a_whirl_stays_free_only_where_its_centre_leaves_it_room():
+    whirl = -OMEGA / (OMEGA - 0.14j) * np.exp(1j * OMEGA * TIMES)
+    roomy = Rotor(omega=OMEGA, zeta=0.07, delta0=1.5)
+    states = window(whirl, roomy).states.copy()
+    # exactly its velocity: a difference would make its centre drift
+    states[:, 2:] = np.stack([-OMEGA * states[:, 1], OMEGA * states[:, 0]], axis=-1)
+    for offset, stays in ((0.4, True), (0.6, False)):
+        moved = states + offset * np.stack(
+            [np.cos(OMEGA * TIMES), -np.sin(OMEGA * TIMES), 0 * TIMES, 0 * TIMES], axis=-1
+        )
+        assert stays_free(Window(roomy, TIMES, moved, np.empty((0, 6)), 0, False, 1e-9)) is stays
+        assert not stays_free(Window(roomy, TIMES, moved, np.empty((0, 6)), 2, False, 1e-9))
+
+
+FADING = Rotor(omega=OMEGA, zeta=0.07, delta0=2.0)
+LAW = touch_fading(FADING)
+
+
+def touches(growth, revolutions=1.0, first=1e-3, count=6):
+    """Return contacts whose 1/h grows by so much, in parts of the law, from one to the next."""
+    depth = 1.0 / (1.0 / first + growth * LAW * np.arange(count))
+    peak = 1.0 + revolutions * np.pi * np.arange(count)
+    nothing = np.zeros(count)
+    return np.stack([peak - 0.05, peak + 0.05, peak, depth, nothing, nothing], axis=-1)
+
+
+@pytest.mark.parametrize(
+    ("growth", "revolutions", "fades"),
+    [
+        (1.0, 1.0, True),
+        (1.08, 1.0, True),
+        (1.12, 1.0, False),
+        (0.88, 1.0, False),
+        (0.0, 1.0, False),
+        (1.0, 0.5, False),
+        (1.0, 2.0, False),
+    ],
+)
+def test_touches_fade_where_they_follow_the_law_once_a_revolution(growth, revolutions, fades):
+    still = 0.9 * np.exp(1j * OMEGA * TIMES)
+    assert touches_fade(window(still, FADING, touches(growth, revolutions))) is fades
+
+
+@pytest.mark.parametrize(
+    ("growth", "revolutions", "slighter"),
+    [(1.0, 1.0, True), (0.1, 1.0, True), (0.0, 1.0, False), (-0.1, 1.0, False), (0.1, 2.0, False)],
+)
+def test_touches_grow_slighter_by_any_law(growth, revolutions, slighter):
+    still = 0.9 * np.exp(1j * OMEGA * TIMES)
+    table = touches(growth, revolutions)
+    assert touches_grow_slighter(window(still, FADING, table)) is slighter
+
+
+def test_two_touches_are_too_few_and_one_off_the_law_is_enough_to_deny_it():
+    still = 0.9 * np.exp(1j * OMEGA * TIMES)
+    assert not touches_fade(window(still, FADING, touches(1.0, count=2)))
+    table = touches(1.0)
+    table[3, 3] *= 1.01
+    assert not touches_fade(window(still, FADING, table))
+
+
+def test_a_contact_cut_off_by_the_window_does_not_count():
+    still = 0.9 * np.exp(1j * OMEGA * TIMES)
+    table = touches(1.0)
+    table[0, 0], table[0, 3] = np.nan, 1e-7
+    assert touches_fade(window(still, FADING, table))

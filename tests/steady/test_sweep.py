@@ -1,0 +1,203 @@
+"""Sweeps: every point where it belongs, hysteresis, failures that stop nothing."""
+
+import numpy as np
+import pytest
+
+from rotor_ida import InputError, SimulationError, sweep, synchronous_response
+from rotor_ida.parallel import FailedJob
+from rotor_ida.schema import RESPONSE, flags_of
+from rotor_ida.steady import jobs as jobs_module
+from rotor_ida.steady import ramps as ramps_module
+
+
+def test_from_rest_without_clearance_every_point_is_on_the_exact_curve():
+    omega = [0.3, 0.9, 1.5, 2.2]
+    responses = sweep(omega=omega, zeta=0.07, delta0=0.0)
+    exact = synchronous_response(omega=omega, zeta=0.07, delta0=0.0)
+    assert (responses.response == RESPONSE["synchronous"]).all()
+    simulated = responses.amplitude * np.exp(-1j * responses.phase_lag)
+    expected = exact.amplitude * np.exp(-1j * exact.phase_lag)
+    error = abs(simulated - expected).min("branch") / abs(simulated)
+    assert float(error.max()) < 1e-8
+
+
+def test_up_and_down_show_the_hysteresis_of_the_jump():
+    """Between the folds at 1.598 and 1.933 the rotor stays on the branch it came from."""
+    both = sweep(omega=np.linspace(1.4, 2.1, 8), zeta=0.07, delta0=0.0, direction="both").squeeze()
+    up, down = both.sel(direction=1).amplitude, both.sel(direction=-1).amplitude
+    inside = (both.omega > 1.598) & (both.omega < 1.932)
+    assert (up > 2.0 * down).where(inside, True).all()
+    assert np.abs(up - down).where(~inside, 0.0).max() < 1e-7
+    assert both.amplitude.sel(direction=1, omega=1.7).item() == pytest.approx(9.4872069457)
+    assert both.amplitude.sel(direction=-1, omega=1.7).item() == pytest.approx(1.8796312367)
+
+
+def test_dimensions_labels_and_events():
+    starts = [(0, 0, 0, 0), (3.0, 0, 0, 1.0)]
+    responses = sweep(omega=[1.0, 2.0], zeta=[0.3, 0.5], delta0=[0.2, 0.6, 1.0], starts=starts)
+    assert responses.response.dims == ("omega", "zeta", "delta0", "start", "direction")
+    assert responses.response.shape == (2, 2, 3, 2, 1)
+    assert responses.start_vy.values.tolist() == [0.0, 1.0]
+    assert set(flags_of(responses.response)) == set(RESPONSE)
+    assert int(responses.event_count.sum()) == responses.sizes["event"]
+    ends = responses.event_count.values.cumsum()
+    place = np.ravel_multi_index((1, 1, 2, 1, 0), responses.event_count.shape)
+    times = responses.event_time[ends[place - 1] : ends[place]]
+    alone = sweep(omega=2.0, zeta=0.5, delta0=1.0, starts=[starts[1]])
+    assert times.values.tolist() == alone.event_time.values.tolist()
+    assert alone.event_kind.values[0] == -1
+    for name, variable in responses.variables.items():
+        assert variable.attrs["long_name"], name
+        assert "units" in variable.attrs or name == "message"
+
+
+@pytest.mark.parametrize("executor", ["threads", "processes"])
+@pytest.mark.parametrize("backend", ["compiled", "python"])
+def test_whoever_does_the_work_finds_the_same_bits(executor, backend):
+    arguments = {"omega": [1.1, 1.9], "zeta": 0.2, "delta0": [0.5, 1.5], "backend": backend}
+    calls = []
+    alone = sweep(**arguments, executor="serial")
+    together = sweep(
+        **arguments, executor=executor, workers=2,
+        progress=lambda done, total: calls.append((done, total)),
+    )  # fmt: skip
+    assert alone.sizes["event"] > 0
+    assert alone.identical(together)
+    assert calls[-1] == (4, 4)
+
+
+def test_a_point_that_fails_is_labelled_and_stops_nothing(monkeypatch):
+    from rotor_ida.steady import follow
+
+    true_run = follow.run
+
+    def fails_at_two(rotor, *rest, **options):
+        if rotor.omega == 2.0:
+            raise SimulationError("corrector failed", time=1.0, state=(0.0, 0.0, 0.0, 0.0))
+        return true_run(rotor, *rest, **options)
+
+    monkeypatch.setattr(follow, "run", fails_at_two)
+    responses = sweep(omega=[1.0, 2.0, 3.0], zeta=0.5, delta0=0.5, direction="up").squeeze()
+    assert responses.status.values.tolist() == [0, 1, 0]
+    assert responses.response.values[1] == RESPONSE["failed"]
+    assert "corrector failed (at t = 1" in responses.message.values[1]
+    assert np.isnan(responses.amplitude.values[1])
+    assert np.isfinite(responses.amplitude.values[2])
+
+
+def raising_at_two(monkeypatch, error):
+    true_follow = ramps_module.follow_to_steady_state
+
+    def slips_at_two(rotor, *rest, **options):
+        if rotor.omega == 2.0:
+            raise error
+        return true_follow(rotor, *rest, **options)
+
+    monkeypatch.setattr(ramps_module, "follow_to_steady_state", slips_at_two)
+
+
+@pytest.mark.parametrize(
+    ("error", "told"),
+    [(OverflowError("too large"), "OverflowError: too large"), (MemoryError(), "MemoryError")],
+)
+def test_overflow_and_lack_of_memory_stop_no_other_point(monkeypatch, error, told):
+    raising_at_two(monkeypatch, error)
+    found = sweep(omega=[1.0, 2.0, 3.0], zeta=0.5, delta0=0.5, direction="up").squeeze()
+    assert found.status.values.tolist() == [0, 1, 0]
+    assert found.message.values[1] == told
+
+
+@pytest.mark.parametrize("executor", ["serial", "threads"])
+def test_a_fault_of_the_program_is_no_failed_point(monkeypatch, executor):
+    raising_at_two(monkeypatch, KeyError("a slip"))
+    with pytest.raises(KeyError, match="a slip"):
+        sweep(omega=[1.0, 2.0, 3.0], zeta=0.5, delta0=0.5, executor=executor)
+
+
+def test_a_chain_that_is_lost_with_its_worker_is_labelled(monkeypatch):
+    def loses_the_second(work, jobs, **_):
+        for number, job in enumerate(jobs):
+            yield (
+                number,
+                FailedJob("its worker died") if number == 1 else work(job, np.zeros(1, np.uint8)),
+            )
+
+    monkeypatch.setattr(jobs_module, "run_all", loses_the_second)
+    found = sweep(omega=[1.0, 2.0], zeta=0.5, delta0=0.5, direction="both").squeeze()
+    assert found.status.values.tolist() == [[0, 1], [0, 1]]
+    assert found.message.values[:, 1].tolist() == ["its worker died"] * 2
+    assert found.event_count.values[:, 1].tolist() == [0, 0]
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"omega": [1.0, -1.0]}, "omega must be zero or positive, got -1.0"),
+        ({"omega": []}, "omega must hold at least one number, got none"),
+        ({"omega": "fast"}, "omega must be a finite real number, got 'fast'"),
+        ({"zeta": np.nan}, "zeta must be a finite real number, got nan"),
+        ({"starts": []}, "starts must hold at least one start, got none"),
+        ({"starts": [(0, 0)]}, r"start must be four numbers \(x, y, vx, vy\), got \(0, 0\)"),
+        ({"direction": "left"}, "direction must be one of 'up', 'down', 'both', got 'left'"),
+        (
+            {"omega": [2.0, 1.0], "direction": "up"},
+            "omega must increase in a sweep up or down, got 1.0 after 2.0",
+        ),
+        (
+            {"delta0": [0.0, 1e-13, 2.0]},
+            "delta0 must be 0 or at least 1e-12 to be simulated, got 1e-13",
+        ),
+        ({"workers": 0}, "workers must be at least 1, got 0"),
+        ({"executor": "gpu"}, "executor must be one of 'auto', 'serial', .*, got 'gpu'"),
+    ],
+)
+def test_bad_input_gets_one_clear_line(changes, message):
+    with pytest.raises(InputError, match=f"^{message}$"):
+        sweep(**{"omega": 1.0, "zeta": 0.1, "delta0": 0.5, **changes})
+
+
+MACHINE = {"zeta": 0.05, "delta0": 1.0, "shaft_stiffness": 0.25, "method": "taylor"}
+
+
+def test_a_run_up_under_a_load_goes_on_where_the_last_speed_ended():
+    """At whole revolutions the turning axes point as they did: an end is a start."""
+    up = sweep(omega=[2.0, 2.3, 2.5], load=0.6, direction="up", **MACHINE).squeeze()
+    ends = ("end_x", "end_y", "end_vx", "end_vy")
+    for place, speed in enumerate((2.3, 2.5)):
+        start = [up[name].values[place] for name in ends]
+        alone = sweep(omega=speed, load=0.6, starts=[start], **MACHINE).squeeze()
+        for name in ("response", "amplitude", "radius_min", "radius_max", "period", *ends):
+            assert up[name].values[place + 1] == alone[name].item(), name
+    revolutions = up.period * up.omega / (2.0 * np.pi)
+    np.testing.assert_allclose(revolutions, [2.0, 2.0, 1.0], rtol=1e-14)
+    # from rest it comes to another cycle at the last speed
+    rest = sweep(omega=2.5, load=0.6, **MACHINE).squeeze()
+    assert rest.period.item() * 2.5 / (2.0 * np.pi) == pytest.approx(3.0, rel=1e-14)
+
+
+def test_loads_as_an_axis_are_a_dimension_and_each_is_what_it_is_alone():
+    both = sweep(omega=[1.2, 2.4], load=[0.0, 0.6], **MACHINE)
+    assert both.amplitude.dims == ("omega", "zeta", "delta0", "load", "start", "direction")
+    for load in (0.0, 0.6):
+        alone = sweep(omega=[1.2, 2.4], load=load, **MACHINE)
+        part = both.sel(load=load)
+        assert ("load" in alone.coords) == (load > 0.0)
+        for name in ("response", "amplitude", "period", "event_count", "end_vx"):
+            np.testing.assert_array_equal(part[name].values, alone[name].values)
+    # of a Dataset `load` is a method
+    assert both["load"].attrs["units"] == "1"
+    assert both["load"].attrs["long_name"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"load": -0.1}, "load must be zero or positive, got -0.1"),
+        ({"load": [0.0, 1e-13]}, "load must be 0, or from 1e-12 to 1e\\+06, to be simulated, .*"),
+        ({"load": 0.1, "omega": 1e-4}, "omega must be 0 or from 0.001 to 1000 to settle, .*"),
+        ({"contact_exponent": 2.0}, "contact_exponent must be 1.5 or 1, got 2.0"),
+    ],
+)
+def test_a_machine_that_cannot_be_gets_one_clear_line(changes, message):
+    with pytest.raises(InputError, match=f"^{message}$"):
+        sweep(**{"omega": 1.0, "zeta": 0.1, "delta0": 0.5, **changes})

@@ -1,0 +1,292 @@
+"""A result can be made again from its own attributes, also after it has been in an archive."""
+
+import numpy as np
+import pytest
+
+from rotor_ida import (
+    DimensionalRotor,
+    InputError,
+    Rotor,
+    basin,
+    basin_fractions,
+    bifurcation_curve,
+    continue_attractors,
+    continue_cycle,
+    dimensional,
+    folds,
+    limit_cycle,
+    load,
+    run_ups,
+    save,
+    simulate,
+    sweep,
+)
+from rotor_ida.testing import assert_events_close
+from rotor_ida.verification.verify import differences, rerun
+
+ROTOR = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+
+
+@pytest.mark.parametrize(
+    ("method", "flight"), [("adams", "exact"), ("bdf", "cvode"), ("taylor", "exact")]
+)
+def test_a_run_is_made_again_to_the_bit(tmp_path, method, flight):
+    run = simulate(
+        ROTOR, start=(0.1, 0, 0, 0), duration=30.0, samples=7, method=method, flight=flight
+    )
+    again = rerun(load(save(run, tmp_path / "run.nc")))
+    assert (again.event_time.values == run.event_time.values).all()
+    assert (again.x.values == run.x.values).all()
+    assert_events_close(again, run)
+
+
+@pytest.mark.parametrize("flight", ["exact", "cvode"])
+def test_another_method_is_a_witness_of_a_run(flight):
+    run = simulate(ROTOR, start=(0.1, 0, 0, 0), duration=30.0, flight=flight)
+    again = rerun(run, method="taylor")
+    assert again.attrs["method"] == "taylor"
+    assert (again.event_time.values != run.event_time.values).any()
+    assert_events_close(again, run)
+    assert differences(again, run)["agrees"] is True
+
+
+def test_a_run_is_made_again_of_the_whole_rotor(tmp_path, monkeypatch):
+    rotor = Rotor(**ROTOR.given, shaft_stiffness=0.25, contact_exponent=1.0, contact_damping=0.5,
+                  load=0.125)  # fmt: skip
+    run = simulate(rotor, start=(0.1, 0, 0, 0), duration=20.0, samples=7)
+    asked = []
+
+    def spy(rotor, **given):
+        asked.append(rotor)
+        return simulate(rotor, **given)
+
+    monkeypatch.setattr("rotor_ida.verification.verify.simulate", spy)
+    archived = load(save(run, tmp_path / "run.nc"))
+    assert differences(rerun(archived), archived)["agrees"] is True
+    assert asked == [rotor]
+
+
+def test_another_method_comes_to_the_same_responses():
+    archived = RESULTS["sweep"]()
+    assert differences(rerun(archived, method="taylor"), archived)["agrees"] is True
+
+
+def test_a_basin_knows_no_method():
+    with pytest.raises(
+        InputError, match="method must be left out for the kind basin, got 'taylor'"
+    ):
+        rerun(RESULTS["basin"](), method="taylor")
+
+
+def test_an_archive_that_was_tampered_with_does_not_verify():
+    run = simulate(ROTOR, start=(0, 0, 0, 0), duration=30.0)
+    forged = run.assign(event_time=run.event_time + np.where(run.event_time > 10.0, 1e-6, 0.0))
+    with pytest.raises(AssertionError, match="First difference: event 5, exit"):
+        assert_events_close(rerun(forged), forged)
+
+
+RESULTS = {
+    "sweep": lambda: sweep(
+        omega=[1.2, 1.7, 2.2], zeta=0.3, delta0=[0.5, 1.0], starts=[(0, 0, 0, 0), (3, 0, 0, 1)]
+    ),
+    "up and down": lambda: sweep(omega=[1.2, 1.7], zeta=0.3, delta0=0.5, direction="both"),
+    "other kinds": lambda: sweep(omega=[0.5, 2.0], zeta=0.07, delta0=2.0, workers=1),
+    "machines": lambda: sweep(
+        omega=[1.2, 2.0],
+        zeta=0.1,
+        delta0=[0.5, 2.0],
+        shaft_stiffness=[0.0, 0.3],
+        contact_exponent=1.0,
+        contact_damping=[0.2],
+        starts=[(0, 0, 0, 0), (3, 0, 0, 1)],
+    ),
+    "up and down of a machine": lambda: sweep(
+        omega=[1.2, 1.7],
+        zeta=0.3,
+        delta0=0.5,
+        shaft_stiffness=0.4,
+        contact_damping=0.1,
+        direction="both",
+    ),
+    "run_ups": lambda: run_ups(
+        omega=1.7,
+        to=0.3,
+        rate=[-0.1, -0.3],
+        zeta=0.1,
+        delta0=[0.5, 2.0],
+        shaft_stiffness=1.0,
+        load=0.2,
+        phase=[0.0, 2.0],
+        rtol=1e-8,
+    ),
+    "basin": lambda: basin(
+        Rotor(omega=1.7, zeta=0.3, delta0=0.5), x=1.0, y=[-2.0, 0.0, 3.0], vx=[0.0, 5.0]
+    ),
+    "basin_fractions": lambda: basin_fractions(
+        ROTOR, x=(-8, 8), y=(-8, 8), vx=1.0, starts=600, seed=4
+    ),
+    "atlas": lambda: continue_attractors(
+        omega=[1.6, 1.7], zeta=0.07, delta0=0.0, x=(-15, 15), starts=40, seed=4, shocks=64
+    ),
+    "basin of a machine": lambda: basin(
+        Rotor(omega=1.7, zeta=0.3, delta0=0.5, shaft_stiffness=0.3, contact_damping=0.1),
+        x=[1.0, 2.0],
+        y=[-2.0, 0.0, 3.0],
+    ),
+    "basin_fractions of a machine": lambda: basin_fractions(
+        Rotor(omega=2.0, zeta=0.07, delta0=2.0, shaft_stiffness=0.05, contact_exponent=1.0),
+        x=(-8, 8),
+        y=(-8, 8),
+        starts=100,
+        seed=4,
+    ),
+    "atlas of machines": lambda: continue_attractors(
+        omega=1.7,
+        zeta=0.1,
+        delta0=0.5,
+        shaft_stiffness=[0.1, 0.3],
+        contact_damping=0.1,
+        x=(-5, 5),
+        starts=40,
+        seed=4,
+    ),
+    "atlas of given starts": lambda: continue_attractors(
+        omega=2.0, zeta=[0.07, 0.1], delta0=2.0, starts=[(0, 0, 0, 0), (3, 1, 0, 0)]
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", RESULTS)
+def test_a_result_of_many_points_is_made_again_to_the_bit(tmp_path, kind):
+    archived = load(save(RESULTS[kind](), tmp_path / "result.nc"))
+    again = rerun(archived, workers=1)
+    for name, variable in again.variables.items():
+        np.testing.assert_array_equal(variable.values, archived[name].values)
+    found = differences(again, archived)
+    assert (found["agrees"], found["differing"], found["largest_difference"]) == (True, 0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("kind", "forge", "trouble"),
+    [
+        ("sweep", lambda of: of.assign(response=of.response + 1), "12 of 12 differ in response"),
+        ("sweep", lambda of: of.assign(amplitude=of.amplitude * 1.001), "amplitudes, radii or"),
+        ("run_ups", lambda of: of.assign(response=of.response + 1), "8 of 8 differ in response"),
+        ("other kinds", lambda of: of.assign(period=of.period * 1.001), "radii or periods differ"),
+        (
+            "machines",
+            lambda of: of.assign_coords(shaft_stiffness=of.shaft_stiffness + 0.1),
+            "made again, it has {'event': ",
+        ),
+        (
+            "up and down of a machine",
+            lambda of: of.assign_coords(contact_exponent=1.0),
+            "amplitudes, radii or periods differ",
+        ),
+        ("basin", lambda of: of.assign(label=of.label - 1), "6 of 6 differ in label; the first"),
+        (
+            "basin_fractions",
+            lambda of: of.assign({"count": of["count"][::-1].variable}),
+            "differ in count",
+        ),
+        (
+            "atlas",
+            lambda of: of.assign({"count": of["count"] + 1}),
+            "4 of 4 differ in count",
+        ),
+        ("atlas", lambda of: of.assign(amplitude=of.amplitude * 1.001), "amplitudes, radii or"),
+    ],
+)
+def test_a_forged_result_of_many_points_does_not_verify(kind, forge, trouble):
+    result = RESULTS[kind]()
+    found = differences(rerun(forge(result)), forge(result))
+    assert not found["agrees"]
+    assert trouble in found["trouble"]
+
+
+def test_another_kind_of_dataset_cannot_be_verified():
+    with pytest.raises(
+        InputError,
+        match="only what simulate, run_up, sweep, run_ups, basin, basin_fractions, continue_att",
+    ):
+        rerun(folds(zeta=0.07, delta0=0.0))
+    run = simulate(ROTOR, start=(0, 0, 0, 0), duration=5.0)
+    del run.attrs["rtol"]
+    with pytest.raises(InputError, match="this run cannot be verified: it lacks rtol"):
+        rerun(run)
+
+
+@pytest.mark.parametrize(
+    ("kind", "damage", "message"),
+    [
+        (
+            "sweep",
+            lambda of: of.drop_vars("start_y"),
+            "only what simulate, run_up, sweep, run_ups, basin, basin_fractions, continue_attr",
+        ),
+        (
+            "sweep",
+            lambda of: of.drop_vars("amplitude"),
+            "only what simulate, run_up, sweep, run_ups, basin, basin_fractions, continue_attr",
+        ),
+        ("sweep", lambda of: of.assign(amplitude=of.amplitude.astype(str)), "amplitude must be nu"),
+        (
+            "basin",
+            lambda of: of.drop_vars("vy"),
+            "only what simulate, run_up, sweep, run_ups, basin, basin_fractions, continue_attr",
+        ),
+        (
+            "basin_fractions",
+            lambda of: of.assign_attrs(starts="many"),
+            "starts must be a whole number, got",
+        ),
+        (
+            "basin_fractions",
+            lambda of: of.assign_attrs(starts=1e300),
+            "starts must be a whole number, got",
+        ),
+        (
+            "basin_fractions",
+            lambda of: of.drop_attrs().assign_attrs(omega=1.0),
+            "it lacks zeta, delta0, lab",
+        ),
+    ],
+)
+def test_a_result_that_lacks_what_it_takes_is_refused(kind, damage, message):
+    with pytest.raises(InputError, match=message):
+        rerun(damage(RESULTS[kind]()))
+
+
+def test_run_in_si_units_is_refused():
+    machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6,
+                               clearance=2e-6, speed=600.0)  # fmt: skip
+    run = simulate(machine.rotor(), start=(0, 0, 0, 0), duration=5.0)
+    with pytest.raises(InputError, match="a result in SI units cannot be verified"):
+        rerun(dimensional(run, machine))
+
+
+MACHINE = Rotor(omega=2.0, zeta=0.07, delta0=2.0, shaft_stiffness=0.05, contact_damping=0.05)
+FOLLOWED = {
+    "cycle": lambda: limit_cycle(MACHINE, start=(0, 0, 0, 0)),
+    "branch": lambda: continue_cycle(MACHINE, start=(0, 0, 0, 0), limits=(1.95, 2.05)),
+    "branch over the shaft": lambda: continue_cycle(
+        MACHINE, start=(0, 0, 0, 0), parameter="shaft_stiffness", limits=(0.03, 0.07)
+    ),
+    "curve": lambda: bifurcation_curve(
+        MACHINE,
+        start=(0, 0, 0, 0),
+        kind="period_doubling",
+        parameters=("omega", "shaft_stiffness"),
+        limits=((1.2, 2.5), (0.04, 0.06)),
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", FOLLOWED)
+def test_cycles_of_a_machine_are_made_again_and_those_of_another_differ(tmp_path, kind):
+    archived = load(save(FOLLOWED[kind](), tmp_path / "result.nc"))
+    found = differences(rerun(archived), archived)
+    assert (found["agrees"], found["differing"], found["largest_difference"]) == (True, 0, 0.0)
+    name = "contact_damping" if kind == "cycle" else "start_contact_damping"
+    forged = archived.assign_attrs({name: 0.051})
+    assert not differences(rerun(forged), forged)["agrees"]
