@@ -18,13 +18,13 @@ from types import SimpleNamespace
 import mpmath
 import numpy as np
 import pytest
-from tests.equations.symbolic import value_of
 
 from rotor_ida import Rotor
 from rotor_ida.core.interface import DONE
 from rotor_ida.model.derivation import derive
 from rotor_ida.model.equations import rotating_field
 from rotor_ida.model.modes import PAPER, WHOLE
+from tests.model.symbolic import value_of
 
 ROOT = Path(__file__).parents[2]
 CORE = ROOT / "rotor_ida" / "core"

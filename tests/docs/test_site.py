@@ -29,7 +29,7 @@ def test_arrows_lead_down_and_leave_out_what_others_imply():
     rows = layout.layers()
     height = {part: number for number, row in enumerate(rows) for part in row}
     arrows = layout.arrows(rows)
-    assert ("sweeps", "steady_state") in arrows
+    assert ("cycles", "steady") in arrows
     assert ("cli", "errors") not in arrows
     assert all(height[upper] < height[lower] for upper, lower in arrows)
 

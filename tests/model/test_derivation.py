@@ -4,8 +4,15 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from tests.equations.symbolic import value_of
-from tests.equations.test_modes import (
+
+from rotor_ida.model import derivation, modes, writing
+from rotor_ida.model.derivation import derive
+from rotor_ida.model.modes import PAPER
+from rotor_ida.model.parameters import ALL_PARAMETERS
+from rotor_ida.model.symbols import Graph
+from rotor_ida.model.writing import FOLDER, MODELS, sources
+from tests.model.symbolic import value_of
+from tests.model.test_modes import (
     STEP,
     centre,
     changed,
@@ -14,13 +21,6 @@ from tests.equations.test_modes import (
     of_models,
     rotating_rates,
 )
-
-from rotor_ida.model import derivation, modes, writing
-from rotor_ida.model.derivation import derive
-from rotor_ida.model.modes import PAPER
-from rotor_ida.model.parameters import ALL_PARAMETERS
-from rotor_ida.model.symbols import Graph
-from rotor_ida.model.writing import FOLDER, MODELS, sources
 
 EACH = [
     pytest.param(model, mode, id=f"{model.name}-{mode.name}")

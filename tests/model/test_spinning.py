@@ -5,7 +5,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from tests.equations.symbolic import value_of
 
 from rotor_ida import Rotor
 from rotor_ida.model.contact import contact_potential
@@ -13,6 +12,7 @@ from rotor_ida.model.derivation import derive
 from rotor_ida.model.spinning import RUN_UP
 from rotor_ida.simulation.mechanics import BACKWARDS, FLIGHT, FORWARDS, ROLLING, Machine, rates_of
 from rotor_ida.simulation.spin import Driven, Ramp
+from tests.model.symbolic import value_of
 
 MODES = {mode.name: mode for mode in RUN_UP.modes}
 ROTOR = Rotor(

@@ -10,7 +10,7 @@ import pytest
 from rotor_ida import ArchiveError, load
 from rotor_ida.results.archive.checksum import append_seal
 
-forgeries = pytest.importorskip("tests.storage.forgeries", reason="forgeries need h5py")
+forgeries = pytest.importorskip("tests.results.forgeries", reason="forgeries need h5py")
 
 
 @pytest.mark.parametrize(("forgery", "message"), forgeries.SEALED_AGAIN.items())
