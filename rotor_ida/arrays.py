@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable, Sequence
+
 import numpy as np
 import numpy.typing as npt
 
 Values = npt.NDArray[np.float64]
+# Dimensions and values of a variable of a dataset.
+Column = tuple[Hashable | Sequence[Hashable], npt.ArrayLike]
 # The spacing of doubles at 1.
 ROUNDING = 2.0**-52

@@ -10,14 +10,12 @@ import numpy.typing as npt
 import xarray as xr
 from xarray.indexes import Index, PandasIndex
 
+from rotor_ida.arrays import Column as Column  # noqa: PLC0414 - a part of the schema
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import DEFAULTS
+from rotor_ida.model.table import FRICTIONLESS, OF_ROTOR
 
 CONVENTIONS = "CF-1.11"
-
-# Dimensions and values of a variable.
-Column = tuple[Hashable | Sequence[Hashable], npt.ArrayLike]
 
 
 @dataclass(frozen=True)
@@ -125,17 +123,7 @@ QUANTITIES: dict[str, Quantity] = {
     "degrees_of_freedom": Quantity("numbers compared less numbers sought"),
     "noise": Quantity("standard deviation of the noise in each direction", scale="length"),
     # parameters
-    "omega": Quantity("spin speed over the reference frequency"),
-    "zeta": Quantity("damping ratio"),
-    "delta0": Quantity("radial clearance over eccentricity"),
-    "shaft_stiffness": Quantity(
-        "stiffness of the shaft over mass times reference frequency squared"
-    ),
-    "contact_exponent": Quantity("exponent of the contact force"),
-    "contact_damping": Quantity("relative rise of the contact force at a speed of approach of 1"),
-    "friction": Quantity("coefficient of friction in the contact"),
-    "load": Quantity("static load, downwards, over the contact force at an indentation of 1"),
-    "disc_radius": Quantity("radius of the disc over eccentricity"),
+    **{name: Quantity(each.meaning) for name, each in OF_ROTOR.items()},
     # a run
     "t": Quantity("time", scale="time"),
     "x": Quantity("horizontal displacement", scale="length"),
@@ -597,7 +585,7 @@ def check_dimensionless(name: str, dataset: xr.Dataset) -> None:
 
 
 def check_papers_result(
-    name: str, dataset: xr.Dataset, unknown: Sequence[str] = tuple(DEFAULTS)
+    name: str, dataset: xr.Dataset, unknown: Sequence[str] = tuple(FRICTIONLESS)
 ) -> None:
     """Raise `InputError` for a result of a rotor with parameters that are not known yet.
 

@@ -29,7 +29,8 @@ from rotor_ida.cli.variables import (
     with_unit,
 )
 from rotor_ida.cycles.branch_course import parameters_of, stable_ranges
-from rotor_ida.model.parameters import ALL_PARAMETERS, BEYOND, PARAMETERS, SPEED_UNITS
+from rotor_ida.model.parameters import SPEED_UNITS
+from rotor_ida.model.table import ALL_PARAMETERS, OPTIONAL, PARAMETERS
 from rotor_ida.results.si_units import in_rpm
 from rotor_ida.schema import ENDS_IN_WORDS, RESPONSE, flags_of
 
@@ -489,7 +490,7 @@ def _comparison(dataset: xr.Dataset, most: int | None) -> Description:
 
 
 def _whirls(dataset: xr.Dataset, most: int | None) -> Description:
-    more = [name for name in BEYOND if name in dataset.variables]
+    more = [name for name in OPTIONAL if name in dataset.variables]
     every = rows_of(dataset, (*WHIRL, *more))
     whirls = [row for row in every if row["stability"] != "absent"]
     ordered = (
@@ -509,7 +510,7 @@ def _folds(dataset: xr.Dataset, most: int | None) -> Description:
 
 
 def _fold_rows(dataset: xr.Dataset, most: int | None) -> tuple[list[Record], list[RenderableType]]:
-    more = [name for name in BEYOND if name in dataset["fold_omega"].coords]
+    more = [name for name in OPTIONAL if name in dataset["fold_omega"].coords]
     every = rows_of(dataset, (*FOLD, *more))
     rows = [row for row in every if row["fold_omega"] == row["fold_omega"]]
     columns = ("zeta", "delta0", *more, "fold_omega", "fold_amplitude")
@@ -517,7 +518,7 @@ def _fold_rows(dataset: xr.Dataset, most: int | None) -> tuple[list[Record], lis
 
 
 def _hopf_points(dataset: xr.Dataset, most: int | None) -> Description:
-    more = [name for name in BEYOND if name in dataset.variables]
+    more = [name for name in OPTIONAL if name in dataset.variables]
     found = ("hopf_omega", "hopf_amplitude", "hopf_frequency")
     every = rows_of(dataset, (*found, "zeta", "delta0", *more))
     rows = [row for row in every if row["hopf_omega"] == row["hopf_omega"]]

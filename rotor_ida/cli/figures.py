@@ -17,7 +17,7 @@ from rotor_ida.cli.describe import kind_of
 from rotor_ida.cli.options import check_panels
 from rotor_ida.closed_forms import response_curve
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import ALL_PARAMETERS, DEFAULTS
+from rotor_ida.model.table import ALL_PARAMETERS, FRICTIONLESS
 from rotor_ida.plot.labels import LABELS
 
 # Up to so many speeds of a table of whirls are marked.
@@ -164,7 +164,7 @@ def _whirls_beside(curve: xr.Dataset) -> xr.Dataset | None:
     """Return the folds of the whirl within the limits of a curve over speed and clearance."""
     limits = np.reshape(curve.attrs["limits"], (2, 2))
     of = dict(zip(str(curve.attrs["parameters"]).split(), limits.tolist(), strict=True))
-    beyond = any(name in curve.variables for name in DEFAULTS)
+    beyond = any(name in curve.variables for name in FRICTIONLESS)
     if beyond or set(of) != {"omega", "delta0"}:
         return None
     delta0, (low, high) = curve["delta0"].values, of["omega"]

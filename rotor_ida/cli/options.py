@@ -20,14 +20,13 @@ from rotor_ida.checks import (
 )
 from rotor_ida.cli import parsing
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import (
-    BEYOND,
+from rotor_ida.model.parameters import DimensionalRotor, Rotor
+from rotor_ida.model.table import (
     DEFAULTS,
+    FRICTIONLESS,
     MACHINE_PARAMETERS,
-    OF_FRICTION_DEFAULTS,
+    OPTIONAL,
     PARAMETERS,
-    DimensionalRotor,
-    Rotor,
 )
 from rotor_ida.simulation.options import Backend, Flight, Method
 
@@ -330,12 +329,12 @@ class BeyondOptions:
 
     shaft_stiffness: Annotated[
         float, _number("Stiffness of the shaft over mass times reference frequency squared.")
-    ] = DEFAULTS["shaft_stiffness"]
-    contact_exponent: Annotated[float, EXPONENT] = DEFAULTS["contact_exponent"]
+    ] = FRICTIONLESS["shaft_stiffness"]
+    contact_exponent: Annotated[float, EXPONENT] = FRICTIONLESS["contact_exponent"]
     contact_damping: Annotated[
         float, _number("Relative rise of the contact force at a speed of approach of 1.")
-    ] = DEFAULTS["contact_damping"]
-    load: Annotated[float, _number("Static load, downwards.")] = DEFAULTS["load"]
+    ] = FRICTIONLESS["contact_damping"]
+    load: Annotated[float, _number("Static load, downwards.")] = FRICTIONLESS["load"]
     friction: Annotated[float, _number("Coefficient of friction in the contact.")] = 0.0
     disc_radius: Annotated[
         float | None, _number("Radius of the disc over eccentricity, which friction needs.")
@@ -387,7 +386,7 @@ class BeyondAxes:
 
     def given(self) -> dict[str, Any]:
         """Return each by its name; one value is a number, and no axis."""
-        defaults = DEFAULTS | OF_FRICTION_DEFAULTS
+        defaults = DEFAULTS
         values = {name: values or [defaults[name]] for name, values in asdict(self).items()}
         return {name: each[0] if len(each) == 1 else each for name, each in values.items()}
 
@@ -435,7 +434,7 @@ class MachineOptions:
     def machine(self) -> Rotor | DimensionalRotor:
         """Return the rotor or the machine, whichever is given whole."""
         given = {name: value for name, value in asdict(self).items() if value is not None}
-        needed = given.keys() - set(BEYOND)
+        needed = given.keys() - set(OPTIONAL)
         if needed == set(PARAMETERS):
             return Rotor(**given)
         if needed == set(MACHINE_PARAMETERS):

@@ -28,7 +28,7 @@ from rotor_ida.closed_forms.rubs import Rub, rub_folds
 from rotor_ida.closed_forms.synchronous import synchronous_response
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import HERTZ_EXPONENT
-from rotor_ida.model.parameters import check_exponent
+from rotor_ida.model.table import check_exponent
 from rotor_ida.schema import STABILITY, labelled, labelled_dataset
 
 # At a fold two whirls are one, up to the root of rounding.

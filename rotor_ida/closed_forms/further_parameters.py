@@ -9,11 +9,11 @@ import numpy as np
 from rotor_ida.arrays import Values
 from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_nonnegative, is_scalar
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import DEFAULTS, check_exponent
+from rotor_ida.model.table import FRICTIONLESS, check_exponent
 from rotor_ida.schema import Column
 
 # The value of each with which it is the paper's rotor.
-PAPERS = {**DEFAULTS, "friction": 0.0}
+PAPERS = {**FRICTIONLESS, "friction": 0.0}
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,5 +129,5 @@ def law_of(
     return (
         kappa,
         exponent,
-        {name: ((), value) for name, value in given.items() if value != DEFAULTS[name]},
+        {name: ((), value) for name, value in given.items() if value != FRICTIONLESS[name]},
     )

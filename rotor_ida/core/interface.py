@@ -15,7 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.core import library as found
-from rotor_ida.model.parameters import ALL_PARAMETERS, Rotor
+from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.table import ALL_PARAMETERS
 
 # How a call ended; the flags of SUNDIALS are negative.
 DONE = 0

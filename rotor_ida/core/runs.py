@@ -28,7 +28,8 @@ from rotor_ida.core.interface import (
     library_of,
     pointer,
 )
-from rotor_ida.model.parameters import PARAMETERS, Rotor
+from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.table import PARAMETERS
 
 Stop = npt.NDArray[np.uint8]
 

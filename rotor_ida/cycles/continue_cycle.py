@@ -36,7 +36,7 @@ from rotor_ida.cycles.limit_cycle import check_revolutions, check_turns_and_sett
 from rotor_ida.cycles.shooting import checked_cycle
 from rotor_ida.cycles.special_points import Special
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import OF_FRICTION_DEFAULTS, Rotor
+from rotor_ida.model.parameters import Rotor
 from rotor_ida.parallel import Progress
 from rotor_ida.results.provenance import computing, provenance
 from rotor_ida.results.studies.arrays import Arrays
@@ -179,7 +179,7 @@ def check_limits(parameter: str, limits: object, rotor: Rotor) -> tuple[float, f
     low, high = values.tolist()
     if low == 0.0 and parameter in NEVER_ZERO:
         raise InputError(f"limits of {parameter} must be above 0, got {shown(limits)}")
-    if parameter in OF_FRICTION_DEFAULTS and rotor.disc_radius is None:
+    if parameter in {"friction", "disc_radius"} and rotor.disc_radius is None:
         raise InputError(f"disc_radius must be given for {parameter} to be continued, got None")
     here = getattr(rotor, parameter)
     if parameter == "disc_radius" and rotor.friction == 0.0:

@@ -19,13 +19,8 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import (
-    BEYOND,
-    MACHINE_PARAMETERS,
-    PARAMETERS,
-    DimensionalRotor,
-    Rotor,
-)
+from rotor_ida.model.parameters import DimensionalRotor, Rotor
+from rotor_ida.model.table import MACHINE_PARAMETERS, OPTIONAL, PARAMETERS
 from rotor_ida.simulation.options import LARGEST, check_can_be_followed
 
 About = Literal[
@@ -136,7 +131,7 @@ def read_question(text: str) -> Question:
 def machine_of(given: object) -> Rotor | DimensionalRotor:
     """Return the machine that a mapping of names to numbers is."""
     if isinstance(given, Mapping):
-        needed = given.keys() - set(BEYOND)
+        needed = given.keys() - set(OPTIONAL)
         if needed == set(PARAMETERS):
             return Rotor(**given)
         if needed == set(MACHINE_PARAMETERS):
@@ -144,7 +139,7 @@ def machine_of(given: object) -> Rotor | DimensionalRotor:
     raise InputError(
         "machine must have omega, zeta and delta0, or mass, contact_stiffness, damping, "
         "eccentricity, clearance and speed, and may have "
-        f"{', '.join(BEYOND)}, got {shown(given)}"
+        f"{', '.join(OPTIONAL)}, got {shown(given)}"
     )
 
 

@@ -29,7 +29,8 @@ from rotor_ida.explorer.words import (
     words_of_whip,
 )
 from rotor_ida.model.contact import secant_stiffness
-from rotor_ida.model.parameters import PARAMETERS, Rotor
+from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.table import PARAMETERS
 from rotor_ida.schema import EXACT, RESPONSE, STABILITY
 from rotor_ida.simulation.sections import poincare_section
 from rotor_ida.simulation.simulate import simulate

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypedDict
 
@@ -19,24 +19,17 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.errors import InputError
+from rotor_ida.model.table import (
+    DEFAULTS,
+    MACHINE_PARAMETERS,
+    OF_MACHINE,
+    OF_ROTOR,
+    PARAMETERS,
+    Parameter,
+    check_parameter,
+    check_together,
+)
 
-PARAMETERS = ("omega", "zeta", "delta0")
-# What a machine has beside them, and the value of each with which it is the paper's rotor.
-DEFAULTS = {
-    "shaft_stiffness": 0.0,
-    "contact_exponent": 1.5,
-    "contact_damping": 0.0,
-    "load": 0.0,
-}
-# What friction in the contact takes; without it there is none, and no disc radius is needed.
-OF_FRICTION_DEFAULTS: dict[str, float | None] = {"friction": 0.0, "disc_radius": None}
-BEYOND = (*DEFAULTS, *OF_FRICTION_DEFAULTS)
-ALL_PARAMETERS = (*PARAMETERS, *BEYOND)
-# By what the paper's rotor is given in SI units; what is in DEFAULTS comes beside it.
-MACHINE_PARAMETERS = (
-    "mass", "contact_stiffness", "damping", "eccentricity", "clearance", "speed",
-)  # fmt: skip
-EXPONENTS = (1.5, 1.0)
 # How many radians a second each unit of speed is.
 SpeedUnit = Literal["rad/s", "rpm", "Hz"]
 SPEED_UNITS: dict[SpeedUnit, float] = {"rad/s": 1.0, "rpm": math.pi / 30.0, "Hz": 2.0 * math.pi}
@@ -116,21 +109,8 @@ class Rotor:
     disc_radius: float | None = None
 
     def __post_init__(self) -> None:
-        for name in (*PARAMETERS, *DEFAULTS):
-            object.__setattr__(self, name, check_nonnegative(name, getattr(self, name)))
-        for name, value in _checked_friction(self.friction, self.disc_radius).items():
-            object.__setattr__(self, name, value)
-        check_exponent(self.contact_exponent)
-        if self.friction > 0.0 and self.delta0 == 0.0:
-            raise InputError(
-                "friction must be 0 without clearance, where the radius may vanish in contact, "
-                f"got {self.friction!r} with delta0 0.0"
-            )
-        if self.contact_damping > 0.0 and self.delta0 == 0.0:
-            raise InputError(
-                "contact_damping must be 0 without clearance, where the radius may vanish in "
-                f"contact, got {self.contact_damping!r} with delta0 0.0"
-            )
+        _set_checked(self, OF_ROTOR)
+        check_together(_optional(self), self.delta0)
 
     def __repr__(self) -> str:
         return f"Rotor({', '.join(f'{name}={value!r}' for name, value in self.given.items())})"
@@ -147,31 +127,24 @@ class Rotor:
         return {name: getattr(self, name) for name in PARAMETERS} | _not_default(self)
 
 
-def check_exponent(exponent: float) -> None:
-    """Raise `InputError` for an exponent of the contact force that is not known."""
-    if exponent not in EXPONENTS:
-        allowed = " or ".join(f"{each:g}" for each in EXPONENTS)
-        raise InputError(f"contact_exponent must be {allowed}, got {exponent!r}")
+def _set_checked(rotor: Rotor | DimensionalRotor, table: Mapping[str, Parameter]) -> None:
+    """Put the checked value of each parameter in place of what was given."""
+    for name, parameter in table.items():
+        object.__setattr__(rotor, name, check_parameter(parameter, getattr(rotor, name)))
 
 
-def _checked_friction(friction: object, disc_radius: object) -> dict[str, float | None]:
-    """Return what friction takes, or raise `InputError`."""
-    coefficient = check_nonnegative("friction", friction)
-    if disc_radius is None:
-        if coefficient > 0.0:
-            raise InputError(
-                f"disc_radius must be given with friction, got None with friction {coefficient!r}"
-            )
-        return {"friction": coefficient, "disc_radius": None}
-    radius = check_nonnegative("disc_radius", disc_radius)
-    return {"friction": coefficient, "disc_radius": radius}
+def _optional(rotor: Rotor | DimensionalRotor) -> dict[str, float | None]:
+    """Return the optional parameters by name."""
+    return {name: getattr(rotor, name) for name in DEFAULTS}
 
 
 def _not_default(rotor: Rotor | DimensionalRotor) -> dict[str, float]:
-    """Return what is not the default, of all that comes beside the paper's parameters."""
-    defaults = DEFAULTS | OF_FRICTION_DEFAULTS
-    values = {name: getattr(rotor, name) for name in defaults}
-    return {name: value for name, value in values.items() if value != defaults[name]}
+    """Return the optional parameters that are not the default."""
+    return {
+        name: value
+        for name, value in _optional(rotor).items()
+        if value is not None and value != DEFAULTS[name]
+    }
 
 
 def without(values: dict[str, float], name: str) -> dict[str, float]:
@@ -286,13 +259,8 @@ class DimensionalRotor:
     disc_radius: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ("mass", "contact_stiffness", "eccentricity"):
-            object.__setattr__(self, name, check_positive(name, getattr(self, name)))
-        for name in ("damping", "clearance", "speed", *DEFAULTS):
-            object.__setattr__(self, name, check_nonnegative(name, getattr(self, name)))
-        for name, value in _checked_friction(self.friction, self.disc_radius).items():
-            object.__setattr__(self, name, value)
-        check_exponent(self.contact_exponent)
+        _set_checked(self, OF_MACHINE)
+        check_together(_optional(self), math.inf)
         scales = (self.reference_frequency, self.velocity_scale, self.force_scale)
         if not all(SMALLEST_SCALE < scale < 1.0 / SMALLEST_SCALE for scale in scales):
             raise InputError(

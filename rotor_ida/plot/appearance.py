@@ -18,7 +18,7 @@ from matplotlib.transforms import ScaledTranslation
 
 from rotor_ida.checks import check_count
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import BEYOND, PARAMETERS
+from rotor_ida.model.table import OPTIONAL, PARAMETERS
 from rotor_ida.plot.labels import KIND_WORDS, SEPARATOR, parameter_text, scale_of
 from rotor_ida.results.si_units import in_rpm
 
@@ -354,7 +354,7 @@ def lines_of(name: str, dataset: xr.Dataset) -> str:
 def title_of(name: str, dataset: xr.Dataset, parameters: Sequence[str] = PARAMETERS) -> str:
     """Return the parameters of a dataset, which holds one value of each, as a title."""
     # what varies along a branch is on its axis
-    beyond = [each for each in BEYOND if each in dataset.variables and not dataset[each].ndim]
+    beyond = [each for each in OPTIONAL if each in dataset.variables and not dataset[each].ndim]
     text = parameter_text({each: one_value(name, dataset, each) for each in (*parameters, *beyond)})
     if "event_speed" in dataset.variables:  # omega is only the first
         last = float(dataset["speed"][-1]) / scale_of(dataset, "speed")

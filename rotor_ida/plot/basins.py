@@ -15,7 +15,7 @@ from matplotlib.patches import Patch
 from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS, check_choice
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.model.table import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.plot.appearance import (
     INK,
     KIND_SHADES,

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 
 from rotor_ida.checks import check_positive
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import ALL_PARAMETERS, DEFAULTS, PARAMETERS
+from rotor_ida.model.table import ALL_PARAMETERS, FRICTIONLESS, PARAMETERS
 from rotor_ida.plot.appearance import (
     BLUE,
     DASHES,
@@ -291,8 +291,10 @@ def _varied(found: xr.Dataset, exact: xr.Dataset | None) -> tuple[str, dict[str,
     exact = check_dataset("exact", exact, ("omega", "amplitude"))
     check_same_units("exact", exact, found)
     others = {name: one_value("found", found, name) for name in names[1:] if name != "delta0"}
-    curve = {name: one_value("exact", exact, name) for name in DEFAULTS if name in exact.variables}
-    for name, default in DEFAULTS.items():
+    curve = {
+        name: one_value("exact", exact, name) for name in FRICTIONLESS if name in exact.variables
+    }
+    for name, default in FRICTIONLESS.items():
         here, there = others.get(name, default), curve.get(name, default)
         if here != there:
             raise InputError(f"found must have the {name} of exact, {there!r}, got {here!r}")

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import BEYOND, DEFAULTS, PARAMETERS
+from rotor_ida.model.table import FRICTIONLESS, OPTIONAL, PARAMETERS
 from rotor_ida.plot.appearance import (
     BLUE,
     CONTACT_FREE,
@@ -188,7 +188,7 @@ def plot_over_clearance(
     exact = check_dataset("exact", exact, CURVE)
     held = _held("exact", exact, ("omega", "zeta"))
     if simulated is not None:
-        beyond = {name: value for name, value in held.items() if name in BEYOND}
+        beyond = {name: value for name, value in held.items() if name in OPTIONAL}
         _check_same("simulated", _held("simulated", simulated, ()), beyond)
     with style():
         ax = axes_or_new(ax)
@@ -259,13 +259,13 @@ def _held(
     name: str, dataset: xr.Dataset, of_all: Sequence[str] = ("zeta", "delta0")
 ) -> dict[str, float]:
     """Return the parameters but the one on the axis, of which there is one value each."""
-    names = (*of_all, *(each for each in BEYOND if each in dataset.variables))
+    names = (*of_all, *(each for each in OPTIONAL if each in dataset.variables))
     return {each: one_value(name, dataset, each) for each in names}
 
 
 def _check_same(name: str, here: Mapping[str, float], there: Mapping[str, float]) -> None:
     """Refuse other parameters than those of the exact curve."""
-    papers = {**DEFAULTS, "friction": 0.0}
+    papers = {**FRICTIONLESS, "friction": 0.0}
     of_this, of_exact = {**papers, **here}, {**papers, **there}
     for parameter, value in of_exact.items():
         # contact damping moves no fold

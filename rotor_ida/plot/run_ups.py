@@ -11,7 +11,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.model.table import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.plot.appearance import (
     GREY,
     KIND_SHADES,

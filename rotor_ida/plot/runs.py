@@ -18,7 +18,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS, check_choice
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import contact_force, damping_factor
-from rotor_ida.model.parameters import DEFAULTS, PARAMETERS
+from rotor_ida.model.table import FRICTIONLESS, PARAMETERS
 from rotor_ida.plot.appearance import (
     BLUE,
     DARK_BROWN,
@@ -471,8 +471,8 @@ def _cubic(part: Values, step: Values, before: Values, after: Values) -> tuple[V
 
 def _force_along(run: xr.Dataset, path: Path) -> Values:
     """Return the contact force along the path of a run in the units of the run."""
-    given = {name: one_value("run", run, name) for name in DEFAULTS if name in run.variables}
-    machine, length = DEFAULTS | given, scale_of(run, "length")
+    given = {name: one_value("run", run, name) for name in FRICTIONLESS if name in run.variables}
+    machine, length = FRICTIONLESS | given, scale_of(run, "length")
     delta0, damping = one_value("run", run, "delta0"), machine["contact_damping"]
     force = contact_force(path.radius / length, delta0, machine["contact_exponent"])
     if damping > 0.0 and path.radial_speed is not None:

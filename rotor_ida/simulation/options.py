@@ -8,7 +8,8 @@ from typing import Literal
 from rotor_ida.checks import COMPONENTS, State, check_between, check_choice
 from rotor_ida.core import sundials
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import PARAMETERS, Rotor
+from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.table import PARAMETERS
 
 Method = Literal["adams", "bdf", "ida", "taylor"]
 Flight = Literal["exact", "cvode"]

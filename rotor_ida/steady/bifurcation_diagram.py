@@ -28,7 +28,8 @@ from rotor_ida.checks import (
     is_scalar,
 )
 from rotor_ida.errors import InputError, SimulationError
-from rotor_ida.model.parameters import ALL_PARAMETERS, Rotor
+from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.table import ALL_PARAMETERS
 from rotor_ida.parallel import FailedJob, Stop, choose, run_all
 from rotor_ida.schema import STATUS, labelled
 from rotor_ida.simulation.extrema import Extrema, check_knots, radius_extrema

@@ -14,7 +14,8 @@ import numpy.typing as npt
 from rotor_ida.arrays import Values
 from rotor_ida.checks import State
 from rotor_ida.errors import SimulationError
-from rotor_ida.model.parameters import PARAMETERS, Rotor
+from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.table import PARAMETERS
 from rotor_ida.parallel import Stop
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady.follow import FAILED, SettledResponse, failed, follow_to_steady_state

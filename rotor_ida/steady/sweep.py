@@ -22,7 +22,8 @@ from rotor_ida.checks import (
     check_states,
     is_scalar,
 )
-from rotor_ida.model.parameters import DEFAULTS, OF_FRICTION_DEFAULTS, Rotor
+from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.table import DEFAULTS
 from rotor_ida.parallel import Progress, choose
 from rotor_ida.results.provenance import computing
 from rotor_ida.results.studies.results import open_results
@@ -172,7 +173,7 @@ def sweep(
     given = {"omega": omega, "zeta": zeta, "delta0": delta0, **beyond}
     axes = {name: check_axis(name, values) for name, values in given.items()}
     numbers = {name for name, values in beyond.items() if is_scalar(name, values)}
-    defaults = DEFAULTS | OF_FRICTION_DEFAULTS
+    defaults = DEFAULTS
     absent = {name for name in numbers if axes[name].tolist() == [defaults[name]]}
     axes = {name: axis for name, axis in axes.items() if name not in absent}
     checked = check_states("starts", starts)

@@ -14,7 +14,8 @@ from rotor_ida.basins.atlas import continue_attractors
 from rotor_ida.cycles.continue_cycle import branch_from
 from rotor_ida.cycles.guess import Guess
 from rotor_ida.errors import ArchiveError
-from rotor_ida.model.parameters import ALL_PARAMETERS, BEYOND, PARAMETERS, Rotor
+from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.table import ALL_PARAMETERS, OPTIONAL, PARAMETERS
 from rotor_ida.parallel import Progress
 from rotor_ida.results.provenance import computing
 from rotor_ida.results.studies import design_of, program_of
@@ -87,7 +88,7 @@ def _call(design: dict[str, Any]) -> tuple[Callable[..., xr.Dataset], dict[str, 
         "branch": branch_from,
     }  # fmt: skip
     given = {name: design[name] for name in _GIVEN[kind]}
-    beyond = {name: design[name] for name in BEYOND if name in design}
+    beyond = {name: design[name] for name in OPTIONAL if name in design}
     if kind in {"sweep", "run_ups"}:
         starts = [tuple(start) for start in design["starts"]]
         return functions[kind], {**given, **beyond, "starts": starts}

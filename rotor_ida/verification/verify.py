@@ -24,7 +24,8 @@ from rotor_ida.cycles.continue_cycle import branch_from
 from rotor_ida.cycles.guess import Guess
 from rotor_ida.cycles.limit_cycle import limit_cycle
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import ALL_PARAMETERS, DEFAULTS, PARAMETERS, Rotor
+from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.table import ALL_PARAMETERS, FRICTIONLESS, PARAMETERS
 from rotor_ida.parallel import Progress
 from rotor_ida.schema import RESPONSE, SPECIAL, words_of
 from rotor_ida.simulation.options import Method
@@ -242,7 +243,7 @@ def _branch(dataset: xr.Dataset, _workers: int | None, progress: Progress | None
 def _curve(dataset: xr.Dataset, _workers: int | None, progress: Progress | None) -> xr.Dataset:
     given, (first, second) = dataset.attrs, parameters_of("curve", dataset, "parameters", 2)
     rotor, kind = _rotor(dataset, "start_"), given["kind"]
-    place = {name: getattr(rotor, name) for name in (*PARAMETERS, *DEFAULTS)}
+    place = {name: getattr(rotor, name) for name in (*PARAMETERS, *FRICTIONLESS)}
     state = zip(COMPONENTS, np.asarray(given["start"]).tolist(), strict=True)
     special = {f"special_{name}": value for name, value in state}
     special |= {"special_period": given["start_period"], "special_kind": SPECIAL[kind]}

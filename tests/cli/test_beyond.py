@@ -12,7 +12,8 @@ import pytest
 
 import rotor_ida
 from rotor_ida.cli.options import BeyondAxes, MachineOptions
-from rotor_ida.model.parameters import DEFAULTS, OF_FRICTION_DEFAULTS, DimensionalRotor, Rotor
+from rotor_ida.model.parameters import DimensionalRotor, Rotor
+from rotor_ida.model.table import DEFAULTS, FRICTIONLESS
 
 Program = Callable[..., Any]
 
@@ -41,7 +42,7 @@ def test_simulate_takes_the_whole_rotor_and_says_so(program: Program):
     told = json.loads(answer.out)["parameters"]
     assert told == {**ROTOR, **BEYOND, "start": [0, 0, 0, 0], "duration": 10.0}
     run = rotor_ida.load("run.nc")
-    assert {name: run[name].item() for name in DEFAULTS} == BEYOND
+    assert {name: run[name].item() for name in FRICTIONLESS} == BEYOND
 
 
 def test_an_archive_of_the_whole_rotor_is_shown_and_verifies(program: Program):
@@ -59,8 +60,8 @@ def test_an_archive_of_the_whole_rotor_is_shown_and_verifies(program: Program):
 
 def test_the_defaults_are_not_told(program: Program):
     plain = program(*SIMULATE, "--json")
-    assert program(*SIMULATE, *words(**DEFAULTS), "--json").out == plain.out
-    assert not set(DEFAULTS) & set(json.loads(plain.out)["parameters"])
+    assert program(*SIMULATE, *words(**FRICTIONLESS), "--json").out == plain.out
+    assert not set(FRICTIONLESS) & set(json.loads(plain.out)["parameters"])
 
 
 @pytest.mark.parametrize(
@@ -152,7 +153,7 @@ def test_under_a_load_a_cycle_with_a_period_of_its_own_is_not_followed(
 
 
 def test_a_sweep_that_is_given_nothing_of_it_is_of_the_papers_rotor():
-    papers = DEFAULTS | OF_FRICTION_DEFAULTS
+    papers = DEFAULTS
     assert BeyondAxes().given() == papers
     assert BeyondAxes(load=[0.1], shaft_stiffness=[0.0, 0.5]).given() == {
         **papers, "load": 0.1, "shaft_stiffness": [0.0, 0.5],

@@ -27,7 +27,7 @@ from rotor_ida.cli.commands.compute import (
 )
 from rotor_ida.cli.commands.cycles import continue_, curve, cycle
 from rotor_ida.cli.options import BeyondAxes
-from rotor_ida.model.parameters import BEYOND
+from rotor_ida.model.table import OPTIONAL
 
 Program = Callable[..., Any]
 
@@ -157,7 +157,7 @@ def test_defaults_are_those_of_the_library(command: Callable[..., object], libra
     for name, parameter in inspect.signature(getattr(rotor_ida, library)).parameters.items():
         if name in ours and parameter.default is not inspect.Parameter.empty and name != "workers":
             default = ours[name][1]
-            if default is None and name in BEYOND:  # no axis is given
+            if default is None and name in OPTIONAL:  # no axis is given
                 default = BeyondAxes().given()[name]
             # an axis of one number is that number
             assert default in (parameter.default, [parameter.default]), name

@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from rotor_ida import DimensionalRotor, InputError, Rotor, dimensional, simulate
-from rotor_ida.model.parameters import DEFAULTS, MACHINE_PARAMETERS
+from rotor_ida.model.table import FRICTIONLESS, MACHINE_PARAMETERS
 
 MACHINE = DimensionalRotor(
     mass=3.0,
@@ -148,7 +148,7 @@ def test_what_is_given_makes_the_same_rotor_and_machine():
     assert list(MACHINE.given) == list(MACHINE_PARAMETERS)
 
 
-@pytest.mark.parametrize("name", DEFAULTS)
+@pytest.mark.parametrize("name", FRICTIONLESS)
 @pytest.mark.parametrize("value", [math.nan, True, "1", None, -0.5])
 def test_what_is_beyond_the_papers_must_be_a_number_too(name, value):
     with pytest.raises(InputError, match=rf"^{name} must be (a finite real number|zero or pos)"):

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from rotor_ida import InputError, Rotor, load, rotating, save, simulate, spectrum
-from rotor_ida.model.parameters import DEFAULTS
+from rotor_ida.model.table import FRICTIONLESS
 from rotor_ida.results.run import check_run, rotor_of
 from rotor_ida.schema import DAMPED_EVENT_KIND, EVENT_KIND, QUANTITIES, flags_of, labelled
 from rotor_ida.signals.forces import contact_forces
@@ -28,7 +28,7 @@ def whole() -> xr.Dataset:
 def test_a_run_of_the_papers_rotor_has_no_more_than_its_three_parameters():
     run = run_of(PLAIN)
     assert set(run.coords) == {"omega", "zeta", "delta0", "t"}
-    assert not set(DEFAULTS) & (set(run.variables) | set(run.attrs))
+    assert not set(FRICTIONLESS) & (set(run.variables) | set(run.attrs))
     assert flags_of(run["event_kind"]) == EVENT_KIND == {"exit": -1, "entry": 1}
     assert run["event_time"].attrs["long_name"] == "time of contact entry or exit"
 
@@ -43,7 +43,7 @@ def test_what_is_beyond_the_papers_rotor_is_told(whole: xr.Dataset):
 
 def test_what_is_the_default_is_not(whole: xr.Dataset):
     run = run_of(Rotor(**{**PLAIN.given, "load": 0.125}))
-    assert set(DEFAULTS) & set(run.variables) == {"load"}
+    assert set(FRICTIONLESS) & set(run.variables) == {"load"}
     assert rotor_of(run).beyond == {"load": 0.125}
     assert whole.sizes["t"] == run.sizes["t"]
 
@@ -60,7 +60,7 @@ def test_an_archive_keeps_the_whole_rotor(whole: xr.Dataset, tmp_path):
     again = load(save(whole, tmp_path / "run.nc"))
     assert rotor_of(again) == WHOLE
     assert again.equals(whole)
-    assert {name: float(again.attrs[name]) for name in DEFAULTS} == WHOLE.beyond
+    assert {name: float(again.attrs[name]) for name in FRICTIONLESS} == WHOLE.beyond
 
 
 def test_an_archive_keeps_the_loss_of_each_contact_and_its_kinds_of_events(

@@ -25,7 +25,8 @@ from rotor_ida.basins.following import FollowedStarts, follow_here
 from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED
 from rotor_ida.basins.known import known_from_closed_forms, same_cycle, with_cycle
 from rotor_ida.cycles.shooting import Cycle
-from rotor_ida.model.parameters import DEFAULTS, OF_FRICTION_DEFAULTS, PARAMETERS, Rotor
+from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.table import ALL_PARAMETERS, FRICTIONLESS, PARAMETERS
 from rotor_ida.parallel import Stop
 from rotor_ida.results.studies.arrays import Arrays
 from rotor_ida.results.studies.results import Form
@@ -35,8 +36,7 @@ from rotor_ida.schema import RESPONSE, TRAPPING
 MOST_STARTS = 1_000_000
 # Of the times after which starts are decided: the median, and that of 95 of 100.
 # What an archived cell knows its rotor by: of the paper's, of a machine, and with a disc radius.
-OF_MACHINES = (*PARAMETERS, *DEFAULTS)
-OF_RUBS = (*OF_MACHINES, *OF_FRICTION_DEFAULTS)
+OF_MACHINES = (*PARAMETERS, *FRICTIONLESS)
 QUANTILES = (0.5, 0.95)
 # What these are where no start is.
 NEVER = np.full(2, np.nan)
@@ -147,7 +147,7 @@ def _cycle_of(found: FollowedStarts, attractor: Attractor) -> Cycle | None:
 
 def _as_arrays(cell: Cell) -> Arrays:
     members, names = cell.members, OF_MACHINES if cell.rotor.beyond else PARAMETERS
-    names = names if cell.rotor.disc_radius is None else OF_RUBS
+    names = names if cell.rotor.disc_radius is None else ALL_PARAMETERS
     attractors = [each.attractor for each in members]
     arrays = {
         "rotor": np.array([getattr(cell.rotor, name) for name in names]),
@@ -170,7 +170,7 @@ def _as_arrays(cell: Cell) -> Arrays:
 
 def _from_arrays(arrays: Arrays) -> Cell:
     # those that follow the paper's are left out where they are the default
-    given = zip(OF_RUBS, arrays["rotor"].tolist(), strict=False)
+    given = zip(ALL_PARAMETERS, arrays["rotor"].tolist(), strict=False)
     cell = Cell(Rotor(**dict(given)))
     cell.undecided, cell.not_computed = arrays["left"].tolist()
     cell.entropies = tuple(arrays["entropies"].tolist())

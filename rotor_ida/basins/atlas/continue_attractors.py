@@ -35,7 +35,8 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import DEFAULTS, OF_FRICTION_DEFAULTS, Rotor
+from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.table import DEFAULTS
 from rotor_ida.parallel import FailedJob, Progress, choose, interruptible, run_all
 from rotor_ida.results.provenance import computing
 from rotor_ida.results.studies.results import Results, open_results
@@ -216,7 +217,7 @@ def _axes(given: Mapping[str, npt.ArrayLike]) -> tuple[dict[str, Values], dict[s
     axes = {
         name: check_increasing(name, check_vector(name, value)) for name, value in given.items()
     }
-    defaults = DEFAULTS | OF_FRICTION_DEFAULTS
+    defaults = DEFAULTS
     numbers = [name for name in defaults if name in given and is_scalar(name, given[name])]
     held = {name: axes.pop(name).item() for name in numbers}
     longer = [name for name, axis in axes.items() if axis.size > 1]

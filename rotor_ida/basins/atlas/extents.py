@@ -50,7 +50,8 @@ from rotor_ida.cycles.branch import (
 )
 from rotor_ida.cycles.guess import Guess
 from rotor_ida.errors import SimulationError
-from rotor_ida.model.parameters import PARAMETERS, Rotor, without
+from rotor_ida.model.parameters import Rotor, without
+from rotor_ida.model.table import PARAMETERS
 from rotor_ida.parallel import Stop
 from rotor_ida.schema import STABILITY, WITH_EXTENTS
 

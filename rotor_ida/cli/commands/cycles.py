@@ -14,12 +14,11 @@ from rotor_ida.cli import options
 from rotor_ida.cli.output import Output, answer, answer_whole, read, working
 from rotor_ida.cli.report import FIRST_ROWS, Report
 from rotor_ida.errors import InputError, SimulationError
-from rotor_ida.model.parameters import (
+from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.table import (
     ALL_PARAMETERS,
     DEFAULTS,
-    OF_FRICTION_DEFAULTS,
     PARAMETERS,
-    Rotor,
 )
 
 if TYPE_CHECKING:
@@ -47,7 +46,7 @@ class Origin:
     def check(self) -> None:
         """Refuse options that do not go together."""
         of_file = [name for name in ("point", "special") if getattr(self, name) is not None]
-        defaults = DEFAULTS | OF_FRICTION_DEFAULTS
+        defaults = DEFAULTS
         of_start = [
             name for name in (*PARAMETERS, "start", "period") if getattr(self, name) is not None
         ] + [name for name, value in asdict(self.beyond).items() if value != defaults[name]]

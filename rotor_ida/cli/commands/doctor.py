@@ -78,7 +78,7 @@ def _versions() -> dict[str, object]:
         except PackageNotFoundError:
             found[name] = None
     try:
-        from rotor_ida import provenance  # noqa: PLC0415 - it asks the solver
+        from rotor_ida.results import provenance  # noqa: PLC0415 - it asks the solver
 
         found["SUNDIALS"] = provenance.versions().get("sundials_version")
     except ImportError:

@@ -13,7 +13,8 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import ALL_PARAMETERS, SPEED_UNITS
+from rotor_ida.model.parameters import SPEED_UNITS
+from rotor_ida.model.table import ALL_PARAMETERS
 from rotor_ida.plot.appearance import MOST_IN_A_LINE, check_dataset
 from rotor_ida.plot.labels import SEPARATOR, parameter_text
 from rotor_ida.results.si_units import PREFIXES

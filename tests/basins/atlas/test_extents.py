@@ -9,7 +9,7 @@ import pytest
 from rotor_ida import Rotor, continue_cycle, folds, limit_cycle, synchronous_response
 from rotor_ida.basins.atlas.extents import extent_of_contact_free, extent_of_cycle, extent_of_whirl
 from rotor_ida.cycles.guess import guess_of
-from rotor_ida.model.parameters import PARAMETERS
+from rotor_ida.model.table import PARAMETERS
 from rotor_ida.schema import SPECIAL
 
 STOP = np.zeros(1, np.uint8)

@@ -1,0 +1,234 @@
+"""The one table of parameters: what each is, its symbols, its units, its default and its range.
+
+Checks, coordinates, options of the command line, labels and the tables of the documentation are
+made from it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from rotor_ida.checks import check_nonnegative, check_positive
+from rotor_ida.errors import InputError
+
+# The exponents of the contact force: Hertz's, and that of a linear spring.
+EXPONENTS = (1.5, 1.0)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Parameter:
+    """One parameter of a rotor, without dimensions, in SI units, or both.
+
+    Parameters
+    ----------
+    name : str
+        Its name as an argument, a coordinate and an option.
+    meaning : str
+        What the dimensionless number is; empty if the parameter exists in SI units alone.
+    symbol : str
+        The symbol of the dimensionless number, as TeX.
+    label : str
+        What an axis of a figure calls it.
+    plural : str
+        What several of them are called.
+    note : str
+        What an option says besides its meaning.
+    si_meaning : str
+        What the quantity in SI units is; empty if the parameter is dimensionless alone.
+    si_symbol : str
+        The symbol of the quantity in SI units, as TeX.
+    unit : str
+        The SI unit, as netCDF writes it.
+    needed : bool
+        Whether it must be given; the others have a default.
+    default : float or None
+        The value with which a rotor is the paper's.
+    positive : bool
+        Whether the quantity in SI units must be above zero.
+    smallest, largest : float
+        Least value but zero, and largest value, of a rotor that is simulated [1].
+    """
+
+    name: str
+    meaning: str = ""
+    symbol: str = ""
+    label: str = ""
+    plural: str = ""
+    note: str = ""
+    si_meaning: str = ""
+    si_symbol: str = ""
+    unit: str = "1"
+    needed: bool = False
+    default: float | None = 0.0
+    positive: bool = False
+    smallest: float = 1e-12
+    largest: float = 1e6
+
+    @property
+    def help(self) -> str:
+        """What the command line says of one number."""
+        return f"{_capital(self.meaning)}{self.note}."
+
+    @property
+    def axis_help(self) -> str:
+        """What the command line says of several numbers."""
+        return f"{_capital(self.plural)}: numbers, or START:STOP:COUNT."
+
+    @property
+    def shown_unit(self) -> str:
+        """The SI unit as a reader writes it.
+
+        Examples
+        --------
+        >>> OF_MACHINE["damping"].shown_unit, OF_MACHINE["shaft_stiffness"].shown_unit
+        ('N s/m', 'N/m')
+        """
+        return self.unit.replace(" m-1.5", "/m^1.5").replace(" m-1", "/m").replace("s-1", "/s")
+
+    @property
+    def si_help(self) -> str:
+        """What the command line says of the quantity in SI units."""
+        unit = "" if self.unit == "1" else f", in {self.shown_unit}"
+        return f"{_capital(self.si_meaning)}{self.note}{unit}."
+
+
+def _capital(words: str) -> str:
+    return words[:1].upper() + words[1:]
+
+
+TABLE = (
+    Parameter(
+        name="omega", symbol=r"\omega", needed=True, default=None, smallest=0.0,
+        meaning="spin speed over the reference frequency",
+        label="spin speed", plural="spin speeds",
+    ),
+    Parameter(
+        name="zeta", symbol=r"\zeta", needed=True, default=None, smallest=0.0,
+        meaning="damping ratio", label="damping ratio", plural="damping ratios",
+    ),
+    Parameter(
+        name="delta0", symbol=r"\delta_0", needed=True, default=None,
+        meaning="radial clearance over eccentricity", label="clearance", plural="clearances",
+    ),
+    Parameter(
+        name="mass", si_symbol="m", unit="kg", needed=True, default=None, positive=True,
+        si_meaning="mass of the disc",
+    ),
+    Parameter(
+        name="contact_stiffness", si_symbol="k", unit="N m-1.5", needed=True, default=None,
+        positive=True, si_meaning="stiffness of the contact",
+        note="; of a linear one in N/m",
+    ),
+    Parameter(
+        name="damping", si_symbol=r"2 m \zeta \omega_0", unit="N s m-1", needed=True, default=None,
+        si_meaning="viscous damping",
+    ),
+    Parameter(
+        name="eccentricity", si_symbol="D", unit="m", needed=True, default=None, positive=True,
+        si_meaning="distance of the mass centre from the disc centre",
+    ),
+    Parameter(
+        name="clearance", si_symbol=r"\Delta", unit="m", needed=True, default=None,
+        si_meaning="radial clearance",
+    ),
+    Parameter(
+        name="speed", si_symbol=r"\Omega", unit="rad s-1", needed=True, default=None,
+        si_meaning="spin speed",
+    ),
+    Parameter(
+        name="shaft_stiffness", symbol=r"\kappa",
+        meaning="stiffness of the shaft over mass times reference frequency squared",
+        label="stiffness of the shaft", plural="stiffnesses of the shaft",
+        si_meaning="stiffness of the shaft", si_symbol="k_s", unit="N m-1",
+    ),
+    Parameter(
+        name="contact_exponent", symbol="n", default=EXPONENTS[0],
+        meaning="exponent of the contact force", note=": 1.5 by Hertz, or 1",
+        label="exponent of the contact", plural="exponents of the contact force, 1.5 by Hertz or 1",
+        si_meaning="exponent of the contact force", si_symbol="n",
+    ),
+    Parameter(
+        name="contact_damping", symbol="c",
+        meaning="relative rise of the contact force at a speed of approach of 1",
+        label="contact damping", plural="contact dampings",
+        si_meaning="relative rise of the contact force over the speed of approach",
+        si_symbol=r"\lambda", unit="s m-1",
+    ),
+    Parameter(
+        name="load", symbol=r"\gamma",
+        meaning="static load, downwards, over the contact force at an indentation of 1",
+        label="load", plural="static loads, downwards",
+        si_meaning="static load, downwards", si_symbol="L", unit="N",
+    ),
+    Parameter(
+        name="friction", symbol=r"\mu",
+        meaning="coefficient of friction in the contact",
+        label="friction", plural="coefficients of friction",
+        si_meaning="coefficient of friction in the contact", si_symbol=r"\mu",
+    ),
+    Parameter(
+        name="disc_radius", symbol=r"\rho", default=None,
+        meaning="radius of the disc over eccentricity", note=", which friction needs",
+        label="radius of the disc", plural="radii of the disc, which friction needs",
+        si_meaning="radius of the disc", si_symbol="R", unit="m",
+    ),
+)  # fmt: skip
+
+# The parameters of `rotor_ida.Rotor` and of `rotor_ida.DimensionalRotor`, in order.
+OF_ROTOR = {each.name: each for each in TABLE if each.meaning}
+OF_MACHINE = {each.name: each for each in TABLE if each.si_meaning}
+ALL_PARAMETERS = tuple(OF_ROTOR)
+# What the paper's rotor has, without dimensions and in SI units.
+PARAMETERS = tuple(name for name, each in OF_ROTOR.items() if each.needed)
+MACHINE_PARAMETERS = tuple(name for name, each in OF_MACHINE.items() if each.needed)
+# What is optional, each with the value with which the rotor is the paper's.
+DEFAULTS: dict[str, float | None] = {
+    each.name: each.default for each in OF_ROTOR.values() if not each.needed
+}
+OPTIONAL = tuple(DEFAULTS)
+# Those of them that say something without friction too.
+FRICTIONLESS = {
+    name: value
+    for name, value in DEFAULTS.items()
+    if value is not None and name not in {"friction", "disc_radius"}
+}
+
+
+def check_parameter(parameter: Parameter, value: object) -> float | None:
+    """Return the value of a parameter as a float, or raise `InputError`."""
+    if value is None and parameter.default is None and not parameter.needed:
+        return None
+    checked = check_positive if parameter.positive else check_nonnegative
+    number = checked(parameter.name, value)
+    if parameter.name == "contact_exponent":
+        check_exponent(number)
+    return number
+
+
+def check_exponent(exponent: float) -> None:
+    """Raise `InputError` for an exponent of the contact force that is not known."""
+    if exponent not in EXPONENTS:
+        allowed = " or ".join(f"{each:g}" for each in EXPONENTS)
+        raise InputError(f"contact_exponent must be {allowed}, got {exponent!r}")
+
+
+def check_together(values: dict[str, float | None], clearance: float) -> None:
+    """Raise `InputError` for values that exclude each other, at the dimensionless clearance."""
+    friction = values["friction"]
+    if friction and values["disc_radius"] is None:
+        raise InputError(
+            f"disc_radius must be given with friction, got None with friction {friction!r}"
+        )
+    if clearance == 0.0:
+        check_clearance_needed(values)
+
+
+def check_clearance_needed(largest: dict[str, float | None]) -> None:
+    """Raise `InputError` for contact damping or friction where there is no clearance."""
+    for name in ("friction", "contact_damping"):
+        value = largest[name]
+        if value:
+            raise InputError(
+                f"{name} must be 0 without clearance, where the radius may vanish in contact, "
+                f"got {value!r} with delta0 0.0"
+            )
