@@ -6,8 +6,8 @@ import pytest
 from rotor_ida import InputError, SimulationError, sweep, synchronous_response
 from rotor_ida.parallel import FailedJob
 from rotor_ida.schema import RESPONSE, flags_of
-from rotor_ida.steady import jobs as jobs_module
-from rotor_ida.steady import ramps as ramps_module
+from rotor_ida.steady import grid as grid_module
+from rotor_ida.steady import sweep as sweep_module
 
 
 def test_from_rest_without_clearance_every_point_is_on_the_exact_curve():
@@ -86,14 +86,14 @@ def test_a_point_that_fails_is_labelled_and_stops_nothing(monkeypatch):
 
 
 def raising_at_two(monkeypatch, error):
-    true_follow = ramps_module.follow_to_steady_state
+    true_follow = sweep_module.follow_to_steady_state
 
     def slips_at_two(rotor, *rest, **options):
         if rotor.omega == 2.0:
             raise error
         return true_follow(rotor, *rest, **options)
 
-    monkeypatch.setattr(ramps_module, "follow_to_steady_state", slips_at_two)
+    monkeypatch.setattr(sweep_module, "follow_to_steady_state", slips_at_two)
 
 
 @pytest.mark.parametrize(
@@ -122,7 +122,7 @@ def test_a_chain_that_is_lost_with_its_worker_is_labelled(monkeypatch):
                 FailedJob("its worker died") if number == 1 else work(job, np.zeros(1, np.uint8)),
             )
 
-    monkeypatch.setattr(jobs_module, "run_all", loses_the_second)
+    monkeypatch.setattr(grid_module, "run_all", loses_the_second)
     found = sweep(omega=[1.0, 2.0], zeta=0.5, delta0=0.5, direction="both").squeeze()
     assert found.status.values.tolist() == [[0, 1], [0, 1]]
     assert found.message.values[:, 1].tolist() == ["its worker died"] * 2

@@ -10,12 +10,11 @@ from rotor_ida.cycles import continue_cycle
 from rotor_ida.results.studies import Piece, opened
 from rotor_ida.results.studies.arrays import packed
 from rotor_ida.results.studies.results import open_results
-from rotor_ida.steady import run_ups_dataset
-from rotor_ida.steady import sweep_dataset as dataset
+from rotor_ida.steady import run_ups, sweep
 
 FORMS = {
-    "points of a sweep": dataset.FORM,
-    "run-up": run_ups_dataset.FORM,
+    "points of a sweep": sweep.FORM,
+    "run-up": run_ups.FORM,
     "batch of starts": batches.FORM,
     "stretch of a branch": continue_cycle.FORM,
     "cell of an atlas": cells.FORM,
