@@ -226,7 +226,18 @@ class Curve(Generic[S]):
         try:
             return self.near(guess, _unit(guess.size, -1))
         except SimulationError:  # the curve turns back there
-            return self.near(guess, _unit(guess.size, -2))
+            return self.near(guess, self._across(guess))
+
+    def _across(self, guess: Values) -> Values:
+        """Return the normal of a plane across a curve whose last parameter turns back.
+
+        It points along the period or, where the parameters decide on that, along the curve.
+        """
+        if self.problem.autonomous:
+            return _unit(guess.size, -2)
+        stretch = self.problem.shoot(guess)
+        _, matrix = self.problem.equations(guess, stretch, stretch.start_rate)
+        return np.asarray(np.linalg.svd(matrix * self.scale)[2][-1])
 
     def near(self, guess: Values, plane: Values) -> Point[S]:
         """Return the point in the plane through `guess` with normal `plane`."""
