@@ -5,15 +5,16 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from scipy.special import gammaincinv
 
 from rotor_ida.arrays import Values
-from rotor_ida.basins.contact_free_whirls import ContactFree
+from rotor_ida.basins.fates import APERIODIC
 from rotor_ida.basins.following import FollowedStarts, Starts
-from rotor_ida.basins.kernel import CHAOTIC, LOWEST, QUASI_PERIODIC, ROLLING, Labels
-from rotor_ida.basins.known import followed_alone, may_roll
+from rotor_ida.basins.kernel import CHAOTIC, LOWEST, Labels
+from rotor_ida.basins.known import ContactFree, followed_alone, may_roll
 from rotor_ida.checks import State
 from rotor_ida.cycles.limit_cycle import follow
 from rotor_ida.cycles.shooting import Cycle
@@ -83,6 +84,30 @@ class Attractor:
     confirmed: bool = False
 
 
+@dataclass(frozen=True, slots=True)
+class Labelled:
+    """Starts as they were followed, and the attractors that their labels number.
+
+    If nothing was interrupted, starts were followed to the attractors by CVODE with `options`; what
+    is large can go to `folder`.
+    """
+
+    followed: FollowedStarts
+    attractors: list[Attractor]
+    options: Options
+    folder: Path | None
+
+    @property
+    def rotor(self) -> Rotor:
+        """The rotor."""
+        return self.followed.known.rotor
+
+    @property
+    def labels(self) -> Labels:
+        """Number of the attractor of each start, or a fate."""
+        return self.followed.labels
+
+
 def attractors_of(found: FollowedStarts) -> list[Attractor]:
     """Return the attractors of starts, and number the labels by them.
 
@@ -110,12 +135,10 @@ def attractors_of(found: FollowedStarts) -> list[Attractor]:
     for place in np.argsort([each.radius_max for each in found.cycles], kind="stable").tolist():
         if (number := known.first_cycle + place) in present:
             rows.append((number, attractor_of_cycle(found.cycles[place], found.held[place], stop)))
-    if ROLLING in present:
-        rows.append((ROLLING, _together(response.ROLLING, found.rolling)))
-    if QUASI_PERIODIC in present:
-        rows.append((QUASI_PERIODIC, _together(response.QUASI_PERIODIC, found.torus)))
-    if CHAOTIC in present:
-        rows.append((CHAOTIC, _chaos(found)))
+    for kind, label in APERIODIC.items():
+        if label in present:
+            row = _together(kind, found.aperiodic[label])
+            rows.append((label, _with_lifetime(row, found) if label == CHAOTIC else row))
     _renumber(found.labels, [label for label, _ in rows])
     return [row for _, row in rows]
 
@@ -216,14 +239,14 @@ def attractor_of_cycle(cycle: Cycle, held: bool, stop: Stop) -> Attractor:
     )  # fmt: skip
 
 
-def _chaos(found: FollowedStarts) -> Attractor:
-    """Return the chaotic motions together, with how long they last.
+def _with_lifetime(chaos: Attractor, found: FollowedStarts) -> Attractor:
+    """Return the chaotic motions with how long they last.
 
     Leaving is taken to be as likely at any time: of orbits watched for the time t together n left.
     """
     most = float(gammaincinv(found.left + 1.0, CERTAINTY))
     return replace(
-        _together(response.CHAOTIC, found.chaos),
+        chaos,
         lifetime=found.watched / found.left if found.left else math.inf,
         lifetime_low=found.watched / most,
     )

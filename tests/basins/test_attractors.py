@@ -21,9 +21,9 @@ def found_with(labels, cycles=(), chaos=(), left=0.0, watched=0.0):
     labels = np.array(labels, dtype=np.int16)
     known = known_from_closed_forms(BOUNCER, np.zeros(1, np.uint8))
     times = np.zeros(labels.size, np.float32)
-    rows = np.array(chaos).reshape(-1, 4)
+    motions = {CHAOTIC: np.array(chaos).reshape(-1, 4)}
     return FollowedStarts(
-        known, labels, times, list(cycles), [True] * len(cycles), rows, left, watched
+        known, labels, times, list(cycles), [True] * len(cycles), motions, left, watched
     )
 
 

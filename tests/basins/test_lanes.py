@@ -13,7 +13,7 @@ from scipy.integrate import DOP853, solve_ivp
 
 import rotor_ida
 from rotor_ida import Rotor, simulate
-from rotor_ida.basins import contact_free_whirls, kernel
+from rotor_ida.basins import kernel, known
 from rotor_ida.basins.kernel import LANES, NOT_COMPUTED, SECTION, UNDECIDED
 from rotor_ida.cycles.limit_cycle import follow
 from rotor_ida.model.equations import rotating_field
@@ -23,7 +23,6 @@ from rotor_ida.simulation.run import run
 CORE = Path(rotor_ida.__file__).parent / "core"
 SOURCE = (CORE / "lanes.c").read_text()
 ROTOR = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
-NOWHERE = np.array([0.0, 0.0, -1.0, -1.0])
 GO_ON = np.zeros(1, dtype=np.uint8)
 FIRST_STEP = 0.02
 
@@ -44,7 +43,7 @@ def followed(rotor, states, duration, tolerance):
     ends = states.copy()
     labels = np.full(states.shape[1], NOT_COMPUTED, dtype=np.int16)
     times = np.zeros(states.shape[1], dtype=np.float32)
-    nothing = np.empty((0, kernel.REGION)), NOWHERE, np.empty((0, SECTION))
+    nothing = np.empty(0, kernel.REGION), kernel.NO_CONTACT_FREE, np.empty(0, SECTION)
     kernel.follow(ends, labels, times, rotor, *nothing, duration, tolerance, GO_ON)
     assert (labels == UNDECIDED).all()
     return ends, times
@@ -74,11 +73,11 @@ def test_step_and_error_are_those_of_dop853():
 
 def test_python_and_c_agree_on_what_both_state():
     assert constant("LANES") == LANES
-    assert constant("REGION") == kernel.REGION
-    assert constant("SECTION") == SECTION
+    assert constant("REGION") == kernel.REGION.itemsize // 8
+    assert constant("SECTION") == SECTION.itemsize // 8
     assert constant("NO_ATTRACTOR") == UNDECIDED
     assert constant("NOT_FORWARDS") == kernel.NOT_FORWARDS
-    assert constant("MOST_DRIFT") == contact_free_whirls.MOST_DRIFT
+    assert constant("MOST_DRIFT") == known.MOST_DRIFT
     assert constant("FIRST_STEP") == FIRST_STEP
 
 

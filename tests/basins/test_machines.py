@@ -8,9 +8,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from rotor_ida import InputError, Rotor, basin, basin_fractions, simulate, sweep
-from rotor_ida.basins.contact_free_whirls import contact_free_whirls
 from rotor_ida.basins.kernel import (
+    CONTACT_FREE,
     LANES,
+    NO_CONTACT_FREE,
     NOT_COMPUTED,
     REGION,
     SECTION,
@@ -18,6 +19,7 @@ from rotor_ida.basins.kernel import (
     Labels,
     follow,
 )
+from rotor_ida.basins.known import contact_free_whirls
 from rotor_ida.basins.trapping_regions import trapping_regions
 from rotor_ida.closed_forms import eigenvalues
 from rotor_ida.model.equations import rotating_field
@@ -27,8 +29,7 @@ from rotor_ida.simulation.run import run
 from rotor_ida.steady.follow import follow_to_steady_state
 
 GO_ON = np.zeros(1, np.uint8)
-NOWHERE = np.array([0.0, 0.0, -1.0, -1.0])
-NO_REGIONS, NO_SECTIONS = np.empty((0, REGION)), np.empty((0, SECTION))
+NO_REGIONS, NO_SECTIONS = np.empty(0, REGION), np.empty(0, SECTION)
 MACHINES = [
     Rotor(omega=1.7, zeta=0.07, delta0=0.5, shaft_stiffness=0.25),
     Rotor(omega=1.7, zeta=0.07, delta0=0.5, contact_exponent=1.0),
@@ -45,7 +46,7 @@ MACHINES = [
 def ends_of(rotor: Rotor, states: np.ndarray, duration: float, tolerance: float) -> np.ndarray:
     """Return where the lanes take states in a time; nothing holds them."""
     ends, labels, times = states.copy(), *_unlabelled(states.shape[1])
-    nothing = NO_REGIONS, NOWHERE, NO_SECTIONS
+    nothing = NO_REGIONS, NO_CONTACT_FREE, NO_SECTIONS
     follow(ends, labels, times, rotor, *nothing, duration, tolerance, GO_ON)
     assert (labels == UNDECIDED).all()
     return ends
@@ -146,7 +147,7 @@ def test_what_a_shaft_holds_inside_never_touches_again(omega, zeta, kappa):
     velocity = 1j * omega * free.whirl + 0.5 * free.room * max(zeta, math.sqrt(kappa)) * moving
     states = np.stack([position.real, position.imag, velocity.real, velocity.imag])
     ends, labels, times = states.copy(), *_unlabelled(400)
-    follow(ends, labels, times, rotor, NO_REGIONS, free.numbers, NO_SECTIONS, 1e-9, 1e-6, GO_ON)
+    follow(ends, labels, times, rotor, NO_REGIONS, free.row, NO_SECTIONS, 1e-9, 1e-6, GO_ON)
     held = np.flatnonzero(labels == 0)
     assert held.size > 20
     for number in held[:40].tolist():
@@ -164,7 +165,7 @@ def test_the_rule_for_a_soft_shaft_goes_over_into_that_of_none():
         rotor = Rotor(omega=0.5, zeta=0.2, delta0=2.0, **beyond)
         free = contact_free_whirls(rotor, GO_ON, fading=False)
         ends, (labels, times) = states.copy(), _unlabelled(2000)
-        whirl = np.array([free.whirl.real, free.whirl.imag, free.room**2, -1.0])
+        whirl = np.array(((free.whirl.real, free.whirl.imag), free.room**2, -1.0), CONTACT_FREE)
         follow(ends, labels, times, rotor, NO_REGIONS, whirl, NO_SECTIONS, 1e-9, 1e-6, GO_ON)
         labels_of.append(labels)
     assert (labels_of[0] == 0).sum() > 100

@@ -81,5 +81,5 @@ def test_next_to_a_fold_there_is_a_small_set_or_none(zeta, beyond):
         for side in (-1.0, 1.0):
             rotor = Rotor(omega=float(fold) * (1.0 + side * beyond), zeta=zeta, delta0=0.3)
             for each in trapping_regions(rotor):
-                assert np.isfinite(each.numbers[4:]).all()
+                assert np.isfinite(each.row["factor"]).all()
                 assert each.exists or not each.holds(each.centre)

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from rotor_ida import InputError, Rotor, basin, basin_fractions, limit_cycle, sweep
-from rotor_ida.basins.fractions import drawn_from
+from rotor_ida.basins.basin import drawn_from
 from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.closed_forms.rest import rest
 from rotor_ida.schema import RESPONSE

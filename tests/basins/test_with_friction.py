@@ -11,9 +11,9 @@ from scipy.integrate import solve_ivp
 from rotor_ida import InputError, Rotor, basin, basin_fractions, limit_cycle, simulate, sweep
 from rotor_ida.basins import kernel
 from rotor_ida.basins.attractors import Attractor, leads_to
+from rotor_ida.basins.basin import drawn_from
 from rotor_ida.basins.cycle_sections import cycle_section
 from rotor_ida.basins.fates import Batch, decide
-from rotor_ida.basins.fractions import drawn_from
 from rotor_ida.basins.known import known_from_closed_forms
 from rotor_ida.basins.trapping_regions import trapping_regions
 from rotor_ida.cycles.limit_cycle import cycle_from
@@ -180,10 +180,10 @@ def test_a_step_of_the_lanes_is_one_of_the_model_that_slides_forwards(rotor):
     states[:2] *= np.geomspace(0.3, 1.5, kernel.LANES)
     ends = states.copy()
     labels, times = np.full(kernel.LANES, kernel.NOT_COMPUTED, np.int16), np.zeros(64, np.float32)
-    nothing = np.empty((0, kernel.REGION)), np.array([0.0, 0.0, -1.0, -1.0])
+    nothing = np.empty(0, kernel.REGION), kernel.NO_CONTACT_FREE
     step, compared = 0.02, 0
     kernel.follow(
-        ends, labels, times, rotor, *nothing, np.empty((0, kernel.SECTION)), step, 1e3, GO_ON
+        ends, labels, times, rotor, *nothing, np.empty(0, kernel.SECTION), step, 1e3, GO_ON
     )
     for number, start in enumerate(states.T):
         exact = solve_ivp(
@@ -291,7 +291,7 @@ def test_what_rolls_on_its_way_is_not_said_to_come_back():
     """States that come to roll are told by CVODE; without friction they would come back."""
     rotor = MACHINES["that bounces"]
     cycle = cycle_from(rotor, np.array([3.0, 1.0, 0.0, 0.0]))
-    numbers = cycle_section(cycle, GO_ON).numbers
+    numbers = cycle_section(cycle, GO_ON).row
     speeds = np.append(np.linspace(-30.0, -21.0, 12), np.linspace(-3.0, 3.0, 12))
     states = np.stack([np.full(24, 3.0), np.zeros(24), np.zeros(24), speeds])
     values = np.empty(24)

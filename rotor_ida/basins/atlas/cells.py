@@ -19,8 +19,8 @@ from rotor_ida.basins.attractors import (
     attractors_of,
     family_of,
 )
-from rotor_ida.basins.entropy import sample_entropy
-from rotor_ida.basins.fates import LASTING
+from rotor_ida.basins.dataset import sample_entropy
+from rotor_ida.basins.fates import APERIODIC
 from rotor_ida.basins.following import FollowedStarts, follow_here
 from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED
 from rotor_ida.basins.known import known_from_closed_forms, same_cycle, with_cycle
@@ -134,8 +134,8 @@ def _search_among(
             label = known.first_cycle + same.index(True)
         elif attractor.kind in CONTACT_FREE_FAMILY:
             label = known.free_label
-        elif attractor.kind in LASTING:
-            label = LASTING[attractor.kind]
+        elif attractor.kind in APERIODIC:
+            label = APERIODIC[attractor.kind]
         subjects.append(Subject(attractor, label, own_cycle, start))
     return Search(known, subjects, job.shocks, job.tolerance, stop)
 

@@ -17,9 +17,8 @@ from rotor_ida.arrays import Values
 from rotor_ida.basins.atlas.cells import FORM, MOST_STARTS, Cell, CellJob, fill_cell
 from rotor_ida.basins.atlas.dataset import atlas_dataset, how_computed
 from rotor_ida.basins.atlas.identities import identify
+from rotor_ida.basins.basin import LOOSEST, TIGHTEST, box_of, check_rotor, drawn_from, range_of
 from rotor_ida.basins.following import RTOL
-from rotor_ida.basins.fractions import box_of, drawn_from, range_of
-from rotor_ida.basins.labelling import LOOSEST, TIGHTEST, check_rotor
 from rotor_ida.checks import (
     COMPONENTS,
     MOST_SHOCKS,

@@ -35,10 +35,9 @@ from rotor_ida.basins.atlas.shocks import (
     try_shocks,
 )
 from rotor_ida.basins.attractors import CONTACT_FREE_FAMILY, Attractor, leads_to
-from rotor_ida.basins.contact_free_whirls import ContactFree
 from rotor_ida.basins.cycle_sections import CycleSection
 from rotor_ida.basins.kernel import CHAOTIC, UNDECIDED
-from rotor_ida.basins.known import Known, may_roll
+from rotor_ida.basins.known import ContactFree, Known, may_roll
 from rotor_ida.cycles.limit_cycle import follow
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.errors import SimulationError

@@ -18,10 +18,9 @@ from rotor_ida.basins.atlas.rubbing import (
     numbers_of_whirl,
 )
 from rotor_ida.basins.atlas.shocks import KINDS
+from rotor_ida.basins.basin import LOOSEST, TIGHTEST, box_of, check_rotor, drawn_from
 from rotor_ida.basins.dataset import ENTROPIES, agreement_of
 from rotor_ida.basins.following import RTOL
-from rotor_ida.basins.fractions import box_of, drawn_from
-from rotor_ida.basins.labelling import LOOSEST, TIGHTEST, check_rotor
 from rotor_ida.checks import (
     COMPONENTS,
     MOST_SHOCKS,

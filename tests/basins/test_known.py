@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from rotor_ida import Rotor
-from rotor_ida.basins.contact_free_whirls import MOST_DRIFT, contact_free_whirls
+from rotor_ida.basins.known import MOST_DRIFT, contact_free_whirls
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady.follow import follow_to_steady_state
 
@@ -42,4 +42,4 @@ def test_there_is_none_where_nothing_turns_or_fits_or_a_drift_takes_too_long():
         rotor = Rotor(omega=omega, zeta=zeta, delta0=2.0)
         found = contact_free_whirls(rotor, GO_ON, fading=True)
         assert found.excess == 0.0
-        assert found.numbers[2] > 0.0 > found.numbers[3]
+        assert found.row["room"] > 0.0 > found.row["fading"]
