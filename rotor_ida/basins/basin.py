@@ -144,11 +144,11 @@ def basin(
         return states
 
     design = {"kind": "basin", **{name: values.tolist() for name, values in axes.items()}, **fixed}
-    found = label(
+    result = label(
         rotor, starts, rows.size * columns.size, design,
         rtol=rtol, workers=workers, executor=executor, study=study, progress=progress,
     )  # fmt: skip
-    return basin_dataset(axes, fixed, found)
+    return basin_dataset(axes, fixed, result)
 
 
 def basin_fractions(
@@ -226,13 +226,13 @@ def basin_fractions(
 
     ranges = {name: limits.tolist() for name, limits in zip(COMPONENTS, box, strict=True)}
     design = {"kind": "basin_fractions", "starts": count, "seed": chosen, **ranges}
-    found = label(
+    result = label(
         rotor, drawn, count, design,
         rtol=rtol, workers=workers, executor=executor, study=study, progress=progress, drawn=True,
     )  # fmt: skip
     attributes = {"starts": count, "seed": chosen}
     attributes |= {f"range_{name}": limits for name, limits in zip(COMPONENTS, box, strict=True)}
-    return fractions_dataset(drawn, found, attributes)
+    return fractions_dataset(drawn, result, attributes)
 
 
 def label(
@@ -263,19 +263,19 @@ def label(
     options = Options()
     with open_results(study, {**design, **_design(rotor, tolerance, options)}, count, FORM) as kept:
         known = interruptible(lambda stop: known_from_closed_forms(rotor, stop))
-        found = follow_starts(
+        result = follow_starts(
             known, starts, count, kept,
             tolerance=tolerance, workers=several, executor=place, progress=progress, drawn=drawn,
         )  # fmt: skip
-        attractors = attractors_of(found)
-        if not found.interrupted:
+        attractors = attractors_of(result)
+        if not result.interrupted:
             try:
-                attractors = confirmed(found, attractors, starts, options)
+                attractors = confirmed(result, attractors, starts, options)
             except KeyboardInterrupt:  # labels without confirmation are better than none
                 if study is not None:
                     raise
-                found.interrupted = True
-        return Labelled(found, attractors, options, kept.folder)
+                result.interrupted = True
+        return Labelled(result, attractors, options, kept.folder)
 
 
 def _design(rotor: Rotor, rtol: float | None, options: Options) -> dict[str, object]:

@@ -51,37 +51,37 @@ MOST_IN_ENTROPY = 1_000_000
 
 
 def basin_dataset(
-    axes: Mapping[str, Values], fixed: Mapping[str, float], found: Labelled
+    axes: Mapping[str, Values], fixed: Mapping[str, float], result: Labelled
 ) -> xr.Dataset:
     """Return a grid of starts, row by row, over the two components that vary, with their ends."""
-    attractors, shape = found.attractors, tuple(values.size for values in axes.values())
-    labels, times = found.labels.reshape(shape), found.followed.times.reshape(shape)
+    attractors, shape = result.attractors, tuple(values.size for values in axes.values())
+    labels, times = result.labels.reshape(shape), result.followed.times.reshape(shape)
     dims = tuple(axes)
     variables = {
         "label": _labels(labels, dims, len(attractors)),
-        "response": _responses(labels, dims, attractors, found.folder),
+        "response": _responses(labels, dims, attractors, result.folder),
         "settling_time": labelled("settling_time", dims, times),
         **_attractor_table(labels, attractors),
         **_entropies(grid_entropy(labels, family_of(attractors))),
-        **_agreement(found),
+        **_agreement(result),
     }
-    coordinates = parameter_coordinates(found.rotor)
+    coordinates = parameter_coordinates(result.rotor)
     coordinates |= {name: (name, values) for name, values in axes.items()}
     coordinates |= {name: ((), value) for name, value in fixed.items()}
     coordinates["attractor"] = ("attractor", np.arange(len(attractors)))
     title = "Rotor in a clearance: what each start ends on"
-    return labelled_dataset(title, variables, coordinates, _attributes(found))
+    return labelled_dataset(title, variables, coordinates, _attributes(result))
 
 
-def fractions_dataset(starts: Starts, found: Labelled, drawn: Mapping[str, object]) -> xr.Dataset:
+def fractions_dataset(starts: Starts, result: Labelled, drawn: Mapping[str, object]) -> xr.Dataset:
     """Return which parts of the starts, drawn as told, end on which attractor and response."""
-    labels, attractors = found.labels, found.attractors
+    labels, attractors = result.labels, result.attractors
     missing, undecided, *ends = _counts(labels, len(attractors)).tolist()
     # no attractor is of these kinds, the last of them without a load or friction
     never = {"failed", "not_found"}
-    if found.rotor.friction == 0.0:
+    if result.rotor.friction == 0.0:
         never.add("rolling")
-        if found.rotor.load == 0.0:
+        if result.rotor.load == 0.0:
             never.add("quasi_periodic")
     of_kind = {number: 0 for word, number in RESPONSE.items() if word not in never}
     of_kind[RESPONSE["unresolved"]] = undecided
@@ -94,21 +94,21 @@ def fractions_dataset(starts: Starts, found: Labelled, drawn: Mapping[str, objec
     variables: dict[str, Column | xr.Variable] = {
         **_attractor_table(labels, attractors),
         **_entropies(sample_entropy(starts(0, first), labels[:first], family_of(attractors))),
-        **_agreement(found),
+        **_agreement(result),
         "response_count": ("response", counts),
         "response_fraction": ("response", fraction),
         "response_fraction_error": ("response", error),
     }
-    coordinates = parameter_coordinates(found.rotor)
+    coordinates = parameter_coordinates(result.rotor)
     coordinates["attractor"] = ("attractor", np.arange(len(attractors)))
     coordinates["response"] = ("response", np.array(kinds, dtype=np.int8))
     title = "Rotor in a clearance: fractions of starts"
-    return labelled_dataset(title, variables, coordinates, _attributes(found, drawn))
+    return labelled_dataset(title, variables, coordinates, _attributes(result, drawn))
 
 
-def _agreement(found: Labelled) -> dict[str, xr.Variable]:
-    told = agreement_of(found.followed.rechecked)
-    return {name: labelled(name, (), value) for name, value in told.items()}
+def _agreement(result: Labelled) -> dict[str, xr.Variable]:
+    attributes = agreement_of(result.followed.rechecked)
+    return {name: labelled(name, (), value) for name, value in attributes.items()}
 
 
 def _entropies(values: tuple[float, float]) -> dict[str, xr.Variable]:
@@ -145,20 +145,20 @@ def agreement_of(rechecked: npt.NDArray[np.int64]) -> dict[str, float]:
     return {"agreement": alike / count if count else math.nan, "agreement_count": count}
 
 
-def _attributes(found: Labelled, drawn: Mapping[str, object] | None = None) -> dict[str, object]:
-    followed = found.followed
-    how = labelled_how(followed.tolerance, found.rotor)
+def _attributes(result: Labelled, drawn: Mapping[str, object] | None = None) -> dict[str, object]:
+    followed = result.followed
+    how = labelled_how(followed.tolerance, result.rotor)
     if not followed.interrupted:
-        how |= followed_by("confirmation", found.options)
-    told = {
+        how |= followed_by("confirmation", result.options)
+    attributes = {
         **provenance(how),
-        **found.rotor.given,
+        **result.rotor.given,
         **(drawn or {}),
         "interrupted": int(followed.interrupted),
     }
     if followed.not_computed_reason:
-        told["not_computed_reason"] = followed.not_computed_reason
-    return told
+        attributes["not_computed_reason"] = followed.not_computed_reason
+    return attributes
 
 
 def _labels(labels: Labels, dims: tuple[str, ...], count: int) -> xr.Variable:

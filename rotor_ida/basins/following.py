@@ -69,7 +69,7 @@ class FollowedStarts:
     times: Times  # when each was decided, or given up [1]; NaN where not computed
     # those that starts end on, in the order in which batches met them
     cycles: list[Cycle] = field(default_factory=list)
-    held: list[bool] = field(default_factory=list)  # whether a section of each holds starts
+    has_section: list[bool] = field(default_factory=list)  # whether a section of each holds starts
     # amplitude, phase lag and extreme radii of motions without a period, by label, shape (k, 4) [1]
     aperiodic: dict[int, Values] = field(default_factory=dict)
     left: float = 0.0  # number of orbits that left a chaotic motion while this was watched,
@@ -134,8 +134,8 @@ def follow_starts(
             for each, first, last in edges
         )
         if due:  # else no cluster need be started
-            with closing(run_all(_follow, jobs, workers=workers, executor=executor)) as followed:
-                for turn, batch in followed:
+            with closing(run_all(_follow, jobs, workers=workers, executor=executor)) as batches:
+                for turn, batch in batches:
                     if isinstance(batch, FailedJob):
                         reason = batch.reason
                     else:
@@ -146,9 +146,9 @@ def follow_starts(
         if kept.folder is not None:  # a study goes on another time, from what it has kept
             raise
         interrupted = True
-    found = _gathered(known, count, kept)
-    found.interrupted, found.not_computed_reason = interrupted, reason
-    return found
+    followed = _gathered(known, count, kept)
+    followed.interrupted, followed.not_computed_reason = interrupted, reason
+    return followed
 
 
 def follow_here(known: Known, states: Values, tolerance: float, stop: Stop) -> FollowedStarts:
@@ -234,42 +234,42 @@ def _motion_row(motion: SettledResponse) -> Values:
 
 def _gathered(known: Known, count: int, kept: Results[BatchResult]) -> FollowedStarts:
     """Return the results of all starts, gathered from the batches."""
-    found = FollowedStarts(
+    followed = FollowedStarts(
         known,
         np.asarray(scratch((count,), np.int16, kept.folder)),
         np.asarray(scratch((count,), np.float32, kept.folder)),
     )
-    found.labels[:], found.times[:] = NOT_COMPUTED, np.nan
+    followed.labels[:], followed.times[:] = NOT_COMPUTED, np.nan
     numbers: dict[tuple[float, ...], int] = {}
     for _, batch in kept.results():
         stretch = slice(batch.first, batch.first + batch.labels.size)
-        found.labels[stretch] = _renumbered(batch, found, numbers)
-        found.times[stretch] = batch.times
+        followed.labels[stretch] = _renumbered(batch, followed, numbers)
+        followed.times[stretch] = batch.times
         for label, motion in batch.aperiodic.items():
-            before = found.aperiodic.get(label, NO_MOTION)
-            found.aperiodic[label] = np.concatenate([before, motion])
-        found.left += float(batch.watched[0])
-        found.watched += float(batch.watched[1])
-        found.tolerance = float(batch.tolerance)
-        found.rechecked = found.rechecked + batch.rechecked
-    return found
+            before = followed.aperiodic.get(label, NO_MOTION)
+            followed.aperiodic[label] = np.concatenate([before, motion])
+        followed.left += float(batch.watched[0])
+        followed.watched += float(batch.watched[1])
+        followed.tolerance = float(batch.tolerance)
+        followed.rechecked = followed.rechecked + batch.rechecked
+    return followed
 
 
 def _renumbered(
-    batch: BatchResult, found: FollowedStarts, numbers: dict[tuple[float, ...], int]
+    batch: BatchResult, followed: FollowedStarts, numbers: dict[tuple[float, ...], int]
 ) -> Labels:
     """Return the labels of a batch with its limit cycles numbered as those of all batches."""
-    first, stop = found.known.first_cycle, np.zeros(1, np.uint8)
+    first, stop = followed.known.first_cycle, np.zeros(1, np.uint8)
     labels = batch.labels.copy()
     for number, row in enumerate(batch.cycles):
         key = tuple(row.tolist())
         if key not in numbers:
-            cycle = close_orbit(found.known.rotor, row[:4], float(row[4]), stop)
-            same = [place for place, each in enumerate(found.cycles) if same_cycle(each, cycle)]
-            numbers[key] = same[0] if same else len(found.cycles)
+            cycle = close_orbit(followed.known.rotor, row[:4], float(row[4]), stop)
+            same = [place for place, each in enumerate(followed.cycles) if same_cycle(each, cycle)]
+            numbers[key] = same[0] if same else len(followed.cycles)
             if not same:
-                found.cycles.append(cycle)
-                found.held.append(bool(row[5]))
+                followed.cycles.append(cycle)
+                followed.has_section.append(bool(row[5]))
         labels[batch.labels == first + number] = first + numbers[key]
     return labels
 

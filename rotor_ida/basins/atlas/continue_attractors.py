@@ -172,9 +172,9 @@ def continue_attractors(
         for number, cell in kept.results():
             cells[number] = cell
     interruptible(lambda stop: identify(cells, _lines(grid), stop))
-    told = {f"range_{each}" if each in COMPONENTS else each: drawn[each] for each in drawn}
+    description = {f"range_{each}" if each in COMPONENTS else each: drawn[each] for each in drawn}
     rubs_most = max(rotors, key=attrgetter("friction"))
-    attributes = {**how_computed(tolerance, tried, rubs_most), **told}
+    attributes = {**how_computed(tolerance, tried, rubs_most), **description}
     if reason:
         attributes["not_computed_reason"] = reason
     return atlas_dataset(grid, cells, states.shape[1], attributes)
@@ -224,9 +224,9 @@ def _states(
         count = check_count("starts", starts, maximum=MOST_STARTS)
         chosen = check_seed(seed)
         box = box_of(ranges, count)
-        told: dict[str, object] = {"starts": count, "seed": chosen}
-        told |= {name: limits.tolist() for name, limits in zip(COMPONENTS, box, strict=True)}
-        return drawn_from(box, chosen, 0, count), told
+        description: dict[str, object] = {"starts": count, "seed": chosen}
+        description |= {name: limits.tolist() for name, limits in zip(COMPONENTS, box, strict=True)}
+        return drawn_from(box, chosen, 0, count), description
     given = check_array("starts", starts, largest=LARGEST)
     if given.ndim != 2 or given.shape[1] != len(COMPONENTS) or not 1 <= len(given) <= MOST_STARTS:
         raise InputError(

@@ -99,8 +99,8 @@ def _successor(member: Member, rotor: Rotor, there: Cell, stop: Stop) -> Member 
     for each in known:
         if same_numbers(each.attractor.period, each.attractor.radius_max, cycle):
             return each
-    held = cycle_section(cycle, stop).exists
-    added = Member(attractor_of_cycle(cycle, held, stop), 0, NEVER, cycle.state)
+    has_section = cycle_section(cycle, stop).exists
+    added = Member(attractor_of_cycle(cycle, has_section, stop), 0, NEVER, cycle.state)
     there.members.append(added)
     return added
 
