@@ -115,7 +115,9 @@ def advance(branch: Continuation, side: Side) -> None:
         return
     point = step.point
     # two real multipliers of product 1 make no torus
-    met = [each for each in step.met if each.name != TORUS or on_unit_circle(each.point.stretch)]
+    specials = [
+        each for each in step.specials if each.name != TORUS or on_unit_circle(each.point.stretch)
+    ]
     if (passed := _passed(branch, point)) is not None:
         side.end = LIMITS
         if last.unknowns[passed[0]] == passed[1]:
@@ -125,18 +127,20 @@ def advance(branch: Continuation, side: Side) -> None:
         except SimulationError as error:  # the last point is the one before
             side.end, side.reason = STUCK, error.reason
             return
-        met = [each for each in met if _passed(branch, each.point) is None]
+        specials = [each for each in specials if _passed(branch, each.point) is None]
     elif len(side.points) > FEWEST_POINTS_ROUND and _comes_back(branch, last, point):
         point, side.end = branch.first, CLOSED
         # behind its first point the branch goes on as it began
-        met = [each for each in met if not any(_same(each, known) for _, known in side.specials)]
+        specials = [
+            each for each in specials if not any(_same(each, known) for _, known in side.specials)
+        ]
     if halved is not None:
-        met, point, side.end = [*met, Special(DOUBLING, halved)], halved, HALVED
+        specials, point, side.end = [*specials, Special(DOUBLING, halved)], halved, HALVED
     elif (born := _birth(branch, last, step.point)) is not None:
         # what follows on the step is what came before, half a period later
-        met = [each for each in met if not turns_round(last, each.point)]
-        met, point, side.end = [*met, Special(HOPF, born)], born, BORN
-    side.specials += [SpecialBehind(len(side.points) - 1, each) for each in met]
+        specials = [each for each in specials if not turns_round(last, each.point)]
+        specials, point, side.end = [*specials, Special(HOPF, born)], born, BORN
+    side.specials += [SpecialBehind(len(side.points) - 1, each) for each in specials]
     side.points.append(point)
     side.length = step.length
     if side.end:
@@ -220,7 +224,7 @@ def _halved(branch: Continuation, last: Point[Shot], step: Step[Shot]) -> Point[
     point = step.point
     twice = _is_twice_round(point.stretch)
     turns = last.tangent[PLACE] * point.tangent[PLACE] < 0.0
-    if not twice and (not turns or any(each.name == FOLD for each in step.met)):
+    if not twice and (not turns or any(each.name == FOLD for each in step.specials)):
         return None
     near = point if twice or abs(point.tangent[PLACE]) < abs(last.tangent[PLACE]) else last
     return _cycle_of_half(branch, near)

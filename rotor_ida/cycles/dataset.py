@@ -30,7 +30,7 @@ from rotor_ida.schema import (
 
 def cycle_columns(cycles: Sequence[Cycle], dim: str, prefix: str = "") -> dict[str, xr.Variable]:
     """Return the numbers of cycles, one after the other on a dimension; names get the prefix."""
-    found = np.array([multipliers_of(cycle.shot) for cycle in cycles]).reshape(len(cycles), 4)
+    multipliers = np.array([multipliers_of(cycle.shot) for cycle in cycles]).reshape(len(cycles), 4)
     defects = np.array([defects_of(cycle.shot) for cycle in cycles]).reshape(len(cycles), 2)
     stable = [STABILITY["stable" if is_stable(cycle.shot) else "unstable"] for cycle in cycles]
     columns: dict[str, Column] = {
@@ -42,8 +42,8 @@ def cycle_columns(cycles: Sequence[Cycle], dim: str, prefix: str = "") -> dict[s
         "contact_count": (dim, np.array([cycle.contacts for cycle in cycles], dtype=np.int64)),
         "largest_force": (dim, _of(cycles, "largest_force")),
         "impulse_per_period": (dim, _of(cycles, "impulse")),
-        "multiplier_real": ((dim, "multiplier"), found.real),
-        "multiplier_imag": ((dim, "multiplier"), found.imag),
+        "multiplier_real": ((dim, "multiplier"), multipliers.real),
+        "multiplier_imag": ((dim, "multiplier"), multipliers.imag),
         "trace": (dim, np.array([float(cycle.shot.monodromy.trace()) for cycle in cycles])),
         "residual": (dim, _of(cycles, "residual")),
         "trivial_defect": (dim, defects[:, 0]),

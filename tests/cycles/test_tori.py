@@ -9,7 +9,7 @@ import pytest
 
 from rotor_ida import Rotor, bifurcation_curve, continue_cycle, limit_cycle
 from rotor_ida.cycles.branch_course import stable_ranges
-from rotor_ida.cycles.limit_cycle import follow
+from rotor_ida.cycles.limit_cycle import sampled_orbit
 from rotor_ida.cycles.multipliers import doubling_test, fold_test, torus_test
 from rotor_ida.errors import InputError
 from rotor_ida.schema import RESPONSE, SPECIAL
@@ -57,7 +57,7 @@ def test_before_it_motions_decay_and_behind_it_they_settle_on_a_torus(branch, to
         rings = []
         for kick in (1e-2, 1.5):
             start = centre + np.array([kick, 0.0, 0.0, 0.0])
-            seen = follow(rotor, start, 2.0 * math.pi / rotor.omega, 2500, GO_ON)
+            seen = sampled_orbit(rotor, start, 2.0 * math.pi / rotor.omega, 2500, GO_ON)
             rings.append(seen[-1000:] - centre)
         if settles:
             assert max(np.abs(ring).max() for ring in rings) < 1e-8
