@@ -8,6 +8,8 @@
 
 #include <stdint.h>
 
+#include "model.h"
+
 /* What the library shows to others; all else is hidden. */
 #define CORE_API __attribute__((visibility("default")))
 
@@ -38,14 +40,6 @@ struct rotor {
 struct piece {
     double end, rate, torque, slope, inverse_inertia, speed;
 };
-
-/* A library knows one model: the paper's rotor, the whole, or the whole with a speed that changes.
- */
-#ifdef WHOLE_MODEL
-enum { WHOLE = 1 };
-#else
-enum { WHOLE = 0 };
-#endif
 
 /* Who compiled this library, with which flags, for which processors, from which sources, for
  * which version of the package. */

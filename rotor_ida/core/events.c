@@ -7,7 +7,7 @@
 struct motion_of_centre motion_at(const double *state, double time, const struct rotor *rotor)
 {
     struct motion_of_centre centre = {.z = {state[0], state[1]}, .w = {state[2], state[3]}};
-    if (WHOLE) { /* -i exp(-i omega t) */
+    if (IS_GENERAL) { /* -i exp(-i omega t) */
         const double angle = rotor->omega * time;
         centre.down = (struct vector){-sin(angle), -cos(angle)};
     }
@@ -120,7 +120,7 @@ static int follow_contact(struct run *run, struct motion *motion, double entry)
 #endif
     if (left <= 0.0) {
         add_contact(run, entry, NAN, began, 0.0, NAN, cross(here.z, here.w), 0.0, 0.0, 0.0);
-        if (!WHOLE)
+        if (!IS_GENERAL)
             return DONE;
     }
     double start[MOST_VALUES] = {0.0}, atol[MOST_VALUES] = {0.0}, reached[MOST_VALUES];
@@ -160,7 +160,7 @@ static int follow_contact(struct run *run, struct motion *motion, double entry)
         return status;
     if (leaves) {
         run->where = IN_FLIGHT;
-        if (WHOLE)
+        if (IS_GENERAL)
             take_back(run);
         if (run->event_room > 0)
             record_event(run, EXIT);

@@ -31,7 +31,6 @@ void begin_pressed(struct motion *motion, const double *start);
 double lost_of(const struct motion *motion, const double *start, const double *values);
 /* The heat of sliding in a contact. */
 double heat_of(const struct motion *motion, const double *values);
-#ifdef WHOLE_MODEL
 /* A change of the way in which a contact goes on: where in the last step, and what says so. */
 struct change {
     double point;
@@ -57,15 +56,12 @@ enum way way_of(const struct motion *motion);
 void record_way(struct run *run, const struct motion *motion);
 void record_change(struct run *run, const struct motion *motion, int kind, int began,
                    const double *values);
-#endif
 int integrate_contact(struct run *run, struct motion *motion, const double *start,
                       const double *atol, double *reached, struct peak *peak, int *left);
 int follow_freely(struct run *run, struct motion *motion, struct peak *peak, int *touched);
 
-#ifdef RUN_UP
 /* Let the speed change as the present piece has it. */
 void begin_piece(struct run *run);
-#endif
 
 /* A state on the rotating axes of a time. */
 struct motion_of_centre motion_at(const double *state, double time, const struct rotor *rotor);

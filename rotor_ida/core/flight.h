@@ -43,10 +43,8 @@ static inline double length(struct vector a) { return sqrt(a.x * a.x + a.y * a.y
 /* Displacement and velocity, read on the rotating axes of the moment. */
 struct motion_of_centre {
     struct vector z, w;
-    struct vector down; /* where the load points; looked at in the whole model alone */
-#ifdef RUN_UP
+    struct vector down;  /* where a load points */
     double speed, angle; /* of the rotor; the angle since the phase began */
-#endif
 };
 
 /* The larger and the smaller of two numbers, the second where one is NaN. */

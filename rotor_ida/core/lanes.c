@@ -173,8 +173,8 @@ struct slide {
 
 static struct law law_of(struct rotor rotor)
 {
-    return (struct law){rotor.delta0 == 0.0, WHOLE && rotor.contact_exponent == 1.0,
-                        WHOLE && rotor.friction > 0.0};
+    return (struct law){rotor.delta0 == 0.0, IS_GENERAL && rotor.contact_exponent == 1.0,
+                        IS_GENERAL && rotor.friction > 0.0};
 }
 
 /* s(r) = f(r)/r from r**2. */
@@ -352,13 +352,13 @@ inlined void step_all(struct lanes *lanes, struct rotor rotor, struct law law, d
 static void step_lanes(struct lanes *lanes, struct rotor rotor, double tolerance)
 {
     const struct law law = law_of(rotor);
-    const double kink = law.linear || (WHOLE && rotor.contact_damping > 0.0) ? SHARPER_KINK : KINK;
+    const double kink = law.linear || (IS_GENERAL && rotor.contact_damping > 0.0) ? SHARPER_KINK : KINK;
     const double over = tolerance < SEEN ? SHORTEST * pow(tolerance, 1.0 / kink) : INFINITY;
     /* each a loop of its own */
-    if (WHOLE && law.rubs && law.linear)
-        step_all(lanes, rotor, (struct law){false, true, WHOLE}, tolerance, over);
-    else if (WHOLE && law.rubs)
-        step_all(lanes, rotor, (struct law){false, false, WHOLE}, tolerance, over);
+    if (IS_GENERAL && law.rubs && law.linear)
+        step_all(lanes, rotor, (struct law){false, true, IS_GENERAL}, tolerance, over);
+    else if (IS_GENERAL && law.rubs)
+        step_all(lanes, rotor, (struct law){false, false, IS_GENERAL}, tolerance, over);
     else if (law.always && law.linear)
         step_all(lanes, rotor, (struct law){true, true, false}, tolerance, over);
     else if (law.always)
@@ -628,7 +628,7 @@ int core_follow_lanes(const struct rotor *rotor, double *states, int16_t *labels
         memset(lanes.inside, 0, sizeof lanes.inside);
         for (int64_t j = 0; j < region_count; j++)
             find_trapped(&lanes, regions + REGION * j, (double)(j + 1));
-        if (free_whirl[2] >= 0.0 && WHOLE && rotor->shaft_stiffness > 0.0)
+        if (free_whirl[2] >= 0.0 && IS_GENERAL && rotor->shaft_stiffness > 0.0)
             find_held_by_shaft(&lanes, *rotor, free_whirl, first_code);
         else if (free_whirl[2] >= 0.0)
             find_contact_free(&lanes, *rotor, free_whirl, first_code);

@@ -33,11 +33,9 @@ int observe_step(struct run *run, const struct step *step);
 /* Carry differences over a contact that has been followed as one. */
 void observe_phase(struct run *run, struct motion *motion, const double *start,
                    const double *reached);
-#ifdef WHOLE_MODEL
 /* What a jump of the tangential force makes of differences, where surfaces that slid in a sense, or
  * did not (0), begin to roll or to slide the other way. */
 void observe_jump(struct run *run, const struct motion *motion, double sense, const double *values);
-#endif
 
 void record_event(struct run *run, enum event kind);
 /* The same inside a phase, at a time since its beginning. */

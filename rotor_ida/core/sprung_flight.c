@@ -197,8 +197,9 @@ struct motion_of_centre fly(struct motion_of_centre start, double tau, const str
 {
     const struct place there = place_after(&start, rotor, tau);
     const struct vector back = mirrored(there.turn);
-    return (struct motion_of_centre){product(there.z, back), product(there.v, back),
-                                     product(start.down, back)};
+    return (struct motion_of_centre){.z = product(there.z, back),
+                                     .w = product(there.v, back),
+                                     .down = product(start.down, back)};
 }
 
 void fly_differences(double *rows, int count, double tau, const struct rotor *rotor)

@@ -36,7 +36,7 @@ static double radial_acceleration(struct motion_of_centre start, const struct ro
     const double radius = length(start.z), around = cross(start.z, start.w) / radius;
     const double centrifugal = around * around / radius, unbalance = rotor->omega * rotor->omega;
     double total = centrifugal + unbalance * (start.z.x / radius), size = centrifugal + unbalance;
-    if (WHOLE) {
+    if (IS_GENERAL) {
         const double spring = rotor->shaft_stiffness * radius;
         total += rotor->load * dot(start.z, start.down) / radius - spring;
         size += rotor->load + spring;
@@ -54,7 +54,7 @@ static double radial_jerk(struct motion_of_centre start, const struct rotor *rot
 {
     const double omega = rotor->omega, damping = 2.0 * rotor->zeta, radius = length(start.z);
     struct vector acceleration = {omega * omega - damping * start.w.x, -damping * start.w.y};
-    if (WHOLE)
+    if (IS_GENERAL)
         acceleration = plus(acceleration, plus(scaled(-rotor->shaft_stiffness, start.z),
                                                scaled(rotor->load, start.down)));
 #ifdef RUN_UP
@@ -63,7 +63,7 @@ static double radial_jerk(struct motion_of_centre start, const struct rotor *rot
 #endif
     struct vector jerk = {-damping * acceleration.x,
                           omega * omega * omega - damping * acceleration.y};
-    if (WHOLE)
+    if (IS_GENERAL)
         jerk = plus(jerk, scaled(-rotor->shaft_stiffness, start.w));
 #ifdef RUN_UP
     /* of (omega**2 - i theta'') exp(i theta); theta'' changes as the reaction does */
