@@ -177,6 +177,22 @@ def check_revolutions(guess: Guess) -> None:
         )
 
 
+def checked_guess(rotor: Rotor, start: object) -> Guess:
+    """Return the guess that a start is, of a rotor that has limit cycles."""
+    guess = guess_of(rotor, start)
+    check_turns_and_settles(guess.rotor)
+    check_revolutions(guess)
+    return guess
+
+
+def with_period(guess: Guess) -> Guess:
+    """Return a guess with its period: the cycle that it leads to where it has none."""
+    if guess.period is not None:
+        return guess
+    cycle = cycle_from(guess.rotor, guess.state)
+    return Guess(guess.rotor, cycle.state, cycle.period)
+
+
 def cycle_from(rotor: Rotor, state: Values) -> Cycle:
     """Return the limit cycle that a start leads to; InputError if there is none."""
     check_can_be_followed(rotor, _state_of(state), settling=True)
