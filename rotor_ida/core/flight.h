@@ -1,4 +1,4 @@
-/* Flight inside the clearance, in closed form; see flight.c, and sprung_flight.c for a machine. */
+/* Flight inside the clearance, in closed form; see flight.c. */
 #ifndef ROTOR_IDA_FLIGHT_H
 #define ROTOR_IDA_FLIGHT_H
 
