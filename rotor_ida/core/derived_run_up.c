@@ -414,6 +414,51 @@ static void contact_expand(const struct parameters *m,
     }
 }
 
+/* The rates of what damping, load and drive take, and of the heat, at parts of a step. */
+static void contact_spent(const struct parameters *m,
+    const struct series *series, int order, const vec4 *parts, vec4 (*rate)[2])
+{
+    static const int reads[] = {CONTACT_Q, CONTACT_P, CONTACT_H, CONTACT_C, CONTACT_S, CONTACT_DOWN_T, CONTACT_SPEED};
+    vec4 read[7][AT_ONCE];
+    read_parts(series, order, reads, 7, parts, read);
+    for (int v = 0; v < AT_ONCE; v++) {
+        const vec4 q = read[0][v];
+        const vec4 p = read[1][v];
+        const vec4 h = read[2][v];
+        const vec4 c = read[3][v];
+        const vec4 s = read[4][v];
+        const vec4 down_t = read[5][v];
+        const vec4 speed = read[6][v];
+        const vec4 w0 = p * p;
+        const vec4 square = q * q;
+        const vec4 r = m->delta0 + square;
+        const vec4 around = (h) / (r);
+        const vec4 w4 = around * around;
+        const vec4 w5 = h * speed;
+        const vec4 damped = 2.0 * m->zeta * (w0 + w4 - w5);
+        const vec4 w7 = r * speed;
+        const vec4 w8 = w7 * down_t;
+        const vec4 w9 = (damped + m->load * w8) * q;
+        const vec4 w10 = p * s;
+        const vec4 w11 = around * c;
+        const vec4 velocity = w10 + w11;
+        const vec4 push = (m->hertz * q + m->linear) * square;
+        const vec4 w14 = push * (1.0 + m->contact_damping * p);
+        const vec4 w15 = w14 * s;
+        const vec4 w16 = r * s;
+        const vec4 pull = m->pressed * w15 + m->shaft_stiffness * w16;
+        const vec4 left = m->torque - m->slope * speed + 2.0 * m->zeta * velocity + pull;
+        const vec4 faster = m->rate + m->inverse_inertia * left;
+        const vec4 w20 = faster * q;
+        const vec4 w21 = around * r;
+        const vec4 w22 = r * c;
+        const vec4 w23 = w22 * speed;
+        const vec4 w24 = w20 * (velocity + w21 + w23);
+        rate[v][0] = w9 + w24;
+        rate[v][1] = spread(0.0);
+    }
+}
+
 /* The Taylor series of the state: 20 lanes. */
 static void contact_expand_prescribed(const struct parameters *m,
     struct series *series, int order)
@@ -486,6 +531,43 @@ static void contact_expand_prescribed(const struct parameters *m,
     }
 }
 
+/* The rates of what damping, load and drive take, and of the heat, at parts of a step. */
+static void contact_spent_prescribed(const struct parameters *m,
+    const struct series *series, int order, const vec4 *parts, vec4 (*rate)[2])
+{
+    static const int reads[] = {CONTACT_Q, CONTACT_P, CONTACT_H, CONTACT_C, CONTACT_S, CONTACT_DOWN_T, CONTACT_SPEED};
+    vec4 read[7][AT_ONCE];
+    read_parts(series, order, reads, 7, parts, read);
+    for (int v = 0; v < AT_ONCE; v++) {
+        const vec4 q = read[0][v];
+        const vec4 p = read[1][v];
+        const vec4 h = read[2][v];
+        const vec4 c = read[3][v];
+        const vec4 s = read[4][v];
+        const vec4 down_t = read[5][v];
+        const vec4 speed = read[6][v];
+        const vec4 w0 = p * p;
+        const vec4 square = q * q;
+        const vec4 r = m->delta0 + square;
+        const vec4 around = (h) / (r);
+        const vec4 w4 = around * around;
+        const vec4 w5 = h * speed;
+        const vec4 damped = 2.0 * m->zeta * (w0 + w4 - w5);
+        const vec4 w7 = r * speed;
+        const vec4 w8 = w7 * down_t;
+        const vec4 w9 = (damped + m->load * w8) * q;
+        const vec4 w10 = p * s;
+        const vec4 w11 = around * c;
+        const vec4 velocity = w10 + w11;
+        const vec4 w13 = around * r;
+        const vec4 w14 = r * c;
+        const vec4 w15 = w14 * speed;
+        const vec4 w16 = (velocity + w13 + w15) * q;
+        rate[v][0] = w9 + m->rate * w16;
+        rate[v][1] = spread(0.0);
+    }
+}
+
 /* The Taylor series of the state: 16 lanes. */
 static void contact_expand_plain(const struct parameters *m,
     struct series *series, int order)
@@ -547,6 +629,39 @@ static void contact_expand_plain(const struct parameters *m,
     }
 }
 
+/* The rates of what damping, load and drive take, and of the heat, at parts of a step. */
+static void contact_spent_plain(const struct parameters *m,
+    const struct series *series, int order, const vec4 *parts, vec4 (*rate)[2])
+{
+    static const int reads[] = {CONTACT_Q, CONTACT_P, CONTACT_H, CONTACT_C, CONTACT_S, CONTACT_SPEED};
+    vec4 read[6][AT_ONCE];
+    read_parts(series, order, reads, 6, parts, read);
+    for (int v = 0; v < AT_ONCE; v++) {
+        const vec4 q = read[0][v];
+        const vec4 p = read[1][v];
+        const vec4 h = read[2][v];
+        const vec4 c = read[3][v];
+        const vec4 s = read[4][v];
+        const vec4 speed = read[5][v];
+        const vec4 w0 = p * p;
+        const vec4 square = q * q;
+        const vec4 r = m->delta0 + square;
+        const vec4 around = (h) / (r);
+        const vec4 w4 = around * around;
+        const vec4 w5 = h * speed;
+        const vec4 w6 = (w0 + w4 - w5) * q;
+        const vec4 w7 = p * s;
+        const vec4 w8 = around * c;
+        const vec4 velocity = w7 + w8;
+        const vec4 w10 = around * r;
+        const vec4 w11 = r * c;
+        const vec4 w12 = w11 * speed;
+        const vec4 w13 = (velocity + w10 + w12) * q;
+        rate[v][0] = 2.0 * m->zeta * w6 + m->rate * w13;
+        rate[v][1] = spread(0.0);
+    }
+}
+
 const struct mode contact_mode = {
     .size = CONTACT_SIZE,
     .field = contact_field,
@@ -554,6 +669,9 @@ const struct mode contact_mode = {
     .expand = contact_expand,
     .expand_prescribed = contact_expand_prescribed,
     .expand_plain = contact_expand_plain,
+    .spent = contact_spent,
+    .spent_prescribed = contact_spent_prescribed,
+    .spent_plain = contact_spent_plain,
 };
 
 /* The rates of change of x, y, vx, vy, down_x, down_y, speed, angle. */
@@ -582,15 +700,16 @@ static void cartesian_field(const struct parameters *m,
     const double w12 = m->shaft_stiffness * y;
     const double w13 = vx * speed;
     const double pull = w11 + w12;
-    const double faster = m->rate + m->inverse_inertia * (m->torque - m->slope * speed + 2.0 * m->zeta * vy + pull);
-    const double w16 = down_y * speed;
-    const double w17 = down_x * speed;
+    const double left = m->torque - m->slope * speed + 2.0 * m->zeta * vy + pull;
+    const double faster = m->rate + m->inverse_inertia * left;
+    const double w17 = down_y * speed;
+    const double w18 = down_x * speed;
     rate[CARTESIAN_X] = vx + w0;
     rate[CARTESIAN_Y] = vy - w1;
     rate[CARTESIAN_VX] = w2 - 2.0 * m->zeta * vx - m->felt * w8 - m->shaft_stiffness * x + m->load * down_x + w9;
     rate[CARTESIAN_VY] = -2.0 * m->zeta * vy - w11 - w12 + m->load * down_y - w13 - faster;
-    rate[CARTESIAN_DOWN_X] = w16;
-    rate[CARTESIAN_DOWN_Y] = -w17;
+    rate[CARTESIAN_DOWN_X] = w17;
+    rate[CARTESIAN_DOWN_Y] = -w18;
     rate[CARTESIAN_SPEED] = faster;
     rate[CARTESIAN_ANGLE] = speed;
 }
@@ -689,15 +808,16 @@ static void cartesian_expand(const struct parameters *m,
         const double w12 = m->shaft_stiffness * y;
         const double w13 = times(series, 10, n, vx, speed); /* vx * speed */
         const double pull = w11 + w12;
-        const double faster = one * m->rate + m->inverse_inertia * (one * m->torque - m->slope * speed + 2.0 * m->zeta * vy + pull);
-        const double w16 = times(series, 11, n, down_y, speed); /* down_y * speed */
-        const double w17 = times(series, 12, n, down_x, speed); /* down_x * speed */
+        const double left = one * m->torque - m->slope * speed + 2.0 * m->zeta * vy + pull;
+        const double faster = one * m->rate + m->inverse_inertia * left;
+        const double w17 = times(series, 11, n, down_y, speed); /* down_y * speed */
+        const double w18 = times(series, 12, n, down_x, speed); /* down_x * speed */
         terms[CARTESIAN_X] = (vx + w0) * share;
         terms[CARTESIAN_Y] = (vy - w1) * share;
         terms[CARTESIAN_VX] = (w2 - 2.0 * m->zeta * vx - m->felt * w8 - m->shaft_stiffness * x + m->load * down_x + w9) * share;
         terms[CARTESIAN_VY] = (-2.0 * m->zeta * vy - w11 - w12 + m->load * down_y - w13 - faster) * share;
-        terms[CARTESIAN_DOWN_X] = w16 * share;
-        terms[CARTESIAN_DOWN_Y] = -w17 * share;
+        terms[CARTESIAN_DOWN_X] = w17 * share;
+        terms[CARTESIAN_DOWN_Y] = -w18 * share;
         terms[CARTESIAN_SPEED] = faster * share;
         terms[CARTESIAN_ANGLE] = speed * share;
         one = 0.0;
@@ -1284,6 +1404,60 @@ static void rub_expand(const struct parameters *m,
     }
 }
 
+/* The rates of what damping, load and drive take, and of the heat, at parts of a step. */
+static void rub_spent(const struct parameters *m,
+    const struct series *series, int order, const vec4 *parts, vec4 (*rate)[2])
+{
+    static const int reads[] = {RUB_Q, RUB_P, RUB_SLIP, RUB_C, RUB_S, RUB_DOWN_T, RUB_SPEED};
+    vec4 read[7][AT_ONCE];
+    read_parts(series, order, reads, 7, parts, read);
+    for (int v = 0; v < AT_ONCE; v++) {
+        const vec4 q = read[0][v];
+        const vec4 p = read[1][v];
+        const vec4 slip = read[2][v];
+        const vec4 c = read[3][v];
+        const vec4 s = read[4][v];
+        const vec4 down_t = read[5][v];
+        const vec4 speed = read[6][v];
+        const vec4 w0 = p * p;
+        const vec4 square = q * q;
+        const vec4 r = m->delta0 + square;
+        const vec4 w3 = r * speed;
+        const vec4 h = slip - m->disc_radius * w3;
+        const vec4 around = (h) / (r);
+        const vec4 w6 = around * around;
+        const vec4 w7 = h * speed;
+        const vec4 damped = 2.0 * m->zeta * (w0 + w6 - w7);
+        const vec4 w9 = w3 * down_t;
+        const vec4 spent = (damped + m->load * w9) * q;
+        const vec4 push = (m->hertz * q + m->linear) * square;
+        const vec4 w12 = push * (1.0 + m->contact_damping * p);
+        const vec4 w13 = w12 * q;
+        const vec4 w14 = m->disc_radius * speed;
+        const vec4 w15 = w13 * (w14 + w3);
+        const vec4 w16 = p * s;
+        const vec4 slip_speed = (slip) / (r);
+        const vec4 around_ = slip_speed - w14;
+        const vec4 w19 = around_ * c;
+        const vec4 velocity = w16 + w19;
+        const vec4 w21 = w12 * s;
+        const vec4 w22 = r * s;
+        const vec4 pull = m->pressed * w21 + m->shaft_stiffness * w22;
+        const vec4 lever = m->disc_radius - c;
+        const vec4 w25 = w12 * lever;
+        const vec4 left = m->torque - m->slope * speed + 2.0 * m->zeta * velocity + pull - m->friction * m->sigma * m->pressed * w25;
+        const vec4 faster = m->rate + m->inverse_inertia * left;
+        const vec4 w28 = faster * q;
+        const vec4 w29 = around_ * r;
+        const vec4 w30 = r * c;
+        const vec4 w31 = w30 * speed;
+        const vec4 w32 = w28 * (velocity + w29 + w31);
+        const vec4 w33 = w13 * slip_speed;
+        rate[v][0] = spent - m->friction * m->sigma * m->pressed * w15 + w32;
+        rate[v][1] = m->friction * m->sigma * m->pressed * w33;
+    }
+}
+
 /* The Taylor series of the state: 21 lanes. */
 static void rub_expand_prescribed(const struct parameters *m,
     struct series *series, int order)
@@ -1362,6 +1536,52 @@ static void rub_expand_prescribed(const struct parameters *m,
     }
 }
 
+/* The rates of what damping, load and drive take, and of the heat, at parts of a step. */
+static void rub_spent_prescribed(const struct parameters *m,
+    const struct series *series, int order, const vec4 *parts, vec4 (*rate)[2])
+{
+    static const int reads[] = {RUB_Q, RUB_P, RUB_SLIP, RUB_C, RUB_S, RUB_DOWN_T, RUB_SPEED};
+    vec4 read[7][AT_ONCE];
+    read_parts(series, order, reads, 7, parts, read);
+    for (int v = 0; v < AT_ONCE; v++) {
+        const vec4 q = read[0][v];
+        const vec4 p = read[1][v];
+        const vec4 slip = read[2][v];
+        const vec4 c = read[3][v];
+        const vec4 s = read[4][v];
+        const vec4 down_t = read[5][v];
+        const vec4 speed = read[6][v];
+        const vec4 w0 = p * p;
+        const vec4 square = q * q;
+        const vec4 r = m->delta0 + square;
+        const vec4 w3 = r * speed;
+        const vec4 h = slip - m->disc_radius * w3;
+        const vec4 around = (h) / (r);
+        const vec4 w6 = around * around;
+        const vec4 w7 = h * speed;
+        const vec4 damped = 2.0 * m->zeta * (w0 + w6 - w7);
+        const vec4 w9 = w3 * down_t;
+        const vec4 spent = (damped + m->load * w9) * q;
+        const vec4 push = (m->hertz * q + m->linear) * square;
+        const vec4 w12 = push * (1.0 + m->contact_damping * p);
+        const vec4 w13 = w12 * q;
+        const vec4 w14 = m->disc_radius * speed;
+        const vec4 w15 = w13 * (w14 + w3);
+        const vec4 w16 = p * s;
+        const vec4 slip_speed = (slip) / (r);
+        const vec4 around_ = slip_speed - w14;
+        const vec4 w19 = around_ * c;
+        const vec4 velocity = w16 + w19;
+        const vec4 w21 = around_ * r;
+        const vec4 w22 = r * c;
+        const vec4 w23 = w22 * speed;
+        const vec4 w24 = (velocity + w21 + w23) * q;
+        const vec4 w25 = w13 * slip_speed;
+        rate[v][0] = spent - m->friction * m->sigma * m->pressed * w15 + m->rate * w24;
+        rate[v][1] = m->friction * m->sigma * m->pressed * w25;
+    }
+}
+
 /* The Taylor series of the state: 17 lanes. */
 static void rub_expand_plain(const struct parameters *m,
     struct series *series, int order)
@@ -1429,6 +1649,49 @@ static void rub_expand_plain(const struct parameters *m,
     }
 }
 
+/* The rates of what damping, load and drive take, and of the heat, at parts of a step. */
+static void rub_spent_plain(const struct parameters *m,
+    const struct series *series, int order, const vec4 *parts, vec4 (*rate)[2])
+{
+    static const int reads[] = {RUB_Q, RUB_P, RUB_SLIP, RUB_C, RUB_S, RUB_SPEED};
+    vec4 read[6][AT_ONCE];
+    read_parts(series, order, reads, 6, parts, read);
+    for (int v = 0; v < AT_ONCE; v++) {
+        const vec4 q = read[0][v];
+        const vec4 p = read[1][v];
+        const vec4 slip = read[2][v];
+        const vec4 c = read[3][v];
+        const vec4 s = read[4][v];
+        const vec4 speed = read[5][v];
+        const vec4 w0 = p * p;
+        const vec4 square = q * q;
+        const vec4 r = m->delta0 + square;
+        const vec4 w3 = r * speed;
+        const vec4 h = slip - m->disc_radius * w3;
+        const vec4 around = (h) / (r);
+        const vec4 w6 = around * around;
+        const vec4 w7 = h * speed;
+        const vec4 w8 = (w0 + w6 - w7) * q;
+        const vec4 spent = 2.0 * m->zeta * w8;
+        const vec4 w10 = m->disc_radius * speed;
+        const vec4 push = square * q;
+        const vec4 of_j = push * q;
+        const vec4 w13 = (w10 + w3) * of_j;
+        const vec4 w14 = p * s;
+        const vec4 slip_speed = (slip) / (r);
+        const vec4 around_ = slip_speed - w10;
+        const vec4 w17 = around_ * c;
+        const vec4 velocity = w14 + w17;
+        const vec4 w19 = around_ * r;
+        const vec4 w20 = r * c;
+        const vec4 w21 = w20 * speed;
+        const vec4 w22 = (velocity + w19 + w21) * q;
+        const vec4 w23 = slip_speed * of_j;
+        rate[v][0] = spent - m->friction * m->sigma * w13 + m->rate * w22;
+        rate[v][1] = m->friction * m->sigma * w23;
+    }
+}
+
 const struct mode rub_mode = {
     .size = RUB_SIZE,
     .field = rub_field,
@@ -1436,6 +1699,9 @@ const struct mode rub_mode = {
     .expand = rub_expand,
     .expand_prescribed = rub_expand_prescribed,
     .expand_plain = rub_expand_plain,
+    .spent = rub_spent,
+    .spent_prescribed = rub_spent_prescribed,
+    .spent_plain = rub_spent_plain,
 };
 
 /* The rates of change of q, p, slip, c, s, down_r, down_t, speed, t, angle, j, work, spent, heat, drawn back to where they belong. */
@@ -2000,6 +2266,66 @@ static void rolling_expand(const struct parameters *m,
     }
 }
 
+/* The rates of what damping, load and drive take, and of the heat, at parts of a step. */
+static void rolling_spent(const struct parameters *m,
+    const struct series *series, int order, const vec4 *parts, vec4 (*rate)[2])
+{
+    static const int reads[] = {ROLLING_Q, ROLLING_P, ROLLING_C, ROLLING_S, ROLLING_DOWN_T, ROLLING_SPEED};
+    vec4 read[6][AT_ONCE];
+    read_parts(series, order, reads, 6, parts, read);
+    for (int v = 0; v < AT_ONCE; v++) {
+        const vec4 q = read[0][v];
+        const vec4 p = read[1][v];
+        const vec4 c = read[2][v];
+        const vec4 s = read[3][v];
+        const vec4 down_t = read[4][v];
+        const vec4 speed = read[5][v];
+        const vec4 w0 = p * p;
+        const vec4 square = q * q;
+        const vec4 r = m->delta0 + square;
+        const vec4 w3 = r * speed;
+        const vec4 w4 = (w3) / (r);
+        const vec4 w5 = w4 * w4;
+        const vec4 w6 = w3 * speed;
+        const vec4 damped = 2.0 * m->zeta * (w0 - -(-m->disc_radius * (-m->disc_radius)) * w5 + m->disc_radius * w6);
+        const vec4 w8 = w3 * down_t;
+        const vec4 spent = (damped + m->load * w8) * q;
+        const vec4 w10 = speed * speed;
+        const vec4 w11 = w10 * s;
+        const vec4 w12 = p * speed;
+        const vec4 w13 = (w12) / (r);
+        const vec4 hold = -w11 - 2.0 * m->zeta * (-m->disc_radius) * speed + m->load * down_t + m->disc_radius * w13;
+        const vec4 w15 = hold * q;
+        const vec4 w16 = m->disc_radius * speed + w3;
+        const vec4 w17 = w15 * w16;
+        const vec4 w18 = p * s;
+        const vec4 w19 = c * speed;
+        const vec4 velocity = w18 - m->disc_radius * w19;
+        const vec4 push = (m->hertz * q + m->linear) * square;
+        const vec4 w22 = push * (1.0 + m->contact_damping * p);
+        const vec4 w23 = w22 * s;
+        const vec4 w24 = r * s;
+        const vec4 pull = m->pressed * w23 + m->shaft_stiffness * w24;
+        const vec4 lever = m->disc_radius - c;
+        const vec4 w27 = hold * lever;
+        const vec4 left = m->torque - m->slope * speed + 2.0 * m->zeta * velocity + pull - w27;
+        const vec4 w29 = lever * lever;
+        const vec4 moved = 1.0 + m->inverse_inertia * w29;
+        const vec4 faster = (m->rate + m->inverse_inertia * left) / (moved);
+        const vec4 w32 = faster * q;
+        const vec4 w33 = r * c;
+        const vec4 w34 = w33 * speed;
+        const vec4 turning = w32 * (velocity - m->disc_radius * w3 + w34);
+        const vec4 w36 = faster * lever;
+        const vec4 hold_ = hold + w36;
+        const vec4 added = hold_ - hold;
+        const vec4 w39 = added * q;
+        const vec4 w40 = w39 * w16;
+        rate[v][0] = spent - w17 + turning - w40;
+        rate[v][1] = spread(0.0);
+    }
+}
+
 /* The Taylor series of the state: 19 lanes. */
 static void rolling_expand_prescribed(const struct parameters *m,
     struct series *series, int order)
@@ -2076,6 +2402,55 @@ static void rolling_expand_prescribed(const struct parameters *m,
     }
 }
 
+/* The rates of what damping, load and drive take, and of the heat, at parts of a step. */
+static void rolling_spent_prescribed(const struct parameters *m,
+    const struct series *series, int order, const vec4 *parts, vec4 (*rate)[2])
+{
+    static const int reads[] = {ROLLING_Q, ROLLING_P, ROLLING_C, ROLLING_S, ROLLING_DOWN_T, ROLLING_SPEED};
+    vec4 read[6][AT_ONCE];
+    read_parts(series, order, reads, 6, parts, read);
+    for (int v = 0; v < AT_ONCE; v++) {
+        const vec4 q = read[0][v];
+        const vec4 p = read[1][v];
+        const vec4 c = read[2][v];
+        const vec4 s = read[3][v];
+        const vec4 down_t = read[4][v];
+        const vec4 speed = read[5][v];
+        const vec4 w0 = p * p;
+        const vec4 square = q * q;
+        const vec4 r = m->delta0 + square;
+        const vec4 w3 = r * speed;
+        const vec4 w4 = (w3) / (r);
+        const vec4 w5 = w4 * w4;
+        const vec4 w6 = w3 * speed;
+        const vec4 damped = 2.0 * m->zeta * (w0 - -(-m->disc_radius * (-m->disc_radius)) * w5 + m->disc_radius * w6);
+        const vec4 w8 = w3 * down_t;
+        const vec4 spent = (damped + m->load * w8) * q;
+        const vec4 w10 = speed * speed;
+        const vec4 w11 = w10 * s;
+        const vec4 w12 = p * speed;
+        const vec4 w13 = (w12) / (r);
+        const vec4 hold = -w11 - 2.0 * m->zeta * (-m->disc_radius) * speed + m->load * down_t + m->disc_radius * w13;
+        const vec4 w15 = hold * q;
+        const vec4 w16 = m->disc_radius * speed + w3;
+        const vec4 w17 = w15 * w16;
+        const vec4 w18 = p * s;
+        const vec4 w19 = c * speed;
+        const vec4 velocity = w18 - m->disc_radius * w19;
+        const vec4 w21 = r * c;
+        const vec4 w22 = w21 * speed;
+        const vec4 w23 = (velocity - m->disc_radius * w3 + w22) * q;
+        const vec4 turning = m->rate * w23;
+        const vec4 lever = m->disc_radius - c;
+        const vec4 hold_ = hold + m->rate * lever;
+        const vec4 added = hold_ - hold;
+        const vec4 w28 = added * q;
+        const vec4 w29 = w28 * w16;
+        rate[v][0] = spent - w17 + turning - w29;
+        rate[v][1] = spread(0.0);
+    }
+}
+
 /* The Taylor series of the state: 15 lanes. */
 static void rolling_expand_plain(const struct parameters *m,
     struct series *series, int order)
@@ -2140,6 +2515,53 @@ static void rolling_expand_plain(const struct parameters *m,
     }
 }
 
+/* The rates of what damping, load and drive take, and of the heat, at parts of a step. */
+static void rolling_spent_plain(const struct parameters *m,
+    const struct series *series, int order, const vec4 *parts, vec4 (*rate)[2])
+{
+    static const int reads[] = {ROLLING_Q, ROLLING_P, ROLLING_C, ROLLING_S, ROLLING_SPEED};
+    vec4 read[5][AT_ONCE];
+    read_parts(series, order, reads, 5, parts, read);
+    for (int v = 0; v < AT_ONCE; v++) {
+        const vec4 q = read[0][v];
+        const vec4 p = read[1][v];
+        const vec4 c = read[2][v];
+        const vec4 s = read[3][v];
+        const vec4 speed = read[4][v];
+        const vec4 w0 = p * p;
+        const vec4 square = q * q;
+        const vec4 r = m->delta0 + square;
+        const vec4 w3 = r * speed;
+        const vec4 w4 = (w3) / (r);
+        const vec4 w5 = w4 * w4;
+        const vec4 w6 = w3 * speed;
+        const vec4 w7 = (w0 - -(-m->disc_radius * (-m->disc_radius)) * w5 + m->disc_radius * w6) * q;
+        const vec4 spent = 2.0 * m->zeta * w7;
+        const vec4 w9 = speed * speed;
+        const vec4 w10 = w9 * s;
+        const vec4 w11 = p * speed;
+        const vec4 w12 = (w11) / (r);
+        const vec4 hold = -w10 - 2.0 * m->zeta * (-m->disc_radius) * speed + m->disc_radius * w12;
+        const vec4 w14 = hold * q;
+        const vec4 w15 = m->disc_radius * speed + w3;
+        const vec4 w16 = w14 * w15;
+        const vec4 w17 = p * s;
+        const vec4 w18 = c * speed;
+        const vec4 velocity = w17 - m->disc_radius * w18;
+        const vec4 w20 = r * c;
+        const vec4 w21 = w20 * speed;
+        const vec4 w22 = (velocity - m->disc_radius * w3 + w21) * q;
+        const vec4 turning = m->rate * w22;
+        const vec4 lever = m->disc_radius - c;
+        const vec4 hold_ = hold + m->rate * lever;
+        const vec4 added = hold_ - hold;
+        const vec4 w27 = added * q;
+        const vec4 w28 = w27 * w15;
+        rate[v][0] = spent - w16 + turning - w28;
+        rate[v][1] = spread(0.0);
+    }
+}
+
 const struct mode rolling_mode = {
     .size = ROLLING_SIZE,
     .field = rolling_field,
@@ -2148,6 +2570,9 @@ const struct mode rolling_mode = {
     .expand_prescribed = rolling_expand_prescribed,
     .expand_plain = rolling_expand_plain,
     .watched = rolling_watched,
+    .spent = rolling_spent,
+    .spent_prescribed = rolling_spent_prescribed,
+    .spent_plain = rolling_spent_plain,
 };
 
 #endif

@@ -360,6 +360,31 @@ static void contact_expand(const struct parameters *m,
     }
 }
 
+/* The rates of what damping, load and drive take, and of the heat, at parts of a step. */
+static void contact_spent(const struct parameters *m,
+    const struct series *series, int order, const vec4 *parts, vec4 (*rate)[2])
+{
+    static const int reads[] = {CONTACT_Q, CONTACT_P, CONTACT_H, CONTACT_DOWN_T};
+    vec4 read[4][AT_ONCE];
+    read_parts(series, order, reads, 4, parts, read);
+    for (int v = 0; v < AT_ONCE; v++) {
+        const vec4 q = read[0][v];
+        const vec4 p = read[1][v];
+        const vec4 h = read[2][v];
+        const vec4 down_t = read[3][v];
+        const vec4 w0 = p * p;
+        const vec4 square = q * q;
+        const vec4 r = m->delta0 + square;
+        const vec4 around = (h) / (r);
+        const vec4 w4 = around * around;
+        const vec4 damped = 2.0 * m->zeta * (w0 + w4 - m->omega * h);
+        const vec4 w6 = r * down_t;
+        const vec4 w7 = (damped + m->load * m->omega * w6) * q;
+        rate[v][0] = w7;
+        rate[v][1] = spread(0.0);
+    }
+}
+
 /* The Taylor series of the state, and the factors of differences: 26 lanes. */
 static void contact_expand_with_factors(const struct parameters *m,
     struct series *series, int order)
@@ -499,6 +524,7 @@ const struct mode contact_mode = {
     .expand = contact_expand,
     .expand_with_factors = contact_expand_with_factors,
     .expand_differences = contact_expand_differences,
+    .spent = contact_spent,
 };
 
 /* The rates of change of x, y, vx, vy, down_x, down_y. */
@@ -1176,6 +1202,38 @@ static void rub_expand(const struct parameters *m,
     }
 }
 
+/* The rates of what damping, load and drive take, and of the heat, at parts of a step. */
+static void rub_spent(const struct parameters *m,
+    const struct series *series, int order, const vec4 *parts, vec4 (*rate)[2])
+{
+    static const int reads[] = {RUB_Q, RUB_P, RUB_SLIP, RUB_DOWN_T};
+    vec4 read[4][AT_ONCE];
+    read_parts(series, order, reads, 4, parts, read);
+    for (int v = 0; v < AT_ONCE; v++) {
+        const vec4 q = read[0][v];
+        const vec4 p = read[1][v];
+        const vec4 slip = read[2][v];
+        const vec4 down_t = read[3][v];
+        const vec4 w0 = p * p;
+        const vec4 square = q * q;
+        const vec4 r = m->delta0 + square;
+        const vec4 h = slip - m->rim * r;
+        const vec4 around = (h) / (r);
+        const vec4 w5 = around * around;
+        const vec4 damped = 2.0 * m->zeta * (w0 + w5 - m->omega * h);
+        const vec4 w7 = r * down_t;
+        const vec4 spent = (damped + m->load * m->omega * w7) * q;
+        const vec4 push = (m->hertz * q + m->linear) * square;
+        const vec4 w10 = push * (1.0 + m->contact_damping * p);
+        const vec4 w11 = w10 * q;
+        const vec4 w12 = w11 * (m->rim + m->omega * r);
+        const vec4 slip_speed = (slip) / (r);
+        const vec4 w14 = w11 * slip_speed;
+        rate[v][0] = spent - m->friction * m->sigma * m->pressed * w12;
+        rate[v][1] = m->friction * m->sigma * m->pressed * w14;
+    }
+}
+
 /* The Taylor series of the state, and the factors of differences: 28 lanes. */
 static void rub_expand_with_factors(const struct parameters *m,
     struct series *series, int order)
@@ -1328,6 +1386,7 @@ const struct mode rub_mode = {
     .expand = rub_expand,
     .expand_with_factors = rub_expand_with_factors,
     .expand_differences = rub_expand_differences,
+    .spent = rub_spent,
 };
 
 /* The rates of change of q, p, slip, c, s, down_r, down_t, t, j, work, spent, heat, drawn back to where they belong. */
@@ -1722,6 +1781,35 @@ static void rolling_expand(const struct parameters *m,
     }
 }
 
+/* The rates of what damping, load and drive take, and of the heat, at parts of a step. */
+static void rolling_spent(const struct parameters *m,
+    const struct series *series, int order, const vec4 *parts, vec4 (*rate)[2])
+{
+    static const int reads[] = {ROLLING_Q, ROLLING_P, ROLLING_S, ROLLING_DOWN_T};
+    vec4 read[4][AT_ONCE];
+    read_parts(series, order, reads, 4, parts, read);
+    for (int v = 0; v < AT_ONCE; v++) {
+        const vec4 q = read[0][v];
+        const vec4 p = read[1][v];
+        const vec4 s = read[2][v];
+        const vec4 down_t = read[3][v];
+        const vec4 w0 = p * p;
+        const vec4 square = q * q;
+        const vec4 r = m->delta0 + square;
+        const vec4 w3 = (r) / (r);
+        const vec4 w4 = w3 * w3;
+        const vec4 damped = 2.0 * m->zeta * (w0 - -(-m->rim * (-m->rim)) * w4 - m->omega * (-m->rim) * r);
+        const vec4 w6 = r * down_t;
+        const vec4 spent = (damped + m->load * m->omega * w6) * q;
+        const vec4 w8 = (p) / (r);
+        const vec4 hold = -(m->omega * m->omega) * s - 2.0 * m->zeta * (-m->rim) + m->load * down_t + m->rim * w8;
+        const vec4 w10 = hold * q;
+        const vec4 w11 = w10 * (m->rim + m->omega * r);
+        rate[v][0] = spent - w11;
+        rate[v][1] = spread(0.0);
+    }
+}
+
 /* The Taylor series of the state, and the factors of differences: 27 lanes. */
 static void rolling_expand_with_factors(const struct parameters *m,
     struct series *series, int order)
@@ -1880,6 +1968,7 @@ const struct mode rolling_mode = {
     .expand_with_factors = rolling_expand_with_factors,
     .expand_differences = rolling_expand_differences,
     .watched = rolling_watched,
+    .spent = rolling_spent,
 };
 
 #endif

@@ -31,6 +31,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 from rotor_ida.model.contact import HERTZ_EXPONENT, secant_of_square
+from rotor_ida.model.table import ALL_PARAMETERS, FRICTIONLESS, PARAMETERS
 
 # How fast a direction is drawn back to the unit circle, in parts of the spin: a pull as fast as the
 # motion cost Adams a sixth more steps, and this one cost none.
@@ -140,11 +141,21 @@ def accelerations(at: Moment, push: Number, rotor: Any, drag: Number = 0.0) -> P
     )
 
 
+def resistance(velocity: Pair, rotor: Any) -> Number:
+    """Return the force over the velocity with which the surroundings resist a motion [1].
+
+    What is stated here is in the accelerations, in the energy that a contact spends, and in the
+    torque that a drive is left with; `velocity` is in components along any two directions.
+    """
+    del velocity  # linear damping does not depend on it
+    return 2.0 * rotor.zeta
+
+
 def _along(i: int, at: Moment, push: Number, rotor: Any) -> Number:
     """Return a component of what there is without friction."""
     return (
         rotor.omega * rotor.omega * at.unbalance[i]
-        - 2.0 * rotor.zeta * at.velocity[i]
+        - resistance(at.velocity, rotor) * at.velocity[i]
         - push * at.normal[i]
         - rotor.shaft_stiffness * at.position[i]
         + rotor.load * at.down[i]
@@ -229,7 +240,7 @@ def spent_rate(state: Numbers, rotor: Any) -> Number:
     q, p, h, _, _, _, down_t, *_ = state
     r = rotor.delta0 + q * q
     around = h / r
-    damped = 2.0 * rotor.zeta * (p * p + around * around - rotor.omega * h)
+    damped = resistance((p, around), rotor) * (p * p + around * around - rotor.omega * h)
     return q * (damped + rotor.load * rotor.omega * r * down_t)
 
 
@@ -524,34 +535,26 @@ class Model:
     lighter: dict[str, dict[str, float]] = field(default_factory=dict)
 
 
-OF_ROTOR = ("omega", "zeta", "delta0")
-# Of friction there is the speed of the rim, rho omega, and the sense in which surfaces slide.
-OF_MACHINE = ("shaft_stiffness", "contact_damping", "load")
+# What forces have that the paper's rotor has not, but for friction.
+OF_FORCES = tuple(name for name in FRICTIONLESS if name != "contact_exponent")
 PAPER = Model(
     name="paper",
     modes=(CONTACT, CARTESIAN),
-    parameters=(*OF_ROTOR, "felt"),
+    parameters=(*PARAMETERS, "felt"),
     constants={
-        **dict.fromkeys(("shaft_stiffness", "contact_damping", "load", "linear"), 0.0),
+        **dict.fromkeys((*OF_FORCES, "linear"), 0.0),
         **dict.fromkeys(("hertz", "pressed"), 1.0),
     },
-    columns=OF_ROTOR,
+    columns=PARAMETERS,
 )
 WHOLE = Model(
     name="whole",
     modes=(WHOLE_CONTACT, WHOLE_CARTESIAN, RUB, ROLLING),
+    # of friction there is the speed of the rim, rho omega, and the sense in which surfaces slide
     parameters=(
-        *OF_ROTOR,
-        *OF_MACHINE,
-        "hertz",
-        "linear",
-        "felt",
-        "pressed",
-        "friction",
-        "disc_radius",
-        "rim",
-        "sigma",
+        *PARAMETERS, *OF_FORCES, "hertz", "linear", "felt", "pressed",
+        "friction", "disc_radius", "rim", "sigma",
     ),
     constants={},
-    columns=(*OF_ROTOR, *OF_MACHINE, "friction", "disc_radius"),
-)
+    columns=tuple(name for name in ALL_PARAMETERS if name != "contact_exponent"),
+)  # fmt: skip
