@@ -67,17 +67,18 @@ static void contact_field(const struct parameters *m,
     const double w49 = w5 * q;
     const double of_j = m->pressed * w49;
     const double w51 = w49 * p;
-    const double w52 = p * p;
-    const double w53 = around * around;
-    const double w54 = h * speed;
-    const double damped = 2.0 * m->zeta * (w52 + w53 - w54);
-    const double w56 = r * speed;
-    const double w57 = w56 * down_t;
-    const double w58 = (damped + m->load * w57) * q;
-    const double w59 = around * r;
-    const double w60 = r * c;
-    const double w61 = w60 * speed;
-    const double w62 = w48 * (velocity + w59 + w61);
+    const double of_work = m->pressed * w51;
+    const double w53 = p * p;
+    const double w54 = around * around;
+    const double w55 = h * speed;
+    const double damped = 2.0 * m->zeta * (w53 + w54 - w55);
+    const double w57 = r * speed;
+    const double w58 = w57 * down_t;
+    const double w59 = (damped + m->load * w58) * q;
+    const double w60 = around * r;
+    const double w61 = r * c;
+    const double w62 = w61 * speed;
+    const double w63 = w48 * (velocity + w60 + w62);
     rate[CONTACT_Q] = of_q;
     rate[CONTACT_P] = of_p;
     rate[CONTACT_H] = of_h;
@@ -89,8 +90,8 @@ static void contact_field(const struct parameters *m,
     rate[CONTACT_T] = q;
     rate[CONTACT_ANGLE] = w30;
     rate[CONTACT_J] = of_j;
-    rate[CONTACT_WORK] = m->pressed * w51;
-    rate[CONTACT_SPENT] = w58 + w62;
+    rate[CONTACT_WORK] = of_work;
+    rate[CONTACT_SPENT] = w59 + w63;
 }
 
 /* Their derivatives by each of these, column by column. */
@@ -397,6 +398,7 @@ static void contact_expand(const struct parameters *m,
         const double w39 = times(series, 25, n, w5, q); /* w5 * q */
         const double of_j = m->pressed * w39;
         const double w41 = times(series, 26, n, w39, p); /* w39 * p */
+        const double of_work = m->pressed * w41;
         terms[CONTACT_Q] = of_q * share;
         terms[CONTACT_P] = of_p * share;
         terms[CONTACT_H] = of_h * share;
@@ -408,7 +410,7 @@ static void contact_expand(const struct parameters *m,
         terms[CONTACT_T] = q * share;
         terms[CONTACT_ANGLE] = w30 * share;
         terms[CONTACT_J] = of_j * share;
-        terms[CONTACT_WORK] = m->pressed * w41 * share;
+        terms[CONTACT_WORK] = of_work * share;
         terms[CONTACT_SPENT] = one * 0.0 * share;
         one = 0.0;
     }
@@ -514,6 +516,7 @@ static void contact_expand_prescribed(const struct parameters *m,
         const double w28 = times(series, 18, n, w5, q); /* w5 * q */
         const double of_j = m->pressed * w28;
         const double w30 = times(series, 19, n, w28, p); /* w28 * p */
+        const double of_work = m->pressed * w30;
         terms[CONTACT_Q] = of_q * share;
         terms[CONTACT_P] = of_p * share;
         terms[CONTACT_H] = of_h * share;
@@ -525,7 +528,7 @@ static void contact_expand_prescribed(const struct parameters *m,
         terms[CONTACT_T] = q * share;
         terms[CONTACT_ANGLE] = w20 * share;
         terms[CONTACT_J] = of_j * share;
-        terms[CONTACT_WORK] = m->pressed * w30 * share;
+        terms[CONTACT_WORK] = of_work * share;
         terms[CONTACT_SPENT] = one * 0.0 * share;
         one = 0.0;
     }

@@ -50,11 +50,12 @@ static void contact_field(const struct parameters *m,
     const double w33 = w3 * q;
     const double of_j = m->pressed * w33;
     const double w35 = w33 * p;
-    const double w36 = p * p;
-    const double w37 = around * around;
-    const double damped = 2.0 * m->zeta * (w36 + w37 - m->omega * h);
-    const double w39 = r * down_t;
-    const double w40 = (damped + m->load * m->omega * w39) * q;
+    const double of_work = m->pressed * w35;
+    const double w37 = p * p;
+    const double w38 = around * around;
+    const double damped = 2.0 * m->zeta * (w37 + w38 - m->omega * h);
+    const double w40 = r * down_t;
+    const double w41 = (damped + m->load * m->omega * w40) * q;
     rate[CONTACT_Q] = of_q;
     rate[CONTACT_P] = of_p;
     rate[CONTACT_H] = of_h;
@@ -64,8 +65,8 @@ static void contact_field(const struct parameters *m,
     rate[CONTACT_DOWN_T] = of_down_t + 0.1 * m->omega * w32;
     rate[CONTACT_T] = q;
     rate[CONTACT_J] = of_j;
-    rate[CONTACT_WORK] = m->pressed * w35;
-    rate[CONTACT_SPENT] = w40;
+    rate[CONTACT_WORK] = of_work;
+    rate[CONTACT_SPENT] = w41;
 }
 
 /* Their derivatives by each of these, column by column. */
@@ -345,6 +346,7 @@ static void contact_expand(const struct parameters *m,
         const double w23 = times(series, 14, n, w3, q); /* w3 * q */
         const double of_j = m->pressed * w23;
         const double w25 = times(series, 15, n, w23, p); /* w23 * p */
+        const double of_work = m->pressed * w25;
         terms[CONTACT_Q] = of_q * share;
         terms[CONTACT_P] = of_p * share;
         terms[CONTACT_H] = of_h * share;
@@ -354,7 +356,7 @@ static void contact_expand(const struct parameters *m,
         terms[CONTACT_DOWN_T] = of_down_t * share;
         terms[CONTACT_T] = q * share;
         terms[CONTACT_J] = of_j * share;
-        terms[CONTACT_WORK] = m->pressed * w25 * share;
+        terms[CONTACT_WORK] = of_work * share;
         terms[CONTACT_SPENT] = one * 0.0 * share;
         one = 0.0;
     }
@@ -434,21 +436,22 @@ static void contact_expand_with_factors(const struct parameters *m,
         const double w24 = times(series, 14, n, w4, q); /* w4 * q */
         const double of_j = m->pressed * w24;
         const double w26 = times(series, 15, n, w24, p); /* w24 * p */
-        const double w27 = w3 + one * 1.0;
-        /* (1.5 * hertz * q + linear) * w27 */
-        const double w28 = times(series, 16, n, 1.5 * m->hertz * q + one * m->linear, w27);
-        /* (-pressed * w28 - shaft_stiffness) * q */
-        const double w29 = times(series, 17, n, -m->pressed * w28 - one * m->shaft_stiffness, q);
-        const double w30 = over(series, 18, n, one * 1.0, r, inverse_r); /* 1.0 / r */
-        const double w31 = times(series, 19, n, around, w30); /* around * w30 */
-        const double w32 = times(series, 20, n, w31, push); /* w31 * push */
-        const double w33 = times(series, 21, n, w32, q); /* w32 * q */
+        const double of_work = m->pressed * w26;
+        const double w28 = w3 + one * 1.0;
+        /* (1.5 * hertz * q + linear) * w28 */
+        const double w29 = times(series, 16, n, 1.5 * m->hertz * q + one * m->linear, w28);
+        /* (-pressed * w29 - shaft_stiffness) * q */
+        const double w30 = times(series, 17, n, -m->pressed * w29 - one * m->shaft_stiffness, q);
+        const double w31 = over(series, 18, n, one * 1.0, r, inverse_r); /* 1.0 / r */
+        const double w32 = times(series, 19, n, around, w31); /* around * w31 */
+        const double w33 = times(series, 20, n, w32, push); /* w32 * push */
+        const double w34 = times(series, 21, n, w33, q); /* w33 * q */
         /* (-2.0 * zeta - pressed * contact_damping * push) * q */
-        const double w34 = times(series, 22, n, one * (-2.0 * m->zeta) - m->pressed * m->contact_damping * push, q);
-        const double w35 = times(series, 23, n, push, w27); /* push * w27 */
-        const double w36 = times(series, 24, n, w35, w30); /* w35 * w30 */
-        /* (-pressed * w36 - shaft_stiffness) * q */
-        const double w37 = times(series, 25, n, -m->pressed * w36 - one * m->shaft_stiffness, q);
+        const double w35 = times(series, 22, n, one * (-2.0 * m->zeta) - m->pressed * m->contact_damping * push, q);
+        const double w36 = times(series, 23, n, push, w28); /* push * w28 */
+        const double w37 = times(series, 24, n, w36, w31); /* w36 * w31 */
+        /* (-pressed * w37 - shaft_stiffness) * q */
+        const double w38 = times(series, 25, n, -m->pressed * w37 - one * m->shaft_stiffness, q);
         terms[CONTACT_Q] = of_q * share;
         terms[CONTACT_P] = of_p * share;
         terms[CONTACT_H] = of_h * share;
@@ -458,14 +461,14 @@ static void contact_expand_with_factors(const struct parameters *m,
         terms[CONTACT_DOWN_T] = of_down_t * share;
         terms[CONTACT_T] = q * share;
         terms[CONTACT_J] = of_j * share;
-        terms[CONTACT_WORK] = m->pressed * w26 * share;
+        terms[CONTACT_WORK] = of_work * share;
         terms[CONTACT_SPENT] = one * 0.0 * share;
         series->factors[0][n] = q;
         series->factors[1][n] = turned;
-        series->factors[2][n] = w29;
-        series->factors[3][n] = -(m->pressed * m->contact_damping) * w33;
-        series->factors[4][n] = w34;
-        series->factors[5][n] = w37;
+        series->factors[2][n] = w30;
+        series->factors[3][n] = -(m->pressed * m->contact_damping) * w34;
+        series->factors[4][n] = w35;
+        series->factors[5][n] = w38;
         one = 0.0;
     }
 }

@@ -225,8 +225,8 @@ def contact_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) -> lis
     of_c, of_s, of_j = -(s * turn), c * turn, q * force
     if not whole:
         return [of_q, of_p, of_h, of_c, of_s, q, of_j]
-    of_down_r, of_down_t = turned * down_t, -(turned * down_r)
-    return [of_q, of_p, of_h, of_c, of_s, of_down_r, of_down_t, q, of_j, of_j * p, 0.0 * q]
+    of_down_r, of_down_t, of_work = turned * down_t, -(turned * down_r), of_j * p
+    return [of_q, of_p, of_h, of_c, of_s, of_down_r, of_down_t, q, of_j, of_work, 0.0 * q]
 
 
 def spent_rate(state: Numbers, rotor: Any) -> Number:
