@@ -373,7 +373,7 @@ def _square_root(value: Fraction) -> Fraction:
 
 def _resolved(root: Root, first: Equation, second: Equation) -> tuple[Fraction, Fraction | None]:
     """Return a root and what both equations have in common there, the root narrowed enough."""
-    for power in FINER[1:]:
+    for power in FINER:
         ends = root.narrowed(power)
         low, high = (
             _common([each(end) for each in first], [each(end) for each in second]) for end in ends
