@@ -17,12 +17,12 @@ from rotor_ida.plot.appearance import (
     BLUE,
     INK,
     ORANGE,
-    axes_or_new,
-    check_dataset,
+    drawing,
     own_legend,
     style,
 )
-from rotor_ida.plot.labels import label_axis, label_of
+from rotor_ida.plot.datasets import check_dataset
+from rotor_ida.plot.labels import LABELS, label_axis, label_of
 from rotor_ida.plot.signals.units import Units, is_one_speed, units_of
 
 NEEDED = (
@@ -124,7 +124,7 @@ def plot_fit(
             _draw_phase(axes[1], places, part)
         axes[0].set_ylim(bottom=0.0)
         label_axis(axes[0].yaxis, "whirl_amplitude", units.lengths(0.0))
-        axes[1].set_ylabel(r"phase lag $\theta$ [°]")
+        axes[1].set_ylabel(f"{LABELS['phase_lag']} [°]")
         for ax in axes:
             ax.set_xlabel(str(over.attrs["label"]))
         own_legend(axes[0])
@@ -146,8 +146,7 @@ def plot_fit_residuals(dataset: xr.Dataset, ax: Axes | None = None, *, order: fl
     dataset = check_dataset("dataset", dataset, NEEDED)
     one, _, over = _order_of(dataset, order)
     left = (_complex(one, "") - _complex(one, "fitted_")) / one["forward_amplitude_error"].values
-    with style():
-        ax = axes_or_new(ax)
+    with drawing(ax) as ax:
         ax.axhspan(-RARE, RARE, color=INK, alpha=0.08, lw=0.0)
         ax.axhline(0.0, color=INK, lw=0.7)
         small = 0.5 if left.size > MANY else 1.0

@@ -11,18 +11,19 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rotor_ida.model.table import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.model.table import PARAMETERS
 from rotor_ida.plot.appearance import (
     GREY,
     KIND_SHADES,
-    axes_or_new,
-    check_dataset,
+    drawing,
+    legend_below,
     look,
     mixed_panels,
     own_legend,
     shared_legend,
     style,
 )
+from rotor_ida.plot.datasets import check_dataset, parameters_in
 from rotor_ida.plot.labels import LABELS, label_of, parameter_text
 from rotor_ida.schema import ENDS_IN_WORDS
 
@@ -102,8 +103,8 @@ def plot_largest_force(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     dataset = check_dataset("dataset", dataset, NEEDED)
     size = np.abs(dataset["rate"].values)
     order = np.argsort(size)
-    with style():
-        ax, highest = axes_or_new(ax), 0.0
+    highest = 0.0
+    with drawing(ax) as ax:
         for number, (values, one) in enumerate(_rotors(dataset)):
             colour, dashes = look(number)
             force = one["largest_force"].transpose("rate", ...).values
@@ -148,8 +149,7 @@ def plot_endings(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     rates = one["rate"].values
     order = np.argsort(np.abs(rates))
     places, alone = np.arange(rates.size), ax is None
-    with style():
-        ax = axes_or_new(ax)
+    with drawing(ax) as ax:
         base = np.zeros(rates.size)
         for word, colour in ENDING_COLOURS.items():
             share = np.nan_to_num(one[f"{word}_fraction"].values.ravel()[order])
@@ -166,13 +166,13 @@ def plot_endings(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         ax.set_xlabel(LABELS["rate"])
         ax.set_ylabel("share of run-ups")
         if alone:
-            own_legend(ax).set_frame_on(True)
+            legend_below(ax)
     return ax
 
 
 def _rotors(dataset: xr.Dataset) -> Iterator[tuple[dict[str, float], xr.Dataset]]:
     """Yield the parts with one value of each parameter, and the values of those that vary."""
-    names = [name for name in ALL_PARAMETERS if name in dataset.dims]
+    names = [name for name in parameters_in(dataset) if name in dataset.dims]
     varied = [name for name in names if dataset.sizes[name] > 1]
     for places in product(*(range(dataset.sizes[name]) for name in names)):
         part = dataset.isel({name: [at] for name, at in zip(names, places, strict=True)})

@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 from rotor_ida import DimensionalRotor, InputError, Rotor, dimensional, run_up, simulate
 from rotor_ida.plot import plot_drawn_out, plot_history, plot_machine, plot_orbit, plot_run
 from rotor_ida.plot.labels import LABELS, label_of
-from rotor_ida.plot.runs import path_of
+from rotor_ida.signals.path import path_of
 
 MACHINE = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6,
                            clearance=2e-6, speed=1000.0)  # fmt: skip

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,15 +13,11 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import SPEED_UNITS
-from rotor_ida.model.table import ALL_PARAMETERS
-from rotor_ida.plot.appearance import MOST_IN_A_LINE, check_dataset
-from rotor_ida.plot.labels import SEPARATOR, parameter_text
 from rotor_ida.results.si_units import PREFIXES
+from rotor_ida.signals.spectra import STEADY
 
 LENGTH = re.compile(r"^([pnumkM]?)m$")
 RATE = re.compile(r"^([pnumkM]?)s-1$")
-# A speed that changes by less than that is one speed.
-STEADY = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,40 +119,6 @@ def _metres(unit: str) -> float:
     return 1.0 / PREFIXES[found[1]]
 
 
-def list_of(beneath: xr.Dataset | Sequence[xr.Dataset]) -> list[xr.Dataset]:
-    """Return one dataset or several as a list."""
-    if not isinstance(beneath, xr.Dataset | Sequence):
-        raise InputError(
-            f"beneath must be a Dataset or several in a list, got {type(beneath).__name__}"
-        )
-    listed = [beneath] if isinstance(beneath, xr.Dataset) else list(beneath)
-    return [check_dataset("beneath", each, ()) for each in listed]
-
-
-def check_parameters(exact: xr.Dataset, shown: xr.Dataset, skipped: Sequence[str] = ()) -> None:
-    """Refuse exact results of another rotor than that of the signals, where both tell."""
-    for name in ALL_PARAMETERS:
-        if name in exact.variables and name in shown.variables and name not in skipped:
-            here, there = np.atleast_1d(exact[name].values), float(shown[name])
-            if there not in here:
-                raise InputError(
-                    f"beneath must have the {name} of the signals, {there!r}, got "
-                    f"{float(here[0])!r}"
-                )
-
-
 def is_one_speed(speeds: Values) -> bool:
     """Return whether speeds are the same but for noise."""
     return bool(np.ptp(speeds) <= STEADY * np.abs(speeds).max(initial=0.0))
-
-
-def title_of(dataset: xr.Dataset, *, one_speed: bool) -> str:
-    """Return the parameters that a dataset tells, but for a speed that changes."""
-    names = [
-        name
-        for name in ALL_PARAMETERS
-        if name in dataset.variables and not dataset[name].ndim and (name != "omega" or one_speed)
-    ]
-    text = [parameter_text({name: float(dataset[name])}) for name in names]
-    lines = [text] if len(text) <= MOST_IN_A_LINE else [text[:3], text[3:]]
-    return "\n".join(SEPARATOR.join(line) for line in lines)

@@ -36,7 +36,7 @@ from rotor_ida.plot import (
     plot_trace,
     save_figure,
 )
-from rotor_ida.plot.signals.spectra import COLOURS
+from rotor_ida.plot.signals.cascades import COLOURS
 from rotor_ida.schema import labelled_dataset
 
 REST = (0.0, 0.0, 0.0, 0.0)
@@ -291,11 +291,11 @@ def test_a_cascade_keeps_the_largest_of_the_segments_that_share_a_row(up):
 
 def test_segments_suit_the_rate_of_the_speed(up):
     """The line of a chirp of rate a in a Hann window of length T is a T or 3 pi/T wide."""
-    from rotor_ida.plot.signals.spectra import _segment_for
     from rotor_ida.signals.record import record_of
+    from rotor_ida.signals.spectra import segment_for
 
     record = record_of(up)
-    length = _segment_for(record) * record.equal_step()
+    length = segment_for(record) * record.equal_step()
     assert length == pytest.approx(math.sqrt(3.0 * math.pi / 0.005), rel=0.01)
 
 
