@@ -72,7 +72,7 @@ def plot_basin(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     label = dataset["label"]
     count = dataset.sizes["attractor"]
     colours = [NOT_COMPUTED, UNDECIDED, *_shades(dataset["kind"])]
-    with drawing(ax, width=4.6, height=5.0) as ax:
+    with drawing(ax, width=4.6, height=5.2) as ax:
         label_axis(ax.xaxis, horizontal, dataset[horizontal])
         label_axis(ax.yaxis, vertical, dataset[vertical])
         ax.grid(visible=False)
@@ -258,7 +258,7 @@ def plot_attractor_map(dataset: xr.Dataset, ax: Axes | None = None, *, by: str =
     check_dimensionless("dataset", dataset)
     varying, plane = _varying_part(dataset, 2, "two parameters to be mapped")
     right, upwards = varying
-    places = plane[right].values, plane[upwards].values
+    places, alone = (plane[right].values, plane[upwards].values), ax is None
     with drawing(ax, width=5.0, height=4.4) as ax:
         ax.grid(visible=False)
         if by == "kind":
@@ -268,6 +268,8 @@ def plot_attractor_map(dataset: xr.Dataset, ax: Axes | None = None, *, by: str =
         label_axis(ax.xaxis, right, dataset[right])
         label_axis(ax.yaxis, upwards, dataset[upwards])
         ax.set_title(_title_of_part(plane, varying))
+        if alone and ax.get_legend_handles_labels()[1]:
+            legend_below(ax)
     return ax
 
 

@@ -106,8 +106,8 @@ def plot_branch(branch: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     branch = check_dataset("branch", branch, BRANCH)
     parameter = parameters_of("branch", branch, "parameter", 1)[0]
     course = course_of(branch)
-    fresh = ax is None or not ax.has_data()
     with drawing(ax) as ax:
+        fresh = not ax.has_data()
         hold_units(ax.yaxis, branch["radius_max"])
         if fresh:
             held = [name for name in PARAMETERS if name != parameter]

@@ -3,7 +3,6 @@ import pytest
 import xarray as xr
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import to_rgba
-from matplotlib.figure import Figure
 
 from rotor_ida import InputError, Rotor, basin, basin_fractions, continue_attractors
 from rotor_ida.plot import (
@@ -91,11 +90,6 @@ def test_plane_of_unlike_coordinates_is_square_and_says_what_is_held():
     ax = plot_basin(plane)
     assert (ax.get_aspect(), ax.get_box_aspect()) == ("auto", 1.0)
     assert ax.get_title().endswith(LABELS["vx"].partition(" ")[2] + " $= -15$")
-
-
-def test_draws_on_the_axes_given(figure_7):
-    ax = Figure().subplots()
-    assert plot_basin(figure_7, ax) is ax
 
 
 def test_other_data_are_refused(figure_7):

@@ -5,7 +5,6 @@ import math
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 
 from rotor_ida import (
     DimensionalRotor,
@@ -13,7 +12,6 @@ from rotor_ida import (
     Rotor,
     bifurcation_curve,
     continue_cycle,
-    dimensional,
     folds,
     limit_cycle,
 )
@@ -130,21 +128,6 @@ def test_figure_of_a_cycle_has_all_three(cycle):
         box = ax.get_legend().get_window_extent()
         assert box.x0 >= 0.0
         assert box.x1 <= figure.bbox.width
-
-
-def test_figures_carry_the_units_of_the_dataset(cycle, branch):
-    seen = dimensional(cycle, MACHINE, units={"length": "um"})
-    ax = plot_cycle(seen)
-    assert ax.get_ylabel().endswith("[µm]")
-    np.testing.assert_allclose(np.hypot(*lines_of(ax)["clearance"].get_data()), 2.0)
-    plain, there = (lines_of(plot_multipliers(each)) for each in (cycle, seen))
-    assert set(plain) == set(there)
-    ratio = lines_of(plot_lines(seen))["spin speed"].get_xdata()
-    np.testing.assert_allclose(ratio, [1.0])
-    drawn = plot_branch(dimensional(branch, MACHINE, units={"length": "um"}))
-    assert drawn.get_ylabel() == "radius $|Z|$ [µm]"
-    with pytest.raises(InputError, match="what is drawn on one axis must have its units"):
-        plot_branch(branch, ax=drawn)
 
 
 def test_bands_do_not_turn_back(branch):
@@ -300,13 +283,6 @@ def test_what_cannot_be_drawn_is_refused(cycle, branch, curve):
         plot_curves([curve, over_zeta])
     with pytest.raises(InputError, match=r"fold_points must have the zeta of the curves, 0\.07"):
         plot_curves(curve, fold_points=folds(zeta=0.1, delta0=[0.0, 1.0]))
-
-
-def test_draw_on_the_axes_given(cycle, branch, curve):
-    drawings = [(plot_cycle, cycle), (plot_multipliers, cycle), (plot_lines, cycle)]
-    for draw, dataset in [*drawings, (plot_branch, branch), (plot_curves, curve)]:
-        ax = Figure().subplots()
-        assert draw(dataset, ax=ax) is ax
 
 
 def test_torus_points_and_what_stands_still_are_drawn():

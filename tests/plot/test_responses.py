@@ -3,7 +3,6 @@ import math
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgba
-from matplotlib.figure import Figure
 
 from rotor_ida import InputError, folds, hopf_points, sweep, synchronous_response
 from rotor_ida.closed_forms import clearance_curve, response_curve
@@ -14,7 +13,7 @@ from rotor_ida.plot import (
     plot_phase,
     shared_legend,
 )
-from rotor_ida.plot.labels import KIND_WORDS, LABELS
+from rotor_ida.plot.labels import KIND_WORDS
 from rotor_ida.plot.responses import DOTS, KINDS
 from rotor_ida.schema import RESPONSE
 
@@ -26,12 +25,6 @@ def line(ax, label):
 
 def legend_texts(ax):
     return [text.get_text() for text in ax.get_legend().get_texts()]
-
-
-def test_axes_are_labelled_with_name_and_symbol(exact):
-    ax = plot_amplitude(exact)
-    assert (ax.get_xlabel(), ax.get_ylabel()) == (LABELS["omega"], LABELS["amplitude"])
-    assert plot_phase(exact).get_ylabel() == LABELS["phase_lag"]
 
 
 def test_stable_unstable_and_neutral_whirls_differ_without_colour(exact):
@@ -126,11 +119,6 @@ def test_legend_names_every_kind_and_direction_once(exact, simulated, fold_point
 def test_directions_have_marks_of_their_own(exact, simulated):
     ax = plot_phase(exact, simulated=simulated)
     assert line(ax, "speed going up").get_marker() != line(ax, "speed going down").get_marker()
-
-
-def test_draws_on_the_axes_given(exact):
-    ax = Figure().subplots()
-    assert plot_amplitude(exact, ax=ax) is ax
 
 
 def test_panels_share_the_tallest_range_and_one_legend(exact):

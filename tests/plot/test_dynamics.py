@@ -2,28 +2,19 @@
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 
 from rotor_ida import (
     InputError,
     Rotor,
     bifurcation_diagram,
-    contact_forces,
     lyapunov_exponent,
     poincare_section,
-    rotating,
-    simulate,
-    spectrum,
 )
 from rotor_ida.closed_forms import response_curve
 from rotor_ida.plot import (
     plot_exponents,
     plot_extrema,
-    plot_force_peaks,
-    plot_forces,
-    plot_rotating_orbit,
     plot_section,
-    plot_spectrum,
 )
 from rotor_ida.plot.labels import LABELS
 
@@ -33,18 +24,6 @@ BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 
 def lines_of(ax):
     return {line.get_label(): line for line in ax.lines}
-
-
-def test_orbit_on_rotating_axes_passes_through_the_rotated_samples(run):
-    seen = rotating(run)
-    ax = plot_rotating_orbit(seen)
-    lines = lines_of(ax)
-    drawn = np.concatenate([lines[name].get_xydata() for name in ("flight", "contact")])
-    for x, y in zip(seen.rotating_x.values[::20], seen.rotating_y.values[::20], strict=True):
-        assert np.nanmin(np.hypot(*(drawn - [x, y]).T)) < 1e-12
-    entries = seen.event_kind.values == 1
-    np.testing.assert_allclose(lines["entry"].get_xdata(), seen.event_rotating_x[entries])
-    assert ax.get_aspect() == 1.0
 
 
 def test_entries_are_drawn_as_radial_velocity_over_the_angle():
@@ -73,32 +52,6 @@ def test_empty_section_says_so():
     rotor = Rotor(omega=1.0, zeta=0.5, delta0=9.0)
     ax = plot_section(poincare_section(rotor, start=REST, revolutions=5, at="exit"))
     assert [text.get_text() for text in ax.texts] == ["no crossing"]
-
-
-def test_spectrum_has_backward_whirl_on_the_left(run):
-    lines = lines_of(plot_spectrum(spectrum(run)))
-    assert (lines["backward whirl"].get_xdata() <= 0.0).all()
-    assert (lines["forward whirl"].get_xdata() >= 0.0).all()
-
-
-def test_forces_and_their_peaks():
-    forces = contact_forces(simulate(BOUNCING, start=REST, duration=30.0))
-    lines = lines_of(plot_forces(forces))
-    np.testing.assert_array_equal(lines["force"].get_ydata(), forces.force)
-    step = plot_force_peaks(forces).lines[0]
-    assert step.get_ydata()[-1] == 1.0
-    none = forces.isel(contact=slice(0, 0))
-    texts = [text.get_text() for text in plot_force_peaks(none).texts]
-    assert texts == ["fewer than two whole contacts"]
-
-
-def test_largest_force_at_the_end_of_a_run_is_no_peak():
-    """A run that ends inside a contact while the force grows has not seen its peak."""
-    run = simulate(BOUNCING, start=REST, duration=6.0, samples=601)
-    rising = contact_forces(run.sel(t=slice(0.0, 2.0)))
-    assert rising.peak_time.size
-    cut = rising.assign(peak_time=("contact", np.full(rising.sizes["contact"], 2.0)))
-    assert lines_of(plot_forces(cut))["peak of a contact"].get_xdata().size == 0
 
 
 def test_points_that_fall_together_are_counted():
@@ -145,23 +98,6 @@ def test_extrema_lie_over_the_exact_curve_of_their_clearance():
         plot_extrema(found.sel(delta0=[0.5]), exact=exact)
     with pytest.raises(InputError, match="found must hold one delta0, got 2"):
         plot_extrema(found)
-
-
-def test_draw_on_the_axes_given_and_refuse_other_datasets(run):
-    drawings = {
-        plot_rotating_orbit: run,
-        plot_section: poincare_section(BOUNCING, start=REST, revolutions=2),
-        plot_spectrum: spectrum(run),
-        plot_forces: contact_forces(run),
-        plot_force_peaks: contact_forces(run),
-        plot_exponents: lyapunov_exponent(BOUNCING, start=REST, duration=200.0),
-        plot_extrema: bifurcation_diagram(omega=1.0, zeta=1.0, delta0=0.0, starts=1),
-    }
-    for plot, dataset in drawings.items():
-        ax = Figure().subplots()
-        assert plot(dataset, ax=ax) is ax
-        with pytest.raises(InputError, match="it lacks"):
-            plot(dataset.drop_vars(list(dataset.data_vars)))
 
 
 def test_extrema_are_drawn_over_whatever_varies():
