@@ -21,14 +21,7 @@ from rotor_ida.model.table import PARAMETERS
 from rotor_ida.plot.appearance import INK, KIND_SHADES, drawing, legend_below
 from rotor_ida.plot.datasets import check_dataset, parameters_in
 from rotor_ida.plot.labels import KIND_WORDS, LABELS, label_axis, number_text, title_of, unit_of
-from rotor_ida.schema import (
-    FATE,
-    QUANTITIES,
-    RESPONSE,
-    check_dimensionless,
-    flags_of,
-    words_of,
-)
+from rotor_ida.schema import FATE, QUANTITIES, RESPONSE, check_dimensionless, flags_of, words_of
 
 NEEDED = (*PARAMETERS, "label", "kind", "amplitude", "radius_min", "radius_max", "count")
 UNDECIDED, NOT_COMPUTED = INK, "white"

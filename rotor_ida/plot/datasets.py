@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import product
 
 import numpy as np
 import xarray as xr
@@ -38,6 +39,17 @@ def one_value(name: str, dataset: xr.Dataset, parameter: str) -> float:
 def parameters_in(dataset: xr.Dataset) -> list[str]:
     """Return the parameters of the rotor that a dataset has."""
     return [name for name in ALL_PARAMETERS if name in dataset.variables]
+
+
+def rotors_in(
+    dataset: xr.Dataset, *, but: Sequence[str] = ()
+) -> Iterator[tuple[dict[str, float], xr.Dataset]]:
+    """Yield the parts with one value of each parameter, and the values of those that vary."""
+    names = [name for name in parameters_in(dataset) if name in dataset.dims and name not in but]
+    varied = [name for name in names if dataset.sizes[name] > 1]
+    for places in product(*(range(dataset.sizes[name]) for name in names)):
+        part = dataset.isel({name: [at] for name, at in zip(names, places, strict=True)})
+        yield {name: part[name].item() for name in varied}, part
 
 
 def clearance_of(dataset: xr.Dataset, name: str = "run") -> float:

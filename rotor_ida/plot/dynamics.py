@@ -32,14 +32,7 @@ from rotor_ida.plot.datasets import (
     one_value,
     parameters_in,
 )
-from rotor_ida.plot.labels import (
-    LABELS,
-    in_lines,
-    label_axis,
-    parameter_text,
-    title_of,
-    with_error,
-)
+from rotor_ida.plot.labels import LABELS, in_lines, label_axis, parameter_text, title_of, with_error
 from rotor_ida.plot.responses import plot_amplitude
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import flags_of

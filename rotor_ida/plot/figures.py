@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from itertools import product
 from typing import cast
 
 import numpy as np
@@ -16,7 +15,7 @@ from rotor_ida import plot
 from rotor_ida.checks import check_panels
 from rotor_ida.closed_forms import folds, hopf_points, response_curve
 from rotor_ida.model.table import ALL_PARAMETERS, FRICTIONLESS
-from rotor_ida.plot.datasets import parameters_in
+from rotor_ida.plot.datasets import parameters_in, rotors_in
 from rotor_ida.plot.labels import LABELS
 
 # Up to so many speeds of a table of whirls are marked.
@@ -36,7 +35,7 @@ def _with_axes(draw: Callable[[xr.Dataset], Axes]) -> Callable[[xr.Dataset], Fig
 
 def _figure_of_whirls(dataset: xr.Dataset) -> Figure:
     """Return the figure of exact curves, with what a dataset has on them; a panel for each."""
-    parts = _parts(dataset)
+    parts = [part for _, part in rotors_in(dataset, but=("omega",))]
     columns = math.ceil(math.sqrt(check_panels(len(parts))))
     rows = math.ceil(len(parts) / columns)
     figure, axes = plot.panels(rows, columns, width=2.4 + 2.4 * columns, height=1.6 + 2.0 * rows)
@@ -60,16 +59,6 @@ def _figure_of_whirls(dataset: xr.Dataset) -> Figure:
             ax.tick_params(labelbottom=True)
             ax.set_xlabel(LABELS["omega"])
     return figure
-
-
-def _parts(dataset: xr.Dataset) -> list[xr.Dataset]:
-    """Return the parts of a sweep or of whirls with one value of each parameter but the speed."""
-    names = [name for name in ALL_PARAMETERS[1:] if name in dataset.dims]
-    values = product(*(dataset[name].values.tolist() for name in names))
-    return [
-        dataset.sel({name: [value] for name, value in zip(names, each, strict=True)})
-        for each in values
-    ]
 
 
 def _exact_beside(part: xr.Dataset) -> tuple[xr.Dataset | None, ...]:

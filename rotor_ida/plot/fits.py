@@ -13,14 +13,7 @@ from matplotlib.figure import Figure
 
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
-from rotor_ida.plot.appearance import (
-    BLUE,
-    INK,
-    ORANGE,
-    drawing,
-    own_legend,
-    style,
-)
+from rotor_ida.plot.appearance import BLUE, INK, ORANGE, drawing, own_legend, style
 from rotor_ida.plot.datasets import check_dataset
 from rotor_ida.plot.labels import LABELS, label_axis, label_of
 from rotor_ida.plot.signals.units import Units, is_one_speed, units_of

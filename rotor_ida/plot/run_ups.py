@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from itertools import product
 
 import numpy as np
 import xarray as xr
@@ -23,7 +21,7 @@ from rotor_ida.plot.appearance import (
     shared_legend,
     style,
 )
-from rotor_ida.plot.datasets import check_dataset, parameters_in
+from rotor_ida.plot.datasets import check_dataset, rotors_in
 from rotor_ida.plot.labels import LABELS, label_of, parameter_text
 from rotor_ida.schema import ENDS_IN_WORDS
 
@@ -65,7 +63,7 @@ def run_ups_figure(dataset: xr.Dataset) -> Figure:
     ['largest normal force', 'share of run-ups', 'share of run-ups']
     """
     dataset = check_dataset("dataset", dataset, NEEDED)
-    rotors = list(_rotors(dataset))
+    rotors = list(rotors_in(dataset))
     columns = math.ceil(math.sqrt(1 + len(rotors)))
     rows = math.ceil((1 + len(rotors)) / columns)
     figure, axes = mixed_panels(rows, columns, width=1.0 + 3.2 * columns, height=0.6 + 2.7 * rows)
@@ -105,7 +103,7 @@ def plot_largest_force(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     order = np.argsort(size)
     highest = 0.0
     with drawing(ax) as ax:
-        for number, (values, one) in enumerate(_rotors(dataset)):
+        for number, (values, one) in enumerate(rotors_in(dataset)):
             colour, dashes = look(number)
             force = one["largest_force"].transpose("rate", ...).values
             force = force.reshape(size.size, -1)[order]
@@ -145,7 +143,7 @@ def plot_endings(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ['ends contact-free', 'ends in a rub']
     """
     dataset = check_dataset("dataset", dataset, NEEDED)
-    ((_, one),) = [*_rotors(dataset)][:1]
+    _, one = next(rotors_in(dataset))
     rates = one["rate"].values
     order = np.argsort(np.abs(rates))
     places, alone = np.arange(rates.size), ax is None
@@ -168,15 +166,6 @@ def plot_endings(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         if alone:
             legend_below(ax)
     return ax
-
-
-def _rotors(dataset: xr.Dataset) -> Iterator[tuple[dict[str, float], xr.Dataset]]:
-    """Yield the parts with one value of each parameter, and the values of those that vary."""
-    names = [name for name in parameters_in(dataset) if name in dataset.dims]
-    varied = [name for name in names if dataset.sizes[name] > 1]
-    for places in product(*(range(dataset.sizes[name]) for name in names)):
-        part = dataset.isel({name: [at] for name, at in zip(names, places, strict=True)})
-        yield {name: part[name].item() for name in varied}, part
 
 
 def _rate_label(dataset: xr.Dataset) -> str:

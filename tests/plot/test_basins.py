@@ -5,12 +5,7 @@ from matplotlib.collections import QuadMesh
 from matplotlib.colors import to_rgba
 
 from rotor_ida import InputError, Rotor, basin, basin_fractions, continue_attractors
-from rotor_ida.plot import (
-    plot_attractor_fractions,
-    plot_attractor_map,
-    plot_attractors,
-    plot_basin,
-)
+from rotor_ida.plot import plot_attractor_fractions, plot_attractor_map, plot_attractors, plot_basin
 from rotor_ida.plot.appearance import KIND_SHADES
 from rotor_ida.plot.labels import LABELS
 from rotor_ida.schema import RESPONSE, flags_of

@@ -3,19 +3,9 @@
 import numpy as np
 import pytest
 
-from rotor_ida import (
-    InputError,
-    Rotor,
-    bifurcation_diagram,
-    lyapunov_exponent,
-    poincare_section,
-)
+from rotor_ida import InputError, Rotor, bifurcation_diagram, lyapunov_exponent, poincare_section
 from rotor_ida.closed_forms import response_curve
-from rotor_ida.plot import (
-    plot_exponents,
-    plot_extrema,
-    plot_section,
-)
+from rotor_ida.plot import plot_exponents, plot_extrema, plot_section
 from rotor_ida.plot.labels import LABELS
 
 REST = (0.0, 0.0, 0.0, 0.0)

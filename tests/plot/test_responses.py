@@ -6,13 +6,7 @@ from matplotlib.colors import to_rgba
 
 from rotor_ida import InputError, folds, hopf_points, sweep, synchronous_response
 from rotor_ida.closed_forms import clearance_curve, response_curve
-from rotor_ida.plot import (
-    panels,
-    plot_amplitude,
-    plot_over_clearance,
-    plot_phase,
-    shared_legend,
-)
+from rotor_ida.plot import panels, plot_amplitude, plot_over_clearance, plot_phase, shared_legend
 from rotor_ida.plot.labels import KIND_WORDS
 from rotor_ida.plot.responses import DOTS, KINDS
 from rotor_ida.schema import RESPONSE

@@ -1,15 +1,7 @@
 import numpy as np
 import pytest
 
-from rotor_ida import (
-    DimensionalRotor,
-    InputError,
-    Rotor,
-    dimensional,
-    rotating,
-    run_up,
-    simulate,
-)
+from rotor_ida import DimensionalRotor, InputError, Rotor, dimensional, rotating, run_up, simulate
 from rotor_ida.plot import (
     plot_drawn_out,
     plot_history,
