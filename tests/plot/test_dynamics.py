@@ -6,7 +6,6 @@ import pytest
 from rotor_ida import InputError, Rotor, bifurcation_diagram, lyapunov_exponent, poincare_section
 from rotor_ida.closed_forms import response_curve
 from rotor_ida.plot import plot_exponents, plot_extrema, plot_section
-from rotor_ida.plot.labels import LABELS
 
 REST = (0.0, 0.0, 0.0, 0.0)
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
@@ -16,46 +15,36 @@ def lines_of(ax):
     return {line.get_label(): line for line in ax.lines}
 
 
-def test_entries_are_drawn_as_radial_velocity_over_the_angle():
-    section = poincare_section(BOUNCING, start=REST, revolutions=10, at="entry")
-    ax = plot_section(section)
-    angle, velocity = ax.lines[0].get_data()
+@pytest.mark.parametrize("revolutions", [10, 20])
+def test_entries_are_drawn_as_radial_velocity_over_the_angle(revolutions):
+    """Also on both sides of half a turn, where the angle alone would part them."""
+    section = poincare_section(BOUNCING, start=REST, revolutions=revolutions, at="entry")
+    angle, velocity = plot_section(section).lines[0].get_data()
     assert (velocity > 0.0).all()
-    np.testing.assert_allclose(2.0 * np.cos(angle), section.rotating_x, atol=1e-12)
-    assert ax.get_ylabel() == LABELS["radial_velocity"]
+    z = section.rotating_x.values + 1j * section.rotating_y.values
+    np.testing.assert_allclose(2.0 * np.exp(1j * angle), z, atol=1e-12)
+    assert revolutions == 10 or np.ptp(angle) < np.ptp(np.angle(z))
 
 
-def test_a_single_point_is_not_blown_up():
-    section = poincare_section(BOUNCING, start=REST, revolutions=10, skip=150, at="entry")
-    low, high = plot_section(section).get_xlim()
-    assert high - low > 0.1
-
-
-def test_sections_by_revolution_show_the_ring():
+def test_a_section_shows_the_ring_and_says_what_it_is():
     ax = plot_section(poincare_section(BOUNCING, start=REST, revolutions=5))
-    ring = lines_of(ax)["clearance"]
-    np.testing.assert_allclose(np.hypot(*ring.get_data()), 2.0)
+    np.testing.assert_allclose(np.hypot(*lines_of(ax)["clearance"].get_data()), 2.0)
     assert ax.get_title() == "once a revolution"
+    loaded = Rotor(omega=1.7, zeta=0.07, delta0=0.5, load=0.1)
+    section = poincare_section(loaded, start=REST, revolutions=9, phase=0.5 * np.pi)
+    assert plot_section(section).get_title() == "unbalance at 90°"
+    free = poincare_section(
+        Rotor(omega=1.0, zeta=0.5, delta0=9.0), start=REST, revolutions=5, at="exit"
+    )
+    assert [text.get_text() for text in plot_section(free).texts] == ["no crossing"]
 
 
-def test_empty_section_says_so():
-    rotor = Rotor(omega=1.0, zeta=0.5, delta0=9.0)
-    ax = plot_section(poincare_section(rotor, start=REST, revolutions=5, at="exit"))
-    assert [text.get_text() for text in ax.texts] == ["no crossing"]
-
-
-def test_points_that_fall_together_are_counted():
+def test_points_that_fall_together_are_counted_and_not_blown_up():
     section = poincare_section(BOUNCING, start=REST, revolutions=20, skip=150, at="entry")
-    assert plot_section(section).get_title().endswith(" crossings, 1 point")
-
-
-def test_entries_on_both_sides_of_half_a_turn_stay_together():
-    section = poincare_section(BOUNCING, start=REST, revolutions=20, at="entry")
-    angle = plot_section(section).lines[0].get_xdata()
-    np.testing.assert_allclose(2.0 * np.cos(angle), section.rotating_x, atol=1e-12)
-    np.testing.assert_allclose(2.0 * np.sin(angle), section.rotating_y, atol=1e-12)
-    raw = np.angle(section.rotating_x.values + 1j * section.rotating_y.values)
-    assert np.ptp(angle) < np.ptp(raw)
+    ax = plot_section(section)
+    assert ax.get_title().endswith(" crossings, 1 point")
+    low, high = ax.get_xlim()
+    assert high - low > 0.1
 
 
 def test_extrema_of_unresolved_motion_are_not_told_as_lasting():
@@ -113,9 +102,3 @@ def test_extrema_of_another_machine_than_the_curve_are_refused():
     message = "found must have the shaft_stiffness of exact, 0.0, got 0.25"
     with pytest.raises(InputError, match=message):
         plot_extrema(found, exact=exact)
-
-
-def test_a_section_at_another_angle_says_so():
-    rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5, load=0.1)
-    section = poincare_section(rotor, start=(0, 0, 0, 0), revolutions=9, phase=0.5 * np.pi)
-    assert plot_section(section).get_title() == "unbalance at 90°"
