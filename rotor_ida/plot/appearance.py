@@ -341,12 +341,12 @@ def look(number: int) -> tuple[str, object]:
 
 
 def _entries(axes: Sequence[Axes]) -> tuple[list[Artist], list[str]]:
-    found: dict[str, Artist] = {}
+    handles: dict[str, Artist] = {}
     for ax in axes:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
-            found.setdefault(label, handle)
-    labels = sorted(found, key=_place)
-    return [found[label] for label in labels], labels
+            handles.setdefault(label, handle)
+    labels = sorted(handles, key=_place)
+    return [handles[label] for label in labels], labels
 
 
 def _place(label: str) -> int:

@@ -110,8 +110,8 @@ def plot_branch(branch: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         fresh = not ax.has_data()
         hold_units(ax.yaxis, branch["radius_max"])
         if fresh:
-            held = [name for name in PARAMETERS if name != parameter]
-            ax.set(xlabel=LABELS[parameter], title=title_of("branch", branch, held))
+            others = [name for name in PARAMETERS if name != parameter]
+            ax.set(xlabel=LABELS[parameter], title=title_of("branch", branch, others))
             label_axis(ax.yaxis, "radius", branch["radius_max"])
         _draw_bands(ax, course)
         _draw_edges(ax, course)
@@ -160,9 +160,9 @@ def plot_curves(
     if not datasets:
         raise InputError("curves must hold at least one bifurcation curve, got none")
     across, up = _plane_of(datasets)
-    held = [name for name in ALL_PARAMETERS if name not in {across, up}]
+    others = [name for name in ALL_PARAMETERS if name not in {across, up}]
     values = [
-        {name: one_value("curves", curve, name) for name in held if name in curve.coords}
+        {name: one_value("curves", curve, name) for name in others if name in curve.coords}
         for curve in datasets
     ]
     if fold_points is not None:

@@ -250,10 +250,10 @@ class _Known(NamedTuple):
 
 def _checked_cycle(cycle: object, needed: Sequence[str]) -> xr.Dataset:
     """Return a dataset if it holds a limit cycle."""
-    found = check_dataset("cycle", cycle, needed)
-    if math.isnan(one_value("cycle", found, "period")):
+    checked = check_dataset("cycle", cycle, needed)
+    if math.isnan(one_value("cycle", checked, "period")):
         raise InputError("cycle must hold a limit cycle, got a result without one")
-    return found
+    return checked
 
 
 def _path_of(cycle: xr.Dataset, ring: float) -> tuple[Path, npt.NDArray[np.intp]]:

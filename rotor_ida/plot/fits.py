@@ -157,9 +157,9 @@ def plot_fit_residuals(dataset: xr.Dataset, ax: Axes | None = None, *, order: fl
 
 def _order_of(dataset: xr.Dataset, order: float) -> tuple[xr.Dataset, Units, xr.DataArray]:
     """Return one order of a fit, the units, and what it is drawn over, with its label."""
-    held = dataset["order"].values
-    if order not in held:
-        allowed = ", ".join(f"{each:g}" for each in held)
+    compared = dataset["order"].values
+    if order not in compared:
+        allowed = ", ".join(f"{each:g}" for each in compared)
         raise InputError(f"order must be one of those that were compared, {allowed}, got {order!r}")
     one = dataset.sel(order=order)
     units = units_of(one, "forward_whirl_amplitude", "speed")

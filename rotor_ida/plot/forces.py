@@ -122,8 +122,8 @@ def peaks_of(dataset: xr.Dataset) -> tuple[Values, Values]:
     Where a run begins or ends inside a contact, the largest force there is no peak.
     """
     times, first, last = dataset["peak_time"].values, *dataset["t"].values[[0, -1]]
-    seen = (times > first) & (times < last)
-    return times[seen], dataset["peak_force"].values[seen]
+    inside = (times > first) & (times < last)
+    return times[inside], dataset["peak_force"].values[inside]
 
 
 def peaks_on(dataset: xr.Dataset, time: Values, force: Values) -> tuple[Values, Values]:

@@ -194,11 +194,11 @@ def plot_over_clearance(
     'clearance $\\delta_0$'
     """
     exact = check_dataset("exact", exact, CURVE)
-    held = _held("exact", exact, ("omega", "zeta"))
+    parameters = _fixed_parameters("exact", exact, ("omega", "zeta"))
     if simulated is not None:
         check_dataset("simulated", simulated, ("delta0", *SIMULATED[:-1]))
-        optional = {name: value for name, value in held.items() if name in OPTIONAL}
-        _check_same("simulated", _held("simulated", simulated, ()), optional)
+        optional = {name: value for name, value in parameters.items() if name in OPTIONAL}
+        _check_same("simulated", _fixed_parameters("simulated", simulated, ()), optional)
         check_same_units("simulated", simulated, exact)
     with drawing(ax) as ax:
         draw_curve(ax, exact, over="delta0", quantity="amplitude")
@@ -207,7 +207,7 @@ def plot_over_clearance(
         ax.set_xlabel(LABELS["delta0"])
         label_axis(ax.yaxis, "amplitude", exact["amplitude"])
         ax.set_ylim(bottom=0.0)
-        ax.set_title(in_lines(parameter_text(held)))
+        ax.set_title(in_lines(parameter_text(parameters)))
         own_legend(ax)
     return ax
 
@@ -227,15 +227,15 @@ def _plot_over_speed(
         shown = check_dataset("simulated", simulated, BESIDE["simulated"])
     else:
         raise InputError("exact must be a Dataset, or None beside simulated, got neither")
-    held = _held("simulated" if exact is None else "exact", shown)
+    parameters = _fixed_parameters("simulated" if exact is None else "exact", shown)
     for name, dataset in given.items():
         check_dataset(name, dataset, BESIDE[name])
-        _check_same(name, _held(name, dataset), held)
+        _check_same(name, _fixed_parameters(name, dataset), parameters)
         check_same_units(name, dataset, shown)
     with drawing(ax) as ax:
         if exact is not None:
             draw_curve(ax, exact, over="omega", quantity=quantity)
-        _draw_points(ax, quantity, given, shown, held["zeta"])
+        _draw_points(ax, quantity, given, shown, parameters["zeta"])
         if simulated is not None:
             _draw_simulated(ax, simulated, quantity)
         label_axis(ax.xaxis, "omega", shown["omega"])
@@ -248,20 +248,22 @@ def _plot_over_speed(
         else:
             ax.set_ylim(0.0, 1.06 * math.pi)
             ax.set_yticks([0.0, 0.5 * math.pi, math.pi], ["0", r"$\pi/2$", r"$\pi$"])
-        ax.set_title(_without_curve(held) if exact is None else in_lines(parameter_text(held)))
+        ax.set_title(
+            _without_curve(parameters) if exact is None else in_lines(parameter_text(parameters))
+        )
         own_legend(ax)
     return ax
 
 
-def _without_curve(held: Mapping[str, float]) -> str:
+def _without_curve(parameters: Mapping[str, float]) -> str:
     """Return the title of a panel that says why it shows no curve."""
-    last = {name: value for name, value in held.items() if name == "load"}
-    before = {name: value for name, value in held.items() if name != "load"}
+    last = {name: value for name, value in parameters.items() if name == "load"}
+    before = {name: value for name, value in parameters.items() if name != "load"}
     reason = f"{parameter_text(last)}: {NO_CURVE} under a load" if last else NO_CURVE
     return f"{parameter_text(before)}\n{reason}"
 
 
-def _held(
+def _fixed_parameters(
     name: str, dataset: xr.Dataset, of_all: Sequence[str] = ("zeta", "delta0")
 ) -> dict[str, float]:
     """Return the parameters but the one on the axis, of which there is one value each."""

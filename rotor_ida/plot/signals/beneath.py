@@ -67,7 +67,7 @@ def made_beneath(
     of_any_speed : collection of str
         Kinds that may be of another speed than what is shown.
     """
-    found: list[T] = []
+    made: list[T] = []
     # curves first: other points ask them for lags
     for dataset in sorted(list_of(beneath), key=lambda each: _kind_of(each) != "curve"):
         kind = _kind_of(dataset)
@@ -75,8 +75,8 @@ def made_beneath(
             title = dataset.attrs.get("title", "another dataset")
             raise InputError(f"beneath must be {allowed}, got {title!r}")
         _check_parameters(dataset, shown, () if kind not in of_any_speed else ("omega",))
-        found += makers[kind](dataset, scales_of(dataset, shown, units))
-    return found
+        made += makers[kind](dataset, scales_of(dataset, shown, units))
+    return made
 
 
 def _kind_of(dataset: xr.Dataset) -> str:
@@ -164,10 +164,10 @@ def responses_of(beneath: Beneath, shown: xr.Dataset, units: Units) -> list[Resp
     curves: list[xr.Dataset] = []
 
     def curve(dataset: xr.Dataset, scales: Scales) -> list[Response]:
-        found = _curve(dataset, scales, units)
-        curves.append(found)
+        drawn = _curve(dataset, scales, units)
+        curves.append(drawn)
         nothing = np.empty(0)
-        return [Response(found, nothing, nothing, nothing)]
+        return [Response(drawn, nothing, nothing, nothing)]
 
     makers = {
         "curve": curve,
@@ -302,7 +302,7 @@ def _lines_of_cycle(cycle: xr.Dataset, scales: Scales, units: Units) -> list[Lin
 def _special_lines(name: str, dataset: xr.Dataset, scales: Scales, units: Units) -> list[Line]:
     """Return folds, or Hopf points with the two lines that a cycle has beside 1X as it is born."""
     words, marker = SPECIAL[name]
-    found = []
+    lines = []
     for place, omega in np.ndenumerate(dataset[f"{name}_omega"].values):
         if not math.isfinite(omega):
             continue
@@ -314,8 +314,8 @@ def _special_lines(name: str, dataset: xr.Dataset, scales: Scales, units: Units)
         speed = float(units.speeds(omega * scales.omega))
         for rate in rates:
             frequency = float(units.frequencies(rate * scales.rate))
-            found.append(Line(frequency, height, words, INK, marker, speed))
-    return found
+            lines.append(Line(frequency, height, words, INK, marker, speed))
+    return lines
 
 
 def _lines_of_backward(whirls: xr.Dataset, scales: Scales, units: Units) -> list[Line]:

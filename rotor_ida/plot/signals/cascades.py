@@ -195,42 +195,42 @@ def _segments(
 ) -> Segments:
     """Return the spectra of segments, computed if they are not yet."""
     given = check_dataset("signals", signals, ())
-    held = given
+    spectra = given
     if not {"whirl_amplitude", "window", "frequency"} <= set(given.variables):
         size = segment_for(record_of(given)) if segment is None else segment
-        held = spectrogram(given, segment=size, overlap=OVERLAP)
-    units = units_of(held, "whirl_amplitude", "frequency")
-    exact = lines_of(beneath, held, units, over_speed=not _one_speed(held))
-    across, name = units.frequencies(held["frequency"].values), _upwards(held, over)
-    up = units.speeds(held["speed"].values) if name == "speed" else held["t"]
-    limit = _limit_of(held, units, across.values, check_positive("span", span))
-    return Segments(held, units, exact, across, up, name, limit)
+        spectra = spectrogram(given, segment=size, overlap=OVERLAP)
+    units = units_of(spectra, "whirl_amplitude", "frequency")
+    exact = lines_of(beneath, spectra, units, over_speed=not _one_speed(spectra))
+    across, name = units.frequencies(spectra["frequency"].values), _upwards(spectra, over)
+    up = units.speeds(spectra["speed"].values) if name == "speed" else spectra["t"]
+    limit = _limit_of(spectra, units, across.values, check_positive("span", span))
+    return Segments(spectra, units, exact, across, up, name, limit)
 
 
-def _one_speed(held: xr.Dataset) -> bool:
-    return "speed" not in held.variables or is_one_speed(held["speed"].values)
+def _one_speed(spectra: xr.Dataset) -> bool:
+    return "speed" not in spectra.variables or is_one_speed(spectra["speed"].values)
 
 
-def _upwards(held: xr.Dataset, over: str | None) -> str:
+def _upwards(spectra: xr.Dataset, over: str | None) -> str:
     """Return the name of what is upwards: the speed if it changes and never turns back."""
     if over is None:
-        known = "speed" in held.variables and not _one_speed(held)
-        steps = np.diff(held["speed"].values) if known else np.zeros(1)
+        known = "speed" in spectra.variables and not _one_speed(spectra)
+        steps = np.diff(spectra["speed"].values) if known else np.zeros(1)
         slack = 0.02 * float(np.abs(steps).sum())
         one_way = min(-steps[steps < 0.0].sum(), steps[steps > 0.0].sum()) <= slack
         over = "speed" if known and one_way else "t"
     check_choice("over", over, OVER)
-    if over not in held.variables:
+    if over not in spectra.variables:
         raise InputError("over must be 't' where no angle of the rotor is known, got 'speed'")
     return over
 
 
-def _limit_of(held: xr.Dataset, units: Units, across: Values, span: float) -> float:
+def _limit_of(spectra: xr.Dataset, units: Units, across: Values, span: float) -> float:
     """Return the largest frequency shown."""
     all_of_it = float(np.abs(across).max())
-    if "speed" not in held.variables:
+    if "speed" not in spectra.variables:
         return min(1.0, span) * all_of_it
-    fastest = float(units.frequencies(held["speed"].values).max())
+    fastest = float(units.frequencies(spectra["speed"].values).max())
     return min(span * fastest, all_of_it) or all_of_it
 
 
@@ -302,11 +302,11 @@ def _mark_lines(ax: Axes, segments: Segments) -> None:
 
     Over the time that is all the way up, unless the speed changes.
     """
-    held, up = segments.dataset, segments.up.values
-    everywhere = segments.name == "t" and _one_speed(held)
+    spectra, up = segments.dataset, segments.up.values
+    everywhere = segments.name == "t" and _one_speed(spectra)
     speeds = np.empty(0)
-    if "speed" in held.variables:
-        speeds = segments.units.speeds(held["speed"].values).values
+    if "speed" in spectra.variables:
+        speeds = segments.units.speeds(spectra["speed"].values).values
     for line in lines_within(segments.exact, segments.limit):
         if everywhere:
             ax.axvline(line.frequency, color=line.colour, lw=0.8, ls=(0, (1, 1.2)),

@@ -70,8 +70,8 @@ def orbits_of(beneath: Beneath, given: xr.Dataset, units: Units) -> list[Orbit]:
     }
     allowed = "a limit cycle, backward whirls or synchronous whirls"
     of_any_speed = () if one_speed else KINDS
-    found = made_beneath(beneath, given, units, makers, allowed, of_any_speed=of_any_speed)
-    return [each for each in found if np.isfinite(each.x).all()]
+    orbits = made_beneath(beneath, given, units, makers, allowed, of_any_speed=of_any_speed)
+    return [each for each in orbits if np.isfinite(each.x).all()]
 
 
 def _is_of_one_speed(given: xr.Dataset) -> bool:
@@ -116,7 +116,7 @@ def _circles(whirls: xr.Dataset, given: xr.Dataset, length: float) -> list[Orbit
     free = (whirls["in_contact"].values.ravel() == 0) & ("shaft_stiffness" not in whirls.variables)
     middle = centre_line(given).isel(window=-1) if free.any() else None
     centre = 0j if middle is None else complex(middle["offset_x"], middle["offset_y"])
-    found = []
+    orbits = []
     for radius, loose, stability in zip(
         whirls["amplitude"].values.ravel() * length, free, words_of(whirls["stability"]),
         strict=True,
@@ -127,11 +127,11 @@ def _circles(whirls: xr.Dataset, given: xr.Dataset, length: float) -> list[Orbit
             orbit = Orbit(x, y, "unstable whirl", GREY, DASHES)
         if loose:
             orbit = orbit._replace(x=x + centre.real, y=y + centre.imag)
-        found.append(orbit)
-    return found
+        orbits.append(orbit)
+    return orbits
 
 
-def centres_of(beneath: Beneath, held: xr.Dataset, units: Units) -> list[Centre]:
+def centres_of(beneath: Beneath, means: xr.Dataset, units: Units) -> list[Centre]:
     """Return exact mean positions under a centre line."""
     makers = {
         "rest": lambda each, scales: [
@@ -143,7 +143,7 @@ def centres_of(beneath: Beneath, held: xr.Dataset, units: Units) -> list[Centre]
         "whirls": lambda _each, _scales: [Centre(0j, "centre of whirls in contact", "o")],
     }
     allowed = "a place of rest, a limit cycle or synchronous whirls"
-    return made_beneath(beneath, held, units, makers, allowed)
+    return made_beneath(beneath, means, units, makers, allowed)
 
 
 def _mean_of(cycle: xr.Dataset) -> complex:
@@ -232,7 +232,7 @@ def _nearest_whirl(whirls: xr.Dataset, given: xr.Dataset, scales: Scales) -> lis
         raise InputError("beneath must be the whirls at one speed under a trace, got several")
     part = _end_of(record, 2.0 * math.pi / float(np.gradient(angles, record.times)[-1]))
     loose = "shaft_stiffness" not in whirls.variables
-    found = []
+    whirling = []
     for height, behind, in_contact in zip(amplitude, lag, touches, strict=True):
         if not math.isfinite(height):
             continue
@@ -240,5 +240,5 @@ def _nearest_whirl(whirls: xr.Dataset, given: xr.Dataset, scales: Scales) -> lis
         if loose and not in_contact:  # without a shaft its centre may be anywhere
             z = z + (record.z[part] - z[part]).mean()
         miss = float(np.square(np.abs(z[part] - record.z[part])).mean())
-        found.append((miss, Trace(record.times, z, "exact whirl")))
-    return [min(found, key=lambda each: each[0])[1]] if found else []
+        whirling.append((miss, Trace(record.times, z, "exact whirl")))
+    return [min(whirling, key=lambda each: each[0])[1]] if whirling else []

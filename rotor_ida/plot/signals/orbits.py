@@ -152,15 +152,15 @@ def plot_centre_line(
     """
     given = check_dataset("signals", signals, ())
     ready = {"offset_x", "offset_y", "window"} <= set(given.variables)
-    held = given if ready else centre_line(given, revolutions=revolutions)
-    units = units_of(held, "offset_x", "speed")
-    speeds = units.speeds(held["speed"].values)
-    x, y = held["offset_x"].values, held["offset_y"].values
-    exact = centres_of(beneath, held, units)
+    means = given if ready else centre_line(given, revolutions=revolutions)
+    units = units_of(means, "offset_x", "speed")
+    speeds = units.speeds(means["speed"].values)
+    x, y = means["offset_x"].values, means["offset_y"].values
+    exact = centres_of(beneath, means, units)
     with drawing(ax, width=4.2, height=4.9) as ax:
         label_axis(ax.xaxis, "x", units.lengths(x), words="mean displacement $x$")
         label_axis(ax.yaxis, "y", units.lengths(y), words="mean displacement $y$")
-        ring = _ring_of(held, clearance)
+        ring = _ring_of(means, clearance)
         draw_ring(ax, ring or 0.0)
         ax.plot(*thinned(x, y), color=BLUE, lw=1.1, label="centre line", zorder=3.0)
         for place, words, marker in exact:
@@ -170,7 +170,7 @@ def plot_centre_line(
         mark_speeds(ax, x + 1j * y, speeds, BLUE, apart=0.08 * size,
                     label=label_of("speed", speeds))  # fmt: skip
         ax.set_aspect("equal", adjustable="datalim")
-        ax.set_title(title_of_signals(held, one_speed=is_one_speed(speeds.values)))
+        ax.set_title(title_of_signals(means, one_speed=is_one_speed(speeds.values)))
         legend_below(ax)
     return ax
 

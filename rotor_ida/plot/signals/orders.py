@@ -263,10 +263,10 @@ def _one_order(signals: xr.Dataset, order: float, sense: str, beneath: Beneath) 
     check_choice("sense", sense, SENSES)
     tracks = tracks_of(signals, [order])
     units = units_of(tracks, "forward_whirl_amplitude", "speed")
-    wanted, held = check_positive("order", order), tracks["order"].values
-    place = int(np.abs(held - wanted).argmin())
-    if abs(held[place] - wanted) > 1e-9 * wanted:
-        raise InputError(f"signals must hold the order {wanted:g}, got {held.tolist()}")
+    wanted, tracked_orders = check_positive("order", order), tracks["order"].values
+    place = int(np.abs(tracked_orders - wanted).argmin())
+    if abs(tracked_orders[place] - wanted) > 1e-9 * wanted:
+        raise InputError(f"signals must hold the order {wanted:g}, got {tracked_orders.tolist()}")
     exact = responses_of(beneath, tracks, units)
     if exact and (order, sense) != (1.0, "forward"):
         raise InputError(f"beneath goes under the order 1 forward, got {order:g} {sense}")
@@ -297,9 +297,9 @@ def _broken(
     at = at[at > 0]
     ends = np.concatenate([[0], at, [across[part].size]])
     alone = ends[:-1][np.diff(ends) == 1]
-    seen = up[part].copy()
-    seen[alone] = np.nan
-    return np.insert(across[part], at, np.nan), np.insert(seen, at, np.nan)
+    drawn = up[part].copy()
+    drawn[alone] = np.nan
+    return np.insert(across[part], at, np.nan), np.insert(drawn, at, np.nan)
 
 
 def _speed_limits(ax: Axes, speeds: Values) -> None:

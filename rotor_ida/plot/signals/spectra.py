@@ -126,13 +126,13 @@ def plot_full_spectrum(
     ['backward', 'forward', 'spin speed', 'noise floor', 'bandwidth']
     """
     given = check_dataset("signals", signals, ())
-    held = given if "noise_floor" in given.variables else full_spectrum(given, segment=segment)
-    units = units_of(held, "whirl_amplitude", "frequency")
-    exact = lines_of(beneath, held, units)
-    frequency = units.frequencies(held["frequency"].values)
-    limit, spin = _limit_of(held, frequency.values, check_positive("span", span))
-    height = held["whirl_amplitude"].values
-    highest, noise = float(height.max(initial=0.0)) or 1.0, float(held["noise_floor"])
+    spectrum = given if "noise_floor" in given.variables else full_spectrum(given, segment=segment)
+    units = units_of(spectrum, "whirl_amplitude", "frequency")
+    exact = lines_of(beneath, spectrum, units)
+    frequency = units.frequencies(spectrum["frequency"].values)
+    limit, spin = _limit_of(spectrum, frequency.values, check_positive("span", span))
+    height = spectrum["whirl_amplitude"].values
+    highest, noise = float(height.max(initial=0.0)) or 1.0, float(spectrum["noise_floor"])
     with drawing(ax, width=6.0, height=3.8) as ax:
         label_axis(ax.xaxis, "frequency", frequency)
         label_axis(ax.yaxis, "whirl_amplitude", units.lengths(height))
@@ -146,7 +146,7 @@ def plot_full_spectrum(
             ax.axvline(spin, color=INK, lw=0.6, ls=DASHES, zorder=1.6, label="spin speed")
         ax.axhline(noise, color=INK, lw=0.8, ls=(0, (1, 1.4)), zorder=2.6,
                    label=f"noise floor ${number_text(noise)}$")  # fmt: skip
-        _draw_bandwidth(ax, held, units, limit)
+        _draw_bandwidth(ax, spectrum, units, limit)
         for line in lines_within(exact, limit):
             draw_marks(ax, line.frequency, line.amplitude, line.marker, line.colour, size=5.0,
                        face="none", edge=1.1, label=line.words, level=3.2, clip=False)  # fmt: skip
@@ -155,17 +155,17 @@ def plot_full_spectrum(
         tallest = max([highest, *(line.amplitude for line in lines_within(exact, limit))])
         ax.set_ylim(max(0.2 * noise, 1e-12 * highest), 4.0 * tallest)
         _name_orders(ax, spin, limit)
-        ax.set_title(title_of_signals(held, one_speed=not math.isnan(spin)), pad=16.0)
+        ax.set_title(title_of_signals(spectrum, one_speed=not math.isnan(spin)), pad=16.0)
         legend_below(ax, columns=4)
     return ax
 
 
-def _limit_of(held: xr.Dataset, frequency: Values, span: float) -> tuple[float, float]:
+def _limit_of(spectrum: xr.Dataset, frequency: Values, span: float) -> tuple[float, float]:
     """Return the largest frequency shown, and that of the spin; NaN where it is not one."""
     all_of_it = float(np.abs(frequency).max())
-    if "frequency_over_omega" not in held.variables:
+    if "frequency_over_omega" not in spectrum.variables:
         return min(1.0, span) * all_of_it, math.nan
-    spin = float(frequency[-1] / held["frequency_over_omega"].values[-1])
+    spin = float(frequency[-1] / spectrum["frequency_over_omega"].values[-1])
     return min(span * spin, all_of_it), spin
 
 
@@ -197,9 +197,9 @@ def name_order(ax: Axes, order: float, frequency: float, colour: str) -> None:
     )  # fmt: skip
 
 
-def _draw_bandwidth(ax: Axes, held: xr.Dataset, units: Units, limit: float) -> None:
+def _draw_bandwidth(ax: Axes, spectrum: xr.Dataset, units: Units, limit: float) -> None:
     """Draw a bar as wide as the band from which one line gathers noise."""
-    width = units.frequencies(float(held["bandwidth"]))
+    width = units.frequencies(float(spectrum["bandwidth"]))
     unit = f" {width.attrs['units']}" if units.rate is not None else ""
     left = -0.97 * limit
     ax.plot([left, left + float(width)], [0.95, 0.95], transform=ax.get_xaxis_transform(),

@@ -33,12 +33,12 @@ class Leg(NamedTuple):
 
 def title_of_signals(dataset: xr.Dataset, *, one_speed: bool) -> str:
     """Return the parameters that a dataset tells, but for a speed that changes."""
-    told = {
+    known = {
         name: float(dataset[name])
         for name in parameters_in(dataset)
         if not dataset[name].ndim and (name != "omega" or one_speed)
     }
-    return in_lines(parameter_text(told))
+    return in_lines(parameter_text(known))
 
 
 def legs_of(speeds: Values, words: str) -> list[Leg]:

@@ -49,8 +49,8 @@ class Units:
 
     def _turns(self, values: npt.ArrayLike, factor: float, unit: str) -> xr.DataArray:
         scale = 1.0 if self.rate is None else self.rate * factor
-        told = "1" if self.rate is None else unit
-        return xr.DataArray(scale * np.asarray(values), attrs={"units": told})
+        shown = "1" if self.rate is None else unit
+        return xr.DataArray(scale * np.asarray(values), attrs={"units": shown})
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,11 +64,11 @@ class Scales:
 
 def units_of(dataset: xr.Dataset, length: str, rate: str | None = None) -> Units:
     """Return the units of a dataset: those of its variables of a length, and of a rate or time."""
-    found = None
+    radians = None
     if rate is not None:
         unit = str(dataset[rate].attrs.get("units", "1"))
-        found = 1.0 if unit == "rpm" else radians_in(unit if "-1" in unit else f"{unit}-1")
-    return Units(str(dataset[length].attrs.get("units", "1")), found)
+        radians = 1.0 if unit == "rpm" else radians_in(unit if "-1" in unit else f"{unit}-1")
+    return Units(str(dataset[length].attrs.get("units", "1")), radians)
 
 
 def radians_in(unit: str) -> float | None:
@@ -79,8 +79,8 @@ def radians_in(unit: str) -> float | None:
     >>> radians_in("ms-1"), radians_in("1")
     (1000.0, None)
     """
-    found = RATE.match(unit)
-    return PREFIXES[found[1]] if found else None
+    parts = RATE.match(unit)
+    return PREFIXES[parts[1]] if parts else None
 
 
 def scales_of(exact: xr.Dataset, shown: xr.Dataset, units: Units) -> Scales:
@@ -114,9 +114,9 @@ def scales_of(exact: xr.Dataset, shown: xr.Dataset, units: Units) -> Scales:
 
 
 def _metres(unit: str) -> float:
-    found = LENGTH.match(unit)
-    assert found is not None
-    return 1.0 / PREFIXES[found[1]]
+    parts = LENGTH.match(unit)
+    assert parts is not None
+    return 1.0 / PREFIXES[parts[1]]
 
 
 def is_one_speed(speeds: Values) -> bool:
