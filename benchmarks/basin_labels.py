@@ -13,7 +13,7 @@ import time
 import numpy as np
 
 from rotor_ida import Rotor
-from rotor_ida.basins.labelling import label
+from rotor_ida.basins.basin import label
 from rotor_ida.parallel import count_workers, run_all
 from rotor_ida.schema import FATE
 from rotor_ida.simulation.options import Options

@@ -17,13 +17,12 @@ import numpy as np
 
 from rotor_ida import Rotor
 from rotor_ida.basins.following import RTOL, follow_starts
-from rotor_ida.basins.kernel import NOT_COMPUTED, SECTION, follow
+from rotor_ida.basins.kernel import NO_CONTACT_FREE, NOT_COMPUTED, REGION, SECTION, follow
 from rotor_ida.basins.known import known_from_closed_forms
 from rotor_ida.results.studies.results import Results
 
 HALF_WIDTH = 15.0
 SPAN = 100.0
-NOWHERE = np.array([0.0, 0.0, -1.0, -1.0])
 GO_ON = np.zeros(1, dtype=np.uint8)
 
 
@@ -71,7 +70,7 @@ def time_of_heyoka(rotor, states, batch, **options):
 
 def time_of_kernel(rotor, states, tolerance):
     """Return core time a start [s] of the kernel over the same span, with nothing to capture."""
-    nothing = np.empty((0, 14)), NOWHERE, np.empty((0, SECTION))
+    nothing = np.empty(0, REGION), NO_CONTACT_FREE, np.empty(0, SECTION)
     for _ in range(2):  # the first finds the library
         copy = states.copy()
         labels = np.full(states.shape[1], NOT_COMPUTED, dtype=np.int16)

@@ -14,8 +14,8 @@ import math
 import numpy as np
 
 from rotor_ida import Rotor
+from rotor_ida.basins.basin import TIGHTEST, label
 from rotor_ida.basins.following import RTOL
-from rotor_ida.basins.labelling import TIGHTEST, label
 from rotor_ida.schema import FATE
 
 ROTORS = (

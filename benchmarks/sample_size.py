@@ -18,8 +18,7 @@ from label_tolerance import HALF_WIDTH, same
 
 from rotor_ida import Rotor
 from rotor_ida.basins import known
-from rotor_ida.basins.fractions import drawn_from
-from rotor_ida.basins.labelling import label
+from rotor_ida.basins.basin import drawn_from, label
 from rotor_ida.schema import FATE
 
 # Beside a doubling; beside chaos in a narrow window; weak chaos; chaos that is left.

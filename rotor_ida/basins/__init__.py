@@ -4,7 +4,6 @@
 which then is known, with a region of its own; try the others again; count.*
 """
 
-from rotor_ida.basins.basin import basin
-from rotor_ida.basins.fractions import basin_fractions
+from rotor_ida.basins.basin import basin, basin_fractions
 
 __all__ = ["basin", "basin_fractions"]

@@ -5,15 +5,16 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from scipy.special import gammaincinv
 
 from rotor_ida.arrays import Values
-from rotor_ida.basins.contact_free_whirls import ContactFree
+from rotor_ida.basins.fates import APERIODIC
 from rotor_ida.basins.following import FollowedStarts, Starts
-from rotor_ida.basins.kernel import CHAOTIC, LOWEST, QUASI_PERIODIC, ROLLING, Labels
-from rotor_ida.basins.known import followed_alone, may_roll
+from rotor_ida.basins.kernel import CHAOTIC, LOWEST, Labels
+from rotor_ida.basins.known import ContactFree, followed_alone, may_roll
 from rotor_ida.checks import State
 from rotor_ida.cycles.limit_cycle import follow
 from rotor_ida.cycles.shooting import Cycle
@@ -83,14 +84,38 @@ class Attractor:
     confirmed: bool = False
 
 
-def attractors_of(found: FollowedStarts) -> list[Attractor]:
+@dataclass(frozen=True, slots=True)
+class Labelled:
+    """Starts as they were followed, and the attractors that their labels number.
+
+    If nothing was interrupted, starts were followed to the attractors by CVODE with `options`; what
+    is large can go to `folder`.
+    """
+
+    followed: FollowedStarts
+    attractors: list[Attractor]
+    options: Options
+    folder: Path | None
+
+    @property
+    def rotor(self) -> Rotor:
+        """The rotor."""
+        return self.followed.known.rotor
+
+    @property
+    def labels(self) -> Labels:
+        """Number of the attractor of each start, or a fate."""
+        return self.followed.labels
+
+
+def attractors_of(followed: FollowedStarts) -> list[Attractor]:
     """Return the attractors of starts, and number the labels by them.
 
     Whirls in contact come first, with starts or without, by amplitude; then the contact-free ones,
     fading touches, limit cycles by largest radius, and what has no period, of these only what
     starts end on.
     """
-    known = found.known
+    known = followed.known
     rows: list[tuple[int, Attractor]] = []
     loaded, alone = known.rotor.load > 0.0, followed_alone(known.rotor)
     still = known.rotor.omega == 0.0 and not loaded  # and comes to rest at the centre
@@ -100,50 +125,49 @@ def attractors_of(found: FollowedStarts) -> list[Attractor]:
         trapping = PROVEN if each.exists else NOTHING
         row = Attractor(kind, size, each.phase_lag, size, size, trapping=trapping)
         rows.append((number, row))
-    present = _present(found.labels)
+    present = _present(followed.labels)
     if known.free is not None:
         free = _contact_free(known.free)
         rows.append((known.free_label, replace(free, trapping=NOTHING) if alone else free))
         if known.fading_label in present:
             rows.append((known.fading_label, _fading(known.free, known.rotor)))
     stop = np.zeros(1, np.uint8)
-    for place in np.argsort([each.radius_max for each in found.cycles], kind="stable").tolist():
+    for place in np.argsort([each.radius_max for each in followed.cycles], kind="stable").tolist():
         if (number := known.first_cycle + place) in present:
-            rows.append((number, attractor_of_cycle(found.cycles[place], found.held[place], stop)))
-    if ROLLING in present:
-        rows.append((ROLLING, _together(response.ROLLING, found.rolling)))
-    if QUASI_PERIODIC in present:
-        rows.append((QUASI_PERIODIC, _together(response.QUASI_PERIODIC, found.torus)))
-    if CHAOTIC in present:
-        rows.append((CHAOTIC, _chaos(found)))
-    _renumber(found.labels, [label for label, _ in rows])
+            cycle, has_section = followed.cycles[place], followed.has_section[place]
+            rows.append((number, attractor_of_cycle(cycle, has_section, stop)))
+    for kind, label in APERIODIC.items():
+        if label in present:
+            row = _together(kind, followed.aperiodic[label])
+            rows.append((label, _with_lifetime(row, followed) if label == CHAOTIC else row))
+    _renumber(followed.labels, [label for label, _ in rows])
     return [row for _, row in rows]
 
 
 def confirmed(
-    found: FollowedStarts, attractors: list[Attractor], starts: Starts, options: Options
+    followed: FollowedStarts, attractors: list[Attractor], starts: Starts, options: Options
 ) -> list[Attractor]:
     """Return the attractors, each confirmed where CVODE finds it from one of its starts."""
-    rotor, rows = found.known.rotor, []
-    for each, numbers in zip(attractors, _first_decided(found, len(attractors)), strict=True):
+    rotor, rows = followed.known.rotor, []
+    for each, numbers in zip(attractors, _first_decided(followed, len(attractors)), strict=True):
         states = (starts(number, number + 1)[:, 0] for number in numbers)
-        seen = any(leads_to(rotor, each, state, options) for state in states)
-        rows.append(replace(each, confirmed=seen))
+        reached = any(leads_to(rotor, each, state, options) for state in states)
+        rows.append(replace(each, confirmed=reached))
     return rows
 
 
-def _first_decided(found: FollowedStarts, count: int) -> list[list[int]]:
+def _first_decided(followed: FollowedStarts, count: int) -> list[list[int]]:
     """Return, for each of so many attractors, the numbers of the starts that were decided first.
 
     These are the least likely to lie so near to a boundary of its basin that another integrator
     ends elsewhere.
     """
     first = [np.empty(0, dtype=np.int64) for _ in range(count)]
-    for stretch in stretches(found.labels.size):
+    for stretch in stretches(followed.labels.size):
         for number in range(count):
-            members = stretch.start + np.flatnonzero(found.labels[stretch] == number)
+            members = stretch.start + np.flatnonzero(followed.labels[stretch] == number)
             members = np.concatenate([first[number], members])
-            order = np.argsort(found.times[members], kind="stable")
+            order = np.argsort(followed.times[members], kind="stable")
             first[number] = members[order[:WITNESSES]]
     return [each.tolist() for each in first]
 
@@ -169,11 +193,11 @@ def leads_to(
 
 
 def _agrees(settled: SettledResponse, attractor: Attractor) -> bool:
-    seen, size = settled.features, attractor.radius_max
+    features, size = settled.features, attractor.radius_max
     pairs = (
-        (seen.radius_min, attractor.radius_min, size),
-        (seen.radius_max, attractor.radius_max, size),
-        (seen.period, attractor.period, attractor.period),
+        (features.radius_min, attractor.radius_min, size),
+        (features.radius_max, attractor.radius_max, size),
+        (features.period, attractor.period, attractor.period),
     )
     known = [pair for pair in pairs if not math.isnan(pair[1])]
     return all(abs(one - other) <= AGREEMENT * scale for one, other, scale in known)
@@ -206,26 +230,26 @@ def family_of(attractors: list[Attractor]) -> tuple[int, ...]:
     )
 
 
-def attractor_of_cycle(cycle: Cycle, held: bool, stop: Stop) -> Attractor:
+def attractor_of_cycle(cycle: Cycle, has_section: bool, stop: Stop) -> Attractor:
     """Return a limit cycle as an attractor, and whether a section of it holds starts."""
     states = follow(cycle.rotor, cycle.state, cycle.period / SAMPLES, SAMPLES + 1, stop)[:-1]
     whirl = complex(states[:, 0].mean(), states[:, 1].mean())
     return Attractor(
         cycle.response, abs(whirl), phase_lag_of(whirl), cycle.radius_min, cycle.radius_max,
-        cycle.period, ESTIMATED if held else NOTHING,
+        cycle.period, ESTIMATED if has_section else NOTHING,
     )  # fmt: skip
 
 
-def _chaos(found: FollowedStarts) -> Attractor:
-    """Return the chaotic motions together, with how long they last.
+def _with_lifetime(chaos: Attractor, followed: FollowedStarts) -> Attractor:
+    """Return the chaotic motions with how long they last.
 
     Leaving is taken to be as likely at any time: of orbits watched for the time t together n left.
     """
-    most = float(gammaincinv(found.left + 1.0, CERTAINTY))
+    most = float(gammaincinv(followed.left + 1.0, CERTAINTY))
     return replace(
-        _together(response.CHAOTIC, found.chaos),
-        lifetime=found.watched / found.left if found.left else math.inf,
-        lifetime_low=found.watched / most,
+        chaos,
+        lifetime=followed.watched / followed.left if followed.left else math.inf,
+        lifetime_low=followed.watched / most,
     )
 
 

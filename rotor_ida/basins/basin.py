@@ -1,21 +1,46 @@
-"""Basins over a plane of starts."""
+"""Basins of attraction: over a plane of starts, and as fractions of random starts in a box."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.basins.dataset import basin_dataset
-from rotor_ida.basins.labelling import label
-from rotor_ida.checks import COMPONENTS, check_increasing, check_vector, is_scalar
+from rotor_ida.basins.attractors import Labelled, attractors_of, confirmed
+from rotor_ida.basins.dataset import basin_dataset, fractions_dataset
+from rotor_ida.basins.following import FORM, Starts, follow_starts
+from rotor_ida.basins.known import known_from_closed_forms
+from rotor_ida.checks import (
+    COMPONENTS,
+    MOST_POINTS_OF_STUDY,
+    check_between,
+    check_count,
+    check_increasing,
+    check_instance,
+    check_progress,
+    check_seed,
+    check_vector,
+    is_scalar,
+    shown,
+)
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import Rotor
-from rotor_ida.parallel import Progress
-from rotor_ida.simulation.options import LARGEST
+from rotor_ida.model.parameters import Rotor, check_no_load
+from rotor_ida.parallel import Progress, choose, interruptible
+from rotor_ida.results.provenance import computing
+from rotor_ida.results.studies.results import open_results
+from rotor_ida.simulation.options import LARGEST, Options, check_can_be_followed
+
+# The errors of a step that may be asked for [1].
+TIGHTEST, LOOSEST = 1e-12, 1e-4
+# Stiffer rotors take the explicit method too many steps.
+MOST_DAMPING = 20.0
+MOST_CONTACT_DAMPING = 50.0
+# Without a study all labels are in memory.
+MOST_STARTS = 100_000_000
 
 
 def basin(
@@ -119,11 +144,167 @@ def basin(
         return states
 
     design = {"kind": "basin", **{name: values.tolist() for name, values in axes.items()}, **fixed}
-    found = label(
+    result = label(
         rotor, starts, rows.size * columns.size, design,
         rtol=rtol, workers=workers, executor=executor, study=study, progress=progress,
     )  # fmt: skip
-    return basin_dataset(axes, fixed, found)
+    return basin_dataset(axes, fixed, result)
+
+
+def basin_fractions(
+    rotor: Rotor,
+    *,
+    x: npt.ArrayLike,
+    y: npt.ArrayLike,
+    vx: npt.ArrayLike = 0.0,
+    vy: npt.ArrayLike = 0.0,
+    starts: int = 10000,
+    seed: int = 0,
+    rtol: float | None = None,
+    workers: int | None = None,
+    executor: str = "auto",
+    study: str | os.PathLike[str] | None = None,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Return the fractions of random starts in a box that end on each attractor.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        The rotor; damped, since without damping nothing settles.
+    x, y, vx, vy : float or array_like, shape (2,)
+        Components of the start [1]: numbers, or ranges ``(low, high)`` from which they are drawn,
+        independently and uniformly.
+    starts : int
+        Number of starts: at most 100 million, or 10 billion in a study.
+    seed : int
+        Seed of the random numbers: the same seed gives the same starts.
+    rtol, workers, executor, study, progress
+        As for `basin`.
+
+    Returns
+    -------
+    Dataset
+        On ``attractor`` what `basin` tells of each, with ``fraction`` and its standard error
+        ``fraction_error``; on ``response`` the same for each kind of response: ``response_count``,
+        ``response_fraction``, ``response_fraction_error``; the scalars of `basin`.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used.
+    SimulationError
+        If one of ``"processes"`` died, or the scheduler.
+
+    Notes
+    -----
+    The standard error of a fraction p of n starts is ``sqrt(p (1 - p)/n)``.
+
+    Under a load, which turns on the axes on which starts are followed side by side, each is
+    followed to its attractor by itself, as in `rotor_ida.sweep` by Taylor series with `rtol`, by
+    default 1e-10: no region holds it, and no label is found again.
+
+    With friction starts are followed side by side for as long as the disc slides forwards, up to a
+    region of a whirl. The others are followed by themselves from the beginning on, with `rtol`
+    1e-10, to limit cycles too, of which one that rolls is dry whip. What rolls without a period is
+    one attractor together with all of its kind, as chaos is.
+
+    Examples
+    --------
+    >>> found = basin_fractions(Rotor(omega=1.7, zeta=0.07, delta0=0.0), x=(-15, 15), y=(-15, 15),
+    ...                starts=500)
+    >>> found["count"].values
+    array([ 65, 435])
+    """
+    given = {"x": x, "y": y, "vx": vx, "vy": vy}
+    box = np.array([range_of(name, given[name]) for name in COMPONENTS])
+    count = check_count("starts", starts, maximum=MOST_POINTS_OF_STUDY)
+    chosen = check_seed(seed)
+
+    def drawn(first: int, last: int) -> Values:
+        return drawn_from(box, chosen, first, last)
+
+    ranges = {name: limits.tolist() for name, limits in zip(COMPONENTS, box, strict=True)}
+    design = {"kind": "basin_fractions", "starts": count, "seed": chosen, **ranges}
+    result = label(
+        rotor, drawn, count, design,
+        rtol=rtol, workers=workers, executor=executor, study=study, progress=progress, drawn=True,
+    )  # fmt: skip
+    attributes = {"starts": count, "seed": chosen}
+    attributes |= {f"range_{name}": limits for name, limits in zip(COMPONENTS, box, strict=True)}
+    return fractions_dataset(drawn, result, attributes)
+
+
+def label(
+    rotor: Rotor,
+    starts: Starts,
+    count: int,
+    design: Mapping[str, object],
+    *,
+    rtol: object,
+    workers: int | None,
+    executor: str,
+    study: str | os.PathLike[str] | None,
+    progress: Progress | None,
+    drawn: bool = False,
+) -> Labelled:
+    """Follow so many starts of a rotor, each to its attractor.
+
+    `starts` gives those from one number up to another, as (4, n), of `drawn` ones the same however
+    many there are; `design` says for a study what they are.
+    """
+    check_rotor(rotor, "fractions" if drawn else "a basin", one_by_one=drawn)
+    most = MOST_STARTS if study is None else MOST_POINTS_OF_STUDY
+    if count > most:
+        raise InputError(f"starts must be at most {most}, got {count}: a study keeps more on disk")
+    check_progress(progress)
+    tolerance = None if rtol is None else check_between("rtol", rtol, TIGHTEST, LOOSEST)
+    place, several = choose(executor, workers, compiled=True)
+    options = Options()
+    with open_results(study, {**design, **_design(rotor, tolerance, options)}, count, FORM) as kept:
+        known = interruptible(lambda stop: known_from_closed_forms(rotor, stop))
+        result = follow_starts(
+            known, starts, count, kept,
+            tolerance=tolerance, workers=several, executor=place, progress=progress, drawn=drawn,
+        )  # fmt: skip
+        attractors = attractors_of(result)
+        if not result.interrupted:
+            try:
+                attractors = confirmed(result, attractors, starts, options)
+            except KeyboardInterrupt:  # labels without confirmation are better than none
+                if study is not None:
+                    raise
+                result.interrupted = True
+        return Labelled(result, attractors, options, kept.folder)
+
+
+def _design(rotor: Rotor, rtol: float | None, options: Options) -> dict[str, object]:
+    """Return what decides on the bits of the labels beside the starts."""
+    return {**rotor.given, "rtol": rtol, "confirmed_with_rtol": options.rtol, **computing()}
+
+
+def check_rotor(rotor: object, what: str = "a basin", *, one_by_one: bool = False) -> Rotor:
+    """Return a rotor whose starts can be labelled: under a load only where that is `one_by_one`."""
+    rotor = check_instance("rotor", rotor, Rotor)
+    if not one_by_one:
+        check_no_load(rotor, what)
+    if rotor.omega == 0.0 < min(rotor.load, rotor.friction):
+        raise InputError(
+            f"omega must be above 0 for {what} under a load with friction, which holds the rotor "
+            "at many places, got 0.0"
+        )
+    check_can_be_followed(rotor, (0.0, 0.0, 0.0, 0.0), settling=True)
+    if not 0.0 < rotor.zeta <= MOST_DAMPING:
+        raise InputError(
+            f"zeta must be above 0, where nothing settles, and at most {MOST_DAMPING:g} for "
+            f"{what}, got {rotor.zeta!r}"
+        )
+    if rotor.contact_damping > MOST_CONTACT_DAMPING:
+        raise InputError(
+            f"contact_damping must be at most {MOST_CONTACT_DAMPING:g} for {what}, got "
+            f"{rotor.contact_damping!r}"
+        )
+    return rotor
 
 
 def _axes_of(given: dict[str, npt.ArrayLike]) -> tuple[dict[str, Values], dict[str, float]]:
@@ -138,3 +319,30 @@ def _axes_of(given: dict[str, npt.ArrayLike]) -> tuple[dict[str, Values], dict[s
     axes = {name: check_increasing(name, checked[name]) for name in varying}
     fixed = {name: values.item() for name, values in checked.items() if name not in axes}
     return axes, fixed
+
+
+def drawn_from(box: Values, seed: int, first: int, last: int) -> Values:
+    """Return the starts of a box with these numbers, shape (4, n), as if drawn all in one go."""
+    bits = np.random.PCG64(seed)
+    bits.advance(len(COMPONENTS) * first)
+    chance = np.random.Generator(bits).random((last - first, len(COMPONENTS)))
+    return np.asarray(box[:, :1] + (box[:, 1:] - box[:, :1]) * chance.T)
+
+
+def box_of(ranges: Mapping[str, npt.ArrayLike], starts: int) -> Values:
+    """Return the ends of the ranges of so many starts, shape (4, 2)."""
+    box = np.array([range_of(name, ranges[name]) for name in COMPONENTS])
+    if starts > 1 and (box[:, 0] == box[:, 1]).all():
+        raise InputError(f"x, y, vx or vy must be a range, got numbers for {starts} starts")
+    return box
+
+
+def range_of(name: str, value: object) -> tuple[float, float]:
+    """Return the ends of a range; a number is a range of no length."""
+    ends = check_vector(name, value, largest=LARGEST).tolist()
+    if len(ends) > 2 or (len(ends) == 1 and not is_scalar(name, value)):
+        raise InputError(f"{name} must be a number or a range (low, high), got {shown(value)}")
+    low, high = ends[0], ends[-1]
+    if low > high:
+        raise InputError(f"{name} must be a range (low, high) with low <= high, got {shown(value)}")
+    return low, high

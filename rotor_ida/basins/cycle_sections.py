@@ -24,7 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rotor_ida.arrays import Values
-from rotor_ida.basins.kernel import SECTION, measure_returns
+from rotor_ida.basins.kernel import SECTION, Rows, measure_returns
 from rotor_ida.core.interface import KIND, RADIUS, TIME
 from rotor_ida.cycles.multipliers import multipliers_of
 from rotor_ida.cycles.shooting import Cycle
@@ -83,12 +83,12 @@ class CycleSection:
         return bool(np.isfinite(self.form).all())
 
     @property
-    def numbers(self) -> Values:
-        """What the kernel needs, shape (SECTION,); nothing passes one whose centre is infinite."""
+    def row(self) -> Rows:
+        """The section as the kernel takes it; nothing passes one whose centre is infinite."""
         if not self.exists:
-            return np.concatenate([np.full(4, np.inf), np.ones(SECTION - 5), [0.0]])
+            return np.array((np.full(4, np.inf), np.ones(4), np.ones((3, 4)), 0.0), dtype=SECTION)
         widest = 1.0 / np.linalg.svd(self.form, compute_uv=False)[-1]
-        return np.concatenate([self.centre, self.normal, self.form.ravel(), [widest**2]])
+        return np.array((self.centre, self.normal, self.form, widest**2), dtype=SECTION)
 
 
 def cycle_section(cycle: Cycle, stop: Stop) -> CycleSection:
@@ -164,7 +164,7 @@ def _width(section: CycleSection, form: Values, rounds: int, allowed: float, sto
         for shell in SHELLS:
             states = section.centre[:, None] + shell * width * directions
             values = np.empty(STATES)
-            measure_returns(states, cycle.rotor, here.numbers, times, TOLERANCE, values, stop)
+            measure_returns(states, cycle.rotor, here.row, times, TOLERANCE, values, stop)
             if stop[0] or not (values <= allowed * shell**2).all():
                 return False
         return True

@@ -11,14 +11,11 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.basins.agreement import tighter_than
-from rotor_ida.basins.attractors import NUMBERS, Attractor, family_of
-from rotor_ida.basins.entropy import grid_entropy, sample_entropy
+from rotor_ida.basins.attractors import NUMBERS, Attractor, Labelled, family_of
 from rotor_ida.basins.fates import ALONE
-from rotor_ida.basins.following import Starts
-from rotor_ida.basins.kernel import Labels
+from rotor_ida.basins.following import Starts, tighter_than
+from rotor_ida.basins.kernel import NOT_COMPUTED, Labels
 from rotor_ida.basins.known import followed_alone, may_roll
-from rotor_ida.basins.labelling import Labelled
 from rotor_ida.model.parameters import Rotor
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.run import parameter_coordinates
@@ -45,42 +42,46 @@ LABELLING_METHOD = "dop853"
 # Under a load.
 ONE_BY_ONE = "every start followed by itself by Taylor series, as in a sweep with labelling_rtol"
 ENTROPIES = ("basin_entropy", "boundary_entropy")
+# A box of a grid is so many starts wide.
+WIDTH = 5
+# A box of a random sample holds about as many starts as that.
+IN_BOX = WIDTH * WIDTH
 # Of a larger sample the first so many starts tell the entropies.
 MOST_IN_ENTROPY = 1_000_000
 
 
 def basin_dataset(
-    axes: Mapping[str, Values], fixed: Mapping[str, float], found: Labelled
+    axes: Mapping[str, Values], fixed: Mapping[str, float], result: Labelled
 ) -> xr.Dataset:
     """Return a grid of starts, row by row, over the two components that vary, with their ends."""
-    attractors, shape = found.attractors, tuple(values.size for values in axes.values())
-    labels, times = found.labels.reshape(shape), found.followed.times.reshape(shape)
+    attractors, shape = result.attractors, tuple(values.size for values in axes.values())
+    labels, times = result.labels.reshape(shape), result.followed.times.reshape(shape)
     dims = tuple(axes)
     variables = {
         "label": _labels(labels, dims, len(attractors)),
-        "response": _responses(labels, dims, attractors, found.folder),
+        "response": _responses(labels, dims, attractors, result.folder),
         "settling_time": labelled("settling_time", dims, times),
         **_attractor_table(labels, attractors),
         **_entropies(grid_entropy(labels, family_of(attractors))),
-        **_agreement(found),
+        **_agreement(result),
     }
-    coordinates = parameter_coordinates(found.rotor)
+    coordinates = parameter_coordinates(result.rotor)
     coordinates |= {name: (name, values) for name, values in axes.items()}
     coordinates |= {name: ((), value) for name, value in fixed.items()}
     coordinates["attractor"] = ("attractor", np.arange(len(attractors)))
     title = "Rotor in a clearance: what each start ends on"
-    return labelled_dataset(title, variables, coordinates, _attributes(found))
+    return labelled_dataset(title, variables, coordinates, _attributes(result))
 
 
-def fractions_dataset(starts: Starts, found: Labelled, drawn: Mapping[str, object]) -> xr.Dataset:
+def fractions_dataset(starts: Starts, result: Labelled, drawn: Mapping[str, object]) -> xr.Dataset:
     """Return which parts of the starts, drawn as told, end on which attractor and response."""
-    labels, attractors = found.labels, found.attractors
+    labels, attractors = result.labels, result.attractors
     missing, undecided, *ends = _counts(labels, len(attractors)).tolist()
     # no attractor is of these kinds, the last of them without a load or friction
     never = {"failed", "not_found"}
-    if found.rotor.friction == 0.0:
+    if result.rotor.friction == 0.0:
         never.add("rolling")
-        if found.rotor.load == 0.0:
+        if result.rotor.load == 0.0:
             never.add("quasi_periodic")
     of_kind = {number: 0 for word, number in RESPONSE.items() if word not in never}
     of_kind[RESPONSE["unresolved"]] = undecided
@@ -93,21 +94,21 @@ def fractions_dataset(starts: Starts, found: Labelled, drawn: Mapping[str, objec
     variables: dict[str, Column | xr.Variable] = {
         **_attractor_table(labels, attractors),
         **_entropies(sample_entropy(starts(0, first), labels[:first], family_of(attractors))),
-        **_agreement(found),
+        **_agreement(result),
         "response_count": ("response", counts),
         "response_fraction": ("response", fraction),
         "response_fraction_error": ("response", error),
     }
-    coordinates = parameter_coordinates(found.rotor)
+    coordinates = parameter_coordinates(result.rotor)
     coordinates["attractor"] = ("attractor", np.arange(len(attractors)))
     coordinates["response"] = ("response", np.array(kinds, dtype=np.int8))
     title = "Rotor in a clearance: fractions of starts"
-    return labelled_dataset(title, variables, coordinates, _attributes(found, drawn))
+    return labelled_dataset(title, variables, coordinates, _attributes(result, drawn))
 
 
-def _agreement(found: Labelled) -> dict[str, xr.Variable]:
-    told = agreement_of(found.followed.rechecked)
-    return {name: labelled(name, (), value) for name, value in told.items()}
+def _agreement(result: Labelled) -> dict[str, xr.Variable]:
+    attributes = agreement_of(result.followed.rechecked)
+    return {name: labelled(name, (), value) for name, value in attributes.items()}
 
 
 def _entropies(values: tuple[float, float]) -> dict[str, xr.Variable]:
@@ -144,20 +145,20 @@ def agreement_of(rechecked: npt.NDArray[np.int64]) -> dict[str, float]:
     return {"agreement": alike / count if count else math.nan, "agreement_count": count}
 
 
-def _attributes(found: Labelled, drawn: Mapping[str, object] | None = None) -> dict[str, object]:
-    followed = found.followed
-    how = labelled_how(followed.tolerance, found.rotor)
+def _attributes(result: Labelled, drawn: Mapping[str, object] | None = None) -> dict[str, object]:
+    followed = result.followed
+    how = labelled_how(followed.tolerance, result.rotor)
     if not followed.interrupted:
-        how |= followed_by("confirmation", found.options)
-    told = {
+        how |= followed_by("confirmation", result.options)
+    attributes = {
         **provenance(how),
-        **found.rotor.given,
+        **result.rotor.given,
         **(drawn or {}),
         "interrupted": int(followed.interrupted),
     }
     if followed.not_computed_reason:
-        told["not_computed_reason"] = followed.not_computed_reason
-    return told
+        attributes["not_computed_reason"] = followed.not_computed_reason
+    return attributes
 
 
 def _labels(labels: Labels, dims: tuple[str, ...], count: int) -> xr.Variable:
@@ -225,3 +226,83 @@ def _fractions(counts: npt.NDArray[np.int64], total: int) -> tuple[Values, Value
         return nothing, nothing.copy()
     fraction = counts / total
     return fraction, np.sqrt(fraction * (1.0 - fraction) / total)
+
+
+def grid_entropy(labels: Labels, alike: Sequence[int] = ()) -> tuple[float, float]:
+    """Return basin and boundary entropy of a grid of starts, in whole boxes of 5 by 5.
+
+    The labels `alike` count as one.
+
+    References
+    ----------
+    A. Daza et al., "Basin entropy: a new tool to analyze uncertainty in dynamical systems",
+    Scientific Reports 6, 2016, 31416.
+
+    Examples
+    --------
+    >>> halves = np.zeros((10, 20), dtype=np.int16)
+    >>> halves[:, 8:] = 1
+    >>> [round(value, 4) for value in grid_entropy(halves)]
+    [0.1683, 0.673]
+    """
+    rows, columns = (size // WIDTH for size in labels.shape)
+    if not rows or not columns:
+        return math.nan, math.nan
+    # one row of boxes at a time: a grid may be larger than memory
+    total, mixed, boxes = 0.0, 0, 0
+    for row in range(rows):
+        strip = labels[row * WIDTH : (row + 1) * WIDTH, : columns * WIDTH]
+        own = np.asarray(strip).reshape(WIDTH, columns, WIDTH).swapaxes(0, 1)
+        entropies = _entropy_of_boxes(own.reshape(columns, IN_BOX), alike)
+        total += float(np.nansum(entropies))
+        mixed += int((entropies > 0.0).sum())
+        boxes += int(np.isfinite(entropies).sum())
+    return _means(total, mixed, boxes)
+
+
+def sample_entropy(
+    states: Values, labels: Labels, alike: Sequence[int] = ()
+) -> tuple[float, float]:
+    """Return basin and boundary entropy of random starts, in boxes of about 25 of them.
+
+    The boxes come from halving the sample at the median of one component after the other: each
+    holds as much of the distribution as any other, whatever it is. States have the shape (4, n),
+    and the labels `alike` count as one.
+    """
+    varied = states[np.ptp(states, axis=1) > 0.0]
+    if labels.size < IN_BOX or not varied.size:
+        return math.nan, math.nan
+    boxes = [np.arange(labels.size)]
+    for turn in range(round(math.log2(labels.size / IN_BOX))):
+        component = varied[turn % len(varied)]
+        boxes = [
+            half for box in boxes
+            for half in np.array_split(box[np.argsort(component[box], kind="stable")], 2)
+        ]  # fmt: skip
+    widest = max(box.size for box in boxes)
+    table = np.full((len(boxes), widest), NOT_COMPUTED, dtype=np.int16)
+    for row, box in zip(table, boxes, strict=True):
+        row[: box.size] = labels[box]
+    entropies = _entropy_of_boxes(table, alike)
+    own = entropies[np.isfinite(entropies)]
+    return _means(float(own.sum()), int((own > 0.0).sum()), own.size)
+
+
+def _entropy_of_boxes(boxes: Labels, alike: Sequence[int]) -> Values:
+    """Return the entropy of each row of labels; NaN where one has none that was computed."""
+    if len(alike) > 1:
+        boxes = np.where(np.isin(boxes, alike), alike[0], boxes)
+    known = boxes != NOT_COMPUTED
+    total = known.sum(axis=1)
+    entropies = np.where(total > 0, 0.0, np.nan)
+    for label in np.unique(boxes[known]).tolist():
+        part = (boxes == label).sum(axis=1) / np.maximum(total, 1)
+        entropies -= part * np.log(np.where(part > 0.0, part, 1.0))
+    return entropies
+
+
+def _means(total: float, mixed: int, boxes: int) -> tuple[float, float]:
+    """Return the mean over all boxes, and over those with more than one end."""
+    if not boxes:
+        return math.nan, math.nan
+    return total / boxes, total / mixed if mixed else 0.0

@@ -96,10 +96,10 @@ CLOSELY = 1e-11
 # The exponent is clear of 0 where it exceeds so many errors, and neighbours part by exp(20) in all.
 CLEAR_ERRORS, CLEAR_STRETCH = 5.0, 20.0
 # Labels of motions that have no period, and are told by their kinds alone.
-LASTING = {
-    response.CHAOTIC: CHAOTIC,
-    response.QUASI_PERIODIC: QUASI_PERIODIC,
+APERIODIC = {
     response.ROLLING: ROLLING,
+    response.QUASI_PERIODIC: QUASI_PERIODIC,
+    response.CHAOTIC: CHAOTIC,
 }
 # Beside an unstable cycle whose period has just doubled, the doubled one is sought aside at these
 # parts of the size of the state.
@@ -118,9 +118,8 @@ class Batch:
     times: Times = field(init=False)  # for how long each was followed [1]
     left: int = 0  # number of orbits that left a chaotic motion while this was watched,
     watched: float = 0.0  # and for how long all of them together were watched [1]
-    chaotic: SettledResponse | None = None  # a chaotic motion, if one was met,
-    torus: SettledResponse | None = None  # a quasi-periodic one,
-    rolling: SettledResponse | None = None  # and one that rolls without a period
+    # the first motion without a period of each kind, by its label
+    aperiodic: dict[int, SettledResponse] = field(default_factory=dict)
     matched: Known | None = None  # what was known when orbits were last followed together
 
     def __post_init__(self) -> None:
@@ -215,12 +214,8 @@ def label_one_by_one(batch: Batch, numbers: Numbers, options: Options) -> None:
         )
         label = batch.labels[number] = _label_of(batch, settled)
         batch.times[number] = np.float32(settled.window_end)
-        if label == CHAOTIC and batch.chaotic is None:
-            batch.chaotic = settled
-        if label == QUASI_PERIODIC and batch.torus is None:
-            batch.torus = settled
-        if label == ROLLING and batch.rolling is None:
-            batch.rolling = settled
+        if label in APERIODIC.values():
+            batch.aperiodic.setdefault(label, settled)
 
 
 def match_all(batch: Batch) -> Numbers:
@@ -349,8 +344,8 @@ def _label_of(batch: Batch, settled: SettledResponse) -> int:
     if period > 0.0:
         cycle = _stable_cycle(batch, np.array(settled.end), period)
         return UNDECIDED if cycle is None else batch.label_of(cycle)
-    if settled.response in LASTING:
-        return LASTING[settled.response]
+    if settled.response in APERIODIC:
+        return APERIODIC[settled.response]
     match settled.response:
         case response.CONTACT_FREE if known.free is not None:
             return known.free_label
@@ -383,8 +378,8 @@ def label_lasting(batch: Batch, waiting: Numbers) -> None:
     batch.left += watched.size - last.size
     batch.watched += float(batch.times[watched].sum()) - before
     batch.labels[last] = CHAOTIC
-    if last.size and batch.chaotic is None:
-        batch.chaotic = _motion_of(batch, int(last[0]))
+    if last.size and CHAOTIC not in batch.aperiodic:
+        batch.aperiodic[CHAOTIC] = _motion_of(batch, int(last[0]))
     rest = waiting[~chaotic]
     least = float(batch.times[rest].min(initial=LONGEST_BESIDE_CYCLE))
     for number in batch.follow(rest, LONGEST_BESIDE_CYCLE - least).tolist():

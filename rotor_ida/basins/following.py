@@ -5,17 +5,23 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import partial
 
 import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Values
-from rotor_ida.basins.agreement import count_agreeing, rechecked_of_batch, rechecked_of_rotor
-from rotor_ida.basins.batches import CYCLE, MOTION, BatchResult
 from rotor_ida.basins.fates import ALONE, Batch, decide
-from rotor_ida.basins.kernel import LANES, NOT_COMPUTED, Labels, Times
+from rotor_ida.basins.kernel import (
+    CHAOTIC,
+    LANES,
+    NOT_COMPUTED,
+    QUASI_PERIODIC,
+    ROLLING,
+    Labels,
+    Times,
+)
 from rotor_ida.basins.known import (
     Known,
     followed_alone,
@@ -26,8 +32,8 @@ from rotor_ida.basins.known import (
 from rotor_ida.cycles.shooting import Cycle, close_orbit
 from rotor_ida.model.parameters import Rotor
 from rotor_ida.parallel import FailedJob, Progress, Stop, interruptible, run_all
-from rotor_ida.results.studies.arrays import scratch
-from rotor_ida.results.studies.results import Results
+from rotor_ida.results.studies.arrays import Arrays, scratch
+from rotor_ida.results.studies.results import Form, Results
 from rotor_ida.steady.follow import SettledResponse
 
 Starts = Callable[[int, int], Values]
@@ -63,9 +69,9 @@ class FollowedStarts:
     times: Times  # when each was decided, or given up [1]; NaN where not computed
     # those that starts end on, in the order in which batches met them
     cycles: list[Cycle] = field(default_factory=list)
-    held: list[bool] = field(default_factory=list)  # whether a section of each holds starts
-    # amplitude, phase lag and extreme radii of chaotic motions, shape (k, 4) [1]
-    chaos: Values = field(default_factory=lambda: np.empty((0, MOTION)))
+    has_section: list[bool] = field(default_factory=list)  # whether a section of each holds starts
+    # amplitude, phase lag and extreme radii of motions without a period, by label, shape (k, 4) [1]
+    aperiodic: dict[int, Values] = field(default_factory=dict)
     left: float = 0.0  # number of orbits that left a chaotic motion while this was watched,
     watched: float = 0.0  # and for how long all of them together were watched [1]
     interrupted: bool = False  # by the user
@@ -73,10 +79,6 @@ class FollowedStarts:
     tolerance: float = RTOL  # error allowed in a step [1]
     # number of starts labelled again with a smaller error, and of those with the same label
     rechecked: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(2, dtype=np.int64))
-    # as `chaos`, of quasi-periodic motions
-    torus: Values = field(default_factory=lambda: np.empty((0, MOTION)))
-    # and of motions that roll without a period
-    rolling: Values = field(default_factory=lambda: np.empty((0, MOTION)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,8 +134,8 @@ def follow_starts(
             for each, first, last in edges
         )
         if due:  # else no cluster need be started
-            with closing(run_all(_follow, jobs, workers=workers, executor=executor)) as followed:
-                for turn, batch in followed:
+            with closing(run_all(_follow, jobs, workers=workers, executor=executor)) as batches:
+                for turn, batch in batches:
                     if isinstance(batch, FailedJob):
                         reason = batch.reason
                     else:
@@ -144,9 +146,9 @@ def follow_starts(
         if kept.folder is not None:  # a study goes on another time, from what it has kept
             raise
         interrupted = True
-    found = _gathered(known, count, kept)
-    found.interrupted, found.not_computed_reason = interrupted, reason
-    return found
+    followed = _gathered(known, count, kept)
+    followed.interrupted, followed.not_computed_reason = interrupted, reason
+    return followed
 
 
 def follow_here(known: Known, states: Values, tolerance: float, stop: Stop) -> FollowedStarts:
@@ -217,56 +219,184 @@ def _follow(job: _Job, stop: Stop) -> BatchResult:
     cycles = [[*each.cycle.state, each.cycle.period, each.exists] for each in batch.known.cycles]
     return BatchResult(
         job.first, batch.labels, batch.times, np.array(cycles).reshape(-1, CYCLE),
-        _motion_row(batch.chaotic), np.array([batch.left, batch.watched]), np.array(job.tolerance),
-        rechecked, _motion_row(batch.torus), _motion_row(batch.rolling),
+        np.array([batch.left, batch.watched]), np.array(job.tolerance), rechecked,
+        {label: _motion_row(motion) for label, motion in batch.aperiodic.items()},
     )  # fmt: skip
 
 
-def _motion_row(motion: SettledResponse | None) -> Values:
-    """Return what is kept of a motion that is no cycle, if one was met, shape (k, 4)."""
-    if motion is None:
-        return np.empty((0, MOTION))
-    seen = motion.features
-    return np.array([[seen.amplitude, seen.phase_lag, seen.radius_min, seen.radius_max]])
+def _motion_row(motion: SettledResponse) -> Values:
+    """Return what is kept of a motion without a period, shape (1, 4)."""
+    features = motion.features
+    return np.array(
+        [[features.amplitude, features.phase_lag, features.radius_min, features.radius_max]]
+    )
 
 
 def _gathered(known: Known, count: int, kept: Results[BatchResult]) -> FollowedStarts:
     """Return the results of all starts, gathered from the batches."""
-    found = FollowedStarts(
+    followed = FollowedStarts(
         known,
         np.asarray(scratch((count,), np.int16, kept.folder)),
         np.asarray(scratch((count,), np.float32, kept.folder)),
     )
-    found.labels[:], found.times[:] = NOT_COMPUTED, np.nan
+    followed.labels[:], followed.times[:] = NOT_COMPUTED, np.nan
     numbers: dict[tuple[float, ...], int] = {}
     for _, batch in kept.results():
         stretch = slice(batch.first, batch.first + batch.labels.size)
-        found.labels[stretch] = _renumbered(batch, found, numbers)
-        found.times[stretch] = batch.times
-        found.chaos = np.concatenate([found.chaos, batch.chaos])
-        found.torus = np.concatenate([found.torus, batch.torus])
-        found.rolling = np.concatenate([found.rolling, batch.rolling])
-        found.left += float(batch.watched[0])
-        found.watched += float(batch.watched[1])
-        found.tolerance = float(batch.tolerance)
-        found.rechecked = found.rechecked + batch.rechecked
-    return found
+        followed.labels[stretch] = _renumbered(batch, followed, numbers)
+        followed.times[stretch] = batch.times
+        for label, motion in batch.aperiodic.items():
+            before = followed.aperiodic.get(label, NO_MOTION)
+            followed.aperiodic[label] = np.concatenate([before, motion])
+        followed.left += float(batch.watched[0])
+        followed.watched += float(batch.watched[1])
+        followed.tolerance = float(batch.tolerance)
+        followed.rechecked = followed.rechecked + batch.rechecked
+    return followed
 
 
 def _renumbered(
-    batch: BatchResult, found: FollowedStarts, numbers: dict[tuple[float, ...], int]
+    batch: BatchResult, followed: FollowedStarts, numbers: dict[tuple[float, ...], int]
 ) -> Labels:
     """Return the labels of a batch with its limit cycles numbered as those of all batches."""
-    first, stop = found.known.first_cycle, np.zeros(1, np.uint8)
+    first, stop = followed.known.first_cycle, np.zeros(1, np.uint8)
     labels = batch.labels.copy()
     for number, row in enumerate(batch.cycles):
         key = tuple(row.tolist())
         if key not in numbers:
-            cycle = close_orbit(found.known.rotor, row[:4], float(row[4]), stop)
-            same = [place for place, each in enumerate(found.cycles) if same_cycle(each, cycle)]
-            numbers[key] = same[0] if same else len(found.cycles)
+            cycle = close_orbit(followed.known.rotor, row[:4], float(row[4]), stop)
+            same = [place for place, each in enumerate(followed.cycles) if same_cycle(each, cycle)]
+            numbers[key] = same[0] if same else len(followed.cycles)
             if not same:
-                found.cycles.append(cycle)
-                found.held.append(bool(row[5]))
+                followed.cycles.append(cycle)
+                followed.has_section.append(bool(row[5]))
         labels[batch.labels == first + number] = first + numbers[key]
     return labels
+
+
+# What is kept of a limit cycle: state, period, and 1 where a section of it holds starts.
+CYCLE = 6
+# Of a motion without a period: amplitude, phase lag, smallest and largest radius.
+NO_MOTION = np.empty((0, 4))
+
+
+@dataclass(slots=True)
+class BatchResult:
+    """Results of a batch of starts.
+
+    Parameters
+    ----------
+    first : int
+        Number of its first start.
+    labels : ndarray of int16, shape (n,)
+        Label of the attractor, ROLLING, CHAOTIC, QUASI_PERIODIC, UNDECIDED or NOT_COMPUTED; those
+        of limit cycles number the rows of `cycles`.
+    times : ndarray of float32, shape (n,)
+        Time at which the start was decided, or given up [1]; NaN where not computed.
+    cycles : ndarray, shape (m, 6)
+        State, period, and whether a section holds starts, of each limit cycle that was known [1].
+    watched : ndarray, shape (2,)
+        Number of orbits that left a chaotic motion while this was watched, and for how long all of
+        them together were watched [1].
+    tolerance : ndarray, shape ()
+        Error allowed in a step [1].
+    rechecked : ndarray of int64, shape (2,)
+        Number of starts labelled again with a smaller error, and of those with the same label.
+    aperiodic : dict of int to ndarray, shape (k, 4)
+        Amplitude, phase lag and extreme radii of one motion of each kind without a period that was
+        met, by its label [1].
+    """
+
+    first: int
+    labels: npt.NDArray[np.int16]
+    times: npt.NDArray[np.float32]
+    cycles: Values
+    watched: Values
+    tolerance: Values
+    rechecked: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(2, dtype=np.int64))
+    aperiodic: dict[int, Values] = field(default_factory=dict)
+
+
+# What a study calls the motions without a period.
+_KEPT_AS = {CHAOTIC: "chaos", QUASI_PERIODIC: "torus", ROLLING: "rolling"}
+
+
+def _as_arrays(batch: BatchResult) -> Arrays:
+    own = [each.name for each in fields(batch) if each.name != "aperiodic"]
+    motions = {word: batch.aperiodic.get(label, NO_MOTION) for label, word in _KEPT_AS.items()}
+    return {name: np.asarray(getattr(batch, name)) for name in own} | motions
+
+
+def _from_arrays(arrays: Arrays) -> BatchResult:
+    motions = {label: arrays.pop(word, NO_MOTION) for label, word in _KEPT_AS.items()}
+    return BatchResult(int(arrays.pop("first")), aperiodic=motions, **arrays)
+
+
+FORM = Form("batch of starts", _as_arrays, _from_arrays)
+
+
+# One of so many batches is looked at,
+ONE_BATCH_OF = 8
+# and one of so many of its starts is followed again: less than a twentieth of the time; fewer at a
+# time would leave lanes of the kernel idle.
+ONE_START_OF = 12
+# Of a rotor of an atlas one start of so many is,
+ONE_OF_ROTOR = 32
+# but no more than so many.
+MOST_OF_ROTOR = 32
+# They are followed with this part of the error that was allowed in a step,
+TIGHTER = 1e-4
+# but never with less than doubles hold.
+TIGHTEST = 1e-13
+# Not for longer [1]: who is held later is told by neither.
+LONGEST = 4000.0
+# Parts of it lie evenly, and in step with no grid.
+GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
+
+
+def tighter_than(tolerance: float) -> float:
+    """Return the error in a step with which starts are followed again.
+
+    Examples
+    --------
+    >>> tighter_than(1e-6), tighter_than(1e-11)
+    (1e-10, 1e-13)
+    """
+    return float(max(TIGHTER * tolerance, TIGHTEST))
+
+
+def rechecked_of_batch(number: int, size: int) -> int:
+    """Return how many starts of a batch with this number and size are followed again."""
+    return 0 if number % ONE_BATCH_OF else math.ceil(size / ONE_START_OF)
+
+
+def rechecked_of_rotor(starts: int) -> int:
+    """Return how many of all starts of a rotor are followed again, where they are one batch."""
+    return min(math.ceil(starts / ONE_OF_ROTOR), MOST_OF_ROTOR)
+
+
+def count_agreeing(
+    known: Known, states: Values, labels: Labels, times: Times, tolerance: float, rechecked: int,
+    stop: Stop,
+) -> npt.NDArray[np.int64]:  # fmt: skip
+    """Return how many starts were labelled again, and how many of them got the same label.
+
+    So many are chosen of the n starts, shape (4, n), but those without an attractor are left out.
+    None is followed for longer again than the longest of them was.
+    """
+    chosen = _spread(labels.size, rechecked)
+    chosen = chosen[labels[chosen] >= 0]
+    if not chosen.size or stop[0]:
+        return np.zeros(2, dtype=np.int64)
+    duration = min(max(float(times[chosen].max()), known.first_wait), LONGEST)
+    again, _ = known.follow(
+        np.ascontiguousarray(states[:, chosen]), duration, tighter_than(tolerance), stop
+    )
+    held = again >= 0
+    return np.array([held.sum(), (again == labels[chosen])[held].sum()])
+
+
+def _spread(count: int, few: int) -> npt.NDArray[np.int64]:
+    """Return the numbers of a few of so many starts, spread evenly and in step with no grid."""
+    places = np.arange(1, few + 1) * GOLDEN % 1.0
+    return np.unique((count * places).astype(np.int64))

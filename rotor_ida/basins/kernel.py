@@ -21,6 +21,7 @@ from rotor_ida.parallel import Stop
 
 Labels = npt.NDArray[np.int16]
 Times = npt.NDArray[np.float32]
+Rows = npt.NDArray[np.void]
 
 # Labels of starts that are no numbers of attractors; those that roll do so without a period.
 ROLLING, QUASI_PERIODIC, CHAOTIC, NOT_COMPUTED, UNDECIDED = -5, -4, -3, -2, -1
@@ -29,11 +30,20 @@ LOWEST = ROLLING
 NOT_FORWARDS = -6
 # So many orbits are followed at a time: they keep the vector units busy.
 LANES = 64
-# Numbers of a trapping region: its centre, and the upper triangular factor of its form.
-REGION = 14
-# Numbers of a section: its state c, the unit normal, the three rows of L, and the squared distance
+# A trapping region: its centre, and the upper triangle of R, where its form is ``R^T R``.
+REGION = np.dtype([("centre", np.float64, 4), ("factor", np.float64, 10)])
+# The contact-free whirl, with the squared radii within which its centre must stay, and from within
+# which touches fade; the radii are negative where there is none.
+CONTACT_FREE = np.dtype([("whirl", np.float64, 2), ("room", np.float64), ("fading", np.float64)])
+NO_CONTACT_FREE = np.array(((0.0, 0.0), -1.0, -1.0), dtype=CONTACT_FREE)
+# A section of a limit cycle: its state c, the unit normal, the rows of L, and the squared distance
 # from c within which the set ``|L (s - c)| <= 1`` lies.
-SECTION = 21
+SECTION = np.dtype(
+    [
+        ("centre", np.float64, 4), ("normal", np.float64, 4), ("form", np.float64, (3, 4)),
+        ("reach", np.float64),
+    ]
+)  # fmt: skip
 
 
 def follow(
@@ -41,9 +51,9 @@ def follow(
     labels: Labels,
     times: Times,
     rotor: Rotor,
-    regions: Values,
-    free: Values,
-    sections: Values,
+    regions: Rows,
+    free: Rows,
+    sections: Rows,
     duration: float,
     tolerance: float,
     stop: Stop,
@@ -64,12 +74,11 @@ def follow(
         The time that each took is added [1].
     rotor : Rotor
         The rotor; without damping there must be no contact-free whirl.
-    regions : ndarray, shape (m, 14)
-        Centre and upper triangular factor of each trapping region.
-    free : ndarray, shape (4,)
-        Contact-free whirl on the rotating axes, and the squared radii within which its centre
-        must stay, and from within which touches fade; negative if there is no such whirl.
-    sections : ndarray, shape (k, SECTION)
+    regions : ndarray of REGION, shape (m,)
+        The trapping regions.
+    free : ndarray of CONTACT_FREE, shape ()
+        The contact-free whirl.
+    sections : ndarray of SECTION, shape (k,)
         Of each limit cycle a section with the set on it that returns into itself.
     duration, tolerance : float
         Longest time to follow, and tolerance of a step [1].
@@ -85,16 +94,16 @@ def follow(
     _check_shape("states", states, (4, count))
     _check_shape("labels", labels, (count,))
     _check_shape("times", times, (count,))
-    _check_shape("regions", regions, (region_count, REGION))
-    _check_shape("free", free, (4,))
-    _check_shape("sections", sections, (section_count, SECTION))
+    _check_shape("regions", regions, (region_count,))
+    _check_shape("free", free, ())
+    _check_shape("sections", sections, (section_count,))
     _check_shape("stop", stop, (1,))
     # whether it was stopped is told by the labels
     library_of(rotor).core_follow_lanes(
         byref(RotorStruct.of(rotor)), pointer(states, np.float64, writeable=True),
         pointer(labels, np.int16, writeable=True), pointer(times, np.float32, writeable=True),
-        count, pointer(regions, np.float64), region_count, pointer(free, np.float64),
-        pointer(sections, np.float64), section_count, duration, tolerance,
+        count, pointer(regions, REGION), region_count, pointer(free, CONTACT_FREE),
+        pointer(sections, SECTION), section_count, duration, tolerance,
         pointer(stop, np.uint8),
     )  # fmt: skip
 
@@ -102,7 +111,7 @@ def follow(
 def measure_returns(
     states: Values,
     rotor: Rotor,
-    section: Values,
+    section: Rows,
     times: tuple[float, float],
     tolerance: float,
     values: Values,
@@ -116,7 +125,7 @@ def measure_returns(
         States on the rotating axes [1].
     rotor : Rotor
         The rotor.
-    section : ndarray, shape (SECTION,)
+    section : ndarray of SECTION, shape ()
         The section.
     times : tuple of float
         Earliest and latest time [1].
@@ -134,13 +143,13 @@ def measure_returns(
         If an array has another type or shape, or its numbers do not lie one after the other.
     """
     _check_shape("states", states, (4, values.size))
-    _check_shape("section", section, (SECTION,))
+    _check_shape("section", section, ())
     _check_shape("values", values, (values.size,))
     _check_shape("stop", stop, (1,))
     # who stops it looks at no values
     library_of(rotor).core_measure_returns(
         byref(RotorStruct.of(rotor)), pointer(states, np.float64), values.size,
-        pointer(section, np.float64), *times, tolerance,
+        pointer(section, SECTION), *times, tolerance,
         pointer(values, np.float64, writeable=True), pointer(stop, np.uint8),
     )  # fmt: skip
 

@@ -54,6 +54,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Values
+from rotor_ida.basins.kernel import REGION, Rows
 from rotor_ida.closed_forms import synchronous_response
 from rotor_ida.closed_forms.contact_laws import force, stiffnesses
 from rotor_ida.model.equations import rotating_jacobian
@@ -103,12 +104,12 @@ class TrappingRegion:
         return bool(np.isfinite(self.form).all())
 
     @property
-    def numbers(self) -> Values:
-        """Centre and upper triangle of R, ``P = R^T R``, shape (14,), for the kernel."""
+    def row(self) -> Rows:
+        """The region as the kernel takes it."""
         if not self.exists:  # with a centre at infinity it holds nothing
-            return np.concatenate([np.full(4, np.inf), np.eye(4)[np.triu_indices(4)]])
+            return np.array((np.full(4, np.inf), np.eye(4)[np.triu_indices(4)]), dtype=REGION)
         factor = np.linalg.cholesky(self.form).T
-        return np.concatenate([self.centre, factor[np.triu_indices(4)]])
+        return np.array((self.centre, factor[np.triu_indices(4)]), dtype=REGION)
 
     def holds(self, states: npt.ArrayLike) -> npt.NDArray[np.bool_]:
         """Return which of the states, shape (..., 4) on the rotating axes, lie in the region."""

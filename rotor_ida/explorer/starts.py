@@ -9,9 +9,8 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.basins.attractors import attractors_of
-from rotor_ida.basins.basin import basin
+from rotor_ida.basins.basin import basin, check_rotor
 from rotor_ida.basins.following import first_look
-from rotor_ida.basins.labelling import check_rotor
 from rotor_ida.explorer.answers import Answer
 from rotor_ida.explorer.motion import facts_of
 from rotor_ida.explorer.questions import Question

@@ -83,7 +83,7 @@ class Parameter:
         >>> OF_MACHINE["damping"].shown_unit, OF_MACHINE["shaft_stiffness"].shown_unit
         ('N s/m', 'N/m')
         """
-        return self.unit.replace(" m-1.5", "/m^1.5").replace(" m-1", "/m").replace("s-1", "/s")
+        return self.unit.replace(" m-1.5", "/m^1.5").replace(" m-1", "/m").replace(" s-1", "/s")
 
     @property
     def si_help(self) -> str:

@@ -25,8 +25,8 @@ _INDIFFERENT = ("python_version", "xarray_version")
 KINDS_OF_SOURCE = ("*.py", "*.c", "*.h")
 # Folders and modules that draw, describe or store a result but do not compute it.
 NOT_COMPUTING = (
-    *("analysis", "cli", "paper", "plot"),
-    *("resuming", "scenarios", "signals", "storage/archive", "testing"),
+    *("cli", "explorer", "paper", "plot", "results/archive"),
+    *("scenarios", "signals", "testing", "verification"),
 )
 
 
@@ -86,12 +86,29 @@ def sources_digest() -> str:
     64
     """
     digest = hashlib.sha256()
-    package = Path(__file__).parent
-    for path in sorted(path for kind in KINDS_OF_SOURCE for path in package.rglob(kind)):
-        name = path.relative_to(package)
-        if not any(name.with_suffix("").is_relative_to(part) for part in NOT_COMPUTING):
-            digest.update(f"{name.as_posix()}\0".encode() + path.read_bytes() + b"\0")
+    for name, path in computing_sources().items():
+        digest.update(f"{name}\0".encode() + path.read_bytes() + b"\0")
     return digest.hexdigest()
+
+
+def computing_sources() -> dict[str, Path]:
+    """Return all sources of this package that compute, by their names within it.
+
+    Examples
+    --------
+    >>> {"core/events.c", "simulation/run.py", "schema.py"} <= computing_sources().keys()
+    True
+    >>> [name for name in computing_sources() if name.startswith(("cli", "plot"))]
+    []
+    """
+    package = Path(__file__).parents[1]
+    found = sorted(path for kind in KINDS_OF_SOURCE for path in package.rglob(kind))
+    names = {path.relative_to(package): path for path in found}
+    return {
+        name.as_posix(): path
+        for name, path in names.items()
+        if not any(name.with_suffix("").is_relative_to(part) for part in NOT_COMPUTING)
+    }
 
 
 def command() -> str:

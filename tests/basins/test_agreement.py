@@ -5,9 +5,7 @@ import pytest
 
 from rotor_ida import Rotor, basin, basin_fractions, load, save
 from rotor_ida.basins import attractors, fates, known
-from rotor_ida.basins.agreement import count_agreeing, tighter_than
-from rotor_ida.basins.batches import FORM
-from rotor_ida.basins.following import RTOL, follow_here
+from rotor_ida.basins.following import FORM, RTOL, count_agreeing, follow_here, tighter_than
 from rotor_ida.basins.known import known_from_closed_forms
 from rotor_ida.cli.describe import describe
 from rotor_ida.verification.verify import differences, rerun

@@ -6,7 +6,7 @@ import pytest
 from rotor_ida import InputError, Rotor, basin, load, save
 from rotor_ida.basins import attractors, following
 from rotor_ida.basins import dataset as basin_dataset_module
-from rotor_ida.basins.labelling import label
+from rotor_ida.basins.basin import label
 from rotor_ida.parallel import FailedJob
 from rotor_ida.schema import FATE, RESPONSE, flags_of
 from rotor_ida.simulation.options import Options

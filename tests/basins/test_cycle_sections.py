@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 
-from rotor_ida import Rotor
+from rotor_ida import Rotor, simulate
 from rotor_ida.basins import cycle_sections
 from rotor_ida.basins.cycle_sections import cycle_section
-from rotor_ida.basins.kernel import SECTION, measure_returns
+from rotor_ida.basins.kernel import measure_returns
 from rotor_ida.cycles.limit_cycle import cycle_from
 from rotor_ida.simulation.neighbours import shoot
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady.follow import follow_to_steady_state
+from tests.basins.lanes import GO_ON, RUBBING, WHIP
 
-GO_ON = np.zeros(1, np.uint8)
 CASES = [
     (Rotor(omega=2.0, zeta=0.07, delta0=2.0), (0.0, 0.0, 0.0, 0.0)),
     (Rotor(omega=3.0, zeta=0.07, delta0=0.5), (3.0, 1.0, 0.0, 0.0)),
@@ -47,8 +47,7 @@ def test_a_section_that_cannot_be_found_holds_nothing(monkeypatch):
     monkeypatch.setattr(cycle_sections, "_forms", fails)
     none = cycle_section(cycle, GO_ON)
     assert not none.exists
-    assert none.numbers.shape == (SECTION,)
-    assert np.isinf(none.numbers[:4]).all()
+    assert np.isinf(none.row["centre"]).all()
 
 
 def test_states_lie_on_the_section_and_the_cycle_passes_it(section):
@@ -67,7 +66,7 @@ def test_other_states_come_back_nearer(section):
         states = np.ascontiguousarray(states_on(section, size, 300, seed=7).T)
         values = np.empty(300)
         measure_returns(
-            states, section.cycle.rotor, section.numbers, (0.5 * period, 1.6 * period), 1e-9,
+            states, section.cycle.rotor, section.row, (0.5 * period, 1.6 * period), 1e-9,
             values, GO_ON,
         )  # fmt: skip
         assert (values < size**2).all()
@@ -79,7 +78,7 @@ def test_the_kernel_reads_the_section_as_the_taylor_series_do(section):
     states = states_on(section, 0.5, 8, seed=3)
     values = np.empty(8)
     measure_returns(
-        np.ascontiguousarray(states.T), rotor, section.numbers, (0.5 * period, 1.6 * period),
+        np.ascontiguousarray(states.T), rotor, section.row, (0.5 * period, 1.6 * period),
         1e-10, values, GO_ON,
     )  # fmt: skip
     for state, value in zip(states, values, strict=True):
@@ -104,3 +103,40 @@ def test_close_to_a_graze_a_small_set_is_found():
     section = cycle_section(cycle_from(rotor, np.zeros(4)), GO_ON)
     assert section.cycle.period == pytest.approx(10.655137, abs=1e-5)
     assert section.exists
+
+
+def test_a_cycle_that_slides_forwards_holds_what_comes_back_and_never_rolls():
+    """By CVODE from all over the set: no `roll`, no `reverse`, and the radius of the cycle."""
+    rotor = RUBBING["that bounces"]
+    cycle = cycle_from(rotor, np.array([3.0, 1.0, 0.0, 0.0]))
+    section = cycle_section(cycle, GO_ON)
+    assert section.exists
+    random = np.random.default_rng(2).normal(size=(3, 6))
+    random *= 0.98 / np.linalg.norm(random, axis=0)
+    for state in (section.centre[:, None] + np.linalg.pinv(section.form) @ random).T:
+        run = simulate(rotor, start=state, duration=200.0, samples=40_001)
+        assert set(run.event_kind.values.tolist()) <= {1, -1}
+        largest = np.hypot(run.x, run.y)[-4000:].max()
+        assert float(largest) == pytest.approx(cycle.radius_max, rel=1e-4)
+
+
+def test_what_rolls_on_its_way_is_not_said_to_come_back():
+    """States that come to roll are told by CVODE; without friction they would come back."""
+    rotor = RUBBING["that bounces"]
+    cycle = cycle_from(rotor, np.array([3.0, 1.0, 0.0, 0.0]))
+    row = cycle_section(cycle, GO_ON).row
+    speeds = np.append(np.linspace(-30.0, -21.0, 12), np.linspace(-3.0, 3.0, 12))
+    states = np.stack([np.full(24, 3.0), np.zeros(24), np.zeros(24), speeds])
+    values = np.empty(24)
+    measure_returns(states, rotor, row, (0.0, 30.0 * cycle.period), 1e-10, values, GO_ON)
+    first = []
+    for state in states.T:
+        run = simulate(rotor, start=state, duration=0.5 * cycle.period, samples=2)
+        first.append(bool((np.abs(run.event_kind) > 1).any()))
+    assert first == 12 * [True] + 12 * [False]
+    assert np.isinf(values[np.array(first)]).all()
+    assert np.isfinite(values[~np.array(first)]).any()
+
+
+def test_dry_whip_has_no_section():
+    assert not cycle_section(cycle_from(WHIP, np.array([5.0, 0.0, 0.0, -6.3])), GO_ON).exists

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rotor_ida import Rotor, basin, basin_fractions
-from rotor_ida.basins.entropy import IN_BOX, WIDTH, grid_entropy, sample_entropy
+from rotor_ida.basins.dataset import IN_BOX, WIDTH, grid_entropy, sample_entropy
 from rotor_ida.basins.kernel import NOT_COMPUTED
 
 

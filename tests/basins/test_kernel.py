@@ -5,7 +5,9 @@ import pytest
 
 from rotor_ida import Rotor
 from rotor_ida.basins.kernel import (
+    CONTACT_FREE,
     LANES,
+    NO_CONTACT_FREE,
     NOT_COMPUTED,
     REGION,
     SECTION,
@@ -17,16 +19,17 @@ from rotor_ida.basins.known import known_from_closed_forms
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
 
-NOTHING = np.array([0.0, 0.0, -1.0, -1.0])
 GO_ON = np.zeros(1, dtype=np.uint8)
 
 
-def followed(rotor, states, *, regions=None, free=NOTHING, duration, tolerance=1e-6, stop=GO_ON):
+def followed(
+    rotor, states, *, regions=None, free=NO_CONTACT_FREE, duration, tolerance=1e-6, stop=GO_ON
+):
     states = states.copy()
     labels = np.full(states.shape[1], NOT_COMPUTED, dtype=np.int16)
     times = np.zeros(states.shape[1], dtype=np.float32)
-    regions = np.empty((0, REGION)) if regions is None else regions
-    none = np.empty((0, SECTION))
+    regions = np.empty(0, REGION) if regions is None else regions
+    none = np.empty(0, SECTION)
     follow(states, labels, times, rotor, regions, free, none, duration, tolerance, stop)
     return states, labels, times
 
@@ -97,7 +100,7 @@ def test_nothing_is_followed_without_starts():
     _, labels, times = followed(rotor, np.empty((4, 0)), duration=10.0)
     assert labels.size == times.size == 0
     values = np.empty(0)
-    measure_returns(np.empty((4, 0)), rotor, np.ones(SECTION), (0.0, 1.0), 1e-6, values, GO_ON)
+    measure_returns(np.empty((4, 0)), rotor, np.ones((), SECTION), (0.0, 1.0), 1e-6, values, GO_ON)
 
 
 def test_starts_that_have_a_label_are_left_alone():
@@ -105,7 +108,7 @@ def test_starts_that_have_a_label_are_left_alone():
     states = random_states(100)
     ends, labels, times = states.copy(), np.full(100, NOT_COMPUTED, np.int16), np.zeros(100, "f4")
     labels[::3] = 7
-    none = np.empty((0, REGION)), NOTHING, np.empty((0, SECTION))
+    none = np.empty(0, REGION), NO_CONTACT_FREE, np.empty(0, SECTION)
     follow(ends, labels, times, rotor, *none, 1.0, 1e-6, GO_ON)
     assert (labels[::3] == 7).all()
     assert (times[::3] == 0.0).all()
@@ -118,9 +121,9 @@ WRONG = {
     "states": np.zeros((4, 9)),
     "labels": np.zeros((10, 1), np.int16),
     "times": np.zeros(9, np.float32),
-    "regions": np.zeros((2, REGION - 1)),
-    "free": np.zeros(3),
-    "sections": np.zeros((1, SECTION + 1)),
+    "regions": np.zeros((2, 1), REGION),
+    "free": np.zeros(3, CONTACT_FREE),
+    "sections": np.zeros((1, 2), SECTION),
     "stop": np.zeros(0, np.uint8),
 }
 
@@ -132,9 +135,9 @@ def test_arrays_of_another_shape_are_refused(name):
         "labels": np.zeros(10, np.int16),
         "times": np.zeros(10, np.float32),
         "rotor": Rotor(omega=1.7, zeta=0.07, delta0=0.5),
-        "regions": np.zeros((0, REGION)),
-        "free": NOTHING,
-        "sections": np.zeros((0, SECTION)),
+        "regions": np.zeros(0, REGION),
+        "free": NO_CONTACT_FREE,
+        "sections": np.zeros(0, SECTION),
         "duration": 1.0,
         "tolerance": 1e-6,
         "stop": GO_ON,
@@ -146,10 +149,10 @@ def test_arrays_of_another_shape_are_refused(name):
 @pytest.mark.parametrize(
     ("states", "section", "values"),
     [
-        (np.zeros((4, 3)), np.zeros(SECTION), np.zeros(4)),
-        (np.zeros((3, 4)), np.zeros(SECTION), np.zeros(4)),
-        (np.zeros((4, 4)), np.zeros(SECTION - 1), np.zeros(4)),
-        (np.zeros((4, 4)), np.zeros(SECTION), np.zeros((2, 2))),
+        (np.zeros((4, 3)), np.zeros((), SECTION), np.zeros(4)),
+        (np.zeros((3, 4)), np.zeros((), SECTION), np.zeros(4)),
+        (np.zeros((4, 4)), np.zeros(1, SECTION), np.zeros(4)),
+        (np.zeros((4, 4)), np.zeros((), SECTION), np.zeros((2, 2))),
     ],
 )
 def test_returns_of_arrays_of_another_shape_are_refused(states, section, values):
@@ -161,10 +164,10 @@ def test_returns_of_arrays_of_another_shape_are_refused(states, section, values)
 def test_a_region_that_is_none_holds_nothing():
     """Nor does a section that is none measure anything."""
     rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
-    regions = np.full((1, REGION), np.nan)
+    regions = np.full((1, 14), np.nan).view(REGION)[:, 0]
     _, labels, _ = followed(rotor, random_states(3), regions=regions, duration=1.0)
     assert (labels == UNDECIDED).all()
     values = np.empty(3)
-    never = np.full(SECTION, np.nan)
+    never = np.full(21, np.nan).view(SECTION).reshape(())
     measure_returns(random_states(3), rotor, never, (0.0, 1.0), 1e-6, values, GO_ON)
     assert np.isinf(values).all()

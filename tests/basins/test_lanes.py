@@ -1,5 +1,7 @@
 """The lanes' arithmetic: the model's own force and rate, and a method of order 8."""
 
+import cmath
+import math
 import platform
 import re
 import shutil
@@ -13,18 +15,17 @@ from scipy.integrate import DOP853, solve_ivp
 
 import rotor_ida
 from rotor_ida import Rotor, simulate
-from rotor_ida.basins import contact_free_whirls, kernel
-from rotor_ida.basins.kernel import LANES, NOT_COMPUTED, SECTION, UNDECIDED
+from rotor_ida.basins import kernel, known
+from rotor_ida.basins.kernel import LANES, NOT_FORWARDS, SECTION, UNDECIDED
 from rotor_ida.cycles.limit_cycle import follow
-from rotor_ida.model.equations import rotating_field
+from rotor_ida.model.equations import push_over_radius, rotating_field
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
+from tests.basins.lanes import GO_ON, MACHINES, RUBBING, field, followed, slip_of
 
 CORE = Path(rotor_ida.__file__).parent / "core"
 SOURCE = (CORE / "lanes.c").read_text()
 ROTOR = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
-NOWHERE = np.array([0.0, 0.0, -1.0, -1.0])
-GO_ON = np.zeros(1, dtype=np.uint8)
 FIRST_STEP = 0.02
 
 
@@ -37,17 +38,6 @@ def table(name):
 def constant(name):
     """Return a constant of the source."""
     return float(re.search(rf"\b{name} = ([-+.\de]+)", SOURCE)[1])
-
-
-def followed(rotor, states, duration, tolerance):
-    """Return ends, labels and times of starts that nothing holds."""
-    ends = states.copy()
-    labels = np.full(states.shape[1], NOT_COMPUTED, dtype=np.int16)
-    times = np.zeros(states.shape[1], dtype=np.float32)
-    nothing = np.empty((0, kernel.REGION)), NOWHERE, np.empty((0, SECTION))
-    kernel.follow(ends, labels, times, rotor, *nothing, duration, tolerance, GO_ON)
-    assert (labels == UNDECIDED).all()
-    return ends, times
 
 
 def error_of(found, exact, time, rotor):
@@ -74,45 +64,61 @@ def test_step_and_error_are_those_of_dop853():
 
 def test_python_and_c_agree_on_what_both_state():
     assert constant("LANES") == LANES
-    assert constant("REGION") == kernel.REGION
-    assert constant("SECTION") == SECTION
+    assert constant("REGION") == kernel.REGION.itemsize // 8
+    assert constant("SECTION") == SECTION.itemsize // 8
     assert constant("NO_ATTRACTOR") == UNDECIDED
     assert constant("NOT_FORWARDS") == kernel.NOT_FORWARDS
-    assert constant("MOST_DRIFT") == contact_free_whirls.MOST_DRIFT
+    assert constant("MOST_DRIFT") == known.MOST_DRIFT
     assert constant("FIRST_STEP") == FIRST_STEP
 
 
-@pytest.mark.parametrize("delta0", [0.0, 0.5, 3.0])
-def test_one_step_is_that_of_the_models_own_field(delta0):
-    """A first step is exact to rounding: its end is that of the field of `equations.model`.
+@pytest.mark.parametrize(
+    ("rotor", "farthest"),
+    [
+        *((Rotor(omega=1.7, zeta=0.07, delta0=delta0), 30.0) for delta0 in (0.0, 0.5, 3.0)),
+        *((rotor, 1.5) for rotor in (*MACHINES, *RUBBING.values())),
+    ],
+    ids=str,
+)
+def test_one_step_is_that_of_the_models_own_field(rotor, farthest):
+    """A first step is exact to rounding: its end is that of the field of `model.equations`.
 
-    Those over the ring are left out: there it is not. Any error is allowed, so that no step is
-    taken again.
+    Steps over the ring, and to where the contact lets go, are left out: there it is not; and with
+    friction depths at which the force has hardly begun. Any error is allowed, so that no step is
+    taken again. A disc that may not slide forwards throughout is left alone.
     """
-    rotor = Rotor(omega=1.7, zeta=0.07, delta0=delta0)
     states = np.random.default_rng(0).normal(0.0, 3.0, (4, LANES))
-    states[:2] *= np.geomspace(0.3, 30.0, LANES)
-    ends, times = followed(rotor, states, FIRST_STEP, 1e3)
+    states[:2] *= np.geomspace(0.3, farthest, LANES)
+    ends, labels, times = followed(rotor, states, FIRST_STEP, 1e3)
     compared = 0
-    assert (times == np.float32(FIRST_STEP)).all()
-    for number in range(LANES):
-        start = states[:, number]
-        expected = solve_ivp(
-            lambda _, state: rotating_field(state, rotor), (0.0, FIRST_STEP), start,
+    assert (times[labels == UNDECIDED] == np.float32(FIRST_STEP)).all()
+    for number, start in enumerate(states.T):
+        exact = solve_ivp(
+            lambda _, state: field(state, rotor), (0.0, FIRST_STEP), start,
             method="DOP853", rtol=1e-13, atol=1e-13,
         ).y[:, -1]  # fmt: skip
-        if (np.hypot(*start[:2]) > delta0) != (np.hypot(*expected[:2]) > delta0):
-            continue
-        size = 1.0 + np.abs(start).max()
-        np.testing.assert_allclose(ends[:, number], expected, rtol=0.0, atol=1e-12 * size)
-        compared += 1
+        both = np.stack([start, exact], axis=1)
+        depths, slip = np.hypot(*both[:2]) - rotor.delta0, slip_of(both, rotor)
+        touches = (depths > 0.0).any()
+        if rotor.friction and touches and slip.min() <= 0.0:
+            assert labels[number] == NOT_FORWARDS
+        elif not rotor.friction or not touches or slip.min() > abs(slip[1] - slip[0]):
+            assert labels[number] == UNDECIDED
+        pushes = [push_over_radius(state, rotor) > 0.0 for state in both.T]
+        least = 0.1 if rotor.friction else 0.0
+        if (depths.max() <= 0.0 or depths.min() > least) and pushes[0] == pushes[1]:
+            size = 1.0 + np.abs(start).max() ** 1.5
+            np.testing.assert_allclose(ends[:, number], exact, rtol=0.0, atol=1e-12 * size)
+            compared += 1
     assert compared > LANES // 2
 
 
 @pytest.mark.parametrize("delta0", [0.0, 0.5])
 def test_there_is_no_force_at_the_centre(delta0):
     """Without unbalance a rotor at rest at the centre stays there."""
-    ends, times = followed(Rotor(omega=0.0, zeta=0.1, delta0=delta0), np.zeros((4, 1)), 9.0, 1e-6)
+    ends, _, times = followed(
+        Rotor(omega=0.0, zeta=0.1, delta0=delta0), np.zeros((4, 1)), 9.0, 1e-6
+    )
     assert times[0] >= 9.0
     assert (ends == 0.0).all()
 
@@ -122,7 +128,7 @@ def test_error_falls_with_the_tolerance():
     states = np.random.default_rng(1).uniform(-5.0, 5.0, (4, 4))
     errors = []
     for tolerance in (1e-4, 1e-6, 1e-8):
-        ends, times = followed(ROTOR, states, 20.0, tolerance)
+        ends, _, times = followed(ROTOR, states, 20.0, tolerance)
         worst = 0.0
         for found, start, time in zip(ends.T, states.T, times.tolist(), strict=True):
             options = Options(rtol=1e-13, atol=1e-14)
@@ -144,16 +150,40 @@ def test_steps_over_the_ring_are_as_exact_as_others():
     rotor = Rotor(omega=1.7, zeta=0.07, delta0=2.0)
     assert (np.hypot(*states[:2]) > 2.0).all()
     for tolerance in (1e-10, 1e-12):
-        ends, times = followed(rotor, states, 4.0, tolerance)
+        ends, _, times = followed(rotor, states, 4.0, tolerance)
         for found, start, time in zip(ends.T, states.T, times.tolist(), strict=True):
             exact = follow(rotor, start, time / 8, 9, GO_ON)[-1]
             assert error_of(found, exact, time, rotor) < 100.0 * tolerance
 
 
+@pytest.mark.parametrize("rotor", MACHINES[:4], ids=repr)
+@pytest.mark.parametrize("tolerance", [1e-10, 1e-12])
+def test_steps_over_the_ring_and_the_release_are_as_exact_as_others(rotor, tolerance):
+    """From just outside they fly in, fast enough to be let go on the way where there is c."""
+    random, states = np.random.default_rng(2), np.empty((4, LANES))
+    directions = np.exp(1j * random.uniform(0.0, 2.0 * math.pi, LANES))
+    positions = random.uniform(1.0, 1.5, LANES) * directions
+    speeds = -random.uniform(1.0, 6.0, LANES) * directions
+    states[:] = positions.real, positions.imag, speeds.real, speeds.imag
+    duration, left, released = 1.0, 0, 0
+    ends = followed(rotor, states, duration, tolerance)[0]
+    for number in range(LANES):
+        x, y, u, v = states[:, number].tolist()
+        done = run(rotor, (x, y, u, v), duration, np.empty(0), Options(method="taylor", rtol=1e-13))
+        left += bool((done.event_kinds == -1).any())
+        released += bool((done.event_kinds == -4).any())
+        turn = cmath.exp(-1j * rotor.omega * duration)
+        exact = np.array([complex(*done.end[:2]) * turn, complex(*done.end[2:]) * turn])
+        found = np.array([complex(*ends[:2, number]), complex(*ends[2:, number])])
+        assert np.abs(found - exact).max() < 300.0 * tolerance
+    assert left > LANES // 2
+    assert (released > 0) == (rotor.contact_damping > 0.0)
+
+
 def test_a_step_that_is_too_long_is_taken_back():
     """Far out the force is so stiff that the first step is far too long."""
     states = np.array([[1e9], [0.0], [0.0], [0.0]])
-    ends, times = followed(ROTOR, states, FIRST_STEP, 1e-9)
+    ends, _, times = followed(ROTOR, states, FIRST_STEP, 1e-9)
     assert times[0] == np.float32(FIRST_STEP)
     expected = solve_ivp(
         lambda _, state: rotating_field(state, ROTOR), (0.0, float(times[0])), states[:, 0],
@@ -166,8 +196,8 @@ def test_a_step_that_is_too_long_is_taken_back():
 def test_a_force_that_is_no_number_moves_nothing_and_leaves_the_neighbours_alone(delta0, bad):
     rotor = Rotor(omega=1.7, zeta=0.07, delta0=delta0)
     states = np.array([[bad, 3.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]])
-    ends, times = followed(rotor, states, 1.0, 1e-6)
-    alone, time = followed(rotor, states[:, 1:].copy(), 1.0, 1e-6)
+    ends, _, times = followed(rotor, states, 1.0, 1e-6)
+    alone, _, time = followed(rotor, states[:, 1:].copy(), 1.0, 1e-6)
     assert times[0] == 0.0
     np.testing.assert_array_equal(ends[:, 0], states[:, 0])
     np.testing.assert_array_equal(ends[:, 1], alone[:, 0])
@@ -194,7 +224,7 @@ def test_every_orbit_is_left_at_the_same_moment():
     """At the end of the time that was asked for: two of them can be held against each other."""
     rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
     states = np.random.default_rng(1).uniform(-4.0, 4.0, (4, LANES))
-    ends, times = followed(rotor, states, 7.25, 1e-10)
+    ends, _, times = followed(rotor, states, 7.25, 1e-10)
     assert (times == np.float32(7.25)).all()
     for number in range(0, LANES, 8):
         run = simulate(

@@ -323,12 +323,12 @@ def test_lanes_stop_within_a_second():
     stop, count = np.zeros(1, np.uint8), 5000
     states = np.random.default_rng(0).normal(size=(4, count))
     labels, times = np.full(count, kernel.NOT_COMPUTED, np.int16), np.zeros(count, np.float32)
-    none = np.empty((0, kernel.REGION)), np.full(4, -1.0), np.empty((0, kernel.SECTION))
+    none = np.empty(0, kernel.REGION), kernel.NO_CONTACT_FREE, np.empty(0, kernel.SECTION)
     with stopping_after(0.3, stop):
         kernel.follow(states, labels, times, BOUNCING, *none, 1e9, 1e-9, stop)
     assert (labels == kernel.NOT_COMPUTED).any()
     stop[0] = 0
-    section, values = np.ones(kernel.SECTION), np.empty(count)
+    section, values = np.ones((), kernel.SECTION), np.empty(count)
     with stopping_after(0.3, stop):
         kernel.measure_returns(states, BOUNCING, section, (0.0, 1e9), 1e-9, values, stop)
 

@@ -50,7 +50,7 @@ def test_run_says_which_script_made_it(tmp_path: Path) -> None:
 def test_sources_in_python_and_in_c_count(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
-    monkeypatch.setattr(provenance, "__file__", str(tmp_path / "provenance.py"))
+    monkeypatch.setattr(provenance, "__file__", str(tmp_path / "results" / "provenance.py"))
     (tmp_path / "core").mkdir()
     before = provenance.sources_digest.__wrapped__()
     (tmp_path / name).touch()

@@ -19,8 +19,8 @@ from rotor_ida.basins.attractors import (
     attractors_of,
     family_of,
 )
-from rotor_ida.basins.entropy import sample_entropy
-from rotor_ida.basins.fates import LASTING
+from rotor_ida.basins.dataset import sample_entropy
+from rotor_ida.basins.fates import APERIODIC
 from rotor_ida.basins.following import FollowedStarts, follow_here
 from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED
 from rotor_ida.basins.known import known_from_closed_forms, same_cycle, with_cycle
@@ -87,29 +87,29 @@ class CellJob:
 def fill_cell(job: CellJob, stop: Stop) -> Cell:
     """Follow all starts of a rotor, and count them by attractor."""
     known = known_from_closed_forms(job.rotor, stop)
-    found = follow_here(known, job.states, job.tolerance, stop)
-    cell, attractors = Cell(job.rotor), attractors_of(found)
-    cell.undecided = int((found.labels == UNDECIDED).sum())
-    cell.not_computed = int((found.labels == NOT_COMPUTED).sum())
-    cell.rechecked = found.rechecked
-    cell.entropies = sample_entropy(job.states, found.labels, family_of(attractors))
+    followed = follow_here(known, job.states, job.tolerance, stop)
+    cell, attractors = Cell(job.rotor), attractors_of(followed)
+    cell.undecided = int((followed.labels == UNDECIDED).sum())
+    cell.not_computed = int((followed.labels == NOT_COMPUTED).sum())
+    cell.rechecked = followed.rechecked
+    cell.entropies = sample_entropy(job.states, followed.labels, family_of(attractors))
     for number, attractor in enumerate(attractors):
-        own = found.labels == number
-        times = found.times[own]
+        own = followed.labels == number
+        times = followed.times[own]
         settling = np.quantile(times, QUANTILES) if times.size else NEVER
-        state = _state_on(job, found, number, attractor)
+        state = _state_on(job, followed, number, attractor)
         cell.members.append(Member(attractor, int(own.sum()), settling, state))
     if job.shocks and not stop[0]:
-        search = _search_among(job, found, attractors, stop)
+        search = _search_among(job, followed, attractors, stop)
         cell.largest_shocks = search.largest()
         for member, resilience in zip(cell.members, resilience_of(search), strict=True):
             member.resilience = resilience
     return cell
 
 
-def _state_on(job: CellJob, found: FollowedStarts, number: int, attractor: Attractor) -> Values:
+def _state_on(job: CellJob, followed: FollowedStarts, number: int, attractor: Attractor) -> Values:
     """Return a state on an attractor, where its numbers do not say all."""
-    own, cycle = np.flatnonzero(found.labels == number), _cycle_of(found, attractor)
+    own, cycle = np.flatnonzero(followed.labels == number), _cycle_of(followed, attractor)
     if cycle is not None:
         return cycle.state
     if needs_run(job.rotor, attractor) and own.size:
@@ -118,31 +118,31 @@ def _state_on(job: CellJob, found: FollowedStarts, number: int, attractor: Attra
 
 
 def _search_among(
-    job: CellJob, found: FollowedStarts, attractors: list[Attractor], stop: Stop
+    job: CellJob, followed: FollowedStarts, attractors: list[Attractor], stop: Stop
 ) -> Search:
     """Return the attractors of a rotor with what is needed to look for shocks."""
-    known, subjects = found.known, []
-    for cycle in sorted(found.cycles, key=attrgetter("radius_max")):
+    known, subjects = followed.known, []
+    for cycle in sorted(followed.cycles, key=attrgetter("radius_max")):
         if known.label_of_cycle(cycle) is None:
             known = with_cycle(known, cycle, stop)
     for number, attractor in enumerate(attractors):
-        own = np.flatnonzero(found.labels == number)
+        own = np.flatnonzero(followed.labels == number)
         start = job.states[:, own[0]] if own.size else np.full(4, np.nan)
-        own_cycle, label = _cycle_of(found, attractor), number  # the whirls come first
+        own_cycle, label = _cycle_of(followed, attractor), number  # the whirls come first
         if own_cycle is not None:
             same = [same_cycle(each.cycle, own_cycle) for each in known.cycles]
             label = known.first_cycle + same.index(True)
         elif attractor.kind in CONTACT_FREE_FAMILY:
             label = known.free_label
-        elif attractor.kind in LASTING:
-            label = LASTING[attractor.kind]
+        elif attractor.kind in APERIODIC:
+            label = APERIODIC[attractor.kind]
         subjects.append(Subject(attractor, label, own_cycle, start))
     return Search(known, subjects, job.shocks, job.tolerance, stop)
 
 
-def _cycle_of(found: FollowedStarts, attractor: Attractor) -> Cycle | None:
+def _cycle_of(followed: FollowedStarts, attractor: Attractor) -> Cycle | None:
     """Return the limit cycle that an attractor is."""
-    return next((each for each in found.cycles if each.period == attractor.period), None)
+    return next((each for each in followed.cycles if each.period == attractor.period), None)
 
 
 def _as_arrays(cell: Cell) -> Arrays:
@@ -162,9 +162,9 @@ def _as_arrays(cell: Cell) -> Arrays:
         "rechecked": cell.rechecked,
         "largest_shocks": np.array(cell.largest_shocks),
     }
-    told = [each.resilience for each in members if each.resilience is not None]
-    if told:
-        arrays |= {name: np.array([getattr(each, name) for each in told]) for name in RESILIENCE}
+    shocked = [each.resilience for each in members if each.resilience is not None]
+    if shocked:
+        arrays |= {name: np.array([getattr(each, name) for each in shocked]) for name in RESILIENCE}
     return arrays
 
 

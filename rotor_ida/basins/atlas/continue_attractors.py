@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Mapping
 from contextlib import closing
-from itertools import product
 from operator import attrgetter
 
 import numpy as np
@@ -17,9 +15,8 @@ from rotor_ida.arrays import Values
 from rotor_ida.basins.atlas.cells import FORM, MOST_STARTS, Cell, CellJob, fill_cell
 from rotor_ida.basins.atlas.dataset import atlas_dataset, how_computed
 from rotor_ida.basins.atlas.identities import identify
+from rotor_ida.basins.basin import LOOSEST, TIGHTEST, box_of, check_rotor, drawn_from, range_of
 from rotor_ida.basins.following import RTOL
-from rotor_ida.basins.fractions import box_of, drawn_from, range_of
-from rotor_ida.basins.labelling import LOOSEST, TIGHTEST, check_rotor
 from rotor_ida.checks import (
     COMPONENTS,
     MOST_SHOCKS,
@@ -30,13 +27,11 @@ from rotor_ida.checks import (
     check_points,
     check_progress,
     check_seed,
-    check_vector,
     is_scalar,
     shown,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import Rotor
-from rotor_ida.model.table import DEFAULTS
+from rotor_ida.model.rotors import Rotors, rotors_of
 from rotor_ida.parallel import FailedJob, Progress, choose, interruptible, run_all
 from rotor_ida.results.provenance import computing
 from rotor_ida.results.studies.results import Results, open_results
@@ -149,15 +144,12 @@ def continue_attractors(
     >>> found.amplitude.squeeze().sel(omega=1.7).values.round(4)
     array([1.8796, 9.4872])
     """
-    axes, held = _axes({
+    grid = _check_grid(rotors_of({
         "omega": omega, "zeta": zeta, "delta0": delta0, "shaft_stiffness": shaft_stiffness,
         "contact_exponent": contact_exponent, "contact_damping": contact_damping, "load": load,
-        "friction": friction, **({} if disc_radius is None else {"disc_radius": disc_radius}),
-    })  # fmt: skip
-    rotors = [
-        Rotor(**dict(zip(axes, place, strict=True)), **held)
-        for place in product(*(values.tolist() for values in axes.values()))
-    ]
+        "friction": friction, "disc_radius": disc_radius,
+    }))  # fmt: skip
+    rotors = [grid.rotor(place) for place in np.ndindex(grid.sizes)]
     for rotor in rotors:
         check_rotor(rotor, "an atlas")
     check_progress(progress)
@@ -167,23 +159,25 @@ def continue_attractors(
     place, several = choose(executor, workers, compiled=True)
     design = {
         "kind": "continue_attractors",
-        **{name: values.tolist() for name, values in axes.items()},
-        **held, **drawn, "rtol": tolerance, "shocks": tried, **computing(),
-    }  # fmt: skip
+        **grid.values,
+        **drawn,
+        "rtol": tolerance,
+        "shocks": tried,
+        **computing(),
+    }
     with open_results(study, design, len(rotors), FORM) as kept:
         jobs = [CellJob(rotor, states, tolerance, tried) for rotor in rotors]
         reason = _fill(jobs, kept, place, several, progress)
         cells = [Cell(rotor, not_computed=states.shape[1]) for rotor in rotors]
         for number, cell in kept.results():
             cells[number] = cell
-    lines = _lines({name: values.size for name, values in axes.items()})
-    interruptible(lambda stop: identify(cells, lines, stop))
-    told = {f"range_{each}" if each in COMPONENTS else each: drawn[each] for each in drawn}
+    interruptible(lambda stop: identify(cells, _lines(grid), stop))
+    description = {f"range_{each}" if each in COMPONENTS else each: drawn[each] for each in drawn}
     rubs_most = max(rotors, key=attrgetter("friction"))
-    attributes = {**how_computed(tolerance, tried, rubs_most), **told}
+    attributes = {**how_computed(tolerance, tried, rubs_most), **description}
     if reason:
         attributes["not_computed_reason"] = reason
-    return atlas_dataset(axes, held, cells, states.shape[1], attributes)
+    return atlas_dataset(grid, cells, states.shape[1], attributes)
 
 
 def _fill(
@@ -209,24 +203,17 @@ def _fill(
     return reason
 
 
-def _axes(given: Mapping[str, npt.ArrayLike]) -> tuple[dict[str, Values], dict[str, float]]:
-    """Return the parameters as rising axes of which two at most are longer than one.
-
-    Beside them, what a machine has that is a number, where it is not the default.
-    """
-    axes = {
-        name: check_increasing(name, check_vector(name, value)) for name, value in given.items()
-    }
-    defaults = DEFAULTS
-    numbers = [name for name in defaults if name in given and is_scalar(name, given[name])]
-    held = {name: axes.pop(name).item() for name in numbers}
-    longer = [name for name, axis in axes.items() if axis.size > 1]
+def _check_grid(rotors: Rotors) -> Rotors:
+    """Return rotors of which at most two parameters vary, each along a rising axis."""
+    for name, axis in rotors.axes.items():
+        check_increasing(name, axis)
+    longer = [name for name, axis in rotors.axes.items() if axis.size > 1]
     if len(longer) > MOST_AXES:
         raise InputError(
             f"two of the parameters at most may be arrays, got {len(longer)}: {', '.join(longer)}"
         )
-    check_points(*axes.values(), most=MOST_ROTORS)
-    return axes, {name: value for name, value in held.items() if value != defaults[name]}
+    check_points(*rotors.axes.values(), most=MOST_ROTORS)
+    return rotors
 
 
 def _states(
@@ -237,9 +224,9 @@ def _states(
         count = check_count("starts", starts, maximum=MOST_STARTS)
         chosen = check_seed(seed)
         box = box_of(ranges, count)
-        told: dict[str, object] = {"starts": count, "seed": chosen}
-        told |= {name: limits.tolist() for name, limits in zip(COMPONENTS, box, strict=True)}
-        return drawn_from(box, chosen, 0, count), told
+        description: dict[str, object] = {"starts": count, "seed": chosen}
+        description |= {name: limits.tolist() for name, limits in zip(COMPONENTS, box, strict=True)}
+        return drawn_from(box, chosen, 0, count), description
     given = check_array("starts", starts, largest=LARGEST)
     if given.ndim != 2 or given.shape[1] != len(COMPONENTS) or not 1 <= len(given) <= MOST_STARTS:
         raise InputError(
@@ -251,14 +238,14 @@ def _states(
     return np.ascontiguousarray(given.T), {"starts": given.tolist()}
 
 
-def _lines(sizes: Mapping[str, int]) -> list[list[int]]:
+def _lines(rotors: Rotors) -> list[list[int]]:
     """Return the numbers of the cells along each line of the grid.
 
     From one law of contact to the other nothing can be followed.
     """
-    numbers = np.arange(math.prod(sizes.values())).reshape(*sizes.values())
+    numbers = np.arange(rotors.points).reshape(rotors.sizes)
     lines = []
-    for axis, (name, size) in enumerate(sizes.items()):
+    for axis, (name, size) in enumerate(zip(rotors.dims, rotors.sizes, strict=True)):
         if size > 1 and name != "contact_exponent":
             lines += np.moveaxis(numbers, axis, -1).reshape(-1, size).tolist()
     return lines

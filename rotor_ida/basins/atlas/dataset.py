@@ -9,7 +9,6 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Values
 from rotor_ida.basins.atlas.cells import Cell, Member
 from rotor_ida.basins.atlas.extents import varied
 from rotor_ida.basins.atlas.resilience import Resilience, witness_options
@@ -17,6 +16,7 @@ from rotor_ida.basins.atlas.shocks import KINDS
 from rotor_ida.basins.attractors import NUMBERS
 from rotor_ida.basins.dataset import ENTROPIES, agreement_of, followed_by, labelled_how
 from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotors import Rotors
 from rotor_ida.results.provenance import provenance
 from rotor_ida.schema import (
     END,
@@ -42,24 +42,17 @@ FLAGS = {
 
 
 def atlas_dataset(
-    axes: Mapping[str, Values], held: Mapping[str, float], cells: Sequence[Cell], starts: int,
-    attributes: Mapping[str, object],
-) -> xr.Dataset:  # fmt: skip
-    """Return the attractors over the parameters, of rotors that have so many starts each.
-
-    `held` are those of a machine that are numbers.
-    """
+    rotors: Rotors, cells: Sequence[Cell], starts: int, attributes: Mapping[str, object]
+) -> xr.Dataset:
+    """Return the attractors over the parameters, of rotors that have so many starts each."""
     members = [each for cell in cells for each in cell.members]
     count = 1 + max((each.identity for each in members), default=-1)
     columns = _columns(cells, count, starts)
-    coordinates: dict[str, Column] = {name: (name, values) for name, values in axes.items()}
-    coordinates |= {name: ((), value) for name, value in held.items()}
-    coordinates["attractor"] = ("attractor", np.arange(count))
+    coordinates = {**rotors.coordinates, "attractor": ("attractor", np.arange(count))}
     if any(each.resilience is not None for each in members):
         columns |= _shocks(cells, count)
         coordinates["target"] = ("target", np.arange(count))
-    sizes = tuple(values.size for values in axes.values())
-    over = (*axes, "attractor", "target")
+    over = (*rotors.dims, "attractor", "target")
     of_cell: dict[str, npt.ArrayLike] = {
         "undecided_fraction": [
             each.undecided / max(starts - each.not_computed, 1) for each in cells
@@ -70,12 +63,12 @@ def atlas_dataset(
         of_cell[name] = [each.entropies[place] for each in cells]
     agreement = [agreement_of(each.rechecked) for each in cells]
     of_cell |= {name: [each[name] for each in agreement] for name in agreement[0]}
-    variables: dict[str, Column] = {
-        name: (over[: len(axes) - 1 + values.ndim], values.reshape(*sizes, *values.shape[1:]))
-        for name, values in {
-            **columns, **{name: np.array(values) for name, values in of_cell.items()}
-        }.items()
-    }  # fmt: skip
+    columns |= {name: np.array(values) for name, values in of_cell.items()}
+    variables: dict[str, Column] = {}
+    for name, column in columns.items():
+        own = column.shape[1:]  # along the attractors, and of shocks along their targets
+        dims = over[: len(rotors.dims) + len(own)]
+        variables[name] = (dims, column.reshape(*rotors.sizes, *own))
     variables["missed_fraction"] = ((), missed_fraction(starts))
     title = "Rotor in a clearance: attractors and the fractions of starts on each"
     return labelled_dataset(title, variables, coordinates, _flat(attributes))

@@ -18,7 +18,7 @@ from rotor_ida.basins.atlas.cells import NEVER, Cell, Member
 from rotor_ida.basins.atlas.extents import amplitudes_along
 from rotor_ida.basins.attractors import CONTACT_FREE_FAMILY, attractor_of_cycle
 from rotor_ida.basins.cycle_sections import cycle_section
-from rotor_ida.basins.fates import LASTING
+from rotor_ida.basins.fates import APERIODIC
 from rotor_ida.basins.known import may_roll, same_numbers
 from rotor_ida.cycles.branch import LIMITS, PLACE, Side, advance, course_from
 from rotor_ida.cycles.guess import Guess
@@ -82,7 +82,7 @@ def identify(cells: Sequence[Cell], lines: Sequence[Sequence[int]], stop: Stop) 
 def _successor(member: Member, rotor: Rotor, there: Cell, stop: Stop) -> Member | None:
     """Return what an attractor of a rotor is in a neighbouring cell."""
     kind = member.attractor.kind
-    lasting = kind in LASTING and math.isnan(member.attractor.period)
+    lasting = kind in APERIODIC and math.isnan(member.attractor.period)
     if kind in SHARED or (may_roll(rotor) and lasting):
         return _of_kind(there, kind)
     if kind == response.SYNCHRONOUS:
@@ -99,8 +99,8 @@ def _successor(member: Member, rotor: Rotor, there: Cell, stop: Stop) -> Member 
     for each in known:
         if same_numbers(each.attractor.period, each.attractor.radius_max, cycle):
             return each
-    held = cycle_section(cycle, stop).exists
-    added = Member(attractor_of_cycle(cycle, held, stop), 0, NEVER, cycle.state)
+    has_section = cycle_section(cycle, stop).exists
+    added = Member(attractor_of_cycle(cycle, has_section, stop), 0, NEVER, cycle.state)
     there.members.append(added)
     return added
 

@@ -35,10 +35,9 @@ from rotor_ida.basins.atlas.shocks import (
     try_shocks,
 )
 from rotor_ida.basins.attractors import CONTACT_FREE_FAMILY, Attractor, leads_to
-from rotor_ida.basins.contact_free_whirls import ContactFree
 from rotor_ida.basins.cycle_sections import CycleSection
 from rotor_ida.basins.kernel import CHAOTIC, UNDECIDED
-from rotor_ida.basins.known import Known, may_roll
+from rotor_ida.basins.known import ContactFree, Known, may_roll
 from rotor_ida.cycles.limit_cycle import follow
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.errors import SimulationError
@@ -146,20 +145,20 @@ def witness_options() -> Options:
 
 def resilience_of(search: Search) -> list[Resilience]:
     """Return how far each attractor of a rotor is from being left, in their order."""
-    found: dict[int, Resilience] = {}
+    resilience: dict[int, Resilience] = {}
     for subject in search.subjects:  # fading touches are of the contact-free family
-        if subject.label not in found:
-            found[subject.label] = _resilience_of(search, subject)
-    return [found[subject.label] for subject in search.subjects]
+        if subject.label not in resilience:
+            resilience[subject.label] = _resilience_of(search, subject)
+    return [resilience[subject.label] for subject in search.subjects]
 
 
 def _resilience_of(search: Search, subject: Subject) -> Resilience:
     known = search.known
-    found = Resilience.unknown(len(search.subjects), known.rotor)
-    _fill_extents(found, known.rotor, subject, search.stop)
+    resilience = Resilience.unknown(len(search.subjects), known.rotor)
+    _fill_extents(resilience, known.rotor, subject, search.stop)
     source = _source_of(search, subject) if known.rotor.omega > 0.0 else None
     if source is None:
-        return found
+        return resilience
     for row, (kind, largest) in enumerate(zip(KINDS, search.largest(), strict=True)):
         bound = _proven_bound(known, subject, kind)
         sizes = max(bound, SMALLEST * largest), largest
@@ -168,16 +167,16 @@ def _resilience_of(search: Search, subject: Subject) -> Resilience:
         )
         for place, target in enumerate(search.subjects):
             if target.label not in (subject.label, UNDECIDED):
-                _keep_smallest(search, found, (row, place), tried)
-                if math.isfinite(found.sizes[row, place]):
-                    found.scatter[row, place] = scatter[target.label]
+                _keep_smallest(search, resilience, (row, place), tried)
+                if math.isfinite(resilience.sizes[row, place]):
+                    resilience.scatter[row, place] = scatter[target.label]
         section = _section_of(known, subject)
         if section is not None:
             thrown = tried.sizes[tried.labels != subject.label]
             most = float(thrown.min(initial=largest))
             bound = bound_of_cycle(section, source, kind, most, search.stop)
-        found.bounds[row] = bound
-    return found
+        resilience.bounds[row] = bound
+    return resilience
 
 
 def _proven_bound(known: Known, subject: Subject, kind: str) -> float:
@@ -190,7 +189,7 @@ def _proven_bound(known: Known, subject: Subject, kind: str) -> float:
 
 
 def _keep_smallest(
-    search: Search, found: Resilience, place: tuple[int, int], tried: Shocks
+    search: Search, resilience: Resilience, place: tuple[int, int], tried: Shocks
 ) -> None:
     """Keep the smallest shock to an attractor that CVODE follows there."""
     target, options = search.subjects[place[1]], witness_options()
@@ -201,8 +200,8 @@ def _keep_smallest(
         if leads_to(
             search.known.rotor, target.attractor, after, options, family=True, stop=search.stop
         ):
-            found.sizes[place] = tried.sizes[number]
-            found.before[place], found.after[place] = tried.before[:, number], after
+            resilience.sizes[place] = tried.sizes[number]
+            resilience.before[place], resilience.after[place] = tried.before[:, number], after
             return
 
 
@@ -259,12 +258,12 @@ def _contact_free_states(free: ContactFree, omega: float, places: Values) -> Val
     ])  # fmt: skip
 
 
-def _fill_extents(found: Resilience, rotor: Rotor, subject: Subject, stop: Stop) -> None:
+def _fill_extents(resilience: Resilience, rotor: Rotor, subject: Subject, stop: Stop) -> None:
     """Write down between which parameters an attractor exists."""
     for row, name in enumerate(varied(rotor)):
         for column, end in enumerate(_extent(rotor, subject, name, stop)):
-            found.extents[row, column] = end.value
-            found.ends[row, column] = END[end.kind]
+            resilience.extents[row, column] = end.value
+            resilience.ends[row, column] = END[end.kind]
 
 
 def _extent(rotor: Rotor, subject: Subject, name: str, stop: Stop) -> tuple[End, End]:

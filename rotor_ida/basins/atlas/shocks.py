@@ -287,7 +287,7 @@ def bound_of_held_whirl(rotor: Rotor, room: float, kind: str) -> float:
     """Return the size up to which no shock drives the whirl that a shaft holds to the ring: proven.
 
     By its energy, or with much damping by the slow one of the two motions that it falls into: see
-    `rotor_ida.basins.contact_free_whirls`.
+    `rotor_ida.basins.known`.
     """
     if kind == "displacement":
         return room
@@ -310,7 +310,7 @@ def bound_of_cycle(
     def returns(states: Values) -> Labels:
         values = np.empty(states.shape[1])
         measure_returns(
-            np.ascontiguousarray(states), section.cycle.rotor, section.numbers,
+            np.ascontiguousarray(states), section.cycle.rotor, section.row,
             (0.0, LAST_RETURN * section.cycle.period), TOLERANCE, values, stop,
         )  # fmt: skip
         return (values <= 1.0).astype(np.int16)

@@ -18,10 +18,9 @@ from rotor_ida.basins.atlas.rubbing import (
     numbers_of_whirl,
 )
 from rotor_ida.basins.atlas.shocks import KINDS
+from rotor_ida.basins.basin import LOOSEST, TIGHTEST, box_of, check_rotor, drawn_from
 from rotor_ida.basins.dataset import ENTROPIES, agreement_of
 from rotor_ida.basins.following import RTOL
-from rotor_ida.basins.fractions import box_of, drawn_from
-from rotor_ida.basins.labelling import LOOSEST, TIGHTEST, check_rotor
 from rotor_ida.checks import (
     COMPONENTS,
     MOST_SHOCKS,
@@ -174,9 +173,9 @@ def touchdown_report(
     tried = check_count("shocks", shocks, minimum=0, maximum=MOST_SHOCKS)
     job = CellJob(rotor, drawn_from(scaled, chosen, 0, count), tolerance, tried)
     cell = interruptible(lambda stop: fill_cell(job, stop))
-    told = {**how_computed(tolerance, tried, rotor), "starts": count, "seed": chosen}
+    how = {**how_computed(tolerance, tried, rotor), "starts": count, "seed": chosen}
     ranges = {f"range_{name}": ends for name, ends in zip(COMPONENTS, box, strict=True)}
-    report = _dataset(cell, count, {**told, **ranges})
+    report = _dataset(cell, count, {**how, **ranges})
     return dimensional(report, machine) if isinstance(machine, DimensionalRotor) else report
 
 
@@ -202,22 +201,22 @@ def _dataset(cell: Cell, starts: int, attributes: Mapping[str, object]) -> xr.Da
     coordinates["attractor"] = ("attractor", numbers)
     if tried:
         coordinates["target"] = ("target", numbers)
-    told = {**attributes, **cell.rotor.given}
-    return labelled_dataset("What touching the ring does", variables, coordinates, told)
+    attributes = {**attributes, **cell.rotor.given}
+    return labelled_dataset("What touching the ring does", variables, coordinates, attributes)
 
 
 def _shocks(cell: Cell) -> dict[str, Column]:
     """Return the smallest shocks from each attractor to each, with the states about them."""
-    told = [each.resilience for each in cell.members if each.resilience is not None]
+    shocked = [each.resilience for each in cell.members if each.resilience is not None]
     variables: dict[str, Column] = {}
     over = ("attractor", "target")
-    for place, kind in enumerate(KINDS if told else ()):
-        variables[f"{kind}_shock"] = (over, np.array([each.sizes[place] for each in told]))
-        scatter = np.array([each.scatter[place] for each in told])
+    for place, kind in enumerate(KINDS if shocked else ()):
+        variables[f"{kind}_shock"] = (over, np.array([each.sizes[place] for each in shocked]))
+        scatter = np.array([each.scatter[place] for each in shocked])
         variables[f"{kind}_shock_scatter"] = (over, scatter)
         variables[f"{kind}_shock_largest"] = ((), cell.largest_shocks[place])
         for when in ("before", "after"):
-            states = np.array([getattr(each, when)[place] for each in told])
+            states = np.array([getattr(each, when)[place] for each in shocked])
             for column, name in enumerate(COMPONENTS):
                 variables[f"{kind}_shock_{when}_{name}"] = (over, states[..., column])
     return variables
@@ -288,12 +287,12 @@ def _of_cycle(rotor: Rotor, member: Member) -> dict[str, float]:
     # velocities read on the rotating axes are those of the fixed ones, turned
     power = 2.0 * rotor.zeta * float((states[:, 2] ** 2 + states[:, 3] ** 2).mean())
     loss = float(np.nansum(cycle.shot.contacts[:, LOST])) * revolution / cycle.period
-    told = {"contact_loss_per_revolution": loss} if rotor.contact_damping > 0.0 else {}
+    numbers = {"contact_loss_per_revolution": loss} if rotor.contact_damping > 0.0 else {}
     heat = 0.0
     if rotor.friction > 0.0:
-        told |= numbers_of_cycle(cycle)
-        heat = told["heat_per_revolution"]
-    return told | {
+        numbers |= numbers_of_cycle(cycle)
+        heat = numbers["heat_per_revolution"]
+    return numbers | {
         "largest_force": cycle.largest_force,
         "mean_force": impulse / cycle.period,
         "contacts_per_revolution": cycle.contacts * revolution / cycle.period,

@@ -12,11 +12,21 @@ from rotor_ida import (
     limit_cycle,
     load,
     save,
+    synchronous_response,
+    touchdown_report,
 )
+from rotor_ida.basins.atlas.cells import FORM, CellJob, fill_cell
+from rotor_ida.closed_forms.contact_free import complex_amplitude
+from rotor_ida.plot import plot_attractor_map, plot_attractors
 from rotor_ida.schema import RESPONSE
 from rotor_ida.verification.resume import resume
+from tests.basins.atlas.reports import BOX, WIDE, of_kind
+from tests.basins.lanes import WHIP
 
-BOX = {"x": (-15, 15), "y": (-15, 15)}
+PLAIN = {"omega": 2.0, "zeta": 0.07, "delta0": 2.0}
+GO_ON = np.zeros(1, np.uint8)
+
+
 ISOLA = np.linspace(1.7, 3.0, 6)
 
 
@@ -126,3 +136,128 @@ def test_bad_input_gets_one_clear_line(changes, message):
     with pytest.raises(InputError, match=message) as caught:
         continue_attractors(**given)
     assert "\n" not in str(caught.value)
+
+
+def test_an_atlas_over_the_stiffness_of_the_shaft_begins_with_the_papers_rotor():
+    kappas = [0.0, 0.1, 0.25, 0.5]
+    atlas = continue_attractors(**PLAIN, shaft_stiffness=kappas, **BOX, starts=128)
+    assert atlas.fraction.dims == ("omega", "zeta", "delta0", "shaft_stiffness", "attractor")
+    line = atlas.squeeze()
+    np.testing.assert_allclose(line.fraction.sum("attractor"), 1.0, rtol=1e-12)
+    alone = continue_attractors(**PLAIN, **BOX, starts=128).squeeze()
+    found = line.isel(shaft_stiffness=0)
+    there = np.isfinite(found.fraction.values)
+    for name in ("fraction", "amplitude", "radius_max", "period"):
+        kept = alone[name].values
+        np.testing.assert_array_equal(found[name].values[there], kept[np.isfinite(alone.fraction)])
+    # one number for the contact-free whirls throughout, whose amplitude is exact
+    exact = np.abs(complex_amplitude(2.0, 0.07, np.array(kappas)))
+    np.testing.assert_allclose(line.amplitude.isel(attractor=0), exact, rtol=1e-14)
+    # the bouncing cycle ends at a fold between the last two
+    bouncing = of_kind(line.isel(shaft_stiffness=1), "bouncing").attractor.item()
+    lasts = np.isfinite(line.radius_max.isel(attractor=bouncing).values)
+    assert lasts.tolist() == [True, True, True, False]
+
+
+def test_from_one_law_of_contact_to_the_other_nothing_is_followed():
+    atlas = continue_attractors(**PLAIN, contact_exponent=[1.0, 1.5], **BOX, starts=64)
+    line = atlas.squeeze()
+    shared = np.isfinite(line.fraction.values).all(axis=0)
+    kinds = line.kind.values[:, shared]
+    family = [RESPONSE["contact_free"], RESPONSE["touching"]]
+    assert shared.any()
+    assert np.isin(kinds, family).all()
+
+
+def test_numbers_of_a_machine_are_coordinates_of_its_atlas_and_in_its_study(tmp_path):
+    given = PLAIN | {"contact_damping": 0.1}
+    asked = {**given, **BOX, "starts": 32, "study": tmp_path / "study"}
+    first, again = continue_attractors(**asked), continue_attractors(**asked)
+    assert first.contact_damping.item() == 0.1
+    assert first.fraction.dims == ("omega", "zeta", "delta0", "attractor")
+    np.testing.assert_array_equal(first.radius_max, again.radius_max)
+    with pytest.raises(InputError, match="study"):
+        continue_attractors(**asked | {"contact_damping": 0.2})
+
+
+def test_a_cell_keeps_its_machine():
+    rotor = Rotor(**PLAIN, shaft_stiffness=0.25, contact_exponent=1.0, contact_damping=0.1)
+    cell = fill_cell(CellJob(rotor, np.zeros((4, 1)), 1e-6), GO_ON)
+    assert FORM.from_arrays(FORM.as_arrays(cell)).rotor == rotor
+    plain = fill_cell(CellJob(Rotor(**PLAIN), np.zeros((4, 1)), 1e-6), GO_ON)
+    assert FORM.as_arrays(plain)["rotor"].tolist() == [2.0, 0.07, 2.0]
+    assert FORM.from_arrays(FORM.as_arrays(plain)).rotor == Rotor(**PLAIN)
+
+
+def test_an_atlas_is_drawn_over_the_parameters_of_machines():
+    atlas = continue_attractors(
+        **PLAIN | {"delta0": [1.5, 2.0]}, shaft_stiffness=[0.1, 0.2], **BOX, starts=16
+    )
+    assert plot_attractor_map(atlas).get_ylabel().startswith("stiffness of the shaft")
+    line = plot_attractors(atlas.isel(delta0=[0]))
+    assert line.get_xlabel().startswith("stiffness of the shaft")
+
+
+def test_a_load_is_refused():
+    with pytest.raises(InputError, match=r"^load must be 0 for an atlas"):
+        continue_attractors(**PLAIN, load=0.125, **BOX, starts=4)
+    with pytest.raises(InputError, match=r"^load must be 0 for a touchdown report"):
+        touchdown_report(Rotor(**PLAIN, load=0.125), **BOX, starts=4)
+
+
+def test_an_atlas_over_friction_has_the_whirl_of_the_closed_form_and_whip_once():
+    """Fractions are those of `basin_fractions`; from no friction on the whirl is one attractor."""
+    machine = {"omega": WHIP.omega, "zeta": 0.1, "delta0": 1.0}
+    friction = [0.0, 0.1, 0.2, 0.22]
+    asked = {**machine, "friction": friction, "disc_radius": 10.0, **WIDE, "starts": 30}
+    found = continue_attractors(**asked).squeeze()
+    whirl, whip = (
+        of_kind(found.isel(friction=2), "synchronous"),
+        of_kind(found.isel(friction=2), "rolling"),
+    )
+    exact = synchronous_response(**machine, friction=friction).squeeze()
+    stable = (exact.in_contact == 1) & (exact.stability == 0)
+    along = found.amplitude.sel(attractor=int(whirl.attractor))
+    np.testing.assert_allclose(along, exact.amplitude.where(stable).min("branch"), rtol=1e-9)
+    rolls = found.fraction.sel(attractor=int(whip.attractor))
+    assert np.isnan(rolls.values).tolist() == [True, True, False, False]
+    alone = basin_fractions(WHIP, **WIDE, starts=30)
+    assert float(rolls[2]) == float(of_kind(alone, "rolling").fraction)
+    assert found.kind.sel(attractor=int(whip.attractor)).values[2:].tolist() == [9, 9]
+
+
+def test_an_atlas_over_the_disc_radius_goes_on_from_a_study(tmp_path):
+    """A disc that slides forwards all the time does not know how large it is."""
+    asked = {
+        "omega": 1.2, "zeta": 0.3, "delta0": 0.5, "disc_radius": [5.0, 10.0], **WIDE, "starts": 10,
+    }  # fmt: skip
+    for friction in (0.0, 0.1):
+        study = tmp_path / str(friction)
+        first = continue_attractors(**asked, friction=friction, study=study)
+        again = continue_attractors(**asked, friction=friction, study=study)
+        np.testing.assert_array_equal(first.fraction, again.fraction)
+        assert again.fraction.squeeze("attractor").values.ravel().tolist() == [1.0, 1.0]
+        assert np.ptp(again.amplitude.values) == 0.0
+
+
+def test_limit_cycles_keep_their_numbers_over_friction_from_none_on():
+    """They are points of the branches that `continue_cycle` follows; one is born in between."""
+    machine = {"omega": 2.0, "zeta": 0.07, "delta0": 2.0, "disc_radius": 10.0}
+    friction = [0.0, 0.05, 0.1, 0.15]
+    found = continue_attractors(**machine, friction=friction, **WIDE, starts=12).squeeze()
+    bounces = of_kind(found.isel(friction=0), "bouncing").attractor.item()
+    over = found.sel(attractor=bounces)
+    assert (over.kind == RESPONSE["bouncing"]).all()
+    for each in friction:
+        rotor = Rotor(**machine, friction=each)
+        cycle = limit_cycle(rotor, start=(3.0, 1.0, 0.0, 0.0))
+        for name in ("period", "radius_min", "radius_max"):
+            there = over[name].sel(friction=each).item()
+            assert there == pytest.approx(cycle[name].item(), rel=1e-9)
+    branch = continue_cycle(
+        Rotor(**machine), start=(3.0, 1.0, 0.0, 0.0), parameter="friction", limits=(0.0, 0.15)
+    )
+    assert float(branch.period[-1]) == pytest.approx(float(over.period[-1]), rel=1e-9)
+    other = of_kind(found.isel(friction=3), "full_contact").attractor.item()
+    periods = found.period.sel(attractor=other).values
+    assert np.isnan(periods).tolist() == [True, True, False, False]

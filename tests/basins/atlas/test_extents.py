@@ -6,11 +6,29 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotor_ida import Rotor, continue_cycle, folds, limit_cycle, synchronous_response
-from rotor_ida.basins.atlas.extents import extent_of_contact_free, extent_of_cycle, extent_of_whirl
+from rotor_ida import (
+    Rotor,
+    continue_cycle,
+    folds,
+    limit_cycle,
+    synchronous_response,
+)
+from rotor_ida.basins.atlas.extents import (
+    End,
+    extent_of_contact_free,
+    extent_of_cycle,
+    extent_of_whirl,
+    varied,
+)
+from rotor_ida.closed_forms import eigenvalues, stability_determinant
+from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.cycles.guess import guess_of
 from rotor_ida.model.table import PARAMETERS
-from rotor_ida.schema import SPECIAL
+from rotor_ida.schema import SPECIAL, STABILITY
+from rotor_ida.simulation.options import Options
+from rotor_ida.steady.follow import follow_to_steady_state
+from tests.basins.atlas.reports import WIDE
+from tests.basins.lanes import WHIP
 
 STOP = np.zeros(1, np.uint8)
 
@@ -218,3 +236,83 @@ def test_a_fold_far_off_is_found():
     assert end.value > 100.0
     near = folds(zeta=rotor.zeta, delta0=end.value).fold_omega.values
     assert np.nanmin(np.abs(near / rotor.omega - 1.0)) < 1e-9
+
+
+@pytest.mark.parametrize(("omega", "delta0"), [(1.7, 0.5), (1.2, 0.5), (1.7, 0.0)])
+def test_a_shaft_of_no_stiffness_has_the_extents_of_none(omega, delta0):
+    """Two methods: exact curves, cut at folds, and ever smaller steps along the whirl."""
+    plain = Rotor(omega=omega, zeta=0.07, delta0=delta0)
+    soft = Rotor(omega=omega, zeta=0.07, delta0=delta0, shaft_stiffness=1e-12)
+    whirls = synchronous_response(omega=omega, zeta=0.07, delta0=delta0).squeeze()
+    stable = (whirls.stability == STABILITY["stable"]) & (whirls.in_contact == 1)
+    for amplitude in whirls.amplitude.values[stable.values].tolist():
+        for name in ("omega", "zeta", "delta0"):
+            exact, found = (extent_of_whirl(each, amplitude, name) for each in (plain, soft))
+            for one, other in zip(exact, found, strict=True):
+                assert one.kind == other.kind
+                assert other.value == pytest.approx(one.value, rel=1e-7)
+
+
+def test_contact_damping_ends_a_whirl_where_its_growth_rate_passes_zero():
+    given = {"omega": 1.7, "zeta": 0.07, "delta0": 0.5}
+    amplitude = 1.1960944557
+    rotor = Rotor(**given, contact_damping=0.3)
+    low, high = extent_of_whirl(rotor, amplitude, "contact_damping")
+    assert (low, high.kind) == (End(0.0, "none"), "hopf")
+    rates = eigenvalues(amplitude, **given, contact_damping=high.value)
+    assert abs(rates.real.max()) < 1e-11
+    assert abs(rates[np.argmax(rates.real)].imag) > 0.1
+
+
+def test_over_the_stiffness_a_whirl_ends_at_a_fold():
+    given = {"omega": 1.7, "zeta": 0.07, "delta0": 0.5, "contact_exponent": 1.5}
+    rotor = Rotor(**given, shaft_stiffness=0.25)
+    low, high = extent_of_whirl(rotor, 1.4231, "shaft_stiffness")
+    assert (low, high.kind) == (End(0.0, "none"), "fold")
+    sizes = synchronous_response(**given, shaft_stiffness=high.value).amplitude.values.ravel()
+    beside = {**given, "shaft_stiffness": high.value}
+    assert np.abs(stability_determinant(sizes, **beside)).min() < 1e-6
+
+
+@pytest.mark.parametrize(
+    "rotor",
+    [
+        Rotor(omega=3.0, zeta=0.1, delta0=1.5, shaft_stiffness=1.0),
+        Rotor(omega=0.5, zeta=0.1, delta0=1.5, shaft_stiffness=1.0),
+        Rotor(omega=0.5, zeta=0.1, delta0=0.6, shaft_stiffness=1.0),
+        Rotor(omega=1.0, zeta=0.6, delta0=1.5, shaft_stiffness=1.0),
+    ],
+    ids=repr,
+)
+def test_the_contact_free_whirl_of_a_shaft_ends_where_it_just_reaches_the_ring(rotor):
+    assert varied(rotor) == ("omega", "zeta", "delta0", "shaft_stiffness")
+    touches = 0
+    for name in varied(rotor):
+        low, high = extent_of_contact_free(rotor, name)
+        assert low.value < getattr(rotor, name) < high.value
+        for end in (low, high):
+            given = rotor.given | {name: end.value}
+            if end.kind == "touch":
+                size = abs(complex_amplitude(*(given[each] for each in
+                           ("omega", "zeta", "shaft_stiffness"))))  # fmt: skip
+                assert size == pytest.approx(given["delta0"], rel=1e-12)
+                touches += 1
+            else:
+                assert end in (End(0.0, "none"), End(math.inf, "none"))
+    assert touches
+
+
+def test_whip_ends_at_the_corner_where_it_no_longer_rolls():
+    """There it meets a cycle that does not. Led down in small steps it lasts up to there."""
+    cycle = limit_cycle(WHIP, start=(5.0, 0.0, 0.0, -6.3))
+    state = np.array([float(cycle[name][0]) for name in WIDE])
+    low, high = extent_of_cycle(WHIP, state, float(cycle.period), "friction", np.zeros(1, np.uint8))
+    assert low.kind == "fold"
+    assert high.kind == "not_found"  # it lasts for as far as the branch was followed
+    place = tuple(state.tolist())
+    for friction in np.geomspace(0.2, 1.001 * low.value, 8).tolist():
+        settled = follow_to_steady_state(replace(WHIP, friction=friction), place, Options())
+        assert settled.response == "rolling"
+        place = settled.end
+    below = follow_to_steady_state(replace(WHIP, friction=0.999 * low.value), place, Options())
+    assert below.response == "synchronous"

@@ -1,6 +1,7 @@
 """Smallest shocks: exact ones are found, witnesses hold under CVODE, none is below the bound."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,16 +13,20 @@ from rotor_ida import (
     continue_attractors,
     limit_cycle,
     resume,
+    simulate,
+    synchronous_response,
     touchdown_report,
 )
-from rotor_ida.basins.atlas import resilience
+from rotor_ida.basins.atlas import resilience, shocks
 from rotor_ida.basins.atlas.shocks import KINDS, bound_of_whirl, try_shocks
 from rotor_ida.basins.trapping_regions import trapping_regions
-from rotor_ida.schema import RESPONSE
+from rotor_ida.closed_forms.contact_free import complex_amplitude
+from rotor_ida.schema import END, RESPONSE
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady.follow import follow_to_steady_state
+from tests.basins.atlas.reports import BOX, WIDE, of_kind
+from tests.basins.lanes import WHIP
 
-BOX = {"x": (-15, 15), "y": (-15, 15)}
 BOUNCER = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 TWO_WHIRLS = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
 STATE = ("x", "y", "vx", "vy")
@@ -234,3 +239,49 @@ def test_a_number_that_cannot_be_is_told(shocks):
         touchdown_report(BOUNCER, **BOX, shocks=shocks)
     with pytest.raises(InputError, match="shocks"):
         continue_attractors(omega=[1.7, 1.8], zeta=0.07, delta0=0.0, **BOX, shocks=shocks)
+
+
+@pytest.mark.parametrize(("zeta", "kappa"), [(0.07, 0.25), (0.9, 0.25)])
+def test_no_shock_below_the_bound_drives_a_held_whirl_to_the_ring(zeta, kappa):
+    """With little damping and with much; by CVODE, in twelve directions, just below it."""
+    rotor = Rotor(omega=2.0, zeta=zeta, delta0=2.0, shaft_stiffness=kappa)
+    report = touchdown_report(rotor, x=(-1, 1), y=(-1, 1), starts=16, shocks=64)
+    row = of_kind(report, "contact_free")
+    whirl = complex(complex_amplitude(2.0, zeta, kappa))
+    for angle in np.linspace(0.0, 2.0 * math.pi, 12, endpoint=False):
+        aside = np.exp(1j * angle)
+        for kind, place in (("displacement", 0), ("velocity", 1)):
+            size = 0.999 * float(row[f"{kind}_shock_bound"])
+            assert size > 0.0
+            z, v = np.array([whirl, 2j * whirl]) + size * aside * np.eye(2)[place]
+            run = simulate(rotor, start=(z.real, z.imag, v.real, v.imag), duration=60.0, samples=2)
+            assert run.sizes["event"] == 0
+
+
+def test_a_knock_into_whip_is_followed_there_and_the_bound_is_below_it(monkeypatch):
+    """And friction at which the rub loses its stability, at a Hopf point, ends its extent."""
+    rotor = replace(WHIP, delta0=0.9)
+    for name, few in {"MOST_TURNS": 2, "LEADING": 2, "NEIGHBOURS": 4}.items():
+        monkeypatch.setattr(shocks, name, few)
+    report = touchdown_report(rotor, **WIDE, starts=20, shocks=64)
+    rub, whip = of_kind(report, "synchronous"), of_kind(report, "rolling")
+    target = int(whip.attractor)
+    for kind in ("velocity", "displacement"):
+        size = float(rub[f"{kind}_shock"].sel(target=target))
+        assert 0.0 < float(rub[f"{kind}_shock_bound"]) < size
+        told = [
+            [float(rub[f"{kind}_shock_{when}_{name}"].sel(target=target)) for name in WIDE]
+            for when in ("before", "after")
+        ]
+        assert np.linalg.norm(np.subtract(*told)) == pytest.approx(size, rel=1e-9)
+        run = simulate(rotor, start=told[1], duration=400.0, samples=401)
+        assert (run["mode"][-100:] == 2).any()
+        assert float(run.slip_speed[-100:].max()) < 0.1
+    assert float(rub.friction_low) == 0.0
+    end = float(rub.friction_high)
+    around = synchronous_response(
+        omega=rotor.omega, zeta=0.1, delta0=0.9, friction=np.array([end * 0.999, end * 1.001])
+    ).squeeze()
+    assert int(rub.friction_high_end) == END["hopf"]
+    stable = (around.stability == 0) & (around.in_contact == 1)
+    assert stable.values.tolist() == [True, False]

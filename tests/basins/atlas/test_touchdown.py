@@ -11,23 +11,29 @@ from rotor_ida import (
     Rotor,
     contact_summary,
     continue_attractors,
+    limit_cycle,
     simulate,
     synchronous_response,
     touchdown_report,
 )
 from rotor_ida.basins import attractors, known
 from rotor_ida.basins.atlas.cells import FORM, Cell
-from rotor_ida.schema import RESPONSE, WHIRL_DIRECTION
+from rotor_ida.basins.atlas.rubbing import states_of_rub
+from rotor_ida.results.si_units import dimensional
+from rotor_ida.schema import TRAPPING, WHIRL_DIRECTION
+from tests.basins.atlas.reports import BOX, WIDE, of_kind
+from tests.basins.lanes import WHIP
+
+PLAIN = {"omega": 2.0, "zeta": 0.07, "delta0": 2.0}
+RUBBING_BOUNCER = Rotor(
+    omega=2.0, zeta=0.07, delta0=2.0, contact_damping=0.2, friction=0.1, disc_radius=10.0
+)
+
 
 MACHINE = DimensionalRotor(
     mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6, clearance=2e-6, speed=1000.0
 )
 BOUNCER = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
-BOX = {"x": (-15, 15), "y": (-15, 15)}
-
-
-def of_kind(report, kind):
-    return report.isel(attractor=int(np.flatnonzero(report.kind == RESPONSE[kind])[0]))
 
 
 def test_bouncing_is_that_of_a_long_run():
@@ -175,3 +181,113 @@ def test_a_rotor_kept_before_is_read():
     arrays = FORM.as_arrays(here)
     del arrays["rechecked"]
     assert FORM.from_arrays(arrays).rechecked.tolist() == [0, 0]
+
+
+def test_what_the_drive_gives_is_what_both_dampings_take():
+    """Over a period of a cycle; the drive's work from the mean velocity along the unbalance."""
+    rotor = Rotor(**PLAIN, contact_damping=0.02)
+    row = of_kind(touchdown_report(rotor, **BOX, starts=64, shocks=0), "bouncing")
+    run = simulate(rotor, start=(3.0, 0.0, 0.0, 0.0), duration=400.0, samples=2)
+    turn = np.exp(-1j * rotor.omega * 400.0)
+    z, v = complex(run.x[-1], run.y[-1]) * turn, complex(run.vx[-1], run.vy[-1]) * turn
+    cycle = limit_cycle(rotor, start=(z.real, z.imag, v.real, v.imag))
+    assert float(cycle.period) == pytest.approx(float(row.period), rel=1e-6)
+    along = float(cycle.vx[:-1].mean())  # on the rotating axes; periodic, and so exact
+    given = rotor.omega**2 * along * 2.0 * math.pi / rotor.omega
+    assert float(row.dissipation_per_revolution) == pytest.approx(given, rel=1e-4)
+    assert 0.01 < float(row.contact_loss_per_revolution / row.dissipation_per_revolution) < 0.5
+
+
+def test_forces_of_a_linear_contact_are_the_indentation():
+    rotor = Rotor(**PLAIN, contact_exponent=1.0)
+    row = of_kind(touchdown_report(rotor, **BOX, starts=64, shocks=0), "bouncing")
+    assert float(row.largest_force) == pytest.approx(float(row.radius_max) - 2.0, rel=1e-12)
+    assert "contact_loss_per_revolution" not in row
+
+
+def work_of_drive(run, rotor):
+    """Return the work of unbalance and torque on a machine over all of a run."""
+    angle = rotor.omega * run.t.values
+    power = rotor.omega**2 * (run.vx * np.cos(angle) + run.vy * np.sin(angle)).values
+    along = rotor.friction * run.normal_force.values * np.sign(run.slip_speed.values)
+    return np.trapezoid(power + rotor.disc_radius * rotor.omega * along, run.t)
+
+
+def test_a_rub_takes_the_heat_that_the_closed_form_says():
+    row = of_kind(touchdown_report(WHIP, **WIDE, starts=20, shocks=0), "synchronous")
+    exact = synchronous_response(omega=WHIP.omega, zeta=0.1, delta0=1.0, friction=0.2).squeeze()
+    stable = (exact.in_contact == 1) & (exact.stability == 0)
+    size = float(exact.amplitude[stable].item())
+    distance, force = 2.0 * math.pi * (size + 10.0), (size - 1.0) ** 1.5
+    assert float(row.slip_distance_per_revolution) == pytest.approx(distance, rel=1e-12)
+    assert float(row.heat_per_revolution) == pytest.approx(0.2 * force * distance, rel=1e-12)
+    assert float(row.rolling_fraction) == 0.0
+    assert int(row.trapping) == TRAPPING["proven"]
+    # the drive: unbalance, and the torque against friction
+    lag = float(exact.phase_lag[stable].item())
+    work = 2.0 * math.pi * (WHIP.omega**2 * size * math.sin(lag) + 10.0 * 0.2 * force)
+    assert float(row.dissipation_per_revolution) == pytest.approx(work, rel=1e-9)
+
+
+def test_whip_rolls_and_heats_as_in_a_long_run():
+    """One period of its limit cycle, beside CVODE over 400 revolutions after the first 100."""
+    row = of_kind(touchdown_report(WHIP, **WIDE, starts=20, shocks=0), "rolling")
+    cycle = limit_cycle(WHIP, start=(5.0, 0.0, 0.0, -6.3))
+    for name in ("period", "radius_min", "radius_max", "largest_force", "whirl_ratio"):
+        assert float(row[name]) == pytest.approx(float(cycle[name]), rel=1e-9)
+    revolution = 2.0 * math.pi / WHIP.omega
+    run = {"start": (5.0, 0.0, 0.0, -6.3), "samples": 100_001}
+    short, long = (
+        contact_summary(simulate(WHIP, duration=turns * revolution, **run)) for turns in (100, 500)
+    )
+    heat = (long.total_heat - short.total_heat) / 400.0
+    assert float(row.heat_per_revolution) == pytest.approx(float(heat), rel=2e-3)
+    distance = (long.total_slip_distance - short.total_slip_distance) / 400.0
+    assert float(row.slip_distance_per_revolution) == pytest.approx(float(distance), rel=2e-3)
+    rolled = (500.0 * long.rolling_fraction - 100.0 * short.rolling_fraction) / 400.0
+    assert float(row.rolling_fraction) == pytest.approx(float(rolled), rel=2e-3)
+    # r phi' = -rho omega: backwards, at more than twice the speed of the spin
+    assert float(row.whirl_ratio) == pytest.approx(-10.0 / 4.98, rel=1e-2)
+    assert float(row.contact_fraction) == 1.0
+    assert float(row.contacts_per_revolution) == 0.0
+
+
+def test_damping_and_friction_take_what_unbalance_and_torque_give():
+    """While it bounces, always sliding forwards, over 400 revolutions by CVODE."""
+    row = of_kind(touchdown_report(RUBBING_BOUNCER, **WIDE, starts=40, shocks=0), "bouncing")
+    revolution = 2.0 * math.pi / RUBBING_BOUNCER.omega
+    run = simulate(
+        RUBBING_BOUNCER, start=(3.0, 1.0, 0.0, 0.0), duration=500 * revolution, samples=200_001
+    )
+    late = run.isel(t=slice(40_000, None))
+    work = work_of_drive(late, RUBBING_BOUNCER) / 400.0
+    assert float(row.heat_per_revolution) > 0.3 * work
+    assert float(row.contact_loss_per_revolution) > 0.0
+    assert float(row.dissipation_per_revolution) == pytest.approx(work, rel=3e-3)
+
+
+def test_a_report_in_si_units_is_that_of_the_rotor_in_its_scales():
+    machine = DimensionalRotor(
+        mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6, clearance=2e-6,
+        speed=1000.0, friction=0.1, disc_radius=1e-5,
+    )  # fmt: skip
+    box = {"x": (-4.0, 4.0), "y": (-4.0, 4.0)}
+    scaled = {name: tuple(1e-6 * end for end in ends) for name, ends in box.items()}
+    report = touchdown_report(machine, **scaled, starts=20, shocks=0)
+    plain = dimensional(touchdown_report(machine.rotor(), **box, starts=20, shocks=0), machine)
+    units = {"heat_per_revolution": "J", "slip_distance_per_revolution": "m",
+             "rolling_fraction": "1"}  # fmt: skip
+    for name, unit in units.items():
+        assert report[name].attrs["units"] == unit
+        np.testing.assert_allclose(report[name], plain[name], rtol=1e-6)
+
+
+def test_states_of_whip_roll_or_slip_a_little():
+    """They are all over the motion that the start ends on."""
+    x, y, vx, vy = states_of_rub(WHIP, np.array([5.0, 0.0, 0.0, -6.3]), 400)
+    radius = np.hypot(x, y)
+    slip = (x * vy - y * vx) / radius + 6.2962981
+    assert (radius > 4.6).all()
+    assert (radius < 5.4).all()
+    assert np.ptp(radius) > 0.5
+    assert 0.5 < (np.abs(slip) < 1e-9).mean() < 0.8

@@ -1,0 +1,66 @@
+"""The table of parameters is what the rotors, their docstrings and the pages say."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from dataclasses import MISSING, fields
+from pathlib import Path
+
+import pytest
+
+from rotor_ida import DimensionalRotor, InputError, Rotor
+from rotor_ida.model.table import OF_MACHINE, OF_ROTOR, Parameter
+from rotor_ida.schema import QUANTITIES
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+TABLES = {Rotor: OF_ROTOR, DimensionalRotor: OF_MACHINE}
+ROWS = [(kind, parameter) for kind, table in TABLES.items() for parameter in table.values()]
+EACH = pytest.mark.parametrize(
+    ("kind", "parameter"), ROWS, ids=[f"{kind.__name__}-{each.name}" for kind, each in ROWS]
+)
+
+
+@pytest.mark.parametrize("kind", TABLES)
+def test_a_rotor_takes_the_parameters_of_the_table(kind: type):
+    given = {each.name: each.default for each in fields(kind)}
+    table = {name: MISSING if each.needed else each.default for name, each in TABLES[kind].items()}
+    assert given == table
+    assert list(given) == list(table)
+
+
+@EACH
+def test_docstrings_name_the_unit(kind: type, parameter: Parameter):
+    text = " ".join(inspect.getdoc(kind).split())
+    entry = re.search(rf"{parameter.name} : (.+?)(?= \w+ : |Raises)", text)
+    assert entry is not None
+    unit = parameter.shown_unit if kind is DimensionalRotor else "1"
+    if parameter.name == "contact_stiffness":
+        unit = "N/m^n"
+    if parameter.name != "contact_exponent":
+        assert f"[{unit}]" in entry[1]
+
+
+@EACH
+def test_a_negative_number_is_refused(kind: type, parameter: Parameter):
+    right = {each.name: 1.0 for each in TABLES[kind].values()}
+    allowed = "positive" if parameter.positive else "zero or positive"
+    with pytest.raises(InputError, match=rf"^{parameter.name} must be {allowed}, got -1.0$"):
+        kind(**right | {parameter.name: -1.0})
+
+
+@EACH
+def test_the_page_on_notation_has_its_symbol(kind: type, parameter: Parameter):
+    page = (DOCS / "notation.md").read_text(encoding="utf-8")
+    begin, end = (
+        ("## In SI", "Elsewhere") if kind is DimensionalRotor else ("## Without", "With all")
+    )
+    table = page[page.index(begin) : page.index(end)]
+    symbol = parameter.si_symbol if kind is DimensionalRotor else parameter.symbol
+    assert f"| `{parameter.name}` | ${symbol}$ |" in table
+
+
+@pytest.mark.parametrize("name", OF_ROTOR)
+def test_a_dataset_says_what_the_table_does(name: str):
+    assert QUANTITIES[name].long_name == OF_ROTOR[name].meaning
+    assert QUANTITIES[name].units == "1"
