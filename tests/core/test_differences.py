@@ -31,7 +31,7 @@ def test_columns_of_parameters_are_differences_of_orbits(base, name):
 
     def end(value):
         machine = replace(rotor, **{name: value})
-        return shoot(machine, start, 6.0, stop, whole=True).end
+        return shoot(replace(rotor, **{name: value}), start, 6.0, stop, whole=True).end
 
     shot, here, step = shoot(rotor, start, 6.0, stop, whole=True), getattr(rotor, name), 1e-6
     if here > 0.0:
