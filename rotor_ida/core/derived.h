@@ -12,7 +12,7 @@ struct parameters {
 
 static inline struct parameters parameters_of(const struct rotor *rotor, double felt)
 {
-    return (struct parameters){.omega = rotor->omega, .zeta = rotor->zeta, .delta0 = rotor->delta0, .felt = felt};
+    return (struct parameters){.omega = rotor->omega, .zeta = rotor->zeta, .delta0 = rotor->delta0, .felt = felt, .hertz = 1.0, .pressed = 1.0};
 }
 
 /* Whether a rotor is the paper's, but for friction, and its speed prescribed. */

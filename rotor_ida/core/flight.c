@@ -66,7 +66,7 @@ static double polish(struct path *path, double low, double high)
 }
 
 double first_touch(struct motion_of_centre start, const struct rotor *rotor, double limit,
-                   const uint8_t *stop)
+                   const stop_flag *stop)
 {
     struct path path = path_from(start, rotor, limit);
     const double delta0 = rotor->delta0, floor = path.floor;
@@ -129,7 +129,7 @@ static double turn_between(struct path *path, double low, double high, double ri
  * keeps its sign or is monotonic: so no two extrema can hide between two steps, but for those whose
  * whole swing is rounding. */
 double next_turn(struct motion_of_centre start, const struct rotor *rotor, double from,
-                 double limit, double *rising, const uint8_t *stop)
+                 double limit, double *rising, const stop_flag *stop)
 {
     struct path path = path_from(start, rotor, limit);
     double low = from, tau = from, reach = path.longest;

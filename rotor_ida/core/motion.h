@@ -5,8 +5,7 @@
 #ifndef ROTOR_IDA_MOTION_H
 #define ROTOR_IDA_MOTION_H
 
-#include "core.h"
-#include DERIVED_HEADER
+#include "contact_law.h"
 #include "flight.h"
 #include "series.h"
 
@@ -90,19 +89,36 @@ static inline double rim_of(const struct motion *motion, const double *values)
     return SPEED_CHANGES ? motion->model.disc_radius * speed_of(motion, values) : motion->model.rim;
 }
 
+/* Whether a speed that a torque drives has fallen through 0. */
+static inline int has_stalled(const struct motion *motion, const double *values)
+{
+    return SPEED_CHANGES && motion->model.inverse_inertia > 0.0 && speed_of(motion, values) < 0.0;
+}
+
 /* Whether surfaces slide in a contact, or the disc rolls. */
 static inline int is_rubbing(const struct motion *motion)
 {
     return HAS_FRICTION && motion->mode != &contact_mode;
 }
 
+/* Where the disc's centre is in a contact: how far out, and in which direction. */
+static inline double radius_in_contact(const struct parameters *m, const double *values)
+{
+    return m->delta0 + values[CONTACT_Q] * values[CONTACT_Q];
+}
+
+static inline struct vector direction_of(const double *values)
+{
+    const struct vector direction = {values[CONTACT_C], values[CONTACT_S]};
+    return scaled(1.0 / length(direction), direction);
+}
+
 /* The angular momentum in a contact: with friction its values hold the moment of the slip. */
 static inline double momentum_of(const struct motion *motion, const double *values)
 {
-    if (is_rubbing(motion)) {
-        const double q = values[CONTACT_Q];
-        return values[RUB_SLIP] - rim_of(motion, values) * (motion->model.delta0 + q * q);
-    }
+    if (is_rubbing(motion))
+        return values[RUB_SLIP]
+               - rim_of(motion, values) * radius_in_contact(&motion->model, values);
     return values[CONTACT_H];
 }
 
@@ -133,13 +149,6 @@ static inline void put_load_right(const struct motion *motion, double *values, d
 static inline double size_of_slip(const struct motion *motion, const double *values, double times)
 {
     return fmin(fabs(values[RUB_SLIP]), times * fabs(momentum_of(motion, values)));
-}
-
-/* What the spring of the contact holds. */
-static inline double held_by(const struct parameters *m, double q)
-{
-    const double square = q * q;
-    return square * square * (m->hertz * q * 0.4 + m->linear * 0.5);
 }
 
 static inline int values_of(const struct motion *motion)

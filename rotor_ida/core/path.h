@@ -41,11 +41,6 @@ struct gap {
     double value, slope, bend;
 };
 
-/* r r', or twice that, and its rate of change. */
-struct turning {
-    double rate, bend;
-};
-
 /* The first s > 0 with value + slope s + curvature s**2/2 = 0, value < 0; infinite for none. */
 static inline double first_root_of_majorant(double value, double slope, double curvature)
 {

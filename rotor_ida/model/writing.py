@@ -43,7 +43,8 @@ CHOSEN_BY = {
     "whole": "#if defined(WHOLE_MODEL) && !defined(RUN_UP)",
     "run_up": "#ifdef RUN_UP",
 }
-# Said of names that this model has not: code for all models may use them, where it is removed.
+# Said of names that this model has not: code for all models may use them, where it is removed, or
+# where the constant of this model leaves it as it is.
 ABSENT = "/* of other models */"
 COMMAND = "python -m rotor_ida.model.writing"
 FOLDER = Path(__file__).parents[1] / "core"
@@ -474,6 +475,8 @@ def _parameters(model: Model) -> list[str]:
     }
     of_rotor = [f".{name} = {special.get(name, f'rotor->{name}')}" for name in model.parameters]
     absent = absent_from(model)
+    fixed = {name: model.constants.get(name) for name in absent}
+    of_rotor += [f".{name} = {value}" for name, value in fixed.items() if value]
     return [
         "struct parameters {",
         f"    double {', '.join(model.parameters)};",

@@ -66,8 +66,8 @@ def parameters_of(model, rotor, more=None, felt=1.0):
 
 
 def as_given(model, parameters):
-    """Return them as the core takes them: 0 for those that only other models have."""
-    absent = dict.fromkeys(absent_from(model), 0.0)
+    """Return them as the core takes them, with those that only other models have."""
+    absent = {name: model.constants.get(name, 0.0) for name in absent_from(model)}
     return given([(parameters | absent)[name] for name in (*model.parameters, *absent)])
 
 
