@@ -30,7 +30,6 @@ def test_columns_of_parameters_are_differences_of_orbits(base, name):
     start, stop = np.array([2.6, 0.75, 0.66, -1.65]), np.zeros(1, np.uint8)
 
     def end(value):
-        machine = replace(rotor, **{name: value})
         return shoot(replace(rotor, **{name: value}), start, 6.0, stop, whole=True).end
 
     shot, here, step = shoot(rotor, start, 6.0, stop, whole=True), getattr(rotor, name), 1e-6
