@@ -33,18 +33,20 @@ double squared_radius_of(const double *values)
 
 struct motion_of_centre centre_of(const struct motion *motion, const double *values)
 {
-    struct motion_of_centre centre = {.z = {values[0], values[1]}, .w = {values[2], values[3]}};
+    struct motion_of_centre centre;
     if (is_contact(motion)) {
         const struct vector outwards = direction_of(values);
         const double radius = radius_in_contact(&motion->model, values);
         const struct vector velocity = {values[CONTACT_P], momentum_of(motion, values) / radius};
         centre.z = scaled(radius, outwards);
         centre.w = product(velocity, outwards);
+    } else {
+        centre.z = (struct vector){values[CARTESIAN_X], values[CARTESIAN_Y]};
+        centre.w = (struct vector){values[CARTESIAN_VX], values[CARTESIAN_VY]};
     }
-    if (SPEED_CHANGES) {
-        centre.speed = speed_of(motion, values);
-        centre.angle = values[is_contact(motion) ? (int)CONTACT_ANGLE : (int)CARTESIAN_ANGLE];
-    }
+    centre.down = (struct vector){0.0, 0.0};
+    centre.speed = SPEED_CHANGES ? speed_of(motion, values) : 0.0;
+    centre.angle = SPEED_CHANGES ? angle_of(motion, values) : 0.0;
     return centre;
 }
 
