@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from rotor_ida.core import library as found
 from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.spinning import OF_DRIVE
 from rotor_ida.model.table import ALL_PARAMETERS
 
 # How a call ended; the flags of SUNDIALS are negative.
@@ -63,7 +64,7 @@ LOST, LARGEST_FORCE, HEAT = range(6, 9)
 TIME, RADIUS, KIND, STATE = range(4)
 CONTACT_COLUMNS, EXTREMUM_COLUMNS, STRETCH_COLUMNS = 9, 7, 5
 # What changes a speed; and the columns of the table of its pieces: ends, these, and the speed.
-DRIVE = ("rate", "torque", "slope", "inverse_inertia")
+DRIVE = OF_DRIVE
 PIECE_COLUMNS = 6
 
 
