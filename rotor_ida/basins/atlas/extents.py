@@ -36,21 +36,9 @@ from rotor_ida.closed_forms.contact_laws import RestoringLaw
 from rotor_ida.closed_forms.contacting_whirls import contacting_whirls
 from rotor_ida.closed_forms.fold_locus import LocusSide, fold_locus, locus_points
 from rotor_ida.closed_forms.rotor_columns import RotorColumns
-from rotor_ida.cycles.branch import (
-    BORN,
-    CONTACT_FREE,
-    DOUBLING,
-    FOLD,
-    HALVED,
-    LIMITS,
-    PLACE,
-    SLIDING,
-    TORUS,
-    Side,
-    advance,
-    course_from,
-)
-from rotor_ida.cycles.guess import Guess
+from rotor_ida.cycles.branch import BORN, CONTACT_FREE, HALVED, LIMITS, Side, advance
+from rotor_ida.cycles.guess import DOUBLING, Guess
+from rotor_ida.cycles.problems import FOLD, PLACE, SLIDING, TORUS, branch_through
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.parameters import Rotor, without
 from rotor_ida.model.table import PARAMETERS
@@ -243,7 +231,7 @@ def extent_of_cycle(
     value = getattr(rotor, parameter)
     farthest = FARTHEST_OF_CYCLE * max(1.0, value)
     try:
-        course = course_from(
+        course = branch_through(
             Guess(rotor, state, period), parameter, (0.0, farthest), MOST_POINTS, stop
         )
     except SimulationError:
