@@ -16,6 +16,8 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.table import FRICTIONLESS, OF_ROTOR
 
 CONVENTIONS = "CF-1.11"
+# The attribute that says what kind of result a dataset is, a row of `rotor_ida.results.kinds`.
+RESULT_KIND = "result_kind"
 
 
 @dataclass(frozen=True)
@@ -526,11 +528,14 @@ def labelled_dataset(
     variables: Mapping[str, Column | xr.Variable],
     coordinates: Mapping[str, Column | xr.Variable],
     attributes: Mapping[str, object] | None = None,
+    *,
+    kind: str = "",
 ) -> xr.Dataset:
     """Return a dataset whose variables carry their long names and units.
 
     Each is given by its name in `QUANTITIES`: dimensions and values, or a variable that is labelled
-    already. Further attributes say, for example, where the result came from.
+    already. Further attributes say, for example, where the result came from. The kind is a row of
+    `rotor_ida.results.kinds`; only what is no result of this package has none.
 
     Examples
     --------
@@ -556,6 +561,8 @@ def labelled_dataset(
             indexes[name] = index = PandasIndex(variable.values, name, variable.dtype)
             held.update(index.create_variables({name: variable}))
     told = {"Conventions": CONVENTIONS, "title": title, **(attributes or {})}
+    if kind:
+        told[RESULT_KIND] = kind
     # The public constructor compares, aligns and copies what is known to fit: 0.3 ms, as long as
     # simulating a hundred contacts takes. The one that xarray uses itself does without.
     names = {*coordinates, *indexes}
@@ -572,8 +579,9 @@ def labelled_dataset(
 
 
 def origin_of(dataset: xr.Dataset) -> dict[str, object]:
-    """Return the attributes of a dataset that a result made from it inherits: all but the title."""
-    return {str(name): value for name, value in dataset.attrs.items() if name != "title"}
+    """Return the attributes that a result made from a dataset inherits: all but title and kind."""
+    own = {"title", RESULT_KIND}
+    return {str(name): value for name, value in dataset.attrs.items() if name not in own}
 
 
 def check_dimensionless(name: str, dataset: xr.Dataset) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from itertools import product
 from typing import cast
 
@@ -13,12 +12,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rotor_ida import folds, hopf_points, plot
-from rotor_ida.cli.describe import kind_of
 from rotor_ida.cli.options import check_panels
 from rotor_ida.closed_forms import response_curve
 from rotor_ida.errors import InputError
 from rotor_ida.model.table import ALL_PARAMETERS, FRICTIONLESS
 from rotor_ida.plot.labels import LABELS
+from rotor_ida.results.kinds import KINDS, kind_of, loaded
 
 # Up to so many speeds of a table of whirls are marked.
 FEW_SPEEDS = 30
@@ -31,45 +30,26 @@ MARKED, USUAL, MARGIN = ("fold_omega", "hopf_omega"), (0.05, 3.0), 1.2
 def figure_of(dataset: xr.Dataset) -> Figure:
     """Return the figure of a dataset; of a sweep with the exact curve behind it."""
     kind = kind_of(dataset)
-    figures: dict[str, Callable[[xr.Dataset], Figure]] = {
-        "run": plot.plot_run,
-        "cycle": plot.cycle_figure,
-        "branch": _figure_of_branch,
-        "curve": _figure_of_curve,
-        "basin": _figure_of_basin,
-        "basin_fractions": _figure_of_fractions,
-        "atlas": _figure_of_atlas,
-        "backward_whirl": _figure_of_backward_whirl,
-        "run_ups": plot.run_ups_figure,
-        "fit": plot.fit_figure,
-        "signals": lambda signals: _figure_with(plot.plot_orbit(signals)),
-        "orders": lambda orders: _figure_with(plot.plot_orders(orders)),
-        "full_spectrum": lambda lines: _figure_with(plot.plot_full_spectrum(lines)),
-        "spectrogram": lambda lines: _figure_with(plot.plot_spectrogram(lines)),
-        "centre_line": lambda means: _figure_with(plot.plot_centre_line(means)),
-        **dict.fromkeys(("whirls", "sweep", "folds", "hopf_points"), _figure_of_whirls),
-    }
-    if kind not in figures:
+    drawn = KINDS[kind].drawn
+    if not drawn:
         raise InputError(
             "figure must be of a run, of whirls, their folds or Hopf points, of a sweep, run-ups, "
             "a basin or atlas, of limit cycles, of signals, their orders or spectra, or of a fit, "
             f"got {kind!r}"
         )
-    return figures[kind](dataset)
+    made: Axes | Figure = loaded(drawn)(dataset)
+    return made if isinstance(made, Figure) else cast(Figure, made.figure)
 
 
-def _figure_with(ax: Axes) -> Figure:
-    """Return the figure that axes are in."""
-    return cast(Figure, ax.figure)
-
-
-def _figure_of_basin(dataset: xr.Dataset) -> Figure:
+def figure_of_basin(dataset: xr.Dataset) -> Figure:
+    """Return the figure of a basin."""
     figure, (ax,) = plot.panels(1, 1, width=4.6, height=5.0)
     plot.plot_basin(dataset, ax)
     return figure
 
 
-def _figure_of_atlas(dataset: xr.Dataset) -> Figure:
+def figure_of_atlas(dataset: xr.Dataset) -> Figure:
+    """Return the figure of an atlas, over one parameter or over two."""
     figure, (ax,) = plot.panels(1, 1, width=5.6, height=4.2)
     varying = [each for each in ALL_PARAMETERS if each in dataset.variables]
     line = sum(dataset[name].size > 1 for name in varying) == 1
@@ -78,13 +58,14 @@ def _figure_of_atlas(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def _figure_of_backward_whirl(dataset: xr.Dataset) -> Figure:
+def figure_of_backward_whirl(dataset: xr.Dataset) -> Figure:
+    """Return the figure of backward whirls."""
     figure, (ax,) = plot.panels(1, 1, width=4.2, height=5.0)
     plot.plot_backward_whirl(dataset, ax=ax)
     return figure
 
 
-def _figure_of_whirls(dataset: xr.Dataset) -> Figure:
+def figure_of_whirls(dataset: xr.Dataset) -> Figure:
     """Return the figure of exact curves, with what a dataset has on them; a panel for each."""
     kind = kind_of(dataset)
     parts = _parts(dataset)
@@ -134,7 +115,7 @@ def _exact_beside(part: xr.Dataset) -> tuple[xr.Dataset | None, ...]:
     return curve, folds(**given), hopf_points(**given) if has_hopf_points else None
 
 
-def _figure_of_fractions(dataset: xr.Dataset) -> Figure:
+def figure_of_fractions(dataset: xr.Dataset) -> Figure:
     """Return the figure of basin fractions: by attractor, or over the speed by kind."""
     if dataset["omega"].size > 1:
         figure, (ax,) = plot.panels(1, 1, width=5.6, height=4.2)
@@ -147,13 +128,14 @@ def _figure_of_fractions(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def _figure_of_branch(dataset: xr.Dataset) -> Figure:
+def figure_of_branch(dataset: xr.Dataset) -> Figure:
+    """Return the figure of a branch of limit cycles."""
     figure, (ax,) = plot.panels(1, 1, width=5.6, height=4.2)
     plot.plot_branch(dataset, ax=ax)
     return figure
 
 
-def _figure_of_curve(dataset: xr.Dataset) -> Figure:
+def figure_of_curve(dataset: xr.Dataset) -> Figure:
     """Return the figure of a bifurcation curve, beside the folds of the whirl."""
     figure, (ax,) = plot.panels(1, 1, width=5.6, height=4.2)
     plot.plot_curves(dataset, fold_points=_whirls_beside(dataset), ax=ax)

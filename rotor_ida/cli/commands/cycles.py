@@ -188,7 +188,7 @@ def _in_archive(
     file: Path, point: int | None, special: int | None, curve_kind: str | None
 ) -> tuple[Rotor, xr.Dataset]:
     """Return the cycle in an archive, or that at one point of a branch or curve, and its rotor."""
-    from rotor_ida.cli.describe import kind_of  # noqa: PLC0415 - heavy, and not for --help
+    from rotor_ida.results.kinds import kind_of  # noqa: PLC0415 - heavy, and not for --help
 
     dataset = read(file)
     kind = kind_of(dataset)
