@@ -130,6 +130,7 @@ def folds(
             "source": "rotor_ida closed forms: crossings of the damping along the locus of folds",
             "references": "Mechanika 25(6), 2019, Fig. 6",
         },
+        kind="folds",
     )
 
 
@@ -330,6 +331,7 @@ def cusp(
         "Cusps: damping above which the response curve has no fold",
         {name: (dims, table[..., k]) for k, name in enumerate(names)},
         {"delta0": ("delta0", clearances), **further.coordinates},
+        kind="cusps",
     )
 
 

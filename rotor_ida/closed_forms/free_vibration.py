@@ -288,6 +288,7 @@ def free_periods(
         "and clearance",
         variables,
         {"delta0": ("delta0", clearances), "amplitude": largest, **beyond},
+        kind="free_vibration",
     )
 
 

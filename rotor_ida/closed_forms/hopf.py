@@ -136,6 +136,7 @@ def hopf_points(
             "hopf": ("hopf", np.arange(most)),
         },
         {"source": "rotor_ida closed forms: roots of a polynomial in exact arithmetic"},
+        kind="hopf_points",
     )
 
 

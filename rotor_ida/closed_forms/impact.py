@@ -98,6 +98,7 @@ def impact(
             "peak_indentation": (dims, indentation.reshape(shape)),
         },
         given,
+        kind="impact",
     )
 
 

@@ -400,6 +400,7 @@ def peaks(
             "delta0": ("delta0", clearances),
             **further.coordinates,
         },
+        kind="peaks",
     )
 
 

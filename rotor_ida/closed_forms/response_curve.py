@@ -771,6 +771,7 @@ def _labelled(
         {name: (dims, column.reshape(sizes)) for name, column in columns.items()},
         coordinates | {"point": ("point", np.arange(longest))},
         {"source": _SOURCE, "references": _REFERENCES},
+        kind="response_curve",
     )
 
 

@@ -79,4 +79,5 @@ def restoring_field(
             "potential": (dims, potential),
         },
         {"delta0": ("delta0", clearance), "y": ("y", up), "x": ("x", across), **beyond},
+        kind="restoring_force",
     )

@@ -128,6 +128,7 @@ def synchronous_response(
         | further.coordinates
         | {"branch": ("branch", np.arange(present))},
         {"source": _SOURCE, "references": _REFERENCES},
+        kind="whirls",
     )
 
 

@@ -177,7 +177,9 @@ def bifurcation_curve(
         "start_period": guess.period or math.nan,
         **{f"start_{name}": value for name, value in guess.rotor.given.items()},
     }
-    found = branch_dataset(sides, (first, second), guess.rotor, "Bifurcation of limit cycles")
+    found = branch_dataset(
+        sides, (first, second), guess.rotor, "Bifurcation of limit cycles", kind="curve"
+    )
     return found.assign_attrs(attributes)
 
 

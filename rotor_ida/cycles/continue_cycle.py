@@ -240,7 +240,9 @@ def branch_from(
         "start_slope": guess.slope,
         **{f"start_{name}": value for name, value in guess.rotor.given.items()},
     }
-    found = branch_dataset(sides, (parameter,), first.rotor, "Branch of limit cycles")
+    found = branch_dataset(
+        sides, (parameter,), first.rotor, "Branch of limit cycles", kind="branch"
+    )
     return found.assign_attrs(attributes)
 
 
@@ -316,7 +318,7 @@ def _point(course: Course, unknowns: Values, tangent: Values, before: Point[Shot
 
 
 def branch_dataset(
-    sides: tuple[Side, Side], parameters: tuple[str, ...], rotor: Rotor, title: str
+    sides: tuple[Side, Side], parameters: tuple[str, ...], rotor: Rotor, title: str, *, kind: str
 ) -> xr.Dataset:
     """Return both sides, forward and backward, of a curve of cycles, from end to end.
 
@@ -348,7 +350,7 @@ def branch_dataset(
         "first_reason": backward.reason,
         "last_reason": forward.reason,
     }
-    return labelled_dataset(title, variables, coordinates, ends)
+    return labelled_dataset(title, variables, coordinates, ends, kind=kind)
 
 
 def _special_columns(

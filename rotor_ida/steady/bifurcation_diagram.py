@@ -162,7 +162,11 @@ def bifurcation_diagram(
     slope = None
     if rate is not None:
         slope = _checked_rate(rate, direction, check_axis("omega", omega))
-    told = {"title": "Extrema of the radius over a range of speeds", "extrema_time": window}
+    told = {
+        "title": "Extrema of the radius over a range of speeds",
+        "result_kind": "bifurcation_diagram",
+        "extrema_time": window,
+    }
     if is_scalar("starts", starts):
         shape = (check_count("starts", starts), len(COMPONENTS))
         starts = np.random.default_rng(seed).uniform(-farthest, farthest, shape)

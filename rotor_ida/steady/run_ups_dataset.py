@@ -142,7 +142,7 @@ def run_ups_dataset(run_ups: RunUps, pieces: Pieces, folder: Path | None = None)
     variables["largest_force"].attrs["long_name"] += " on the ramp"
     title = "Rotor in a clearance: run-ups over a range of speeds"
     how = provenance(run_ups.options.attributes())
-    return labelled_dataset(title, variables, coordinates, how)
+    return labelled_dataset(title, variables, coordinates, how, kind="run_ups")
 
 
 def fractions_of(

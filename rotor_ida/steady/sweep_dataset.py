@@ -88,7 +88,9 @@ def sweep_dataset(ramps: Ramps, pieces: Pieces, folder: Path | None = None) -> x
     variables["event_count"].attrs["sample_dimension"] = "event"
     variables |= {name: labelled(name, "event", column) for name, column in events.items()}
     title = "Rotor in a clearance: responses over a range of speeds"
-    return labelled_dataset(title, variables, coordinates, provenance(ramps.options.attributes()))
+    return labelled_dataset(
+        title, variables, coordinates, provenance(ramps.options.attributes()), kind="sweep"
+    )
 
 
 def columns_of(
