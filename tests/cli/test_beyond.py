@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 
 import rotor_ida
-from rotor_ida.cli.options import BeyondAxes, MachineOptions
+from rotor_ida.cli.options import AnyRotorOptions, RotorsOptions
 from rotor_ida.model.parameters import DimensionalRotor, Rotor
-from rotor_ida.model.table import DEFAULTS, FRICTIONLESS
+from rotor_ida.model.table import FRICTIONLESS
 
 Program = Callable[..., Any]
 
@@ -153,16 +153,16 @@ def test_under_a_load_a_cycle_with_a_period_of_its_own_is_not_followed(
 
 
 def test_a_sweep_that_is_given_nothing_of_it_is_of_the_papers_rotor():
-    papers = DEFAULTS
-    assert BeyondAxes().given() == papers
-    assert BeyondAxes(load=[0.1], shaft_stiffness=[0.0, 0.5]).given() == {
+    papers = {"omega": [1.2, 1.3], "zeta": [0.07], "delta0": [0.5]}
+    assert RotorsOptions(**papers).given() == papers
+    assert RotorsOptions(**papers, load=[0.1], shaft_stiffness=[0.0, 0.5]).given() == {
         **papers, "load": 0.1, "shaft_stiffness": [0.0, 0.5],
     }  # fmt: skip
 
 
 def test_a_machine_is_given_whole_in_one_of_two_ways():
-    assert MachineOptions(**ROTOR).machine() == Rotor(**ROTOR)
-    assert MachineOptions(**MACHINE).machine() == DimensionalRotor(**MACHINE)
+    assert AnyRotorOptions(**ROTOR).chosen() == Rotor(**ROTOR)
+    assert AnyRotorOptions(**MACHINE).chosen() == DimensionalRotor(**MACHINE)
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from rotor_ida.cli.options import MachineOptions
+from rotor_ida.cli.options import AnyRotorOptions
 from rotor_ida.model.parameters import DimensionalRotor, Rotor
 
 Program = Callable[..., Any]
@@ -29,12 +29,12 @@ BEYOND_IN_SI = {
 
 
 def test_what_a_machine_has_beside_is_in_the_units_of_the_rest():
-    assert MachineOptions(**ROTOR, **BEYOND).machine() == Rotor(**ROTOR, **BEYOND)
+    assert AnyRotorOptions(**ROTOR, **BEYOND).chosen() == Rotor(**ROTOR, **BEYOND)
     rubbing = {"friction": 0.2, "disc_radius": 1e-5}
-    assert MachineOptions(**ROTOR, **rubbing).machine() == Rotor(**ROTOR, **rubbing)
-    assert MachineOptions(**MACHINE, **rubbing).machine() == DimensionalRotor(**MACHINE, **rubbing)
+    assert AnyRotorOptions(**ROTOR, **rubbing).chosen() == Rotor(**ROTOR, **rubbing)
+    assert AnyRotorOptions(**MACHINE, **rubbing).chosen() == DimensionalRotor(**MACHINE, **rubbing)
     whole = MACHINE | BEYOND_IN_SI
-    assert MachineOptions(**whole).machine() == DimensionalRotor(**whole)
+    assert AnyRotorOptions(**whole).chosen() == DimensionalRotor(**whole)
 
 
 MISTAKES = [
