@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -28,7 +29,7 @@ from rotor_ida.cli.variables import (
 )
 from rotor_ida.cycles.branch_course import parameters_of, stable_ranges
 from rotor_ida.model.parameters import SPEED_UNITS
-from rotor_ida.model.table import ALL_PARAMETERS, OPTIONAL, PARAMETERS
+from rotor_ida.model.table import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.results.kinds import KINDS, kind_of, loaded
 from rotor_ida.results.si_units import in_rpm
 from rotor_ida.schema import ENDS_IN_WORDS, RESPONSE, flags_of
@@ -38,10 +39,6 @@ CONTACT = (
     *("entry_time", "exit_time", "peak_time", "peak_indentation", "peak_force"),
     *("heat", "slip_distance", "rolling_time"),
 )
-BACKWARD = ("kind", "amplitude", "whirl_speed", "stability", "growth_rate", "normal_force",
-            "tangential_force")  # fmt: skip
-WHIRL = ("amplitude", *PARAMETERS, "branch", "phase_lag", "stability", "growth_rate", "in_contact")
-FOLD = ("fold_omega", "fold_amplitude", "zeta", "delta0", "fold")
 ATTRACTOR = (
     *("kind", "attractor", "amplitude", "phase_lag", "radius_min", "radius_max"),
     *("trapping", "confirmed", "count", "fraction", "fraction_error"),
@@ -106,6 +103,153 @@ MATCH = (
     *("matched_branch", "amplitude", "amplitude_error", "phase_error"),
     *("period", "exact_period", "exact_radius_min", "exact_radius_max", "cycle_stability"),
 )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rows:
+    """Rows of a result: variables along the dimensions of the first of them.
+
+    Parameters
+    ----------
+    title : str
+        What people read above the table.
+    key : str
+        What the rows are called in the record.
+    names : tuple of str
+        The variables; where the first is NaN there is nothing, and no row. Those that a dataset
+        does not have are left out.
+    columns : tuple of str
+        What people read, in order, if not all.
+    """
+
+    title: str
+    key: str
+    names: tuple[str, ...]
+    columns: tuple[str, ...] = ()
+
+    def of(self, dataset: xr.Dataset) -> list[Record]:
+        """Return the rows of a dataset."""
+        lead, *_ = self.names
+        rows = rows_of(dataset, [name for name in self.names if name in dataset.variables])
+        return [row for row in rows if row[lead] == row[lead]]
+
+    def table(self, rows: list[Record], most: int | None) -> list[RenderableType]:
+        """Return the table of rows that a dataset has."""
+        told = [name for name in self.columns or self.names if rows and name in rows[0]]
+        return rows_table(self.title, rows, told, most)
+
+
+@dataclass(frozen=True, slots=True)
+class Sheet:
+    """What is said of a kind of result: its numbers, and tables along its dimensions."""
+
+    title: str
+    tables: tuple[Rows, ...]
+
+    def __call__(self, dataset: xr.Dataset, most: int | None) -> Description:
+        """Return the record of a dataset and its tables."""
+        there = [each for each in self.tables if each.names[0] in dataset.variables]
+        rows = {each.key: each.of(dataset) for each in there}
+        scalars = {name: value_of(dataset, name) for name in names_on(dataset)}
+        parameters = parameters_in(dataset)
+        record: Record = {
+            "kind": kind_of(dataset),
+            "parameters": parameters,
+            **scalars,
+            **rows,
+            **about(dataset),
+        }
+        numbers = {name: each for name, each in parameters.items() if not isinstance(each, list)}
+        told = {with_unit(dataset, name): each for name, each in (numbers | scalars).items()}
+        parts = [part for each in there for part in each.table(rows[each.key], most)]
+        return record, [pairs(self.title, told), *parts] if told else parts
+
+
+FOUND_FOLDS = Rows(
+    title="Folds",
+    key="folds",
+    names=("fold_omega", "fold_amplitude", *ALL_PARAMETERS[1:], "rate", "jump_omega", "fold",
+           "fold_drift", "fold_curvature", "fold_remainder", "fold_passage"),
+    columns=(*ALL_PARAMETERS[1:], "fold_omega", "fold_amplitude", "rate", "jump_omega"),
+)  # fmt: skip
+FOLDS = Sheet("Rotor", (FOUND_FOLDS,))
+WHIRLS = Sheet(
+    "Rotor",
+    (
+        Rows(
+            title="Synchronous whirls",
+            key="whirls",
+            names=("amplitude", *ALL_PARAMETERS, "branch", "phase_lag", "stability", "growth_rate",
+                   "in_contact"),
+            columns=(*ALL_PARAMETERS, "amplitude", "phase_lag", "stability", "growth_rate",
+                     "in_contact"),
+        ),
+        FOUND_FOLDS,
+    ),
+)  # fmt: skip
+HOPF_POINTS = Sheet(
+    "Rotor",
+    (
+        Rows(
+            title="Hopf points",
+            key="hopf_points",
+            names=("hopf_omega", "hopf_amplitude", "hopf_frequency", *ALL_PARAMETERS[1:]),
+            columns=(*ALL_PARAMETERS[1:], "hopf_omega", "hopf_amplitude", "hopf_frequency"),
+        ),
+    ),
+)
+BACKWARD_WHIRL = Sheet(
+    "Rotor",
+    (
+        Rows(
+            title="Backward whirls without unbalance",
+            key="whirls",
+            names=("amplitude", "kind", "whirl_speed", "stability", "growth_rate", "normal_force",
+                   "tangential_force"),
+            columns=("kind", "amplitude", "whirl_speed", "stability", "growth_rate",
+                     "normal_force", "tangential_force"),
+        ),
+    ),
+)  # fmt: skip
+
+
+def show_by_dimension(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return the variables of a dataset, its numbers, and tables along each of its dimensions."""
+    variables: list[Record] = [
+        {
+            "name": str(name),
+            "long_name": str(variable.attrs.get("long_name", "")),
+            "units": str(variable.attrs.get("units", "")),
+            "dimensions": " ".join(str(dim) for dim in variable.dims),
+        }
+        for name, variable in dataset.variables.items()
+    ]
+    sheet = Sheet("Numbers", tuple(_along(dataset, dims) for dims in _dimensions(dataset)))
+    record, parts = sheet(dataset, most)
+    heads = list(variables[0]) if variables else ()
+    return {**record, "variables": variables}, [
+        *rows_table("Variables", variables, heads, None),
+        *parts,
+    ]
+
+
+def _dimensions(dataset: xr.Dataset) -> list[tuple[str, ...]]:
+    """Return the dimensions of variables of which not too many values can be told."""
+    shapes = [each.dims for each in dataset.data_vars.values() if each.size <= MOST_TOLD]
+    return [tuple(map(str, dims)) for dims in dict.fromkeys(shapes) if dims]
+
+
+def _along(dataset: xr.Dataset, dims: tuple[str, ...]) -> Rows:
+    """Return the rows of all variables along some dimensions, behind the coordinates there."""
+    known = [name for name in (*ALL_PARAMETERS, *dims) if name in dataset.coords]
+    places = [name for name in dict.fromkeys(known) if set(dataset[name].dims) & set(dims)]
+    names, words = names_on(dataset, *dims), ", ".join(dims)
+    return Rows(
+        title=f"Along {words}",
+        key=f"along {words}",
+        names=(*names, *places),
+        columns=(*places, *names),
+    )
 
 
 def describe(dataset: xr.Dataset, *, most: int | None = None) -> Description:
@@ -435,62 +579,6 @@ def show_comparison(dataset: xr.Dataset, most: int | None) -> Description:
     return record, parts
 
 
-def show_whirls(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return the synchronous whirls, and the folds where these are beside them."""
-    more = [name for name in OPTIONAL if name in dataset.variables]
-    every = rows_of(dataset, (*WHIRL, *more))
-    whirls = [row for row in every if row["stability"] != "absent"]
-    ordered = (
-        *(*PARAMETERS, *more, "amplitude", "phase_lag", "stability", "growth_rate", "in_contact"),
-    )
-    record: Record = {"kind": "whirls", "whirls": whirls}
-    parts = rows_table("Synchronous whirls", whirls, ordered, most)
-    if "fold_omega" in dataset:
-        record["folds"], of_folds = _fold_rows(dataset, most)
-        parts += of_folds
-    return record | attributes_of(dataset), parts
-
-
-def show_folds(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return the folds of synchronous whirls."""
-    rows, parts = _fold_rows(dataset, most)
-    return {"kind": kind_of(dataset), "folds": rows, **attributes_of(dataset)}, parts
-
-
-def _fold_rows(dataset: xr.Dataset, most: int | None) -> tuple[list[Record], list[RenderableType]]:
-    more = [name for name in OPTIONAL if name in dataset["fold_omega"].coords]
-    every = rows_of(dataset, (*FOLD, *more))
-    rows = [row for row in every if row["fold_omega"] == row["fold_omega"]]
-    columns = ("zeta", "delta0", *more, "fold_omega", "fold_amplitude")
-    return rows, rows_table("Folds", rows, columns, most)
-
-
-def show_hopf_points(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return the Hopf points of synchronous whirls."""
-    more = [name for name in OPTIONAL if name in dataset.variables]
-    found = ("hopf_omega", "hopf_amplitude", "hopf_frequency")
-    every = rows_of(dataset, (*found, "zeta", "delta0", *more))
-    rows = [row for row in every if row["hopf_omega"] == row["hopf_omega"]]
-    parts = rows_table("Hopf points", rows, ("zeta", "delta0", *more, *found), most)
-    return {"kind": "hopf_points", "hopf_points": rows, **attributes_of(dataset)}, parts
-
-
-def show_backward_whirl(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return the backward whirls and the speed at which dry whip is born."""
-    every = rows_of(dataset, BACKWARD)
-    whirls = [row for row in every if row["stability"] != "absent"]
-    parameters, birth = parameters_in(dataset), float(dataset["birth_omega"])
-    record: Record = {
-        "kind": "backward_whirl",
-        "parameters": parameters,
-        "whirls": whirls,
-        "birth_omega": birth,
-        **attributes_of(dataset),
-    }
-    parts = rows_table("Backward whirls without unbalance", whirls, BACKWARD, most)
-    return record, [*parts, pairs("Machine", {**parameters, "birth_omega": birth})]
-
-
 def show_cycle(dataset: xr.Dataset, most: int | None) -> Description:
     """Return a limit cycle with its multipliers and strongest lines."""
     attributes = about(dataset)
@@ -580,21 +668,6 @@ def show_fit(dataset: xr.Dataset, most: int | None) -> Description:
     return {**about, "unknown": rows, "identifiability": told}, [
         pairs("Fit", about), *rows_table("Unknown", rows, FITTED, most), *told
     ]  # fmt: skip
-
-
-def show_variables(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return what variables a dataset has."""
-    variables: list[Record] = [
-        {
-            "name": str(name),
-            "long_name": str(variable.attrs.get("long_name", "")),
-            "units": str(variable.attrs.get("units", "")),
-            "dimensions": " ".join(str(dim) for dim in variable.dims),
-        }
-        for name, variable in dataset.variables.items()
-    ]
-    record: Record = {"kind": kind_of(dataset), "variables": variables, **attributes_of(dataset)}
-    return record, rows_table("Variables", variables, list(variables[0]) if variables else (), most)
 
 
 def _telling(points: Sequence[Record]) -> list[str]:

@@ -35,6 +35,8 @@ def rows_of(dataset: xr.Dataset, names: Sequence[str]) -> list[Record]:
     >>> rows_of(whirls, ["stability", "omega"])
     [{'stability': 'neutral', 'omega': 0.5}, {'stability': 'neutral', 'omega': 1.0}]
     """
+    if not names:
+        return []
     first = dataset[names[0]]
     columns = [values_of(spread_on(dataset, name, first)) for name in names]
     return [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)]

@@ -35,6 +35,8 @@ class Kind:
     variables, dims : tuple of str
         Variables and dimensions that each result of the kind has. By these it is recognised in an
         archive that does not state its kind; without any it is not.
+    along : tuple of str
+        Dimensions of the first of these variables, if they are always the same.
     shown : str
         Function of the dataset and a number of rows that returns its record and its tables.
     drawn : str
@@ -52,7 +54,8 @@ class Kind:
     meaning: str
     variables: tuple[str, ...] = ()
     dims: tuple[str, ...] = ()
-    shown: str = "rotor_ida.cli.describe:show_variables"
+    along: tuple[str, ...] = ()
+    shown: str = "rotor_ida.cli.describe:show_by_dimension"
     drawn: str = ""
     verified: str = ""
     study: str = ""
@@ -60,9 +63,10 @@ class Kind:
 
     def fits(self, dataset: xr.Dataset) -> bool:
         """Return whether a dataset has what each result of this kind has."""
-        return set(self.variables) <= dataset.variables.keys() and set(self.dims) <= set(
-            dataset.dims
-        )
+        has_all = set(self.variables) <= dataset.variables.keys()
+        if not has_all or not set(self.dims) <= set(dataset.dims):
+            return False
+        return not self.along or dataset[self.variables[0]].dims == self.along
 
 
 _WHIRLS = "rotor_ida.cli.figures:figure_of_whirls"
@@ -116,26 +120,27 @@ KINDS = {
             verified=f"{_VERIFIED}:SWEEP", study="sweep", resumed=f"{_RESUMED}:resume_sweep",
         ),
         Kind(
-            name="run", meaning="run", variables=("event_time",), dims=("t",),
+            name="run", meaning="run",
+            variables=("event_time",), dims=("t",), along=("event",),
             shown=f"{_SHOWN}:show_run", drawn="rotor_ida.plot:plot_run",
             verified=f"{_VERIFIED}:RUN",
         ),
         Kind(
             name="whirls", meaning="exact whirls", variables=("amplitude",), dims=("branch",),
-            shown=f"{_SHOWN}:show_whirls", drawn=_WHIRLS,
+            shown=f"{_SHOWN}:WHIRLS", drawn=_WHIRLS,
         ),
         Kind(
             name="folds", meaning="folds", variables=("fold_omega",),
-            shown=f"{_SHOWN}:show_folds", drawn=_WHIRLS,
+            shown=f"{_SHOWN}:FOLDS", drawn=_WHIRLS,
         ),
         Kind(
             name="hopf_points", meaning="Hopf points", variables=("hopf_omega",),
-            shown=f"{_SHOWN}:show_hopf_points", drawn=_WHIRLS,
+            shown=f"{_SHOWN}:HOPF_POINTS", drawn=_WHIRLS,
         ),
         Kind(
             name="backward_whirl", meaning="backward whirls",
             variables=("birth_omega",), dims=("whirl",),
-            shown=f"{_SHOWN}:show_backward_whirl", drawn=f"{_DRAWN}:figure_of_backward_whirl",
+            shown=f"{_SHOWN}:BACKWARD_WHIRL", drawn=f"{_DRAWN}:figure_of_backward_whirl",
         ),
         Kind(
             name="curve", meaning="bifurcation curve", variables=("special_second_value",),
@@ -186,7 +191,7 @@ KINDS = {
             shown=f"{_SIGNALS}:show_signals", drawn="rotor_ida.plot:plot_orbit",
         ),
         Kind(
-            name="late_jumps", meaning="late jumps", shown=f"{_SHOWN}:show_folds", drawn=_WHIRLS,
+            name="late_jumps", meaning="late jumps", shown=f"{_SHOWN}:FOLDS", drawn=_WHIRLS,
         ),
         Kind(name="contact_summary", meaning="summary of contacts"),
         Kind(name="contact_forces", meaning="contact forces"),
