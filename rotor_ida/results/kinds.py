@@ -69,10 +69,10 @@ class Kind:
         return not self.along or dataset[self.variables[0]].dims == self.along
 
 
-_WHIRLS = "rotor_ida.cli.figures:figure_of_whirls"
+_WHIRLS = "rotor_ida.plot.figures:figure_of_whirls"
 _SHOWN = "rotor_ida.cli.describe"
 _SIGNALS = "rotor_ida.cli.describe_signals"
-_DRAWN = "rotor_ida.cli.figures"
+_DRAWN = "rotor_ida.plot.figures"
 _VERIFIED = "rotor_ida.verification.verify"
 _RESUMED = "rotor_ida.verification.resume"
 
@@ -86,7 +86,7 @@ KINDS = {
         ),
         Kind(
             name="basin", meaning="basin", variables=("label",), dims=("attractor",),
-            shown=f"{_SHOWN}:show_attractors", drawn=f"{_DRAWN}:figure_of_basin",
+            shown=f"{_SHOWN}:show_attractors", drawn="rotor_ida.plot:plot_basin",
             verified=f"{_VERIFIED}:BASIN", study="basin", resumed=f"{_RESUMED}:resume_basin",
         ),
         Kind(
@@ -140,7 +140,7 @@ KINDS = {
         Kind(
             name="backward_whirl", meaning="backward whirls",
             variables=("birth_omega",), dims=("whirl",),
-            shown=f"{_SHOWN}:BACKWARD_WHIRL", drawn=f"{_DRAWN}:figure_of_backward_whirl",
+            shown=f"{_SHOWN}:BACKWARD_WHIRL", drawn="rotor_ida.plot:plot_backward_whirl",
         ),
         Kind(
             name="curve", meaning="bifurcation curve", variables=("special_second_value",),

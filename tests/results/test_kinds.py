@@ -11,7 +11,7 @@ from rotor_ida.schema import RESULT_KIND
 
 PACKAGE = Path(rotor_ida.__file__).parent
 # They hand the kind on that they are given.
-HANDED_ON = {"signals/record.py", "cycles/continue_cycle.py"}
+HANDED_ON = {"signals/record.py", "cycles/dataset.py"}
 BUILDERS = {"labelled_dataset", "dataset", "branch_dataset"}
 
 
