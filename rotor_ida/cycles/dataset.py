@@ -121,7 +121,7 @@ def cycle_dataset(rotor: Rotor, guess: Guess, cycle: Cycle | None, response: str
         attributes["start_period"] = guess.period
     variables = _none(response) if cycle is None else _columns(cycle)
     title = "Limit cycle on the rotating axes"
-    return labelled_dataset(title, variables, coordinates, attributes)
+    return labelled_dataset(title, variables, coordinates, attributes, kind="cycle")
 
 
 def _columns(cycle: Cycle) -> dict[str, xr.Variable]:
@@ -255,7 +255,7 @@ def start_attributes(guess: Guess) -> dict[str, object]:
 
 
 def branch_dataset(
-    sides: tuple[Side, Side], parameters: tuple[str, ...], rotor: Rotor, title: str
+    sides: tuple[Side, Side], parameters: tuple[str, ...], rotor: Rotor, title: str, *, kind: str
 ) -> xr.Dataset:
     """Return both sides, forward and backward, of a curve of cycles, from end to end.
 
@@ -287,7 +287,7 @@ def branch_dataset(
         "first_reason": backward.reason,
         "last_reason": forward.reason,
     }
-    return labelled_dataset(title, variables, coordinates, ends)
+    return labelled_dataset(title, variables, coordinates, ends, kind=kind)
 
 
 def _special_columns(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -55,6 +56,14 @@ class Record:
             raise InputError("signals must hold angle, keyphasor or omega, got none of them")
         return self.angles
 
+    def pulses(self) -> Values:
+        """Return when the mark of the shaft passes the keyphasor: once a revolution."""
+        if self.angles is None:
+            return np.empty(0)
+        turns = self.angles / (2.0 * math.pi)
+        whole = np.arange(math.ceil(turns[0] - 1e-9), math.floor(turns[-1] + 1e-9) + 1)
+        return np.interp(whole, turns, self.times)
+
     def equal_step(self) -> float:
         """Return the step of equally spaced times."""
         steps = np.diff(self.times)
@@ -85,6 +94,8 @@ class Record:
         variables: Mapping[str, Column],
         coordinates: Mapping[str, Column],
         attributes: Mapping[str, object] | None = None,
+        *,
+        kind: str,
     ) -> xr.Dataset:
         """Return a result with the units, parameters and origin of the signals."""
         return labelled_dataset(
@@ -95,6 +106,7 @@ class Record:
                 **{name: self.variable(name, *column) for name, column in coordinates.items()},
             },
             {**self.attributes, **(attributes or {})},
+            kind=kind,
         )
 
 
@@ -137,7 +149,9 @@ def signals_of(run: xr.Dataset) -> xr.Dataset:
         "y": ("t", record.z.imag),
         "angle": ("t", record.known_angles()),
     }
-    return record.dataset("Signals of two probes", columns, {"t": ("t", record.times)})
+    return record.dataset(
+        "Signals of two probes", columns, {"t": ("t", record.times)}, kind="signals"
+    )
 
 
 def record_of(signals: object, name: str = "signals") -> Record:

@@ -32,7 +32,11 @@ MOST_LANES = {"paper": 16, "whole": 20, "run_up": 32}
 
 
 @pytest.mark.parametrize(
-    "name", [f"derived{model}.{end}" for model in ("", "_whole", "_run_up") for end in "ch"]
+    "name",
+    [
+        *(f"derived{model}.{end}" for model in ("", "_whole", "_run_up") for end in "ch"),
+        "derived_rotor.h",
+    ],
 )
 def test_the_committed_files_are_those_that_the_model_gives(name):
     """Else run the command of their first line."""
@@ -132,9 +136,13 @@ def test_what_is_constant_takes_no_convolution(model, mode):
 
 def test_a_new_force_reaches_everything_that_is_derived(monkeypatch):
     """A spring to the axis, added to the stated line alone, shows in all that is derived."""
-    stated, mode = modes.acceleration, PAPER.modes[1]
-    with_spring = lambda along, push, rotor: stated(along, push, rotor) - 3.0 * along.position  # noqa: E731
-    monkeypatch.setattr(modes, "acceleration", with_spring)
+    stated, mode = modes.accelerations, PAPER.modes[1]
+
+    def with_spring(at, push, rotor, drag=0.0):
+        along = stated(at, push, rotor, drag)
+        return tuple(a - 3.0 * x for a, x in zip(along, at.position, strict=True))
+
+    monkeypatch.setattr(modes, "accelerations", with_spring)
     after = derive(mode, PAPER)
     monkeypatch.undo()
     before = derive(mode, PAPER)

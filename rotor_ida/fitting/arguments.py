@@ -1,0 +1,203 @@
+"""The arguments of a fit, checked, and the problem that they state."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.arrays import Values
+from rotor_ida.checks import (
+    check_between,
+    check_state,
+    check_vector,
+    shown,
+)
+from rotor_ida.errors import InputError
+from rotor_ida.fitting.identifiability import ANGLE
+from rotor_ida.fitting.problem import FitProblem, Unknown
+from rotor_ida.fitting.records import Measured, measured, noise_of
+from rotor_ida.model.parameters import DimensionalRotor, Rotor
+from rotor_ida.model.table import OF_MACHINE, OPTIONAL
+from rotor_ida.simulation.orbit import ENTRY, EXIT
+
+# What can be sought: of a machine the unit, and of a dimensionless rotor the name of that, with how
+# many of the one the other is.
+FIXED = ("speed", "contact_exponent", "disc_radius")
+UNITS = {name: each.unit for name, each in OF_MACHINE.items() if name not in FIXED} | {ANGLE: "rad"}
+OF_ROTOR = {
+    "zeta": ("damping", 2.0),
+    "delta0": ("clearance", 1.0),
+    **{name: (name, 1.0) for name in (*OPTIONAL, ANGLE) if name not in FIXED},
+}
+# What must stay above this part of its first guess, as a machine has none without it.
+POSITIVE = (*(name for name, each in OF_MACHINE.items() if each.positive), "clearance")
+LEAST = 1e-3
+MOST_ORDERS, LARGEST_ORDER = 20, 20.0
+# The least errors, over the length or size of the signals: rounding.
+SHARPEST = 1e-12
+
+
+def problem_of(
+    signals: xr.Dataset | Sequence[xr.Dataset],
+    machine: Rotor | DimensionalRotor,
+    unknown: Sequence[str],
+    *,
+    orders: npt.ArrayLike,
+    revolutions: int | None,
+    start: npt.ArrayLike | None,
+    entries: Any,
+    exits: Any,
+    time_error: float | None,
+    noise: float | None,
+) -> FitProblem:
+    """Return the problem, all checked."""
+    given = [signals] if isinstance(signals, xr.Dataset) else _several(signals)
+    if not given:
+        raise InputError(f"signals must be a dataset, or a list of them, got {shown(signals)}")
+    in_si = isinstance(machine, DimensionalRotor)
+    guess = _in_si(machine)
+    if guess.clearance <= 0.0:
+        raise InputError("machine must have a clearance above 0 for a fit, got 0.0")
+    sought = _unknowns(unknown, guess, in_si=in_si)
+    tracked = _checked_orders(orders)
+    touches = {
+        ENTRY: _by_record("entries", entries, len(given)),
+        EXIT: _by_record("exits", exits, len(given)),
+    }
+    records = [
+        measured(
+            each, tracked, revolutions, {kind: times[n] for kind, times in touches.items()},
+            in_si=in_si,
+        )
+        for n, each in enumerate(given)
+    ]  # fmt: skip
+    problem = FitProblem(guess, sought, records, 1.0)
+    problem.time_error = _checked_time_error(time_error, records)
+    problem.starts = _starts(start, records)
+    problem.noise = noise_of(records) if noise is None else _checked_noise(noise, records)
+    _check_enough(problem)
+    return problem
+
+
+def _in_si(machine: object) -> DimensionalRotor:
+    """Return a machine whose length, mass and time of reference are 1, if it has no dimensions."""
+    if isinstance(machine, DimensionalRotor):
+        return machine
+    if not isinstance(machine, Rotor):
+        raise InputError(f"machine must be a Rotor or a DimensionalRotor, got {shown(machine)}")
+    optional = {name: getattr(machine, name) for name in OPTIONAL}
+    return DimensionalRotor(
+        mass=1.0, contact_stiffness=1.0, damping=2.0 * machine.zeta, eccentricity=1.0,
+        clearance=machine.delta0, speed=machine.omega, **optional,
+    )  # fmt: skip
+
+
+def _unknowns(unknown: object, machine: DimensionalRotor, *, in_si: bool) -> list[Unknown]:
+    """Return what is sought."""
+    known = UNITS if in_si else OF_ROTOR
+    allowed = f"{', '.join(known)}"
+    names = _several(unknown)
+    if names is None:
+        raise InputError(f"unknown must be a list of names, of {allowed}, got {shown(unknown)}")
+    wrong = [each for each in names if not isinstance(each, str) or each not in known]
+    if wrong or not names:
+        raise InputError(f"unknown must be of {allowed}, got {shown(wrong[0] if wrong else names)}")
+    if len(set(names)) < len(names):
+        raise InputError(f"unknown must name each once, got {shown(names)}")
+    if "friction" in names and not machine.disc_radius:
+        raise InputError("machine must have a disc_radius for friction to be sought, got none")
+    found = []
+    for name in names:
+        field, factor = (name, 1.0) if in_si else OF_ROTOR[name]
+        guess = 0.0 if field == ANGLE else getattr(machine, field) / factor
+        least = -math.inf if field == ANGLE else LEAST * guess if field in POSITIVE else 0.0
+        found.append(Unknown(name, field, factor, guess, least))
+    return found
+
+
+def _checked_orders(orders: npt.ArrayLike) -> Values:
+    """Return orders that can be compared."""
+    asked = check_vector("orders", orders, largest=LARGEST_ORDER)
+    if (asked < 0.0).any() or not (asked > 0.0).any():
+        raise InputError(
+            f"orders must hold one above 0 and none below, got {shown(asked.tolist())}"
+        )
+    if asked.size > MOST_ORDERS or np.unique(asked).size < asked.size:
+        raise InputError(
+            f"orders must be at most {MOST_ORDERS} that differ, got {shown(asked.tolist())}"
+        )
+    return asked
+
+
+def _by_record(name: str, values: Any, count: int) -> list[Any]:
+    """Return what is given for each record, of which one may stand alone; None where it is none."""
+    if values is None:
+        return [None] * count
+    held = _several(values)
+    if count == 1 and not (held and len(held) == 1 and _several(held[0]) is not None):
+        held = [values]
+    if held is None or len(held) != count:
+        raise InputError(
+            f"{name} must be a list, one for each of {count} records, got {shown(values)}"
+        )
+    return [None if _several(each) == [] else each for each in held]
+
+
+def _several(values: Any) -> list[Any] | None:
+    """Return what a list, a tuple or an array holds; None of anything else."""
+    if isinstance(values, list | tuple) or (isinstance(values, np.ndarray) and values.ndim > 0):
+        return list(values)
+    return None
+
+
+def _starts(start: Any, records: list[Measured]) -> list[Values] | None:
+    """Return the states at the begins in SI units, if they are given."""
+    if start is None:
+        return None
+    rows = _by_record("start", start, len(records))
+    scale = np.array([records[0].metre] * 2 + [records[0].metre / records[0].second] * 2)
+    return [np.array(check_state("start", row)) * scale for row in rows]
+
+
+def _checked_time_error(time_error: float | None, records: list[Measured]) -> float:
+    """Return the standard error of contact times [s]; infinite where there are none."""
+    touched = any(record.touches for record in records)
+    if time_error is None:
+        if touched:
+            raise InputError("time_error must be given with entries or exits, got None")
+        return math.inf
+    if not touched:
+        raise InputError("entries or exits must be given with time_error, got none of them")
+    longest = max(float(record.times[-1]) for record in records) / records[0].second
+    error = check_between("time_error", time_error, SHARPEST * longest, longest)
+    return error * records[0].second
+
+
+def _checked_noise(noise: float, records: list[Measured]) -> float:
+    """Return the noise [m]."""
+    size = max(float(np.abs(record.record.z).max()) for record in records) / records[0].metre
+    return check_between("noise", noise, SHARPEST * size, size / SHARPEST) * records[0].metre
+
+
+def _check_enough(problem: FitProblem) -> None:
+    """Raise `InputError` where more is sought than compared."""
+    compared = _compared(problem)
+    sought = problem.first().size
+    if compared < sought:
+        raise InputError(
+            f"signals must hold at least as many numbers to compare as are sought, {sought}, got "
+            f"{compared} in {sum(each.tracks.windows.times.size for each in problem.records)} "
+            "windows"
+        )
+
+
+def _compared(problem: FitProblem) -> int:
+    """Return how many numbers are compared, but for contact times."""
+    return sum(
+        2 * each.tracks.orders.size * each.tracks.windows.times.size for each in problem.records
+    )

@@ -1,0 +1,195 @@
+"""The result of a fit as a dataset."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import xarray as xr
+
+from rotor_ida.arrays import Values
+from rotor_ida.fitting.arguments import UNITS
+from rotor_ida.fitting.identifiability import ANGLE, Identifiability, identify, left_in_words
+from rotor_ida.fitting.motion import Motion
+from rotor_ida.fitting.problem import APART, FitProblem, matched
+from rotor_ida.model.parameters import DimensionalRotor, Rotor
+from rotor_ida.results.provenance import provenance
+from rotor_ida.schema import Column
+
+
+def dataset_of(
+    problem: FitProblem, machine: Rotor | DimensionalRotor, solution: Values, level: float
+) -> xr.Dataset:
+    """Return what was found as a dataset, each interval with a level of confidence."""
+    _, slopes, motions = problem.at(solution)
+    told = identify(slopes, _scales(problem, solution), [each.name for each in problem.unknown])
+    chi_square, freedom = _left_over(problem, solution, motions), problem.freedom(solution)
+    in_si = isinstance(machine, DimensionalRotor)
+    variables: dict[str, Column] = {
+        **_estimates(problem, solution, told, level, in_si=in_si),
+        **_tracks(problem, motions),
+        **_touches(problem, motions),
+        "chi_square": ((), chi_square),
+        "degrees_of_freedom": ((), freedom),
+        "noise": ((), problem.noise / problem.records[0].metre),
+    }
+    names = [each.name for each in problem.unknown]
+    coordinates: dict[str, Column] = {
+        "unknown": ("unknown", names),
+        "unknown_too": ("unknown_too", names),
+        **{name: variables.pop(name) for name in ("t", "speed", "record", "order")},
+    }
+    words = [*told.words, *_at_bounds(problem, solution)]
+    attributes = provenance({"method": "taylor"}) | {
+        "machine": type(machine).__name__,
+        **{f"given_{name}": value for name, value in machine.given.items()},
+        "identifiability": "; ".join(words),
+        "remainder": left_in_words(chi_square, freedom),
+        "confidence": level,
+        "evaluations": problem.evaluations,
+    }
+    if "compared" in variables:
+        attributes["contact_times"] = _touches_in_words(variables)
+    record = problem.records[0].record
+    plain = replace(
+        record,
+        coordinates={},
+        attributes=attributes,
+        length=problem.records[0].units[0],
+        time=problem.records[0].units[1],
+    )
+    return plain.dataset("Fit of a machine to signals", variables, coordinates, kind="fit")
+
+
+def _scales(problem: FitProblem, solution: Values) -> Values:
+    """Return by what the error of each unknown is measured: its value, or 1 for an angle."""
+    return np.array([
+        abs(value) if value != 0.0 and each.name != ANGLE else 1.0
+        for each, value in zip(problem.unknown, solution.tolist(), strict=False)
+    ])  # fmt: skip
+
+
+def _left_over(problem: FitProblem, solution: Values, motions: list[Motion]) -> float:
+    """Return chi-square of all that is compared, the guesses of the starts among it."""
+    total = 0.0
+    for number, (each, motion) in enumerate(zip(problem.records, motions, strict=True)):
+        left = each.tracks.weighed((motion.z - each.record.z)[:, None]) / problem.noise
+        total += float((left**2).sum())
+        if problem.starts is None:
+            place = len(problem.unknown) + 4 * number
+            guessed = (solution[place : place + 4] - each.start) / each.spread
+            total += float((guessed**2).sum())
+        for found in problem.touches(number, motion).values():
+            total += float((found.apart[found.compared] ** 2).sum()) / problem.time_error**2
+    return total
+
+
+def _at_bounds(problem: FitProblem, solution: Values) -> list[str]:
+    """Return words for each unknown that would rather be less than it may."""
+    return [
+        f"{each.name} is at its least value {each.least:g}: its interval has one side"
+        for each, value in zip(problem.unknown, solution.tolist(), strict=False)
+        if math.isfinite(each.least)
+        and value - each.least <= 1e-6 * max(abs(each.guess), abs(value))
+    ]
+
+
+def _estimates(
+    problem: FitProblem, solution: Values, told: Identifiability, level: float, *, in_si: bool
+) -> dict[str, Column]:
+    """Return the numbers of each unknown."""
+    from scipy.stats import norm  # noqa: PLC0415 - takes long to import
+
+    quantile = float(norm.ppf(0.5 + 0.5 * level))
+    count = len(problem.unknown)
+    values = solution[:count]
+    errors = np.sqrt(np.diag(told.covariance))
+    least = np.array([each.least for each in problem.unknown])
+    exponent = problem.machine.contact_exponent
+    units = [UNITS[each.name] if in_si else "1" for each in problem.unknown]
+    linear = [each if exponent > 1.0 else each.replace("m-1.5", "m-1") for each in units]
+    return {
+        "estimate": ("unknown", values),
+        "standard_error": ("unknown", errors),
+        "lower": ("unknown", np.maximum(values - quantile * errors, least)),
+        "upper": ("unknown", values + quantile * errors),
+        "first_guess": ("unknown", [each.guess for each in problem.unknown]),
+        "told": ("unknown", told.told.astype(np.int8)),
+        "unit": ("unknown", linear),
+        "covariance": (("unknown", "unknown_too"), told.covariance),
+    }
+
+
+def _tracks(problem: FitProblem, motions: list[Motion]) -> dict[str, Column]:
+    """Return measured and fitted tracks of all records."""
+    found: dict[str, list[Values]] = {}
+    for number, (each, motion) in enumerate(zip(problem.records, motions, strict=True)):
+        tracks = each.tracks
+        both = tracks.amplitudes(np.column_stack([each.record.z, motion.z]))
+        errors = problem.noise * np.sqrt(np.einsum("wkk->wk", tracks.inverse).real)
+        parts: dict[str, Values] = {
+            "record": np.full(tracks.windows.times.size, number),
+            "t": tracks.windows.times / each.second + each.begin,
+            "speed": tracks.windows.speeds * each.second,
+        }
+        # the orders are symmetric about 0
+        ahead = np.flatnonzero(tracks.orders >= 0.0)
+        back = tracks.orders.size - 1 - ahead
+        for words, column in (("", 0), ("fitted_", 1)):
+            forward, backward = both[:, ahead, column], both[:, back, column]
+            parts |= {
+                f"{words}forward_whirl_amplitude": np.abs(forward) / each.metre,
+                f"{words}forward_phase_lag": np.angle(forward.conj()),
+                f"{words}backward_whirl_amplitude": np.abs(backward) / each.metre,
+                f"{words}backward_phase_lag": np.angle(backward),
+            }
+        parts["forward_amplitude_error"] = errors[:, ahead] / each.metre
+        parts["backward_amplitude_error"] = errors[:, back] / each.metre
+        for name, values in parts.items():
+            found.setdefault(name, []).append(values)
+    columns: dict[str, Column] = {
+        name: (("window", "order") if values[0].ndim > 1 else "window", np.concatenate(values))
+        for name, values in found.items()
+    }
+    tracked = problem.records[0].tracks.orders
+    return columns | {"order": ("order", tracked[tracked >= 0.0])}
+
+
+def _touches(problem: FitProblem, motions: list[Motion]) -> dict[str, Column]:
+    """Return measured and fitted contact times, those of no computed contact as NaN."""
+    measured, fitted, kinds, numbers, compared = [], [], [], [], []
+    for number, (each, motion) in enumerate(zip(problem.records, motions, strict=True)):
+        for kind, found in problem.touches(number, motion).items():
+            whole = matched(found.times, motion, kind)
+            times = np.where(whole.compared, found.times + whole.apart, np.nan)
+            measured.append(found.times / each.second + each.begin)
+            fitted.append(times / each.second + each.begin)
+            kinds.append(np.full(times.size, kind, np.int8))
+            numbers.append(np.full(times.size, number))
+            compared.append(found.compared.astype(np.int8))
+    if not measured:
+        return {}
+    return {
+        "measured_time": ("touch", np.concatenate(measured)),
+        "fitted_time": ("touch", np.concatenate(fitted)),
+        "event_kind": ("touch", np.concatenate(kinds)),
+        "touch_record": ("touch", np.concatenate(numbers)),
+        "compared": ("touch", np.concatenate(compared)),
+        "time_error": ((), problem.time_error / problem.records[0].second),
+    }
+
+
+def _touches_in_words(variables: Mapping[str, Column]) -> str:
+    """Return how many contact times are compared, and why others are not."""
+    compared, fitted = (np.asarray(variables[name][1]) for name in ("compared", "fitted_time"))
+    alone = int(np.isnan(fitted).sum())
+    grazes = compared.size - alone - int(compared.sum())
+    why = [f"{alone} have no computed contact near them"] if alone else []
+    if grazes:
+        why.append(
+            f"{grazes} are within {APART:g} time errors of another event, at a graze or in chatter"
+        )
+    words = f"{int(compared.sum())} of {compared.size} are compared"
+    return f"{words}; {'; '.join(why)}" if why else words

@@ -1,0 +1,331 @@
+"""Rotors on the command line: without dimensions or in SI units, one or several."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import rotor_ida
+from rotor_ida.cli.options import AnyRotorOptions, RotorsOptions
+from rotor_ida.model.parameters import DimensionalRotor, Rotor
+from rotor_ida.model.table import FRICTIONLESS
+
+Program = Callable[..., Any]
+
+ROTOR = {"omega": 1.2, "zeta": 0.07, "delta0": 0.5}
+BEYOND = {
+    "shaft_stiffness": 0.25, "contact_exponent": 1.0, "contact_damping": 0.5, "load": 0.125,
+}  # fmt: skip
+IN_SI_UNITS = {
+    "mass": 4.0, "contact_stiffness": 1e6, "damping": 280.0, "eccentricity": 1e-6,
+    "clearance": 2e-6, "speed": 600.0,
+}  # fmt: skip
+BEYOND_IN_SI = {
+    "shaft_stiffness": 2.5e5, "contact_exponent": 1.0, "contact_damping": 1e3, "load": 39.2266,
+}  # fmt: skip
+
+
+def words(**given: float) -> list[str]:
+    """Return parameters as the options of their names."""
+    pairs = ((f"--{name.replace('_', '-')}", repr(value)) for name, value in given.items())
+    return [word for pair in pairs for word in pair]
+
+
+SIMULATE = ["simulate", *words(**ROTOR), "--duration", "10"]
+
+
+def test_simulate_takes_the_whole_rotor_and_says_so(program: Program):
+    answer = program(*SIMULATE, *words(**BEYOND), "--out", "run.nc", "--json")
+    assert (answer.status, answer.err) == (0, "")
+    told = json.loads(answer.out)["parameters"]
+    assert told == {**ROTOR, **BEYOND, "start": [0, 0, 0, 0], "duration": 10.0}
+    run = rotor_ida.load("run.nc")
+    assert {name: run[name].item() for name in FRICTIONLESS} == BEYOND
+
+
+def test_an_archive_of_the_whole_rotor_is_shown_and_verifies(program: Program):
+    made = program(*SIMULATE, *words(**BEYOND), "--out", "run.nc", "--figure", "run")
+    answer = program("show", "run.nc")
+    for each in (made, answer):
+        assert (each.status, each.err) == (0, "")
+        for name, value in BEYOND.items():
+            assert re.search(rf"{name.replace('_', '.')} +{value:g}\b", each.out), name
+    assert json.loads(program("show", "run.nc", "--json").out)["parameters"]["load"] == 0.125
+    answer = program("verify", "run.nc", "--json")
+    assert (answer.status, answer.err) == (0, "")
+    assert json.loads(answer.out)["agrees"] is True
+
+
+def test_the_defaults_are_not_told(program: Program):
+    plain = program(*SIMULATE, "--json")
+    assert program(*SIMULATE, *words(**FRICTIONLESS), "--json").out == plain.out
+    assert not set(FRICTIONLESS) & set(json.loads(plain.out)["parameters"])
+
+
+def test_a_rotor_is_given_in_full_in_one_of_two_ways():
+    assert AnyRotorOptions(**ROTOR).chosen() == Rotor(**ROTOR)
+    assert AnyRotorOptions(**IN_SI_UNITS).chosen() == DimensionalRotor(**IN_SI_UNITS)
+    assert AnyRotorOptions(**ROTOR, **BEYOND).chosen() == Rotor(**ROTOR, **BEYOND)
+    rubbing = {"friction": 0.2, "disc_radius": 1e-5}
+    assert AnyRotorOptions(**ROTOR, **rubbing).chosen() == Rotor(**ROTOR, **rubbing)
+    assert AnyRotorOptions(**IN_SI_UNITS, **rubbing).chosen() == DimensionalRotor(
+        **IN_SI_UNITS, **rubbing
+    )
+    whole = IN_SI_UNITS | BEYOND_IN_SI
+    assert AnyRotorOptions(**whole).chosen() == DimensionalRotor(**whole)
+
+
+MISTAKES = [
+    ({"omega": 1.2, "shaft_stiffness": 0.25}, "got omega, shaft_stiffness"),
+    ({**ROTOR, "mass": 4.0, "load": 1.0}, "got omega, zeta, delta0, mass, load"),
+    (BEYOND, "got shaft_stiffness, contact_exponent, contact_damping, load"),
+    ({**IN_SI_UNITS, **BEYOND_IN_SI, "delta0": 0.5}, "got delta0, mass, "),
+    ({**IN_SI_UNITS, "contact_exponent": 2.0}, "contact_exponent must be 1.5 or 1, got 2.0"),
+    ({**IN_SI_UNITS, "load": -1.0}, "load must be zero or positive, got -1.0"),
+    ({**ROTOR, "delta0": 0.0, "contact_damping": 1.0}, "contact_damping must be 0 without"),
+    ({**ROTOR, "friction": 0.1}, "disc_radius must be given with friction, got None"),
+]
+MISTAKES_OF_ONE = [
+    ({"contact_exponent": 2.0}, "contact_exponent must be 1.5 or 1, got 2.0"),
+    ({"load": -1.0}, "load must be zero or positive, got -1.0"),
+    ({"shaft_stiffness": float("nan")}, "shaft-stiffness must be a finite real number, got"),
+    ({"contact_damping": 0.5, "delta0": 0.0}, "contact_damping must be 0 without clearance"),
+]
+
+
+@pytest.mark.parametrize(
+    ("command", "given", "message"),
+    [(command, *mistake) for command in ("touchdown", "explore") for mistake in MISTAKES]
+    + [("simulate --duration 10", ROTOR | given, message) for given, message in MISTAKES_OF_ONE],
+    ids=lambda value: str(value)[:40],
+)
+def test_parts_of_one_and_mixtures_of_both_get_one_line(
+    program: Program, command: str, given: dict[str, float], message: str
+):
+    answer = program(*command.split(), *words(**given))
+    assert (answer.status, answer.out) == (2, "")
+    assert re.fullmatch(rf"rotor-ida: [^\n]*{re.escape(message)}[^\n]*\n", answer.err)
+
+
+IN_SI = " ".join(words(**IN_SI_UNITS))
+RUN_UP = [*IN_SI.partition(" --speed")[0].split(), "--rtol", "1e-6", "--samples", "2", "--json"]
+
+
+@pytest.mark.parametrize(
+    ("given", "first", "last", "time"),
+    [("--speed 6000rpm --to 9000rpm --rate 300000rpm/s", 200.0, 300.0, 0.01),
+     ("--speed 200Hz --to 9000rpm --rate -2000Hz/s", 400.0, 300.0, 0.025),
+     ("--speed 600 --speeds 0:100Hz 0.01:9000rpm --duration 0.02", 200.0, 300.0, 0.02)],
+)  # fmt: skip
+def test_a_run_up_takes_and_tells_speeds_as_engineers_do(
+    program: Program, given: str, first: float, last: float, time: float
+):
+    """Speeds in units of pi rad/s by hand: 30 rpm, or half a Hz, are 1."""
+    answer = program("run-up", *RUN_UP, *given.split())
+    told = json.loads(answer.out)
+    assert told["parameters"]["duration"] == pytest.approx(time, rel=1e-9)
+    printed = program("run-up", *RUN_UP[:-1], *given.split()).out
+    assert f"speed [rad/s]        {first * math.pi:.8g} to {last * math.pi:.8g}" in printed
+    assert f"speed [rpm]          {first * 30:.8g} to {last * 30:.8g}" in printed
+
+
+def test_a_speed_has_its_unit_wherever_a_machine_is_given(program: Program):
+    for command in ("touchdown", "explore", "run-up"):
+        answer = program(command, *IN_SI.partition(" --speed")[0].split(), "--speed", "300rps")
+        message = "rotor-ida: the unit of speed must be rad/s, rpm or Hz, got '300rps'\n"
+        assert (answer.status, answer.out, answer.err) == (2, "", message)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [("--omega 1 --zeta 0.07 --delta0 2 --to 300rpm --rate 1",
+      "to must have no unit for a rotor without dimensions, got 300 rpm"),
+     ("--omega 1 --zeta 0.07 --delta0 2 --speeds 0:1 2:50Hz",
+      "speeds must have no unit for a rotor without dimensions, got 50 Hz"),
+     (f"{IN_SI} --to 300rps --rate 1", "the unit of to must be rad/s, rpm or Hz, got '300rps'"),
+     (f"{IN_SI} --to 900 --rate 1rpm", "the unit of rate must be rad/s2, rpm/s or Hz/s, got"),
+     (f"{IN_SI} --to 100rpm --rate 1", "rate must be negative to change the speed from 600 to"),
+     (f"{IN_SI} --torque 1 0 --inertia 0 --duration 1", "inertia must be positive, got 0.0")],
+)  # fmt: skip
+def test_a_change_of_speed_in_units_that_cannot_be_gets_one_line(
+    program: Program, given: str, message: str
+):
+    answer = program("run-up", *given.split())
+    assert (answer.status, answer.out) == (2, "")
+    assert re.fullmatch(rf"rotor-ida: [^\n]*{re.escape(message)}[^\n]*\n", answer.err)
+
+
+def test_a_sweep_takes_numbers_and_axes_of_it(program: Program):
+    line = (
+        "sweep --omega 0.5 2.5 --zeta 0.2 --delta0 1 --direction both --method taylor "
+        "--shaft-stiffness 0.25 --contact-exponent 1 --load 0 0.3 --out sweep.nc --figure sweep"
+    )
+    answer = program(*line.split(), "--json")
+    assert (answer.status, answer.err) == (0, "")
+    told = json.loads(answer.out)["responses"]
+    assert [row["load"] for row in told] == [0.0, 0.0, 0.3, 0.3] * 2
+    assert {row["shaft_stiffness"] for row in told} == {0.25}
+    found = rotor_ida.load("sweep.nc")
+    assert found.amplitude.dims == ("omega", "zeta", "delta0", "load", "start", "direction")
+    assert (found.contact_exponent.item(), found.shaft_stiffness.item()) == (1.0, 0.25)
+    assert "contact_damping" not in found.variables
+    # without a load the whirls of the closed forms, and under one none that is told as such
+    exact = rotor_ida.synchronous_response(
+        omega=[0.5, 2.5], zeta=0.2, delta0=1.0, shaft_stiffness=0.25, contact_exponent=1.0
+    )
+    free = found.sel(load=0.0).squeeze(drop=True).amplitude
+    apart = abs(free / exact.amplitude.squeeze(["zeta", "delta0"], drop=True) - 1.0).min("branch")
+    assert float(apart.max()) < 1e-8
+    assert "synchronous" not in {row["response"] for row in told if row["load"]}
+
+
+def test_a_figure_of_too_many_machines_is_refused_before_they_are_computed(program: Program):
+    sweep = ["sweep", *words(omega=1.0, zeta=0.1, delta0=1.0), "--figure", "many"]
+    answer = program(*sweep, "--load", "0:1:13")
+    assert (answer.status, answer.out) == (2, "")
+    assert answer.err == (
+        "rotor-ida: figure can show at most 12 combinations of zeta, delta0 and what else varies, "
+        "got 13\n"
+    )
+
+
+def test_whirls_and_folds_of_machines_are_listed(program: Program):
+    line = "response --omega 1.7 --zeta 0.07 --delta0 0.5 --shaft-stiffness 0 0.25 --folds --json"
+    answer = program(*line.split())
+    assert (answer.status, answer.err) == (0, "")
+    exact = rotor_ida.synchronous_response(
+        omega=1.7, zeta=0.07, delta0=0.5, shaft_stiffness=[0.0, 0.25]
+    )
+    told = [row["amplitude"] for row in json.loads(answer.out)["whirls"]]
+    there = exact.amplitude.values[exact.amplitude.notnull().values]
+    assert sorted(told) == sorted(there.tolist())
+    refused = program(*line.replace("--folds", "--load 0.1").split())
+    assert refused.status == 2
+    assert refused.err.startswith("rotor-ida: load must be 0 for exact whirls")
+
+
+def test_an_atlas_goes_over_the_parameters_of_machines(program: Program):
+    line = (
+        "atlas --omega 2 --zeta 0.07 --delta0 2 --shaft-stiffness 0.2 0.3 --contact-damping 0.1 "
+        "--x=-9:9 --y=-9:9 --starts 16 --figure atlas --out atlas.nc --json"
+    )
+    answer = program(*line.split())
+    assert (answer.status, answer.err) == (0, "")
+    told = json.loads(answer.out)
+    assert told["parameters"]["shaft_stiffness"] == [0.2, 0.3]
+    assert told["parameters"]["contact_damping"] == 0.1
+    assert all("shaft_stiffness" in row for row in told["attractors"])
+    assert program("verify", "atlas.nc").status == 0
+
+
+def test_under_a_load_a_cycle_with_a_period_of_its_own_is_not_followed(
+    program: Program, archives: Path
+):
+    cycle = rotor_ida.load(archives / "cycle.nc").assign_coords(load=0.125)
+    rotor_ida.save(cycle, "cycle.nc")
+    answer = program("continue", "--from", "cycle.nc", "--limits", "1.5", "2.5")
+    assert (answer.status, answer.out) == (2, "")
+    assert answer.err.startswith("rotor-ida: period must be a whole number of revolutions under")
+
+
+def test_a_sweep_that_is_given_nothing_of_it_is_of_the_papers_rotor():
+    papers = {"omega": [1.2, 1.3], "zeta": [0.07], "delta0": [0.5]}
+    assert RotorsOptions(**papers).given() == papers
+    assert RotorsOptions(**papers, load=[0.1], shaft_stiffness=[0.0, 0.5]).given() == {
+        **papers, "load": 0.1, "shaft_stiffness": [0.0, 0.5],
+    }  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def of_machine(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with archives of one machine: a cycle, its branch and curve, and a sweep."""
+    folder = tmp_path_factory.mktemp("machines")
+    rotor = Rotor(omega=1.9, zeta=0.07, delta0=2.0, shaft_stiffness=0.05, contact_damping=0.02)
+    cycle = rotor_ida.limit_cycle(rotor, start=(0, 0, 0, 0))
+    branch = rotor_ida.continue_cycle(
+        rotor, start=cycle, parameter="shaft_stiffness", limits=(0.03, 0.07)
+    )
+    curve = rotor_ida.bifurcation_curve(
+        rotor, start=cycle, kind="period_doubling", parameters=("omega", "shaft_stiffness"),
+        limits=((1.2, 2.5), (0.04, 0.06)),
+    )  # fmt: skip
+    swept = rotor_ida.sweep(
+        omega=[0.5, 1.9], zeta=0.07, delta0=2.0, shaft_stiffness=[0.0, 0.05], contact_damping=0.02
+    )
+    results = {"cycle": cycle, "branch": branch, "curve": curve, "sweep": swept}
+    for name, dataset in results.items():
+        rotor_ida.save(dataset, folder / f"{name}.nc")
+    return folder
+
+
+@pytest.mark.parametrize("name", ["cycle", "branch", "curve", "sweep"])
+def test_results_of_a_machine_are_shown_and_verify(program: Program, of_machine: Path, name: str):
+    shown = program("show", of_machine / f"{name}.nc")
+    assert (shown.status, shown.err) == (0, "")
+    assert "contact damping" in shown.out
+    assert "shaft stiffness" in shown.out
+    verified = program("verify", of_machine / f"{name}.nc", "--json")
+    assert (verified.status, verified.err) == (0, "")
+    assert json.loads(verified.out)["agrees"] is True
+    if name != "sweep":
+        told = json.loads(program("show", of_machine / f"{name}.nc", "--json").out)["parameters"]
+        assert told["contact_damping"] == 0.02
+
+
+def test_a_sweep_of_machines_is_compared_with_what_is_exact(program: Program, of_machine: Path):
+    answer = program("compare", of_machine / "sweep.nc", "--out", "compared.nc", "--json")
+    assert (answer.status, answer.err) == (0, "")
+    points = json.loads(answer.out)["points"]
+    assert {each["lies_on"] for each in points} == {"whirl", "cycle"}
+    assert min(each["digits"] for each in points) > 7.5
+    assert {each["shaft_stiffness"] for each in points} == {0.0, 0.05}
+    assert "shaft stiffness" in program("show", "compared.nc").out
+
+
+@pytest.mark.parametrize(
+    "source", [("cycle.nc",), ("branch.nc", "--point", "2"), ("curve.nc", "--point", "1")], ids=str
+)
+def test_a_branch_begins_at_a_result_of_a_machine(
+    program: Program, of_machine: Path, source: tuple[str, ...]
+):
+    file = rotor_ida.load(of_machine / source[0])
+    place = file.isel(point=int(source[-1])) if len(source) > 1 else file
+    omega, kappa = float(place["omega"]), float(place["shaft_stiffness"])
+    words = ("--from", of_machine / source[0], *source[1:])
+    limits = ("--limits", omega - 1e-3, omega + 1e-3)
+    answer = program("continue", *words, *limits, "--json")
+    assert (answer.status, answer.err) == (0, "")
+    record = json.loads(answer.out)
+    assert record["parameters"]["shaft_stiffness"] == kappa
+    assert record["parameters"]["contact_damping"] == 0.02
+    points = record["points"]
+    assert points[0]["omega"] != points[-1]["omega"]
+    assert any(abs(each["period"] / float(place["period"]) - 1.0) < 1e-6 for each in points)
+
+
+def test_what_starts_end_on_with_friction(program: Program):
+    """A knock backwards, at the speed of the rim, rolls on in dry whip; an atlas verifies."""
+    rubbing = "--omega 0.63 --zeta 0.1 --delta0 1 --friction 0.2 --disc-radius 10 "
+    over = "--x 0:5:2 --y 0 --vx 0 --vy=-6.3:0:2 --json"
+    answer = program(*("basin " + rubbing + over).split())
+    assert (answer.status, answer.err) == (0, "")
+    assert "rolling" in {each["kind"] for each in json.loads(answer.out)["attractors"]}
+    box = "--x=-6:6 --y=-6:6 --vx=-6:6 --vy=-6:6 --starts 24 --json "
+    answer = program(*("touchdown " + rubbing + box + "--shocks 0").split())
+    assert (answer.status, answer.err) == (0, "")
+    rows = {each["kind"]: each for each in json.loads(answer.out)["attractors"]}
+    assert rows["synchronous"]["rolling_fraction"] == 0.0 < rows["rolling"]["rolling_fraction"]
+    several = rubbing.replace("--friction 0.2", "--friction 0.1 0.2")
+    answer = program(*("atlas " + several + box + "--figure atlas --out atlas.nc").split())
+    assert (answer.status, answer.err) == (0, "")
+    told = json.loads(answer.out)
+    assert told["parameters"]["friction"] == [0.1, 0.2]
+    (whip,) = (row for row in told["attractors"] if row["kind"] == "rolling")
+    assert whip["friction"] == "0.2 to 0.2"
+    assert program("verify", "atlas.nc").status == 0
