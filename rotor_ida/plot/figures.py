@@ -33,7 +33,7 @@ def _with_axes(draw: Callable[[xr.Dataset], Axes]) -> Callable[[xr.Dataset], Fig
     return lambda dataset: cast(Figure, draw(dataset).figure)
 
 
-def _figure_of_whirls(dataset: xr.Dataset) -> Figure:
+def figure_of_whirls(dataset: xr.Dataset) -> Figure:
     """Return the figure of exact curves, with what a dataset has on them; a panel for each."""
     parts = [part for _, part in rotors_in(dataset, but=("omega",))]
     columns = math.ceil(math.sqrt(check_panels(len(parts))))
@@ -72,13 +72,13 @@ def _exact_beside(part: xr.Dataset) -> tuple[xr.Dataset | None, ...]:
     return curve, folds(**given), hopf_points(**given) if has_hopf_points else None
 
 
-def _figure_of_atlas(dataset: xr.Dataset) -> Figure:
+def figure_of_atlas(dataset: xr.Dataset) -> Figure:
     """Return the figure of an atlas: shares over one parameter, or a map over two."""
     line = sum(dataset[name].size > 1 for name in parameters_in(dataset)) == 1
     return _with_legend(plot.plot_attractors if line else plot.plot_attractor_map, dataset)
 
 
-def _figure_of_fractions(dataset: xr.Dataset) -> Figure:
+def figure_of_fractions(dataset: xr.Dataset) -> Figure:
     """Return the figure of basin fractions: by attractor, or over the speed by kind."""
     if dataset["omega"].size > 1:
         return _with_legend(plot.plot_basin_fractions, dataset)
@@ -93,13 +93,14 @@ def _with_legend(draw: Callable[[xr.Dataset, Axes], Axes], dataset: xr.Dataset) 
     return figure
 
 
-def _figure_of_branch(dataset: xr.Dataset) -> Figure:
+def figure_of_branch(dataset: xr.Dataset) -> Figure:
+    """Return the figure of a branch of limit cycles."""
     figure, (ax,) = plot.panels(1, 1, width=ALONE[0], height=ALONE[1])
     plot.plot_branch(dataset, ax=ax)
     return figure
 
 
-def _figure_of_curve(dataset: xr.Dataset) -> Figure:
+def figure_of_curve(dataset: xr.Dataset) -> Figure:
     """Return the figure of a bifurcation curve, beside the folds of the whirl."""
     figure, (ax,) = plot.panels(1, 1, width=ALONE[0], height=ALONE[1])
     plot.plot_curves(dataset, fold_points=_whirls_beside(dataset), ax=ax)
@@ -134,17 +135,17 @@ def _limits_of(part: xr.Dataset) -> tuple[float, float]:
 # What draws a dataset of each kind.
 FIGURES: dict[str, Callable[[xr.Dataset], Figure]] = {
     "run": plot.plot_run,
-    "sweep": _figure_of_whirls,
-    "whirls": _figure_of_whirls,
-    "folds": _figure_of_whirls,
-    "hopf_points": _figure_of_whirls,
+    "sweep": figure_of_whirls,
+    "whirls": figure_of_whirls,
+    "folds": figure_of_whirls,
+    "hopf_points": figure_of_whirls,
     "backward_whirl": _with_axes(plot.plot_backward_whirl),
     "cycle": plot.cycle_figure,
-    "branch": _figure_of_branch,
-    "curve": _figure_of_curve,
+    "branch": figure_of_branch,
+    "curve": figure_of_curve,
     "basin": _with_axes(plot.plot_basin),
-    "basin_fractions": _figure_of_fractions,
-    "atlas": _figure_of_atlas,
+    "basin_fractions": figure_of_fractions,
+    "atlas": figure_of_atlas,
     "run_ups": plot.run_ups_figure,
     "fit": plot.fit_figure,
     "signals": _with_axes(plot.plot_orbit),
