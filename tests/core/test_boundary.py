@@ -195,6 +195,12 @@ def test_a_search_for_a_touch_ends_or_is_refused(rotor, state, limit):
 starts = st.integers(0, 70)
 
 
+def named(table, dtype):
+    """Return a table as rows with names, where its numbers can be read so."""
+    fits = table.dtype == np.float64 and table.shape[-1:] == (dtype.itemsize // 8,)
+    return table.view(dtype)[..., 0] if fits and table.flags.c_contiguous else table
+
+
 @settings(max_examples=100)
 @given(st.data(), papers, odd_numbers, odd_numbers)
 def test_lanes_of_odd_things_end_or_are_refused(data, rotor, duration, tolerance):
@@ -214,8 +220,12 @@ def test_lanes_of_odd_things_end_or_are_refused(data, rotor, duration, tolerance
             draw("states", 4, count), draw("labels", count, dtype=np.int16),
             draw("times", count, dtype=np.float32),
         )  # fmt: skip
-        known = draw("regions", 2, 14), draw("free", 4), draw("sections", 1, 21)
-        section, values = draw("section", 21), draw("values", count)
+        known = (
+            named(draw("regions", 2, 14), kernel.REGION),
+            named(draw("free", 4), kernel.CONTACT_FREE),
+            named(draw("sections", 1, 21), kernel.SECTION),
+        )
+        section, values = named(draw("section", 21), kernel.SECTION), draw("values", count)
     with stopping_after(0.1, stop):
         returns_or_refuses(lambda: kernel.follow(*tables, rotor, *known, duration, tolerance, stop))
     times = (min(duration, 1.0), duration)
@@ -250,6 +260,14 @@ def test_what_is_wrong_is_said(wrong, message):
     right = {"rotor": BOUNCING, "start": REST, "duration": 1.0, "rtol": 1e-9, "atol": 1e-11}
     with pytest.raises(REFUSALS, match=message):
         runs.follow(Asked(**{**right, **wrong}))
+
+
+def test_labels_that_no_16_bits_hold_are_refused():
+    regions, sections = np.zeros(30_000, kernel.REGION), np.zeros(2767, kernel.SECTION)
+    tables = np.zeros((4, 1)), np.zeros(1, np.int16), np.zeros(1, np.float32)
+    known = regions, np.zeros((), kernel.CONTACT_FREE), sections
+    with pytest.raises(ValueError, match="must be at most 32767, got 32768"):
+        kernel.follow(*tables, BOUNCING, *known, 1.0, 1e-6, np.zeros(1, np.uint8))
 
 
 @pytest.mark.parametrize("method", ["taylor", "adams"])
