@@ -60,7 +60,7 @@ def dataset_of(
         length=problem.records[0].units[0],
         time=problem.records[0].units[1],
     )
-    return plain.dataset("Fit of a machine to signals", variables, coordinates)
+    return plain.dataset("Fit of a machine to signals", variables, coordinates, kind="fit")
 
 
 def _scales(problem: FitProblem, solution: Values) -> Values:
