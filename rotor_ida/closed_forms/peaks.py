@@ -363,6 +363,7 @@ def peaks(
         f"Largest contacting whirls of a rotor with {contact} and clearance",
         {name: (rotors.dims, each.reshape(rotors.sizes)) for name, each in columns.items()},
         rotors.coordinates,
+        kind="peaks",
     )
 
 
