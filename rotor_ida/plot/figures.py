@@ -14,9 +14,11 @@ from matplotlib.figure import Figure
 from rotor_ida import plot
 from rotor_ida.checks import check_panels
 from rotor_ida.closed_forms import folds, hopf_points, response_curve
+from rotor_ida.errors import InputError
 from rotor_ida.model.table import ALL_PARAMETERS, FRICTIONLESS
 from rotor_ida.plot.datasets import parameters_in, rotors_in
 from rotor_ida.plot.labels import LABELS
+from rotor_ida.results.kinds import KINDS, kind_of, loaded
 
 # Up to so many speeds of a table of whirls are marked.
 FEW_SPEEDS = 30
@@ -28,9 +30,18 @@ MARKED, USUAL, MARGIN = ("fold_omega", "hopf_omega"), (0.05, 3.0), 1.2
 ALONE = (5.6, 4.2)
 
 
-def _with_axes(draw: Callable[[xr.Dataset], Axes]) -> Callable[[xr.Dataset], Figure]:
-    """Return what draws the figure that axes are in."""
-    return lambda dataset: cast(Figure, draw(dataset).figure)
+def figure_of(dataset: xr.Dataset) -> Figure:
+    """Return the figure of a dataset; of a sweep with the exact curve behind it."""
+    kind = kind_of(dataset)
+    drawn = KINDS[kind].drawn
+    if not drawn:
+        raise InputError(
+            "figure must be of a run, of whirls, their folds or Hopf points, of a sweep, run-ups, "
+            "a basin or atlas, of limit cycles, of signals, their orders or spectra, or of a fit, "
+            f"got {kind!r}"
+        )
+    made: Axes | Figure = loaded(drawn)(dataset)
+    return made if isinstance(made, Figure) else cast(Figure, made.figure)
 
 
 def figure_of_whirls(dataset: xr.Dataset) -> Figure:
@@ -130,27 +141,3 @@ def _limits_of(part: xr.Dataset) -> tuple[float, float]:
     if part.sizes["omega"] < 3:
         lowest, highest = 0.5 * lowest, 1.2 * highest
     return lowest, highest or 1.0
-
-
-# What draws a dataset of each kind.
-FIGURES: dict[str, Callable[[xr.Dataset], Figure]] = {
-    "run": plot.plot_run,
-    "sweep": figure_of_whirls,
-    "whirls": figure_of_whirls,
-    "folds": figure_of_whirls,
-    "hopf_points": figure_of_whirls,
-    "backward_whirl": _with_axes(plot.plot_backward_whirl),
-    "cycle": plot.cycle_figure,
-    "branch": figure_of_branch,
-    "curve": figure_of_curve,
-    "basin": _with_axes(plot.plot_basin),
-    "basin_fractions": figure_of_fractions,
-    "atlas": figure_of_atlas,
-    "run_ups": plot.run_ups_figure,
-    "fit": plot.fit_figure,
-    "signals": _with_axes(plot.plot_orbit),
-    "orders": _with_axes(plot.plot_orders),
-    "full_spectrum": _with_axes(plot.plot_full_spectrum),
-    "spectrogram": _with_axes(plot.plot_spectrogram),
-    "centre_line": _with_axes(plot.plot_centre_line),
-}
