@@ -12,8 +12,8 @@ from functools import partial
 from itertools import count
 
 from rotor_ida.explorer.answers import Answer, packed
-from rotor_ida.explorer.questions import FILES, Question
-from rotor_ida.explorer.workers import ASKED_FIRST, LENGTH, MACHINE_ASKED, Order, example
+from rotor_ida.explorer.questions import FILES, Measurement, Question
+from rotor_ida.explorer.workers import ASKED_FIRST, LENGTH, MACHINE_ASKED, SHOWN_BY, Order, example
 
 Deliver = Callable[[bytes], None]
 # Whose question it is: a page, and the panels of one of its rotors.
@@ -31,7 +31,7 @@ AT_A_TIME = 2**20
 # gives way to other processes.
 PLANS: tuple[tuple[tuple[str, ...], float, float, float, int], ...] = (
     (("motion", "run_up", "lines"), 0.0, 0.25, 0.0, 0),
-    (("responses", *FILES), 0.0, 0.25, 0.15, 0),
+    (("responses", Measurement.about, *FILES), 0.0, 0.25, 0.15, 0),
     (("starts",), 0.08, 0.0, 0.0, 10),
 )
 DIED = "The process that computes this has ended by itself; it is started anew."
@@ -65,7 +65,7 @@ class Lanes:
             task.cancel()
         await asyncio.gather(*self._running, return_exceptions=True)
 
-    def ask(self, page: int, question: Question, deliver: Deliver) -> None:
+    def ask(self, page: int, question: Question | Measurement, deliver: Deliver) -> None:
         """Put a question to the lane that answers it."""
         lane = next(lane for lane in self._lanes if question.about in lane.abouts)
         lane.ask(page, question, deliver)
@@ -89,7 +89,7 @@ class _Asked:
     """A question, whose it is, and since when; once it is taken up, the number of its answer."""
 
     place: Place
-    question: Question
+    question: Question | Measurement
     deliver: Deliver
     since: float
     number: int | None = None
@@ -144,7 +144,7 @@ class Lane:
         self._changed = asyncio.Event()
         self._worker: _Worker | None = None
 
-    def ask(self, page: int, question: Question, deliver: Deliver) -> None:
+    def ask(self, page: int, question: Question | Measurement, deliver: Deliver) -> None:
         """Put a question, in place of an older one from the same place."""
         loop = asyncio.get_running_loop()
         place = (page, question.about, question.side)
@@ -186,7 +186,7 @@ class Lane:
 
     async def _make_ready(self, worker: _Worker) -> None:
         """Have the process answer once, so that it has imported what it needs."""
-        for about in set(self.abouts).difference(FILES):
+        for about in set(self.abouts).intersection(SHOWN_BY):
             for beyond in ({}, MACHINE_ASKED):
                 number = next(self._numbers)
                 await worker.follow((number, example(about, ASKED_FIRST, beyond)))

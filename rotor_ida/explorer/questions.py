@@ -6,7 +6,8 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, cast, get_args
+from pathlib import Path
+from typing import Any, ClassVar, Literal, cast, get_args
 
 from rotor_ida.checks import (
     State,
@@ -30,6 +31,11 @@ About = Literal[
 # Files to keep of a run: the archive, two figures, the lines of Python and the command that make
 # them again, and the page with all it shows over the speed.
 FILES: tuple[About, ...] = ("nc", "png", "svg", "py", "sh", "html")
+
+# Endings by which a measured file is read as what it is, and not as text.
+ENDINGS = (".wav", ".mat")
+LARGEST_FILE = 2**28
+LONGEST_NAME = 255
 
 # Characters of a question; what a page asks has some three hundred.
 LONGEST_QUESTION = 4096
@@ -91,7 +97,46 @@ class Question:
         return {"about": self.about, "number": self.number, "side": self.side}
 
 
-def read_question(text: str) -> Question:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Measurement:
+    """A measured file to analyse.
+
+    Parameters
+    ----------
+    number : int
+        Number of the question, which its answer bears.
+    name : str
+        Name of the file, as the page has it.
+    size : int
+        Number of bytes of the file.
+    probe_angles, gains : tuple of float
+        As of `rotor_ida.read_signals`, which checks them.
+    path : Path, optional
+        Where the file is kept until it is read.
+    """
+
+    number: int
+    name: str
+    size: int
+    probe_angles: tuple[float, float]
+    gains: tuple[float, float]
+    path: Path | None = None
+    about: ClassVar[Literal["measured"]] = "measured"
+    side: ClassVar[int] = 0
+
+    @property
+    def ending(self) -> str:
+        """The ending that the file is read by."""
+        ending = Path(self.name).suffix.lower()
+        return ending if ending in ENDINGS else ".csv"
+
+    @property
+    def ticket(self) -> dict[str, object]:
+        """What its answer bears, so that the page knows which question it is to."""
+        return {"about": self.about, "number": self.number, "side": self.side}
+
+
+def read_question(text: str) -> Question | Measurement:
     """Return a question, or raise `InputError` with what is wrong with it.
 
     Examples
@@ -115,17 +160,46 @@ def read_question(text: str) -> Question:
         given = json.loads(text)
     except (ValueError, RecursionError):
         raise InputError(f"a question must be JSON, got {shown(text)}") from None
+    if isinstance(given, dict) and given.get("about") == Measurement.about:
+        return _measurement(given)
     names = sorted(set(Question.__dataclass_fields__).difference(OF_RUN_UP))
     if not isinstance(given, dict):
         raise InputError(f"a question must have {', '.join(names)}, got {shown(given)}")
     if given.get("about") == "run_up":
         names += OF_RUN_UP
+    _check_names(given, names)
+    return _checked(given)
+
+
+def _check_names(given: Mapping[str, object], names: list[str]) -> None:
+    """Raise `InputError` unless a question has these names and no others."""
     missing = [name for name in names if name not in given]
     other = [name for name in given if name not in names]
     if missing or other:
         told = f"not {shown(missing)}" if missing else f"also {shown(other)}"
         raise InputError(f"a question must have {', '.join(names)}, got {told}")
-    return _checked(given)
+
+
+def _measurement(given: Mapping[str, Any]) -> Measurement:
+    _check_names(given, ["about", "gains", "name", "number", "probe_angles", "size"])
+    name = given["name"]
+    if not isinstance(name, str) or len(name) > LONGEST_NAME:
+        raise InputError(f"name must be the name of a file, got {shown(name)}")
+    return Measurement(
+        number=check_count("number", given["number"], 0, LARGEST_NUMBER_OF_QUESTION),
+        name=name,
+        size=check_count("size", given["size"], 0, LARGEST_FILE),
+        probe_angles=_pair("probe_angles", given["probe_angles"]),
+        gains=_pair("gains", given["gains"]),
+    )
+
+
+def _pair(name: str, given: object) -> tuple[float, float]:
+    """Return two numbers; one that is not typed yet is NaN, which `read_signals` refuses."""
+    if not isinstance(given, list) or len(given) != 2:
+        raise InputError(f"{name} must be two numbers, got {shown(given)}")
+    one, other = (math.nan if each is None else check_real(name, each) for each in given)
+    return one, other
 
 
 def machine_of(given: object) -> Rotor | DimensionalRotor:

@@ -17,6 +17,7 @@ import scipy.signal  # noqa: F401 - here, as nobody waits for it while the speed
 import xarray as xr
 
 from rotor_ida.checks import State
+from rotor_ida.explorer.measured import segment_for
 from rotor_ida.explorer.questions import Question
 from rotor_ida.explorer.responses import at_rest
 from rotor_ida.model.parameters import Rotor
@@ -30,9 +31,6 @@ Arrays = dict[str, npt.NDArray[np.generic]]
 
 # Equally spaced samples: so many in a revolution at the highest speed that is shown.
 PER_REVOLUTION = 32
-# Samples of a spectrum. It is as fine as can be while the speed changes: longer ones would show
-# wider lines again.
-FEWEST, MOST = 128, 4096
 OVERLAP = 0.5
 # Lines up to so many times the highest speed.
 FURTHEST = 2.5
@@ -95,10 +93,9 @@ def tail_of(question: Question) -> Tail:
         return found
     top = question.speeds[1]
     step = TURN / (PER_REVOLUTION * top)
-    fine = math.sqrt(TURN / abs(rate)) / step
     return Tail(
         step=step,
-        segment=2 ** round(math.log2(min(max(fine, FEWEST), MOST))),
+        segment=segment_for(abs(rate), step),
         furthest=FURTHEST * top,
         time=0.0, angle=0.0, speed=rotor.omega, first=0, due=0, begin=0.0,
         angles=np.empty(0), z=np.empty(0, np.complex128),

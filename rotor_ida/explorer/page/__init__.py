@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
 from importlib.resources import files
+
+from rotor_ida.explorer.questions import LARGEST_FILE
 
 TYPES = {
     "html": "text/html; charset=utf-8",
@@ -10,6 +13,10 @@ TYPES = {
     "js": "text/javascript; charset=utf-8",
     "svg": "image/svg+xml",
 }
+
+
+# Where the page has what the program says once for both.
+TABLES = '<script type="application/json" id="tables">{}</script>'
 
 
 def page_files() -> dict[str, bytes]:
@@ -27,4 +34,11 @@ def page_files() -> dict[str, bytes]:
         for each in place.iterdir():
             if each.name.rpartition(".")[2] in TYPES:
                 found[prefix + each.name] = each.read_bytes()
+    index = found["index.html"].decode()
+    found["index.html"] = index.replace(TABLES.format("{}"), TABLES.format(_tables())).encode()
     return found
+
+
+def _tables() -> str:
+    """Return as JSON what the page needs to know and the program states."""
+    return json.dumps({"largest_file": LARGEST_FILE})

@@ -64,7 +64,7 @@ const controls = new Controls((name, event) => ask({ event, name }), () => {
   keepAddress();
 });
 const signals = new Signals($("signal-panels"), { view: viewOfSignals, told: () => sides.map((_, place) => parametersOf(place)).join("; ") });
-const measured = (page.measured = new Measured({ scales: scalesShown, changed: showMeasured, listens: !recorded }));
+const measured = (page.measured = new Measured({ send: (...given) => connection.send(...given), scales: scalesShown, changed: showMeasured, listens: !recorded }));
 let connection = null;
 // The last run-up: its tracks, also after the page has turned to something else, and of which rotors they are.
 let lastTracks = [], lastRotors = "";
@@ -139,6 +139,10 @@ function answered(answer) {
     keepFile(answer);
     return;
   }
+  if (answer.part === "measured") {
+    measured.take(answer);
+    return;
+  }
   if (answer.part === "run_up") {
     passage.take(answer);
     return;
@@ -166,7 +170,8 @@ function answered(answer) {
 
 /** Take what could not be answered: a question whole, or one of its parts. */
 function refused({ part, about, side, number: asked = number, facts: { message } }) {
-  if (about === "starts") sides[side]?.noBasin(message);
+  if (about === "measured") measured.fail(message.replace(/\.$/, ""), asked);
+  else if (about === "starts") sides[side]?.noBasin(message);
   else if (about === "run_up" || (part === "mistake" && passage.waiting.size)) {
     passage.fail();
     $("passed").textContent += ` It could not be followed further: ${message}.`;
@@ -799,7 +804,10 @@ function showState() {
 /** Say how the connection is; without one, nothing is answered any more. */
 function said(text) {
   say(text);
-  if (text) passage.fail();
+  if (text) {
+    passage.fail();
+    measured.fail("the program does not answer");
+  }
   if (text && number) lose(number + 1);
 }
 
