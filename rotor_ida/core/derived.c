@@ -3,6 +3,10 @@
 #ifndef WHOLE_MODEL
 #include "motion.h"
 
+const struct mode rub_mode = {0}; /* of other models */
+
+const struct mode rolling_mode = {0}; /* of other models */
+
 /* The rates of change of q, p, h, c, s, t, j, drawn back to where they belong. */
 static void contact_field(const struct parameters *m,
     const double *state, double *rate)

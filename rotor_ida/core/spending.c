@@ -40,7 +40,7 @@ void spend(struct motion *motion, double end, double *reached)
     const struct parameters *m = &motion->model;
     const struct series *series = &taylor_of(motion)->series;
     if (is_plain(m)) /* there the series has no work, which is what the ring holds */
-        reached[CONTACT_WORK] = held_by(m, reached[CONTACT_Q]);
+        reached[CONTACT_WORK] = spring_energy(m, reached[CONTACT_Q]);
     if (m->inverse_inertia > 0.0) {
         spend_driven(motion, end, reached);
         return;

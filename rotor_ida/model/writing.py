@@ -43,6 +43,9 @@ CHOSEN_BY = {
     "whole": "#if defined(WHOLE_MODEL) && !defined(RUN_UP)",
     "run_up": "#ifdef RUN_UP",
 }
+# Said of names that this model has not: code for all models may use them, where it is removed, or
+# where the constant of this model leaves it as it is.
+ABSENT = "/* of other models */"
 COMMAND = "python -m rotor_ida.model.writing"
 FOLDER = Path(__file__).parents[1] / "core"
 # One vector holds so many lanes, and the same component of so many differences.
@@ -422,10 +425,14 @@ def _parameters(model: Model) -> list[str]:
         "rim": "rotor->disc_radius * rotor->omega",
         "sigma": "0.0",
     }
-    of_rotor = [special.get(name, f"rotor->{name}") for name in model.parameters]
+    of_rotor = [f".{name} = {special.get(name, f'rotor->{name}')}" for name in model.parameters]
+    absent = absent_from(model)
+    fixed = {name: model.constants.get(name) for name in absent}
+    of_rotor += [f".{name} = {value}" for name, value in fixed.items() if value]
     return [
         "struct parameters {",
         f"    double {', '.join(model.parameters)};",
+        *([f"    double {', '.join(absent)}; {ABSENT}"] if absent else []),
         "};",
         "",
         head,
@@ -433,6 +440,40 @@ def _parameters(model: Model) -> list[str]:
         f"    return (struct parameters){{{', '.join(of_rotor)}}};",
         "}",
     ]
+
+
+def absent_from(model: Model) -> list[str]:
+    """Return the parameters that other models have and this one has not."""
+    named = dict.fromkeys(name for other in MODELS for name in other.parameters)
+    return [name for name in named if name not in model.parameters]
+
+
+def _places_of(model: Model) -> dict[str, list[str]]:
+    """Return the names of the places in the states of a model, by mode."""
+    return {
+        mode.name: [
+            *(_place(mode, name) for name in (*mode.state, "size")),
+            *(f"{_place(mode, guard.event)}_GUARD" for guard in mode.guards),
+        ]
+        for mode in model.modes
+    }
+
+
+def _declare_absent(model: Model) -> list[str]:
+    """Declare what other models have and this one has not: 0, in code that the compiler removes."""
+    lines, own = [], _places_of(model)
+    columns = dict.fromkeys(name for other in MODELS for name in other.columns)
+    names = [f"BY_{name.upper()}" for name in columns if name not in model.columns]
+    named: dict[str, list[str]] = {}
+    for other in MODELS:
+        for mode, places in _places_of(other).items():
+            named[mode] = [*dict.fromkeys([*named.get(mode, []), *places])]
+    absent = [place for mode in named for place in named[mode] if place not in own.get(mode, [])]
+    if not model.columns:
+        lines += ["enum { PARAMETERS = 1 };"]
+    if names or absent:
+        lines += [f"enum {{ {', '.join(f'{name} = 0' for name in [*names, *absent])} }}; {ABSENT}"]
+    return lines
 
 
 def sources() -> dict[str, str]:
@@ -455,9 +496,13 @@ def sources_of(model: Model) -> dict[str, str]:
     body = [*head, CHOSEN_BY[model.name], '#include "motion.h"', ""]
     declared = [*head, f"#ifndef {marker}", f"#define {marker}", ""]
     declared += ['#include "core.h"', "", *_parameters(model), ""]
+    own = {mode.name for mode in model.modes}
     columns = [f"BY_{name.upper()}" for name in model.columns]
     if columns:
         declared += [f"enum {{ {', '.join([*columns, 'PARAMETERS'])} }};"]
+    for mode in {mode.name: mode for other in MODELS for mode in other.modes}.values():
+        if mode.name not in own:
+            body += [f"const struct mode {mode.name}_mode = {{0}}; {ABSENT}", ""]
     for mode in model.modes:
         derived = derive(mode, model)
         factors, _ = factors_of(derived)
@@ -475,6 +520,7 @@ def sources_of(model: Model) -> dict[str, str]:
             *(write_differences(derived) if mode.neighbour else []),
             *write_table(derived, model.lighter),
         ]
+    declared += _declare_absent(model)
     text = "\n".join([*body, "#endif", ""]).replace("\nvoid ", "\nstatic void ")
     return {f"{stem}.c": text, f"{stem}.h": "\n".join([*declared, "", "#endif", ""])}
 

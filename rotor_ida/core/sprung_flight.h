@@ -1,6 +1,6 @@
-/* Flight of a machine with a shaft and a load: exact motion, and the first touch of the ring.
+/* Part of flight.c: with a shaft and a load.
  *
- * Out of contact the machine is linear. Measured from a moment at which displacement and velocity,
+ * Out of contact the rotor is linear. Measured from a moment at which displacement and velocity,
  * read on the rotating axes, are z0 and w0, and the load points along g, its motion on axes that
  * stand still from then on is
  *
@@ -10,22 +10,16 @@
  * unit step, and P to exp(i omega tau). Each is written so that nothing cancels: as kappa tends to
  * zeta**2 or to 0, near resonance, and where zeta, kappa or omega vanish.
  *
- * The first touch is looked for as in flight.c. Inside the ring |z| is at most delta0, which bounds
- * force, acceleration and jerk over a step, whatever the machine. */
-#if defined(WHOLE_MODEL) && !defined(RUN_UP)
-#include "flight.h"
+ * Inside the ring |z| is at most delta0, which bounds force, acceleration and jerk over a step,
+ * whatever the rotor. */
+#ifndef ROTOR_IDA_SPRUNG_FLIGHT_H
+#define ROTOR_IDA_SPRUNG_FLIGHT_H
 
-static const double NEVER = INFINITY;
+#include "path.h"
+
 /* Two terms below this part of a sum end it. */
 static const double NEGLIGIBLE = 1e-18;
-enum { TERMS = 28, MOST_POLISHING = 80, MOST_HALVINGS = 60 };
-
-/* C, S, Q and P, and the rates of change of C, S and P; and exp(i omega tau). Q is looked at where
- * there is a load, or no spin. */
-struct answers {
-    double c, c_rate, s, s_rate, q;
-    struct vector p, p_rate, turn;
-};
+enum { TERMS = 28, MOST_HALVINGS = 60 };
 
 static struct vector complex_ratio(struct vector a, struct vector b)
 {
@@ -128,7 +122,7 @@ static struct vector compliance(const struct rotor *rotor)
     return complex_ratio((struct vector){1.0, 0.0}, stiffness);
 }
 
-static struct answers answers_after(const struct rotor *rotor, double tau)
+static struct answers sprung_answers(const struct rotor *rotor, double tau)
 {
     const double zeta = rotor->zeta, kappa = rotor->shaft_stiffness, omega = rotor->omega;
     const double square = fma(zeta, zeta, -kappa), split = sqrt(fabs(square));
@@ -171,16 +165,10 @@ static struct answers answers_after(const struct rotor *rotor, double tau)
     return found;
 }
 
-/* Displacement, velocity and acceleration on axes that stand still. */
-struct place {
-    struct vector z, v, b;
-    struct vector turn; /* of the unbalance since the start */
-};
-
 static struct place place_after(const struct motion_of_centre *start, const struct rotor *rotor,
                                 double tau)
 {
-    const struct answers by = answers_after(rotor, tau);
+    const struct answers by = sprung_answers(rotor, tau);
     const double push = rotor->omega * rotor->omega, load = rotor->load;
     struct place there = {.turn = by.turn};
     there.z = plus(plus(scaled(by.c, start->z), scaled(by.s, start->w)),
@@ -193,39 +181,55 @@ static struct place place_after(const struct motion_of_centre *start, const stru
     return there;
 }
 
-struct motion_of_centre fly(struct motion_of_centre start, double tau, const struct rotor *rotor)
+static struct motion_of_centre sprung_fly(struct motion_of_centre start, double tau,
+                                          const struct rotor *rotor)
 {
     const struct place there = place_after(&start, rotor, tau);
     const struct vector back = mirrored(there.turn);
-    return (struct motion_of_centre){product(there.z, back), product(there.v, back),
-                                     product(start.down, back)};
+    return (struct motion_of_centre){.z = product(there.z, back),
+                                     .w = product(there.v, back),
+                                     .down = product(start.down, back)};
 }
 
-void fly_differences(double *rows, int count, double tau, const struct rotor *rotor)
+/* ---- What the search asks ---- */
+
+/* The rate of the fastest motion that a flight inside the ring is capable of. */
+static double rate_of(const struct rotor *rotor, double speed)
 {
-    const struct answers by = answers_after(rotor, tau);
-    const struct vector back = mirrored(by.turn);
-    for (double *row = rows; row < rows + 4 * count; row += 4) {
-        const struct vector z = {row[0], row[1]}, w = {row[2], row[3]};
-        const struct vector there = product(plus(scaled(by.c, z), scaled(by.s, w)), back);
-        const struct vector then = product(plus(scaled(by.c_rate, z), scaled(by.s_rate, w)), back);
-        row[0] = there.x;
-        row[1] = there.y;
-        row[2] = then.x;
-        row[3] = then.y;
-    }
+    const double force = rotor->omega * rotor->omega + rotor->load;
+    return rotor->omega + 2.0 * rotor->zeta + sqrt(rotor->shaft_stiffness)
+           + sqrt(force / rotor->delta0) + speed / rotor->delta0;
 }
 
-/* g = |z|**2 - delta0**2 and its first two derivatives. */
-struct gap {
-    double value, slope, bend;
-};
-
-static struct gap gap_of(const struct place *at, double delta0)
+static struct path sprung_begin(struct motion_of_centre start, const struct rotor *rotor,
+                                double limit)
 {
-    const double radius = length(at->z);
+    const double delta0 = rotor->delta0;
+    const double whirl = rotor->omega * rotor->omega * length(compliance(rotor));
+    return (struct path){
+        .start = start,
+        .rotor = rotor,
+        .limit = limit,
+        .floor = 64.0 * ROUNDING * delta0 * (delta0 + smaller(whirl, delta0 + 1.0)),
+        .longest = 1.0 / rate_of(rotor, length(start.w)),
+        .widest = length(start.z),
+        .fastest = length(start.w),
+    };
+}
+
+static struct gap sprung_gap(struct path *path, double tau)
+{
+    const struct place *at = &path->at;
+    path->at = place_after(&path->start, path->rotor, tau);
+    const double radius = length(at->z), delta0 = path->rotor->delta0;
     return (struct gap){(radius - delta0) * (radius + delta0), 2.0 * dot(at->z, at->v),
                         2.0 * (dot(at->v, at->v) + dot(at->z, at->b))};
+}
+
+static struct turning sprung_turning(struct path *path, double tau)
+{
+    const struct gap gap = sprung_gap(path, tau);
+    return (struct turning){gap.slope, gap.bend};
 }
 
 /* A bound on |g'''| = |6 Re(conj(z') z'') + 2 Re(conj(z) z''')| from here over a time `reach`,
@@ -233,8 +237,10 @@ static struct gap gap_of(const struct place *at, double delta0)
  *
  * With b the acceleration but for what the damping takes, |b| is at most `force`, and the speed
  * grows no faster. Over a short time the distance from the axis is bounded likewise. */
-static double jerk_bound(const struct rotor *rotor, const struct place *at, double reach)
+static double sprung_jerk_bound(const struct path *path, double reach)
 {
+    const struct rotor *rotor = path->rotor;
+    const struct place *at = &path->at;
     const double omega = rotor->omega, damping = 2.0 * rotor->zeta;
     const double kappa = rotor->shaft_stiffness, push = omega * omega + rotor->load;
     const double radius = length(at->z), speed = length(at->v), part = kappa * reach * reach;
@@ -252,25 +258,12 @@ static double jerk_bound(const struct rotor *rotor, const struct place *at, doub
     return 6.0 * fastest * acceleration + 2.0 * far * jerk;
 }
 
-/* The first s > 0 with value + slope s + curvature s**2/2 = 0, value < 0. */
-static double first_root_of_majorant(double value, double slope, double curvature)
-{
-    const double discriminant = slope * slope - 2.0 * curvature * value;
-    if (discriminant < 0.0)
-        return NEVER;
-    const double root = sqrt(discriminant);
-    if (slope >= 0.0)
-        return slope + root > 0.0 ? -2.0 * value / (slope + root) : NEVER;
-    return curvature > 0.0 ? (root - slope) / curvature : NEVER;
-}
-
 /* A step over which g stays below 0: its parabola, of curvature `bend` and the bound on what that
  * can grow to, allows it. */
-static double safe_step(struct gap g, const struct rotor *rotor, const struct place *at,
-                        double reach)
+static double sprung_safe_step(const struct path *path, struct gap g, double reach)
 {
     for (int i = 0; i < MOST_HALVINGS; i++) {
-        const double curvature = g.bend + jerk_bound(rotor, at, reach) * reach;
+        const double curvature = g.bend + sprung_jerk_bound(path, reach) * reach;
         const double allowed = first_root_of_majorant(g.value, g.slope, curvature);
         if (allowed >= reach)
             return reach;
@@ -279,28 +272,6 @@ static double safe_step(struct gap g, const struct rotor *rotor, const struct pl
         reach *= 0.5;
     }
     return reach;
-}
-
-/* The root of g between `low` (g <= 0) and `high` (g > 0): Newton's method in a bracket. */
-static double polish(const struct motion_of_centre *start, const struct rotor *rotor, double low,
-                     double high)
-{
-    double tau = high;
-    for (int i = 0; i < MOST_POLISHING; i++) {
-        const struct place at = place_after(start, rotor, tau);
-        const struct gap g = gap_of(&at, rotor->delta0);
-        if (g.value > 0.0)
-            high = tau;
-        else
-            low = tau;
-        double new = tau - (g.slope > 0.0 ? g.value / g.slope : NEVER);
-        if (!(low < new && new < high))
-            new = 0.5 * (low + high);
-        if (fabs(new - tau) <= ROUNDING * tau || high - low <= ROUNDING * high)
-            return new;
-        tau = new;
-    }
-    return tau;
 }
 
 /* What a flight is made of: the whirl with the unbalance, and what is not yet settled about the
@@ -312,9 +283,10 @@ struct parts {
     struct vector off;            /* displacement without the whirl, from that place */
 };
 
-static struct parts parts_of(const struct motion_of_centre *start, const struct rotor *rotor,
-                             const struct place *at)
+static struct parts parts_of(const struct path *path)
 {
+    const struct rotor *rotor = path->rotor;
+    const struct place *at = &path->at;
     const double omega = rotor->omega, kappa = rotor->shaft_stiffness;
     struct parts found = {.whirl = 0.0, .rest = 0.0, .centre = at->z, .moving = at->v};
     if (omega > 0.0) {
@@ -325,26 +297,24 @@ static struct parts parts_of(const struct motion_of_centre *start, const struct 
     }
     found.off = found.centre;
     if (rotor->load > 0.0) {
-        const struct vector rest = scaled(rotor->load / kappa, start->down);
+        const struct vector rest = scaled(rotor->load / kappa, path->start.down);
         found.rest = kappa > 0.0 ? length(rest) : INFINITY;
         found.off = plus(found.centre, scaled(-1.0, rest));
     }
     return found;
 }
 
-/* How far from the axis the flight can come at most from now on; infinite where that is not known.
- *
- * Without shaft and load the whirl's centre drifts along a straight line, and is farthest out at an
+/* Without shaft and load the whirl's centre drifts along a straight line, and is farthest out at an
  * end. With a shaft the energy of what is not yet settled only falls. */
-static double farthest(const struct motion_of_centre *start, const struct rotor *rotor,
-                       const struct place *at, double tau, double limit)
+static double sprung_farthest(const struct path *path, double tau)
 {
-    const struct parts now = parts_of(start, rotor, at);
+    const struct rotor *rotor = path->rotor;
+    const struct parts now = parts_of(path);
     const double kappa = rotor->shaft_stiffness;
     if (!isfinite(now.whirl + now.rest))
         return INFINITY;
     if (kappa == 0.0) {
-        const double reach = settled(2.0 * rotor->zeta, limit - tau);
+        const double reach = settled(2.0 * rotor->zeta, path->limit - tau);
         const struct vector then = plus(now.centre, scaled(reach, now.moving));
         return now.whirl + larger(length(now.centre), length(then));
     }
@@ -357,10 +327,10 @@ static double farthest(const struct motion_of_centre *start, const struct rotor 
  *
  * by bounds on c and its derivatives. It falls as the motion settles; infinite where none is known.
  */
-static double settling_bound(const struct motion_of_centre *start, const struct rotor *rotor,
-                             const struct place *at, double reach)
+static double settling_bound(const struct path *path, double reach)
 {
-    const struct parts now = parts_of(start, rotor, at);
+    const struct rotor *rotor = path->rotor;
+    const struct parts now = parts_of(path);
     const double omega = rotor->omega, damping = 2.0 * rotor->zeta, kappa = rotor->shaft_stiffness;
     if (!isfinite(now.whirl + now.rest))
         return INFINITY;
@@ -377,113 +347,17 @@ static double settling_bound(const struct motion_of_centre *start, const struct 
     return 2.0 * (now.whirl * with_whirl + 3.0 * first * second + place * third);
 }
 
-/* The rate of the fastest motion that a flight inside the ring is capable of. */
-static double rate_of(const struct rotor *rotor, double speed)
+static double sprung_noise(struct path *path, double tau)
 {
-    const double force = rotor->omega * rotor->omega + rotor->load;
-    return rotor->omega + 2.0 * rotor->zeta + sqrt(rotor->shaft_stiffness)
-           + sqrt(force / rotor->delta0) + speed / rotor->delta0;
+    const double fastest_turn = path->rotor->omega + sqrt(path->rotor->shaft_stiffness);
+    path->widest = larger(path->widest, length(path->at.z));
+    path->fastest = larger(path->fastest, length(path->at.v));
+    return 32.0 * ROUNDING * (1.0 + fastest_turn * tau) * path->widest * path->fastest;
 }
 
-double first_touch(struct motion_of_centre start, const struct rotor *rotor, double limit,
-                   const uint8_t *stop)
+static double sprung_bend_rate(const struct path *path, double reach)
 {
-    const double delta0 = rotor->delta0;
-    const double whirl = rotor->omega * rotor->omega * length(compliance(rotor));
-    /* the smallest |z|**2 - delta0**2 that stands clear of rounding */
-    const double floor = 64.0 * ROUNDING * delta0 * (delta0 + smaller(whirl, delta0 + 1.0));
-    double tau = 0.0, outside = 0.0, step = 1.0 / rate_of(rotor, length(start.w));
-    while (tau < limit && !asked_to_stop(stop)) {
-        const struct place at = place_after(&start, rotor, tau);
-        struct gap g = gap_of(&at, delta0);
-        if (g.value <= 0.0)
-            outside = tau;
-        if (g.value - floor >= -0.25 * floor) {
-            const double root = polish(&start, rotor, outside, tau);
-            const struct place there = place_after(&start, rotor, root);
-            if (gap_of(&there, delta0).slope > 0.0)
-                return root;
-            /* a flight that began, within rounding, in a hollow of the gap on the ring is over */
-            if (g.slope > 0.0 && g.bend > 0.0)
-                return tau;
-            /* a touch that rounding cannot tell from a miss: pass over its summit */
-            step = 2.0 * sqrt(2.0 * floor / larger(fabs(g.bend), floor)) + ROUNDING * tau;
-        } else {
-            const double reach = farthest(&start, rotor, &at, tau, limit);
-            if ((reach - delta0) * 2.0 * delta0 <= 0.5 * floor)
-                return NEVER;
-            g.value -= floor;
-            step = safe_step(g, rotor, &at, smaller(4.0 * step, limit - tau));
-        }
-        const double next = tau + larger(step, ROUNDING * tau);
-        if (!(next > tau))
-            return NAN;
-        tau = next;
-    }
-    return NEVER;
-}
-
-/* ---- Where the radius turns ---- */
-
-/* The root of r r' between `low`, where it has the sign `rising`, and `high`, where it has the
- * other. */
-static double turn_between(const struct motion_of_centre *start, const struct rotor *rotor,
-                           double low, double high, double rising)
-{
-    double point = 0.5 * (low + high);
-    for (int i = 0; i < MOST_POLISHING; i++) {
-        const struct place at = place_after(start, rotor, point);
-        const struct gap here = gap_of(&at, rotor->delta0);
-        if (here.slope * rising > 0.0)
-            low = point;
-        else
-            high = point;
-        double new = here.bend != 0.0 ? point - here.slope / here.bend : low;
-        if (!(low < new && new < high))
-            new = 0.5 * (low + high);
-        if (fabs(new - point) <= ROUNDING * high || high - low <= ROUNDING * high)
-            return new;
-        point = new;
-    }
-    return point;
-}
-
-/* The steps are as far as a bound on the rate of change of the bend guarantees that r r' either
- * keeps its sign or is monotonic, as in flight.c. */
-double next_turn(struct motion_of_centre start, const struct rotor *rotor, double from,
-                 double limit, double *rising, const uint8_t *stop)
-{
-    const double fastest_turn = rotor->omega + sqrt(rotor->shaft_stiffness);
-    const double farthest_step = 1.0 / rate_of(rotor, length(start.w));
-    double low = from, tau = from, reach = farthest_step;
-    double widest = length(start.z), fastest = length(start.w);
-    for (;;) {
-        const struct place at = place_after(&start, rotor, tau);
-        const struct gap here = gap_of(&at, rotor->delta0);
-        widest = larger(widest, length(at.z));
-        fastest = larger(fastest, length(at.v));
-        const double noise = 32.0 * ROUNDING * (1.0 + fastest_turn * tau) * widest * fastest;
-        if (fabs(here.slope) > noise) {
-            if (here.slope * *rising < 0.0 && tau > from)
-                return turn_between(&start, rotor, low, tau, *rising);
-            if (*rising == 0.0 || tau > from)
-                *rising = here.slope > 0.0 ? 1.0 : -1.0;
-            low = tau;
-        }
-        if (tau >= limit || asked_to_stop(stop))
-            return NEVER;
-        const double bound = smaller(settling_bound(&start, rotor, &at, reach),
-                                     jerk_bound(rotor, &at, reach));
-        const double towards = here.slope > 0.0 ? here.bend : -here.bend;
-        const double clear = first_root_of_majorant(-fabs(here.slope), -towards, bound);
-        const double least = sqrt(2.0 * noise / bound) + ROUNDING * tau;
-        const double step = smaller(larger(larger(clear, fabs(here.bend) / bound), least), reach);
-        const double next = tau + smaller(step, limit - tau);
-        if (!(next > tau))
-            return NEVER;
-        tau = next;
-        reach = smaller(4.0 * step, farthest_step);
-    }
+    return smaller(settling_bound(path, reach), sprung_jerk_bound(path, reach));
 }
 
 #endif
