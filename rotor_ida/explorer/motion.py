@@ -14,10 +14,10 @@ from rotor_ida.checks import COMPONENTS
 from rotor_ida.explorer.answers import Answer
 from rotor_ida.explorer.questions import Question
 from rotor_ida.explorer.words import words_of_run
-from rotor_ida.model.contact import contact_force, damping_factor
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.parameters import DimensionalRotor, Rotor
 from rotor_ida.schema import DAMPED_EVENT_KIND, EVENT_KIND, MODE
+from rotor_ida.signals.forces import power_in_contact
 from rotor_ida.signals.run_spectrum import lines_of
 from rotor_ida.simulation.options import Method
 from rotor_ida.simulation.simulate import simulate
@@ -33,6 +33,7 @@ LAST = 0.5
 # Lines are drawn up to so many times the spin speed, forward and backward.
 FASTEST_LINE = 5.0
 METHOD: Method = "taylor"
+OF_ENDING = ("t", "x", "y", "vx", "vy", "mode", "slip_speed")
 DRAWN = (
     *("t", "x", "y", "rotating_x", "rotating_y", "radius", "force"),
     *("event_time", "event_time_error", "event_x", "event_y", "event_radius"),
@@ -44,7 +45,10 @@ def show_motion(question: Question) -> Iterator[Answer]:
     """Yield what a page draws of one run."""
     omega = question.rotor.omega
     run = values_of(run_of(question))
-    run |= {"radius": np.hypot(run["x"], run["y"]), "force": force_of(run, question.rotor)}
+    run |= {
+        "radius": np.hypot(run["x"], run["y"]),
+        "force": power_in_contact(run, question.rotor).normal_force,
+    }
     run["event_radius"] = np.hypot(run["event_x"], run["event_y"])
     turned = rotated(states_of(run, ""), -omega * run["t"])
     run |= {"rotating_x": turned[:, 0], "rotating_y": turned[:, 1]}
@@ -109,52 +113,6 @@ def values_of(run: xr.Dataset) -> Values:
     return {str(name): variable.values for name, variable in run.variables.items()}
 
 
-def force_of(run: Values, rotor: Rotor) -> npt.NDArray[np.float64]:
-    """Return the normal force of the ring along a run [1], as `contact_forces` has it."""
-    radius = np.hypot(run["x"], run["y"])
-    force = np.asarray(contact_force(radius, rotor.delta0, rotor.contact_exponent))
-    if rotor.contact_damping == 0.0:
-        return force
-    held: npt.NDArray[np.float64] = damping_factor(_outwards(run), rotor.contact_damping)
-    return held * force
-
-
-def loss_rate_of(run: Values, rotor: Rotor) -> npt.NDArray[np.float64]:
-    """Return the rate at which contact damping takes energy along a run: (N - d**n) d' [1]."""
-    radius = np.hypot(run["x"], run["y"])
-    spring = np.asarray(contact_force(radius, rotor.delta0, rotor.contact_exponent))
-    lost: npt.NDArray[np.float64] = (force_of(run, rotor) - spring) * _outwards(run)
-    return lost
-
-
-def rubbing_of(run: Values, rotor: Rotor, revolutions: float) -> dict[str, float]:
-    """Return what friction does in a part of a run: shares of the time in contact, and heat.
-
-    As told by the samples, from one of which to the next the heat grows by mu N |v_s|.
-    """
-    mode, force = run["mode"], run["normal_force"]
-    touching = max(int(np.count_nonzero(mode != MODE["flight"])), 1)
-    rate = rotor.friction * force * np.abs(run["slip_speed"])
-    heat = float(np.trapezoid(rate, run["t"]))
-    return {
-        "heat_per_revolution": heat / revolutions if revolutions else math.nan,
-        **{
-            f"{name}_fraction": int(np.count_nonzero(mode == MODE[name])) / touching
-            for name in ("slipping_forward", "slipping_backward", "rolling")
-        },
-    }
-
-
-def _outwards(run: Values) -> npt.NDArray[np.float64]:
-    """Return the radial velocity along a run [1]; of no matter at the axis."""
-    radius = np.hypot(run["x"], run["y"])
-    moment = run["x"] * run["vx"] + run["y"] * run["vy"]
-    speed: npt.NDArray[np.float64] = np.divide(
-        moment, radius, out=np.zeros_like(radius), where=radius > 0.0
-    )
-    return speed
-
-
 def ending(run: Values, rotor: Rotor) -> dict[str, float]:
     """Return what a run does over its last half: contacts, their peak force, extreme radii.
 
@@ -164,36 +122,43 @@ def ending(run: Values, rotor: Rotor) -> dict[str, float]:
     """
     end = float(run["t"][-1])
     begin = LAST * end
-    late = run["t"] >= begin
-    radius = np.hypot(run["x"], run["y"])[late]
+    late = {name: run[name][run["t"] >= begin] for name in OF_ENDING if name in run}
+    power = power_in_contact(late, rotor)
+    radius = np.hypot(late["x"], late["y"])
     peaks = run["peak_force"][run["peak_time"] >= begin]
-    entries = (run["event_kind"] == EVENT_KIND["entry"]) & (run["event_time"] >= begin)
     revolutions = (end - begin) * rotor.omega / (2.0 * math.pi)
     entry = np.maximum(np.nan_to_num(run["entry_time"], nan=0.0), begin)
     leaving = np.nan_to_num(run["exit_time"], nan=end)
-    steady = float(force_of(run, rotor)[late].max())
-    told = {
-        "contacts_per_revolution": float(entries.sum()) / revolutions if revolutions else math.nan,
+
+    def events(kind: int) -> float:
+        return float(((run["event_kind"] == kind) & (run["event_time"] >= begin)).sum())
+
+    def per_revolution(rate: npt.NDArray[np.float64]) -> float:
+        # over whole periods, of a motion that repeats itself, it is as exact as the samples
+        return float(np.trapezoid(rate, late["t"])) / revolutions if revolutions else math.nan
+
+    found = {
+        "contacts_per_revolution": (
+            events(EVENT_KIND["entry"]) / revolutions if revolutions else math.nan
+        ),
         "contact_fraction": float(np.maximum(leaving - entry, 0.0).sum()) / (end - begin),
-        "largest_force": max(steady, float(peaks.max(initial=0.0))),
+        "largest_force": max(float(power.normal_force.max()), float(peaks.max(initial=0.0))),
         "radius_min": float(radius.min()),
         "radius_max": float(radius.max()),
         "contacts_in_all": float(run["peak_time"].size),
     }
     if rotor.contact_damping > 0.0:
         losses = run["contact_loss"][run["exit_time"] >= begin]
-        loose = (run["event_kind"] == DAMPED_EVENT_KIND["release"]) & (run["event_time"] >= begin)
-        told["loss_per_contact"] = float(losses.mean()) if losses.size else math.nan
-        told["releases"] = float(loose.sum())
-        # over whole periods, of a motion that repeats itself, it is as exact as the samples
-        rate = loss_rate_of(run, rotor)[late]
-        told["loss_per_revolution"] = (
-            float(np.trapezoid(rate, run["t"][late])) / revolutions if revolutions else math.nan
-        )
+        found["loss_per_contact"] = float(losses.mean()) if losses.size else math.nan
+        found["releases"] = events(DAMPED_EVENT_KIND["release"])
+        found["loss_per_revolution"] = per_revolution(power.damping)
     if rotor.friction > 0.0:
-        names = ("t", "mode", "normal_force", "slip_speed")
-        told |= rubbing_of({name: run[name][late] for name in names}, rotor, revolutions)
-    return told
+        mode = late["mode"]
+        touching = max(int(np.count_nonzero(mode != MODE["flight"])), 1)
+        found["heat_per_revolution"] = per_revolution(power.friction)
+        for name in ("slipping_forward", "slipping_backward", "rolling"):
+            found[f"{name}_fraction"] = int(np.count_nonzero(mode == MODE[name])) / touching
+    return found
 
 
 def states_of(run: Values, prefix: str) -> npt.NDArray[np.float64]:

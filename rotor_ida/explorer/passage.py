@@ -12,13 +12,14 @@ from rotor_ida.closed_forms.folds import folds
 from rotor_ida.closed_forms.synchronous import synchronous_response
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.answers import Answer
-from rotor_ida.explorer.motion import facts_of, force_of, states_of, values_of
+from rotor_ida.explorer.motion import facts_of, states_of, values_of
 from rotor_ida.explorer.questions import Question
 from rotor_ida.explorer.responses import MOST_KEPT, at_rest, of_whirls
 from rotor_ida.explorer.tracking import keep_tail, tail_of, tracked
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.parameters import Rotor
 from rotor_ida.schema import STABILITY
+from rotor_ida.signals.forces import power_in_contact
 from rotor_ida.simulation.options import Method
 from rotor_ida.simulation.run_up import run_up
 
@@ -63,7 +64,8 @@ def show_run_up(question: Question) -> Iterator[Answer]:
         record, duration, float(run["speed"][-1]), float(angle[-1]), angle[seen], z
     )
     keep_tail(question, tuple(end.tolist()), record)
-    force = max(float(force_of(run, rotor).max()), float(run["peak_force"].max(initial=0.0)))
+    normal = power_in_contact(run, rotor).normal_force
+    force = max(float(normal.max()), float(run["peak_force"].max(initial=0.0)))
     facts: dict[str, object] = {
         **facts_of(question),
         "end": end.tolist(),
