@@ -12,8 +12,7 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
-from rotor_ida.explorer.answers import Answer
-from rotor_ida.explorer.questions import Measurement
+from rotor_ida.explorer.messages import Answer, Measurement
 from rotor_ida.signals.orders import orders
 from rotor_ida.signals.reading import read_signals
 from rotor_ida.signals.record import Record, record_of

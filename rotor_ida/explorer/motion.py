@@ -1,9 +1,9 @@
-"""The panels of one run: orbit, radius and force over time, section, spectrum."""
+"""The panels of one run: orbit, radius and force over time, section, spectrum and its lines."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,14 +11,14 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.checks import COMPONENTS
-from rotor_ida.explorer.answers import Answer
-from rotor_ida.explorer.questions import Question
+from rotor_ida.explorer.messages import Answer, Question
 from rotor_ida.explorer.words import words_of_run
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.parameters import DimensionalRotor, Rotor
 from rotor_ida.schema import DAMPED_EVENT_KIND, EVENT_KIND, MODE
 from rotor_ida.signals.forces import power_in_contact
 from rotor_ida.signals.run_spectrum import lines_of
+from rotor_ida.signals.spectra import full_spectrum
 from rotor_ida.simulation.options import Method
 from rotor_ida.simulation.simulate import simulate
 
@@ -28,7 +28,7 @@ Arrays = dict[str, npt.NDArray[np.generic]]
 SAMPLES_PER_REVOLUTION = 48
 # A longer run is drawn from fewer samples a revolution, but no fewer than the spectrum needs.
 MOST_SAMPLES, FEWEST_PER_REVOLUTION = 16_384, 8
-# What the run does at its end is told of its last half.
+# The end of a run is its last half.
 LAST = 0.5
 # Lines are drawn up to so many times the spin speed, forward and backward.
 FASTEST_LINE = 5.0
@@ -39,6 +39,9 @@ DRAWN = (
     *("event_time", "event_time_error", "event_x", "event_y", "event_radius"),
     *("event_rotating_x", "event_rotating_y", "entry_time", "exit_time", "peak_time", "peak_force"),
 )
+# Samples of one period of a cycle, and how small its lines may be beside the largest.
+SAMPLES = 512
+LEAST = 1e-9
 
 
 def show_motion(question: Question) -> Iterator[Answer]:
@@ -50,17 +53,17 @@ def show_motion(question: Question) -> Iterator[Answer]:
         "force": power_in_contact(run, question.rotor).normal_force,
     }
     run["event_radius"] = np.hypot(run["event_x"], run["event_y"])
-    turned = rotated(states_of(run, ""), -omega * run["t"])
-    run |= {"rotating_x": turned[:, 0], "rotating_y": turned[:, 1]}
-    met = rotated(states_of(run, "event_"), -omega * run["event_time"])
-    run |= {"event_rotating_x": met[:, 0], "event_rotating_y": met[:, 1]}
+    rotating = rotated(states_of(run, ""), -omega * run["t"])
+    run |= {"rotating_x": rotating[:, 0], "rotating_y": rotating[:, 1]}
+    event_places = rotated(states_of(run, "event_"), -omega * run["event_time"])
+    run |= {"event_rotating_x": event_places[:, 0], "event_rotating_y": event_places[:, 1]}
     each = (run["t"].size - 1) // question.revolutions
-    told = ending(run, question.rotor)
+    summary = ending(run, question.rotor)
     facts: dict[str, object] = {
         **facts_of(question),
-        "end": turned[-1].tolist(),
-        "ending": told,
-        "words": words_of_run(question.machine, told),
+        "end": rotating[-1].tolist(),
+        "ending": summary,
+        "words": words_of_run(question.machine, summary),
         "horizon": float(run["horizon"]),
         "samples_per_revolution": each,
     }
@@ -175,3 +178,41 @@ def _lines(run: Values, omega: float) -> Arrays:
     over = frequency / (omega or 1.0)
     shown = np.abs(over) <= FASTEST_LINE
     return {"line_frequency": over[shown], "line_amplitude": height[shown]}
+
+
+def show_lines(question: Question) -> Iterator[Answer]:
+    """Yield the full spectrum of the last half of a run, over the spin speed."""
+    omega = question.rotor.omega or 1.0
+    run = run_of(question)
+    lines = full_spectrum(run.isel(t=slice((run.sizes["t"] - 1) // 2, -1)))
+    over = lines["frequency"].values / omega
+    shown = np.abs(over) <= FASTEST_LINE
+    facts = {**facts_of(question), "bandwidth_over_omega": float(lines["bandwidth"]) / omega}
+    arrays: Arrays = {
+        "line_over_omega": over[shown], "line_amplitude": lines["whirl_amplitude"].values[shown]
+    }  # fmt: skip
+    yield Answer("lines", facts, arrays)
+
+
+def exact_lines(
+    rotor: Rotor, lies_on: object, settled: dict[str, object], end: Sequence[float]
+) -> Arrays:
+    """Return order and amplitude of the lines of the whirl or cycle that is settled on.
+
+    Of a cycle over one period, from a state on it; without any where it never repeats itself.
+    """
+    nothing: Arrays = {"exact_order": np.empty(0), "exact_amplitude": np.empty(0)}
+    if lies_on == "whirl":
+        height = float(str(settled["exact_amplitude"]))
+        return {"exact_order": np.ones(1), "exact_amplitude": np.array([height])}
+    if lies_on != "cycle" or rotor.omega == 0.0:
+        return nothing
+    period = float(str(settled["exact_period"]))
+    times = np.linspace(0.0, period, SAMPLES, endpoint=False)
+    run = values_of(simulate(rotor, start=end, duration=period, samples=times, method=METHOD))
+    rotating = rotated(states_of(run, ""), -rotor.omega * run["t"])
+    heights = np.abs(np.fft.fft(rotating[:, 0] + 1j * rotating[:, 1])) / SAMPLES
+    orders = 1.0 + np.fft.fftfreq(SAMPLES, 1.0 / SAMPLES) * 2.0 * math.pi / (period * rotor.omega)
+    kept = (heights > LEAST * heights.max()) & (np.abs(orders) <= FASTEST_LINE)
+    place = np.argsort(orders[kept])
+    return {"exact_order": orders[kept][place], "exact_amplitude": heights[kept][place]}

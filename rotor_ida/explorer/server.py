@@ -32,10 +32,9 @@ from websockets.frames import Frame
 from websockets.protocol import State
 
 from rotor_ida.errors import InputError
-from rotor_ida.explorer.answers import Answer, packed
-from rotor_ida.explorer.lanes import Deliver, Lanes
+from rotor_ida.explorer.messages import Answer, Measurement, Question, packed, read_question
 from rotor_ida.explorer.page import TYPES, page_files
-from rotor_ida.explorer.questions import Measurement, Question, read_question
+from rotor_ida.explorer.queues import Deliver, Queues
 
 HOSTS = ("127.0.0.1", "localhost", "[::1]")
 # A page speaks this, and what follows the dot is its key.
@@ -72,7 +71,7 @@ HEADERS = {
 TOO_MANY_PAGES, TOO_SLOW = 4429, 4408
 
 
-def application(lanes: Lanes, key: str) -> ASGIApp:
+def application(queues: Queues, key: str) -> ASGIApp:
     """Return the page and its answers, for those who know the key."""
     contents, numbers, pages = page_files(), count(1), set[int]()
 
@@ -97,10 +96,10 @@ def application(lanes: Lanes, key: str) -> ASGIApp:
                 return
             pages.add(number)
             try:
-                await _converse(socket, lanes, number)
+                await _converse(socket, queues, number)
             finally:
                 pages.discard(number)
-                lanes.forget(number)
+                queues.forget(number)
 
     routes = [
         Route("/", page), Route("/{name:path}", page), WebSocketRoute("/ask", ask),
@@ -108,7 +107,7 @@ def application(lanes: Lanes, key: str) -> ASGIApp:
     return _only_from_here(Starlette(routes=routes))
 
 
-async def _converse(socket: WebSocket, lanes: Lanes, page: int) -> None:
+async def _converse(socket: WebSocket, queues: Queues, page: int) -> None:
     """Take the questions of a page, and send it what comes of them, until it goes away."""
     unread, held = asyncio.Queue[bytes](), 0
 
@@ -127,7 +126,7 @@ async def _converse(socket: WebSocket, lanes: Lanes, page: int) -> None:
             held -= len(answer)
 
     async def take() -> None:
-        with closing(Inbox(partial(lanes.ask, page), deliver)) as inbox:
+        with closing(Inbox(partial(queues.ask, page), deliver)) as inbox:
             while (message := await socket.receive())["type"] != "websocket.disconnect":
                 try:
                     inbox.take(message.get("text") or "", message.get("bytes"))

@@ -20,21 +20,20 @@ from types import FrameType
 from typing import BinaryIO, Literal, cast
 
 from rotor_ida.errors import RotorError
-from rotor_ida.explorer.answers import Answer, packed
-from rotor_ida.explorer.questions import Measurement, Question, read_question
+from rotor_ida.explorer.messages import Answer, Measurement, Question, packed, read_question
 
 # What to do about the answer of a number: begin it with its first part, or go on, or give it up.
 Order = tuple[int, Question | Measurement | Literal["next", "drop"]]
 
 # The rotor that a process is asked about before a page is let in.
-ASKED_FIRST = (2.0, 0.07, 2.0)
+FIRST_ROTOR = (2.0, 0.07, 2.0)
 # The same with what a machine has beside, which is computed by a library of its own.
-MACHINE_ASKED = {"shaft_stiffness": 0.25, "contact_exponent": 1.0, "contact_damping": 0.5}
+FIRST_MACHINE = {"shaft_stiffness": 0.25, "contact_exponent": 1.0, "contact_damping": 0.5}
 # Module and function that answer what is asked about; all else are files.
 SHOWN_BY = {
     "motion": ("motion", "show_motion"),
-    "run_up": ("passage", "show_run_up"),
-    "lines": ("lines", "show_lines"),
+    "run_up": ("run_ups", "show_run_up"),
+    "lines": ("motion", "show_lines"),
     "responses": ("responses", "show_responses"),
     "starts": ("starts", "show_starts"),
 }
@@ -147,7 +146,7 @@ def _show(question: Question | Measurement) -> Iterator[Answer]:
         from rotor_ida.explorer.measured import show_measured  # noqa: PLC0415
 
         return show_measured(question)
-    module, function = SHOWN_BY.get(question.about, ("saving", "show_file"))
+    module, function = SHOWN_BY.get(question.about, ("files", "show_file"))
     show = getattr(import_module(f"rotor_ida.explorer.{module}"), function)
     return cast(Iterator[Answer], show(question))
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.explorer.questions import Measurement, Question, read_question
+from rotor_ida.explorer.messages import Measurement, Question, read_question
 from rotor_ida.explorer.workers import Desk
 
 # What the page shows first.

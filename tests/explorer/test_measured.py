@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rotor_ida.explorer import measured
-from rotor_ida.explorer.questions import Measurement
+from rotor_ida.explorer.messages import Measurement
 from rotor_ida.signals.orders import orders
 from rotor_ida.signals.reading import read_signals
 from rotor_ida.signals.spectra import full_spectrum, spectrogram

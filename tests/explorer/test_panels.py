@@ -10,8 +10,8 @@ from scipy.io import wavfile
 
 from rotor_ida import Rotor, run_up, simulate
 from rotor_ida.errors import InputError
-from rotor_ida.explorer.questions import LARGEST_FILE
-from rotor_ida.explorer.tracking import PER_REVOLUTION
+from rotor_ida.explorer.messages import LARGEST_FILE
+from rotor_ida.explorer.run_ups import PER_REVOLUTION
 from rotor_ida.signals.orders import orders
 from rotor_ida.signals.reading import read_signals
 from rotor_ida.signals.spectra import full_spectrum, spectrogram

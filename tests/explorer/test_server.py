@@ -18,7 +18,7 @@ from websockets.sync.client import ClientConnection
 
 from rotor_ida.errors import InputError
 from rotor_ida.explorer import server
-from rotor_ida.explorer.questions import LARGEST_FILE, Measurement
+from rotor_ida.explorer.messages import LARGEST_FILE, Measurement
 from tests.explorer.asking import ROTOR, Message, asked, unpacked
 from tests.explorer.conftest import PATIENCE, SHORT_VISIT, Program, wait_until
 

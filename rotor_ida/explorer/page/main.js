@@ -8,17 +8,14 @@ import { forgetColours } from "./plot.js";
 import { Response, speedsAround } from "./response.js";
 import { Side } from "./side.js";
 import { Signals } from "./signals.js";
-import { SECOND_START, START, address, inSI, machine, readAddress, referenceFrequency, state, tellsOfRotor, toDimensionless, toSI } from "./state.js";
+import { SECOND_START, address, inSI, machine, readAddress, referenceFrequency, state, tellsOfRotor, toDimensionless, toSI } from "./state.js";
+import { EVENTS, PARAMETERS, START } from "./tables.js";
 import { addTools, keep } from "./tools.js";
 import { SPEED_UNITS, roundUp, told, withUnit } from "./units.js";
 
 const $ = (id) => document.getElementById(id);
 const PANELS = ["motion", "responses", "starts"];
 const FILES = { nc: "application/x-netcdf", png: "image/png", svg: "image/svg+xml", py: "text/x-python", html: "text/html" };
-// Signs of what a rotor has beyond the paper's.
-const SIGNS = { shaft_stiffness: "κ", contact_exponent: "n", contact_damping: "c", load: "γ", friction: "μ", disc_radius: "ρ" };
-// Kinds of events in a contact with damping or friction, beside entry (1) and exit (-1).
-const PRESS = 4, RELEASE = -4, ROLL = 2, SLIP = -2, REVERSE = 3;
 const KEY = "rotor-ida-key";
 // No start lies further from the axis.
 const FURTHEST = 1e6;
@@ -103,8 +100,8 @@ function question(side) {
 function parametersOf(place) {
   const { rotor, scales } = page.shown[place].motion.facts;
   const si = scales.length ? `, clearance ${withUnit(scales, "length", rotor.delta0)}, speed ${withUnit(scales, "rate", rotor.omega)}` : "";
-  const beyond = Object.entries(SIGNS).filter(([name]) => name in rotor).map(([name, sign]) => `, ${sign} = ${told(rotor[name], 6)}`);
-  return `ω = ${told(rotor.omega, 6)}, ζ = ${told(rotor.zeta, 6)}, δ₀ = ${told(rotor.delta0, 6)}${beyond.join("")}${si}`;
+  const given = Object.keys(PARAMETERS).filter((name) => name in rotor).map((name) => `${PARAMETERS[name].symbol} = ${told(rotor[name], 6)}`);
+  return given.join(", ") + si;
 }
 
 /** Return the speed without dimensions. */
@@ -386,10 +383,10 @@ function eventsOf(motion) {
     const count = kinds.reduce((sum, kind) => sum + (kind === wanted), 0);
     return `${count || "no"} ${count === 1 ? one : many}`;
   };
-  let text = kinds.length ? `${counted(1, "entry", "entries")} and ${counted(-1, "exit", "exits")}` : "no entries and exits";
-  if (kinds.some((kind) => kind === PRESS || kind === RELEASE)) text += `, ${counted(RELEASE, "release", "releases")} and ${counted(PRESS, "press", "presses")}`;
+  let text = kinds.length ? `${counted(EVENTS.entry, "entry", "entries")} and ${counted(EVENTS.exit, "exit", "exits")}` : "no entries and exits";
+  if (kinds.some((kind) => kind === EVENTS.press || kind === EVENTS.release)) text += `, ${counted(EVENTS.release, "release", "releases")} and ${counted(EVENTS.press, "press", "presses")}`;
   if (motion.facts.rotor.friction) {
-    text += `; ${counted(ROLL, "roll", "rolls")}, ${counted(SLIP, "slip", "slips")} and ${counted(REVERSE, "reverse", "reverses")}`;
+    text += `; ${counted(EVENTS.roll, "roll", "rolls")}, ${counted(EVENTS.slip, "slip", "slips")} and ${counted(EVENTS.reverse, "reverse", "reverses")}`;
   }
   return text[0].toUpperCase() + text.slice(1);
 }

@@ -1,13 +1,16 @@
-"""What a page may ask: one rotor, one start, and the panels to fill."""
+"""What a page may ask, checked, and an answer packed into one binary message."""
 
 from __future__ import annotations
 
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, Literal, cast, get_args
+
+import numpy as np
+import numpy.typing as npt
 
 from rotor_ida.checks import (
     State,
@@ -46,6 +49,9 @@ SIDES = 2
 LARGEST_NUMBER_OF_QUESTION = 2**53
 # What is said of a piece of a run-up alone.
 OF_RUN_UP = ("to", "rate")
+# Arrays begin at multiples of so many bytes, as a browser wants it.
+ALIGNED = 8
+KINDS = {np.dtype(kind): kind for kind in ("f8", "f4", "i1")}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -176,8 +182,8 @@ def _check_names(given: Mapping[str, object], names: list[str]) -> None:
     missing = [name for name in names if name not in given]
     other = [name for name in given if name not in names]
     if missing or other:
-        told = f"not {shown(missing)}" if missing else f"also {shown(other)}"
-        raise InputError(f"a question must have {', '.join(names)}, got {told}")
+        which = f"not {shown(missing)}" if missing else f"also {shown(other)}"
+        raise InputError(f"a question must have {', '.join(names)}, got {which}")
 
 
 def _measurement(given: Mapping[str, Any]) -> Measurement:
@@ -255,3 +261,71 @@ def _ramp(rotor: Rotor, given: Mapping[str, Any]) -> dict[str, float]:
             f"a piece of a run-up must have at most {MOST_REVOLUTIONS} revolutions, got {turns:.6g}"
         )
     return {"to": to, "rate": rate}
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """One part of what a page shows.
+
+    Parameters
+    ----------
+    part : str
+        Which part.
+    facts : dict
+        Numbers, texts, and lists and mappings of them.
+    arrays : dict of ndarray
+        Arrays by name; the facts give their dimensions.
+    """
+
+    part: str
+    facts: dict[str, object] = field(default_factory=dict)
+    arrays: dict[str, npt.NDArray[np.generic]] = field(default_factory=dict)
+
+
+def packed(answer: Answer, ticket: Mapping[str, object] | None = None) -> bytes:
+    """Return an answer as bytes, with the ticket of the question that it answers.
+
+    Notes
+    -----
+    The number of bytes of the header, little-endian in four bytes; the header as JSON, with the
+    place of each array behind the header as kind (f8, f4 or i1), offset in bytes and number of
+    values; the arrays, little-endian. What is not finite is null in the header, NaN in an array.
+
+    Examples
+    --------
+    >>> packed(Answer("curve", {"zeta": 0.07}))[4:]
+    b'{"part": "curve", "facts": {"zeta": 0.07}, "arrays": {}}'
+    """
+    places: dict[str, tuple[str, int, int]] = {}
+    blocks: list[bytes] = []
+    offset = 0
+    for name, values in answer.arrays.items():
+        kind = KINDS[values.dtype]
+        block = values.astype(values.dtype.newbyteorder("<")).tobytes()
+        block += bytes(-len(block) % ALIGNED)
+        places[name] = (kind, offset, values.size)
+        blocks.append(block)
+        offset += len(block)
+    header_facts = {
+        "part": answer.part,
+        **(ticket or {}),
+        "facts": _finite(answer.facts),
+        "arrays": places,
+    }
+    header = json.dumps(header_facts, allow_nan=False).encode()
+    if blocks:
+        header += b" " * (-(4 + len(header)) % ALIGNED)
+    return len(header).to_bytes(4, "little") + header + b"".join(blocks)
+
+
+def _finite(value: object) -> object:
+    """Return a fact as JSON has it: numbers of NumPy as Python's, None for what is not finite."""
+    if isinstance(value, dict):
+        return {str(name): _finite(each) for name, each in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_finite(each) for each in value]
+    if isinstance(value, (np.ndarray, np.generic)):
+        return _finite(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
