@@ -15,6 +15,12 @@ static inline struct parameters parameters_of(const struct rotor *rotor, double 
     return (struct parameters){.omega = rotor->omega, .zeta = rotor->zeta, .delta0 = rotor->delta0, .felt = felt, .hertz = 1.0, .pressed = 1.0};
 }
 
+/* Whether a rotor is the paper's, but for friction, and its speed prescribed. */
+static inline int is_plain(const struct parameters *m)
+{
+    return m->shaft_stiffness == 0.0 && m->contact_damping == 0.0 && m->load == 0.0 && m->hertz == 1.0 && m->linear == 0.0 && m->pressed == 1.0 && m->torque == 0.0 && m->slope == 0.0 && m->inverse_inertia == 0.0;
+}
+
 enum { BY_OMEGA, BY_ZETA, BY_DELTA0, PARAMETERS };
 enum { CONTACT_Q, CONTACT_P, CONTACT_H, CONTACT_C, CONTACT_S, CONTACT_T, CONTACT_J, CONTACT_SIZE };
 enum { CONTACT_EXIT_GUARD = CONTACT_Q };

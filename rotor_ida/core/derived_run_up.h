@@ -15,6 +15,12 @@ static inline struct parameters parameters_of(const struct rotor *rotor, double 
     return (struct parameters){.zeta = rotor->zeta, .delta0 = rotor->delta0, .shaft_stiffness = rotor->shaft_stiffness, .contact_damping = rotor->contact_damping, .load = rotor->load, .hertz = rotor->contact_exponent > 1.0 ? 1.0 : 0.0, .linear = rotor->contact_exponent > 1.0 ? 0.0 : 1.0, .felt = felt, .pressed = 1.0, .friction = rotor->friction, .disc_radius = rotor->disc_radius, .sigma = 0.0, .rate = rotor->rate, .torque = rotor->torque, .slope = rotor->slope, .inverse_inertia = rotor->inverse_inertia};
 }
 
+/* Whether a rotor is the paper's, but for friction, and its speed prescribed. */
+static inline int is_plain(const struct parameters *m)
+{
+    return m->shaft_stiffness == 0.0 && m->contact_damping == 0.0 && m->load == 0.0 && m->hertz == 1.0 && m->linear == 0.0 && m->pressed == 1.0 && m->torque == 0.0 && m->slope == 0.0 && m->inverse_inertia == 0.0;
+}
+
 enum { CONTACT_Q, CONTACT_P, CONTACT_H, CONTACT_C, CONTACT_S, CONTACT_DOWN_R, CONTACT_DOWN_T, CONTACT_SPEED, CONTACT_T, CONTACT_ANGLE, CONTACT_J, CONTACT_WORK, CONTACT_SPENT, CONTACT_SIZE };
 enum { CONTACT_EXIT_GUARD = CONTACT_Q };
 enum { CONTACT_EXTREMUM_GUARD = CONTACT_P };

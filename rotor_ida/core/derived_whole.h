@@ -15,6 +15,12 @@ static inline struct parameters parameters_of(const struct rotor *rotor, double 
     return (struct parameters){.omega = rotor->omega, .zeta = rotor->zeta, .delta0 = rotor->delta0, .shaft_stiffness = rotor->shaft_stiffness, .contact_damping = rotor->contact_damping, .load = rotor->load, .hertz = rotor->contact_exponent > 1.0 ? 1.0 : 0.0, .linear = rotor->contact_exponent > 1.0 ? 0.0 : 1.0, .felt = felt, .pressed = 1.0, .friction = rotor->friction, .disc_radius = rotor->disc_radius, .rim = rotor->disc_radius * rotor->omega, .sigma = 0.0};
 }
 
+/* Whether a rotor is the paper's, but for friction, and its speed prescribed. */
+static inline int is_plain(const struct parameters *m)
+{
+    return m->shaft_stiffness == 0.0 && m->contact_damping == 0.0 && m->load == 0.0 && m->hertz == 1.0 && m->linear == 0.0 && m->pressed == 1.0 && m->torque == 0.0 && m->slope == 0.0 && m->inverse_inertia == 0.0;
+}
+
 enum { BY_OMEGA, BY_ZETA, BY_DELTA0, BY_SHAFT_STIFFNESS, BY_CONTACT_DAMPING, BY_LOAD, BY_FRICTION, BY_DISC_RADIUS, PARAMETERS };
 enum { CONTACT_Q, CONTACT_P, CONTACT_H, CONTACT_C, CONTACT_S, CONTACT_DOWN_R, CONTACT_DOWN_T, CONTACT_T, CONTACT_J, CONTACT_WORK, CONTACT_SPENT, CONTACT_SIZE };
 enum { CONTACT_EXIT_GUARD = CONTACT_Q };

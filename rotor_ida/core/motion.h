@@ -25,6 +25,14 @@ struct mode {
     /* the same where the speed is prescribed, and of a rotor that is the paper's besides */
     void (*expand_prescribed)(const struct parameters *, struct series *, int order);
     void (*expand_plain)(const struct parameters *, struct series *, int order);
+    /* the rates of what a contact of the general model spends, and of the heat, at parts of a step;
+     * and the same two again */
+    void (*spent)(const struct parameters *, const struct series *, int order, const vec4 *parts,
+                  vec4 (*rate)[2]);
+    void (*spent_prescribed)(const struct parameters *, const struct series *, int order,
+                             const vec4 *parts, vec4 (*rate)[2]);
+    void (*spent_plain)(const struct parameters *, const struct series *, int order,
+                        const vec4 *parts, vec4 (*rate)[2]);
     void (*expand_with_factors)(const struct parameters *, struct series *, int order);
     void (*expand_differences)(const struct parameters *, struct series *, int order);
     /* what is beside the state and yet needed to say when the mode ends, and its rates; or NULL */
@@ -173,12 +181,6 @@ static inline struct taylor *taylor_of(struct motion *motion) { return (struct t
 
 /* Add to `reached` what a contact spends over the last step up to `end` (spending.c). */
 void spend(struct motion *motion, double end, double *reached);
-/* Whether a rotor is the paper's, but for friction, and its speed prescribed. */
-static inline int is_plain(const struct parameters *m)
-{
-    return m->inverse_inertia == 0.0 && m->hertz > 0.0 && m->shaft_stiffness == 0.0
-           && m->contact_damping == 0.0 && m->load == 0.0;
-}
 
 void open_taylor(struct taylor *taylor, const struct mode *mode, struct parameters model,
                  double rtol, int tangents);

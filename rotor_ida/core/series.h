@@ -175,4 +175,22 @@ static inline __attribute__((always_inline)) void evaluate(const double *terms, 
     }
 }
 
+/* Values of some components at eight parts of a step, four to a vector. */
+enum { AT_ONCE = 2 };
+static inline __attribute__((always_inline)) void read_parts(const struct series *series, int order,
+                                                             const int *components, const int count,
+                                                             const vec4 *parts,
+                                                             vec4 (*values)[AT_ONCE])
+{
+    for (int i = 0; i < count; i++)
+        values[i][0] = values[i][1] = spread(0.0);
+    for (int n = order; n >= 0; n--) {
+        for (int i = 0; i < count; i++) {
+            const vec4 term = spread(series->terms[n][components[i]]);
+            for (int v = 0; v < AT_ONCE; v++)
+                values[i][v] = fma4(values[i][v], parts[v], term);
+        }
+    }
+}
+
 #endif

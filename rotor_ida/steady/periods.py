@@ -72,8 +72,8 @@ def turning_points(states: Values, extrema: Values) -> TurningPoints:
     left out.
     """
     radii = np.hypot(states[:, 0], states[:, 1])
-    found = extrema if np.ptp(radii) > STEADY * radii.max() else extrema[:0]
-    return TurningPoints(found[:, TIME], found[:, STATE:], found[:, KIND] > 0.0)
+    turns = extrema if np.ptp(radii) > STEADY * radii.max() else extrema[:0]
+    return TurningPoints(turns[:, TIME], turns[:, STATE:], turns[:, KIND] > 0.0)
 
 
 @dataclass(frozen=True, slots=True)

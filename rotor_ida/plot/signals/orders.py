@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from itertools import pairwise
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -17,30 +16,27 @@ from matplotlib.ticker import MaxNLocator
 from rotor_ida.arrays import Values
 from rotor_ida.checks import check_choice, check_positive
 from rotor_ida.errors import InputError
-from rotor_ida.plot.appearance import (
-    BLUE,
-    GOING_DOWN,
-    GOING_UP,
-    INK,
-    ORANGE,
-    axes_or_new,
-    check_dataset,
-    legend_below,
-    look,
-    own_legend,
-    style,
-)
-from rotor_ida.plot.labels import label_axis, label_of
-from rotor_ida.plot.signals.beneath import Response, responses_of
-from rotor_ida.plot.signals.units import Units, is_one_speed, title_of, units_of
+from rotor_ida.plot.appearance import drawing, legend_below, look, own_legend, style
+from rotor_ida.plot.datasets import check_dataset
+from rotor_ida.plot.labels import LABELS, label_axis, label_of
+from rotor_ida.plot.signals.beneath import Beneath, Response, responses_of
+from rotor_ida.plot.signals.speeds import legs_of, mark_speeds, title_of_signals
+from rotor_ida.plot.signals.units import Units, is_one_speed, units_of
 from rotor_ida.signals.orders import orders as tracked
 
 SENSES = ("forward", "backward")
-# A turn of the speed is noise if it is smaller than this part of the largest, or so many times
-# what the speed wobbles by.
-WOBBLE, NOISE = 0.02, 5.0
-MOST_MARKS = 8
-Beneath = xr.Dataset | Sequence[xr.Dataset]
+
+
+class OneOrder(NamedTuple):
+    """One order of a whirl over the windows, its words, and what is known of it exactly."""
+
+    title: str
+    units: Units
+    speeds: xr.DataArray
+    amplitude: Values
+    lag: Values
+    words: str
+    exact: list[Response]
 
 
 def plot_bode(
@@ -90,25 +86,20 @@ def plot_bode(
     >>> [ax.get_ylabel() for ax in plot_bode(up, beneath=exact)]
     ['whirl amplitude $|c|$', 'phase lag $\\theta$ [°]']
     """
-    check_choice("sense", sense, SENSES)
-    tracks = tracks_of(signals, [order])
-    units = units_of(tracks, "forward_whirl_amplitude", "speed")
-    amplitude, lag = _order_of(tracks, order, sense)
-    exact = _beneath_one(beneath, tracks, units, order, sense)
+    one = _one_order(signals, order, sense, beneath)
+    speeds, amplitude = one.speeds, one.amplitude
     with style():
         upper, lower = _pair_of(axes)
-        for response in exact:
+        angles, breaks = unwound(one.lag, amplitude)
+        for response in one.exact:
             response.draw_amplitude(upper)
-        angles, breaks = unwound(lag, amplitude)
-        for response in exact:
             response.draw_phase(lower, around=float(np.nanmedian(angles)))
-        speeds = units.speeds(tracks["speed"].values)
-        for part, words, colour, dashes in _legs(speeds.values, _words(order, sense)):
+        for part, words, colour, dashes in legs_of(speeds.values, one.words):
             upper.plot(speeds[part], amplitude[part], color=colour, ls=dashes, lw=1.1, label=words,
                        zorder=3.2)  # fmt: skip
             lower.plot(*_broken(speeds.values, angles, breaks, part), color=colour, ls=dashes,
                        lw=1.1, zorder=3.2)  # fmt: skip
-        label_axis(upper.yaxis, "whirl_amplitude", units.lengths(amplitude))
+        label_axis(upper.yaxis, "whirl_amplitude", one.units.lengths(amplitude))
         _label_degrees(lower)
         for ax in (upper, lower):
             label_axis(ax.xaxis, "speed", speeds)
@@ -116,7 +107,7 @@ def plot_bode(
         upper.set_ylim(0.0, 1.06 * _highest(upper))
         upper.set_xlabel("")
         upper.tick_params(labelbottom=False)
-        upper.set_title(title_of(tracks, one_speed=is_one_speed(speeds.values)))
+        upper.set_title(one.title)
         own_legend(upper)
     return [upper, lower]
 
@@ -152,30 +143,26 @@ def plot_polar(
     >>> ax.name, ax.get_theta_direction().item()
     ('polar', -1.0)
     """
-    check_choice("sense", sense, SENSES)
-    tracks = tracks_of(signals, [order])
-    units = units_of(tracks, "forward_whirl_amplitude", "speed")
-    amplitude, lag = _order_of(tracks, order, sense)
-    exact = _beneath_one(beneath, tracks, units, order, sense)
-    speeds = units.speeds(tracks["speed"].values)
+    one = _one_order(signals, order, sense, beneath)
+    speeds, amplitude, lag = one.speeds, one.amplitude, one.lag
+    apart = 0.06 * float(amplitude.max())
     with style():
         polar = _polar_axes(ax)
         polar.set_theta_direction(-1)
         polar.set_theta_zero_location("E")
-        for response in exact:
+        for response in one.exact:
             response.draw_polar(polar)
-        for part, words, colour, dashes in _legs(speeds.values, _words(order, sense)):
+        for part, words, colour, dashes in legs_of(speeds.values, one.words):
             polar.plot(lag[part], amplitude[part], color=colour, ls=dashes, lw=1.1, label=words,
                        zorder=3.2)  # fmt: skip
-            _mark_speeds(polar, speeds.values[part], lag[part], amplitude[part], colour)
+            z = amplitude[part] * np.exp(1j * lag[part])
+            mark_speeds(polar, z, speeds[part], colour, apart=apart)
         polar.set_rlim(0.0, 1.08 * float(amplitude.max()))
         polar.set_rlabel_position(202.5)
         polar.tick_params(axis="y", labelsize=7.5)
-        polar.set_xlabel(_words_of_polar(units, amplitude), labelpad=8.0)
+        polar.set_xlabel(_words_of_polar(one.units, amplitude), labelpad=8.0)
         # above the label of the angle, in whatever order the two are laid out
-        polar.set_title(
-            title_of(tracks, one_speed=is_one_speed(speeds.values)), y=1.0, pad=20.0
-        )  # fmt: skip
+        polar.set_title(one.title, y=1.0, pad=20.0)
         legend_below(polar, columns=3)
     return cast(Axes, polar)
 
@@ -214,15 +201,14 @@ def plot_orders(
     tracks = tracks_of(signals, orders)
     units = units_of(tracks, "forward_whirl_amplitude", "speed")
     speeds = units.speeds(tracks["speed"].values)
-    with style():
-        ax = axes_or_new(ax)
-        for response in _beneath_one(beneath, tracks, units, 1.0, "forward"):
+    with drawing(ax) as ax:
+        for response in responses_of(beneath, tracks, units):
             response.draw_amplitude(ax)
         highest = 0.0
         for number, order in enumerate(tracks["order"].values.tolist()):
             colour, dashes = look(number + 1)
             for sense in SENSES:
-                amplitude, _ = _order_of(tracks, order, sense)
+                amplitude = tracks[f"{sense}_whirl_amplitude"].values[..., number]
                 highest = max(highest, float(amplitude.max()))
                 ax.plot(speeds, amplitude, color=colour, lw=1.1, zorder=3.2,
                         ls="-" if order == 1.0 else dashes, ms=3.0, mfc="white", mew=0.7,
@@ -237,7 +223,7 @@ def plot_orders(
             ax.set_ylim(1e-4 * highest, 2.0 * highest)
         else:
             ax.set_ylim(0.0, 1.06 * _highest(ax))
-        ax.set_title(title_of(tracks, one_speed=is_one_speed(speeds.values)))
+        ax.set_title(title_of_signals(tracks, one_speed=is_one_speed(speeds.values)))
         legend_below(ax, columns=4)
     return ax
 
@@ -272,65 +258,32 @@ def unwound(lag: Values, amplitude: Values) -> tuple[Values, npt.NDArray[np.bool
     return angles, np.append(False, np.abs(np.diff(angles)) > 180.0)
 
 
-def _order_of(tracks: xr.Dataset, order: float, sense: str) -> tuple[Values, Values]:
-    """Return amplitude and lag of one order over the windows."""
-    wanted = check_positive("order", order)
-    held = tracks["order"].values
-    place = int(np.abs(held - wanted).argmin())
-    if abs(held[place] - wanted) > 1e-9 * wanted:
-        raise InputError(f"signals must hold the order {wanted:g}, got {held.tolist()}")
-    one = tracks.isel(order=place)
-    return one[f"{sense}_whirl_amplitude"].values, one[f"{sense}_phase_lag"].values
-
-
-def _beneath_one(
-    beneath: Beneath, tracks: xr.Dataset, units: Units, order: float, sense: str
-) -> list[Response]:
-    """Return what lies under the order 1 forward; under others there is nothing."""
-    found = responses_of(beneath, tracks, units)
-    if found and (order, sense) != (1.0, "forward"):
+def _one_order(signals: xr.Dataset, order: float, sense: str, beneath: Beneath) -> OneOrder:
+    """Return one order of signals; under the order 1 forward, and no other, exact results."""
+    check_choice("sense", sense, SENSES)
+    tracks = tracks_of(signals, [order])
+    units = units_of(tracks, "forward_whirl_amplitude", "speed")
+    wanted, tracked_orders = check_positive("order", order), tracks["order"].values
+    place = int(np.abs(tracked_orders - wanted).argmin())
+    if abs(tracked_orders[place] - wanted) > 1e-9 * wanted:
+        raise InputError(f"signals must hold the order {wanted:g}, got {tracked_orders.tolist()}")
+    exact = responses_of(beneath, tracks, units)
+    if exact and (order, sense) != (1.0, "forward"):
         raise InputError(f"beneath goes under the order 1 forward, got {order:g} {sense}")
-    return found
+    speeds, one = units.speeds(tracks["speed"].values), tracks.isel(order=place)
+    return OneOrder(
+        title_of_signals(tracks, one_speed=is_one_speed(speeds.values)),
+        units,
+        speeds,
+        one[f"{sense}_whirl_amplitude"].values,
+        one[f"{sense}_phase_lag"].values,
+        _words(order, sense),
+        exact,
+    )
 
 
 def _words(order: float, sense: str) -> str:
     return f"{order_words(order)} {sense}"
-
-
-def _legs(speeds: Values, words: str) -> list[tuple[slice, str, str, object]]:
-    """Return the parts in which the speed rises and falls, with their looks and words."""
-    turns = _turning_points(speeds)
-    if len(turns) == 2:
-        return [(slice(None), words, BLUE, "-")]
-    looks = {True: (f"{words}: {GOING_UP}", BLUE, "-"),
-             False: (f"{words}: {GOING_DOWN}", ORANGE, (0, (6, 1.2)))}  # fmt: skip
-    found: list[tuple[slice, str, str, object]] = []
-    told: set[str] = set()
-    for begin, end in pairwise(turns):
-        rises = bool(speeds[end] > speeds[begin])
-        said, colour, dashes = looks[rises]
-        found.append((slice(begin, end + 1), "_" if said in told else said, colour, dashes))
-        told.add(said)
-    return found
-
-
-def _turning_points(speeds: Values) -> list[int]:
-    """Return the places of first and last speed, and of those at which it turns for good."""
-    # of a steady ramp the second differences are noise alone
-    noise = float(np.median(np.abs(np.diff(speeds, 2)))) if speeds.size > 2 else 0.0
-    least = max(WOBBLE * float(np.abs(speeds).max(initial=0.0)), NOISE * noise)
-    turns, extreme, rising = [0], 0, 0
-    for place, speed in enumerate(speeds.tolist()):
-        step = speed - speeds[extreme]
-        if rising == 0:
-            rising = int(np.sign(step)) if abs(step) > least else 0
-            extreme = place if rising else extreme
-        elif rising * step >= 0.0:
-            extreme = place
-        elif abs(step) > least:
-            turns.append(extreme)
-            extreme, rising = place, -rising
-    return [*turns, speeds.size - 1]
 
 
 def _broken(
@@ -344,9 +297,9 @@ def _broken(
     at = at[at > 0]
     ends = np.concatenate([[0], at, [across[part].size]])
     alone = ends[:-1][np.diff(ends) == 1]
-    seen = up[part].copy()
-    seen[alone] = np.nan
-    return np.insert(across[part], at, np.nan), np.insert(seen, at, np.nan)
+    drawn = up[part].copy()
+    drawn[alone] = np.nan
+    return np.insert(across[part], at, np.nan), np.insert(drawn, at, np.nan)
 
 
 def _speed_limits(ax: Axes, speeds: Values) -> None:
@@ -369,7 +322,7 @@ def _highest(ax: Axes) -> float:
 
 
 def _label_degrees(ax: Axes) -> None:
-    ax.set_ylabel(r"phase lag $\theta$ [°]")
+    ax.set_ylabel(f"{LABELS['phase_lag']} [°]")
     ax.yaxis.set_major_locator(MaxNLocator(steps=[1, 1.5, 3, 4.5, 9, 10], nbins=7))
     low, high = ax.get_ylim()
     ax.set_ylim(min(low, 0.0) if low > -30.0 else low, max(high, 180.0))
@@ -399,32 +352,3 @@ def _words_of_polar(units: Units, amplitude: Values) -> str:
     radius = label_of("whirl_amplitude", units.lengths(amplitude))
     unit = "[rpm]" if units.rate is not None else r"$\omega$"
     return f"{radius}; lag clockwise, against the rotation; dots: speed {unit}"
-
-
-def _mark_speeds(polar: Any, speeds: Values, lag: Values, amplitude: Values, colour: str) -> None:
-    """Mark round speeds along a vector's way with their numbers."""
-    low, high = float(speeds.min()), float(speeds.max())
-    if is_one_speed(speeds):
-        return
-    rising = speeds[-1] >= speeds[0]
-    order = np.argsort(speeds, kind="stable")
-    ticks = MaxNLocator(nbins=2 * MOST_MARKS, steps=[1, 2, 5, 10]).tick_values(low, high)
-    ticks = [tick for tick in ticks if low <= tick <= high]
-    z = amplitude * np.exp(1j * lag)
-    places = np.interp(ticks, speeds[order], z[order].real) + 1j * np.interp(
-        ticks, speeds[order], z[order].imag
-    )
-    polar.plot(np.angle(places), np.abs(places), ls="", marker="o", ms=3.2, mec=INK, mew=0.5,
-               mfc=colour, zorder=3.4)  # fmt: skip
-    apart = 0.06 * float(amplitude.max())
-    told: list[complex] = []
-    for tick, place in zip(ticks, places, strict=True):
-        if all(abs(place - other) > apart for other in told):
-            told.append(complex(place))
-            # outside of a run-up's way, and inside of a run-down's
-            right = (place.real >= 0.0) == rising
-            polar.annotate(
-                f"{tick:.6g}", (float(np.angle(place)), float(np.abs(place))),
-                xytext=(5 if right else -5, 0), textcoords="offset points", fontsize=7.0,
-                ha="left" if right else "right", va="center_baseline", zorder=3.5,
-            )  # fmt: skip

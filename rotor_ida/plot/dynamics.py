@@ -1,41 +1,40 @@
-"""What no response curve shows: sections, spectra, Lyapunov exponents, bifurcation diagrams."""
+"""Motion in the long run: Poincaré sections, Lyapunov exponents, bifurcation diagrams."""
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
 
-from rotor_ida.checks import check_positive
+from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
-from rotor_ida.model.table import ALL_PARAMETERS, FRICTIONLESS, PARAMETERS
+from rotor_ida.model.table import FRICTIONLESS, PARAMETERS
 from rotor_ida.plot.appearance import (
     BLUE,
-    DASHES,
     GREY,
     INK,
     ORANGE,
     PURPLE,
-    axes_or_new,
-    check_dataset,
+    draw_marks,
     draw_ring,
-    one_value,
+    drawing,
     own_legend,
-    style,
-    title_of,
+    say_in_middle,
 )
-from rotor_ida.plot.labels import (
-    LABELS,
+from rotor_ida.plot.datasets import (
+    check_dataset,
     check_same_units,
-    label_axis,
-    parameter_text,
-    scale_of,
-    with_error,
+    clearance_of,
+    one_value,
+    parameters_in,
 )
+from rotor_ida.plot.labels import LABELS, in_lines, label_axis, parameter_text, title_of, with_error
 from rotor_ida.plot.responses import plot_amplitude
+from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import flags_of
 
 # How the points of a section are drawn.
@@ -47,8 +46,6 @@ WORDS = {
     "exit": "at each exit",
     "peak": "at each largest radius",
 }
-# Below this part of the largest the side lobes of the flat-top window lie.
-FLOOR = 3e-5
 # How the exponents are told apart.
 LINES = ((BLUE, "-"), (ORANGE, "--"), (PURPLE, "-."), (INK, ":"))
 # What a bifurcation diagram is made of.
@@ -87,75 +84,27 @@ def plot_section(section: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     section = check_dataset("section", section, needed)
     at = str(section.attrs.get("section", ""))
     z = section["rotating_x"].values + 1j * section["rotating_y"].values
-    w = section["rotating_vx"].values + 1j * section["rotating_vy"].values
-    length = scale_of(section, "length")
-    with style():
-        ax = axes_or_new(ax, width=4.0, height=4.0)
+    with drawing(ax, width=4.0, height=4.0) as ax:
         if at in ("entry", "exit"):
+            w = section["rotating_vx"].values + 1j * section["rotating_vy"].values
             across, up = _together(np.angle(z)), (w * z.conj()).real / np.abs(z)
-            units = (1.0, scale_of(section, "velocity"))
+            scales = (1.0, scale_of(section, "velocity"))
             ax.set_xlabel(LABELS["angle"])
             label_axis(ax.yaxis, "radial_velocity", section["rotating_vx"])
         else:
-            across, up, units = z.real, z.imag, (length, length)
+            across, up, scales = z.real, z.imag, (scale_of(section, "length"),) * 2
             label_axis(ax.xaxis, "rotating_x", section["rotating_x"])
             label_axis(ax.yaxis, "rotating_y", section["rotating_y"])
-            draw_ring(ax, one_value("section", section, "delta0") * length)
+            draw_ring(ax, clearance_of(section, "section"))
             ax.set_aspect("equal", adjustable="datalim")
         ax.plot(across, up, ls="", marker="o", ms=_mark_size(z), mec="none", mfc=BLUE, zorder=3.0)
-        _leave_room(ax, *units)
+        _leave_room(ax, *scales)
         if not z.size:
-            ax.text(0.5, 0.5, "no crossing", transform=ax.transAxes, ha="center", va="center")
+            say_in_middle(ax, "no crossing")
         words = WORDS.get(at, title_of("section", section))
         if phase := float(section.attrs.get("phase", 0.0)):
             words = f"unbalance at {math.degrees(phase):.4g}°"
         ax.set_title(words + _counted(z))
-    return ax
-
-
-def plot_spectrum(lines: xr.Dataset, *, span: float = 4.0, ax: Axes | None = None) -> Axes:
-    """Draw the amplitude of forward and backward whirl over the frequency.
-
-    The amplitude, on a logarithmic scale, is shown down to 3e-5 of the largest.
-
-    Parameters
-    ----------
-    lines : Dataset
-        What `rotor_ida.spectrum` returned.
-    span : float
-        Largest frequency shown, over the spin speed; over one if the rotor does not turn [1].
-    ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
-
-    Examples
-    --------
-    >>> from rotor_ida import Rotor, simulate, spectrum
-    >>> run = simulate(Rotor(omega=1.7, zeta=0.07, delta0=0.5), start=(0, 0, 0, 0), duration=60)
-    >>> plot_spectrum(spectrum(run)).get_yscale()
-    'log'
-    """
-    lines = check_dataset("lines", lines, ("frequency", "whirl_amplitude"))
-    limit = check_positive("span", span)
-    over = "frequency_over_omega" if "frequency_over_omega" in lines.variables else "frequency"
-    frequency, height = lines[over].values, lines["whirl_amplitude"].values
-    highest = float(height.max(initial=0.0)) or 1.0
-    with style():
-        ax = axes_or_new(ax)
-        label_axis(ax.xaxis, over, lines[over])
-        label_axis(ax.yaxis, "whirl_amplitude", lines["whirl_amplitude"])
-        for words, colour, chosen in (
-            ("backward whirl", ORANGE, frequency <= 0.0),
-            ("forward whirl", BLUE, frequency >= 0.0),
-        ):
-            ax.semilogy(frequency[chosen], height[chosen], color=colour, lw=0.9, label=words)
-        if over == "frequency_over_omega":
-            ax.axvline(1.0, color=GREY, lw=0.7, ls=DASHES, zorder=1.5, label="spin speed")
-        else:
-            limit *= scale_of(lines, "rate")
-        ax.set_xlim(-limit, limit)
-        # room for the legend
-        ax.set_ylim(FLOOR * highest, 30.0 * highest)
-        own_legend(ax).set_loc("upper left")
     return ax
 
 
@@ -181,8 +130,7 @@ def plot_exponents(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     """
     needed = ("t", "running_exponent", "lyapunov_exponent", "lyapunov_error")
     found = check_dataset("found", found, needed)
-    with style():
-        ax = axes_or_new(ax)
+    with drawing(ax) as ax:
         label_axis(ax.xaxis, "t", found["t"])
         label_axis(ax.yaxis, "running_exponent", found["running_exponent"])
         ax.axhline(0.0, color=GREY, lw=0.7, zorder=1.5)
@@ -236,6 +184,41 @@ def plot_extrema(
     """
     found = check_dataset("found", found, WITH_EXTREMA)
     over, held = _varied(found, exact)
+    extrema = _extrema_of(found, over, None if over == "delta0" else held["delta0"])
+    with drawing(ax) as ax:
+        if exact is None:
+            ax.set_title(in_lines(parameter_text(held)))
+        else:
+            plot_amplitude(exact, fold_points=fold_points, ax=ax)
+        size = 2.6 if extrema.number < FEW_EXTREMA else 1.2
+        for words, (colour, chosen) in extrema.groups.items():
+            if not chosen.any():
+                continue
+            steady = words == EXTREMA["constant"][0]
+            face = "none" if steady else colour
+            ax.plot(
+                extrema.across[chosen], extrema.radius[chosen], ls="", marker="o",
+                ms=3.4 if steady else size, mec=colour if steady else "none", mfc=face, mew=0.7,
+                rasterized=True, zorder=2.4 if words == FREE else 3.0,
+            )  # fmt: skip
+            draw_marks(ax, [], [], "o", colour, size=3.4, face=face, edge=0.7, label=words)
+        ax.set_xlabel(LABELS[over])
+        label_axis(ax.yaxis, "radius", found["extremum_radius"])
+        own_legend(ax)
+    return ax
+
+
+class _Extrema(NamedTuple):
+    """The extrema of a diagram, one after the other: how many are shown, and each kind of them."""
+
+    across: Values
+    radius: Values
+    number: int
+    groups: dict[str, tuple[str, npt.NDArray[np.bool_]]]
+
+
+def _extrema_of(found: xr.Dataset, over: str, delta0: float | None) -> _Extrema:
+    """Return the extrema over a parameter; of one clearance, or of all."""
     counts = found["extremum_count"]
     places = xr.broadcast(found[over], found["delta0"], found["response"], counts)
     across, clearance, response = (
@@ -244,45 +227,32 @@ def plot_extrema(
     )
     if over == "omega" and "extremum_speed" in found.variables:
         across = found["extremum_speed"].values
-    here = clearance == held["delta0"] if over != "delta0" else np.full(clearance.shape, True)
-    flags = flags_of(found["response"])
+    here = np.full(clearance.shape, True) if delta0 is None else clearance == delta0
     # of an unresolved motion it is not known whether the extrema remain
-    free = np.isin(response, [number for kind, number in flags.items() if kind in FREE_KINDS])
-    radius, kinds = found["extremum_radius"].values, found["extremum_kind"].values
-    flags = flags_of(found["extremum_kind"])
-    with style():
-        if exact is None:
-            ax = axes_or_new(ax)
-            ax.set_title(parameter_text(held))
-        else:
-            ax = plot_amplitude(exact, fold_points=fold_points, ax=ax)
-        size = 2.6 if here.sum() < FEW_EXTREMA else 1.2
-        kind_of = {kind: here & (kinds == flags[kind]) for kind in EXTREMA}
-        swinging = free & ~kind_of["constant"]
-        shown = {
-            words: (colour, kind_of[kind] & ~swinging) for kind, (words, colour) in EXTREMA.items()
-        }
-        shown[FREE] = (GREY, here & swinging)
-        for words, (colour, chosen) in shown.items():
-            if not chosen.any():
-                continue
-            steady = words == EXTREMA["constant"][0]
-            face = "none" if steady else colour
-            ax.plot(
-                across[chosen], radius[chosen], ls="", marker="o", ms=3.4 if steady else size,
-                mec=colour if steady else "none", mfc=face, mew=0.7, rasterized=True,
-                zorder=2.4 if words == FREE else 3.0,
-            )  # fmt: skip
-            ax.plot([], [], ls="", marker="o", ms=3.4, mec=colour, mfc=face, mew=0.7, label=words)
-        ax.set_xlabel(LABELS[over])
-        label_axis(ax.yaxis, "radius", found["extremum_radius"])
-        own_legend(ax)
-    return ax
+    free = _is_of(response, found["response"], FREE_KINDS)
+    of_kind = {
+        kind: here & _is_of(found["extremum_kind"].values, found["extremum_kind"], (kind,))
+        for kind in EXTREMA
+    }
+    swinging = free & ~of_kind["constant"]
+    groups = {
+        words: (colour, of_kind[kind] & ~swinging) for kind, (words, colour) in EXTREMA.items()
+    }
+    groups[FREE] = (GREY, here & swinging)
+    return _Extrema(across, found["extremum_radius"].values, int(here.sum()), groups)
+
+
+def _is_of(
+    numbers: Values, variable: xr.DataArray, kinds: tuple[str, ...]
+) -> npt.NDArray[np.bool_]:
+    """Return which numbers of a flag variable are of some kinds."""
+    flags = flags_of(variable)
+    return np.isin(numbers, [flags[kind] for kind in kinds if kind in flags])
 
 
 def _varied(found: xr.Dataset, exact: xr.Dataset | None) -> tuple[str, dict[str, float]]:
     """Return which parameter varies in a diagram, and the values of the others."""
-    names = [name for name in ALL_PARAMETERS if name in found.variables]
+    names = parameters_in(found)
     if exact is None:
         varied = [name for name in names if found[name].size > 1]
         over = varied[0] if len(varied) == 1 else "omega"

@@ -7,34 +7,24 @@ from collections.abc import Sequence
 from typing import cast
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
 
+from rotor_ida.arrays import Values
 from rotor_ida.checks import check_choice
 from rotor_ida.plot.appearance import (
     BLUE,
     INK,
-    LOOKS,
     ORANGE,
-    axes_or_new,
-    check_dataset,
+    draw_marks,
+    drawing,
     finish_solid,
     look,
     own_legend,
-    solid_axes,
-    style,
-    title_of,
+    solid_drawing,
 )
-from rotor_ida.plot.labels import (
-    LABELS,
-    check_same_units,
-    hold_units,
-    label_axis,
-    label_of,
-    number_text,
-    unit_of,
-)
+from rotor_ida.plot.datasets import check_dataset, check_same_units, hold_units
+from rotor_ida.plot.labels import LABELS, label_axis, label_of, number_text, title_of, unit_of
 
 MOTIONS = {
     "circular_period": ("circle", BLUE, "-", "o"),
@@ -64,8 +54,7 @@ def plot_surface(field: xr.Dataset, name: str, *, ax: Axes | None = None) -> Axe
     """
     field = check_dataset("field", field, ("x", "y", "delta0", name))
     title = title_of("field", field, ["delta0"])
-    with style():
-        solid = solid_axes(ax)
+    with solid_drawing(ax) as solid:
         table = field[name].squeeze("delta0") if "delta0" in field[name].dims else field[name]
         across, up = np.meshgrid(field["x"].values, field["y"].values)
         solid.plot_surface(
@@ -106,8 +95,7 @@ def plot_cuts(field: xr.Dataset, name: str, *, at: Sequence[float], ax: Axes | N
     """
     field = check_dataset("field", field, ("x", "y", "delta0", name))
     title = title_of("field", field, ["delta0"])
-    with style():
-        ax = axes_or_new(ax)
+    with drawing(ax) as ax:
         label_axis(ax.xaxis, "x", field["x"])
         label_axis(ax.yaxis, name, field[name])
         for number, place in enumerate(at):
@@ -155,8 +143,7 @@ def plot_periods(
         check_dataset("simulated", simulated, ("amplitude", *MOTIONS))
         check_same_units("simulated", simulated, exact)
     period = exact["circular_period"]
-    with style():
-        ax = axes_or_new(ax)
+    with drawing(ax) as ax:
         label_axis(ax.yaxis, "amplitude", exact["amplitude"])
         if over == "period":
             label_axis(ax.xaxis, "period", period)
@@ -169,10 +156,9 @@ def plot_periods(
                 label=f"on a {words}, exact",
             )  # fmt: skip
             if simulated is not None:
-                ax.plot(
-                    _across(simulated[name], over), simulated["amplitude"].values, ls="",
-                    marker=marker, ms=4.2, mec=colour, mfc="white", mew=1.0,
-                    label=f"on a {words}, simulated",
+                draw_marks(
+                    ax, _across(simulated[name], over), simulated["amplitude"].values, marker,
+                    colour, size=4.2, face="white", label=f"on a {words}, simulated",
                 )  # fmt: skip
         ax.set_ylim(bottom=0.0)
         ax.set_title(title_of("exact", exact, ["delta0"]))
@@ -203,15 +189,14 @@ def plot_portrait(runs: xr.Dataset, *, along: str = "x", ax: Axes | None = None)
     check_choice("along", along, ("x", "y"))
     runs = check_dataset("runs", runs, (along, f"v{along}", "amplitude", "period"))
     unit = unit_of(runs["period"])
-    with style():
-        ax = axes_or_new(ax)
+    with drawing(ax) as ax:
         label_axis(ax.xaxis, along, runs[along])
         label_axis(ax.yaxis, f"v{along}", runs[f"v{along}"])
         for number in range(runs.sizes["start"]):
             run = runs.isel(start=number)
             colour, line = look(number)
             if float(run["amplitude"]) <= 0.0:
-                ax.plot(0.0, 0.0, ls="", marker="o", ms=3.0, color=colour)
+                draw_marks(ax, 0.0, 0.0, "o", colour, size=3.0)
                 continue
             ax.plot(run[along].values, run[f"v{along}"].values, color=colour, ls=line)
             lowest = -float(abs(run[f"v{along}"]).max())
@@ -249,14 +234,13 @@ def plot_solutions(compared: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     'time $t$'
     """
     compared = check_dataset("compared", compared, CLAIMED)
-    with style():
-        ax = axes_or_new(ax, width=7.0, height=2.6)
+    with drawing(ax, width=7.0, height=2.6) as ax:
         label_axis(ax.xaxis, "t", compared["t"])
         label_axis(ax.yaxis, "x", compared["x"])
         ax.plot(compared["t"].values, compared["x"].values, color=INK, lw=1.4,
                 label="simulated")  # fmt: skip
         for number, name in enumerate(compared["solution"].values.tolist(), start=1):
-            colour, line = LOOKS[number]
+            colour, line = look(number)
             here = compared.sel(solution=name)
             ax.plot(here["t"].values, here["solution_x"].values, color=colour, ls=line,
                     lw=1.0, label=str(name))  # fmt: skip
@@ -288,12 +272,11 @@ def plot_deviation(compared: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     across = compared["solution_x"] - compared["x"]
     up = compared["solution_y"] - compared["y"]
     error = (across**2 + up**2) ** 0.5
-    with style():
-        ax = axes_or_new(ax, width=7.0, height=2.6)
+    with drawing(ax, width=7.0, height=2.6) as ax:
         label_axis(ax.xaxis, "t", compared["t"])
         label_axis(ax.yaxis, "deviation", compared["x"])
         for number, name in enumerate(compared["solution"].values.tolist(), start=1):
-            colour, line = LOOKS[number]
+            colour, line = look(number)
             values = error.sel(solution=name).values
             shown = np.where(values > 0.0, values, np.nan)
             ax.semilogy(compared["t"].values, shown, color=colour, ls=line, lw=1.1,
@@ -303,6 +286,6 @@ def plot_deviation(compared: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     return ax
 
 
-def _across(period: xr.DataArray, over: str) -> npt.NDArray[np.float64]:
+def _across(period: xr.DataArray, over: str) -> Values:
     values = np.asarray(period.squeeze().values, dtype=np.float64)
     return values if over == "period" else 2.0 * math.pi / values

@@ -1,17 +1,24 @@
-"""Rubs over the speed: where the response curve with friction folds, turns back and oscillates.
+"""Points of the response curve by polynomials: folds, Hopf points, tips, speeds at an amplitude.
 
-A synchronous rub that slips forwards obeys, with ``f = f(A)`` and ``g = kappa A + f``,
+A whirl that slips forwards obeys, with ``f = f(A)`` and ``g = kappa A + f``,
 
     P = (A**2 - 1) w**4 + A (4 zeta**2 A - 2 g) w**2 + 4 mu zeta A f w + g**2 + mu**2 f**2 = 0
 
-at the speed w. Friction brings in an odd power, so speeds come from a quartic and no longer from a
-quadratic in w**2. By Descartes' rule of signs there is one speed for ``A < 1`` and there are two or
-none for ``A > 1``: the two flanks, as without friction. A point of the curve at which something
-happens is a root of a second polynomial in w as well:
+at the speed w. Without friction it is a quadratic in w**2; friction brings in an odd power, and
+speeds come from a quartic. By Descartes' rule of signs there is one speed for ``A < 1`` and there
+are two or none for ``A > 1``: the two flanks. A point of the curve at which something happens is a
+root of a second polynomial in w as well:
 
 - a fold, of the determinant D of `stability_determinant`, times A;
-- a Hopf point, of Hurwitz' determinant ``a3 a2 a1 - a1**2 - a3**2 a0`` of the eigenvalues;
+- a Hopf point, of Hurwitz' determinant ``a3 a2 a1 - a1**2 - a3**2 a0`` of the eigenvalues, where
+  two of them are ``+- i Omega`` if ``Omega**2 = a1/a3`` is positive [2]_;
 - a tip, where the flanks meet, of ``dP/dw``.
+
+With ``K = kappa + f'(A)``, ``S = kappa + f(A)/A``, ``m = 2 zeta + c f(A)`` and ``q = w**2`` the
+eigenvalues of a whirl without friction are the roots of ``L**4 + a3 L**3 + a2 L**2 + a1 L + a0``,
+
+    a3 = m + 2 zeta,                a1 = m S + 2 zeta K + (6 zeta - m) q,
+    a2 = K + S + 2 zeta m + 2 q,    a0 = (K - q)(S - q) + 4 zeta**2 q = D.
 
 All coefficients are polynomials in ``u = sqrt(A - delta0)``, or in ``A - delta0`` in a linear
 contact. Both have a root in common where their resultant vanishes, Bezout's determinant [1]_, whose
@@ -20,6 +27,7 @@ roots are isolated in exact arithmetic: see `exact_polynomials`.
 References
 ----------
 .. [1] D. A. Cox, J. Little, D. O'Shea, "Using Algebraic Geometry", Springer, 2005, section 3.1.
+.. [2] Y. A. Kuznetsov, "Elements of Applied Bifurcation Theory", Springer, 2004, section 5.4.
 """
 
 from __future__ import annotations
@@ -29,11 +37,13 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache
 from itertools import combinations, pairwise
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Values
+from rotor_ida.closed_forms.contact_laws import RestoringLaw
 from rotor_ida.closed_forms.contacting_whirls import Rows, bracketed_newton
 from rotor_ida.closed_forms.double_double import DoubleDouble
 from rotor_ida.closed_forms.exact_polynomials import (
@@ -44,40 +54,58 @@ from rotor_ida.closed_forms.exact_polynomials import (
     constant,
     positive_roots,
 )
+from rotor_ida.closed_forms.rotor_columns import RotorColumns
 
 # Coefficients by powers of the speed, the lowest first.
 Equation = tuple[Polynomial, ...]
-# Speed and amplitude.
-Point = tuple[float, float]
+
+
+class Fold(NamedTuple):
+    """Speed and amplitude of a fold [1]."""
+
+    omega: float
+    amplitude: float
+
+
+class HopfPoint(NamedTuple):
+    """Speed and amplitude of a Hopf point, and the frequency of its oscillation [1]."""
+
+    omega: float
+    amplitude: float
+    frequency: float
+
+
+class Tip(NamedTuple):
+    """Amplitude and speed at which the two flanks of the resonance meet [1]."""
+
+    amplitude: float
+    omega: float
 
 
 @dataclass(frozen=True)
-class Rub:
-    """What a rotor rubs with: all its parameters but the speed."""
+class CurveEquations:
+    """The polynomials of the whirls of a rotor at all its speeds."""
 
     zeta: float
-    delta0: float
-    shaft_stiffness: float
-    friction: float
-    hertz: bool
+    law: RestoringLaw
     contact_damping: float = 0.0
 
     @cached_property
     def terms(self) -> _Terms:
         """Amplitude and forces as polynomials."""
         u = Polynomial((Fraction(0), Fraction(1)))
-        one, kappa = constant(1), constant(Fraction(self.shaft_stiffness))
-        depth = u * u if self.hertz else u
-        f = depth * u if self.hertz else u
-        slope = constant(Fraction(3, 2)) * u if self.hertz else one
-        A = constant(Fraction(self.delta0)) + depth
+        one, kappa = constant(1), constant(Fraction(self.law.shaft_stiffness))
+        depth = u * u if self.law.hertz else u
+        f = depth * u if self.law.hertz else u
+        slope = constant(Fraction(3, 2)) * u if self.law.hertz else one
+        A = constant(Fraction(self.law.delta0)) + depth
         return _Terms(A, f, slope, f + kappa * A, slope + kappa)
 
     @property
     def curve(self) -> Equation:
         """P, by powers of the speed."""
         A, f, _, g, _ = self.terms.all
-        zeta, mu = Fraction(self.zeta), Fraction(self.friction)
+        zeta, mu = Fraction(self.zeta), Fraction(self.law.friction)
         return (
             g * g + constant(mu * mu) * f * f,
             constant(4 * mu * zeta) * A * f,
@@ -90,7 +118,7 @@ class Rub:
     def fold(self) -> Equation:
         """``A D``, by powers of the speed."""
         A, f, slope, g, K = self.terms.all
-        zeta, mu = Fraction(self.zeta), Fraction(self.friction)
+        zeta, mu = Fraction(self.zeta), Fraction(self.law.friction)
         return (
             g * K + constant(mu * mu) * f * slope,
             constant(2 * zeta * mu) * (f + A * slope),
@@ -103,7 +131,7 @@ class Rub:
     def hopf(self) -> Equation:
         """Hurwitz' determinant times ``A**2``, by powers of the speed."""
         A, f, _, g, K = self.terms.all
-        c, mu = constant(Fraction(self.contact_damping)), constant(Fraction(self.friction))
+        c, mu = constant(Fraction(self.contact_damping)), constant(Fraction(self.law.friction))
         two, two_zeta = constant(2), constant(2 * Fraction(self.zeta))
         m = two_zeta + c * f
         a3 = m + two_zeta
@@ -117,7 +145,7 @@ class Rub:
     def a1(self) -> Equation:
         """The coefficient of the eigenvalue's first power, times A, by powers of the speed."""
         A, f, slope, g, K = self.terms.all
-        c, mu = constant(Fraction(self.contact_damping)), constant(Fraction(self.friction))
+        c, mu = constant(Fraction(self.contact_damping)), constant(Fraction(self.law.friction))
         two, two_zeta = constant(2), constant(2 * Fraction(self.zeta))
         m = two_zeta + c * f
         return (
@@ -134,7 +162,7 @@ class Rub:
 
     def amplitude(self, root: Fraction) -> float:
         """Return the amplitude at a root."""
-        return float(Fraction(self.delta0) + (root * root if self.hertz else root))
+        return float(Fraction(self.law.delta0) + (root * root if self.law.hertz else root))
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,45 +178,49 @@ class _Terms:
         return self.A, self.f, self.slope, self.g, self.K
 
 
-# ---- Points ----
+def equations_of(rotors: RotorColumns) -> list[CurveEquations]:
+    """Return those of each of many rotors."""
+    rows = zip(rotors.zeta.tolist(), rotors.laws, rotors.contact_damping.tolist(), strict=True)
+    return [CurveEquations(*row) for row in rows]
 
 
 @lru_cache(maxsize=1024)
-def rub_folds(rub: Rub) -> tuple[Point, ...]:
+def exact_folds(equations: CurveEquations) -> tuple[Fold, ...]:
     """Return speed and amplitude of every fold, in order of speed.
 
     Examples
     --------
-    >>> found = rub_folds(Rub(0.07, 0.5, 0.0, 0.02, True))
+    >>> found = exact_folds(CurveEquations(0.07, RestoringLaw(0.5, friction=0.02)))
     >>> [round(omega, 6) for omega, _ in found]
     [0.073354, 0.080852, 1.337605, 1.712264]
     """
-    found = _crossings(rub.curve, rub.fold)
-    return tuple(sorted((float(w), rub.amplitude(root)) for root, w in found))
+    found = _crossings(equations.curve, equations.fold)
+    return tuple(sorted(Fold(float(w), equations.amplitude(root)) for root, w in found))
 
 
 @lru_cache(maxsize=1024)
-def rub_hopf_points(rub: Rub) -> tuple[tuple[float, float, float], ...]:
+def exact_hopf_points(equations: CurveEquations) -> tuple[HopfPoint, ...]:
     """Return speed, amplitude and frequency of every Hopf point, in order of speed."""
-    if rub.zeta == 0.0 and rub.contact_damping == 0.0:
+    damped, lossy = equations.zeta > 0.0, equations.contact_damping > 0.0
+    if not (damped and lossy) and not (equations.law.friction > 0.0 and (damped or lossy)):
         return ()
     found = []
-    for root, w in _crossings(rub.curve, rub.hopf):
-        a1 = sum(each(root) * w**power for power, each in enumerate(rub.a1))
-        squared = a1 / (rub.a3(root) * rub.terms.A(root))
+    for root, w in _crossings(equations.curve, equations.hopf):
+        a1 = sum(each(root) * w**power for power, each in enumerate(equations.a1))
+        squared = a1 / (equations.a3(root) * equations.terms.A(root))
         if squared > 0:
-            found.append((float(w), rub.amplitude(root), math.sqrt(squared)))
+            found.append(HopfPoint(float(w), equations.amplitude(root), math.sqrt(squared)))
     return tuple(sorted(found))
 
 
-def rub_tips(rub: Rub) -> list[Point]:
+def exact_tips(equations: CurveEquations) -> list[Tip]:
     """Return amplitude, above 1, and speed where the flanks meet, in order of amplitude.
 
     There P has a double root: its discriminant by the speed vanishes, less the factor
     ``A**2 - 1``. On either side of a tip there are two speeds and none.
     """
-    c0, c1, c2, _, c4 = rub.curve
-    if rub.zeta == 0.0:
+    c0, c1, c2, _, c4 = equations.curve
+    if _vanishes(c1):
         discriminant = c2 * c2 - constant(4) * c4 * c0
     else:
         odd, high = c1 * c1, c4 * c0
@@ -197,26 +229,24 @@ def rub_tips(rub: Rub) -> list[Point]:
             + c4 * odd * (constant(144) * c2 * c0 - constant(27) * odd)
             + c2 * c2 * c2 * (constant(16) * c2 * c0 - constant(4) * odd)
         )
-    begin = Fraction(max(1.0 - rub.delta0, 0.0))
-    begin = Fraction(math.sqrt(begin)) if rub.hertz else begin
+    law = equations.law
+    begin = Fraction(max(1.0 - law.delta0, 0.0))
+    begin = Fraction(math.sqrt(begin)) if law.hertz else begin
     roots = [root.narrowed(FINER[0])[0] for root in positive_roots(discriminant)]
     roots = [root for root in roots if root > begin]
     if not roots:
         return []
     edges = [begin, *roots, 2 * roots[-1]]
-    between = np.array([rub.amplitude((low + high) / 2) for low, high in pairwise(edges)])
-    exists = flanks(between, rub)[2].tolist()
+    between = np.array([equations.amplitude((low + high) / 2) for low, high in pairwise(edges)])
+    exists = flanks(between, equations)[2].tolist()
     return [
-        (A := rub.amplitude(root), float(_lowest_speed(np.array([A]), rub)[0]))
+        Tip(A := equations.amplitude(root), float(_lowest_speed(np.array([A]), equations)[0]))
         for root, (before, after) in zip(roots, pairwise(exists), strict=True)
         if before != after
     ]
 
 
-# ---- Speeds at given amplitudes ----
-
-
-def flanks(A: Values, rub: Rub) -> tuple[Values, Values, npt.NDArray[np.bool_]]:
+def flanks(A: Values, equations: CurveEquations) -> tuple[Values, Values, npt.NDArray[np.bool_]]:
     """Return the slower and the faster speed at amplitudes above delta0, and whether they exist.
 
     Up to A = 1 there is one flank, and the faster speed is infinite. Beyond a tip both speeds are
@@ -224,15 +254,15 @@ def flanks(A: Values, rub: Rub) -> tuple[Values, Values, npt.NDArray[np.bool_]]:
 
     Examples
     --------
-    >>> rub = Rub(0.07, 0.5, 0.0, 0.1, True)
-    >>> slower, faster, exists = flanks(np.array([3.9010286365]), rub)
+    >>> equations = CurveEquations(0.07, RestoringLaw(0.5, friction=0.1))
+    >>> slower, faster, exists = flanks(np.array([3.9010286365]), equations)
     >>> round(float(slower[0]), 9), bool(exists[0])
     (1.2, True)
     """
-    coefficients = _coefficients(A, rub)
+    coefficients = _coefficients(A, equations)
     c0, c1, c2, c4 = (each.high for each in coefficients)
     above = A > 1.0
-    lowest = np.where(above, _lowest_speed(A, rub), 0.0)
+    lowest = np.where(above, _lowest_speed(A, equations), 0.0)
     size = np.where(c4 == 0.0, np.maximum(-c2, 0.0), np.abs(c4))
     with np.errstate(divide="ignore", invalid="ignore"):
         shares = (np.maximum(np.abs(c2) / size, 0.0), np.cbrt(c1 / size), np.sqrt(c0 / size))
@@ -258,15 +288,16 @@ def flanks(A: Values, rub: Rub) -> tuple[Values, Values, npt.NDArray[np.bool_]]:
     return slower, np.where(above, faster, np.inf), exists
 
 
-def _coefficients(A: Values, rub: Rub) -> tuple[DoubleDouble, ...]:
+def _coefficients(A: Values, equations: CurveEquations) -> tuple[DoubleDouble, ...]:
     """Return those of P at amplitudes, of the powers 0, 1, 2 and 4, with 32 digits."""
+    law = equations.law
     zeta, kappa, mu, d, one, four = (
         DoubleDouble.of(0.0 * A + each)
-        for each in (rub.zeta, rub.shaft_stiffness, rub.friction, rub.delta0, 1.0, 4.0)
+        for each in (equations.zeta, law.shaft_stiffness, law.friction, law.delta0, 1.0, 4.0)
     )
     amplitude = DoubleDouble.of(A)
     f = depth = amplitude - d
-    if rub.hertz:
+    if law.hertz:
         root = np.sqrt(np.maximum(depth.high, 0.0))
         rest = (depth - DoubleDouble.of(root) * DoubleDouble.of(root)).high
         correction = np.divide(rest, 2.0 * root, out=np.zeros_like(A), where=root > 0.0)
@@ -291,9 +322,9 @@ def _value(w: Values, coefficients: tuple[DoubleDouble, ...]) -> tuple[Values, V
     return value.high, slope
 
 
-def _lowest_speed(A: Values, rub: Rub) -> Values:
+def _lowest_speed(A: Values, equations: CurveEquations) -> Values:
     """Return the speed at which ``P/w**2`` is least, ``2 c4 w**4 = c1 w + 2 c0``, for ``A > 1``."""
-    c0, c1, _, c4 = (each.high for each in _coefficients(A, rub))
+    c0, c1, _, c4 = (each.high for each in _coefficients(A, equations))
     c4 = np.where(A > 1.0, c4, 1.0)
     w = np.maximum(np.cbrt(c1 / c4), np.sqrt(np.sqrt(2.0 * c0 / c4)))
     for _ in range(60):  # down from above on a convex function
@@ -303,9 +334,6 @@ def _lowest_speed(A: Values, rub: Rub) -> Values:
         if (step <= 2.0**-52 * w).all():
             break
     return w
-
-
-# ---- Crossings of two curves ----
 
 
 def _times(one: Equation, two: Equation) -> Equation:
@@ -332,13 +360,20 @@ def _crossings(first: Equation, second: Equation) -> list[tuple[Fraction, Fracti
     for root in positive_roots(_resultant(first, second)):
         place, w = _resolved(root, first, second)
         if w is not None and w > 0:
-            found.append((place, Fraction(math.sqrt(w)) if even else w))
+            found.append((place, _square_root(w) if even else w))
     return found
+
+
+def _square_root(value: Fraction) -> Fraction:
+    """Return a square root to some 60 bits."""
+    below = value.denominator
+    places = max(0, 64 - (value.numerator * below).bit_length() // 2)
+    return Fraction(math.isqrt(value.numerator * below << 2 * places), below << places)
 
 
 def _resolved(root: Root, first: Equation, second: Equation) -> tuple[Fraction, Fraction | None]:
     """Return a root and what both equations have in common there, the root narrowed enough."""
-    for power in FINER[1:]:
+    for power in FINER:
         ends = root.narrowed(power)
         low, high = (
             _common([each(end) for each in first], [each(end) for each in second]) for end in ends

@@ -1,8 +1,8 @@
-"""One passage through a range of speeds: what a rotor meets on a ramp, and what it ends on.
+"""One of many run-ups: what happens on its ramp, and on what response it ends.
 
 run the rotor along the ramp;
-measure what it met: the largest radius and force, touches and exits, and at which speeds;
-hold the last speed and follow it to its steady state, as a sweep does;
+summarise it: the largest radius and force, touches and exits, and at which speeds;
+hold the last speed and follow the rotor to its steady state, as a sweep does;
 say how it has ended: off the ring, in a rub, or in dry whip.
 """
 
@@ -16,7 +16,6 @@ import numpy as np
 from rotor_ida.arrays import Values
 from rotor_ida.checks import State
 from rotor_ida.core.interface import ENTRY_TIME, EXIT_TIME, HEAT, LOST, PEAK_TIME
-from rotor_ida.errors import SimulationError
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.parameters import Rotor
 from rotor_ida.parallel import Stop
@@ -27,7 +26,7 @@ from rotor_ida.simulation.run import run
 from rotor_ida.simulation.run_up import ramp_of
 from rotor_ida.simulation.spin import Course, Ramp
 from rotor_ida.steady.follow import FAILED, durations, follow_to_steady_state
-from rotor_ida.steady.ramps import EXPECTED
+from rotor_ida.steady.grid import EXPECTED, reason_of
 from rotor_ida.steady.response import CONTACT_FREE, TOUCHING, UNRESOLVED, Features
 
 RUB, WHIP = "rub", "whip"
@@ -37,7 +36,7 @@ _NO_TIMES = np.empty(0)
 
 
 @dataclass(frozen=True, slots=True)
-class Passage:
+class RunUp:
     """A ramp of the speed, with all that a worker needs to follow a rotor along it.
 
     Parameters
@@ -61,10 +60,28 @@ class Passage:
     start: State
     options: Options
 
+    @property
+    def course(self) -> Course:
+        """How the speed changes, from the phase of the unbalance on."""
+        course = ramp_of(self.rotor, self.to, self.rate)
+        (ramp,) = course.spins
+        assert isinstance(ramp, Ramp)
+        return replace(course, spins=(replace(ramp, angle=self.phase),))
+
+    @property
+    def end_angle(self) -> float:
+        """Angle of the unbalance at the end of the ramp [rad]."""
+        mean = 0.5 * (self.rotor.omega + self.to)
+        return self.phase + mean * (self.to - self.rotor.omega) / self.rate
+
+    def speed_at(self, time: float) -> float:
+        """Return the speed at a time on the ramp [1]."""
+        return self.rotor.omega + self.rate * time
+
 
 @dataclass(frozen=True, slots=True)
-class Met:
-    """What a rotor meets on a ramp; speeds are NaN where there is nothing to tell one of.
+class RampSummary:
+    """What happens on a ramp; a speed is NaN where there is no such event.
 
     Parameters
     ----------
@@ -104,8 +121,8 @@ class Met:
 
 
 @dataclass(frozen=True, slots=True)
-class Passed:
-    """How a rotor has passed through its speeds.
+class Outcome:
+    """How a run-up has ended.
 
     Parameters
     ----------
@@ -113,8 +130,8 @@ class Passed:
         ``"contact_free"``, ``"rub"``, ``"whip"``, ``"unresolved"`` or ``"failed"``.
     response : str
         The kind of response that it settles on at the last speed, or ``"failed"``.
-    met : Met
-        What it met on the way.
+    summary : RampSummary
+        What has happened on the ramp.
     features : Features
         The motion that it settles on.
     message : str
@@ -123,70 +140,57 @@ class Passed:
 
     ending: str
     response: str
-    met: Met = field(default_factory=Met)
+    summary: RampSummary = field(default_factory=RampSummary)
     features: Features = field(default_factory=Features)
     message: str = ""
 
 
-def pass_through(passage: Passage, stop: Stop) -> Passed:
+def follow_run_up(run_up: RunUp, stop: Stop) -> Outcome:
     """Follow a rotor along its ramp, and on at the last speed until it has settled."""
-    met = Met()
+    summary = RampSummary()
     try:
-        course = course_of(passage)
+        course = run_up.course
         orbit = run(
-            passage.rotor, passage.start, course.ends[-1], _NO_TIMES, passage.options,
+            run_up.rotor, run_up.start, course.ends[-1], _NO_TIMES, run_up.options,
             extrema=True, stop=stop, course=course,
         )  # fmt: skip
-        met = met_on(orbit, passage)
-        return _settled(passage, orbit, met, stop)
+        summary = summary_of(orbit, run_up)
+        return _settled(run_up, orbit, summary, stop)
     except EXPECTED as error:  # it must not end the others
-        if isinstance(error, SimulationError):
-            return failed(str(error), met)
-        return failed(f"{type(error).__name__}: {error}".rstrip(": "), met)
+        return failed(reason_of(error), summary)
 
 
-def course_of(passage: Passage) -> Course:
-    """Return how the speed changes, from the phase of the unbalance on."""
-    course = ramp_of(passage.rotor, passage.to, passage.rate)
-    (ramp,) = course.spins
-    assert isinstance(ramp, Ramp)
-    return replace(course, spins=(replace(ramp, angle=passage.phase),))
+def failed(reason: str, summary: RampSummary | None = None) -> Outcome:
+    """Return a run-up that failed, with what happened until then."""
+    return Outcome(FAILED, FAILED, summary or RampSummary(), message=reason)
 
 
-def failed(reason: str, met: Met | None = None) -> Passed:
-    """Return a passage that failed, with what was met until then."""
-    return Passed(FAILED, FAILED, met or Met(), message=reason)
-
-
-def lost(_: Passage, reason: str) -> Passed:
-    """Return the passage of a rotor whose workers died."""
+def lost(_: RunUp, reason: str) -> Outcome:
+    """Return the run-up of a rotor whose workers died."""
     return failed(reason)
 
 
-def met_on(orbit: Orbit, passage: Passage) -> Met:
-    """Return what a rotor met on its way along a ramp."""
-    omega, rotor = passage.rotor.omega, passage.rotor
-
-    def speed_at(time: float) -> float:
-        return omega + passage.rate * time
+def summary_of(orbit: Orbit, run_up: RunUp) -> RampSummary:
+    """Return what happened to a rotor on its way along a ramp."""
+    omega, rotor = run_up.rotor.omega, run_up.rotor
 
     def speed_of(event: int, which: int) -> float:
         times = orbit.event_times[orbit.event_kinds == event]
-        return speed_at(float(times[which])) if times.size else math.nan
+        return run_up.speed_at(float(times[which])) if times.size else math.nan
 
     contacts, forces = orbit.contacts, peak_forces(orbit)
     hardest = int(forces.argmax()) if forces.size else -1
     entry = np.nan_to_num(contacts[:, ENTRY_TIME], nan=0.0)
     leaving = np.nan_to_num(contacts[:, EXIT_TIME], nan=orbit.duration)
     peak_time = float(contacts[hardest, PEAK_TIME]) if forces.size else math.nan
-    farthest, radius = _farthest(orbit, passage.start)
+    farthest, radius = _farthest(orbit, run_up.start)
     rolls_at_once = orbit.ways is not None and orbit.ways[0] == ROLLS
     x, y, vx, vy = orbit.end.tolist()
-    return Met(
+    return RampSummary(
         largest_radius=radius,
-        largest_radius_speed=speed_at(farthest),
+        largest_radius_speed=run_up.speed_at(farthest),
         largest_force=float(forces[hardest]) if forces.size else 0.0,
-        largest_force_speed=speed_at(peak_time),
+        largest_force_speed=run_up.speed_at(peak_time),
         first_touch_speed=omega if orbit.starts_in_contact else speed_of(ENTRY, 0),
         last_exit_speed=speed_of(EXIT, -1),
         first_roll_speed=omega if rolls_at_once else speed_of(ROLL, 0),
@@ -194,18 +198,12 @@ def met_on(orbit: Orbit, passage: Passage) -> Met:
         contact_time=float((leaving - entry).sum()),
         total_heat=float(contacts[:, HEAT].sum()) if rotor.friction > 0.0 else 0.0,
         total_contact_loss=float(contacts[:, LOST].sum()) if rotor.contact_damping > 0.0 else 0.0,
-        end_angle=end_angle(passage),
+        end_angle=run_up.end_angle,
         end_x=x,
         end_y=y,
         end_vx=vx,
         end_vy=vy,
     )
-
-
-def end_angle(passage: Passage) -> float:
-    """Return the angle of the unbalance at the end of a ramp [rad]."""
-    mean = 0.5 * (passage.rotor.omega + passage.to)
-    return passage.phase + mean * (passage.to - passage.rotor.omega) / passage.rate
 
 
 def _farthest(orbit: Orbit, start: State) -> tuple[float, float]:
@@ -222,39 +220,38 @@ def _farthest(orbit: Orbit, start: State) -> tuple[float, float]:
     return float(time), float(radius)
 
 
-def _settled(passage: Passage, orbit: Orbit, met: Met, stop: Stop) -> Passed:
+def _settled(run_up: RunUp, orbit: Orbit, summary: RampSummary, stop: Stop) -> Outcome:
     """Return what a rotor settles on at the last speed."""
-    rotor, options = replace(passage.rotor, omega=passage.to), passage.options
-    state = _on_rotating_axes(passage, orbit.end, stop)
-    found = follow_to_steady_state(rotor, state, options, stop=stop)
-    if found.response == FAILED:
-        return failed(found.message, met)
-    free = found.response in {CONTACT_FREE, TOUCHING}
-    if free:
+    rotor, options = replace(run_up.rotor, omega=run_up.to), run_up.options
+    state = _on_rotating_axes(run_up, orbit.end, stop)
+    settled = follow_to_steady_state(rotor, state, options, stop=stop)
+    if settled.response == FAILED:
+        return failed(settled.message, summary)
+    if settled.response in {CONTACT_FREE, TOUCHING}:
         ending = CONTACT_FREE
-    elif whips(rotor, found.end, options, stop):
+    elif whips(rotor, settled.end, options, stop):
         ending = WHIP
     else:
-        ending = UNRESOLVED if found.response == UNRESOLVED else RUB
-    return Passed(ending, found.response, met, found.features)
+        ending = UNRESOLVED if settled.response == UNRESOLVED else RUB
+    return Outcome(ending, settled.response, summary, settled.features)
 
 
-def _on_rotating_axes(passage: Passage, end: Values, stop: Stop) -> State:
+def _on_rotating_axes(run_up: RunUp, end: Values, stop: Stop) -> State:
     """Return the state at the end of a ramp, or soon after, on axes along the unbalance.
 
-    Under a load these must point along the fixed ones: the speed is held until they do.
+    Under a load these must point along the fixed ones: the last speed is kept until they do.
     """
-    angle = end_angle(passage)
-    if passage.to == 0.0:  # what does not turn pulls nowhere
+    angle = run_up.end_angle
+    if run_up.to == 0.0:  # what does not turn pulls nowhere
         angle = 0.0
-    elif passage.rotor.load > 0.0:
-        left = (-angle) % TURN / passage.to
-        held = replace(passage.rotor, omega=passage.to)
+    elif run_up.rotor.load > 0.0:
+        time = (-angle) % TURN / run_up.to
+        rotor = replace(run_up.rotor, omega=run_up.to)
         x, y, vx, vy = end.tolist()
-        if left > 0.0:
-            course = Course((left,), (Ramp(0.0, angle, passage.to, 0.0),))
+        if time > 0.0:
+            course = Course((time,), (Ramp(0.0, angle, run_up.to, 0.0),))
             end = run(
-                held, (x, y, vx, vy), left, _NO_TIMES, passage.options, stop=stop, course=course
+                rotor, (x, y, vx, vy), time, _NO_TIMES, run_up.options, stop=stop, course=course
             ).end
         angle = 0.0
     x, y, vx, vy = rotated(end, np.float64(-angle)).tolist()

@@ -44,13 +44,6 @@ def test_sections_are_those_of_the_field(field):
     assert ax.lines[0].get_linestyle() != ax.lines[1].get_linestyle()
 
 
-def test_fields_are_drawn_on_the_axes_given(field):
-    figure, (solid, flat) = mixed_panels(1, 2, solid=[0])
-    assert plot_surface(field.sel(delta0=0.0), "potential", ax=solid) is solid
-    assert plot_cuts(field.sel(delta0=0.0), "potential", at=[0.0], ax=flat) is flat
-    assert [ax.get_title(loc="left") for ax in figure.axes] == ["a", "b"]
-
-
 def test_other_fields_are_refused(field):
     with pytest.raises(InputError, match="ax must be three-dimensional"):
         plot_surface(field.sel(delta0=0.0), "restoring_x", ax=Figure().subplots())

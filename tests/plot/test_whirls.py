@@ -1,11 +1,12 @@
 import numpy as np
 import pytest
 
-from rotor_ida import InputError, folds
+from rotor_ida import InputError, Rotor, backward_whirl, folds
 from rotor_ida.closed_forms import cusp, free_periods, jumps, peaks, response_curve
 from rotor_ida.plot import (
     plot_amplitude,
     plot_backbone,
+    plot_backward_whirl,
     plot_by_clearance,
     plot_by_damping,
     plot_cusp,
@@ -66,3 +67,43 @@ def test_quantities_with_a_further_dimension_are_points():
     assert points.get_linestyle() == "None"
     assert np.isfinite(points.get_ydata()).sum() == 2 + 4 + 2
     assert [text.get_text() for text in ax.get_legend().get_texts()] == ["peak", "folds"]
+
+
+MACHINE = {"zeta": 0.02, "delta0": 1.0, "shaft_stiffness": 0.04, "contact_exponent": 1.0,
+           "friction": 0.2, "disc_radius": 10.0}  # fmt: skip
+
+
+def test_both_whirls_are_circles_of_their_radii_told_by_line_and_words():
+    whirls = backward_whirl(Rotor(omega=0.5, **MACHINE))
+    ax = plot_backward_whirl(whirls)
+    ring, slipping, rolling = ax.lines
+    radii = [np.hypot(*line.get_data()) for line in (ring, slipping, rolling)]
+    np.testing.assert_allclose([each.max() for each in radii], [1.0, *whirls.amplitude.values])
+    np.testing.assert_allclose([each.min() for each in radii], [1.0, *whirls.amplitude.values])
+    assert slipping.get_label().startswith("slipping whirl: unstable")
+    assert rolling.get_label().startswith("dry whip: stable")
+    assert slipping.get_linestyle() != rolling.get_linestyle()
+    assert ax.get_xlim()[1] > whirls.amplitude.values.max()
+    assert r"$\rho = 10$" in ax.get_title()
+    # both go backwards: with y up, clockwise
+    for arrow in ax.texts:
+        (x, y), (to_x, to_y) = arrow.xyann, arrow.xy
+        assert x * to_y - y * to_x < 0.0
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [({"omega": 0.01}, r"no dry whip below $\omega = 0.0346$"),
+     ({"omega": 0.5, "friction": 0.01, "zeta": 0.2}, "no dry whip at any speed")],
+)  # fmt: skip
+def test_where_there_is_no_whirl_it_is_said_why(changes, told):
+    ax = plot_backward_whirl(backward_whirl(Rotor(**MACHINE | changes)))
+    assert [text.get_text() for text in ax.texts] == [told]
+    assert len(ax.lines) == 1
+
+
+def test_without_damping_there_is_whip_alone():
+    (_, whip) = plot_backward_whirl(
+        backward_whirl(Rotor(omega=0.5, **MACHINE | {"zeta": 0.0}))
+    ).lines
+    assert whip.get_label().startswith("dry whip: neutral")
