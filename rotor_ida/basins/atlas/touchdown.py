@@ -31,8 +31,8 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.core.interface import ENTRY_TIME, EXIT_TIME, LOST
-from rotor_ida.cycles.limit_cycle import sampled_orbit, whirl_beside
-from rotor_ida.cycles.shooting import close_orbit
+from rotor_ida.cycles.dataset import whirl_beside
+from rotor_ida.cycles.shooting import close_orbit, sampled_orbit
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import contact_force
 from rotor_ida.model.parameters import DimensionalRotor, Rotor
@@ -202,7 +202,9 @@ def _dataset(cell: Cell, starts: int, attributes: Mapping[str, object]) -> xr.Da
     if tried:
         coordinates["target"] = ("target", numbers)
     attributes = {**attributes, **cell.rotor.given}
-    return labelled_dataset("What touching the ring does", variables, coordinates, attributes)
+    return labelled_dataset(
+        "What touching the ring does", variables, coordinates, attributes, kind="touchdown"
+    )
 
 
 def _shocks(cell: Cell) -> dict[str, Column]:
