@@ -14,7 +14,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from rotor_ida.arrays import Values
-from rotor_ida.core.interface import RADIUS
 from rotor_ida.core.runs import COLUMNS
 from rotor_ida.cycles.birth import birth_between, turns_round
 from rotor_ida.cycles.continuation import (
@@ -176,7 +175,7 @@ def course_from(
 
 def nearest_gap(shot: Shot) -> float:
     """Return the extremum of the radius that is nearest to the ring, from there: 0 at a graze."""
-    gaps: list[float] = (shot.extrema[:, RADIUS] - shot.rotor.delta0).tolist()
+    gaps: list[float] = (shot.extrema["radius"] - shot.rotor.delta0).tolist()
     return min(gaps, key=abs)
 
 
@@ -425,7 +424,7 @@ def _is_twice_round(shot: Shot) -> bool:
 
 def _halves_agree(shot: Shot, part: float) -> bool:
     """Return whether the extreme radii of both halves of a cycle agree to a part of the largest."""
-    radii = shot.extrema[:, RADIUS].tolist()
+    radii = shot.extrema["radius"].tolist()
     half, odd = divmod(len(radii), 2)
     if odd or not half:
         return False

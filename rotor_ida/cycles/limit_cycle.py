@@ -11,8 +11,7 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import check_instance
 from rotor_ida.core.interface import DONE, message_of
-from rotor_ida.core.runs import Asked
-from rotor_ida.core.runs import follow as follow_run
+from rotor_ida.core.runs import RunRequest, follow_run
 from rotor_ida.cycles.dataset import cycle_columns, of_cycle, state_columns
 from rotor_ida.cycles.guess import Guess, guess_of
 from rotor_ida.cycles.multipliers import is_stable, multipliers_near, multipliers_of
@@ -285,7 +284,7 @@ def follow(rotor: Rotor, state: Values, span: float, count: int, stop: Stop) -> 
     """Return so many states of an orbit, a span apart, on the rotating axes, shape (count, 4)."""
     times = span * np.arange(count, dtype=np.float64)
     seen = follow_run(
-        Asked(
+        RunRequest(
             rotor=rotor, start=state, duration=float(times[-1]), rtol=RTOL, atol=ATOL * RTOL,
             sample_times=times, stop=stop,
         )

@@ -22,15 +22,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from rotor_ida.arrays import Values
-from rotor_ida.core.interface import (
-    ENTRY_TIME,
-    EXIT_TIME,
-    IMPULSE,
-    KIND,
-    LARGEST_FORCE,
-    RADIUS,
-    STATE,
-)
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.contact import contact_force
 from rotor_ida.model.parameters import Rotor
@@ -93,12 +84,12 @@ class Cycle:
     @property
     def radius_min(self) -> float:
         """Smallest distance from the bearing axis [1]."""
-        return float(min(self.shot.extrema[:, RADIUS].tolist()))
+        return float(min(self.shot.extrema["radius"].tolist()))
 
     @property
     def radius_max(self) -> float:
         """Largest distance from the bearing axis [1]."""
-        return float(max(self.shot.extrema[:, RADIUS].tolist()))
+        return float(max(self.shot.extrema["radius"].tolist()))
 
     @property
     def contacts(self) -> int:
@@ -120,21 +111,21 @@ class Cycle:
     @property
     def _is_backward(self) -> bool:
         """Whether it whirls backwards, by its angular momentum wherever the radius turns."""
-        x, y, vx, vy = self.shot.extrema[:, STATE:].T
+        x, y, vx, vy = self.shot.extrema["state"].T
         return bool((x * vy - y * vx).max() < 0.0)
 
     @property
     def largest_force(self) -> float:
         """Largest contact force [1]."""
         if self.rotor.contact_damping > 0.0:
-            return float(np.nanmax(self.shot.contacts[:, LARGEST_FORCE]))
+            return float(np.nanmax(self.shot.contacts["largest_force"]))
         exponent = self.rotor.contact_exponent
         return float(contact_force(self.radius_max, self.rotor.delta0, exponent))
 
     @property
     def impulse(self) -> float:
         """Impulse of the contact force in a period [1]; NaN without clearance."""
-        parts = self.shot.contacts[:, IMPULSE]
+        parts = self.shot.contacts["impulse"]
         return float(np.nansum(parts)) if self.rotor.delta0 > 0.0 else math.nan
 
 
@@ -143,10 +134,7 @@ def contacts_of(shot: Shot) -> int:
 
     Where it begins and ends at an entry or an exit, rounding may leave one of these out.
     """
-    return max(
-        sum(map(math.isfinite, shot.contacts[:, column].tolist()))
-        for column in (ENTRY_TIME, EXIT_TIME)
-    )
+    return max(sum(map(math.isfinite, shot.contacts[name].tolist())) for name in ("entry", "exit"))
 
 
 def close_orbit(
@@ -193,7 +181,7 @@ def period_of(rotor: Rotor, revolutions: int) -> float:
 
 def once_round(cycle: Cycle, stop: Stop) -> Cycle:
     """Return a limit cycle over its smallest period, if it was followed round more than once."""
-    most = 1 + int((cycle.shot.extrema[:, KIND] == MAXIMUM).sum())
+    most = 1 + int((cycle.shot.extrema["kind"] == MAXIMUM).sum())
     loaded, revolutions = cycle.rotor.load > 0.0, revolutions_of(cycle.rotor, cycle.period)
     for times in range(revolutions if loaded else most, 1, -1):
         if loaded and revolutions % times:

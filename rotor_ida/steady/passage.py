@@ -15,17 +15,16 @@ import numpy as np
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import State
-from rotor_ida.core.interface import ENTRY_TIME, EXIT_TIME, HEAT, LOST, PEAK_TIME
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.parameters import Rotor
 from rotor_ida.parallel import Stop
-from rotor_ida.simulation.contact_table import PEAK_INDENTATION, peak_forces
+from rotor_ida.simulation.contact_table import peak_forces
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import ENTRY, EXIT, ROLL, ROLLS, Orbit
 from rotor_ida.simulation.run import run
 from rotor_ida.simulation.run_up import ramp_of
-from rotor_ida.simulation.spin import Course, Ramp
+from rotor_ida.simulation.spin import Ramp, SpeedProfile
 from rotor_ida.steady.follow import FAILED, durations, follow_to_steady_state
 from rotor_ida.steady.ramps import EXPECTED
 from rotor_ida.steady.response import CONTACT_FREE, TOUCHING, UNRESOLVED, Features
@@ -135,7 +134,7 @@ def pass_through(passage: Passage, stop: Stop) -> Passed:
         course = course_of(passage)
         orbit = run(
             passage.rotor, passage.start, course.ends[-1], _NO_TIMES, passage.options,
-            extrema=True, stop=stop, course=course,
+            extrema=True, stop=stop, profile=course,
         )  # fmt: skip
         met = met_on(orbit, passage)
         return _settled(passage, orbit, met, stop)
@@ -145,7 +144,7 @@ def pass_through(passage: Passage, stop: Stop) -> Passed:
         return failed(f"{type(error).__name__}: {error}".rstrip(": "), met)
 
 
-def course_of(passage: Passage) -> Course:
+def course_of(passage: Passage) -> SpeedProfile:
     """Return how the speed changes, from the phase of the unbalance on."""
     course = ramp_of(passage.rotor, passage.to, passage.rate)
     (ramp,) = course.spins
@@ -176,9 +175,9 @@ def met_on(orbit: Orbit, passage: Passage) -> Met:
 
     contacts, forces = orbit.contacts, peak_forces(orbit)
     hardest = int(forces.argmax()) if forces.size else -1
-    entry = np.nan_to_num(contacts[:, ENTRY_TIME], nan=0.0)
-    leaving = np.nan_to_num(contacts[:, EXIT_TIME], nan=orbit.duration)
-    peak_time = float(contacts[hardest, PEAK_TIME]) if forces.size else math.nan
+    entry = np.nan_to_num(contacts["entry"], nan=0.0)
+    leaving = np.nan_to_num(contacts["exit"], nan=orbit.duration)
+    peak_time = float(contacts["peak_time"][hardest]) if forces.size else math.nan
     farthest, radius = _farthest(orbit, passage.start)
     rolls_at_once = orbit.ways is not None and orbit.ways[0] == ROLLS
     x, y, vx, vy = orbit.end.tolist()
@@ -192,8 +191,8 @@ def met_on(orbit: Orbit, passage: Passage) -> Met:
         first_roll_speed=omega if rolls_at_once else speed_of(ROLL, 0),
         contact_count=len(contacts),
         contact_time=float((leaving - entry).sum()),
-        total_heat=float(contacts[:, HEAT].sum()) if rotor.friction > 0.0 else 0.0,
-        total_contact_loss=float(contacts[:, LOST].sum()) if rotor.contact_damping > 0.0 else 0.0,
+        total_heat=float(contacts["heat"].sum()) if rotor.friction > 0.0 else 0.0,
+        total_contact_loss=float(contacts["lost"].sum()) if rotor.contact_damping > 0.0 else 0.0,
         end_angle=end_angle(passage),
         end_x=x,
         end_y=y,
@@ -213,11 +212,11 @@ def _farthest(orbit: Orbit, start: State) -> tuple[float, float]:
     x, y = orbit.end[:2].tolist()
     places = [(0.0, math.hypot(*start[:2])), (orbit.duration, math.hypot(x, y))]
     if len(orbit.contacts):
-        deepest = orbit.contacts[orbit.contacts[:, PEAK_INDENTATION].argmax()]
-        places.append((deepest[PEAK_TIME], orbit.rotor.delta0 + deepest[PEAK_INDENTATION]))
+        deepest = orbit.contacts[orbit.contacts["peak_indentation"].argmax()]
+        places.append((deepest["peak_time"], orbit.rotor.delta0 + deepest["peak_indentation"]))
     elif orbit.extrema is not None and len(orbit.extrema):
-        time, radius = orbit.extrema[orbit.extrema[:, 1].argmax(), :2]
-        places.append((time, radius))
+        farthest = orbit.extrema[orbit.extrema["radius"].argmax()]
+        places.append((farthest["time"], farthest["radius"]))
     time, radius = max(places, key=lambda place: place[1])
     return float(time), float(radius)
 
@@ -252,9 +251,9 @@ def _on_rotating_axes(passage: Passage, end: Values, stop: Stop) -> State:
         held = replace(passage.rotor, omega=passage.to)
         x, y, vx, vy = end.tolist()
         if left > 0.0:
-            course = Course((left,), (Ramp(0.0, angle, passage.to, 0.0),))
+            course = SpeedProfile((left,), (Ramp(0.0, angle, passage.to, 0.0),))
             end = run(
-                held, (x, y, vx, vy), left, _NO_TIMES, passage.options, stop=stop, course=course
+                held, (x, y, vx, vy), left, _NO_TIMES, passage.options, stop=stop, profile=course
             ).end
         angle = 0.0
     x, y, vx, vy = rotated(end, np.float64(-angle)).tolist()

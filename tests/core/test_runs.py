@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rotor_ida import Rotor, simulate, sweep
-from rotor_ida.core.runs import Asked, fly, follow
+from rotor_ida.core.runs import RunRequest, fly, follow_run
 
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 HOW = {"rtol": 1e-12, "atol": 1e-14}
@@ -16,8 +16,8 @@ def test_a_run_that_ends_at_an_event_reports_its_end(method):
     rest = (0.0, 0.0, 0.0, 0.0)
     times = simulate(BOUNCING, start=rest, duration=60.0, method=method).event_time.values
     for time in np.concatenate([np.nextafter(times, 0.0), times, np.nextafter(times, 99.0)]):
-        seen = follow(
-            Asked(
+        seen = follow_run(
+            RunRequest(
                 rotor=BOUNCING, start=rest, duration=float(time), method=method, events=True,
                 sample_times=np.array([0.0, time]), **HOW,
             )
@@ -29,12 +29,12 @@ def test_a_run_that_ends_at_an_event_reports_its_end(method):
 def test_samples_are_as_many_as_the_run_came_to():
     stop = np.ones(1, np.uint8)
     times = np.linspace(0.0, 10.0, 11)
-    asked = Asked(rotor=BOUNCING, start=(0, 0, 0, 0), duration=10.0, sample_times=times, **HOW)
-    assert len(follow(asked).samples) == 11
-    stopped = Asked(
+    asked = RunRequest(rotor=BOUNCING, start=(0, 0, 0, 0), duration=10.0, sample_times=times, **HOW)
+    assert len(follow_run(asked).samples) == 11
+    stopped = RunRequest(
         rotor=BOUNCING, start=(0, 0, 0, 0), duration=10.0, sample_times=times, stop=stop, **HOW
     )
-    assert len(follow(stopped).samples) == 1
+    assert len(follow_run(stopped).samples) == 1
 
 
 def test_two_extrema_of_a_flight_close_together_are_found():
@@ -44,33 +44,33 @@ def test_two_extrema_of_a_flight_close_together_are_found():
     found = 0
     for speed in np.linspace(0.05, 1.5, 60):
         start = (-1.0 + 0.3, 0.4, 0.2 * speed, -rotor.omega + speed)
-        seen = follow(Asked(rotor=rotor, start=start, duration=15.0, extrema=True, **HOW))
+        seen = follow_run(RunRequest(rotor=rotor, start=start, duration=15.0, extrema=True, **HOW))
         times = np.linspace(0.0, 15.0, 60_001)
         x, y, vx, vy = fly(rotor, start, times).T
         rate = x * vx + y * vy
         turns = np.flatnonzero(rate[1:] * rate[:-1] < 0.0)
         assert len(seen.extrema) == turns.size
-        assert (np.abs(seen.extrema[:, 0] - times[turns]) <= times[1]).all()
+        assert (np.abs(seen.extrema["time"] - times[turns]) <= times[1]).all()
         found += turns.size
     assert found > 900
 
 
 def test_the_pair_that_a_review_found_is_there():
     rotor = Rotor(omega=3.325646323894685, zeta=0.0, delta0=1.0173030142969024)
-    seen = follow(
-        Asked(rotor=rotor, start=(0, 0, 0, 0), duration=30.0, extrema=True, events=True, **HOW)
+    seen = follow_run(
+        RunRequest(rotor=rotor, start=(0, 0, 0, 0), duration=30.0, extrema=True, events=True, **HOW)
     )
-    kinds = seen.extrema[:, 2]
+    kinds = seen.extrema["kind"]
     assert (kinds[1:] != kinds[:-1]).all()
 
 
 def test_columns_of_parameters_are_carried_by_taylor_series_alone():
     bundle = np.zeros((7, 4))
-    asked = Asked(
+    asked = RunRequest(
         rotor=BOUNCING, start=(0, 0, 0, 0), duration=1.0, method="adams", bundle=bundle, **HOW
     )
     with pytest.raises(ValueError, match="must be carried by taylor, got 'adams'"):
-        follow(asked)
+        follow_run(asked)
 
 
 def test_a_start_may_be_given_once_for_many_flights():

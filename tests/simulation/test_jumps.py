@@ -12,7 +12,7 @@ import pytest
 
 from rotor_ida import Rotor, backward_whirl, limit_cycle, lyapunov_exponent, simulate
 from rotor_ida.core.interface import DONE
-from rotor_ida.core.runs import COLUMNS, DIFFERENCES, Asked, follow
+from rotor_ida.core.runs import COLUMNS, DIFFERENCES, RunRequest, follow_run
 from rotor_ida.simulation.orbit import ENTRY, EXIT, PRESS, RELEASE, REVERSE, ROLL, SLIP
 
 MACHINE = Rotor(
@@ -39,8 +39,8 @@ STEP = 1e-5
 
 
 def followed(rotor, start, duration, bundle=None, method="taylor", rtol=1e-15):
-    seen = follow(
-        Asked(
+    seen = follow_run(
+        RunRequest(
             rotor=rotor, start=tuple(start), duration=duration, rtol=rtol, atol=1e-2 * rtol,
             events=True, bundle=bundle, method=method, whole=True,
         )
